@@ -1,0 +1,1 @@
+"""Bytes to records: wire formats, framing, ports and the simulated devices."""

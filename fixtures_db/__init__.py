@@ -1,0 +1,1 @@
+"""What is known about cubes, slabs and IMUs, and every calibration ever accepted."""

@@ -1,0 +1,81 @@
+"""A campaign in memory: everything a solve needs, nothing of where it came from."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.records import Series
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """Where the slab stands: latitude [rad], gravity and its 1 sigma [m/s2]."""
+
+    latitude: float
+    gravity: float
+    gravity_std: float
+
+
+@dataclass(frozen=True, slots=True)
+class ProcedureSigma:
+    """How well the operator works, 1 sigma [rad]: a position's heading, a turn's return to where it began."""
+
+    heading: float = float(np.radians(0.1))
+    closure: float = float(np.radians(0.02))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FaceCertificate:
+    """A measured resting face: up vector's components along the two other cube axes (2,) and covariance (2, 2)."""
+
+    up_tilt: FloatArray
+    covariance: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fixture:
+    """The cube: certificates by face name (``x_up`` ...), and how the IMU sits in it.
+
+    ``C_ib`` (3, 3) takes the cube's axes to the IMU's; its rows are the cube axes along which IMU x, y, z point.
+    """
+
+    faces: Mapping[str, FaceCertificate] = field(default_factory=dict)
+    C_ib: FloatArray = field(default_factory=lambda: np.eye(3))
+    id: str | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DwellRecord:
+    """A dwell as it was recorded; ``name`` is the file's name or the step's."""
+
+    name: str
+    position: int
+    series: Series
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TurnRecord:
+    """A turn as it was recorded: cube axis up, direction + or -, whole revolutions, where it begins and ends."""
+
+    name: str
+    axis: str
+    direction: str
+    revolutions: int
+    start_position: int
+    series: Series
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Campaign:
+    """One campaign of one unit. ``counts`` says whether the output is counts (else rates)."""
+
+    model: str
+    serial: str
+    counts: bool
+    site: Site
+    dwells: tuple[DwellRecord, ...]
+    turns: tuple[TurnRecord, ...]
+    sigma: ProcedureSigma = ProcedureSigma()
+    fixture: Fixture = field(default_factory=Fixture)

@@ -1,0 +1,32 @@
+"""What a procedure can refuse.
+
+ProcedureError
+├── NotObservable      the data do not determine what was asked for
+└── WrongFace          a dwell's vertical axis is not the one its position names
+"""
+
+from collections.abc import Sequence
+
+
+class ProcedureError(Exception):
+    """The base of all that ``procedures`` raises on purpose."""
+
+
+class NotObservable(ProcedureError):
+    """The data do not determine what was asked for; ``missing`` says what would."""
+
+    def __init__(self, what: str, missing: Sequence[str]) -> None:
+        self.what = what
+        self.missing = tuple(missing)
+        super().__init__(f"{what} cannot be determined: missing {', '.join(self.missing)}")
+
+
+class WrongFace(ProcedureError, ValueError):
+    """A dwell's vertical axis is not the one its position names."""
+
+    def __init__(self, step: str, position: int, named: str, seen: str) -> None:
+        self.step, self.position, self.named, self.seen = step, position, named, seen
+        super().__init__(
+            f"{step}: position {position} means {named}, but the counts show {seen}; "
+            f"run `station diagnose` (it reports placement.label) or correct the position"
+        )

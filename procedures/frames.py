@@ -1,0 +1,90 @@
+"""The twelve positions and the rotations between slab, cube and IMU, in one place.
+
+Positions are Yao, Hu, He 2018, table 1: each letter says where body X, Y, Z point
+(Up, Down, East, West, North, South). Frames: ``n`` East-North-Up; ``l`` the slab's own marks
+(East, North, normal); ``b`` the cube.
+"""
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+
+POSITIONS = ("UEN", "UWS", "DNE", "DSW", "SUW", "NUE", "WDS", "EDN", "NWU", "SEU", "ESD", "WND")
+FACES = ("x_up", "x_down", "y_up", "y_down", "z_up", "z_down")
+AXES = ("x", "y", "z")
+TURN_START = {"x": 1, "y": 5, "z": 9}
+
+_DIRECTION = {
+    "E": (1.0, 0.0, 0.0), "W": (-1.0, 0.0, 0.0),
+    "N": (0.0, 1.0, 0.0), "S": (0.0, -1.0, 0.0),
+    "U": (0.0, 0.0, 1.0), "D": (0.0, 0.0, -1.0),
+}  # fmt: skip
+
+
+def nominal_C_lb(position: int) -> FloatArray:
+    """Return the rotation (3, 3) from the cube's axes to the slab's marks of position 1..12."""
+    return np.array([_DIRECTION[letter] for letter in POSITIONS[position - 1]]).T
+
+
+def face_of(position: int) -> str:
+    """Return the resting face of position 1..12, named by the cube axis that points up: ``x_up`` ..."""
+    letters = POSITIONS[position - 1]
+    axis = next(i for i, letter in enumerate(letters) if letter in "UD")
+    return f"{AXES[axis]}_{'up' if letters[axis] == 'U' else 'down'}"
+
+
+def face_normal(face: str) -> FloatArray:
+    """Return the nominal up vector (3,) in the cube's axes of a face such as ``x_down``."""
+    axis, direction = face.split("_")
+    return np.eye(3)[AXES.index(axis)] * (1.0 if direction == "up" else -1.0)
+
+
+def cross_axes(face: str) -> tuple[int, int]:
+    """Return the indices of the two other cube axes of a face, in x, y, z order."""
+    first, second = (i for i in range(3) if AXES[i] != face[0])
+    return first, second
+
+
+def rotation(vector: FloatArray) -> FloatArray:
+    """Return the rotation matrices (..., 3, 3) of rotation vectors (..., 3) [rad], right-handed (Rodrigues)."""
+    angle = np.linalg.norm(vector, axis=-1)[..., None, None]
+    skew = np.zeros((*vector.shape[:-1], 3, 3))
+    skew[..., 0, 1], skew[..., 0, 2], skew[..., 1, 2] = -vector[..., 2], vector[..., 1], -vector[..., 0]
+    skew -= np.swapaxes(skew, -1, -2)
+    result: FloatArray = np.eye(3) + np.sinc(angle / np.pi) * skew
+    result += 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * (skew @ skew)
+    return result
+
+
+def slab_C_ln(tilt: FloatArray) -> FloatArray:
+    """Return the rotation (3, 3) from East-North-Up to the slab's marks.
+
+    ``tilt`` (2,) [rad] holds the East and North components of the up vector seen from the slab.
+    """
+    return rotation(np.array([-tilt[1], tilt[0], 0.0]))
+
+
+def face_C_bs(face: str, up_tilt: FloatArray) -> FloatArray:
+    """Return the small rotation (3, 3) that a face's tilt adds between the nominal cube and the cube.
+
+    ``up_tilt`` (2,) [rad] holds the components of the slab normal along the two other cube axes
+    when the cube rests with ``face`` up; the face adds no twist about the vertical.
+    """
+    tilt = np.zeros(3)
+    tilt[list(cross_axes(face))] = up_tilt
+    return rotation(np.cross(face_normal(face), tilt))
+
+
+def vertical_rotation(angle: float) -> FloatArray:
+    """Return the rotation (3, 3) of vectors by ``angle`` [rad], counter-clockwise seen from above."""
+    return rotation(np.array([0.0, 0.0, angle]))
+
+
+def C_bn(position: int, slab_tilt: FloatArray, up_tilt: FloatArray, heading: float = 0.0) -> FloatArray:
+    """Return the rotation (3, 3) from East-North-Up to the cube as it stands.
+
+    ``slab_tilt`` (2,) and ``up_tilt`` (2,) as in `slab_C_ln` and `face_C_bs`; ``heading`` [rad] is how far
+    the cube is turned counter-clockwise about the slab's normal from the position's nominal heading.
+    """
+    nominal = nominal_C_lb(position).T @ vertical_rotation(-heading)
+    return face_C_bs(face_of(position), up_tilt) @ nominal @ slab_C_ln(slab_tilt)

@@ -1,0 +1,102 @@
+"""What the station knows of an IMU's output: the narrow waist everything meets in.
+
+`CountBlock` is what a wire format decodes to; `CountSeries` and `RateSeries` are what a step of a
+campaign holds, of an IMU that counts and of one that reports a rate.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+
+
+def _check(owner: object, n: int, name: str, columns: int | None) -> None:
+    value = getattr(owner, name)
+    expected = (n,) if columns is None else (n, columns)
+    if value is not None and value.shape != expected:
+        raise ValueError(f"{type(owner).__name__}.{name} has shape {value.shape}, expected {expected}")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CountBlock:
+    """Consecutive IMU frames in device counts, as decoded, before any scale factor.
+
+    ``counter`` (n,) is the frame counter as sent (it wraps); where a format has none it is -1.
+    ``device_time`` (n,) is the device's own time in seconds at the end of the interval, nan if it sends none.
+    ``gyro`` and ``accel`` are (n, 3) increments, raw triad axes x, y, z. ``temperature`` (n,) is in
+    degrees Celsius, nan if unknown. ``status`` (n,) is the device's status word as sent and
+    ``healthy`` (n,) whether the wire format reads it as good.
+    """
+
+    counter: IntArray
+    device_time: FloatArray
+    gyro: IntArray
+    accel: IntArray
+    temperature: FloatArray
+    status: IntArray
+    healthy: np.ndarray[tuple[int], np.dtype[np.bool_]]
+
+    def __post_init__(self) -> None:
+        n = len(self.counter)
+        for name in ("device_time", "temperature", "status", "healthy"):
+            _check(self, n, name, None)
+        for name in ("gyro", "accel"):
+            _check(self, n, name, 3)
+
+    def __len__(self) -> int:
+        return len(self.counter)
+
+
+def _one_segment() -> IntArray:
+    return np.zeros(1, dtype=np.int64)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CountSeries:
+    """A step's output in counts per sample (increments), of one or both triads.
+
+    ``t`` (n,) seconds, end of each interval; ``gyro``, ``accel`` (n, 3) int64 or None where the triad is
+    absent; ``temperature`` (n,) degC, nan where unknown. ``starts`` (s,) holds the index of the first
+    sample of each gap-free segment; ``starts[0]`` is 0. ``period`` is the measured sample period [s].
+    """
+
+    t: FloatArray
+    gyro: IntArray | None
+    accel: IntArray | None
+    temperature: FloatArray
+    period: float
+    starts: IntArray = field(default_factory=_one_segment)
+
+    def __post_init__(self) -> None:
+        n = len(self.t)
+        _check(self, n, "temperature", None)
+        for name in ("gyro", "accel"):
+            _check(self, n, name, 3)
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RateSeries:
+    """A step's output as a value per sample in any linear unit; fields as in `CountSeries`, but float64."""
+
+    t: FloatArray
+    gyro: FloatArray | None
+    accel: FloatArray | None
+    temperature: FloatArray
+    period: float
+    starts: IntArray = field(default_factory=_one_segment)
+
+    def __post_init__(self) -> None:
+        n = len(self.t)
+        _check(self, n, "temperature", None)
+        for name in ("gyro", "accel"):
+            _check(self, n, name, 3)
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+
+Series = CountSeries | RateSeries

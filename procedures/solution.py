@@ -1,0 +1,80 @@
+"""What a solve returns: values with 1 sigma, their covariance, the residual and what stayed open."""
+
+from dataclasses import dataclass, field
+
+from procedures.arrays import FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """A value, its 1 sigma of the same shape, and its unit as written in files."""
+
+    value: FloatArray
+    std: FloatArray
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TriadCalibration:
+    """A triad's ``N = k * (E u + D)``: scale factor (3,), misalignment (3, 3), bias (3,), IMU axes.
+
+    ``bias`` is the joint estimate. ``bias_12_position`` and ``bias_two_direction`` are the estimators of
+    Yao, Hu, He 2018, eq. (8) and (9)-(11), with counting noise only; None where their positions are missing.
+    """
+
+    scale_factor: Estimate
+    misalignment: Estimate
+    bias: Estimate
+    bias_12_position: Estimate | None = None
+    bias_two_direction: Estimate | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepResidual:
+    """Observed minus modelled output of one step and triad (3,), its 1 sigma (3,), in ``unit`` (g, deg/h, deg).
+
+    ``sigma`` includes what the fit absorbs: residual / sigma is a unit normal if the model is right.
+    """
+
+    name: str
+    kind: str  # "dwell" or "turn"
+    triad: str  # "accelerometer" or "gyroscope"
+    position: int
+    residual: FloatArray
+    sigma: FloatArray
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FitQuality:
+    """The global test of a solve: rms per triad, chi-square, degrees of freedom, p-value."""
+
+    chi2: float
+    dof: int
+    p_value: float
+    accelerometer_rms_g: float | None = None
+    gyroscope_rms_dph: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """A calibration with honest uncertainty.
+
+    ``slab_tilt`` (2,) [rad]: East and North components of the up vector seen from the slab.
+    ``parallelism`` (3, 2) [rad]: rows face pair x, y, z, columns the two other axes in x, y, z order, the sum of
+    both faces' up tilts. ``names`` label the rows of ``covariance``: ``accelerometer.scale_factor.x``,
+    ``gyroscope.misalignment.xy``, ``slab.tilt.east``, ``fixture.parallelism.x.y`` ...
+    """
+
+    accelerometer: TriadCalibration | None
+    gyroscope: TriadCalibration | None
+    slab_tilt: Estimate | None
+    parallelism: Estimate | None
+    quality: FitQuality
+    names: tuple[str, ...]
+    covariance: FloatArray
+    reference_temperature: float | None
+    residuals: tuple[StepResidual, ...] = ()
+    not_observable: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    unused_steps: tuple[str, ...] = field(default=())

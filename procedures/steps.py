@@ -1,0 +1,69 @@
+"""Plans: what the operator is asked to do, as a generator of frozen steps that touches nothing."""
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+from procedures.records import Series
+
+R = TypeVar("R")
+
+
+@dataclass(frozen=True, slots=True)
+class Dwell:
+    """Rest the cube in ``position`` (1..12) and record for ``seconds`` of device time."""
+
+    position: int
+    seconds: float
+
+    @property
+    def name(self) -> str:
+        """The step's name, also the stem of its file."""
+        return f"dwell_{self.position:02d}"
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """Turn the cube by hand about its vertical ``axis`` (x, y, z), ``direction`` + or -, whole ``revolutions``.
+
+    It begins and ends in ``start_position`` with ``rest_s`` seconds of rest at each end.
+    """
+
+    axis: str
+    direction: str
+    revolutions: int
+    start_position: int
+    rest_s: float
+
+    @property
+    def name(self) -> str:
+        """The step's name, also the stem of its file."""
+        return f"turn_{self.axis}_{'plus' if self.direction == '+' else 'minus'}"
+
+
+Step = Dwell | Turn
+Plan = Generator[Step, Series, R]
+
+
+class Bench(Protocol):
+    """Whoever answers a plan's steps: an operator at a screen, a headless station, a simulated bench."""
+
+    def perform(self, step: Step) -> Series:
+        """Have ``step`` done and return what the IMU put out during it."""
+        ...
+
+
+def run(plan: Plan[R], bench: Bench) -> R:
+    """Drive ``plan`` to its end; what ``bench`` raises is raised inside the plan, at its step."""
+    try:
+        step = next(plan)
+        while True:
+            try:
+                answer = bench.perform(step)
+            except Exception as error:
+                step = plan.throw(error)
+            else:
+                step = plan.send(answer)
+    except StopIteration as stop:
+        result: R = stop.value
+        return result

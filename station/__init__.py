@@ -1,0 +1,1 @@
+"""The only package that knows operators, files, time and the terminal."""
