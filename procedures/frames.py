@@ -36,7 +36,9 @@ def face_of(position: int) -> str:
 def face_normal(face: str) -> FloatArray:
     """Return the nominal up vector (3,) in the cube's axes of a face such as ``x_down``."""
     axis, direction = face.split("_")
-    return np.eye(3)[AXES.index(axis)] * (1.0 if direction == "up" else -1.0)
+    normal = np.zeros(3)
+    normal[AXES.index(axis)] = 1.0 if direction == "up" else -1.0
+    return normal
 
 
 def cross_axes(face: str) -> tuple[int, int]:

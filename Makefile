@@ -1,0 +1,42 @@
+# Two commands: `make demo` and `make test`. Both make their own virtual environment in .venv.
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: demo install test lint types contracts tests benchmark clean
+
+demo: install
+	$(BIN)/station demo
+
+install: $(VENV)/.installed
+test: $(VENV)/.installed-test lint types contracts tests
+
+$(VENV)/bin/python:
+	python3 -m venv $(VENV)
+
+$(VENV)/.installed: $(VENV)/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	$(BIN)/python -c "import procedures.kernels"
+	touch $@
+
+$(VENV)/.installed-test: $(VENV)/.installed pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test]"
+	touch $@
+
+lint:
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types:
+	$(BIN)/mypy
+
+contracts:
+	$(BIN)/lint-imports
+
+tests:
+	$(BIN)/pytest -n auto
+
+benchmark: $(VENV)/.installed-test
+	$(BIN)/python -m tests.benchmarks
+
+clean:
+	rm -rf $(VENV)
