@@ -1,0 +1,94 @@
+"""What a device, its link or its address can refuse.
+
+DriverError
+├── BadDeviceUrl (ValueError)          the address cannot be read
+├── PortNotFound (FileNotFoundError)   there is no such port, or nothing listens there
+├── PortBusy                           another program holds the port
+├── PortDenied (PermissionError)       the user may not open the port
+├── LinkSilent (TimeoutError)          the port is open, no byte arrives
+├── WrongFormat                        bytes arrive, no frame is among them
+├── LinkLost (ConnectionError)         the port went away while open
+└── ReplayEnded (EOFError)             a replayed file is at its end
+"""
+
+
+class DriverError(Exception):
+    """The base of all that ``drivers`` raises on purpose; its text is one line: found, expected, what to do."""
+
+
+class BadDeviceUrl(DriverError, ValueError):
+    """A device's address cannot be read; ``expected`` says what would be accepted."""
+
+    def __init__(self, url: str, found: str, expected: str) -> None:
+        self.url, self.found, self.expected = url, found, expected
+        super().__init__(f"device {url!r}: {found}; expected {expected}")
+
+
+class PortNotFound(DriverError, FileNotFoundError):
+    """There is no such port, or nothing listens there; ``advice`` says what to check."""
+
+    def __init__(self, port: str, reason: str, advice: str) -> None:
+        self.port, self.reason, self.advice = port, reason, advice
+        super().__init__(f"{port}: {reason}, expected a device there; {advice}")
+
+
+class PortBusy(DriverError):
+    """Another program holds the port."""
+
+    def __init__(self, port: str) -> None:
+        self.port = port
+        super().__init__(
+            f"{port} is open in another program, expected it free; close that program (`fuser {port}` names it)"
+        )
+
+
+class PortDenied(DriverError, PermissionError):
+    """The user may not open the port."""
+
+    def __init__(self, port: str) -> None:
+        self.port = port
+        super().__init__(
+            f"{port}: permission denied, expected read and write; add yourself to the group that owns it "
+            f"(`sudo usermod -aG dialout $USER`, then log in again)"
+        )
+
+
+class LinkSilent(DriverError, TimeoutError):
+    """No byte arrived before the deadline; ``baud`` is None where the link has none."""
+
+    def __init__(self, port: str, waited_s: float, baud: int | None = None) -> None:
+        self.port, self.waited_s, self.baud = port, waited_s, baud
+        at = "" if baud is None else f" at {baud} baud"
+        super().__init__(
+            f"{port}: no bytes for {waited_s:.1f} s{at}, expected a stream; "
+            f"check that the IMU is powered, that it is set to send, and that A/B are not swapped"
+        )
+
+
+class WrongFormat(DriverError):
+    """Bytes arrive but no frame of the expected format; ``likely`` names the format they look like, if any."""
+
+    def __init__(
+        self, port: str, format_name: str, bytes_seen: int, baud: int | None = None, likely: str | None = None
+    ) -> None:
+        self.port, self.format_name, self.bytes_seen = port, format_name, bytes_seen
+        self.baud, self.likely = baud, likely
+        at = "" if baud is None else f" at {baud} baud"
+        advice = f"they look like {likely}: say format={likely}" if likely else "check baud rate and format"
+        super().__init__(f"{port}: {bytes_seen} bytes{at} hold no {format_name} frame; {advice}")
+
+
+class LinkLost(DriverError, ConnectionError):
+    """The port went away while it was open: unplugged, powered off, or closed by the other side."""
+
+    def __init__(self, port: str, reason: str) -> None:
+        self.port, self.reason = port, reason
+        super().__init__(f"{port} was lost ({reason}), expected it to stay open; check cable and power")
+
+
+class ReplayEnded(DriverError, EOFError):
+    """A replayed file is at its end."""
+
+    def __init__(self, path: str, size: int) -> None:
+        self.path, self.size = path, size
+        super().__init__(f"replay of {path} is at its end after {size} bytes")

@@ -1,0 +1,48 @@
+"""Open a device's URL as a port of bytes: serial line, TCP connection or replayed file."""
+
+from typing import Protocol
+
+from drivers.device_url import DeviceUrl, parse_device_url
+from drivers.replay_port import open_replay
+from drivers.serial_port import PortInfo, list_ports, open_serial
+from drivers.tcp_port import open_tcp
+
+
+class Port(Protocol):
+    """Bytes from and to a device; every call returns within its timeout.
+
+    ``read`` returns what has come, at most ``max_bytes``, at once when anything has; empty when nothing
+    came within the timeout. It raises `LinkLost` when the port is gone and `ReplayEnded` at the end of a
+    replayed file. ``close`` may be called twice.
+    """
+
+    def read(self, max_bytes: int) -> bytes:
+        """Return what has come; see the class."""
+        ...
+
+    def write(self, data: bytes) -> None:
+        """Send ``data`` whole."""
+        ...
+
+    def close(self) -> None:
+        """Give the port back."""
+        ...
+
+
+def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
+    """Open the port that a device's URL names.
+
+    Raises
+    ------
+    BadDeviceUrl, PortNotFound, PortBusy, PortDenied
+        Each says what was found, what was expected and what to do.
+    """
+    address = parse_device_url(url) if isinstance(url, str) else url
+    if address.scheme == "tcp":
+        return open_tcp(address.host, address.port, timeout_s)
+    if address.scheme == "replay":
+        return open_replay(address.path)
+    return open_serial(address.path, address.baud or 0, address.parity, timeout_s)
+
+
+__all__ = ["DeviceUrl", "Port", "PortInfo", "list_ports", "open_port", "parse_device_url"]

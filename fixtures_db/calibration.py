@@ -1,0 +1,84 @@
+"""A solution as calibration/1: what is applied to counts, ``u = E^-1 (N / k - D)``. Pure formatting."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import Any
+
+from procedures.solution import Estimate, Solution, TriadCalibration
+
+FORMAT = "calibration/1"
+STATUSES = ("calibrated", "measured")
+
+
+@dataclass(frozen=True, slots=True)
+class CalibrationFacts:
+    """What a calibration says beside its numbers.
+
+    ``inputs`` holds the SHA-256 of each file used, by name; ``software`` is name, version and commit;
+    ``temperature_range_c`` the least and the greatest temperature seen, None if never measured; ``status`` is
+    ``measured`` where a reference had expired.
+    """
+
+    model: str
+    serial: str
+    software: str
+    inputs: Mapping[str, str]
+    accepted_utc: datetime
+    valid_from: datetime
+    valid_until: datetime | None = None
+    temperature_range_c: tuple[float, float] | None = None
+    status: str = "calibrated"
+    effects: tuple[Mapping[str, Any], ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        if self.status not in STATUSES:
+            raise ValueError(f"calibration status {self.status!r} is none of {', '.join(STATUSES)}")
+
+
+def calibration_document(solution: Solution, facts: CalibrationFacts, previous: str) -> dict[str, Any]:
+    """Return calibration/1 as JSON-ready values; what was not estimated is left out.
+
+    ``previous`` is the SHA-256 of the calibration accepted before this one, 64 zeros for the first.
+    """
+    document: dict[str, Any] = {
+        "format": FORMAT,
+        "model": facts.model,
+        "serial": facts.serial,
+        "software": facts.software,
+        "status": facts.status,
+        "accepted_utc": utc_text(facts.accepted_utc),
+        "valid_from": utc_text(facts.valid_from),
+        "effects": [dict(effect) for effect in facts.effects],
+        "inputs": dict(facts.inputs),
+        "previous": previous,
+    }
+    if facts.valid_until is not None:
+        document["valid_until"] = utc_text(facts.valid_until)
+    if facts.temperature_range_c is not None:
+        document["temperature_range_c"] = list(facts.temperature_range_c)
+    if solution.reference_temperature is not None:
+        document["reference_temperature_c"] = solution.reference_temperature
+    for name, triad in (("accelerometer", solution.accelerometer), ("gyroscope", solution.gyroscope)):
+        if triad is not None:
+            document[name] = _triad(triad)
+    return document
+
+
+def _triad(triad: TriadCalibration) -> dict[str, Any]:
+    return {
+        "scale_factor": _estimate(triad.scale_factor),
+        "misalignment": _estimate(triad.misalignment),
+        "bias": _estimate(triad.bias),
+    }
+
+
+def _estimate(estimate: Estimate) -> dict[str, Any]:
+    return {"value": estimate.value.tolist(), "std": estimate.std.tolist(), "unit": estimate.unit}
+
+
+def utc_text(moment: datetime) -> str:
+    """Return a moment as written in files: ISO 8601, UTC, ending in Z; refuse one without a time zone."""
+    if moment.tzinfo is None:
+        raise ValueError(f"{moment!r} has no time zone; expected an aware datetime")
+    return moment.astimezone(UTC).isoformat().replace("+00:00", "Z")

@@ -1,0 +1,163 @@
+"""Open the database, bring its schema up to date, and hand out transactions.
+
+SQLite is used with WAL, synchronous=FULL and a busy time-out, so that an accepted row survives a power cut and
+several processes may write. A writer takes the lock at its beginning (BEGIN IMMEDIATE): two transactions
+that read and then write never fail half-way.
+"""
+
+import sqlite3
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+
+import platformdirs
+from sqlalchemy import Connection, Engine, create_engine, event, text
+from sqlalchemy.engine import URL, make_url
+from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError, OperationalError
+from sqlalchemy.orm import Session
+from sqlalchemy.pool import ConnectionPoolEntry
+
+from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase
+from fixtures_db.migrations import HEAD, KNOWN
+
+BUSY_TIMEOUT_S = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Database:
+    """An open database at the newest schema; close it, or use it in a ``with``."""
+
+    url: str
+    engine: Engine
+
+    @contextmanager
+    def read(self) -> Iterator[Session]:
+        """Yield a session that sees one consistent state and waits for nobody."""
+        with Session(self.engine.execution_options(reads_only=True)) as session:
+            yield session
+            session.expunge_all()  # so that rows stay readable after the transaction
+
+    @contextmanager
+    def write(self) -> Iterator[Session]:
+        """Yield a session that holds the write lock; commit at its end, roll back if the body raises.
+
+        Raises `DatabaseBusy` if another process keeps the lock for more than `BUSY_TIMEOUT_S`.
+        """
+        with Session(self.engine, expire_on_commit=False) as session, session.begin():
+            try:
+                session.connection()
+            except OperationalError as error:
+                raise DatabaseBusy(self.url, BUSY_TIMEOUT_S) from error
+            yield session
+
+    def close(self) -> None:
+        """Close all connections."""
+        self.engine.dispose()
+
+    def __enter__(self) -> "Database":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def default_path() -> Path:
+    """Return where the station keeps its database unless told: the user's data directory."""
+    return platformdirs.user_data_path("fog-station") / "station.db"
+
+
+def open_db(where: str | Path | None = None) -> Database:
+    """Open a database by path or URL, create it if it is not there, and upgrade its schema.
+
+    Parameters
+    ----------
+    where : str, Path or None
+        A file's path, or an SQLAlchemy URL such as ``sqlite:////var/lib/station.db``; None is `default_path`.
+
+    Raises
+    ------
+    NotADatabase
+        If it cannot be opened, is not a database, or stays locked for more than `BUSY_TIMEOUT_S`.
+    NewerDatabase
+        If its schema is newer than this code.
+    """
+    url = _url(where)
+    name = url.render_as_string(hide_password=True)
+    try:
+        if url.get_backend_name() == "sqlite" and url.database:
+            Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
+        engine = _engine(url)
+    except (ArgumentError, NoSuchModuleError, ImportError, OSError) as error:
+        raise NotADatabase(name, str(error)) from error
+    try:
+        _upgrade(engine, name)
+    except DatabaseError as error:
+        engine.dispose()
+        raise NotADatabase(name, str(error.orig)) from error
+    except BaseException:
+        engine.dispose()
+        raise
+    return Database(name, engine)
+
+
+def _url(where: str | Path | None) -> URL:
+    if isinstance(where, str) and "://" in where:
+        try:
+            return make_url(where)
+        except ArgumentError as error:
+            raise NotADatabase(where, str(error)) from error
+    return URL.create("sqlite", database=str(where if where is not None else default_path()))
+
+
+def _engine(url: URL) -> Engine:
+    if url.get_backend_name() != "sqlite":
+        return create_engine(url)
+    # isolation_level=None leaves BEGIN to _begin: sqlite3 itself would begin late and never IMMEDIATE
+    engine = create_engine(url, connect_args={"timeout": BUSY_TIMEOUT_S, "isolation_level": None})
+    event.listen(engine, "connect", _configure)
+    event.listen(engine, "begin", _begin)
+    return engine
+
+
+def _configure(connection: sqlite3.Connection, _record: ConnectionPoolEntry) -> None:
+    deadline = time.monotonic() + BUSY_TIMEOUT_S
+    while connection.execute("PRAGMA journal_mode").fetchone()[0] not in {"wal", "memory"}:
+        try:
+            connection.execute("PRAGMA journal_mode = WAL")
+        except sqlite3.OperationalError:  # this one change does not wait for another process by itself
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(0.01)
+    connection.execute("PRAGMA synchronous = FULL")
+    connection.execute("PRAGMA foreign_keys = ON")
+
+
+def _begin(connection: Connection) -> None:
+    reads_only = connection.get_execution_options().get("reads_only", False)
+    connection.exec_driver_sql("BEGIN" if reads_only else "BEGIN IMMEDIATE")
+
+
+def _revision(connection: Connection) -> str | None:
+    if not connection.dialect.has_table(connection, "alembic_version"):
+        return None
+    revision: str | None = connection.execute(text("SELECT version_num FROM alembic_version")).scalar()
+    return revision
+
+
+def _upgrade(engine: Engine, name: str) -> None:
+    with engine.execution_options(reads_only=True).connect() as connection:
+        revision = _revision(connection)
+    if revision == HEAD:
+        return
+    if revision is not None and revision not in KNOWN:
+        raise NewerDatabase(name, revision, HEAD)
+    from fixtures_db.migrations.upgrade import upgrade  # here: alembic takes 0.3 s to import
+
+    with engine.begin() as connection:
+        if _revision(connection) != HEAD:  # another process may have done it while this one waited
+            upgrade(connection)

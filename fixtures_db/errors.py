@@ -1,0 +1,58 @@
+"""What the database can refuse.
+
+DatabaseError
+├── NotInDatabase      no row of that name
+├── AlreadyThere       a row of that name exists
+├── NewerDatabase      the schema was made by a newer station
+├── NotADatabase       the file or URL cannot be opened as a database
+└── DatabaseBusy       another process held the write lock for too long
+"""
+
+from collections.abc import Sequence
+
+
+class DatabaseError(Exception):
+    """The base of all that ``fixtures_db`` raises on purpose."""
+
+
+class NotInDatabase(DatabaseError, LookupError):
+    """No row of that name; ``known`` lists some that are there."""
+
+    def __init__(self, kind: str, name: str, known: Sequence[str] = ()) -> None:
+        self.kind, self.name, self.known = kind, name, tuple(known)
+        there = f"it has {', '.join(self.known)}" if self.known else "it has none"
+        super().__init__(f"no {kind} {name!r} in the database ({there}); add it first or check the name")
+
+
+class AlreadyThere(DatabaseError, ValueError):
+    """A row of that name exists already."""
+
+    def __init__(self, kind: str, name: str) -> None:
+        self.kind, self.name = kind, name
+        super().__init__(f"{kind} {name!r} is in the database already; choose another name")
+
+
+class NewerDatabase(DatabaseError):
+    """The schema was made by a newer station than this one."""
+
+    def __init__(self, url: str, found: str, expected: str) -> None:
+        self.url, self.found, self.expected = url, found, expected
+        super().__init__(f"{url}: schema {found}, this station knows up to {expected}; update the station")
+
+
+class NotADatabase(DatabaseError, OSError):
+    """The file or URL cannot be opened as a database."""
+
+    def __init__(self, url: str, reason: str) -> None:
+        self.url, self.reason = url, reason
+        super().__init__(f"{url}: cannot be opened as a database ({reason}); check --db or STATION_DB")
+
+
+class DatabaseBusy(DatabaseError, TimeoutError):
+    """Another process held the write lock for too long; nothing was written."""
+
+    def __init__(self, url: str, waited_s: float) -> None:
+        self.url, self.waited_s = url, waited_s
+        super().__init__(
+            f"{url}: still locked after {waited_s:g} s; end the program that writes to it, then try again"
+        )

@@ -1,0 +1,95 @@
+"""Every calibration ever accepted, append-only, each naming the hash of the one before it."""
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from fixtures_db.calibration import CalibrationFacts, calibration_document, utc_text
+from fixtures_db.campaigns import campaign, imu
+from fixtures_db.chain import GENESIS, ChainFault, Link, canonical, faults
+from fixtures_db.chain import digest as sha256_of
+from fixtures_db.schema import CalibrationRow, ImuRow
+from procedures.solution import Solution
+
+
+def accept_calibration(
+    session: Session,
+    solution: Solution,
+    facts: CalibrationFacts,
+    *,
+    campaign_folder: str | None = None,
+) -> CalibrationRow:
+    """Append a solution as calibration/1, chained to the newest calibration of the whole database.
+
+    Call it in `fixtures_db.database.Database.write`, whose lock keeps two stations from chaining to one row.
+    """
+    previous = head(session)
+    text = canonical(calibration_document(solution, facts, previous))
+    row = CalibrationRow(
+        imu=imu(session, facts.model, facts.serial),
+        campaign_id=None if campaign_folder is None else campaign(session, campaign_folder).id,
+        accepted_utc=facts.accepted_utc,
+        code_version=facts.software,
+        inputs=dict(facts.inputs),
+        document=text,
+        previous=previous,
+        sha256=sha256_of(text),
+    )
+    session.add(row)
+    session.flush()
+    return row
+
+
+def head(session: Session) -> str:
+    """Return the hash of the newest calibration, 64 zeros where there is none."""
+    return (
+        session.scalars(select(CalibrationRow.sha256).order_by(CalibrationRow.id.desc()).limit(1)).first()
+        or GENESIS
+    )
+
+
+def history(session: Session, serial: str) -> Sequence[CalibrationRow]:
+    """Return the calibrations of every IMU of a serial number, oldest first; ``row.document`` is calibration/1."""
+    of_unit = select(CalibrationRow).join(ImuRow).where(ImuRow.serial == serial)
+    return session.scalars(of_unit.order_by(CalibrationRow.id)).all()
+
+
+def verify_chain(session: Session, expected_head: str | None = None) -> list[ChainFault]:
+    """Return every calibration that was altered, dropped or reordered since it was accepted; empty if none was.
+
+    Rows dropped at the newest end show only against ``expected_head``, a head hash that was kept elsewhere
+    (printed on a report): it must be the hash of some row.
+    """
+    rows = session.scalars(select(CalibrationRow).order_by(CalibrationRow.id)).all()
+    found = faults(Link(f"calibration {row.id}", row.document, row.previous, row.sha256) for row in rows)
+    found += [fault for row in rows if (fault := _column_fault(row)) is not None]
+    if expected_head not in {None, GENESIS, *(row.sha256 for row in rows)}:
+        found.append(ChainFault("newest calibration", head(session), str(expected_head)))
+    return found
+
+
+def _column_fault(row: CalibrationRow) -> ChainFault | None:
+    try:
+        document = json.loads(row.document)
+    except ValueError:
+        return ChainFault(f"calibration {row.id}", "a document that is not JSON", "calibration/1")
+    found = {
+        "serial": row.imu.serial,
+        "model": row.imu.model,
+        "software": row.code_version,
+        "inputs": row.inputs,
+        "previous": row.previous,
+        "accepted_utc": utc_text(row.accepted_utc),
+    }
+    expected = {key: _get(document, key) for key in found}
+    if found == expected:
+        return None
+    key = next(key for key in found if found[key] != expected[key])
+    return ChainFault(f"calibration {row.id}", f"{key} column {found[key]!r}", repr(expected[key]))
+
+
+def _get(document: Any, key: str) -> Any:
+    return document.get(key) if isinstance(document, dict) else None

@@ -1,0 +1,171 @@
+"""The tables, typed. Migrations create them (``migrations/versions``); a test holds the two equal.
+
+A unit is part of a column's name. Rows of `FaceCertificateRow` and `CalibrationRow` are never changed:
+triggers refuse it.
+"""
+
+from datetime import UTC, date, datetime
+
+from sqlalchemy import JSON, Date, DateTime, Dialect, Double, ForeignKey, MetaData, String, Text, UniqueConstraint
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
+from sqlalchemy.types import TypeDecorator
+
+NAMING = {
+    "ix": "ix_%(table_name)s_%(column_0_name)s",
+    "uq": "uq_%(table_name)s_%(column_0_name)s",
+    "ck": "ck_%(table_name)s_%(constraint_name)s",
+    "fk": "fk_%(table_name)s_%(column_0_name)s",
+    "pk": "pk_%(table_name)s",
+}
+SHA256 = String(64)
+
+
+class UtcDateTime(TypeDecorator[datetime]):
+    """A moment in UTC; one without a time zone is refused, not guessed."""
+
+    impl = DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        """Return the moment in UTC, as SQLite stores it: without a zone."""
+        if value is None:
+            return None
+        if value.tzinfo is None:
+            raise ValueError(f"{value!r} has no time zone; expected an aware datetime")
+        value = value.astimezone(UTC)
+        return value.replace(tzinfo=None) if dialect.name == "sqlite" else value
+
+    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        """Return the stored moment as an aware datetime in UTC."""
+        if value is None:
+            return None
+        return value.replace(tzinfo=UTC) if value.tzinfo is None else value.astimezone(UTC)
+
+
+class Base(DeclarativeBase):
+    """The registry of all tables."""
+
+    metadata = MetaData(naming_convention=NAMING)
+    type_annotation_map = {datetime: UtcDateTime, date: Date, float: Double, dict[str, str]: JSON}
+
+
+class CubeRow(Base):
+    """A cube fixture; ``side_mm`` is the length of its edge."""
+
+    __tablename__ = "cubes"
+    id: Mapped[str] = mapped_column(primary_key=True)
+    side_mm: Mapped[float]
+    certificate_date: Mapped[date | None]
+    due_date: Mapped[date | None]
+    tolerances: Mapped[list["ToleranceRow"]] = relationship(order_by="ToleranceRow.id")
+    certificates: Mapped[list["FaceCertificateRow"]] = relationship(order_by="FaceCertificateRow.id")
+
+
+class ToleranceRow(Base):
+    """A tolerance item of Yao, Hu, He 2018, table 2: ``t1`` ... ``t10``, on a face."""
+
+    __tablename__ = "tolerance_items"
+    __table_args__ = (UniqueConstraint("cube_id", "item"),)
+    id: Mapped[int] = mapped_column(primary_key=True)
+    cube_id: Mapped[str] = mapped_column(ForeignKey("cubes.id"))
+    item: Mapped[str]
+    kind: Mapped[str]
+    face: Mapped[str]
+    reference_face: Mapped[str | None]
+    tolerance_mm: Mapped[float]
+
+
+class FaceCertificateRow(Base):
+    """A measured resting face: the up vector along the two other cube axes, with covariance; append-only."""
+
+    __tablename__ = "face_certificates"
+    id: Mapped[int] = mapped_column(primary_key=True)
+    cube_id: Mapped[str] = mapped_column(ForeignKey("cubes.id"), index=True)
+    resting: Mapped[str]
+    up_tilt_1_rad: Mapped[float]
+    up_tilt_2_rad: Mapped[float]
+    covariance_11_rad2: Mapped[float]
+    covariance_12_rad2: Mapped[float]
+    covariance_22_rad2: Mapped[float]
+    source: Mapped[str]
+    measured_utc: Mapped[datetime]
+    due_date: Mapped[date | None]
+    previous: Mapped[str] = mapped_column(SHA256, unique=True)
+    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
+
+
+class SlabRow(Base):
+    """A marble slab."""
+
+    __tablename__ = "slabs"
+    id: Mapped[str] = mapped_column(primary_key=True)
+    certificate_date: Mapped[date | None]
+    due_date: Mapped[date | None]
+
+
+class SiteRow(Base):
+    """Where a slab stands: geodetic position, surveyed gravity and its 1 sigma."""
+
+    __tablename__ = "sites"
+    id: Mapped[str] = mapped_column(primary_key=True)
+    latitude_deg: Mapped[float]
+    longitude_deg: Mapped[float | None]
+    height_m: Mapped[float | None]
+    gravity_m_s2: Mapped[float | None]
+    gravity_std_m_s2: Mapped[float | None]
+
+
+class ImuRow(Base):
+    """An IMU, known by model and serial number."""
+
+    __tablename__ = "imus"
+    __table_args__ = (UniqueConstraint("model", "serial"),)
+    id: Mapped[int] = mapped_column(primary_key=True)
+    model: Mapped[str]
+    serial: Mapped[str] = mapped_column(index=True)
+
+
+class CampaignRow(Base):
+    """A campaign folder; ``manifest_sha256`` is the head of the hash chain over its accepted steps."""
+
+    __tablename__ = "campaigns"
+    id: Mapped[int] = mapped_column(primary_key=True)
+    folder: Mapped[str] = mapped_column(unique=True)
+    imu_id: Mapped[int] = mapped_column(ForeignKey("imus.id"), index=True)
+    cube_id: Mapped[str | None] = mapped_column(ForeignKey("cubes.id"))
+    slab_id: Mapped[str | None] = mapped_column(ForeignKey("slabs.id"))
+    site_id: Mapped[str | None] = mapped_column(ForeignKey("sites.id"))
+    started_utc: Mapped[datetime]
+    state: Mapped[str]
+    manifest_sha256: Mapped[str] = mapped_column(SHA256)
+    imu: Mapped[ImuRow] = relationship()
+    steps: Mapped[list["StepRow"]] = relationship(order_by="StepRow.id")
+
+
+class StepRow(Base):
+    """An accepted step of a campaign and the hash of its file; ``superseded`` once it was done again."""
+
+    __tablename__ = "steps"
+    id: Mapped[int] = mapped_column(primary_key=True)
+    campaign_id: Mapped[int] = mapped_column(ForeignKey("campaigns.id"), index=True)
+    name: Mapped[str]
+    file: Mapped[str]
+    sha256: Mapped[str] = mapped_column(SHA256)
+    accepted_utc: Mapped[datetime]
+    superseded: Mapped[bool] = mapped_column(default=False)
+
+
+class CalibrationRow(Base):
+    """An accepted calibration: ``document`` is calibration/1 as text, ``sha256`` its hash; append-only."""
+
+    __tablename__ = "calibrations"
+    id: Mapped[int] = mapped_column(primary_key=True)
+    imu_id: Mapped[int] = mapped_column(ForeignKey("imus.id"), index=True)
+    campaign_id: Mapped[int | None] = mapped_column(ForeignKey("campaigns.id"))
+    accepted_utc: Mapped[datetime]
+    code_version: Mapped[str]
+    inputs: Mapped[dict[str, str]]
+    document: Mapped[str] = mapped_column(Text)
+    previous: Mapped[str] = mapped_column(SHA256, unique=True)
+    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
+    imu: Mapped[ImuRow] = relationship()

@@ -1,0 +1,205 @@
+"""Feed damaged frames to every decoder: `python -m tests.benchmarks.hostile_frames --frames 1000000`.
+
+Every damaged frame is followed by an intact one with chance 1/8. Counted: crashes, accepted frames that differ
+from every one sent, and intact frames not found. Beside the wrong ones stands what the check's width allows:
+2^-bits per frame whose check was computed and failed. A control row cuts the check to 8 bits: there wrong
+frames must come out at about the rate expected, or this test could not see any.
+
+An intact frame may be lost honestly: where the frame before it was cut by bytes that happen to equal the sync,
+the decoder completes that one and finds the intact one headless.
+"""
+
+import argparse
+import random
+import sys
+import time
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drivers.framing import Decoder
+from drivers.wire import FORMATS, WireFormat
+from procedures.records import CountBlock
+
+BATCH = 2000
+CONTROL_BITS = 8
+Mutation = Callable[[random.Random, bytes, bytes, WireFormat], bytes]
+
+
+def a_block(n: int, rng: np.random.Generator) -> CountBlock:
+    """Return n samples, no two alike."""
+    start = int(rng.integers(0, 2**31))
+    return CountBlock(
+        counter=start + np.arange(n),
+        device_time=rng.integers(0, 10**9) + np.arange(n) * 0.0025,
+        gyro=rng.integers(-(2**31) + 1, 2**31, (n, 3)),
+        accel=rng.integers(-300, 300, (n, 3)),
+        temperature=np.full(n, 25.0),
+        status=np.zeros(n, np.int64),
+        healthy=np.ones(n, np.bool_),
+    )
+
+
+def _flip_bits(rng: random.Random, frame: bytes, _: bytes, __: WireFormat) -> bytes:
+    damaged = bytearray(frame)
+    for _ in range(rng.choice((1, 1, 2, 3, 4, 5, 8, 16, 40))):
+        damaged[rng.randrange(len(frame))] ^= 1 << rng.randrange(8)
+    return bytes(damaged)
+
+
+def _overwrite(rng: random.Random, frame: bytes, _: bytes, wire: WireFormat) -> bytes:
+    start = rng.randrange(len(wire.imu.prefix), len(frame))
+    end = min(start + rng.randrange(1, 12), len(frame))
+    return frame[:start] + rng.randbytes(end - start) + frame[end:]
+
+
+def _drop(rng: random.Random, frame: bytes, _: bytes, __: WireFormat) -> bytes:
+    start = rng.randrange(len(frame))
+    return frame[:start] + frame[start + rng.randrange(1, 6) :]
+
+
+def _insert(rng: random.Random, frame: bytes, _: bytes, wire: WireFormat) -> bytes:
+    start = rng.randrange(len(frame))
+    return frame[:start] + rng.choice((rng.randbytes(rng.randrange(1, 6)), wire.sync)) + frame[start:]
+
+
+def _truncate(rng: random.Random, frame: bytes, _: bytes, __: WireFormat) -> bytes:
+    return frame[: rng.randrange(len(frame))]
+
+
+def _splice(rng: random.Random, frame: bytes, other: bytes, _: WireFormat) -> bytes:
+    cut = rng.randrange(len(frame))
+    return frame[:cut] + other[cut:]
+
+
+def _shifted_splice(rng: random.Random, frame: bytes, other: bytes, _: WireFormat) -> bytes:
+    return frame[: rng.randrange(len(frame))] + other[rng.randrange(len(other)) :]
+
+
+def _garbage(rng: random.Random, _: bytes, __: bytes, wire: WireFormat) -> bytes:
+    return rng.choice((b"", wire.sync, wire.imu.prefix)) + rng.randbytes(rng.randrange(1, 2 * wire.imu.size))
+
+
+def _false_frame(rng: random.Random, _: bytes, __: bytes, wire: WireFormat) -> bytes:
+    kind = rng.choice(list(wire.kinds.values()))
+    return kind.prefix + rng.randbytes(kind.size - len(kind.prefix))
+
+
+MUTATIONS: tuple[Mutation, ...] = (
+    _flip_bits,
+    _overwrite,
+    _drop,
+    _insert,
+    _truncate,
+    _splice,
+    _shifted_splice,
+    _garbage,
+    _false_frame,
+)
+
+
+@dataclass
+class Outcome:
+    """What came of one format's run."""
+
+    name: str
+    bits: int
+    mutated: int = 0
+    intact: int = 0
+    checks_failed: int = 0
+    bad_length: int = 0
+    accepted: int = 0
+    wrong: int = 0
+    lost: int = 0
+    crashes: int = 0
+    seconds: float = 0.0
+
+    @property
+    def expected(self) -> float:
+        """Wrong frames that a check of this width lets through by chance."""
+        return (self.checks_failed + self.wrong) / 2.0**self.bits
+
+
+def attack(wire: WireFormat, frames: int, seed: int, bits: int) -> Outcome:
+    """Feed ``frames`` damaged frames and return what was counted."""
+    outcome, rng, numbers = Outcome(wire.name, bits), random.Random(seed), np.random.default_rng(seed)
+    accepted: list[bytes] = []
+
+    def spy(found: np.ndarray) -> CountBlock:
+        accepted.extend(frame.tobytes() for frame in found)
+        return wire.decode(found)
+
+    decoder, started = Decoder(replace(wire, decode=spy)), time.perf_counter()
+    while outcome.mutated < frames:
+        accepted.clear()
+        sent, size = wire.encode(a_block(BATCH, numbers)), wire.imu.size
+        pool = [sent[at : at + size] for at in range(0, len(sent), size)]
+        pieces, intact = [], []
+        for index in range(min(BATCH, frames - outcome.mutated)):
+            pieces.append(rng.choice(MUTATIONS)(rng, pool[index], pool[index - 1], wire))
+            if rng.random() < 0.125:
+                intact.append(pool[index - 1])
+                pieces.append(pool[index - 1])
+        outcome.mutated += min(BATCH, frames - outcome.mutated)
+        stream, at = b"".join(pieces), 0
+        try:
+            while at < len(stream):
+                cut = at + rng.choice((1, 7, 64, 1000, 4096, 65536))
+                decoder.feed(stream[at:cut])
+                at = cut
+            decoder.finish()
+        except Exception as error:  # whatever it is, it is a crash
+            outcome.crashes += 1
+            print(f"{wire.name}: {error!r}", file=sys.stderr)
+            decoder = Decoder(replace(wire, decode=spy))
+            continue
+        known, got = set(pool), set(accepted)
+        outcome.intact += len(intact)
+        outcome.accepted += len(accepted)
+        outcome.wrong += sum(frame not in known for frame in accepted)
+        outcome.lost += sum(frame not in got for frame in intact)
+    outcome.wrong += decoder.counters.identities  # none was sent
+    outcome.checks_failed, outcome.bad_length = decoder.counters.bad_crc, decoder.counters.bad_length
+    outcome.seconds = time.perf_counter() - started
+    return outcome
+
+
+def with_weak_check(wire: WireFormat) -> WireFormat:
+    """Return the format with its check as good as cut to 8 bits."""
+    salt = b"control"
+    mask = 2**CONTROL_BITS - 1
+
+    def is_intact(frame: bytes | memoryview) -> bool:
+        return wire.is_intact(frame) or zlib.crc32(frame, zlib.crc32(salt)) & mask == 0
+
+    return replace(wire, name=f"{wire.name}-cut-to-{CONTROL_BITS}-bits", is_intact=is_intact)
+
+
+def main() -> int:
+    """Print the table; exit 1 where a decoder crashed or accepted more wrong frames than chance allows."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--frames", type=int, default=1_000_000, help="damaged frames per format")
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    print(
+        f"{'format':<30}{'damaged':>9}{'check-failed':>14}{'bad-length':>12}{'accepted':>10}"
+        f"{'wrong':>7}{'expected':>10}{'intact':>9}{'lost':>6}{'crashes':>9}{'s':>7}"
+    )
+    good = True
+    control = with_weak_check(FORMATS["rawimusx"])
+    for wire, bits in [*((wire, wire.check_bits) for wire in FORMATS.values()), (control, CONTROL_BITS)]:
+        got = attack(wire, arguments.frames, arguments.seed, bits)
+        print(
+            f"{got.name:<30}{got.mutated:>9}{got.checks_failed:>14}{got.bad_length:>12}{got.accepted:>10}"
+            f"{got.wrong:>7}{got.expected:>10.2g}{got.intact:>9}{got.lost:>6}{got.crashes:>9}{got.seconds:>7.1f}",
+            flush=True,
+        )
+        spread = 5 * np.sqrt(got.expected) + 1 if got.expected > 1e-2 else 0
+        good &= got.crashes == 0 and abs(got.wrong - got.expected) <= spread + got.expected
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

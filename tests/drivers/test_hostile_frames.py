@@ -1,0 +1,21 @@
+"""The short form of tests/benchmarks/hostile_frames.py, and that its control row does see wrong frames."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from drivers.wire import FORMATS
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_damaged_frames_neither_crash_a_decoder_nor_become_data() -> None:
+    command = [sys.executable, "-m", "tests.benchmarks.hostile_frames", "--frames", "10000", "--seed", "7"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=100, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    header, *lines = done.stdout.splitlines()
+    rows = [dict(zip(header.split(), line.split(), strict=True)) for line in lines]
+    assert [row["format"] for row in rows] == [*FORMATS, "rawimusx-cut-to-8-bits"]
+    assert {row["crashes"] for row in rows} == {"0"}
+    assert {row["wrong"] for row in rows[:-1]} == {"0"}
+    assert int(rows[-1]["wrong"]) > 0

@@ -1,0 +1,242 @@
+"""Ports over real ptys and TCP sockets; every failure is told by its own error."""
+
+import os
+import socket
+import termios
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import serial
+
+from drivers import serial_port
+from drivers.errors import (
+    DriverError,
+    LinkLost,
+    LinkSilent,
+    PortBusy,
+    PortDenied,
+    PortNotFound,
+    ReplayEnded,
+    WrongFormat,
+)
+from drivers.framing import Decoder
+from drivers.ports import Port, list_ports, open_port
+from drivers.wire import FORMATS, WireFormat
+
+every_format = pytest.mark.parametrize("wire", FORMATS.values(), ids=FORMATS)
+
+
+class Line:
+    """A pty: the station opens ``url``, the test plays the device at ``master``."""
+
+    def __init__(self) -> None:
+        self.master, self._slave = os.openpty()
+        self.name = os.ttyname(self._slave)
+        self.url = f"serial://{self.name}?baud=921600"
+
+    def unplug(self) -> None:
+        """Take the device away."""
+        for name in ("master", "_slave"):
+            if (descriptor := getattr(self, name)) >= 0:
+                os.close(descriptor)
+                setattr(self, name, -1)
+
+
+@pytest.fixture
+def line() -> Iterator[Line]:
+    line = Line()
+    yield line
+    line.unplug()
+
+
+@pytest.fixture
+def server() -> Iterator[socket.socket]:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        yield server
+
+
+def read_all(port: Port, size: int) -> bytes:
+    data = b""
+    while len(data) < size:
+        piece = port.read(4096)
+        assert piece, f"nothing more after {len(data)} of {size} bytes"
+        data += piece
+    return data
+
+
+@every_format
+def test_frames_pass_a_pty_unchanged_at_any_baud_rate(line: Line, wire: WireFormat) -> None:
+    every_octet = bytes(range(256))  # no newline, flow control or parity marking may touch a byte
+    for baud in (9600, 115200, 374400, 921600, 1843200, 4147200):
+        port = open_port(f"serial://{line.name}?baud={baud}&format={wire.name}", timeout_s=1.0)
+        os.write(line.master, every_octet + wire.example)
+        data = read_all(port, 256 + len(wire.example))
+        assert data == every_octet + wire.example
+        assert len(Decoder(wire).feed(data)) == 1
+        port.close()
+
+
+def test_reading_returns_what_has_come_and_does_not_wait_for_more(line: Line) -> None:
+    port = open_port(line.url, timeout_s=60.0)  # a read that waits to be full would run into the test's timeout
+    os.write(line.master, b"abc")
+    assert read_all(port, 3) == b"abc"
+    os.write(line.master, b"defgh")
+    assert port.read(2) in {b"d", b"de"}
+    port.close()
+
+
+def test_a_silent_line_reads_as_nothing(line: Line) -> None:
+    port = open_port(line.url, timeout_s=0.01)
+    assert port.read(100) == b""
+    port.close()
+
+
+def test_what_is_written_arrives(line: Line) -> None:
+    port = open_port(line.url)
+    port.write(b"log rawimusxb onnew\r\n")
+    assert os.read(line.master, 100) == b"log rawimusxb onnew\r\n"
+    port.close()
+
+
+def test_a_port_in_use_is_busy_and_free_again_once_closed(line: Line) -> None:
+    port = open_port(line.url)
+    with pytest.raises(PortBusy, match=r"open in another program.*fuser"):
+        open_port(line.url)
+    port.close()
+    port.close()
+    open_port(line.url).close()
+
+
+def test_a_port_held_exclusively_by_another_program_is_busy(line: Line, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "open", refuse_with(16))  # EBUSY, as the kernel says for TIOCEXCL
+    with pytest.raises(PortBusy):
+        open_port(line.url)
+
+
+def test_a_denied_port_names_the_group(line: Line, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "open", refuse_with(13))  # EACCES; the tests may run as root
+    with pytest.raises(PortDenied, match=r"permission denied.*dialout") as refused:
+        open_port(line.url)
+    assert refused.value.port == line.name
+    assert isinstance(refused.value, PermissionError)
+
+
+def refuse_with(code: int) -> object:
+    def refuse(path: str, *_: object) -> int:
+        raise OSError(code, os.strerror(code), path)
+
+    return refuse
+
+
+def test_a_missing_port_is_told_with_those_present(monkeypatch: pytest.MonkeyPatch) -> None:
+    present = [serial_port.PortInfo("/dev/ttyUSB7", "adapter", None)]
+    monkeypatch.setattr(serial_port, "list_ports", lambda: present)
+    with pytest.raises(PortNotFound, match=r"no such port.*/dev/ttyUSB7.*check the cable"):
+        open_port("serial:///dev/ttyNOPE?format=counts")
+
+
+@pytest.mark.parametrize("path", ["/dev/null", "/etc/passwd", "/tmp"])
+def test_what_is_no_serial_line_is_told(path: str) -> None:
+    with pytest.raises(PortNotFound, match="not usable as a serial port"):
+        open_port(f"serial://{path}")
+
+
+def test_an_unplugged_line_is_lost_on_read_and_on_write(line: Line) -> None:
+    port = open_port(line.url)
+    line.unplug()
+    with pytest.raises(LinkLost, match=r"was lost.*check cable"):
+        port.read(100)
+    with pytest.raises(LinkLost):
+        port.write(b"x" * 100)
+    port.close()
+
+
+@pytest.mark.parametrize(
+    "error", [OSError(5, "Input/output error"), termios.error(5, "EIO"), serial.SerialException()]
+)
+def test_whatever_pyserial_lets_through_is_a_lost_link(
+    line: Line, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    def fail(_: object) -> int:
+        raise error
+
+    port = open_port(line.url, timeout_s=1.0)
+    os.write(line.master, b"abc")
+    monkeypatch.setattr(serial.Serial, "in_waiting", property(fail))
+    with pytest.raises(LinkLost):
+        port.read(100)
+    port.close()
+
+
+def test_the_ports_present_are_listed() -> None:
+    devices = [port.device for port in list_ports()]
+    assert devices == sorted(devices)
+
+
+@every_format
+def test_frames_pass_tcp_and_a_hang_up_is_a_lost_link(server: socket.socket, wire: WireFormat) -> None:
+    port = open_port(f"tcp://127.0.0.1:{server.getsockname()[1]}?format={wire.name}", timeout_s=1.0)
+    device, _ = server.accept()
+    with device:
+        device.sendall(3 * wire.example)
+        assert len(Decoder(wire).feed(read_all(port, 3 * len(wire.example)))) == 3
+        port.write(b"?")
+        assert device.recv(10) == b"?"
+    with pytest.raises(LinkLost, match="closed by the other side"):
+        port.read(100)
+    port.close()
+    port.close()
+
+
+def test_a_silent_connection_reads_as_nothing(server: socket.socket) -> None:
+    port = open_port(f"tcp://127.0.0.1:{server.getsockname()[1]}", timeout_s=0.01)
+    assert port.read(100) == b""
+    port.close()
+
+
+def test_a_connection_reset_is_a_lost_link(server: socket.socket) -> None:
+    port = open_port(f"tcp://127.0.0.1:{server.getsockname()[1]}", timeout_s=1.0)
+    device, _ = server.accept()
+    device.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
+    device.close()
+    with pytest.raises(LinkLost):
+        port.read(100)
+    port.close()
+
+
+def test_a_server_that_is_not_there_is_not_found(server: socket.socket) -> None:
+    number = server.getsockname()[1]
+    server.close()
+    with pytest.raises(PortNotFound, match=r"Connection refused.*check address, port"):
+        open_port(f"tcp://127.0.0.1:{number}")
+    with pytest.raises(PortNotFound, match="no connection"):
+        open_port(f"tcp://{'a' * 70}.invalid:{number}")
+
+
+def test_a_file_is_replayed_to_its_end(tmp_path: Path) -> None:
+    path = tmp_path / "run.bin"
+    path.write_bytes(bytes(1000))
+    port = open_port(f"replay:{path}?format=counts")
+    assert [len(port.read(600)), len(port.read(600))] == [600, 400]
+    port.write(b"ignored")
+    with pytest.raises(ReplayEnded, match="after 1000 bytes"):
+        port.read(600)
+    port.close()
+    with pytest.raises(PortNotFound, match="No such file"):
+        open_port(f"replay:{path}x")
+
+
+def test_errors_say_what_to_check_and_keep_their_data() -> None:
+    silent = LinkSilent("/dev/ttyUSB0", 2.0, 921600)
+    wrong = WrongFormat("/dev/ttyUSB0", "rawimusx", 5000, 921600, likely="counts")
+    assert str(silent).startswith("/dev/ttyUSB0: no bytes for 2.0 s at 921600 baud")
+    assert "powered" in str(silent)
+    assert isinstance(silent, TimeoutError)
+    assert "5000 bytes at 921600 baud hold no rawimusx frame" in str(wrong)
+    assert "format=counts" in str(wrong)
+    assert "check baud rate and format" in str(WrongFormat("127.0.0.1:1", "counts", 5))
+    for error in (silent, wrong):
+        assert isinstance(error, DriverError)
+        assert "\n" not in str(error)
+        assert (error.port, error.baud) == ("/dev/ttyUSB0", 921600)

@@ -1,0 +1,43 @@
+from datetime import datetime
+
+import pytest
+
+from fixtures_db.campaigns import accept_step, campaign, manifest_head, set_state, start_campaign
+from fixtures_db.chain import GENESIS
+from fixtures_db.database import Database
+from fixtures_db.errors import AlreadyThere, NotInDatabase
+from tests.fixtures_db.factory import NOON
+
+
+def test_accepted_steps_extend_the_manifest_and_supersede_by_name(db: Database) -> None:
+    with db.write() as session:
+        row = start_campaign(session, "/data/1", model="FOG-3", serial="S1", started_utc=NOON, cube_id="P1")
+        heads = [row.manifest_sha256]
+        for number, name in enumerate(("dwell_01", "dwell_02", "dwell_01")):
+            file, sha256 = f"{name}_{number}.mcap", f"{number:064x}"
+            accept_step(session, "/data/1", name=name, file=file, sha256=sha256, accepted_utc=NOON)
+            heads.append(row.manifest_sha256)
+        set_state(session, "/data/1", "recorded")
+    assert heads[0] == GENESIS
+    assert len(set(heads)) == 4
+    with db.read() as session:
+        stored = campaign(session, "/data/1")
+        assert stored.state == "recorded"
+        assert [step.superseded for step in stored.steps] == [True, False, False]
+        assert manifest_head(stored.steps) == stored.manifest_sha256
+        assert stored.imu.serial == "S1"
+
+
+def test_wrong_names_and_times_are_refused(db: Database) -> None:
+    with db.write() as session:
+        start_campaign(session, "/data/1", model="FOG-3", serial="S1", started_utc=NOON)
+        with pytest.raises(AlreadyThere):
+            start_campaign(session, "/data/1", model="FOG-3", serial="S1", started_utc=NOON)
+        with pytest.raises(NotInDatabase, match="it has /data/1"):
+            campaign(session, "/data/2")
+        with pytest.raises(ValueError, match="none of recording"):
+            set_state(session, "/data/1", "lost")
+    with pytest.raises(Exception, match="no time zone"), db.write() as session:
+        start_campaign(session, "/data/2", model="FOG-3", serial="S1", started_utc=datetime(2026, 1, 1))
+    with pytest.raises(Exception, match="FOREIGN KEY"), db.write() as session:
+        start_campaign(session, "/data/3", model="FOG-3", serial="S1", started_utc=NOON, cube_id="no such cube")

@@ -1,0 +1,87 @@
+from datetime import date
+
+import numpy as np
+import pytest
+from sqlalchemy import text
+from sqlalchemy.exc import DBAPIError
+
+from fixtures_db.cubes import Tolerance, add_cube, certify_faces, cube, cube_row, verify_certificates
+from fixtures_db.database import Database
+from fixtures_db.errors import AlreadyThere, NotInDatabase
+from procedures.campaign import FaceCertificate
+from tests.fixtures_db.factory import NOON
+
+
+def _face(east: float) -> FaceCertificate:
+    return FaceCertificate(np.array([east, -2e-5]), np.array([[25e-12, 1e-12], [1e-12, 16e-12]]))
+
+
+@pytest.fixture
+def certified(db: Database) -> Database:
+    with db.write() as session:
+        add_cube(session, "CUBE-7", side_mm=400.0, tolerances=[Tolerance("t1", "flatness", "A", None, 0.02)])
+        certify_faces(
+            session, "CUBE-7", {"x_up": _face(1e-5), "z_down": _face(3e-5)}, source="CMM", measured_utc=NOON
+        )
+    with db.write() as session:
+        certify_faces(
+            session, "CUBE-7", {"x_up": _face(2e-5)}, source="CMM", measured_utc=NOON, due_date=date(2027, 3, 4)
+        )
+    return db
+
+
+def test_the_newest_certificate_of_each_face_enters_the_fixture(certified: Database) -> None:
+    with certified.read() as session:
+        fixture = cube(session, "CUBE-7")
+        assert len(cube_row(session, "CUBE-7").certificates) == 3
+        assert cube_row(session, "CUBE-7").due_date == date(2027, 3, 4)
+        assert cube_row(session, "CUBE-7").tolerances[0].tolerance_mm == 0.02
+    assert fixture.id == "CUBE-7"
+    assert list(fixture.faces) == ["x_up", "z_down"]
+    np.testing.assert_array_equal(fixture.faces["x_up"].up_tilt, [2e-5, -2e-5])
+    np.testing.assert_array_equal(fixture.faces["z_down"].covariance, _face(0).covariance)
+    np.testing.assert_array_equal(fixture.C_ib, np.eye(3))
+
+
+def test_a_drawing_is_no_certificate(db: Database) -> None:
+    with db.read() as session:
+        assert cube(session, "P1").faces == {}
+
+
+def test_the_database_refuses_to_change_a_certificate(certified: Database) -> None:
+    for statement in ("UPDATE face_certificates SET up_tilt_1_rad = 0", "DELETE FROM face_certificates"):
+        with pytest.raises(DBAPIError, match="append-only"), certified.write() as session:
+            session.execute(text(statement))
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "UPDATE face_certificates SET up_tilt_2_rad = -2.0000001e-5 WHERE id = 2",
+        "UPDATE face_certificates SET measured_utc = '2026-03-05 12:00:00.000000' WHERE id = 2",
+        "DELETE FROM face_certificates WHERE id = 2",
+    ],
+)
+def test_a_tampered_certificate_is_found(certified: Database, statement: str) -> None:
+    with certified.write() as session:
+        assert verify_certificates(session) == []
+        for action in ("update", "delete"):
+            session.execute(text(f"DROP TRIGGER face_certificates_no_{action}"))
+        session.execute(text(statement))
+    with certified.read() as session:
+        assert verify_certificates(session) != []
+
+
+def test_names_are_checked(certified: Database) -> None:
+    with certified.write() as session:
+        with pytest.raises(AlreadyThere):
+            add_cube(session, "CUBE-7", side_mm=400.0)
+        with pytest.raises(NotInDatabase, match="it has CUBE-7, P1"):
+            cube(session, "CUBE-8")
+        with pytest.raises(ValueError, match="none of x_up"):
+            certify_faces(session, "P1", {"top": _face(0)}, source="CMM", measured_utc=NOON)
+        bad = FaceCertificate(np.zeros(2), np.array([[1.0, 2.0], [2.0, 1.0]]))
+        with pytest.raises(ValueError, match="covariance"):
+            certify_faces(session, "P1", {"x_up": bad}, source="CMM", measured_utc=NOON)
+        with pytest.raises(ValueError, match="positive"):
+            add_cube(session, "flat", side_mm=0.0)
