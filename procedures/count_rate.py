@@ -1,0 +1,283 @@
+"""From counts to a rate with an honest sigma.
+
+A count is the integer part of an integral, so a sample's increment is off by up to one count, but the errors
+are not independent: they telescope. Last-minus-first throws away everything between; a least-squares slope
+treats the remainder as white, which it is not at low rates. Here every node says what it really says, that the
+cumulative output lay in ``[c, c + 1)``, and the output is a straight line plus the random walk that white rate
+noise integrates to; `procedures.kernels.propagate` combines the statements (expectation propagation, started
+from the least-squares slope). The noise is the one that makes the counts most likely, averaged over what the
+counts leave open. With few edges this matters most: see ``docs/count-rate.md`` for the figures.
+
+Only nodes that can bind are used: in each of `WINDOWS` stretches the few that come closest to either end of
+their interval. Dropping a true statement costs information, never truth; measured, it costs none.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.kernels import propagate, smooth
+
+WINDOWS, CLOSEST = 64, 3
+DOUBT = 3.5  # sigmas from either end of its interval within which a node is admitted
+ROUNDS = 4
+WHITE = 0.35  # counts per sqrt(sample) above which the remainder is white: its harmonic is e^-2(pi s)^2
+LAG = 16  # samples
+STEPS = 4  # noises tried per factor e
+NOISE_RANGE = (-13 * STEPS, 0)  # steps of the logarithm of counts per sqrt(sample)
+DROP = 5.0  # nats below the best at which a noise is given up
+NARROW = 0.3  # width of the noise's logarithm below which one noise stands for all
+SWEEPS, TOLERANCE = 60, 1e-3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RateEstimate:
+    """Mean rate of a dwell's channel [output/s], 1 sigma; slope [/s] and curvature [/s2] of the rate, 1 sigma.
+
+    ``noise`` is the white rate noise [output/sqrt(s)]. ``edges`` counts the increments that differ from the
+    usual one. With fewer than two there is no point estimate: ``interval`` holds the rates that the
+    counts allow, and ``rate`` is no more than its middle.
+    """
+
+    rate: float
+    std: float
+    slope: float
+    slope_std: float
+    curvature: float
+    curvature_std: float
+    noise: float
+    edges: int
+    interval: tuple[float, float] | None = None
+
+
+@dataclass(slots=True, eq=False)
+class _Path:
+    """One channel's cumulative count in one dwell, about the line of ``rate`` counts per sample.
+
+    ``t`` (m,) node times in samples from the middle; ``low`` (m,) the least the output can have been there;
+    ``keep`` (m,) the nodes in use; ``tau``, ``nu`` their sites after the last `fit`.
+    """
+
+    t: FloatArray
+    low: FloatArray
+    segment: IntArray
+    keep: BoolArray
+    rate: float
+    edges: int
+    tau: FloatArray = field(default_factory=lambda: np.zeros(0))
+    nu: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def span(self) -> float:
+        return float(self.t[-1] - self.t[0])
+
+    def arrays(self, terms: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return times, links, lows and the integrated Legendre polynomials of the nodes in use.
+
+        theta is then the rate's mean, slope and curvature, each in counts per span.
+        """
+        t = self.t[self.keep]
+        linked = np.concatenate(([0.0], (np.diff(self.segment[self.keep]) == 0) * 1.0))
+        x = 2 * t / self.span
+        columns = (x / 2, (x**2 - 1) / 4, (x**3 - x) / 4)
+        return t, linked, self.low[self.keep], np.ascontiguousarray(np.stack(columns[:terms], axis=1))
+
+    def fit(self, noise: float) -> float:
+        """Find the sites at a noise; return the log evidence."""
+        t, linked, low, basis = self.arrays(1)
+        self.tau, self.nu = np.empty_like(t), np.empty_like(t)
+        return propagate(t, linked, low, self.tau, self.nu, basis, noise, SWEEPS, TOLERANCE)[2]
+
+    def terms(self, noise: float) -> tuple[FloatArray, FloatArray]:
+        """Mean rate of the line, slope and curvature of the cubic, and their variances, in counts per span."""
+        t, linked, _, basis = self.arrays(3)
+        line = smooth(t, linked, self.tau, self.nu, np.ascontiguousarray(basis[:, :1]), noise)
+        bent = smooth(t, linked, self.tau, self.nu, basis, noise)
+        theta = np.array([line[2][0], bent[2][1], bent[2][2]])
+        return theta, np.array([line[3][0, 0], bent[3][1, 1], bent[3][2, 2]])
+
+    def admit(self, noise: float) -> bool:
+        """Take in the nodes that the sites found so far leave in doubt; say whether there were any."""
+        if self.keep.all():
+            return False
+        t, linked, _, basis = self.arrays(1)
+        mean, variance, *_ = smooth(t, linked, self.tau, self.nu, basis, noise)
+        before = np.clip(np.searchsorted(t, self.t, side="right") - 1, 0, len(t) - 2)
+        share = (self.t - t[before]) / (t[before + 1] - t[before])
+        at = mean[before] + share * (mean[before + 1] - mean[before])
+        bridge = noise**2 * share * (1 - share) * (t[before + 1] - t[before])
+        margin = DOUBT * np.sqrt(np.maximum(variance[before], variance[before + 1]) + np.maximum(bridge, 0))
+        doubtful = (at - self.low < margin) | (self.low + 1 - at < margin)
+        fresh = bool(np.any(doubtful & ~self.keep))
+        self.keep |= doubtful
+        return fresh
+
+
+def estimate_counts(
+    dwells: Sequence[IntArray],
+    period: float,
+    starts: Sequence[IntArray] | None = None,
+    times: Sequence[FloatArray] | None = None,
+) -> list[RateEstimate]:
+    """Estimate the rate of one channel in each of several dwells that share one white noise.
+
+    Parameters
+    ----------
+    dwells : increments (n,) of each dwell, counts per sample
+    period : sample period [s]
+    starts : index of the first sample of every gap-free segment of each dwell; default: no gap
+    times : end of each sample's interval [s] of each dwell; default: evenly spaced
+
+    Source: the interval likelihood and its figures are this project's own (docs/count-rate.md); expectation
+    propagation is Minka, UAI 2001.
+    """
+    starts = starts or [np.zeros(1, dtype=np.int64)] * len(dwells)
+    samples = [np.arange(1.0, len(d) + 1) if times is None else times[i] / period for i, d in enumerate(dwells)]
+    paths = [_path(*each) for each in zip(dwells, samples, starts, strict=True)]
+    white = _white_noise(dwells)
+    if white > 0:
+        for path in paths:
+            path.keep[:] = True
+            path.tau, path.nu = np.full(len(path.t), 12.0), 12.0 * (path.low + 0.5)
+        return [_finish(path, [(white, 1.0)], period) for path in paths]
+    weights = _noise_posterior(paths)
+    return [_finish(path, weights, period) for path in paths]
+
+
+def _white_noise(dwells: Sequence[IntArray]) -> float:
+    """Return the noise [counts/sqrt(sample)] if it is large enough to make the remainder white, else 0.
+
+    An increment is r + w + q' - q with q uniform of variance 1/12: half the mean square of the increments'
+    differences is s^2 + 3/12. A rate near a simple fraction imitates that, but not over `LAG` samples, where
+    a remainder that only repeats cannot pass `WHITE`.
+    """
+    slow = [np.diff(_lag_sums(d)) for d in dwells if len(d) > 2 * LAG]
+    fast = [np.diff(d) for d in dwells if len(d) > 2 * LAG]
+    if not slow or (_mean_square(slow) - 0.5) / (2 * LAG) < WHITE**2:
+        return 0.0
+    return float(np.sqrt(_mean_square(fast) / 2 - 0.25))
+
+
+def _lag_sums(increments: IntArray) -> IntArray:
+    return increments[: len(increments) // LAG * LAG].reshape(-1, LAG).sum(axis=1)
+
+
+def _mean_square(parts: Sequence[IntArray]) -> float:
+    return float(sum(np.sum(part**2.0) for part in parts) / sum(len(part) for part in parts))
+
+
+def _path(increments: IntArray, t: FloatArray, starts: IntArray) -> _Path:
+    """Lay the nodes: one before each segment's first sample and one after every sample."""
+    at = np.zeros(len(increments) + len(starts))
+    count = np.zeros_like(at)
+    first = np.zeros(len(at), dtype=bool)
+    for k, (begin, end) in enumerate(zip(starts, [*starts[1:], len(increments)], strict=True)):
+        here = slice(begin + k, end + k + 1)
+        at[here] = np.concatenate(([t[begin] - 1.0], t[begin:end]))
+        count[here] = np.concatenate(([0], np.cumsum(increments[begin:end])))
+        first[begin + k] = True
+    segment = np.cumsum(first) - 1
+    at -= (at[0] + at[-1]) / 2
+    rate = _common_slope(at, count, segment)
+    low = count - rate * at
+    low -= (np.bincount(segment, low) / np.bincount(segment))[segment] + 0.5
+    edges = int(np.abs(increments - np.round(np.median(increments))).sum())
+    return _Path(at, low, segment, _binding(low, segment), rate, edges)
+
+
+def _common_slope(at: FloatArray, count: FloatArray, segment: IntArray) -> float:
+    """Least-squares slope shared by segments that each have their own level."""
+    size = np.bincount(segment)
+    x = at - (np.bincount(segment, at) / size)[segment]
+    return float(x @ count / (x @ x))
+
+
+def _binding(low: FloatArray, segment: IntArray) -> BoolArray:
+    """Mark the nodes nearest to either end of their interval in every window, and each segment's ends."""
+    n = len(low)
+    width = max(n // WINDOWS, 1)
+    keep = np.ones(n, dtype=bool)
+    if width <= 2 * CLOSEST:
+        return keep
+    rows = n // width
+    order = np.argsort(low[: rows * width].reshape(rows, width), axis=1) + width * np.arange(rows)[:, None]
+    keep[order[:, CLOSEST:-CLOSEST].ravel()] = False
+    change = np.flatnonzero(np.diff(segment))
+    keep[[0, n - 1, *change, *(change + 1)]] = True
+    return keep
+
+
+def _noise_posterior(paths: Sequence[_Path]) -> list[tuple[float, float]]:
+    """Return (noise, weight) around the most likely noise of all paths; the prior is flat in its logarithm."""
+    best = sum(NOISE_RANGE) // 2
+    for _ in range(ROUNDS):
+        found: dict[int, float] = {}
+        best = _climb(paths, best, found)
+        noise = float(np.exp(best / STEPS))
+        _evidence(paths, best, found, again=True)
+        if not any([path.admit(noise) for path in paths]):
+            break
+    below, peak, above = (_evidence(paths, best + k, found) for k in (-1, 0, 1))
+    bend = 2 * peak - below - above
+    if bend > 1 / (NARROW * STEPS) ** 2:
+        mode = (best + (above - below) / (2 * bend)) / STEPS
+        return [(float(np.exp(mode + 1 / (bend * STEPS**2))), 1.0)]
+    return _grid(paths, best, found)
+
+
+def _evidence(paths: Sequence[_Path], step: int, found: dict[int, float], again: bool = False) -> float:
+    """Log probability of all the counts at a noise of ``step``, up to a constant, computed once."""
+    if step not in found or again:
+        noise = float(np.exp(step / STEPS))
+        found[step] = sum(path.fit(noise) for path in paths)
+    return found[step]
+
+
+def _climb(paths: Sequence[_Path], best: int, found: dict[int, float]) -> int:
+    """Walk to the most likely noise in ever smaller strides; where none is possible, to a larger one."""
+    low, high = NOISE_RANGE
+    for stride in (STEPS, STEPS // 2, 1):
+        while True:
+            near = [k for k in (best - stride, best, best + stride) if low <= k <= high]
+            leader = max(near, key=lambda k: (_evidence(paths, k, found), k))
+            if leader == best:
+                break
+            best = leader
+    return best
+
+
+def _grid(paths: Sequence[_Path], best: int, found: dict[int, float]) -> list[tuple[float, float]]:
+    """Weigh every noise within `DROP` of the best."""
+    low, high = NOISE_RANGE
+    weights = {best: 1.0}
+    for direction in (-1, 1):
+        k = best + direction
+        while low <= k <= high and (fall := found[best] - _evidence(paths, k, found)) < DROP:
+            weights[k] = float(np.exp(-fall))
+            k += direction
+    total = sum(weights.values())
+    return [(float(np.exp(k / STEPS)), weight / total) for k, weight in sorted(weights.items())]
+
+
+def _finish(path: _Path, weights: Sequence[tuple[float, float]], period: float) -> RateEstimate:
+    """Average a dwell's rate, slope and curvature over what is open of the noise."""
+    mean, square = np.zeros(3), np.zeros(3)
+    for noise, weight in weights:
+        if noise <= WHITE:
+            path.fit(noise)
+        theta, variance = path.terms(noise)
+        mean += weight * theta
+        square += weight * (variance + theta**2)
+    std = np.sqrt(np.maximum(square - mean**2, 0.0))
+    half = path.span * period / 2
+    value, sigma = (each / (path.span * period) * (1, 1 / half, 3 / half**2) for each in (mean, std))
+    rate = path.rate / period + value[0]
+    reach = np.sqrt(6) * sigma[0]  # two uniform remainders: a triangle, whose half base is sqrt(6) sigma
+    return RateEstimate(
+        rate=float(rate), std=float(sigma[0]), slope=float(value[1]), slope_std=float(sigma[1]),
+        curvature=float(value[2]), curvature_std=float(sigma[2]),
+        noise=float(np.sqrt(sum(w * s * s for s, w in weights) / period)), edges=path.edges,
+        interval=(float(rate - reach), float(rate + reach)) if path.edges < 2 else None,
+    )  # fmt: skip

@@ -1,0 +1,64 @@
+"""Weighted non-linear least squares with priors: Gauss-Newton, the normal matrix's inverse as covariance."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+
+ITERATIONS = 12
+STEP = 1e-4  # of a parameter's scale, for central differences
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """The minimum: parameters (p,), covariance (p, p), whitened residual (n,) and its Jacobian (n, p)."""
+
+    x: FloatArray
+    covariance: FloatArray
+    residual: FloatArray
+    jacobian: FloatArray
+
+    @property
+    def chi2(self) -> float:
+        """Sum of squares of the whitened residual, priors included."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def dof(self) -> int:
+        """Rows, priors included, less parameters."""
+        return self.jacobian.shape[0] - self.jacobian.shape[1]
+
+    @property
+    def leverage(self) -> FloatArray:
+        """Share (n,) of each row's variance that the fit absorbs: the residual's variance is one less that."""
+        absorbed: FloatArray = np.einsum("ni,ij,nj->n", self.jacobian, self.covariance, self.jacobian)
+        return absorbed
+
+
+def minimise(residual: Callable[[FloatArray], FloatArray], start: FloatArray, scale: FloatArray) -> Fit:
+    """Minimise the sum of squares of a whitened ``residual``.
+
+    ``scale`` (p,) is the size at which each parameter bends the model; differences are taken over a small
+    part of it and the normal equations are solved in its units.
+    """
+    x = np.array(start, dtype=np.float64)
+    for _ in range(ITERATIONS):
+        r, J = residual(x), _jacobian(residual, x, scale)
+        step, *_ = np.linalg.lstsq(J, -r, rcond=None)
+        x += step * scale
+        if np.max(np.abs(J @ step)) < 1e-6:
+            break
+    r, J = residual(x), _jacobian(residual, x, scale)
+    covariance = np.linalg.inv(J.T @ J) * np.outer(scale, scale)
+    return Fit(x, covariance, r, J / scale)
+
+
+def _jacobian(residual: Callable[[FloatArray], FloatArray], x: FloatArray, scale: FloatArray) -> FloatArray:
+    columns = []
+    for i, size in enumerate(scale):
+        d = np.zeros_like(x)
+        d[i] = STEP * size
+        columns.append((residual(x + d) - residual(x - d)) / (2 * STEP))
+    return np.stack(columns, axis=1)

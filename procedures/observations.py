@@ -1,0 +1,123 @@
+"""What a campaign's steps say, reduced to a rate per dwell and a total per turn, each with its sigma."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.campaign import Campaign, DwellRecord, TurnRecord
+from procedures.count_rate import RateEstimate, estimate_counts
+from procedures.errors import WrongFace
+from procedures.frames import AXES, FACES, face_normal, face_of
+from procedures.rate_mean import estimate_rates
+from procedures.records import CountSeries, Series
+
+TRIADS = ("accelerometer", "gyroscope")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TriadDwells:
+    """One triad's rate (n, 3) [output/s, or output] and its 1 sigma (n, 3) in n dwells, with the estimates."""
+
+    dwells: tuple[tuple[int, DwellRecord], ...]  # (campaign, record)
+    rate: FloatArray
+    std: FloatArray
+    noise: FloatArray  # (3,) white noise, output per sqrt(s)
+    estimates: tuple[tuple[RateEstimate, ...], ...]
+
+
+def channel(series: Series, triad: str) -> FloatArray | None:
+    """Return the samples (n, 3) of a triad, or None where it is absent."""
+    samples = series.accel if triad == "accelerometer" else series.gyro
+    return None if samples is None else np.asarray(samples)
+
+
+def dwell_rates(campaigns: Sequence[Campaign], triad: str) -> TriadDwells | None:
+    """Estimate one triad's rate in every dwell that holds it; None if none does.
+
+    A channel's white noise belongs to the instrument, so all dwells of a campaign share it.
+    """
+    found: list[tuple[int, DwellRecord]] = []
+    estimates: list[tuple[RateEstimate, ...]] = []
+    for number, campaign in enumerate(campaigns):
+        dwells = [d for d in campaign.dwells if channel(d.series, triad) is not None]
+        if not dwells:
+            continue
+        found += [(number, dwell) for dwell in dwells]
+        axes = [_axis_rates(dwells, triad, axis) for axis in range(3)]
+        estimates += list(zip(*axes, strict=True))
+    if not found:
+        return None
+    rate = np.array([[e.rate for e in row] for row in estimates])
+    std = np.array([[e.std for e in row] for row in estimates])
+    noise = np.sqrt(np.mean([[e.noise**2 for e in row] for row in estimates], axis=0))
+    return TriadDwells(tuple(found), rate, std, noise, tuple(estimates))
+
+
+def _axis_rates(dwells: Sequence[DwellRecord], triad: str, axis: int) -> list[RateEstimate]:
+    samples = [np.asarray(channel(d.series, triad))[:, axis] for d in dwells]
+    starts = [d.series.starts for d in dwells]
+    period = float(np.median([d.series.period for d in dwells]))
+    if isinstance(dwells[0].series, CountSeries):
+        return estimate_counts(samples, period, starts, [d.series.t for d in dwells])
+    return estimate_rates(samples, period, starts)
+
+
+def refuse_wrong_faces(seen: TriadDwells, C_ib: Sequence[FloatArray]) -> None:
+    """Raise `WrongFace` at the first dwell whose vertical axis is not the one its position names.
+
+    The accelerometers' outputs are compared with each other, never through stored parameters: the middle of
+    each channel's range over the dwells is its zero, half the range its g. ``C_ib`` is per campaign.
+    """
+    low, high = seen.rate.min(axis=0), seen.rate.max(axis=0)
+    if np.any(high - low <= 20 * np.median(seen.std, axis=0)) or not _spans(seen):
+        return
+    scaled = (seen.rate - (low + high) / 2) / ((high - low) / 2)
+    sign = _polarity(seen, scaled, C_ib)
+    for (number, dwell), row in zip(seen.dwells, scaled * sign, strict=True):
+        in_cube = C_ib[number].T @ row
+        face = max(FACES, key=lambda name: float(face_normal(name) @ in_cube))
+        if face != face_of(dwell.position):
+            raise WrongFace(dwell.name, dwell.position, face_of(dwell.position), face)
+
+
+def _spans(seen: TriadDwells) -> bool:
+    return {face_of(d.position)[0] for _, d in seen.dwells} == set(AXES)
+
+
+def _polarity(seen: TriadDwells, scaled: FloatArray, C_ib: Sequence[FloatArray]) -> FloatArray:
+    """Return +1 or -1 per sensor: a scale factor may be negative, one dwell's label may be wrong, most are right."""
+    nominal = np.array([C_ib[number] @ face_normal(face_of(d.position)) for number, d in seen.dwells])
+    return np.where(np.sum(scaled * nominal, axis=0) < 0, -1.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TurnTotal:
+    """A closed turn: the integral of the gyro's output (3,) and its 1 sigma without closure and bias; its time."""
+
+    campaign: int
+    record: TurnRecord
+    total: FloatArray
+    std: FloatArray
+    seconds: float
+    counts: bool
+
+
+def turn_totals(campaigns: Sequence[Campaign], noise: FloatArray) -> list[TurnTotal]:
+    """Integrate the gyro over every turn; ``noise`` (3,) is the white noise [output/sqrt(s)] of the dwells.
+
+    A counter's total is off by the difference of two remainders, variance 1/6; a rate's by nothing more than noise.
+    """
+    found = []
+    for number, campaign in enumerate(campaigns):
+        for turn in campaign.turns:
+            samples = channel(turn.series, "gyroscope")
+            if samples is None:
+                continue
+            counts = isinstance(turn.series, CountSeries)
+            total = samples.sum(axis=0) * (1.0 if counts else turn.series.period)
+            seconds = len(samples) * turn.series.period
+            variance = noise**2 * seconds + (len(turn.series.starts) / 6 if counts else 0.0)
+            found.append(TurnTotal(number, turn, np.asarray(total, dtype=float), np.sqrt(variance), seconds, counts))
+    return found

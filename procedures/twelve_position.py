@@ -1,0 +1,153 @@
+"""The twelve positions of a cube on a slab: plan, the paper's formulas, and the joint solve.
+
+Yao, Hu, He 2018 (P1): ``N = k * (E u + D)``, eq. (1), (2). The closed form (3)-(8) takes every face as perfect;
+the two-direction bias (9)-(11) uses only the positions with the axis up or down, in which a face's tilt enters
+at second order. The joint solve estimates face parallelism and slab tilt beside k, E and D, so that nothing is
+assumed of the bench but how far off it may plausibly be; its bias has the two-direction one's variance or less.
+Eq. (7) of the paper divides by k of the gyroscope; the accelerometer's own is meant.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.bench_model import Bench, Placement, cube_numbers
+from procedures.campaign import Campaign
+from procedures.least_squares import Fit, minimise
+from procedures.observations import TriadDwells
+from procedures.records import Series
+from procedures.steps import Dwell, Plan
+
+
+def plan(seconds: float = 100.0, positions: Iterable[int] = range(1, 13)) -> Plan[dict[int, Series]]:
+    """Rest the cube in each position for ``seconds``; return what was recorded, by position."""
+    recorded = {}
+    for position in positions:
+        recorded[position] = yield Dwell(position, seconds)
+    return recorded
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClosedForm:
+    """P1's estimators: scale factor (3,), misalignment (3, 3), both biases (3,) and their counting-noise 1 sigma."""
+
+    scale_factor: FloatArray
+    misalignment: FloatArray
+    bias_12_position: FloatArray
+    bias_12_position_std: FloatArray
+    bias_two_direction: FloatArray
+    bias_two_direction_std: FloatArray
+
+
+def closed_form(rate: FloatArray, std: FloatArray) -> ClosedForm:
+    """Solve P1 (3)-(11) from the count rates (12, 3) of positions 1..12, cube axes, unit specific force."""
+    pairs = rate.reshape(3, 2, 2, 3)  # face axis, up or down, heading, sensor
+    K = (pairs[:, 0] - pairs[:, 1]).sum(axis=1).T / 4  # (3)-(5)
+    k = np.linalg.norm(K, axis=1)  # (6)
+    own = np.arange(3)
+    two = rate.reshape(3, 4, 3).mean(axis=1)[own, own]  # (9)-(11)
+    two_std = np.sqrt((std**2).reshape(3, 4, 3).sum(axis=1)[own, own]) / 4
+    twelve_std = np.sqrt(np.sum(std**2, axis=0)) / 12
+    return ClosedForm(k, K / k[:, None], rate.mean(axis=0) / k, twelve_std / k, two / k, two_std / k)
+
+
+def by_position(seen: TriadDwells, C_ib: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+    """Return rates and sigmas (12, 3), sensors named by the cube axis they lie along; None if a position lacks.
+
+    Repeats are averaged. Reordering the sensors to cube axes makes P1's formulas hold for an IMU that sits
+    turned in its cube; one that points along a cube axis backwards keeps its own sign.
+    """
+    order = np.argmax(np.abs(C_ib), axis=0)
+    rows, sigmas = [], []
+    for position in range(1, 13):
+        here = [i for i, (_, d) in enumerate(seen.dwells) if d.position == position]
+        if not here:
+            return None
+        rows.append(seen.rate[here].mean(axis=0)[order])
+        sigmas.append(np.sqrt(np.sum(seen.std[here] ** 2, axis=0))[order] / len(here))
+    return np.array(rows), np.array(sigmas)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointFit:
+    """A joint fit: the parameters are K (9) = diag(k) E by rows, b (3) = k D, then the bench's.
+
+    ``fit`` is the whole; ``excess`` (3,) is the scatter from dwell to dwell beyond counting noise that was
+    added to the sigma of every dwell [output/s].
+    """
+
+    fit: Fit
+    bench: Bench
+    seen: TriadDwells
+    excess: FloatArray
+
+    @property
+    def K(self) -> FloatArray:
+        """Scale factor times misalignment (3, 3), rows sensors, columns IMU axes."""
+        return self.fit.x[:9].reshape(3, 3)
+
+    @property
+    def b(self) -> FloatArray:
+        """Scale factor times bias (3,)."""
+        return self.fit.x[9:12]
+
+
+def dwell_bench(campaigns: Sequence[Campaign], seen: TriadDwells) -> Bench:
+    """Lay out the bench's parameters for the dwells seen."""
+    cubes = cube_numbers(campaigns)
+    placements = tuple(
+        Placement(number, int(cubes[number]), dwell.position, campaigns[number].sigma.heading)
+        for number, dwell in seen.dwells
+    )
+    return Bench(placements, tuple(campaigns), int(cubes.max()) + 1)
+
+
+def mountings(campaigns: Sequence[Campaign], bench: Bench) -> FloatArray:
+    """Return (m, 3, 3): for every placement the rotation from the cube's axes to the IMU's."""
+    return np.stack([campaigns[at.campaign].fixture.C_ib for at in bench.placements])
+
+
+def specific_force(bench: Bench, x: FloatArray, C_ib: FloatArray) -> FloatArray:
+    """Return (m, 3) [g] in IMU axes in every placement, for the bench's parameters ``x``."""
+    up = [np.array([0.0, 0.0, bench.gravity(x, i)]) for i in range(len(bench.campaigns))]
+    seen: FloatArray = (C_ib @ bench.seen(x, up)[..., None])[..., 0]
+    return seen
+
+
+def missing_positions(campaigns: Sequence[Campaign], seen: TriadDwells | None) -> list[str]:
+    """Name the positions of 1..12 that no dwell holds."""
+    there = {d.position for _, d in seen.dwells} if seen else set()
+    return [f"position {p}" for p in range(1, 13) if p not in there]
+
+
+def is_determined(u: FloatArray) -> bool:
+    """Say whether dwells at the inputs ``u`` (m, 3) determine a full row of K and a bias."""
+    A = np.hstack((u, np.ones((len(u), 1)) * np.max(np.abs(u))))
+    return len(u) >= 4 and bool(np.linalg.svd(A, compute_uv=False)[-1] > 0.1 * np.max(np.abs(u)))
+
+
+def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> JointFit | None:
+    """Solve k, E and D of the accelerometers with slab tilt and face tilts; None if not determined."""
+    bench = dwell_bench(campaigns, seen)
+    C_ib = mountings(campaigns, bench)
+    u = specific_force(bench, np.zeros(bench.size), C_ib)
+    if not is_determined(u):
+        return None
+    linear, *_ = np.linalg.lstsq(np.hstack((u, np.ones((len(u), 1)))), seen.rate, rcond=None)
+    start = np.concatenate((linear[:3].T.ravel(), linear[3], np.zeros(bench.size)))
+    mean, prior = bench.priors()
+    scale = np.concatenate((np.full(12, np.max(np.abs(linear))), np.full(bench.size, 0.1)))
+
+    def fit(excess: FloatArray) -> Fit:
+        sigma = np.sqrt(seen.std**2 + excess**2)
+
+        def residual(x: FloatArray) -> FloatArray:
+            model = specific_force(bench, x[12:], C_ib) @ x[:9].reshape(3, 3).T + x[9:12]
+            return np.concatenate((((seen.rate - model) / sigma).ravel(), prior @ x[12:] - mean))
+
+        return minimise(residual, start, scale)
+
+    none = np.zeros(3)
+    return JointFit(fit(none), bench, seen, none)
