@@ -8,13 +8,14 @@ without a certificate q is held at zero, and the misalignment refers to the *mea
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign import Campaign
 from procedures.earth import STANDARD_GRAVITY
-from procedures.frames import AXES, cross_axes, face_C_bs, face_of, nominal_C_lb, rotation, slab_C_ln
+from procedures.frames import AXES, cross_axes, face_normal, face_of, nominal_C_lb, rotation, slab_C_ln
 
 FACE_RANGE = 1e-3  # rad, 1 sigma: a cube 0.4 mm off in 400 mm is not a fixture
 SLAB_RANGE = 5e-3  # rad, 1 sigma: 0.3 deg
@@ -30,7 +31,7 @@ class Placement:
     heading_std: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Bench:
     """The nuisance parameters of all steps and where each stands in the vector (p,).
 
@@ -64,27 +65,38 @@ class Bench:
         """Where a placement's heading stands."""
         return 3 * len(self.campaigns) + 12 * self.cubes + placement
 
-    def up_tilt(self, x: FloatArray, cube: int, face: str) -> FloatArray:
-        """Up tilt (2,) [rad] of a cube's face."""
-        p, q = x[self.cube_slice(cube)].reshape(2, 3, 2)[:, AXES.index(face[0])]
-        return p / 2 + q if face.endswith("up") else p / 2 - q
+    @cached_property
+    def _nominal(self) -> FloatArray:
+        return np.stack([nominal_C_lb(at.position).T for at in self.placements])
+
+    @cached_property
+    def _campaign(self) -> IntArray:
+        return np.array([at.campaign for at in self.placements])
+
+    @cached_property
+    def _tilt_rotation(self) -> FloatArray:
+        """(m, 3, p): takes the parameters to the rotation vector of every placement's face, as `face_C_bs`."""
+        G = np.zeros((len(self.placements), 3, self.size))
+        for i, at in enumerate(self.placements):
+            face = face_of(at.position)
+            turn = np.stack([np.cross(face_normal(face), np.eye(3)[k]) for k in cross_axes(face)], axis=1)
+            p = self.cube_slice(at.cube).start + 2 * AXES.index(face[0])
+            G[i, :, p : p + 2] = turn / 2
+            G[i, :, p + 6 : p + 8] = turn if face.endswith("up") else -turn
+        return G
 
     def to_cube(self, x: FloatArray) -> FloatArray:
         """Return (m, 3, 3): the rotation from the slab's marks, at nominal heading, to every placement's cube."""
-        faces = [(at.cube, face_of(at.position)) for at in self.placements]
-        tilted = {key: face_C_bs(key[1], self.up_tilt(x, *key)) for key in set(faces)}
-        return np.stack(
-            [tilted[key] @ nominal_C_lb(at.position).T for key, at in zip(faces, self.placements, strict=True)]
-        )
+        result: FloatArray = rotation(self._tilt_rotation @ x) @ self._nominal
+        return result
 
     def seen(self, x: FloatArray, vector_n: Sequence[FloatArray], motion: FloatArray | None = None) -> FloatArray:
         """Return (m, 3): each campaign's vector, given East-North-Up, as every placement's cube sees it.
 
         ``motion`` (m, 3, 3), where given, is the integral over a turn of the rotation from its start.
-        All placements at once, as `C_bn` for one: this is the inner loop of the solve.
+        All placements at once: this is the inner loop of the solve.
         """
-        campaign = np.array([at.campaign for at in self.placements])
-        on_slab = np.stack([slab_C_ln(self.slab(x, i)) @ v for i, v in enumerate(vector_n)])[campaign]
+        on_slab = np.stack([slab_C_ln(self.slab(x, i)) @ v for i, v in enumerate(vector_n)])[self._campaign]
         heading = np.zeros((len(self.placements), 3))
         heading[:, 2] = -x[self.heading_index(0) : self.size]
         turned = rotation(heading) @ on_slab[..., None]

@@ -211,10 +211,11 @@ def _binding(low: FloatArray, segment: IntArray) -> BoolArray:
 
 def _noise_posterior(paths: Sequence[_Path]) -> list[tuple[float, float]]:
     """Return (noise, weight) around the most likely noise of all paths; the prior is flat in its logarithm."""
-    best = sum(NOISE_RANGE) // 2
+    telling = max(paths, key=lambda path: path.edges)  # where one path leads, all need few steps
+    best = _climb([telling], sum(NOISE_RANGE) // 2, STEPS, {})
     for _ in range(ROUNDS):
         found: dict[int, float] = {}
-        best = _climb(paths, best, found)
+        best = _climb(paths, best, 1, found)
         noise = float(np.exp(best / STEPS))
         _evidence(paths, best, found, again=True)
         if not any([path.admit(noise) for path in paths]):
@@ -235,16 +236,14 @@ def _evidence(paths: Sequence[_Path], step: int, found: dict[int, float], again:
     return found[step]
 
 
-def _climb(paths: Sequence[_Path], best: int, found: dict[int, float]) -> int:
+def _climb(paths: Sequence[_Path], best: int, stride: int, found: dict[int, float]) -> int:
     """Walk to the most likely noise in ever smaller strides; where none is possible, to a larger one."""
     low, high = NOISE_RANGE
-    for stride in (STEPS, STEPS // 2, 1):
-        while True:
-            near = [k for k in (best - stride, best, best + stride) if low <= k <= high]
-            leader = max(near, key=lambda k: (_evidence(paths, k, found), k))
-            if leader == best:
-                break
-            best = leader
+    while stride:
+        near = [k for k in (best - stride, best, best + stride) if low <= k <= high]
+        leader = max(near, key=lambda k: (_evidence(paths, k, found), k))
+        stride = stride // 2 if leader == best else stride
+        best = leader
     return best
 
 

@@ -37,6 +37,30 @@ def interval_moments(a: float, b: float) -> tuple[float, float, float]:
     return math.log(p), mean, max(variance, 1e-12)
 
 
+@njit("Tuple((f8[:,:], f8))(f8[:,:])", cache=True)
+def invert(matrix: FloatArray) -> tuple[FloatArray, float]:
+    """Return the inverse and the log determinant of a small positive definite matrix (Gauss-Jordan).
+
+    numpy's own would have numba load LAPACK, which takes longer than a campaign's counts.
+    """
+    p = len(matrix)
+    inverse = matrix.copy()
+    log_determinant = 0.0
+    for i in range(p):
+        pivot = inverse[i, i]
+        log_determinant += math.log(pivot)
+        inverse[i, i] = 1.0
+        for k in range(p):
+            inverse[i, k] /= pivot
+        for j in range(p):
+            if j != i:
+                factor = inverse[j, i]
+                inverse[j, i] = 0.0
+                for k in range(p):
+                    inverse[j, k] -= factor * inverse[i, k]
+    return inverse, log_determinant
+
+
 @njit("Tuple((f8[:], f8[:], f8[:], f8[:,:], f8))(f8[:], f8[:], f8[:], f8[:], f8[:,:], f8)", cache=True)
 def smooth(
     t: FloatArray, linked: FloatArray, tau: FloatArray, nu: FloatArray, basis: FloatArray, noise: float
@@ -95,9 +119,13 @@ def smooth(
             h[j] += TB[i, j] * rhs[i, 0]
             for k in range(p):
                 information[j, k] -= TB[i, j] * rhs[i, k + 1]
-    covariance = np.linalg.inv(information)
-    theta = covariance @ h
-    log_norm += 0.5 * (quadratic + h @ theta) - 0.5 * math.log(np.linalg.det(information))
+    covariance, log_determinant = invert(information)
+    theta = np.zeros(p)
+    for j in range(p):
+        for k in range(p):
+            theta[j] += covariance[j, k] * h[k]
+        quadratic += h[j] * theta[j]
+    log_norm += 0.5 * quadratic - 0.5 * log_determinant
     mean = rhs[:, 0].copy()
     for i in range(m):
         for j in range(p):

@@ -8,6 +8,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 
 ITERATIONS = 12
+SMALL = 1e-3  # sigma of any observation by which the last step still moved it; the next is its square
 STEP = 1e-4  # of a parameter's scale, for central differences
 
 
@@ -48,11 +49,10 @@ def minimise(residual: Callable[[FloatArray], FloatArray], start: FloatArray, sc
         r, J = residual(x), _jacobian(residual, x, scale)
         step, *_ = np.linalg.lstsq(J, -r, rcond=None)
         x += step * scale
-        if np.max(np.abs(J @ step)) < 1e-6:
+        if np.max(np.abs(J @ step)) < SMALL:
             break
-    r, J = residual(x), _jacobian(residual, x, scale)
     covariance = np.linalg.inv(J.T @ J) * np.outer(scale, scale)
-    return Fit(x, covariance, r, J / scale)
+    return Fit(x, covariance, residual(x), J / scale)
 
 
 def _jacobian(residual: Callable[[FloatArray], FloatArray], x: FloatArray, scale: FloatArray) -> FloatArray:
