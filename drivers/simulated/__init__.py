@@ -1,0 +1,1 @@
+"""Simulated devices: the physics of a unit and its bench, down to bytes on a port; `docs/simulated-devices.md`."""

@@ -1,0 +1,162 @@
+"""A bench wholly in memory: answers steps with counts at the speed of their arithmetic.
+
+Between steps it lets the clock run for the move and draws new counter remainders instead of simulating counts
+nobody reads; `SimulatedImu` simulates the moves too.
+"""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from drivers.simulated.effects import planted
+from drivers.simulated.motion import Segment, hand_turn, rest
+from drivers.simulated.sensor import Sensor
+from drivers.simulated.truth import Truth
+from drivers.simulated.world import World, turn_sign, world_of
+from procedures.arrays import FloatArray
+from procedures.campaign import (
+    Campaign,
+    DwellRecord,
+    FaceCertificate,
+    Fixture,
+    ProcedureSigma,
+    Site,
+    TurnRecord,
+)
+from procedures.frames import AXES, FACES, TURN_START
+from procedures.records import CountSeries
+from procedures.steps import Dwell, Step, Turn
+
+WAIT_S = 5.0  # of every move, the last seconds are a wait for the cube to settle
+ALL_POSITIONS = tuple(range(1, 13))
+
+
+def stand(truth: Truth) -> World:
+    """Return the bench of a truth with its bench and procedure effects in."""
+    world = world_of(truth)
+    for effect, sizes in planted(truth.effects):
+        if effect.world is not None:
+            world = effect.world(world, sizes)
+    return world
+
+
+class SimulatedBench:
+    """Performs dwells and turns on a simulated unit; ``truth`` and ``world`` say what was true.
+
+    Headings and closures are drawn per step from the truth's sigmas. Equal seeds give equal counts.
+    ``seed`` None: no noise and no scatter.
+    """
+
+    def __init__(self, truth: Truth, seed: int | None, move_s: float = 45.0, world: World | None = None) -> None:
+        hands, power = np.random.SeedSequence(seed or 0).spawn(2)
+        self._hands = np.random.default_rng(hands)
+        self._scatter = float(seed is not None)
+        self.truth = truth if seed is None else truth.powered_on(np.random.default_rng(power))
+        self.world = stand(truth) if world is None else world
+        entropy = None if seed is None else [seed]
+        self.sensor = Sensor(self.truth, self.world, planted(truth.effects), entropy)
+        self._move = round(move_s / truth.sample_period_s)
+        self._wait = round(min(WAIT_S, move_s) / truth.sample_period_s)
+        self._index = 0
+
+    def perform(self, step: Step) -> CountSeries:
+        """Do one step and return its counts; device time runs on through the move before it."""
+        self._index += self._move
+        self.sensor.skip()
+        return self._dwell(step) if isinstance(step, Dwell) else self._turn(step)
+
+    def _dwell(self, step: Dwell) -> CountSeries:
+        samples = round(step.seconds / self.truth.sample_period_s)
+        C_bn = self.world.attitude(step.position, self._draw(self.truth.heading_std_deg))
+        return self._record(rest(C_bn, samples, step.position, self._wait), samples)
+
+    def _turn(self, step: Turn) -> CountSeries:
+        truth = self.truth
+        C_bn = self.world.attitude(step.start_position, self._draw(truth.heading_std_deg), seated=False)
+        segment = turn_segment(
+            self.world, C_bn, step, self._draw(truth.closure_std_deg), truth.sample_period_s, self._hands
+        )
+        return self._record(segment, segment.samples or 0)
+
+    def _draw(self, std_deg: float) -> float:
+        return float(np.radians(std_deg) * self._hands.standard_normal() * self._scatter)
+
+    def _record(self, segment: Segment, samples: int) -> CountSeries:
+        gyro, accel = self.sensor.counts(segment, self._index, 0, samples)
+        ends = np.arange(self._index + 1, self._index + samples + 1, dtype=np.float64)
+        t: FloatArray = self.truth.sample_period_s * ends
+        self._index += samples
+        temperature = self.sensor.temperature(t)
+        return CountSeries(t, gyro, accel, temperature, self.truth.sample_period_s)
+
+
+def turn_segment(
+    world: World, C_bn: FloatArray, turn: Turn, closure: float, period: float, rng: np.random.Generator
+) -> Segment:
+    """Return a hand turn from ``C_bn`` about the slab's normal, ``closure`` [rad] short of or beyond closing.
+
+    ``turn.direction`` is right-handed about the cube axis, which may point up or down.
+    """
+    normal_b = C_bn @ world.slab_normal_n()
+    along = AXES.index(turn.axis)
+    if abs(normal_b[along]) < 0.9:
+        raise ValueError(
+            f"turn about {turn.axis}: that axis is not vertical; place the cube in a position where it is"
+        )
+    sense = turn_sign(turn.axis, turn.direction) * np.sign(normal_b[along])
+    total = float(sense * 2 * np.pi * turn.revolutions + closure)
+    return hand_turn(C_bn, normal_b, total, round(turn.rest_s / period), period, rng)
+
+
+def turn_steps(revolutions: int = 3, rest_s: float = 5.0) -> tuple[Turn, ...]:
+    """Return the six turns, + and - about each axis."""
+    return tuple(Turn(a, d, revolutions, TURN_START[a], rest_s) for a in AXES for d in "+-")
+
+
+def simulate_campaign(
+    truth: Truth,
+    seed: int,
+    *,
+    dwell_s: float = 100.0,
+    positions: Iterable[int] = ALL_POSITIONS,
+    turns: Iterable[Turn] | None = None,
+    certificate_sigma: float | None = None,
+    gravity_std: float = 1e-5,
+    draw_stated: bool = True,
+    move_s: float = 45.0,
+) -> Campaign:
+    """Return a whole campaign: dwells, then turns (the six of `turn_steps` unless given).
+
+    The campaign states the truth's gravity with ``gravity_std`` [m/s2], its operator sigmas, and, with
+    ``certificate_sigma`` [rad], a certificate of all six faces. ``draw_stated``: true gravity is the stated one
+    plus a draw of ``gravity_std``, and a certificate is the truth's tilt plus a draw of its sigma; else both are
+    exact (a planted site or fixture effect is what they do not state). Headings and closures are always drawn.
+    """
+    rng = np.random.default_rng([seed, 0xCA17])
+    world = stand(truth)
+    gravity_error, face_error = rng.standard_normal(), rng.standard_normal((6, 2))
+    if draw_stated:
+        world = replace(world, gravity=world.gravity + gravity_std * gravity_error)
+    bench = SimulatedBench(truth, seed, move_s, world)
+    dwells = [Dwell(position, dwell_s) for position in positions]
+    faces: dict[str, FaceCertificate] = {}
+    if certificate_sigma is not None:
+        stated = truth.faces_rad + certificate_sigma * face_error * draw_stated
+        covariance = certificate_sigma**2 * np.eye(2)
+        faces = {face: FaceCertificate(stated[i], covariance) for i, face in enumerate(FACES)}
+    return Campaign(
+        model=truth.model,
+        serial=truth.serial,
+        counts=True,
+        site=Site(float(np.radians(truth.latitude_deg)), truth.gravity_m_s2, gravity_std),
+        dwells=tuple(DwellRecord(d.name, d.position, bench.perform(d)) for d in dwells),
+        turns=tuple(_turn_record(t, bench) for t in (turn_steps() if turns is None else turns)),
+        sigma=ProcedureSigma(float(np.radians(truth.heading_std_deg)), float(np.radians(truth.closure_std_deg))),
+        fixture=Fixture(faces, world.C_ib),
+    )
+
+
+def _turn_record(turn: Turn, bench: SimulatedBench) -> TurnRecord:
+    series = bench.perform(turn)
+    return TurnRecord(turn.name, turn.axis, turn.direction, turn.revolutions, turn.start_position, series)

@@ -1,0 +1,37 @@
+"""Every effect that can be planted by name and size; `docs/simulated-devices.md` lists units and equations."""
+
+from collections.abc import Mapping
+
+from drivers.simulated.effects.accelerometer import ACCELEROMETER
+from drivers.simulated.effects.bench import BENCH
+from drivers.simulated.effects.effect import Effect, Felt, Stimulus
+from drivers.simulated.effects.gyroscope import GYROSCOPE
+from drivers.simulated.effects.procedure import PROCEDURE
+from drivers.simulated.errors import UnknownEffect
+from drivers.simulated.truth import Sizes
+
+EFFECTS = {effect.name: effect for effect in (*ACCELEROMETER, *GYROSCOPE, *BENCH, *PROCEDURE)}
+
+Planted = tuple[tuple[Effect, Sizes], ...]
+
+__all__ = ["EFFECTS", "Effect", "Felt", "Planted", "Stimulus", "planted"]
+
+
+def planted(effects: Mapping[str, Sizes]) -> Planted:
+    """Return the effects of a truth with their sizes, options filled in.
+
+    Raises
+    ------
+    UnknownEffect
+        A name that is no effect or no coefficient of it; lists the names there are.
+    """
+    found = []
+    for name, sizes in effects.items():
+        if name not in EFFECTS:
+            raise UnknownEffect(name, EFFECTS)
+        effect = EFFECTS[name]
+        for key in sizes:
+            if key not in effect.keys and key not in effect.options:
+                raise UnknownEffect(f"{name}.{key}", (*effect.keys, *effect.options))
+        found.append((effect, {**effect.options, **sizes}))
+    return tuple(found)

@@ -1,0 +1,71 @@
+"""Accelerometer effects: what is added to ``E f + D`` [g]; ``u`` is E f, per sensor, T in degC, t in s.
+
+Sources: IEEE Std 1293 model equation (K2, K3, cross products K_ij, scale-factor asymmetry); DESIGN 7, 10.7.
+"""
+
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from drivers.simulated.effects.effect import AXES, REFERENCE_C, VECTOR_KEYS, Effect, Felt, Stimulus, vector
+from drivers.simulated.truth import Sizes
+from procedures.arrays import FloatArray
+
+_PAIRS = [AXES[i] + AXES[j] for i, j in combinations_with_replacement(range(3), 2) if i != j]
+_PRODUCT_KEYS = tuple(f"{sensor}{pair}" for sensor in AXES for pair in _PAIRS)
+_OWN_KEYS = tuple(sensor + other for sensor in AXES for other in AXES if sensor != other)
+
+
+def _quadratic(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return vector(sizes) * felt.raw**2
+
+
+def _cubic(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return vector(sizes) * felt.raw**3
+
+
+def _asymmetry(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return 0.5e-6 * vector(sizes) * np.abs(felt.raw)
+
+
+def _cross_product(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    added = np.zeros(np.broadcast_shapes(felt.raw.shape, (1, 3)))
+    for key in _PRODUCT_KEYS + _OWN_KEYS:
+        if key in sizes:
+            sensor, pair = key[0], key[1:] if len(key) == 3 else key
+            product = felt.raw[:, AXES.index(pair[0])] * felt.raw[:, AXES.index(pair[1])]
+            added[:, AXES.index(sensor)] += sizes[key] * product
+    return added
+
+
+def _bias_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return vector(sizes) * (seen.temperature - REFERENCE_C)
+
+
+def _scale_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return 1e-6 * vector(sizes) * (seen.temperature - REFERENCE_C) * (felt.raw + felt.bias)
+
+
+def _bias_drift(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return vector(sizes) * seen.t / 3600
+
+
+def _relaxation(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return vector(sizes) * np.exp(-seen.rest_s / sizes["tau_s"])
+
+
+ACCELEROMETER = (
+    Effect("accelerometer.quadratic", "g/g^2", "K2 u^2", VECTOR_KEYS, accel=_quadratic),
+    Effect("accelerometer.cubic", "g/g^3", "K3 u^3", VECTOR_KEYS, accel=_cubic),
+    Effect("accelerometer.scale_asymmetry", "ppm", "1e-6 a |u| / 2, a = (k+ - k-) / k", VECTOR_KEYS,
+           accel=_asymmetry),
+    Effect("accelerometer.cross_product", "g/g^2",
+           "K u_i u_j; key xy: sensor x, u_x u_y; key xyz: sensor x, u_y u_z", _OWN_KEYS + _PRODUCT_KEYS,
+           accel=_cross_product),
+    Effect("accelerometer.bias_temperature", "g/K", "c (T - 25)", VECTOR_KEYS, accel=_bias_temperature),
+    Effect("accelerometer.scale_temperature", "ppm/K", "1e-6 c (T - 25) (u + D)", VECTOR_KEYS,
+           accel=_scale_temperature),
+    Effect("accelerometer.bias_drift", "g/h", "d t / 3600, t since power-on", VECTOR_KEYS, accel=_bias_drift),
+    Effect("accelerometer.relaxation", "g", "A exp(-t / tau_s), t since the cube came to rest; 0 while moved",
+           VECTOR_KEYS, {"tau_s": 30.0}, accel=_relaxation),
+)  # fmt: skip

@@ -1,0 +1,75 @@
+"""Gyroscope effects: what is added to ``E omega + D`` [deg/s]; ``u`` is E omega, f in g, B in uT, IMU axes.
+
+Sources: IEEE Std 952 model equation (temperature, temperature rate, magnetic, acceleration sensitivity);
+Shupe 1980 (temperature rate); the Sagnac sine of an open-loop FOG: H. C. Lefevre, The Fiber-Optic Gyroscope.
+"""
+
+import numpy as np
+
+from drivers.simulated.effects.effect import (
+    MATRIX_KEYS,
+    REFERENCE_C,
+    VECTOR_KEYS,
+    Effect,
+    Felt,
+    Stimulus,
+    matrix,
+    vector,
+)
+from drivers.simulated.truth import Sizes
+from procedures.arrays import FloatArray
+
+
+def _g_sensitivity(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), seen.f) / 3600
+    return added
+
+
+def _magnetic(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), seen.magnetic) / 3600
+    return added
+
+
+def _bias_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return vector(sizes) / 3600 * (seen.temperature - REFERENCE_C)
+
+
+def _scale_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return 1e-6 * vector(sizes) * (seen.temperature - REFERENCE_C) * (felt.raw + felt.bias)
+
+
+def _temperature_rate(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return vector(sizes) / 3600 * seen.temperature_rate
+
+
+def _bias_drift(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return vector(sizes) / 3600 * seen.t / 3600
+
+
+def _asymmetry(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return 0.5e-6 * vector(sizes) * np.abs(felt.raw)
+
+
+def _nonlinearity(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return 1e-6 * vector(sizes) * felt.raw * np.abs(felt.raw)
+
+
+def _sagnac_sine(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    phase = vector(sizes) * felt.raw
+    return felt.raw * (np.sinc(phase / np.pi) - 1)
+
+
+GYROSCOPE = (
+    Effect("gyroscope.g_sensitivity", "deg/h/g", "G f; key xy: sensor x, f_y; key x: xx", MATRIX_KEYS,
+           gyro=_g_sensitivity),
+    Effect("gyroscope.bias_temperature", "deg/h/K", "c (T - 25)", VECTOR_KEYS, gyro=_bias_temperature),
+    Effect("gyroscope.scale_temperature", "ppm/K", "1e-6 c (T - 25) (u + D)", VECTOR_KEYS,
+           gyro=_scale_temperature),
+    Effect("gyroscope.temperature_rate", "deg/h/(K/min)", "c dT/dt (Shupe)", VECTOR_KEYS, gyro=_temperature_rate),
+    Effect("gyroscope.bias_drift", "deg/h/h", "d t / 3600, t since power-on", VECTOR_KEYS, gyro=_bias_drift),
+    Effect("gyroscope.magnetic", "deg/h/uT", "M B; key xy: sensor x, B_y; key x: xx", MATRIX_KEYS, gyro=_magnetic),
+    Effect("gyroscope.scale_asymmetry", "ppm", "1e-6 a |u| / 2, a = (k+ - k-) / k", VECTOR_KEYS, gyro=_asymmetry),
+    Effect("gyroscope.scale_nonlinearity", "ppm/(deg/s)", "1e-6 c u |u|", VECTOR_KEYS, gyro=_nonlinearity),
+    Effect("gyroscope.sagnac_sine", "rad/(deg/s)", "sin(s u) / s - u, s the Sagnac phase per rate", VECTOR_KEYS,
+           gyro=_sagnac_sine),
+)  # fmt: skip

@@ -1,0 +1,62 @@
+"""Procedure effects: how the campaign was carried out, the clock, the disturbances, auxiliary influences."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from drivers.simulated.effects.effect import VECTOR_KEYS, Effect, Felt, Stimulus, vector
+from drivers.simulated.truth import Sizes
+from drivers.simulated.world import World
+from procedures.arrays import FloatArray
+
+AUXILIARY_PERIOD_S = 600.0
+
+
+def auxiliary(t: FloatArray, period_s: float = AUXILIARY_PERIOD_S) -> FloatArray:
+    """Return the auxiliary channel at device time ``t`` [s]: ``sin(2 pi t / period_s)``, in its own unit."""
+    value: FloatArray = np.sin(2 * np.pi * t / period_s)
+    return value
+
+
+def _placement(world: World, sizes: Sizes) -> World:
+    if not np.any(vector(sizes)):
+        return world
+    return replace(world, seatings={**world.seatings, int(sizes["position"]): vector(sizes)})
+
+
+def _label(world: World, sizes: Sizes) -> World:
+    actual = int(sizes.get("actual", 0.0))
+    return replace(world, labels={**world.labels, int(sizes["position"]): actual}) if actual else world
+
+
+def _clock(world: World, sizes: Sizes) -> World:
+    return replace(world, clock_ppm=world.clock_ppm + sizes.get("value", 0.0))
+
+
+def _disturbance(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    since = seen.rest_s - sizes["at_s"]
+    acts = (since >= 0) & (since < sizes["duration_s"]) & (seen.position == int(sizes["position"]))
+    return vector(sizes) * np.sin(2 * np.pi * sizes["hz"] * np.where(acts, since, 0.0))
+
+
+def _auxiliary_accel(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return vector(sizes, "a") * auxiliary(seen.t, sizes["period_s"])
+
+
+def _auxiliary_gyro(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    return vector(sizes, "g") / 3600 * auxiliary(seen.t, sizes["period_s"])
+
+
+PROCEDURE = (
+    Effect("placement.dwell", "rad", "rotation(x, y, z) of every vector as seen in the cube resting in `position`",
+           VECTOR_KEYS, {"position": 7.0}, world=_placement),
+    Effect("placement.label", "position", "asked for `position`, the cube stands in `actual` (0: as asked)",
+           ("actual",), {"position": 3.0}, world=_label),
+    Effect("clock.rate", "ppm", "the device's clock is fast: a sample lasts dt / (1 + 1e-6 value)", ("value",),
+           world=_clock),
+    Effect("disturbance.dwell", "g", "A sin(2 pi hz (t - at_s)) for duration_s in `position`, t since rest began",
+           VECTOR_KEYS, {"position": 7.0, "at_s": 40.0, "duration_s": 10.0, "hz": 7.3}, accel=_disturbance),
+    Effect("auxiliary.channel", "ax..az: g/unit, gx..gz: deg/h/unit", "c aux(t), aux = sin(2 pi t / period_s)",
+           ("ax", "ay", "az", "gx", "gy", "gz"), {"period_s": AUXILIARY_PERIOD_S},
+           accel=_auxiliary_accel, gyro=_auxiliary_gyro),
+)  # fmt: skip

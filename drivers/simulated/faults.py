@@ -1,0 +1,141 @@
+"""Faults of a line, planted on the bytes a device sends.
+
+A fault file is TOML with one ``[[fault]]`` table each: ``kind``, ``at_s`` (device time), optionally ``every_s``
+(again and again) and ``count`` or ``seconds``.
+"""
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from drivers.simulated.errors import TruthRefused
+from drivers.wire import WireFormat
+from procedures.records import CountBlock
+
+KINDS = {
+    "bad_crc": "`count` frames with one bit flipped",
+    "garbage": "`count` random bytes before a frame",
+    "lost": "`count` frames never sent",
+    "repeated": "a frame sent `count` times more",
+    "stall": "nothing sent for `seconds`; what was taken meanwhile is lost",
+    "unplug": "the port is gone for `seconds`; what was taken meanwhile is lost",
+    "counter_restart": "the frame counter begins at 0 again",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One fault, at device time ``at_s`` and, if ``every_s`` > 0, every so often after it; see `KINDS`."""
+
+    kind: str
+    at_s: float
+    every_s: float = 0.0
+    count: int = 1
+    seconds: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Silence:
+    """Send nothing for ``seconds`` of device time; ``unplugged``: the port is gone meanwhile."""
+
+    seconds: float
+    unplugged: bool
+
+
+Sent = bytes | Silence
+
+
+def faults_from(tables: Iterable[Mapping[str, Any]]) -> tuple[Fault, ...]:
+    """Return the faults of parsed ``[[fault]]`` tables; raise `TruthRefused` naming what is accepted."""
+    accepted = {f.name for f in fields(Fault)}
+    found = []
+    for table in tables:
+        if unknown := sorted(set(table) - accepted):
+            raise TruthRefused(f"fault key {unknown[0]!r}", ", ".join(sorted(accepted)))
+        if table.get("kind") not in KINDS:
+            raise TruthRefused(f"fault kind {table.get('kind')!r}", ", ".join(KINDS))
+        numbers = {key: value for key, value in table.items() if key != "kind"}
+        for key, value in {"at_s": None, **numbers}.items():
+            if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < 1e9:
+                raise TruthRefused(f"fault {key} = {value!r}", "a number, not negative")
+        found.append(Fault(**{**table, "count": int(table.get("count", 1))}))
+    return tuple(found)
+
+
+def load_faults(text: str) -> tuple[Fault, ...]:
+    """Return the faults of a TOML text's ``[[fault]]`` tables."""
+    try:
+        return faults_from(tomllib.loads(text).get("fault", ()))
+    except tomllib.TOMLDecodeError as error:
+        raise TruthRefused(str(error), "TOML") from error
+
+
+class FaultyLine:
+    """Encodes blocks of one device in order and spoils what the faults say; equal seeds give equal bytes."""
+
+    def __init__(self, wire: WireFormat, faults: Iterable[Fault], period: float, seed: int) -> None:
+        self._wire, self._faults, self._period = wire, tuple(faults), period
+        self._rng = np.random.default_rng([seed, 0xFA17])
+        self._losing = self._spoiling = self._restarted = 0
+
+    def send(self, block: CountBlock) -> list[Sent]:
+        """Return what goes over the line for a block whose counters are sample numbers since power-on."""
+        due = [self._due(int(index)) for index in block.counter] if self._faults else []
+        if not any(due) and not self._losing and not self._spoiling:
+            return [self._wire.encode(self._recounted(block))]
+        sent: list[Sent] = []
+        for row, faults in enumerate(due):
+            sent += self._frame(block, row, faults)
+        return sent
+
+    def _due(self, index: int) -> list[Fault]:
+        return [fault for fault in self._faults if _acts(fault, index, self._period)]
+
+    def _recounted(self, block: CountBlock) -> CountBlock:
+        return replace(block, counter=block.counter - self._restarted) if self._restarted else block
+
+    def _frame(self, block: CountBlock, row: int, faults: list[Fault]) -> list[Sent]:
+        before: list[Sent] = []
+        repeats = 1
+        for fault in faults:
+            match fault.kind:
+                case "counter_restart":
+                    self._restarted = int(block.counter[row])
+                case "garbage":
+                    before.append(self._rng.bytes(fault.count))
+                case "repeated":
+                    repeats += fault.count
+                case "bad_crc":
+                    self._spoiling += fault.count
+                case "lost":
+                    self._losing += fault.count
+                case "stall" | "unplug":
+                    before.append(Silence(fault.seconds, fault.kind == "unplug"))
+                    self._losing += round(fault.seconds / self._period)
+        if self._losing > 0:
+            self._losing -= 1
+            return before
+        frame = self._wire.encode(self._recounted(_row(block, row)))
+        if self._spoiling > 0:
+            self._spoiling -= 1
+            frame = self._spoilt(frame)
+        return [*before, frame * repeats]
+
+    def _spoilt(self, frame: bytes) -> bytes:
+        # not in the prefix: there it would be a lost sync, not a bad check
+        at = int(self._rng.integers(len(self._wire.imu.prefix), len(frame)))
+        bit = 1 << int(self._rng.integers(8))
+        return frame[:at] + bytes([frame[at] ^ bit]) + frame[at + 1 :]
+
+
+def _acts(fault: Fault, index: int, period: float) -> bool:
+    since = index - round(fault.at_s / period)
+    every = round(fault.every_s / period)
+    return since == 0 or (since > 0 and every > 0 and since % every == 0)
+
+
+def _row(block: CountBlock, row: int) -> CountBlock:
+    return CountBlock(**{f.name: getattr(block, f.name)[row : row + 1] for f in fields(CountBlock)})

@@ -1,0 +1,135 @@
+"""A simulated IMU in its cube, in virtual time: commands queue motion, reading lets time pass.
+
+Time advances only in `SimulatedImu.read`: equal truths, seeds and commands at equal sample counts give equal
+counts, however the samples are asked for.
+"""
+
+from collections import deque
+
+import numpy as np
+
+from drivers.simulated.bench import stand, turn_segment
+from drivers.simulated.effects import planted
+from drivers.simulated.motion import Segment, flip, rest, settle
+from drivers.simulated.sensor import Sensor
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray, IntArray
+from procedures.records import CountBlock
+from procedures.steps import Turn
+
+
+class SimulatedImu:
+    """One power-on of a unit resting in ``position``; ``truth`` has the turn-on biases in it.
+
+    ``seed`` None: no noise, no scatter of headings and closures. ``index`` is the number of samples taken.
+    """
+
+    def __init__(self, truth: Truth, seed: int | None, position: int = 1) -> None:
+        hands, power = np.random.SeedSequence(seed or 0).spawn(2)
+        self._hands = np.random.default_rng(hands)
+        self._scatter = float(seed is not None)
+        self.truth = truth if seed is None else truth.powered_on(np.random.default_rng(power))
+        self.world = stand(truth)
+        self._sensor = Sensor(self.truth, self.world, planted(truth.effects), None if seed is None else [seed])
+        self.index = 0
+        self.position = position
+        self._first = 0  # samples taken of the segment under way
+        self._segments = deque([rest(self.world.attitude(position, self._draw(truth.heading_std_deg)), None, position)])
+
+    @property
+    def time(self) -> float:
+        """Device time [s] of the last sample taken."""
+        return self.index * self.truth.sample_period_s
+
+    @property
+    def done(self) -> float:
+        """Device time [s] at which all commanded motion will be over."""
+        return (self.index + self._queued()) * self.truth.sample_period_s
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether commanded motion or rest is still under way."""
+        return self._queued() > 0
+
+    def place(self, position: int, move_s: float = 45.0) -> None:
+        """Put the cube into ``position`` 1..12 by hand within ``move_s`` [s]; then it settles and rests."""
+        if position not in range(1, 13):
+            raise ValueError(f"position {position}: expected 1 to 12")
+        truth, period = self.truth, self.truth.sample_period_s
+        C_bn = self.world.attitude(position, self._draw(truth.heading_std_deg))
+        move = flip(self._last_C_bn(), C_bn, self._samples(move_s), period, self._hands)
+        settling = settle(C_bn, position, period, self._hands, self._scatter * truth.settle_rad,
+                          truth.settle_tau_s, truth.settle_hz)  # fmt: skip
+        self._append(move, settling, rest(C_bn, None, position, settling.samples or 0))
+        self.position = position
+
+    def rest(self, seconds: float) -> None:
+        """Leave the cube alone for ``seconds`` before the next command acts."""
+        last, samples = self._segments[-1], self._samples(seconds)
+        rested = (last.rested or 0) + (self._first if len(self._segments) == 1 else 0)
+        self._append(
+            rest(last.C_bn, samples, last.position, rested), rest(last.C_bn, None, last.position, rested + samples)
+        )
+
+    def turn(self, axis: str, direction: str, revolutions: int, rest_s: float = 5.0) -> None:
+        """Turn the cube by hand about its vertical ``axis``; at rest for ``rest_s`` before and after.
+
+        Raises
+        ------
+        ValueError
+            ``axis`` is not vertical where the cube stands, or an argument is not a turn's.
+        """
+        turn = Turn(axis, direction, revolutions, self.position, rest_s)
+        closure = self._draw(self.truth.closure_std_deg)
+        period = self.truth.sample_period_s
+        segment = turn_segment(self.world, self._last_C_bn(), turn, closure, period, self._hands)
+        self._append(segment, rest(segment.end_C_bn(), None, self.position, self._samples(rest_s)))
+
+    def read(self, n_samples: int) -> CountBlock:
+        """Let ``n_samples`` sample periods pass and return their counts."""
+        gyro, accel = list[IntArray](), list[IntArray]()
+        begin, missing = self.index, n_samples
+        while missing > 0:
+            segment = self._segments[0]
+            left = missing if segment.samples is None else segment.samples - self._first
+            take = min(missing, left)
+            if take > 0:
+                increments = self._sensor.counts(segment, self.index, self._first, self._first + take)
+                gyro.append(increments[0])
+                accel.append(increments[1])
+            self._first, self.index, missing = self._first + take, self.index + take, missing - take
+            if segment.samples is not None and self._first == segment.samples:
+                self._segments.popleft()
+                self._first = 0
+        counter = np.arange(begin, begin + n_samples, dtype=np.int64)
+        time = self.truth.sample_period_s * (counter + 1.0)
+        return CountBlock(
+            counter=counter,
+            device_time=time,
+            gyro=np.concatenate([np.zeros((0, 3), np.int64), *gyro]),
+            accel=np.concatenate([np.zeros((0, 3), np.int64), *accel]),
+            temperature=self._sensor.temperature(time),
+            status=np.zeros(n_samples, dtype=np.int64),
+            healthy=np.ones(n_samples, dtype=np.bool_),
+        )
+
+    def _append(self, *segments: Segment) -> None:
+        self._segments.pop()  # the open rest, as long as it has lasted
+        if not self._segments:
+            self._first = 0
+        self._segments.extend(segments)
+
+    def _last_C_bn(self) -> FloatArray:
+        return self._segments[-1].C_bn
+
+    def _queued(self) -> int:
+        finite = sum(segment.samples or 0 for segment in self._segments)
+        return finite - self._first if len(self._segments) > 1 else 0
+
+    def _samples(self, seconds: float) -> int:
+        if not 0 <= seconds < 1e6:
+            raise ValueError(f"{seconds} s: expected 0 to 1e6")
+        return round(seconds / self.truth.sample_period_s)
+
+    def _draw(self, std_deg: float) -> float:
+        return float(np.radians(std_deg) * self._hands.standard_normal() * self._scatter)

@@ -1,0 +1,218 @@
+"""What is true of a simulated unit and its bench: the one thing every simulated count follows from.
+
+Field names are the keys of the TOML file and carry their units. Triads follow ``N = k (E u + D)`` of
+Yao, Hu, He 2018, eq. (1), (2): u in g and deg/s, IMU axes; E rows = sensor. Faces and slab as in
+`procedures.frames`: faces by `procedures.frames.FACES`, slab tilt as East and North components of the up
+vector seen from the slab.
+"""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+
+from drivers.simulated.errors import TruthRefused
+from procedures.arrays import FloatArray
+
+Sizes = Mapping[str, float]
+IMU_AXES = ("+x", "+y", "+z")
+P1_THETA = 0.04 / 400  # rad; every fixture item 0.04 mm on a 400 mm cube (Yao, Hu, He 2018, section 4)
+
+_SHAPES: dict[str, tuple[int, ...]] = {
+    "accel_k": (3,), "accel_e": (3, 3), "accel_d_g": (3,),
+    "gyro_k": (3,), "gyro_e": (3, 3), "gyro_d_deg_s": (3,),
+    "faces_rad": (6, 2), "slab_tilt_rad": (2,), "magnetic_enu_ut": (3,),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Truth:
+    """A unit, its cube, slab, site and operator. All noise sigmas may be zero."""
+
+    serial: str = "SIM-0"
+    model: str = "SIM-FOG3"
+    sample_period_s: float = 0.02
+    latitude_deg: float = 31.17
+    longitude_deg: float = 121.4
+    gravity_m_s2: float = 9.80665
+    magnetic_enu_ut: FloatArray = field(default_factory=lambda: np.array([-3.0, 34.0, -36.0]))
+
+    accel_k: FloatArray = field(default_factory=lambda: np.full(3, 1000.0))
+    """Scale factors [count/(g s)]."""
+    accel_e: FloatArray = field(default_factory=lambda: np.eye(3))
+    accel_d_g: FloatArray = field(default_factory=lambda: np.zeros(3))
+    """Biases at 25 degC [g]."""
+    gyro_k: FloatArray = field(default_factory=lambda: np.full(3, 36000.0))
+    """Scale factors [count/deg]."""
+    gyro_e: FloatArray = field(default_factory=lambda: np.eye(3))
+    gyro_d_deg_s: FloatArray = field(default_factory=lambda: np.zeros(3))
+    """Biases at 25 degC [deg/s]."""
+
+    accel_noise_g: float = 1e-5
+    """White noise of one sample, 1 sigma [g]; velocity random walk = accel_noise_g * sqrt(sample_period_s)."""
+    gyro_arw_deg_rt_s: float = 1e-4
+    """Angle random walk [deg/sqrt(s)]."""
+    accel_instability_g: float = 0.0
+    """Bias instability: stationary 1 sigma [g] of a first-order Gauss-Markov process."""
+    gyro_instability_dph: float = 0.01
+    """Bias instability: stationary 1 sigma [deg/h] of a first-order Gauss-Markov process."""
+    instability_tau_s: float = 200.0
+    """Correlation time of both; the Allan deviation peaks near 1.9 of it."""
+    accel_turn_on_g: float = 0.0
+    """Turn-on repeatability of the bias, 1 sigma [g], one draw per power-on."""
+    gyro_turn_on_dph: float = 0.0
+    """Turn-on repeatability of the bias, 1 sigma [deg/h], one draw per power-on."""
+
+    temperature_start_c: float = 23.0
+    temperature_rise_k: float = 0.0
+    temperature_tau_s: float = 1800.0
+    temperature_swing_k: float = 0.0
+    """Amplitude of a sine on top of ``start + rise (1 - exp(-t / tau))``."""
+    temperature_swing_period_s: float = 3600.0
+
+    faces_rad: FloatArray = field(default_factory=lambda: np.zeros((6, 2)))
+    slab_tilt_rad: FloatArray = field(default_factory=lambda: np.zeros(2))
+    slab_azimuth_rad: float = 0.0
+    """How far the slab's North mark points east of true north."""
+    heading_std_deg: float = 0.05
+    """Operator's scatter of a position's heading, 1 sigma, one draw per placing."""
+    closure_std_deg: float = 0.01
+    """How well a turn comes back to where it began, 1 sigma, one draw per turn."""
+    settle_rad: float = 2e-5
+    """Tilt amplitude right after a flip, ``A exp(-t / tau) sin(2 pi f t)``."""
+    settle_tau_s: float = 0.3
+    settle_hz: float = 4.0
+    imu_axes: tuple[str, str, str] = IMU_AXES
+    """Cube axes along which IMU x, y, z point."""
+    effects: Mapping[str, Sizes] = field(default_factory=dict)
+    """Planted effects by name; keys and units in ``drivers.simulated.effects``."""
+
+    def __post_init__(self) -> None:
+        for name, shape in _SHAPES.items():
+            got = getattr(self, name).shape
+            if got != shape:
+                raise TruthRefused(f"{name} has shape {got}", f"shape {shape}")
+
+    @classmethod
+    def example(cls, seed: int) -> "Truth":
+        """Return a random unit of the size real ones have: misalignment 1e-3, faces and slab 3e-5 rad."""
+        rng = np.random.default_rng([seed, 0x7EA1])
+        return cls(
+            serial=f"SIM-{seed}",
+            accel_k=1000 + 30 * rng.standard_normal(3),
+            accel_e=_misaligned(rng, 2e-3),
+            accel_d_g=2e-3 * rng.standard_normal(3),
+            gyro_k=36000 + 500 * rng.standard_normal(3),
+            gyro_e=_misaligned(rng, 7e-4),
+            gyro_d_deg_s=2e-4 * rng.standard_normal(3),
+            faces_rad=3e-5 * rng.standard_normal((6, 2)),
+            slab_tilt_rad=3e-5 * rng.standard_normal(2),
+        )
+
+    def powered_on(self, rng: np.random.Generator) -> "Truth":
+        """Return the truth of one power-on: turn-on biases drawn into D, their sigmas zero."""
+        accel, gyro = rng.standard_normal((2, 3))
+        return replace(
+            self,
+            accel_d_g=self.accel_d_g + self.accel_turn_on_g * accel,
+            gyro_d_deg_s=self.gyro_d_deg_s + self.gyro_turn_on_dph / 3600 * gyro,
+            accel_turn_on_g=0.0,
+            gyro_turn_on_dph=0.0,
+        )
+
+
+def _misaligned(rng: np.random.Generator, size: float) -> FloatArray:
+    off = size * rng.standard_normal((3, 3))
+    np.fill_diagonal(off, 0.0)
+    np.fill_diagonal(off, np.sqrt(1 - np.sum(off**2, axis=1)))
+    return off
+
+
+def paper_truth(theta: float = P1_THETA) -> Truth:
+    """Return the unit and cube of Yao, Hu, He 2018, tables 3 to 6: every fixture item equal to ``theta`` [rad].
+
+    The paper gives accelerometers only; the gyros are ideal at 36000 count/deg.
+    """
+    return Truth(
+        serial="P1",
+        accel_k=np.array([1020.0, 1015.0, 1018.0]),
+        accel_e=np.array([[0.999995, 0.001, 0.003], [0.002, 0.9999975, 0.001], [0.003, 0.002, 0.9999935]]),
+        accel_d_g=np.array([0.001, 0.002, 0.001]),
+        gyro_instability_dph=0.0,
+        faces_rad=theta * np.array([[1, 0], [0, 3], [0, 3], [5, 0], [0, 3], [5, 0.0]]),
+    )
+
+
+def truth_from(table: Mapping[str, Any]) -> Truth:
+    """Return the truth a parsed TOML table describes; keys left out keep their default.
+
+    Raises
+    ------
+    TruthRefused
+        An unknown key, a wrong type or shape; says what is accepted.
+    """
+    accepted = {f.name: f for f in fields(Truth)}
+    values: dict[str, Any] = {}
+    for key, value in table.items():
+        if key not in accepted:
+            raise TruthRefused(f"key {key!r}", ", ".join(accepted))
+        values[key] = _converted(key, value)
+    return Truth(**values)
+
+
+def load_truth(text: str) -> Truth:
+    """Return the truth written as TOML text (key = value, effects as ``[effects."name"]`` tables)."""
+    try:
+        return truth_from(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise TruthRefused(str(error), "TOML") from error
+
+
+def _converted(key: str, value: Any) -> Any:
+    if key == "effects":
+        return _effects(value)
+    if key == "imu_axes":
+        return tuple(str(axis) for axis in value)
+    if key in {"serial", "model"}:
+        if isinstance(value, str):
+            return value
+        raise TruthRefused(f"{key} = {value!r}", "text")
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise TruthRefused(f"{key} = {value!r}", "numbers") from error
+    if isinstance(value, (bool, str)) or not np.all(np.isfinite(array)) or array.shape != _SHAPES.get(key, ()):
+        raise TruthRefused(f"{key} = {value!r}", f"finite numbers of shape {_SHAPES.get(key, ())}")
+    return array if key in _SHAPES else float(array)
+
+
+def _effects(value: Any) -> dict[str, Sizes]:
+    found: dict[str, Sizes] = {}
+    if not isinstance(value, Mapping):
+        raise TruthRefused(f"effects = {value!r}", '[effects."accelerometer.quadratic"] with x = 4e-5')
+    for name, sizes in value.items():
+        # an unquoted name nests: effects.accelerometer.quadratic
+        nested = isinstance(sizes, Mapping) and any(isinstance(size, Mapping) for size in sizes.values())
+        if nested and "." not in name:
+            found |= _effects({f"{name}.{rest}": size for rest, size in sizes.items()})
+        elif isinstance(sizes, Mapping):
+            found[name] = {key: _size(name, key, size) for key, size in _flat(sizes)}
+        else:
+            raise TruthRefused(f"effects.{name} = {sizes!r}", "a table of sizes, such as {x = 4e-5}")
+    return found
+
+
+def _flat(sizes: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    flat: list[tuple[str, Any]] = []
+    for key, size in sizes.items():
+        deeper = _flat(size) if isinstance(size, Mapping) else []
+        flat += [(f"{key}.{rest}", deep) for rest, deep in deeper] or [(key, size)]
+    return flat
+
+
+def _size(name: str, key: str, size: Any) -> float:
+    if isinstance(size, bool) or not isinstance(size, (int, float)) or not np.isfinite(size):
+        raise TruthRefused(f"effects.{name}.{key} = {size!r}", "a finite number")
+    return float(size)

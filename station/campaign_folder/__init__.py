@@ -1,0 +1,21 @@
+"""Campaign folders (`campaign/1`, DESIGN 5): what a station records and what anyone may bring from elsewhere."""
+
+from station.campaign_folder.loaded import LoadedCampaign, LoadedStep, check_for_solve, check_one_unit
+from station.campaign_folder.manifest import append_hash, read_hashes, verify_folder
+from station.campaign_folder.reading import read_campaign
+from station.campaign_folder.writing import campaign_tables, write_campaign, write_series, write_tables
+
+__all__ = [
+    "LoadedCampaign",
+    "LoadedStep",
+    "append_hash",
+    "campaign_tables",
+    "check_for_solve",
+    "check_one_unit",
+    "read_campaign",
+    "read_hashes",
+    "verify_folder",
+    "write_campaign",
+    "write_series",
+    "write_tables",
+]

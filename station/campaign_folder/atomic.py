@@ -1,0 +1,46 @@
+"""Files that are there whole or not at all: written aside, synced, then renamed into place."""
+
+import os
+import secrets
+from pathlib import Path
+
+from station.errors import CannotWrite
+
+
+def replace_file(path: Path, content: bytes) -> None:
+    """Put ``content`` at ``path``, on the disk when this returns; what stood there is kept until then.
+
+    Raises
+    ------
+    CannotWrite
+        If the place cannot be written.
+    """
+    try:
+        if path.exists() and not path.is_file():  # /dev/stdout, a pipe: nothing to replace
+            path.write_bytes(content)
+            return
+        aside = path.with_name(f".{path.name}.{secrets.token_hex(6)}.tmp")
+        try:
+            _write_synced(aside, content)
+            os.replace(aside, path)
+        finally:
+            aside.unlink(missing_ok=True)
+        sync_folder(path.parent)
+    except OSError as error:
+        raise CannotWrite(path, error.strerror or str(error)) from error
+
+
+def sync_folder(folder: Path) -> None:
+    """Put a folder's entries on the disk."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _write_synced(path: Path, content: bytes) -> None:
+    with path.open("xb") as stream:
+        stream.write(content)
+        stream.flush()
+        os.fsync(stream.fileno())

@@ -1,0 +1,89 @@
+"""A campaign as it was read from a folder: what a solve needs and what else the folder said."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from procedures.arrays import FloatArray
+from procedures.campaign import Campaign
+from station.campaign_folder.schema import CampaignTable, StepTable
+from station.campaign_folder.series import StepData
+from station.errors import DataRefused
+
+REFUSE_PERIOD = 1e-2  # relative, DESIGN 5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoadedStep:
+    """A step of any kind with its data: a series, or for a turntable the columns of its points, each (n,)."""
+
+    kind: str
+    table: StepTable
+    line: int
+    data: StepData | None
+    points: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    @property
+    def label(self) -> str:
+        """The step in words: its kind, its attitude if it is not one of the twelve positions, its file."""
+        up, attitude = getattr(self.table, "up", None), getattr(self.table, "attitude", None)
+        where = f" up={up}" if up else f" attitude={attitude}" if attitude else ""
+        return f"{self.kind}{where} ({self.table.file})"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoadedCampaign:
+    """A folder's campaign; ``files`` maps each file's name to its sha256."""
+
+    folder: Path
+    tables: CampaignTable
+    campaign: Campaign
+    steps: tuple[LoadedStep, ...]
+    files: Mapping[str, str]
+    warnings: tuple[str, ...]
+    unused_steps: tuple[str, ...]
+
+
+def check_one_unit(campaigns: Sequence[LoadedCampaign]) -> None:
+    """Refuse campaigns that cannot be solved jointly: of other units or outputs, or with a recording in common.
+
+    Raises
+    ------
+    DataRefused
+        Naming the first campaign or file that does not fit, and what it does not fit.
+    """
+    first, seen = campaigns[0], dict[str, Path]()
+    for other in campaigns:
+        if (found := _unit(other)) != (expected := _unit(first)):
+            file = other.folder / "campaign.toml"
+            raise DataRefused(file, None, found, f"{expected} as in {first.folder}", "solve each unit by itself")
+        names = {step.table.file for step in other.steps}
+        for sha256, file in ((other.files[name], other.folder / name) for name in sorted(names)):
+            if sha256 in seen:
+                raise DataRefused(file, None, f"the same bytes as in {seen[sha256]}", "each recording once")
+            seen[sha256] = file
+
+
+def _unit(loaded: LoadedCampaign) -> str:
+    imu = loaded.tables.imu
+    return f"{imu.model} {imu.serial} with {'rates' if imu.output == 'rate' else 'counts'}"
+
+
+def check_for_solve(loaded: LoadedCampaign) -> None:
+    """Refuse what only a diagnosis may still use: a mean sample period more than 1 % off its nominal.
+
+    Raises
+    ------
+    DataRefused
+        Naming the first such file and both periods.
+    """
+    nominal = loaded.tables.imu.sample_period_s
+    for step in loaded.steps:
+        if step.data is not None and abs(step.data.series.period / nominal - 1) > REFUSE_PERIOD:
+            raise DataRefused(
+                loaded.folder / step.table.file,
+                None,
+                f"a mean sample period of {step.data.series.period:.9g} s",
+                f"sample_period_s = {nominal:.9g} within 1 %",
+                "correct sample_period_s or run `station diagnose` (it may name clock.rate)",
+            )

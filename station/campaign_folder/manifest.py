@@ -1,0 +1,87 @@
+"""``SHA256SUMS``: the hash of each recorded file of a folder, in the format of sha256sum(1)."""
+
+import hashlib
+import os
+import re
+from pathlib import Path
+
+from station.campaign_folder import toml_text
+from station.campaign_folder.atomic import replace_file, sync_folder
+from station.campaign_folder.files import MAX_LINE, open_inside
+from station.errors import Altered, CannotWrite, DataRefused
+
+NAME = "SHA256SUMS"
+_LINE = re.compile(r"([0-9a-f]{64}) [ *]([^\\\n]+)")
+
+
+def append_hash(folder: Path, name: str, sha256: str) -> None:
+    """Record the hash of an accepted file; it is on the disk when this returns.
+
+    A name that has a line, as ``campaign.toml`` of a growing campaign has, is given the new hash in its place.
+
+    Raises
+    ------
+    CannotWrite
+        If the folder cannot be written.
+    """
+    line = f"{sha256}  {name}\n"
+    if not _LINE.fullmatch(line[:-1]):
+        raise ValueError(f"{name!r} with {sha256!r} does not fit a line of {NAME}")
+    if (folder / NAME).exists() and name in (hashes := read_hashes(folder)):
+        others = "".join(f"{sha}  {other}\n" for other, (sha, _) in hashes.items() if other != name)
+        replace_file(folder / NAME, (others + line).encode())
+        return
+    try:
+        descriptor = os.open(folder / NAME, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        try:
+            os.write(descriptor, line.encode())
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+        sync_folder(folder)
+    except OSError as error:
+        raise CannotWrite(folder / NAME, error.strerror or str(error)) from error
+
+
+def read_hashes(folder: Path) -> dict[str, tuple[str, int]]:
+    """Return the recorded hash and its line number by file name; of a file recorded twice the last counts.
+
+    Raises
+    ------
+    DataRefused
+        If there is no readable ``SHA256SUMS``.
+    """
+    with open_inside(folder, NAME, folder, None) as stream:
+        content = stream.read(64 * MAX_LINE)
+    hashes = dict[str, tuple[str, int]]()
+    for number, line in enumerate(content.decode("utf-8", "backslashreplace").splitlines(), start=1):
+        if not (found := _LINE.fullmatch(line)):
+            raise DataRefused(folder / NAME, number, ascii(line[:40]), "a sha256, two blanks and a file name")
+        hashes[found[2]] = (found[1], number)
+    return hashes
+
+
+def verify_folder(folder: Path) -> list[str]:
+    """Hash every recorded file of a folder again and return their names.
+
+    Raises
+    ------
+    Altered
+        At the first file that differs, is missing, or is named in ``campaign.toml`` but has no hash.
+    DataRefused
+        If there are no hashes to compare with.
+    """
+    hashes = read_hashes(folder)
+    for name, (recorded, line) in hashes.items():
+        if not os.path.lexists(folder / name):
+            raise Altered(folder / name, "no such file", f"sha256 {recorded}")
+        with open_inside(folder, name, folder / NAME, line) as stream:
+            found = hashlib.file_digest(stream, "sha256").hexdigest()
+        if found != recorded:
+            raise Altered(folder / name, f"sha256 {found}", recorded)
+    if (folder / toml_text.NAME).exists():
+        tables, _, _ = toml_text.read_toml(folder)
+        for step in tables.steps():
+            if step.file not in hashes:
+                raise Altered(folder / step.file, "a step without a hash", f"a line in {NAME}")
+    return list(hashes)

@@ -1,0 +1,138 @@
+"""A campaign folder to memory."""
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+
+from procedures.campaign import (
+    Campaign,
+    DwellRecord,
+    FaceCertificate,
+    Fixture,
+    ProcedureSigma,
+    Site,
+    TurnRecord,
+)
+from procedures.earth import normal_gravity
+from procedures.frames import TURN_START
+from station.campaign_folder.csv_header import TableKind
+from station.campaign_folder.csv_table import read_csv
+from station.campaign_folder.files import open_inside
+from station.campaign_folder.loaded import LoadedCampaign, LoadedStep
+from station.campaign_folder.overlap import refuse_overlap
+from station.campaign_folder.schema import (
+    CampaignTable,
+    DwellTable,
+    FixtureTable,
+    ImuTable,
+    RateTable,
+    SiteTable,
+    StepTable,
+    TurnTable,
+    axes_matrix,
+)
+from station.campaign_folder.series import step_data
+from station.campaign_folder.table import Table
+from station.campaign_folder.toml_text import NAME, line_of, read_toml
+from station.errors import DataRefused
+
+_KINDS = ("dwell", "turn", "sequence", "rate", "soak")
+
+
+def read_campaign(folder: Path) -> LoadedCampaign:
+    """Read a ``campaign/1`` folder; every file it names is read and checked, used or not.
+
+    Raises
+    ------
+    DataRefused
+        If the folder breaks a rule of DESIGN 5: with file, line, found and expected.
+    """
+    if not folder.is_dir():
+        raise DataRefused(folder, None, "no such folder", f"a folder with a {NAME}", "name a campaign folder")
+    tables, lines, content = read_toml(folder)
+    files = {NAME: hashlib.sha256(content).hexdigest()}
+    steps = list[LoadedStep]()
+    for kind in _KINDS:
+        for index, table in enumerate(getattr(tables, kind)):
+            line = line_of((kind, index, "file"), lines)
+            step, files[table.file] = _read_step(folder, kind, table, line, tables.imu)
+            steps.append(step)
+    if not steps:
+        raise DataRefused(folder / NAME, None, "no step", f"at least one of {', '.join(_KINDS)}")
+    remarks = refuse_overlap(folder, steps)
+    warnings = [*remarks, *(w for step in steps if step.data for w in step.data.warnings)]
+    used = [step for step in steps if _is_used(step)]
+    unused = tuple(step.label for step in steps if step not in used)
+    return LoadedCampaign(folder, tables, _campaign(tables, used), tuple(steps), files, tuple(warnings), unused)
+
+
+def _read_step(folder: Path, kind: str, table: StepTable, line: int, imu: ImuTable) -> tuple[LoadedStep, str]:
+    columns = _read_table(folder, table, line, imu)
+    if isinstance(table, RateTable):
+        return LoadedStep(kind, table, line, None, columns.columns), columns.sha256
+    return LoadedStep(kind, table, line, step_data(columns, imu)), columns.sha256
+
+
+def _read_table(folder: Path, table: StepTable, line: int, imu: ImuTable) -> Table:
+    file = folder / table.file
+    suffix = Path(table.file).suffix
+    if suffix not in {".csv", ".mcap"} or (suffix == ".mcap" and isinstance(table, RateTable)):
+        wanted = "a .csv file" if isinstance(table, RateTable) else "a .csv or .mcap file"
+        raise DataRefused(folder / NAME, line, f"file = {ascii(table.file)[:80]}", wanted)
+    with open_inside(folder, table.file, folder / NAME, line) as stream:
+        if suffix == ".csv":
+            kind = TableKind(counts=imu.output != "rate", rate_table=isinstance(table, RateTable))
+            return read_csv(stream, file, kind)
+        from station.mcap_files import read_table  # heavy: only where a folder has MCAP files
+
+        return read_table(stream, file, counts=imu.output != "rate")
+
+
+def _is_used(step: LoadedStep) -> bool:
+    return isinstance(step.table, TurnTable) or (
+        isinstance(step.table, DwellTable) and step.table.position is not None
+    )
+
+
+def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
+    dwells, turns = list[DwellRecord](), list[TurnRecord]()
+    for step in used:
+        assert step.data is not None
+        match step.table:
+            case DwellTable(file=file, position=int(position)):
+                dwells.append(DwellRecord(file, position, step.data.series))
+            case TurnTable(file=file, axis=axis, direction=direction) as turn:
+                start = turn.start_position or TURN_START[axis]
+                turns.append(TurnRecord(file, axis, direction, turn.revolutions, start, step.data.series))
+    procedure = tables.procedure
+    return Campaign(
+        tables.imu.model,
+        tables.imu.serial,
+        tables.imu.output != "rate",
+        _site(tables.site),
+        tuple(dwells),
+        tuple(turns),
+        ProcedureSigma(*(float(np.radians(v)) for v in (procedure.heading_std_deg, procedure.closure_std_deg))),
+        _fixture(tables.fixture),
+    )
+
+
+def _site(site: SiteTable) -> Site:
+    latitude = float(np.radians(site.latitude_deg))
+    known = site.gravity_m_s2 is not None
+    gravity = site.gravity_m_s2 if site.gravity_m_s2 is not None else normal_gravity(latitude, site.height_m)
+    return Site(latitude, gravity, site.gravity_std_m_s2 or (1e-5 if known else 5e-4))
+
+
+def _fixture(fixture: FixtureTable) -> Fixture:
+    faces: dict[str, FaceCertificate] = {
+        face.resting: FaceCertificate(
+            np.array(face.up_tilt_rad, dtype=float),
+            np.eye(2) * face.std_rad**2
+            if face.std_rad is not None
+            else np.array(face.covariance_rad2, dtype=float),
+        )
+        for face in fixture.face
+    }
+    return Fixture(faces, axes_matrix(fixture.imu_axes), fixture.id)

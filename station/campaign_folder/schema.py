@@ -1,0 +1,174 @@
+"""The tables of ``campaign.toml`` (`campaign/1`, DESIGN 5): names with units, types, ranges, defaults."""
+
+from collections.abc import Sequence
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from procedures.arrays import FloatArray
+from procedures.frames import AXES, POSITIONS, face_of
+
+Axis = Literal["x", "y", "z"]
+Face = Literal["x_up", "x_down", "y_up", "y_down", "z_up", "z_down"]
+Position = Annotated[int, Field(ge=1, le=len(POSITIONS))]
+Sigma = Annotated[float, Field(gt=0, le=90)]
+Tilt = Annotated[float, Field(ge=-0.1, le=0.1)]
+Pair = Annotated[list[Tilt], Field(min_length=2, max_length=2)]
+Row = Annotated[list[float], Field(min_length=2, max_length=2)]
+SignedAxis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+
+
+def axes_matrix(imu_axes: Sequence[str]) -> FloatArray:
+    """Return C_ib (3, 3), the cube's axes to the IMU's: row q is the cube axis along which IMU axis q points."""
+    rows = np.zeros((3, 3))
+    for row, name in enumerate(imu_axes):
+        rows[row, AXES.index(name[1])] = 1.0 if name[0] == "+" else -1.0
+    return rows
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class ImuTable(_Table):
+    """``[imu]``."""
+
+    model: str
+    serial: str
+    sample_period_s: Annotated[float, Field(gt=0, le=1e6)]
+    output: Literal["increments", "cumulative", "rate"]
+    wrap_bits: Literal[16, 24, 32] | None = None
+
+    @model_validator(mode="after")
+    def _wraps_only_if_cumulative(self) -> Self:
+        if self.wrap_bits is not None and self.output != "cumulative":
+            raise ValueError('wrap_bits only beside output = "cumulative"')
+        return self
+
+
+class SiteTable(_Table):
+    """``[site]``."""
+
+    latitude_deg: Annotated[float, Field(ge=-90, le=90)]
+    longitude_deg: Annotated[float, Field(ge=-180, le=360)] | None = None
+    height_m: Annotated[float, Field(ge=-1000, le=20000)] = 0.0
+    gravity_m_s2: Annotated[float, Field(ge=9.5, le=10.1)] | None = None
+    gravity_std_m_s2: Annotated[float, Field(gt=0, le=1)] | None = None
+    magnetic_enu_ut: Annotated[list[float], Field(min_length=3, max_length=3)] | None = None
+
+
+class ProcedureTable(_Table):
+    """``[procedure]``, 1 sigma."""
+
+    heading_std_deg: Sigma = 0.1
+    closure_std_deg: Sigma = 0.02
+
+
+class FaceTable(_Table):
+    """``[[fixture.face]]``: the certificate of one resting face."""
+
+    resting: Face
+    up_tilt_rad: Pair
+    std_rad: Annotated[float, Field(gt=0, le=0.1)] | None = None
+    covariance_rad2: Annotated[list[Row], Field(min_length=2, max_length=2)] | None = None
+
+    @model_validator(mode="after")
+    def _has_one_uncertainty(self) -> Self:
+        if (self.std_rad is None) == (self.covariance_rad2 is None):
+            raise ValueError("exactly one of std_rad and covariance_rad2")
+        if self.covariance_rad2 is not None:
+            (a, b), (c, d) = self.covariance_rad2
+            if abs(b - c) > 1e-6 * max(abs(b), abs(c)) or a <= 0 or d <= 0 or a * d <= b * c:
+                raise ValueError("covariance_rad2 to be symmetric and positive definite")
+        return self
+
+
+class FixtureTable(_Table):
+    """``[fixture]``."""
+
+    id: str | None = None
+    side_mm: Annotated[float, Field(gt=0, le=1e5)] | None = None
+    imu_axes: Annotated[list[SignedAxis], Field(min_length=3, max_length=3)] = ["+x", "+y", "+z"]
+    face: list[FaceTable] = []
+
+    @model_validator(mode="after")
+    def _is_a_cube(self) -> Self:
+        if abs(np.linalg.det(axes_matrix(self.imu_axes)) - 1) > 0.5:
+            raise ValueError("imu_axes to be right-handed, each cube axis once")
+        faces = [face.resting for face in self.face]
+        if len(set(faces)) != len(faces):
+            raise ValueError("one certificate per resting face")
+        return self
+
+
+class _Attitude(_Table):
+    position: Position | None = None
+    up: Face | None = None
+    attitude: Literal["free"] | None = None
+    file: str
+
+    @model_validator(mode="after")
+    def _has_one_attitude(self) -> Self:
+        if sum(value is not None for value in (self.position, self.up, self.attitude)) != 1:
+            raise ValueError("exactly one of position, up and attitude")
+        return self
+
+
+class DwellTable(_Attitude):
+    """``[[dwell]]``: at rest."""
+
+
+class SoakTable(_Attitude):
+    """``[[soak]]``: at rest while temperature or an auxiliary channel moves."""
+
+
+class TurnTable(_Table):
+    """``[[turn]]``: whole revolutions about the vertical, back to where it began."""
+
+    axis: Axis
+    direction: Literal["+", "-"]
+    revolutions: Annotated[int, Field(ge=1, le=10000)]
+    start_position: Position | None = None
+    file: str
+
+    @model_validator(mode="after")
+    def _starts_with_its_axis_up(self) -> Self:
+        if self.start_position is not None and face_of(self.start_position) != f"{self.axis}_up":
+            raise ValueError(f"a start_position with {self.axis} up")
+        return self
+
+
+class SequenceTable(_Table):
+    """``[[sequence]]``: rests in unknown attitudes and moves between them."""
+
+    file: str
+
+
+class RateTable(_Table):
+    """``[[rate]]``: a turntable's points."""
+
+    axis: Axis
+    file: str
+
+
+class CampaignTable(_Table):
+    """The whole of ``campaign.toml``."""
+
+    format: Literal["campaign/1"]
+    imu: ImuTable
+    site: SiteTable
+    procedure: ProcedureTable = ProcedureTable()
+    fixture: FixtureTable = FixtureTable()
+    dwell: list[DwellTable] = []
+    turn: list[TurnTable] = []
+    sequence: list[SequenceTable] = []
+    rate: list[RateTable] = []
+    soak: list[SoakTable] = []
+
+    def steps(self) -> list["StepTable"]:
+        """Return the steps of all kinds, kind by kind."""
+        return [*self.dwell, *self.turn, *self.sequence, *self.rate, *self.soak]
+
+
+StepTable = DwellTable | TurnTable | SequenceTable | RateTable | SoakTable

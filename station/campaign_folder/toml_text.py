@@ -1,0 +1,131 @@
+"""``campaign.toml`` to its tables; what does not fit is refused with the line where it stands."""
+
+import re
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from station.campaign_folder.files import MAX_LINE, open_inside
+from station.campaign_folder.schema import CampaignTable
+from station.errors import DataRefused
+
+NAME = "campaign.toml"
+Key = tuple[str | int, ...]
+
+_HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_.\s]+?)\s*\]")
+_ENTRY = re.compile(r"\s*([A-Za-z0-9_]+)\s*=")
+_AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
+
+
+def read_toml(folder: Path) -> tuple[CampaignTable, dict[Key, int], bytes]:
+    """Read a folder's ``campaign.toml``.
+
+    Returns
+    -------
+    tables, lines, content
+        ``lines`` maps a key's path such as ``("dwell", 3, "file")`` to its line number.
+
+    Raises
+    ------
+    DataRefused
+        With the line of the first key that is wrong, unknown or missing.
+    """
+    path = folder / NAME
+    with open_inside(folder, NAME, folder, None) as stream:
+        content = stream.read(MAX_LINE + 1)
+    if len(content) > MAX_LINE:
+        raise DataRefused(path, None, "more than 1 MiB", f"a {NAME} of at most 1 MiB")
+    raw = _parse(content, path)
+    lines = line_of_keys(content.decode())
+    try:
+        return CampaignTable.model_validate(raw), lines, content
+    except ValidationError as error:
+        faults = error.errors(include_url=False)
+        unknown = [fault for fault in faults if fault["type"] == "extra_forbidden"]  # it explains what is missing
+        raise _refusal((unknown or faults)[0], path, lines) from None
+
+
+def _parse(content: bytes, path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(content.decode())
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise DataRefused(path, line, f"byte 0x{content[error.start]:02x}", "UTF-8 text") from None
+    except RecursionError:
+        raise DataRefused(
+            path, None, "arrays nested too deep", "TOML as in the description of campaign/1"
+        ) from None
+    except ValueError as error:  # TOMLDecodeError is one; so is an integer of thousands of digits
+        at = _AT_LINE.search(str(error))
+        what = _AT_LINE.sub("", str(error)).strip()
+        raise DataRefused(path, int(at[1]) if at else None, f"no TOML ({what})", "valid TOML") from None
+
+
+def line_of_keys(text: str) -> dict[Key, int]:
+    """Return the line number of each table header and key, by its path with the index of array tables."""
+    lines: dict[Key, int] = {(): 1}
+    counts: dict[str, int] = {}
+    table: Key = ()
+    for number, line in enumerate(text.split("\n"), start=1):
+        if header := _HEADER.match(line):
+            name = "".join(header[2].split())
+            table = tuple(name.split("."))
+            if header[1] == "[[":
+                counts[name] = counts.get(name, -1) + 1
+                table = (*table, counts[name])
+            lines.setdefault(table, number)
+        elif entry := _ENTRY.match(line):
+            lines.setdefault((*table, entry[1]), number)
+    return lines
+
+
+def line_of(key: Sequence[str | int], lines: dict[Key, int]) -> int:
+    """Return the line of a key, or of the nearest table around it."""
+    path = tuple(key)
+    while path not in lines:
+        path = path[:-1]
+    return lines[path]
+
+
+def _refusal(error: ErrorDetails, path: Path, lines: dict[Key, int]) -> DataRefused:
+    key = error["loc"]
+    name = ".".join(str(part) for part in key if isinstance(part, str)) or "the file"
+    line = line_of(key, lines)
+    match error["type"]:
+        case "missing":
+            return DataRefused(path, line, f"no {name}", f"{name} to be given")
+        case "extra_forbidden":
+            return DataRefused(
+                path, line, f"unknown key {ascii(name)[:60]}", f"one of {', '.join(_accepted(key))}"
+            )
+        case "value_error":
+            return DataRefused(path, line, f"{name} {_short(error['input'])}", str(error["ctx"]["error"]))
+    wanted = error["msg"].removeprefix("Input should be ")
+    return DataRefused(path, line, f"{name} = {_short(error['input'])}", wanted)
+
+
+def _accepted(key: Key) -> list[str]:
+    table: type[BaseModel] = CampaignTable
+    for part in key[:-1]:
+        if isinstance(part, str):
+            table = _table_of(table, part)
+    return list(table.model_fields)
+
+
+def _table_of(owner: type[BaseModel], name: str) -> type[BaseModel]:
+    annotation = owner.model_fields[name].annotation
+    inner = next(iter(get_args(annotation)), annotation)
+    if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+        raise TypeError(f"{name} is no table")
+    return inner
+
+
+def _short(value: object) -> str:
+    if isinstance(value, BaseModel | dict):
+        return "as it stands"
+    text = ascii(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,148 @@
+"""A campaign to a folder: ``campaign.toml`` and a data file per step."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from procedures.campaign import Campaign, Fixture
+from procedures.frames import AXES
+from procedures.records import Series
+from station.campaign_folder.atomic import replace_file
+from station.campaign_folder.schema import CampaignTable
+from station.campaign_folder.table import TRIADS
+from station.campaign_folder.toml_text import NAME
+
+
+def write_campaign(folder: Path, campaign: Campaign, sample_period_s: float, suffix: str = ".csv") -> None:
+    """Write a campaign's steps and then its ``campaign.toml``; steps keep their names, their files get ``suffix``.
+
+    Times are written to the nanosecond. A repeat of a step must have a name of its own.
+
+    Raises
+    ------
+    CannotWrite
+        If the folder cannot be written, or an MCAP file is there already.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    tables = campaign_tables(campaign, sample_period_s, suffix)
+    files = [step.file for step in tables.steps()]
+    if len(set(files)) < len(files):
+        raise ValueError("two steps of one name: each needs a file of its own")
+    steps = [(d.name, d.series) for d in campaign.dwells] + [(t.name, t.series) for t in campaign.turns]
+    for name, series in steps:
+        write_series(folder / (Path(name).stem + suffix), series)
+    write_tables(folder, tables)
+
+
+def campaign_tables(campaign: Campaign, sample_period_s: float, suffix: str) -> CampaignTable:
+    """Return a campaign as the tables of ``campaign.toml``."""
+    sigma, site = campaign.sigma, campaign.site
+    return CampaignTable.model_validate(
+        {
+            "format": "campaign/1",
+            "imu": {
+                "model": campaign.model,
+                "serial": campaign.serial,
+                "sample_period_s": sample_period_s,
+                "output": "increments" if campaign.counts else "rate",
+            },
+            "site": {
+                "latitude_deg": _degrees(site.latitude),
+                "gravity_m_s2": site.gravity,
+                "gravity_std_m_s2": site.gravity_std,
+            },
+            "procedure": {"heading_std_deg": _degrees(sigma.heading), "closure_std_deg": _degrees(sigma.closure)},
+            "fixture": _fixture(campaign.fixture),
+            "dwell": [{"position": d.position, "file": Path(d.name).stem + suffix} for d in campaign.dwells],
+            "turn": [
+                {
+                    "axis": t.axis,
+                    "direction": t.direction,
+                    "revolutions": t.revolutions,
+                    "start_position": t.start_position,
+                    "file": Path(t.name).stem + suffix,
+                }
+                for t in campaign.turns
+            ],
+        }
+    )
+
+
+def write_tables(folder: Path, tables: CampaignTable) -> None:
+    """Write ``campaign.toml``: there whole or, after a kill, as it was before."""
+    replace_file(folder / NAME, toml_text(tables.model_dump(exclude_none=True)).encode())
+
+
+def write_series(path: Path, series: Series) -> None:
+    """Write a step's file, as its suffix says ``.csv`` or ``.mcap``."""
+    if path.suffix == ".mcap":
+        from station.mcap_files import write_step  # heavy: only for MCAP
+
+        write_step(path, series)
+    else:
+        replace_file(path, _csv_text(series).encode())
+
+
+def _csv_text(series: Series) -> str:
+    names, columns = ["t_s"], [[repr(round(t, 9)) for t in series.t.tolist()]]
+    for values, triad in ((series.gyro, TRIADS["gyro"]), (series.accel, TRIADS["accel"])):
+        if values is not None:
+            names += triad
+            columns += [[repr(v) for v in column] for column in values.T.tolist()]
+    if np.isfinite(series.temperature).any():
+        names.append("temp_c")
+        columns.append(["" if v != v else repr(v) for v in series.temperature.tolist()])
+    return "\n".join([",".join(names), *map(",".join, zip(*columns, strict=True)), ""])
+
+
+def toml_text(tables: Mapping[str, object]) -> str:
+    """Return nested tables as TOML: strings, numbers, arrays of them, tables and arrays of tables."""
+    lines = list[str]()
+    _write_table((), tables, lines)
+    return "\n".join(lines).strip("\n") + "\n"
+
+
+def _write_table(path: tuple[str, ...], table: Mapping[str, object], lines: list[str]) -> None:
+    tables = {k: v for k, v in table.items() if isinstance(v, Mapping) or _is_tables(v)}
+    lines += [f"{key} = {_value(value)}" for key, value in table.items() if key not in tables]
+    for key, value in tables.items():
+        name = ".".join((*path, key))
+        if isinstance(value, Mapping):
+            lines += ["", f"[{name}]"]
+            _write_table((*path, key), value, lines)
+        elif isinstance(value, list):
+            for item in value:
+                lines += ["", f"[[{name}]]"]
+                _write_table((*path, key), item, lines)
+
+
+def _is_tables(value: object) -> bool:
+    return isinstance(value, list) and all(isinstance(item, Mapping) for item in value)
+
+
+def _value(value: object) -> str:
+    if isinstance(value, str):  # JSON's escapes are TOML's, but for DEL
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, list):
+        return f"[{', '.join(_value(item) for item in value)}]"
+    if isinstance(value, int | float):
+        return repr(value)
+    raise TypeError(f"{value!r} has no place in a campaign.toml")
+
+
+def _fixture(fixture: Fixture) -> dict[str, object]:
+    axes = [int(i) for i in np.argmax(np.abs(fixture.C_ib), axis=1)]
+    tables: dict[str, object] = {
+        "imu_axes": [f"{'+' if fixture.C_ib[q, i] > 0 else '-'}{AXES[i]}" for q, i in enumerate(axes)],
+        "face": [
+            {"resting": name, "up_tilt_rad": c.up_tilt.tolist(), "covariance_rad2": c.covariance.tolist()}
+            for name, c in fixture.faces.items()
+        ],
+    }
+    return tables if fixture.id is None else {"id": fixture.id, **tables}
+
+
+def _degrees(angle: float) -> float:
+    return float(np.degrees(angle))

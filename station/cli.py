@@ -1,0 +1,115 @@
+"""The command ``station``: finds a command, runs it, and turns what it raises into an exit code and one line.
+
+Exit codes (DESIGN 6): 0 done, 1 FAIL or altered, 2 wrong usage, 3 data refused, 4 device fault, 5 not observable,
+130 cancelled. 70 is a bug of ours; ``STATION_TRACEBACK=1`` then shows where.
+"""
+
+import importlib
+import os
+import sys
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from station.commands import COMMANDS
+
+CANCELLED = 130
+BUG = 70
+
+EXIT_CODES = {  # by full name, so that no command's imports are paid for by another
+    "station.errors.DataRefused": 3,
+    "station.errors.CannotWrite": 2,
+    "station.errors.Altered": 1,
+    "procedures.errors.NotObservable": 5,
+    "procedures.errors.WrongFace": 3,
+    "procedures.errors.ProcedureError": 3,
+    "drivers.errors.BadDeviceUrl": 2,
+    "drivers.errors.DriverError": 4,
+    "fixtures_db.errors.NotADatabase": 2,
+    "fixtures_db.errors.DatabaseError": 3,
+}
+
+
+class LazyGroup(TyperGroup):
+    """A group whose commands are imported when they are asked for, so that ``--help`` stays quick."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names in the order of the table."""
+        return [command.name for command in COMMANDS]
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Import a command by its name."""
+        for command in COMMANDS:
+            if command.name == cmd_name:
+                function = getattr(importlib.import_module(command.module), cmd_name.replace("-", "_"))
+                single = typer.Typer(add_completion=False, rich_markup_mode=None)
+                single.command(cmd_name)(function)
+                return typer.main.get_command(single)
+        return None
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the commands by the table, importing none."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(command.name, command.help) for command in COMMANDS])
+
+
+app = typer.Typer(cls=LazyGroup, add_completion=False, rich_markup_mode=None, no_args_is_help=False)
+
+
+@app.callback()
+def _station() -> None:
+    """Calibrate fibre-optic-gyro IMUs that output counts: record, solve, verify, report.
+
+    `station COMMAND --help` tells what a command does, its units and an example. Every command takes --db
+    (or STATION_DB).
+    """
+
+
+def main() -> None:
+    """Run `station` and exit."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: list[str]) -> int:
+    """Run a command line and return its exit code; what is refused is one line on stderr."""
+    try:
+        result = app(arguments, prog_name="station", standalone_mode=False)
+        sys.stdout.flush()
+    except BrokenPipeError:  # whoever read our output has left, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except BaseException as error:
+        if os.environ.get("STATION_TRACEBACK"):
+            raise
+        code, line = explain(error)
+    else:
+        code = result if isinstance(result, int) else 0  # typer hands a command's Exit back as its code
+        line = "cancelled" if code == CANCELLED else ""  # ... and Ctrl-C as that of Exit(130)
+    if line:
+        sys.stderr.write(one_line(line) + "\n")
+    return code
+
+
+def explain(error: BaseException) -> tuple[int, str]:
+    """Return the exit code of what a command raised, and the line to say."""
+    if isinstance(error, KeyboardInterrupt | typer.Abort):
+        return CANCELLED, "cancelled"
+    if isinstance(error, SystemExit | typer.Exit):
+        code = error.code if isinstance(error, SystemExit) else error.exit_code
+        return (code, "") if isinstance(code, int) else (2 if code else 0, str(code or ""))
+    if callable(usage := getattr(error, "format_message", None)):  # every usage error of typer's click has one
+        return 2, f"{usage()} Try `station --help`."
+    for kind in type(error).__mro__:
+        code = EXIT_CODES.get(f"{kind.__module__}.{kind.__qualname__}")
+        if code is not None:
+            return code, str(error)
+    return (
+        BUG,
+        f"{type(error).__name__}: {error}; a bug: run again with STATION_TRACEBACK=1 and report what it says",
+    )
+
+
+def one_line(text: str) -> str:
+    """Return text as one printable line."""
+    return "".join(c if c.isprintable() else " " for c in text).strip()

@@ -1,0 +1,57 @@
+"""``station report``: recorded campaigns to one HTML file to read, print and keep."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from station.commands import Database
+
+
+def report(
+    campaigns: Annotated[list[Path], typer.Argument(metavar="CAMPAIGN", help="Folders of campaign/1.")],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FILE.html", help="Where to write; else report.html in the folder."),
+    ] = None,
+    db: Database = None,
+) -> None:
+    """Solve recorded campaigns and write the calibration report: HTML that needs no other file and prints on A4.
+
+    It holds every parameter with 1 sigma, 95 % interval and unit (count/(g s), count/deg, ug, deg/h, arcsec), the
+    residual of every step against its limit, the Allan deviation of the longest dwell, conditions, warnings and
+    the hashes of the inputs.
+
+    Exit code 3 if a folder breaks a rule of campaign/1, 5 if neither triad can be solved.
+
+    Example: station report campaigns/2026-05-11 --out report.html
+    """
+    from station.campaign_folder import check_for_solve, check_one_unit, read_campaign
+    from station.solution_json import solution_document
+
+    loaded = [read_campaign(folder) for folder in campaigns]
+    check_one_unit(loaded)
+    for one in loaded:
+        check_for_solve(one)
+    from procedures.calibration import solve  # scipy and kernels: not before the data are right
+
+    from station.report.context import ReportContext
+    from station.report.writing import write_report
+
+    solution = solve([one.campaign for one in loaded])
+    document = solution_document(solution, loaded)
+    origin = document["provenance"]
+    whole = replace(
+        solution, warnings=tuple(document["warnings"]), unused_steps=tuple(document["unused_steps"])
+    )  # the folders' own warnings beside the solve's
+    context = ReportContext(
+        solution=whole,
+        campaigns=tuple(one.campaign for one in loaded),
+        files=origin["files"],
+        software=origin["software"],
+        created_utc=origin["created_utc"],
+    )
+    target = campaigns[0] / "report.html" if out is None else out
+    write_report(target, context)
+    typer.echo(f"{target}: calibration report of {origin['model']} {origin['serial']}")

@@ -1,0 +1,41 @@
+"""``station solve``: recorded campaigns to a calibration."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from station.commands import Database
+
+
+def solve(
+    campaigns: Annotated[list[Path], typer.Argument(metavar="CAMPAIGN", help="Folders of campaign/1.")],
+    json: Annotated[
+        Path | None, typer.Option("--json", metavar="OUT", help="Write solution/1 here instead of a summary.")
+    ] = None,
+    db: Database = None,
+) -> None:
+    """Solve recorded campaigns for scale factor, misalignment and bias of both triads, each with 1 sigma.
+
+    Several campaigns of one unit are solved jointly. Scale factors are in count/(g s) and count/deg, biases in g
+    and deg/h, tilts in rad (arcsec in the summary). Steps that the solve does not use are read, checked and named.
+
+    Exit code 3 if a folder breaks a rule of campaign/1, 5 if neither triad can be solved.
+
+    Example: station solve campaigns/2026-05-11 --json solution.json
+    """
+    from station.campaign_folder import check_for_solve, check_one_unit, read_campaign
+    from station.solution_json import solution_document, write_solution
+    from station.solution_text import solution_text
+
+    loaded = [read_campaign(folder) for folder in campaigns]
+    check_one_unit(loaded)
+    for one in loaded:
+        check_for_solve(one)
+    from procedures.calibration import solve as solve_campaigns  # scipy and kernels: not before the data are right
+
+    document = solution_document(solve_campaigns([one.campaign for one in loaded]), loaded)
+    if json is None:
+        typer.echo(solution_text(document))
+    else:
+        write_solution(json, document)

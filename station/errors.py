@@ -1,0 +1,43 @@
+"""What the station can refuse; each says found, expected and what to do, and carries its data.
+
+StationError
+├── DataRefused        a campaign folder or a file in it breaks a rule
+├── CannotWrite        a result has nowhere to go
+└── Altered            a recorded file no longer is what was recorded
+"""
+
+from pathlib import Path
+
+
+class StationError(Exception):
+    """The base of all that ``station`` raises on purpose."""
+
+
+class DataRefused(StationError, ValueError):
+    """Data that break a rule of `campaign/1`; ``line`` is None where no single line is to blame."""
+
+    def __init__(
+        self, file: str | Path, line: int | None, found: str, expected: str, remedy: str = "correct the file"
+    ) -> None:
+        self.file, self.line, self.found, self.expected = str(file), line, found, expected
+        where = self.file if line is None else f"{self.file}:{line}"
+        super().__init__(f"{where}: found {found}, expected {expected}; {remedy}")
+
+
+class CannotWrite(StationError, OSError):
+    """A result could not be written; what was there before is untouched."""
+
+    def __init__(self, path: str | Path, reason: str) -> None:
+        self.path, self.reason = str(path), reason
+        super().__init__(f"{path}: cannot be written ({reason}); name a place where you may write")
+
+
+class Altered(StationError):
+    """A recorded file differs from the hash taken when it was accepted."""
+
+    def __init__(self, file: str | Path, found: str, recorded: str) -> None:
+        self.file, self.found, self.recorded = str(file), found, recorded
+        super().__init__(
+            f"{file}: found {found}, expected {recorded} as recorded; "
+            f"restore the file from a copy or record the step again"
+        )

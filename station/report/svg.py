@@ -1,0 +1,54 @@
+"""Matplotlib figures as inline SVG: text stays text, equal figures give equal bytes."""
+
+import html
+import io
+import re
+from collections.abc import Callable
+
+import matplotlib.style
+from matplotlib.figure import Figure
+
+INK, RULE, PALE = "#1b2733", "#9aa5b1", "#e9edf1"
+AXIS_STYLE = {  # colour and symbol both tell the axis: readable in grey and by the colour-blind
+    "x": ("#0b5fa5", "o"),
+    "y": ("#b8480f", "s"),
+    "z": ("#1f7a4d", "^"),
+}
+_STYLE = {
+    "svg.fonttype": "none",
+    "font.family": "sans-serif",
+    "font.size": 8.5,
+    "axes.edgecolor": RULE,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "text.color": INK,
+    "text.parse_math": False,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "legend.frameon": False,
+}
+_NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
+
+
+def draw_svg(name: str, description: str, size_in: tuple[float, float], draw: Callable[[Figure], None]) -> str:
+    """Return what ``draw`` puts on an empty figure as an ``<svg>`` element for HTML.
+
+    ``name`` keeps its ids apart from other figures' on the page, ``description`` is for those who cannot see it.
+    The user's matplotlib configuration has no influence.
+    """
+    buffer = io.StringIO()
+    with matplotlib.style.context(["default", {**_STYLE, "svg.hashsalt": name}]):
+        figure = Figure(figsize=size_in, layout="constrained")
+        draw(figure)
+        figure.savefig(buffer, format="svg", metadata=_NO_METADATA)
+    text = buffer.getvalue()
+    element = text[text.index("<svg") :]
+    for prefix in (r'\bid="', r'\bhref="#', r"url\(#"):
+        element = re.sub(prefix, lambda match: f"{match[0]}{name}-", element)
+    element = re.sub(r' (?:width|height)="[\d.]+pt"', "", element, count=2)
+    element = re.sub(r' xmlns(?::xlink)?="[^"]*"', "", element).replace("xlink:href", "href")
+    return element.replace("<svg", f'<svg role="img" aria-label="{html.escape(description)}"', 1)

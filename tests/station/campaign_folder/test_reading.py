@@ -1,0 +1,188 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.earth import normal_gravity
+from procedures.records import CountSeries, RateSeries
+from station.campaign_folder import LoadedCampaign, check_for_solve, check_one_unit, read_campaign
+from station.errors import DataRefused
+
+
+def edit(folder: Path, name: str, *changes: tuple[str, str]) -> None:
+    text = (folder / name).read_text()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / name).write_text(text)
+
+
+def series(loaded: LoadedCampaign) -> CountSeries:
+    found = loaded.campaign.dwells[0].series
+    assert isinstance(found, CountSeries)
+    return found
+
+
+def test_a_correct_folder_is_read_as_it_stands(folder: Path) -> None:
+    loaded = read_campaign(folder)
+    one = series(loaded)
+    assert one.t.tolist() == [1.0, 1.02, 1.04, 1.06, 1.08]
+    assert one.gyro is not None
+    assert one.gyro.dtype == np.int64
+    assert one.gyro[0].tolist() == [1, 2, -3]
+    assert one.starts.tolist() == [0]
+    assert one.period == pytest.approx(0.02)
+    assert np.all(one.temperature == 23.5)
+    assert (loaded.warnings, loaded.unused_steps) == ((), ())
+    assert set(loaded.files) == {"campaign.toml", "one.csv", "turn.csv"}
+    assert loaded.campaign.turns[0].start_position == 1
+
+
+def test_defaults_are_those_of_the_contract(folder: Path) -> None:
+    campaign = read_campaign(folder).campaign
+    assert campaign.site.gravity == normal_gravity(np.radians(31.17), 0.0)
+    assert campaign.site.gravity_std == 5e-4
+    assert np.degrees([campaign.sigma.heading, campaign.sigma.closure]) == pytest.approx([0.1, 0.02])
+    assert np.array_equal(campaign.fixture.C_ib, np.eye(3))
+
+
+def test_given_gravity_has_a_sharper_sigma(folder: Path) -> None:
+    edit(folder, "campaign.toml", ("latitude_deg = 31.17", "latitude_deg = 31.17\ngravity_m_s2 = 9.7946"))
+    assert read_campaign(folder).campaign.site.gravity_std == 1e-5
+
+
+def test_certificates_and_axes_are_read(folder: Path) -> None:
+    fixture = """[fixture]
+id = "CUBE-7"
+imu_axes = ["+y", "-x", "+z"]
+[[fixture.face]]
+resting = "x_up"
+up_tilt_rad = [1e-5, -2e-5]
+std_rad = 5e-6
+[[fixture.face]]
+resting = "y_down"
+up_tilt_rad = [0, 0]
+covariance_rad2 = [[4e-12, 1e-12], [1e-12, 9e-12]]
+[[dwell]]"""
+    edit(folder, "campaign.toml", ("[[dwell]]", fixture))
+    found = read_campaign(folder).campaign.fixture
+    assert found.id == "CUBE-7"
+    assert found.C_ib.tolist() == [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]
+    assert np.allclose(found.faces["x_up"].covariance, np.eye(2) * 25e-12, rtol=1e-12, atol=0)
+    assert found.faces["y_down"].covariance[0, 1] == 1e-12
+
+
+def test_a_gap_starts_a_segment_and_is_named_with_its_line(folder: Path) -> None:
+    edit(folder, "one.csv", ("1.04,1,2,-3,4,0,-6,23.5\n", ""))
+    loaded = read_campaign(folder)
+    assert series(loaded).starts.tolist() == [0, 2]
+    assert series(loaded).period == pytest.approx(0.02)
+    assert loaded.warnings == (f"{folder}/one.csv:4: a gap of 0.04 s",)
+
+
+def test_cumulative_output_is_differenced_modulo_its_word(folder: Path) -> None:
+    edit(folder, "campaign.toml", ('"increments"', '"cumulative"\nwrap_bits = 16'))
+    values = [(1.0, 65530), (1.02, 3), (1.04, 65535), (1.1, 7), (1.12, 9)]
+    (folder / "one.csv").write_text("t_s,ax,ay,az\n" + "".join(f"{t},{c},0,0\n" for t, c in values))
+    one = series(read_campaign(folder))
+    assert one.accel is not None
+    assert one.accel[:, 0].tolist() == [9, -4, 2]
+    assert one.t.tolist() == [1.02, 1.04, 1.12]
+    assert one.starts.tolist() == [0, 2]
+    assert one.gyro is None
+
+
+def test_optional_cells_may_be_empty(folder: Path) -> None:
+    text = "aux_fan,t_s,utc_s,ax,ay,az,temp_c\r\n,1.0,,1,2,3,\r\n,1.02,1e9,1,2,3,\r\n4,1.04,,1,2,3,20\r\n"
+    (folder / "one.csv").write_bytes(text.encode())
+    step = read_campaign(folder).steps[0]
+    assert step.data is not None
+    assert np.array_equal(step.data.series.temperature, [np.nan, np.nan, 20.0], equal_nan=True)
+    assert np.array_equal(step.data.extra["aux_fan"], [np.nan, np.nan, 4.0], equal_nan=True)
+    assert np.array_equal(step.data.extra["utc_s"], [np.nan, 1e9, np.nan], equal_nan=True)
+
+
+def test_rates_may_be_real(folder: Path) -> None:
+    edit(folder, "campaign.toml", ('"increments"', '"rate"'))
+    edit(folder, "one.csv", ("1,2,-3", "1.5,2e0,-.3"))
+    found = read_campaign(folder).campaign.dwells[0].series
+    assert isinstance(found, RateSeries)
+    assert found.gyro is not None
+    assert found.gyro[0].tolist() == [1.5, 2.0, -0.3]
+
+
+def test_steps_the_solve_does_not_use_are_read_and_named(folder: Path) -> None:
+    extra = """
+[[dwell]]
+up = "x_up"
+file = "a.csv"
+[[dwell]]
+attitude = "free"
+file = "b.csv"
+[[sequence]]
+file = "c.csv"
+[[soak]]
+position = 3
+file = "d.csv"
+[[rate]]
+axis = "z"
+file = "rates.csv"
+"""
+    edit(folder, "campaign.toml", ('file = "turn.csv"\n', 'file = "turn.csv"\n' + extra))
+    for index, name in enumerate("abcd"):
+        (folder / f"{name}.csv").write_text(f"t_s,gx,gy,gz\n{100 + index},1,2,3\n")
+    (folder / "rates.csv").write_text("rate_ref_deg_s,gz,temp_c\n1.5,-100.25,\n-1.5,99,40\n")
+    loaded = read_campaign(folder)
+    assert loaded.unused_steps == (
+        "dwell up=x_up (a.csv)",
+        "dwell attitude=free (b.csv)",
+        "sequence (c.csv)",
+        "rate (rates.csv)",
+        "soak (d.csv)",
+    )
+    assert loaded.steps[-2].points["gz"].tolist() == [-100.25, 99.0]
+
+
+def test_a_period_off_its_nominal_warns_and_then_is_refused_by_solve(folder: Path) -> None:
+    edit(folder, "campaign.toml", ("= 0.02", "= 0.0201"))
+    loaded = read_campaign(folder)
+    assert "off sample_period_s" in loaded.warnings[0]
+    check_for_solve(loaded)
+    edit(folder, "campaign.toml", ("= 0.0201", "= 0.0204"))
+    with pytest.raises(DataRefused, match="mean sample period"):
+        check_for_solve(read_campaign(folder))
+    edit(folder, "campaign.toml", ("= 0.0204", "= 0.01"))
+    with pytest.raises(DataRefused, match=r"mean sample period of 0\.02 s"):
+        check_for_solve(read_campaign(folder))
+
+
+def test_campaigns_of_two_units_are_not_solved_jointly(folder: Path) -> None:
+    first = read_campaign(folder)
+    edit(folder, "campaign.toml", ('"S1"', '"S2"'))
+    with pytest.raises(DataRefused, match="FOG-3 S2"):
+        check_one_unit([first, read_campaign(folder)])
+
+
+def test_a_recording_is_not_counted_twice(folder: Path) -> None:
+    loaded = read_campaign(folder)
+    with pytest.raises(DataRefused, match="the same bytes as in"):
+        check_one_unit([loaded, loaded])
+
+
+@pytest.mark.parametrize(
+    ("name", "steps", "unused"),
+    [
+        ("campaigns/clean", 18, 0),
+        ("campaigns/quadratic_free", 30, 12),
+        ("measured/fog_rate_temperature", 1, 1),
+        ("measured/xsens_mti", 1, 1),
+        ("measured/imucal_six_faces", 9, 6),
+        ("measured/ln100_two_positions", 2, 2),
+    ],
+)
+def test_the_shared_folders_are_accepted_without_a_warning(
+    shared_data: Path, name: str, steps: int, unused: int
+) -> None:
+    loaded = read_campaign(shared_data / name)
+    assert (len(loaded.steps), len(loaded.unused_steps), loaded.warnings) == (steps, unused, ())
+    check_for_solve(loaded)

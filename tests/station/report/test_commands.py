@@ -1,0 +1,77 @@
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+import typer
+from typer.testing import CliRunner, Result
+
+from station.commands.fixtures import fixtures
+from station.commands.report import report
+from tests.station.report import factory
+
+CAMPAIGN = """format = "campaign/1"
+[imu]
+model = "FOG-3"
+serial = "S0101"
+sample_period_s = 0.02
+output = "increments"
+[site]
+latitude_deg = 31.17
+[[dwell]]
+position = 1
+file = "dwell_01.csv"
+[[soak]]
+position = 1
+file = "soak.csv"
+"""
+
+
+def _run(command: Callable[..., Any], *arguments: str | Path) -> Result:
+    app = typer.Typer()
+    app.command()(command)
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def _rows(start: float) -> str:
+    lines = [f"{start + 0.02 * i:.2f},1,2,{i % 2},20,{i % 3},0,23.0" for i in range(1, 101)]
+    return "\n".join(["t_s,gx,gy,gz,ax,ay,az,temp_c", *lines, ""])
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder whose solve is made up: here only the way from folder to file is looked at."""
+    calibration = ModuleType("procedures.calibration")
+    calibration.solve = lambda campaigns: factory.solution()  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "procedures.calibration", calibration)
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    (tmp_path / "dwell_01.csv").write_text(_rows(0.0))
+    (tmp_path / "soak.csv").write_text(_rows(10.0))
+    return tmp_path
+
+
+def test_report_writes_one_file_with_the_folder_s_hashes_and_unused_steps(folder: Path) -> None:
+    out = folder / "out.html"
+    result = _run(report, folder, "--out", out)
+    assert result.exit_code == 0, result.output
+    text = out.read_text()
+    assert "S0101" in text
+    assert "soak" in text
+    assert "dwell_01.csv" in text
+    assert "NOT MEASURED" in text
+
+
+def test_report_without_out_stands_in_the_folder(folder: Path) -> None:
+    assert _run(report, folder).exit_code == 0
+    assert (folder / "report.html").exists()
+
+
+def test_fixtures_lists_and_shows_the_example_cube(tmp_path: Path) -> None:
+    db = tmp_path / "station.db"
+    assert "P1: 400 mm, 0 of 6 faces certified, no due date" in _run(fixtures, "list", "--db", db).output
+    shown = _run(fixtures, "show", "P1", "--db", db).output
+    assert "t4-1: perpendicularity of C to A 0.04 mm" in shown
+    assert _run(fixtures, "show", "--db", db).exit_code == 2
+    assert "no cube 'X'" in str(_run(fixtures, "show", "X", "--db", db).exception)

@@ -1,0 +1,88 @@
+"""Every command: quick help, the options that all share, exit codes with one line."""
+
+import importlib
+import inspect
+import subprocess
+import sys
+import time
+
+import pytest
+
+from procedures.errors import NotObservable, WrongFace
+from station import cli
+from station.commands import COMMANDS, Command, Database
+from station.errors import Altered, CannotWrite, DataRefused
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
+def test_each_command_takes_db_and_shows_an_example(command: Command, capsys: pytest.CaptureFixture[str]) -> None:
+    function = getattr(importlib.import_module(command.module), command.name.replace("-", "_"))
+    assert inspect.signature(function).parameters["db"].annotation == Database
+    assert cli.run([command.name, "--help"]) == 0
+    said = capsys.readouterr().out
+    assert f"station {command.name}" in said.split("Example", 1)[1]
+    assert "STATION_DB" in said
+
+
+def test_help_lists_all_commands_at_once_and_imports_none() -> None:
+    program = "import sys; from station.cli import run; run(['--help']); print(sorted(sys.modules))"
+    start = time.monotonic()
+    said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+    assert time.monotonic() - start < 2.0  # 0.1 s alone; the machine may be busy
+    text, _, modules = said.rpartition("[")
+    assert all(f"  {command.name} " in text and command.help[:30] in text for command in COMMANDS)
+    assert not [name for name in ("numpy", "scipy", "pydantic", "rich", "mcap") if f"'{name}'" in modules]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ([], "Missing command"),
+        (["bake"], "No such command 'bake'"),
+        (["solve"], "Missing argument"),
+        (["solve", "--jason", "x", "y"], "No such option: --jason"),
+    ],
+)
+def test_wrong_usage_is_exit_2_and_one_line(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(arguments) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (DataRefused("a.csv", 3, "x", "y"), 3),
+        (WrongFace("a.csv", 1, "x_up", "x_down"), 3),
+        (NotObservable("k", ["position 3"]), 5),
+        (Altered("a.csv", "x", "y"), 1),
+        (CannotWrite("a.json", "full"), 2),
+        (KeyboardInterrupt(), 130),
+        (ZeroDivisionError("x"), cli.BUG),
+        (SystemExit(4), 4),
+    ],
+)
+def test_each_error_has_its_exit_code(error: BaseException, code: int) -> None:
+    assert cli.explain(error)[0] == code
+
+
+@pytest.mark.parametrize("name", cli.EXIT_CODES)
+def test_the_names_in_the_table_of_exit_codes_exist(name: str) -> None:
+    module, _, kind = name.rpartition(".")
+    assert issubclass(getattr(importlib.import_module(module), kind), BaseException)
+
+
+def test_a_line_for_people_is_one_line() -> None:
+    assert cli.one_line("a\nb\x1b[31m\tc\u2028d") == "a b [31m c d"
+
+
+def test_ctrl_c_is_130_and_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def interrupted(path: object) -> object:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("station.campaign_folder.read_campaign", interrupted)
+    assert cli.run(["solve", "x"]) == 130
+    assert capsys.readouterr().err == "cancelled\n"

@@ -1,0 +1,99 @@
+"""``SHA256SUMS``: written as sha256sum does, and what differs from it is named."""
+
+import hashlib
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from station import cli
+from station.campaign_folder import append_hash, read_hashes
+
+
+@pytest.fixture
+def recorded(tmp_path: Path) -> Path:
+    for name in ("dwell_01.mcap", "turn x.mcap", "note.txt"):
+        (tmp_path / name).write_bytes(name.encode() * 1000)
+        append_hash(tmp_path, name, hashlib.sha256(name.encode() * 1000).hexdigest())
+    return tmp_path
+
+
+def test_an_untouched_folder_verifies(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["verify", str(recorded)]) == 0
+    assert "3 files are as recorded" in capsys.readouterr().out
+
+
+def test_sha256sum_agrees(recorded: Path) -> None:
+    if shutil.which("sha256sum") is None:
+        pytest.skip("no sha256sum here")
+    subprocess.run(
+        ["sha256sum", "--check", "--strict", "SHA256SUMS"], cwd=recorded, check=True, capture_output=True
+    )
+
+
+@pytest.mark.parametrize("change", ["bit", "gone", "longer"])
+def test_the_first_altered_file_is_named(recorded: Path, change: str, capsys: pytest.CaptureFixture[str]) -> None:
+    file = recorded / "turn x.mcap"
+    content = bytearray(file.read_bytes())
+    if change == "bit":
+        content[77] ^= 4
+    file.write_bytes(content + b"x" * (change == "longer"))
+    if change == "gone":
+        file.unlink()
+    assert cli.run(["verify", str(recorded)]) == 1
+    error = capsys.readouterr().err
+    assert "turn x.mcap: found" in error
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("", "SHA256SUMS'"),
+        ("abc  x", "SHA256SUMS:1: found 'abc  x'"),
+        (f"{'0' * 64}  ../x", "which leads to"),
+    ],
+)
+def test_a_folder_without_good_hashes_is_refused(
+    tmp_path: Path, line: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "campaign"
+    folder.mkdir()
+    (tmp_path / "x").write_text("outside")
+    if line:
+        (folder / "SHA256SUMS").write_text(line + "\n")
+    assert cli.run(["verify", str(folder)]) == 3
+    assert said in capsys.readouterr().err
+
+
+def test_a_file_that_grew_is_given_its_new_hash(recorded: Path) -> None:
+    (recorded / "note.txt").write_text("more")
+    append_hash(recorded, "note.txt", hashlib.sha256(b"more").hexdigest())
+    assert list(read_hashes(recorded)) == ["dwell_01.mcap", "turn x.mcap", "note.txt"]
+    test_sha256sum_agrees(recorded)
+
+
+def test_a_step_that_was_slipped_in_is_named(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    content = b"""format = "campaign/1"
+[imu]
+model = "a"
+serial = "b"
+sample_period_s = 1
+output = "rate"
+[site]
+latitude_deg = 0
+[[sequence]]
+file = "other.csv"
+"""
+    (recorded / "campaign.toml").write_bytes(content)
+    append_hash(recorded, "campaign.toml", hashlib.sha256(content).hexdigest())
+    assert cli.run(["verify", str(recorded)]) == 1
+    assert "other.csv: found a step without a hash" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("name", "sha256"), [("a\nb", "0" * 64), ("a\\b", "0" * 64), ("a", "0" * 63)])
+def test_what_does_not_fit_a_line_is_not_written(tmp_path: Path, name: str, sha256: str) -> None:
+    with pytest.raises(ValueError, match="does not fit"):
+        append_hash(tmp_path, name, sha256)
+    assert not (tmp_path / "SHA256SUMS").exists()
