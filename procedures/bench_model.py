@@ -2,8 +2,15 @@
 
 A cube face's tilt is kept as two numbers a pair of opposite faces shares: parallelism p, the sum of both
 faces' up tilts, and perpendicularity q, half their difference, so that the tilts are p/2 + q with the axis
-up and p/2 - q with it down. Turning the IMU's misalignment with q changes nothing that twelve positions can see:
-without a certificate q is held at zero, and the misalignment refers to the *mean cube*, each pair's two normals averaged.
+up and p/2 - q with it down. Turning the IMU's misalignment with q changes nothing that twelve positions can see,
+to first order. Without a certificate q is held at what p makes likely: a face is tilted by the machining items it
+is reached through (P1, Yao, Hu, He 2018, table 2), one for X up and three for X down, three and five for Y and
+Z, so the datum faces, on which the cube stands with an axis up, have the smaller share of p. Misalignment is
+reported for the *mean cube*, each pair's two normals averaged (`mean_cube`).
+
+To second order the part of q that makes the cube skew, ``S_xy = q_xy + q_yx``, does enter the bias:
+``dD_x = -(S_xy p_xy + S_xz p_xz) / 2`` (from the unit length of every up vector; `skew_jacobian`). On P1's cube
+that is 0.7e-7 g if q is taken as zero, as much as the noise of 100 s dwells.
 """
 
 from collections.abc import Sequence
@@ -13,11 +20,13 @@ from functools import cached_property
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.campaign import Campaign
+from procedures.campaign import Campaign, Site
 from procedures.earth import STANDARD_GRAVITY
 from procedures.frames import AXES, cross_axes, face_normal, face_of, nominal_C_lb, rotation, slab_C_ln
 
 FACE_RANGE = 1e-3  # rad, 1 sigma: a cube 0.4 mm off in 400 mm is not a fixture
+ITEMS_UP, ITEMS_DOWN = np.array([1.0, 3.0, 3.0]), np.array([3.0, 5.0, 5.0])  # P1 table 2, per face pair
+HELD = 1e-12  # rad, 1 sigma of what is held
 SLAB_RANGE = 5e-3  # rad, 1 sigma: 0.3 deg
 
 
@@ -35,7 +44,7 @@ class Placement:
 class Bench:
     """The nuisance parameters of all steps and where each stands in the vector (p,).
 
-    Order: per campaign slab tilt (2) and relative gravity error (1); per cube parallelism (6) and
+    Order: per campaign slab tilt (2); per site relative gravity error (1); per cube parallelism (6) and
     perpendicularity (6), row by face pair; per placement heading (1).
     """
 
@@ -43,27 +52,47 @@ class Bench:
     campaigns: tuple[Campaign, ...]
     cubes: int
 
+    @cached_property
+    def sites(self) -> tuple[Site, ...]:
+        """The sites: campaigns at one share its gravity and that gravity's error."""
+        return tuple(dict.fromkeys(campaign.site for campaign in self.campaigns))
+
+    @property
+    def shared(self) -> int:
+        """Number of parameters that belong to no single placement."""
+        return 2 * len(self.campaigns) + len(self.sites) + 12 * self.cubes
+
     @property
     def size(self) -> int:
         """Number of parameters."""
-        return 3 * len(self.campaigns) + 12 * self.cubes + len(self.placements)
+        return self.shared + len(self.placements)
 
     def slab(self, x: FloatArray, campaign: int) -> FloatArray:
         """Slab tilt (2,) [rad]: East and North components of the up vector seen from the slab."""
-        return x[3 * campaign : 3 * campaign + 2]
+        return x[2 * campaign : 2 * campaign + 2]
 
     def gravity(self, x: FloatArray, campaign: int) -> float:
         """Local gravity [g]."""
-        return self.campaigns[campaign].site.gravity / STANDARD_GRAVITY * (1 + float(x[3 * campaign + 2]))
+        site = self.campaigns[campaign].site
+        error = float(x[2 * len(self.campaigns) + self.sites.index(site)])
+        return site.gravity / STANDARD_GRAVITY * (1 + error)
 
     def cube_slice(self, cube: int) -> slice:
         """Where a cube's parallelism (6) and perpendicularity (6) stand."""
-        begin = 3 * len(self.campaigns) + 12 * cube
+        begin = 2 * len(self.campaigns) + len(self.sites) + 12 * cube
         return slice(begin, begin + 12)
 
     def heading_index(self, placement: int) -> int:
         """Where a placement's heading stands."""
-        return 3 * len(self.campaigns) + 12 * self.cubes + placement
+        return self.shared + placement
+
+    def parallelism(self, x: FloatArray, cube: int = 0) -> FloatArray:
+        """Parallelism (3, 2) [rad] of a cube."""
+        return x[self.cube_slice(cube)][:6].reshape(3, 2)
+
+    def perpendicularity(self, x: FloatArray, cube: int = 0) -> FloatArray:
+        """Perpendicularity (3, 2) [rad] of a cube."""
+        return x[self.cube_slice(cube)][6:].reshape(3, 2)
 
     @cached_property
     def _nominal(self) -> FloatArray:
@@ -108,7 +137,7 @@ class Bench:
     def priors(self) -> tuple[FloatArray, FloatArray]:
         """Return mean (k,) and matrix (k, p): the whitened prior residual is ``matrix @ x - mean``.
 
-        Parameters held at zero (perpendicularity without a certificate) have a sigma of 1e-12 rad.
+        Perpendicularity without a certificate is held where `ITEMS_UP` and `ITEMS_DOWN` put it.
         """
         rows, means = [], []
 
@@ -118,18 +147,20 @@ class Bench:
             rows.append(row)
             means.append(0.0)
 
-        for i, campaign in enumerate(self.campaigns):
-            add(3 * i, SLAB_RANGE)
-            add(3 * i + 1, SLAB_RANGE)
-            add(3 * i + 2, campaign.site.gravity_std / campaign.site.gravity)
+        for i in range(2 * len(self.campaigns)):
+            add(i, SLAB_RANGE)
+        for i, site in enumerate(self.sites):
+            add(2 * len(self.campaigns) + i, site.gravity_std / site.gravity)
         for cube in range(self.cubes):
             certified = self._certificates(cube)
             begin = self.cube_slice(cube).start
             for pair in range(3):
-                held = not any((pair, sign) in certified for sign in (1, -1))
+                held = self.held_pairs(cube)[pair]
                 for k in (0, 1):
                     add(begin + 2 * pair + k, FACE_RANGE * np.sqrt(2))
-                    add(begin + 6 + 2 * pair + k, 1e-12 if held else FACE_RANGE)
+                    add(begin + 6 + 2 * pair + k, HELD if held else FACE_RANGE)
+                    if held:
+                        rows[-1][begin + 2 * pair + k] = -_datum_share(pair) / HELD
             for (pair, sign), (tilt, covariance) in certified.items():
                 white = np.linalg.inv(np.linalg.cholesky(covariance))
                 row = np.zeros((2, self.size))
@@ -141,10 +172,15 @@ class Bench:
             add(self.heading_index(i), at.heading_std)
         return np.array(means), np.stack(rows)
 
-    def certified_pairs(self, cube: int) -> list[bool]:
-        """Say of each face pair whether any of its two faces has a certificate."""
+    def held_pairs(self, cube: int) -> list[bool]:
+        """Say of each face pair whether its perpendicularity is held: the first cube's, uncertified, in one mounting.
+
+        A second cube differs from the first, and an IMU turned in its cube sees the difference: there it is free.
+        """
         certified = self._certificates(cube)
-        return [(pair, 1) in certified or (pair, -1) in certified for pair in range(3)]
+        mountings = {c.fixture.C_ib.tobytes() for c in self.campaigns}
+        alone = cube == 0 and len(mountings) == 1
+        return [alone and (pair, 1) not in certified and (pair, -1) not in certified for pair in range(3)]
 
     def _certificates(self, cube: int) -> dict[tuple[int, int], tuple[FloatArray, FloatArray]]:
         first = next(at.campaign for at in self.placements if at.cube == cube)
@@ -152,6 +188,51 @@ class Bench:
             (AXES.index(face[0]), 1 if face.endswith("up") else -1): (each.up_tilt, each.covariance)
             for face, each in self.campaigns[first].fixture.faces.items()
         }
+
+
+def _datum_share(pair: int) -> float:
+    """Return q / p of the likeliest cube: the up face's share of p, less a half."""
+    return float(ITEMS_UP[pair] / (ITEMS_UP[pair] + ITEMS_DOWN[pair]) - 0.5)
+
+
+def mean_cube(q: FloatArray) -> FloatArray:
+    """Return (3, 3): columns the unit mean normals of the face pairs for perpendicularity ``q`` (3, 2)."""
+    normals = np.eye(3)
+    for pair, axis in enumerate(AXES):
+        normals[list(cross_axes(f"{axis}_up")), pair] = q[pair]
+    unit: FloatArray = normals / np.linalg.norm(normals, axis=0)
+    return unit
+
+
+def skew_variance(p: FloatArray, held: Sequence[bool]) -> FloatArray:
+    """Return the variance (3,) [rad^2] of the skews S_xy, S_xz, S_yz of a cube whose parallelism is ``p`` (3, 2).
+
+    An item's variance is judged from p, whose two values per pair have the pair's items between them; the factor
+    is the mean of the posterior of a variance seen with that many degrees of freedom. Certified pairs add none.
+    """
+    free = np.asarray(held)
+    items = ITEMS_UP + ITEMS_DOWN
+    if not free.any():
+        return np.zeros(3)
+    item = np.sum((p**2 / items[:, None])[free]) / max(2 * free.sum() - 2, 1)
+    q = np.where(free, item * ITEMS_UP * ITEMS_DOWN / items, 0.0)
+    return np.array([q[0] + q[1], q[0] + q[2], q[1] + q[2]])
+
+
+def skew_jacobian(p: FloatArray, E: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return d(k)/k (3, 3) and dD (3, 3) [g] by the skews S_xy, S_xz, S_yz; rows are sensors in cube axes.
+
+    ``|K_q|`` changes by ``k E_qa E_qc S_ac`` as the cube's skew turns misalignment into it.
+    """
+    pairs = ((0, 1), (0, 2), (1, 2))
+    scale = np.stack([E[:, a] * E[:, c] for a, c in pairs], axis=1)
+    table = np.zeros((3, 3))
+    for pair, axis in enumerate(AXES):
+        table[pair, list(cross_axes(f"{axis}_up"))] = p[pair]
+    bias = np.zeros((3, 3))
+    for k, (a, c) in enumerate(pairs):
+        bias[a, k], bias[c, k] = -table[a, c] / 2, -table[c, a] / 2
+    return scale, bias
 
 
 def cube_numbers(campaigns: Sequence[Campaign]) -> IntArray:

@@ -161,7 +161,8 @@ def _white_noise(dwells: Sequence[IntArray]) -> float:
 
 
 def _lag_sums(increments: IntArray) -> IntArray:
-    return increments[: len(increments) // LAG * LAG].reshape(-1, LAG).sum(axis=1)
+    sums: IntArray = increments[: len(increments) // LAG * LAG].reshape(-1, LAG).sum(axis=1)
+    return sums
 
 
 def _mean_square(parts: Sequence[IntArray]) -> float:
@@ -218,11 +219,12 @@ def _noise_posterior(paths: Sequence[_Path]) -> list[tuple[float, float]]:
         best = _climb(paths, best, 1, found)
         noise = float(np.exp(best / STEPS))
         _evidence(paths, best, found, again=True)
-        if not any([path.admit(noise) for path in paths]):
+        fresh = [path.admit(noise) for path in paths]
+        if not any(fresh):
             break
     below, peak, above = (_evidence(paths, best + k, found) for k in (-1, 0, 1))
     bend = 2 * peak - below - above
-    if bend > 1 / (NARROW * STEPS) ** 2:
+    if 1 / (NARROW * STEPS) ** 2 < bend < np.inf:
         mode = (best + (above - below) / (2 * bend)) / STEPS
         return [(float(np.exp(mode + 1 / (bend * STEPS**2))), 1.0)]
     return _grid(paths, best, found)

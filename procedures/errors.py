@@ -2,7 +2,8 @@
 
 ProcedureError
 ├── NotObservable      the data do not determine what was asked for
-└── WrongFace          a dwell's vertical axis is not the one its position names
+├── WrongFace          a dwell's vertical axis is not the one its position names
+└── WrongMounting      the IMU does not sit in the cube as the campaign says
 """
 
 from collections.abc import Sequence
@@ -30,3 +31,11 @@ class WrongFace(ProcedureError, ValueError):
             f"{step}: position {position} means {named}, but the counts show {seen}; "
             f"run `station diagnose` (it reports placement.label) or correct the position"
         )
+
+
+class WrongMounting(ProcedureError, ValueError):
+    """The IMU does not sit in the cube as ``fixture.imu_axes`` says."""
+
+    def __init__(self, named: str, seen: str) -> None:
+        self.named, self.seen = named, seen
+        super().__init__(f"imu_axes says {named}, but the counts show {seen}; correct fixture.imu_axes")

@@ -24,7 +24,7 @@ from procedures.least_squares import Fit, minimise
 from procedures.observations import TriadDwells, TurnTotal, channel
 from procedures.records import Series
 from procedures.steps import Plan, Turn
-from procedures.twelve_position import JointFit, is_determined, mountings
+from procedures.twelve_position import JointFit, mountings
 
 REST_S = 2.0  # of rest wanted at each end
 REST_RATE = 0.5  # deg/s
@@ -60,7 +60,9 @@ def nominal_angle(turn: TurnTotal) -> float:
     return float((1 if record.direction == "+" else -1) * up * 2 * np.pi * record.revolutions)
 
 
-def heading_history(turn: TurnTotal, C_ib: FloatArray, K: FloatArray, b: FloatArray, vertical: float) -> FloatArray:
+def heading_history(
+    turn: TurnTotal, C_ib: FloatArray, K: FloatArray, b: FloatArray, vertical: float
+) -> FloatArray:
     """Return (n,) the angle [rad] turned up to the middle of each sample, scaled to the nominal whole.
 
     ``K`` (3, 3) [output/deg], ``b`` (3,) [output/s]; ``vertical`` is the Earth rate's vertical part [deg/s].
@@ -91,7 +93,8 @@ def is_broken(turn: TurnTotal, heading: FloatArray) -> bool:
     gaps = turn.record.series.starts[1:]
     n = max(round(0.1 / turn.record.series.period), 1)
     return any(
-        np.ptp(heading[max(g - n, 0) : g + n]) > np.radians(REST_RATE) * 2 * n * turn.record.series.period for g in gaps
+        np.ptp(heading[max(g - n, 0) : g + n]) > np.radians(REST_RATE) * 2 * n * turn.record.series.period
+        for g in gaps
     )
 
 
@@ -156,7 +159,8 @@ def _first_guess(
         return None
     angle = np.array(
         [
-            np.degrees(nominal_angle(t)) * (campaigns[t.campaign].fixture.C_ib @ face_normal(face_of(t.record.start_position)))
+            np.degrees(nominal_angle(t))
+            * (campaigns[t.campaign].fixture.C_ib @ face_normal(face_of(t.record.start_position)))
             for t in turns
         ]
     )
@@ -219,11 +223,17 @@ class _Model:
         def residual(x: FloatArray) -> FloatArray:
             bench, closure = x[12 : 12 + size], x[12 + size :]
             return np.concatenate(
-                (((observed - self.output(x)) / sigma).ravel(), self.prior @ bench - self.mean, closure / self.closure)
+                (
+                    ((observed - self.output(x)) / sigma).ravel(),
+                    self.prior @ bench - self.mean,
+                    closure / self.closure,
+                )
             )
 
         typical = np.max(np.abs(start[:9]))
-        scale = np.concatenate((np.full(9, typical), np.full(3, typical * 1e-2), np.full(size, 0.1), np.full(len(self.turns), 1.0)))
+        scale = np.concatenate(
+            (np.full(9, typical), np.full(3, typical * 1e-2), np.full(size, 0.1), np.full(len(self.turns), 1.0))
+        )
         return minimise(residual, start, scale)
 
     def excess(self, fit: Fit) -> FloatArray:
@@ -235,11 +245,10 @@ class _Model:
         n = len(self.seen.dwells)
         squares = (fit.residual[: 3 * n] ** 2).reshape(n, 3)
         free = (1 - fit.leverage[: 3 * n]).reshape(n, 3)
-        noise = np.linalg.norm(fit.x[:9].reshape(3, 3), axis=1) * np.median(
-            self.seen.std / np.linalg.norm(fit.x[:9].reshape(3, 3), axis=1)
-        )
+        k = np.linalg.norm(fit.x[:9].reshape(3, 3), axis=1)
         ratio = float(squares.sum() / free.sum())
-        return noise * np.sqrt(max(ratio - 1, 0.0))
+        scatter: FloatArray = k * np.median(self.seen.std / k) * np.sqrt(max(ratio - 1, 0.0))
+        return scatter
 
 
 def _tilt_prior(bench: Bench, accelerometer: JointFit | None) -> tuple[FloatArray, FloatArray]:
@@ -247,7 +256,7 @@ def _tilt_prior(bench: Bench, accelerometer: JointFit | None) -> tuple[FloatArra
     mean, prior = bench.priors()
     if accelerometer is None:
         return mean, prior
-    shared = bench.heading_index(0)
+    shared = bench.shared
     own = accelerometer.fit.covariance[12 : 12 + shared, 12 : 12 + shared]
     white = np.linalg.inv(np.linalg.cholesky(own + TILT_STD**2 * np.eye(shared)))
     rows = np.zeros((shared, bench.size))

@@ -16,6 +16,7 @@ from numba import njit
 
 from procedures.arrays import FloatArray
 
+FEW = 30.0
 SQRT_HALF = math.sqrt(0.5)
 FAR = 30.0  # sigmas outside its interval at which a node's statement cannot be met (e^-450; erfc nears underflow)
 
@@ -142,12 +143,14 @@ def propagate(
 ) -> tuple[float, float, float, int]:  # fmt: skip
     """Refine the sites ``tau``, ``nu`` (m,) in place until theta[0] moves by less than ``tolerance`` of its sigma.
 
-    The sites start as those of a uniform remainder. Returns theta[0], its variance, the log evidence and
-    the sweeps taken; the evidence is -inf where the noise is too small for any path through the intervals.
+    The sites start as those of a uniform remainder, but all together they say no more than `FEW` of them would:
+    where the output hardly moves, neighbours repeat each other. Returns theta[0], its variance, the log
+    evidence and the sweeps taken; the evidence is -inf where the noise is too small for any path through the intervals.
     """
     m = len(t)
     for i in range(m):
-        tau[i], nu[i] = 12.0, 12.0 * (low[i] + 0.5)
+        tau[i] = 12.0 * min(1.0, FEW / m)
+        nu[i] = tau[i] * (low[i] + 0.5)
     mean, variance, theta, covariance, log_norm = smooth(t, linked, tau, nu, basis, noise)
     evidence = 0.0
     sweep = 0

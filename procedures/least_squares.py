@@ -29,7 +29,8 @@ class Fit:
     @property
     def dof(self) -> int:
         """Rows, priors included, less parameters."""
-        return self.jacobian.shape[0] - self.jacobian.shape[1]
+        rows, columns = self.jacobian.shape
+        return int(rows - columns)
 
     @property
     def leverage(self) -> FloatArray:

@@ -8,8 +8,6 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign import Campaign, DwellRecord, TurnRecord
 from procedures.count_rate import RateEstimate, estimate_counts
-from procedures.errors import WrongFace
-from procedures.frames import AXES, FACES, face_normal, face_of
 from procedures.rate_mean import estimate_rates
 from procedures.records import CountSeries, Series
 
@@ -64,34 +62,6 @@ def _axis_rates(dwells: Sequence[DwellRecord], triad: str, axis: int) -> list[Ra
     return estimate_rates(samples, period, starts)
 
 
-def refuse_wrong_faces(seen: TriadDwells, C_ib: Sequence[FloatArray]) -> None:
-    """Raise `WrongFace` at the first dwell whose vertical axis is not the one its position names.
-
-    The accelerometers' outputs are compared with each other, never through stored parameters: the middle of
-    each channel's range over the dwells is its zero, half the range its g. ``C_ib`` is per campaign.
-    """
-    low, high = seen.rate.min(axis=0), seen.rate.max(axis=0)
-    if np.any(high - low <= 20 * np.median(seen.std, axis=0)) or not _spans(seen):
-        return
-    scaled = (seen.rate - (low + high) / 2) / ((high - low) / 2)
-    sign = _polarity(seen, scaled, C_ib)
-    for (number, dwell), row in zip(seen.dwells, scaled * sign, strict=True):
-        in_cube = C_ib[number].T @ row
-        face = max(FACES, key=lambda name: float(face_normal(name) @ in_cube))
-        if face != face_of(dwell.position):
-            raise WrongFace(dwell.name, dwell.position, face_of(dwell.position), face)
-
-
-def _spans(seen: TriadDwells) -> bool:
-    return {face_of(d.position)[0] for _, d in seen.dwells} == set(AXES)
-
-
-def _polarity(seen: TriadDwells, scaled: FloatArray, C_ib: Sequence[FloatArray]) -> FloatArray:
-    """Return +1 or -1 per sensor: a scale factor may be negative, one dwell's label may be wrong, most are right."""
-    nominal = np.array([C_ib[number] @ face_normal(face_of(d.position)) for number, d in seen.dwells])
-    return np.where(np.sum(scaled * nominal, axis=0) < 0, -1.0, 1.0)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class TurnTotal:
     """A closed turn: the integral of the gyro's output (3,) and its 1 sigma without closure and bias; its time."""
@@ -107,7 +77,7 @@ class TurnTotal:
 def turn_totals(campaigns: Sequence[Campaign], noise: FloatArray) -> list[TurnTotal]:
     """Integrate the gyro over every turn; ``noise`` (3,) is the white noise [output/sqrt(s)] of the dwells.
 
-    A counter's total is off by the difference of two remainders, variance 1/6; a rate's by nothing more than noise.
+    A counter's total is off by the difference of two remainders, variance 1/6; a rate's only by noise.
     """
     found = []
     for number, campaign in enumerate(campaigns):
@@ -119,5 +89,7 @@ def turn_totals(campaigns: Sequence[Campaign], noise: FloatArray) -> list[TurnTo
             total = samples.sum(axis=0) * (1.0 if counts else turn.series.period)
             seconds = len(samples) * turn.series.period
             variance = noise**2 * seconds + (len(turn.series.starts) / 6 if counts else 0.0)
-            found.append(TurnTotal(number, turn, np.asarray(total, dtype=float), np.sqrt(variance), seconds, counts))
+            found.append(
+                TurnTotal(number, turn, np.asarray(total, dtype=float), np.sqrt(variance), seconds, counts)
+            )
     return found

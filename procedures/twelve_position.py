@@ -31,7 +31,7 @@ def plan(seconds: float = 100.0, positions: Iterable[int] = range(1, 13)) -> Pla
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClosedForm:
-    """P1's estimators: scale factor (3,), misalignment (3, 3), both biases (3,) and their counting-noise 1 sigma."""
+    """P1's estimators: scale factor (3,), misalignment (3, 3), both biases (3,) and 1 sigma of counting noise."""
 
     scale_factor: FloatArray
     misalignment: FloatArray

@@ -78,7 +78,10 @@ def main() -> None:
     parser.add_argument("--campaigns", type=int, default=1000)
     campaigns = parser.parse_args().campaigns
     good = [
-        table(run(campaigns, certified), f"{campaigns} campaigns, {'faces certified' if certified else 'no certificate'}")
+        table(
+            run(campaigns, certified),
+            f"{campaigns} campaigns, {'faces certified' if certified else 'no certificate'}",
+        )
         for certified in (False, True)
     ]
     print(f"limits: pooled {POOLED} %, single {SINGLE} %: {'all inside' if all(good) else 'some outside'}")

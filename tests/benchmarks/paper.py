@@ -24,7 +24,9 @@ def unit(seed: int, paper_cube: bool) -> Truth:
     if paper_cube:
         return truth
     rng = np.random.default_rng([seed, 1])
-    return replace(truth, faces_rad=TILT * rng.standard_normal((6, 2)), slab_tilt_rad=TILT * rng.standard_normal(2))
+    return replace(
+        truth, faces_rad=TILT * rng.standard_normal((6, 2)), slab_tilt_rad=TILT * rng.standard_normal(2)
+    )
 
 
 def errors(seed: int, paper_cube: bool) -> np.ndarray:

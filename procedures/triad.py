@@ -1,0 +1,81 @@
+"""From a joint fit's K = diag(k) E and b = k D to k, E and D with their covariance."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.bench_model import mean_cube, skew_jacobian, skew_variance
+from procedures.frames import AXES
+from procedures.solution import Estimate, TriadCalibration
+from procedures.twelve_position import JointFit, by_position, closed_form
+
+DPH = 3600.0  # deg/h per deg/s
+SKEWED = np.array([0, 1, 2, 12, 13, 14])  # k and D of the vector k (3), E (9), D (3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TriadVector:
+    """k (3), E (9) by rows and D (3) in one vector (15,), with names and covariance (15, 15); D in ``bias_unit``."""
+
+    value: FloatArray
+    covariance: FloatArray
+    names: tuple[str, ...]
+    bias_unit: str
+
+    def calibration(self, scale_unit: str) -> TriadCalibration:
+        """Return the parts with 1 sigma each."""
+        std = np.sqrt(np.diag(self.covariance))
+        k, E, D = slice(0, 3), slice(3, 12), slice(12, 15)
+        return TriadCalibration(
+            scale_factor=Estimate(self.value[k], std[k], scale_unit),
+            misalignment=Estimate(self.value[E].reshape(3, 3), std[E].reshape(3, 3), "1"),
+            bias=Estimate(self.value[D], std[D], self.bias_unit),
+        )
+
+
+def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) -> TriadVector:
+    """Refer a fit to the mean cube and turn it into k, E and D.
+
+    An uncertified cube's skew adds to the sigma of k, and of accelerometers' D (`procedures.bench_model`).
+    """
+    unit, per = ("g", 1.0) if triad == "accelerometer" else ("deg/h", DPH)
+    bench, C_ib = joint.bench, joint.bench.campaigns[0].fixture.C_ib
+    cube = mean_cube(bench.perpendicularity(joint.fit.x[12:])) if any(bench.held_pairs(0)) else np.eye(3)
+    value, J = scale_misalignment_bias(joint.K @ C_ib @ cube @ C_ib.T, joint.b, per)
+    covariance = J @ joint.fit.covariance[:12, :12] @ J.T
+    if accelerometer is not None:
+        p = accelerometer.bench.parallelism(accelerometer.fit.x[12:])
+        variance = skew_variance(p, accelerometer.bench.held_pairs(0))
+        scale, bias = skew_jacobian(p, C_ib.T @ value[3:12].reshape(3, 3) @ C_ib)
+        rows = np.vstack((value[:3, None] * (C_ib @ scale), C_ib @ bias * (triad == "accelerometer")))
+        covariance[np.ix_(SKEWED, SKEWED)] += rows * variance @ rows.T
+    names = [f"{triad}.scale_factor.{a}" for a in AXES]
+    names += [f"{triad}.misalignment.{a}{b}" for a in AXES for b in AXES]
+    names += [f"{triad}.bias.{a}" for a in AXES]
+    return TriadVector(value, covariance, tuple(names), unit)
+
+
+def scale_misalignment_bias(K: FloatArray, b: FloatArray, per: float) -> tuple[FloatArray, FloatArray]:
+    """Return k (3), E (9), D (3) times ``per`` in one vector (15,), and its Jacobian (15, 12) by K (9), b (3)."""
+    k = np.linalg.norm(K, axis=1)
+    E, D = K / k[:, None], b / k
+    J = np.zeros((15, 12))
+    for q in range(3):
+        row = slice(3 * q, 3 * q + 3)
+        J[q, row] = E[q]
+        J[3 + 3 * q : 6 + 3 * q, row] = (np.eye(3) - np.outer(E[q], E[q])) / k[q]
+        J[12 + q, row] = -per * D[q] / k[q] * E[q]
+        J[12 + q, 9 + q] = per / k[q]
+    return np.concatenate((k, E.ravel(), D * per)), J
+
+
+def paper_biases(joint: JointFit) -> tuple[Estimate | None, Estimate | None]:
+    """Return P1's 12-position and two-direction biases [g] with counting noise only; None without all positions."""
+    C_ib = joint.bench.campaigns[0].fixture.C_ib
+    table = by_position(joint.seen, C_ib)
+    if table is None:
+        return None, None
+    form, order = closed_form(*table), np.argmax(np.abs(C_ib), axis=1)
+    twelve = Estimate(form.bias_12_position[order], form.bias_12_position_std[order], "g")
+    return twelve, Estimate(form.bias_two_direction[order], form.bias_two_direction_std[order], "g")
