@@ -173,7 +173,7 @@ class Bench:
         return np.array(means), np.stack(rows)
 
     def held_pairs(self, cube: int) -> list[bool]:
-        """Say of each face pair whether its perpendicularity is held: the first cube's, uncertified, in one mounting.
+        """Say of each face pair whether its perpendicularity is held: of the first cube, without a certificate.
 
         A second cube differs from the first, and an IMU turned in its cube sees the difference: there it is free.
         """

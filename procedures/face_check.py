@@ -1,4 +1,4 @@
-"""Does every dwell stand on the face that its position names, judged from raw outputs alone?
+"""Whether every dwell stands on the face that its position names, judged from raw outputs alone.
 
 The outputs are compared with each other, never through stored parameters: an affine fit to the nominal
 attitudes must leave little, and must find every sensor along its own axis. If not, the one dwell is named whose

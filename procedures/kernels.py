@@ -145,7 +145,8 @@ def propagate(
 
     The sites start as those of a uniform remainder, but all together they say no more than `FEW` of them would:
     where the output hardly moves, neighbours repeat each other. Returns theta[0], its variance, the log
-    evidence and the sweeps taken; the evidence is -inf where the noise is too small for any path through the intervals.
+    evidence and the sweeps taken; the evidence is -inf where the noise is too small for any path through the
+    intervals.
     """
     m = len(t)
     for i in range(m):

@@ -16,7 +16,7 @@ SKEWED = np.array([0, 1, 2, 12, 13, 14])  # k and D of the vector k (3), E (9), 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TriadVector:
-    """k (3), E (9) by rows and D (3) in one vector (15,), with names and covariance (15, 15); D in ``bias_unit``."""
+    """k (3), E (9) by rows and D (3) in one vector (15,), its names and covariance (15, 15)."""
 
     value: FloatArray
     covariance: FloatArray
@@ -71,7 +71,7 @@ def scale_misalignment_bias(K: FloatArray, b: FloatArray, per: float) -> tuple[F
 
 
 def paper_biases(joint: JointFit) -> tuple[Estimate | None, Estimate | None]:
-    """Return P1's 12-position and two-direction biases [g] with counting noise only; None without all positions."""
+    """Return P1's 12-position and two-direction biases [g], sigma of counting noise; None without all positions."""
     C_ib = joint.bench.campaigns[0].fixture.C_ib
     table = by_position(joint.seen, C_ib)
     if table is None:
