@@ -71,7 +71,7 @@ def scale_misalignment_bias(K: FloatArray, b: FloatArray, per: float) -> tuple[F
 
 
 def paper_biases(joint: JointFit) -> tuple[Estimate | None, Estimate | None]:
-    """Return P1's 12-position and two-direction biases [g], sigma of counting noise; None without all positions."""
+    """Return P1's 12-position and two-direction biases [g] with counting noise; None without all positions."""
     C_ib = joint.bench.campaigns[0].fixture.C_ib
     table = by_position(joint.seen, C_ib)
     if table is None:

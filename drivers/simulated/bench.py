@@ -29,6 +29,7 @@ from procedures.records import CountSeries
 from procedures.steps import Dwell, Step, Turn
 
 WAIT_S = 5.0  # of every move, the last seconds are a wait for the cube to settle
+MOST_REVOLUTIONS = 100
 ALL_POSITIONS = tuple(range(1, 13))
 
 
@@ -99,13 +100,15 @@ def turn_segment(
     ``turn.direction`` is right-handed about the cube axis, which may point up or down.
     """
     normal_b = C_bn @ world.slab_normal_n()
+    sense = turn_sign(turn.axis, turn.direction)
+    if not 1 <= turn.revolutions <= MOST_REVOLUTIONS:
+        raise ValueError(f"turn of {turn.revolutions} revolutions: expected 1 to {MOST_REVOLUTIONS}")
     along = AXES.index(turn.axis)
     if abs(normal_b[along]) < 0.9:
         raise ValueError(
             f"turn about {turn.axis}: that axis is not vertical; place the cube in a position where it is"
         )
-    sense = turn_sign(turn.axis, turn.direction) * np.sign(normal_b[along])
-    total = float(sense * 2 * np.pi * turn.revolutions + closure)
+    total = float(sense * np.sign(normal_b[along]) * 2 * np.pi * turn.revolutions + closure)
     return hand_turn(C_bn, normal_b, total, round(turn.rest_s / period), period, rng)
 
 

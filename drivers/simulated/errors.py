@@ -34,4 +34,4 @@ class HandsRefused(SimulatorError, OSError):
 
     def __init__(self, address: str, command: str, answer: str) -> None:
         self.address, self.command, self.answer = address, command, answer
-        super().__init__(f"{address}: {command!r} was answered {answer!r}; is the simulated device still served?")
+        super().__init__(f"{address}: {command!r} found {answer!r}, expected an answer `ok ...`")

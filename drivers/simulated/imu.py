@@ -34,7 +34,8 @@ class SimulatedImu:
         self.index = 0
         self.position = position
         self._first = 0  # samples taken of the segment under way
-        self._segments = deque([rest(self.world.attitude(position, self._draw(truth.heading_std_deg)), None, position)])
+        C_bn = self.world.attitude(position, self._draw(truth.heading_std_deg))
+        self._segments = deque([rest(C_bn, None, position)])
 
     @property
     def time(self) -> float:
@@ -102,7 +103,7 @@ class SimulatedImu:
                 self._segments.popleft()
                 self._first = 0
         counter = np.arange(begin, begin + n_samples, dtype=np.int64)
-        time = self.truth.sample_period_s * (counter + 1.0)
+        time: FloatArray = self.truth.sample_period_s * (counter + 1).astype(np.float64)
         return CountBlock(
             counter=counter,
             device_time=time,

@@ -55,7 +55,8 @@ class Segment:
         across = vector_b - along
         # the cube turns by +angle, so what is fixed in n turns by -angle as seen in it
         rotated: FloatArray = spread * (np.cos(middle) * across - np.sin(middle) * np.cross(self.axis_b, across))
-        return along + rotated
+        rotated += along
+        return rotated
 
     def rate_b(self, first: int, last: int, period: float) -> FloatArray:
         """Return the mean rate (n or 1, 3) [rad/s] of b relative to n over each sample, resolved in b."""

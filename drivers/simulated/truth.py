@@ -94,6 +94,10 @@ class Truth:
             got = getattr(self, name).shape
             if got != shape:
                 raise TruthRefused(f"{name} has shape {got}", f"shape {shape}")
+        if not self.sample_period_s > 0:
+            raise TruthRefused(f"sample_period_s = {self.sample_period_s}", "above 0")
+        if not _is_right_handed(self.imu_axes):
+            raise TruthRefused(f"imu_axes = {self.imu_axes}", 'right-handed cube axes, such as ["-y", "+x", "+z"]')
 
     @classmethod
     def example(cls, seed: int) -> "Truth":
@@ -121,6 +125,11 @@ class Truth:
             accel_turn_on_g=0.0,
             gyro_turn_on_dph=0.0,
         )
+
+
+def _is_right_handed(axes: tuple[str, ...]) -> bool:
+    rows = [[(axis == f"+{name}") - (axis == f"-{name}") for name in "xyz"] for axis in axes]
+    return len(rows) == 3 and bool(np.linalg.det(np.array(rows, dtype=np.float64)) > 0.5)
 
 
 def _misaligned(rng: np.random.Generator, size: float) -> FloatArray:

@@ -75,13 +75,7 @@ def imu_from_cube(imu_axes: tuple[str, str, str]) -> FloatArray:
 
 
 def world_of(truth: Truth) -> World:
-    """Return the bench of a truth, before effects.
-
-    Raises
-    ------
-    TruthRefused
-        ``imu_axes`` are not three right-handed signed axes.
-    """
+    """Return the bench of a truth, before effects."""
     return World(
         latitude=float(np.radians(truth.latitude_deg)),
         gravity=truth.gravity_m_s2,

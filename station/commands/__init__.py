@@ -5,7 +5,6 @@ A command's file defines a function of the command's name (``-`` written ``_``) 
 """
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -21,11 +20,18 @@ class Command:
 
 
 COMMANDS = (
+    Command("demo", "Run the main job on simulated devices, to a report at the end.", "station.commands.demo"),
+    Command("simulate", "Serve a simulated IMU on a pty or a TCP port.", "station.commands.simulate"),
+    Command("devices", "List ports, or look at what a device sends.", "station.commands.devices"),
+    Command("record", "Record what a device sends: raw bytes and counts.", "station.commands.record"),
+    Command("calibrate", "Run a calibration campaign on a live device.", "station.commands.calibrate"),
     Command("solve", "Solve recorded campaigns for a calibration with 1 sigma.", "station.commands.solve"),
+    Command("report", "Write the calibration report of recorded campaigns.", "station.commands.report"),
+    Command("fixtures", "List cube fixtures or show one.", "station.commands.fixtures"),
     Command("verify", "Hash every recorded file again and compare.", "station.commands.verify"),
 )
 
 Database = Annotated[
-    Path | None,
+    str | None,  # not a Path, which would make one slash of the four in sqlite:////var/lib/station.db
     typer.Option("--db", envvar="STATION_DB", metavar="FILE", help="SQLite file of fixtures and calibrations."),
 ]

@@ -36,7 +36,9 @@ class Journal:
             self._writer.start(profile="", library="station")
             self._writer.add_metadata(SESSION, session)
             schema = self._writer.register_schema(name=RAW, encoding="protobuf", data=SCHEMA)
-            self._raw = self._writer.register_channel(topic=RAW_TOPIC, message_encoding="protobuf", schema_id=schema)
+            self._raw = self._writer.register_channel(
+                topic=RAW_TOPIC, message_encoding="protobuf", schema_id=schema
+            )
             self._flush(sync=True)
             sync_folder(path.parent)
         except OSError as error:

@@ -24,15 +24,15 @@ class Piece:
     """A chunk and the samples that it completed.
 
     ``block`` holds the samples, counters unwrapped; ``frame`` (n,) says which of the chunk's frames each one is;
-    ``breaks`` the samples before which something is missing. ``is_anew``: what came before has no relation in
-    time to this piece, the device or the port having begun anew.
+    ``breaks`` the samples before which something is missing. ``anew`` is the sample from which device or port
+    have begun anew, so that nothing before it has a relation in time to it; None if they have not.
     """
 
     chunk: Chunk
     block: CountBlock
     frame: IntArray
     breaks: IntArray
-    is_anew: bool
+    anew: int | None
 
 
 @dataclass(slots=True)
@@ -75,7 +75,7 @@ class SampleStream:
         block = self.decoder.feed(chunk.data)
         n = len(block)
         if not n:
-            return Piece(chunk, block, np.arange(0), np.arange(0), False)
+            return Piece(chunk, block, np.arange(0), np.arange(0), None)
         if self._is_anew:
             self._counter, self._time = None, np.nan
         steps, seconds = self._steps(block), np.diff(block.device_time, prepend=self._time)
@@ -89,11 +89,12 @@ class SampleStream:
         period = self.period
         missing = (steps > 1) | (seconds > GAP * period if period else np.zeros(n, dtype=bool))
         self._count(repeat, back, missing, steps)
-        is_anew, self._is_anew = self._is_anew or bool(back.any()), False
+        back[0] |= self._is_anew
+        self._is_anew = False
         kept = np.flatnonzero(~repeat)
-        breaks = np.flatnonzero((back | missing)[kept])
         rows = {f.name: getattr(block, f.name)[kept] for f in fields(CountBlock)}
-        return Piece(chunk, CountBlock(**rows), kept, breaks, is_anew)
+        breaks, begins = np.flatnonzero((back | missing)[kept]), np.flatnonzero(back[kept])
+        return Piece(chunk, CountBlock(**rows), kept, breaks, int(begins[-1]) if len(begins) else None)
 
     def _steps(self, block: CountBlock) -> IntArray:
         """Return by how many samples the sequence goes on at each frame; all ones where nothing counts them."""

@@ -7,7 +7,7 @@ from drivers.simulated.effects.bench import BENCH
 from drivers.simulated.effects.effect import Effect, Felt, Stimulus
 from drivers.simulated.effects.gyroscope import GYROSCOPE
 from drivers.simulated.effects.procedure import PROCEDURE
-from drivers.simulated.errors import UnknownEffect
+from drivers.simulated.errors import TruthRefused, UnknownEffect
 from drivers.simulated.truth import Sizes
 
 EFFECTS = {effect.name: effect for effect in (*ACCELEROMETER, *GYROSCOPE, *BENCH, *PROCEDURE)}
@@ -22,6 +22,8 @@ def planted(effects: Mapping[str, Sizes]) -> Planted:
 
     Raises
     ------
+    TruthRefused
+        A position that there is not.
     UnknownEffect
         A name that is no effect or no coefficient of it; lists the names there are.
     """
@@ -34,4 +36,7 @@ def planted(effects: Mapping[str, Sizes]) -> Planted:
             if key not in effect.keys and key not in effect.options:
                 raise UnknownEffect(f"{name}.{key}", (*effect.keys, *effect.options))
         found.append((effect, {**effect.options, **sizes}))
+        for key, lowest in (("position", 1), ("actual", 0)):
+            if key in sizes and sizes[key] not in range(lowest, 13):
+                raise TruthRefused(f"effects.{name}.{key} = {sizes[key]}", f"{lowest} to 12")
     return tuple(found)
