@@ -165,6 +165,8 @@ def truth_from(table: Mapping[str, Any]) -> Truth:
     accepted = {f.name: f for f in fields(Truth)}
     values: dict[str, Any] = {}
     for key, value in table.items():
+        if key == "fault":
+            continue  # ``drivers.simulated.faults`` reads it from the same file
         if key not in accepted:
             raise TruthRefused(f"key {key!r}", ", ".join(accepted))
         values[key] = _converted(key, value)

@@ -1,0 +1,78 @@
+"""The simulated device: an IMU, a wire format and its faults, as a sequence of what goes over the line.
+
+Motion is commanded under a lock between chunks; a command acts on the first sample not yet taken. With all
+commands given before the first chunk, equal seeds give equal bytes.
+"""
+
+from collections.abc import Iterable
+from threading import Lock
+
+from drivers.simulated.faults import Fault, FaultyLine, Sent
+from drivers.simulated.imu import SimulatedImu
+from drivers.simulated.pace import MOST_SAMPLES
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS, Identity
+
+IDENTITY_EVERY_S = 1.0
+
+
+class ByteDevice:
+    """What a device says, chunk by chunk, and the hands that move it."""
+
+    def __init__(self, truth: Truth, seed: int | None, format_name: str, faults: Iterable[Fault] = ()) -> None:
+        self.imu = SimulatedImu(truth, seed)
+        self.truth = self.imu.truth
+        wire = FORMATS[format_name]
+        period = truth.sample_period_s
+        self._faulty = FaultyLine(wire, faults, period, seed or 0)
+        self._identity = b""
+        if wire.encode_identity is not None:
+            self._identity = wire.encode_identity(Identity(truth.model, truth.serial, period))
+        self._every = max(1, round(IDENTITY_EVERY_S / period))
+        self._lock = Lock()
+
+    @property
+    def samples(self) -> int:
+        """Samples taken since power-on."""
+        return self.imu.index
+
+    def chunk(self, most: int = MOST_SAMPLES) -> list[Sent]:
+        """Take up to ``most`` samples and return what goes over the line for them."""
+        with self._lock:
+            since = self.imu.index % self._every
+            block = self.imu.read(min(most, self._every - since))
+        sent = self._faulty.send(block)
+        return [self._identity, *sent] if since == 0 and self._identity else sent
+
+    def obey(self, command: str) -> str:
+        """Do what a line says and return the answer, ``ok ...`` or ``error ...``; never raises."""
+        with self._lock:
+            try:
+                return f"ok {self._obey(command.split())}".rstrip()
+            except ValueError as error:
+                return f"error {error}".replace("\n", " ")
+
+    def _obey(self, words: list[str]) -> str:
+        imu = self.imu
+        match words:
+            case ["place", position]:
+                imu.place(int(position))
+            case ["place", position, move_s]:
+                imu.place(int(position), float(move_s))
+            case ["turn", axis, direction, revolutions]:
+                imu.turn(axis, direction, int(revolutions))
+            case ["turn", axis, direction, revolutions, rest_s]:
+                imu.turn(axis, direction, int(revolutions), float(rest_s))
+            case ["rest", seconds]:
+                imu.rest(float(seconds))
+            case ["time"]:
+                return f"{imu.time:.6f}"
+            case ["status"]:
+                state = "moving" if imu.is_moving else "resting"
+                return f"position {imu.position} {state} time {imu.time:.6f} done {imu.done:.6f}"
+            case _:
+                raise ValueError(
+                    f"unknown command {' '.join(words)!r}; expected place POSITION [MOVE_S], "
+                    "turn AXIS + or - REVOLUTIONS [REST_S], rest SECONDS, status, time or go"
+                )
+        return f"time {imu.time:.6f} done {imu.done:.6f}"

@@ -1,0 +1,91 @@
+"""The hands of a simulated bench: a client of a simulated device's control port.
+
+One command a line, one answer a line; ``ok time T done D`` gives the device time now and when the motion will be
+over. Commands queue: the next one begins where the last ends.
+"""
+
+import socket
+from types import TracebackType
+from typing import Self
+
+from drivers.simulated.errors import HandsRefused
+
+ANSWER_TIMEOUT_S = 5.0
+
+
+class SimulatedHands:
+    """Moves the cube of the device whose control port is ``address``, HOST:PORT. Each move returns its end.
+
+    Ends are device times [s]. Every command raises `HandsRefused` when the device answers ``error`` or not at all.
+    """
+
+    def __init__(self, address: str) -> None:
+        self.address = address
+        self._socket: socket.socket | None = None
+        self._pending = b""
+
+    def place(self, position: int, move_s: float = 45.0) -> float:
+        """Put the cube into ``position`` 1..12; return when it will have settled."""
+        return self._moved(f"place {position} {move_s}")
+
+    def turn(self, axis: str, direction: str, revolutions: int, rest_s: float = 5.0) -> float:
+        """Turn the cube about its vertical ``axis``, at rest for ``rest_s`` before and after."""
+        return self._moved(f"turn {axis} {direction} {revolutions} {rest_s}")
+
+    def rest(self, seconds: float) -> float:
+        """Leave the cube alone."""
+        return self._moved(f"rest {seconds}")
+
+    def time(self) -> float:
+        """Return the device's time [s]."""
+        return float(self.say("time")[0])
+
+    def done(self) -> float:
+        """Return the device time [s] at which all commanded motion will be over."""
+        return float(self.say("status")[-1])
+
+    def go(self) -> None:
+        """Let a device that was started on hold begin."""
+        self.say("go")
+
+    def say(self, command: str) -> list[str]:
+        """Send a line and return the words after ``ok``."""
+        try:
+            answer = self._ask(command)
+        except OSError as error:
+            self.close()
+            raise HandsRefused(self.address, command, str(error)) from error
+        words = answer.split()
+        if words[:1] != ["ok"]:
+            raise HandsRefused(self.address, command, answer)
+        return words[1:]
+
+    def close(self) -> None:
+        """Hang up; the next command calls again."""
+        if self._socket is not None:
+            self._socket.close()
+        self._socket, self._pending = None, b""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _moved(self, command: str) -> float:
+        return float(self.say(command)[-1])
+
+    def _ask(self, command: str) -> str:
+        if self._socket is None:
+            host, _, port = self.address.rpartition(":")
+            self._socket = socket.create_connection((host, int(port)), timeout=ANSWER_TIMEOUT_S)
+        self._socket.sendall(command.encode() + b"\n")
+        while b"\n" not in self._pending:
+            data = self._socket.recv(4096)
+            if not data:
+                raise ConnectionResetError("closed by the device")
+            self._pending += data
+        line, _, self._pending = self._pending.partition(b"\n")
+        return line.decode("utf-8", "replace")

@@ -1,0 +1,143 @@
+"""The lines a simulated device sends on: a pty and a TCP port. Writing waits for room until told to stop.
+
+Facts of Linux ptys, measured: without a reader the kernel takes 17408 bytes; the server keeps the far end open
+itself, so that a reader may come and go; closing the near end is what a reader sees as unplugged.
+"""
+
+import contextlib
+import os
+import select
+import socket
+import tty
+from pathlib import Path
+from threading import Event
+from typing import Protocol
+
+LOOK_S = 0.05  # how often a blocked write looks whether it should stop
+
+
+class Line(Protocol):
+    """Bytes out of a device."""
+
+    @property
+    def address(self) -> str:
+        """The device's URL without options."""
+        ...
+
+    def plug(self) -> None:
+        """Make the port be there."""
+        ...
+
+    def unplug(self) -> None:
+        """Make the port be gone; may be called twice."""
+        ...
+
+    def write(self, data: bytes, stop: Event) -> bool:
+        """Send ``data`` whole, however long the reader takes; False if stopped or the reader left meanwhile."""
+        ...
+
+
+class PtyLine:
+    """A pseudo terminal, raw; ``link`` is a path that always points at it, also after an unplug."""
+
+    def __init__(self, link: Path | None = None) -> None:
+        self._link = link
+        self._near = self._far = -1
+        self._name = ""
+
+    @property
+    def address(self) -> str:
+        """The URL of the link, or of the terminal itself."""
+        return f"serial://{self._link.absolute() if self._link else self._name}"
+
+    def plug(self) -> None:
+        """Open a terminal and point the link at it; raise FileExistsError where the link is another file."""
+        if self._link and self._link.exists() and not self._link.is_symlink():
+            raise FileExistsError(
+                f"{self._link}: exists and is not a link; choose another path for the simulated port"
+            )
+        self._near, self._far = os.openpty()
+        tty.setraw(self._far)
+        os.set_blocking(self._near, False)
+        self._name = os.ttyname(self._far)
+        if self._link:
+            self._link.unlink(missing_ok=True)
+            self._link.symlink_to(self._name)
+
+    def unplug(self) -> None:
+        """Close the terminal: a blocked reader gets end of file."""
+        if self._near < 0:
+            return
+        if self._link:
+            self._link.unlink(missing_ok=True)
+        os.close(self._near)
+        os.close(self._far)
+        self._near = self._far = -1
+
+    def write(self, data: bytes, stop: Event) -> bool:
+        """Send ``data`` whole; what a reader sends is read and dropped."""
+        while data and not stop.is_set():
+            readable, writable, _ = select.select([self._near], [self._near], [], LOOK_S)
+            if readable:
+                os.read(self._near, 4096)
+            if writable:
+                data = data[os.write(self._near, data) :]
+        return not data
+
+
+class TcpLine:
+    """A listening port; one reader at a time, the device waits while there is none."""
+
+    def __init__(self, host: str = "127.0.0.1", port: int = 0) -> None:
+        self._host, self._port = host, port
+        self._listener: socket.socket | None = None
+        self._reader: socket.socket | None = None
+
+    @property
+    def address(self) -> str:
+        """The URL of the listening port."""
+        return f"tcp://{self._host}:{self._port}"
+
+    def plug(self) -> None:
+        """Listen; the same port again after an unplug."""
+        self._listener = socket.create_server((self._host, self._port))
+        self._port = self._listener.getsockname()[1]
+
+    def unplug(self) -> None:
+        """Hang up and stop listening."""
+        if self._listener is not None:  # first: whom we hang up on may call again at once
+            self._listener.close()
+            self._listener = None
+        self._hang_up()
+
+    def write(self, data: bytes, stop: Event) -> bool:
+        """Send ``data`` whole, to whoever reads; False where the reader left before it had all of it."""
+        while data and not stop.is_set():
+            reader = self._reader or self._accepted()
+            if reader is None:
+                continue
+            readable, writable, _ = select.select([reader], [reader], [], LOOK_S)
+            try:
+                if readable and not reader.recv(4096):
+                    raise ConnectionResetError
+                if writable:
+                    data = data[reader.send(data) :]
+            except BlockingIOError:
+                continue
+            except OSError:
+                self._hang_up()
+                return False
+        return not data
+
+    def _accepted(self) -> socket.socket | None:
+        if self._listener is not None and select.select([self._listener], [], [], LOOK_S)[0]:
+            self._reader, _ = self._listener.accept()
+            self._reader.setblocking(False)
+            with contextlib.suppress(OSError):  # a caller who has gone already; the first write finds out
+                self._reader.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return self._reader
+
+    def _hang_up(self) -> None:
+        if self._reader is not None:
+            self._reader.close()
+            self._reader = None

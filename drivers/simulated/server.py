@@ -1,0 +1,184 @@
+"""Serves a simulated device's bytes on a pty or a TCP port, and its hands on a control port, loopback by default.
+
+Paced by absolute deadlines, ``speed`` times device time; speed 0 or inf is as fast as the reader takes. When the
+reader does not read, device time waits (nothing is lost but what a fault loses); a device that fell behind by
+more than `pace.BEHIND_S` starts its pace anew instead of hurrying after it.
+"""
+
+import contextlib
+import socketserver
+from collections.abc import Callable, Iterable
+from functools import partial
+from pathlib import Path
+from threading import Event, Thread
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from drivers.simulated.device import ByteDevice
+from drivers.simulated.faults import Fault, Sent, Silence
+from drivers.simulated.lines import Line, PtyLine, TcpLine
+from drivers.simulated.pace import Pace
+from drivers.simulated.truth import Truth
+
+LONGEST_COMMAND = 256  # bytes
+POLL_S = 0.05  # how long the control port takes to close
+
+
+class SimulatedDevice:
+    """A device on a real transport while the ``with`` block lasts.
+
+    Parameters
+    ----------
+    truth, seed, faults
+        What is simulated; equal ones give equal bytes for commands at equal device times.
+    format
+        Name of a wire format.
+    speed
+        Device seconds per second; 0 or inf: as fast as the reader takes.
+    transport
+        ``pty`` or ``tcp``.
+    link
+        A path kept pointing at the pty, also after an unplug, when the kernel may give it another name.
+    host, port
+        Where a TCP device listens; port 0: any free one.
+    control_port
+        Loopback port of the hands; 0: any free one.
+    hold
+        Do not begin before the hands say ``go``: what they command first is then exact to the sample.
+    """
+
+    def __init__(
+        self,
+        truth: Truth,
+        seed: int | None,
+        format: str = "counts",
+        speed: float = 1.0,
+        *,
+        transport: str = "pty",
+        link: Path | None = None,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        control_port: int = 0,
+        faults: Iterable[Fault] = (),
+        hold: bool = False,
+    ) -> None:
+        if transport not in {"pty", "tcp"}:
+            raise ValueError(f"transport {transport!r}: expected pty or tcp")
+        self.device = ByteDevice(truth, seed, format, faults)
+        self.truth = self.device.truth
+        self._format = format
+        self._speed = speed if np.isfinite(speed) and speed > 0 else 0.0
+        self._line: Line = PtyLine(link) if transport == "pty" else TcpLine(host, port)
+        self._control_port = control_port
+        self._stop, self._go = Event(), Event()
+        if not hold:
+            self._go.set()
+        self._control: _ControlServer | None = None
+        self._threads: list[Thread] = []
+        self.failure: Exception | None = None
+
+    @property
+    def url(self) -> str:
+        """The device's URL, to be opened like any other."""
+        return f"{self._line.address}?format={self._format}"
+
+    @property
+    def control(self) -> str:
+        """HOST:PORT of the hands."""
+        if self._control is None:
+            raise RuntimeError("the simulated device is not served yet: enter its `with` block first")
+        host, port = self._control.server_address[:2]
+        return f"{host!s}:{port}"
+
+    def __enter__(self) -> Self:
+        self._line.plug()
+        try:
+            self._control = _ControlServer(("127.0.0.1", self._control_port), self._obey)
+        except OSError:
+            self._line.unplug()
+            raise
+        for target in (self._run, partial(self._control.serve_forever, POLL_S)):
+            thread = Thread(target=target, name="simulated device", daemon=True)
+            thread.start()
+            self._threads.append(thread)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stop.set()
+        self._go.set()
+        if self._control is not None:
+            self._control.shutdown()
+            self._control.server_close()
+        for thread in self._threads:
+            thread.join()
+        self._line.unplug()
+
+    def wait(self) -> None:
+        """Serve until interrupted; raise what stopped the device, if anything did."""
+        while not self._stop.wait(0.5):
+            pass
+        if self.failure is not None:
+            raise self.failure
+
+    def _obey(self, command: str) -> str:
+        if command.split() == ["go"]:
+            self._go.set()
+            return "ok"
+        return self.device.obey(command)
+
+    def _run(self) -> None:
+        self._go.wait()
+        try:
+            self._send_all()
+        except Exception as error:  # the edge of a thread: kept for `wait`, and the line goes silent
+            self.failure = error
+            self._stop.set()
+
+    def _send_all(self) -> None:
+        pace = Pace(self._speed, self.truth.sample_period_s)
+        while not self._stop.is_set():
+            sent = self.device.chunk(pace.samples)
+            self._stop.wait(pace.delay(self.device.samples))
+            for part in sent:
+                self._send(part)
+
+    def _send(self, part: Sent) -> None:
+        if not isinstance(part, Silence):
+            self._line.write(part, self._stop)
+            return
+        if part.unplugged:
+            self._line.unplug()
+        self._stop.wait(part.seconds / (self._speed or 1.0))
+        if part.unplugged and not self._stop.is_set():
+            self._line.plug()
+
+
+def serve(device: SimulatedDevice, announce: Callable[[SimulatedDevice], None]) -> None:
+    """Serve ``device`` until interrupted; ``announce`` is told once it can be opened."""
+    with device, contextlib.suppress(KeyboardInterrupt):
+        announce(device)
+        device.wait()
+
+
+class _ControlServer(socketserver.ThreadingTCPServer):
+    allow_reuse_address = True
+    daemon_threads = True
+    block_on_close = False
+
+    def __init__(self, address: tuple[str, int], obey: Callable[[str], str]) -> None:
+        self.obey = obey
+        super().__init__(address, _Conversation)
+
+
+class _Conversation(socketserver.StreamRequestHandler):
+    server: _ControlServer
+
+    def handle(self) -> None:
+        with contextlib.suppress(ConnectionError):
+            while line := self.rfile.readline(LONGEST_COMMAND):
+                answer = self.server.obey(line.decode("utf-8", "replace").strip())
+                self.wfile.write(answer.encode() + b"\n")

@@ -1,0 +1,35 @@
+import pytest
+
+from drivers.simulated.pace import BEHIND_S, MOST_SAMPLES, Pace
+
+
+class Clock:
+    now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def test_deadlines_are_absolute_and_a_late_wake_up_is_caught_up() -> None:
+    clock = Clock()
+    pace = Pace(2.0, 0.02, clock)
+    assert pace.samples == 1
+    assert pace.delay(100) == pytest.approx(1.0)
+    clock.now += 1.1  # woke 0.1 s late
+    assert pace.delay(105) == 0.0
+    assert pace.delay(120) == pytest.approx(0.1)
+
+
+def test_a_device_that_fell_far_behind_starts_its_pace_anew() -> None:
+    clock = Clock()
+    pace = Pace(1.0, 0.02, clock)
+    clock.now += 60.0
+    assert pace.delay(50) == 0.0
+    assert pace.delay(100) == pytest.approx(1.0)
+    assert BEHIND_S < 60
+
+
+def test_without_pace_nothing_waits_and_chunks_stay_small() -> None:
+    assert Pace(0.0, 0.02, Clock()).delay(10**9) == 0.0
+    assert Pace(0.0, 0.02, Clock()).samples == MOST_SAMPLES
+    assert Pace(1e6, 0.02, Clock()).samples == MOST_SAMPLES

@@ -1,0 +1,141 @@
+"""A device on a real pty and on TCP, through pyserial and sockets, against the same device read in memory."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.errors import LinkLost
+from drivers.framing import Decoder
+from drivers.ports import Port, open_port
+from drivers.simulated.errors import HandsRefused
+from drivers.simulated.faults import Fault
+from drivers.simulated.hands import SimulatedHands
+from drivers.simulated.imu import SimulatedImu
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
+from procedures.records import CountBlock
+
+TRUTH = Truth.example(1)
+every_transport = pytest.mark.parametrize("transport", ["pty", "tcp"])
+
+
+def received(port: Port, frames: int, decoder: Decoder, deadline_s: float = 30.0) -> list[CountBlock]:
+    """Read until ``frames`` have come; fail loudly rather than hang."""
+    blocks, until = list[CountBlock](), time.monotonic() + deadline_s
+    while sum(map(len, blocks)) < frames:
+        assert time.monotonic() < until, f"{sum(map(len, blocks))} of {frames} frames within {deadline_s} s"
+        blocks.append(decoder.feed(port.read(65536)))
+    return blocks
+
+
+@every_transport
+@pytest.mark.parametrize("name", sorted(FORMATS))
+def test_bytes_read_from_the_port_decode_to_the_counts_in_memory(transport: str, name: str) -> None:
+    memory = SimulatedImu(TRUTH, 5)
+    with SimulatedDevice(TRUTH, 5, name, speed=0, transport=transport, hold=True) as device:
+        with SimulatedHands(device.control) as hands:
+            for hand in (memory, hands):
+                hand.place(3, 10.0)
+                hand.turn("x", "+", 1, 2.0)
+                hand.rest(3.0)
+            assert hands.done() == pytest.approx(memory.done)
+            port = open_port(device.url)
+            hands.go()
+            decoder = Decoder(FORMATS[name])
+            blocks = received(port, 2000, decoder)
+            port.close()
+    expected = memory.read(2000)
+    for field in ("gyro", "accel"):
+        got = np.concatenate([getattr(block, field) for block in blocks])[:2000]
+        assert np.array_equal(got, getattr(expected, field)), field
+    assert decoder.counters.skipped_bytes == decoder.counters.bad_crc == decoder.counters.counter_jumps == 0
+    if name == "counts":
+        assert decoder.serial == TRUTH.serial
+
+
+def test_hands_answer_errors_and_the_device_lives_on() -> None:
+    with SimulatedDevice(TRUTH, 1, speed=0) as device, SimulatedHands(device.control) as hands:
+        for command in ("fly", "place", "place 13", "place x", "turn y + 3", "rest -1", ""):
+            with pytest.raises(HandsRefused, match="error"):
+                hands.say(command)
+        assert hands.place(2) > hands.time() >= 0
+        assert hands.say("status")[:3] == ["position", "2", "moving"]
+    with pytest.raises(HandsRefused):
+        SimulatedHands(device.control).time()
+
+
+def test_without_a_reader_device_time_waits() -> None:
+    with SimulatedDevice(TRUTH, 1, speed=0) as device, SimulatedHands(device.control) as hands:
+        # the kernel takes 17408 bytes of a pty, 48 a frame; no frame beyond them and one chunk is ever taken
+        while hands.time() == 0:
+            pass
+        port = open_port(device.url)
+        first = received(port, 1000, Decoder(FORMATS["counts"]))
+        port.close()
+        assert hands.time() < first[-1].device_time[-1] + (17408 / 48 + 100) * 0.02 + 1000 * 0.02
+
+
+@every_transport
+def test_a_reader_may_leave_and_another_come(transport: str) -> None:
+    with SimulatedDevice(TRUTH, 1, speed=0, transport=transport) as device:
+        ends = []
+        for _ in range(2):
+            port, decoder = open_port(device.url), Decoder(FORMATS["counts"])
+            ends.append(received(port, 200, decoder)[-1].device_time[-1])
+            port.close()
+        assert ends[1] > ends[0]
+        assert device.failure is None
+
+
+@every_transport
+def test_an_unplugged_port_is_lost_and_comes_back_under_the_same_url(transport: str, tmp_path: Path) -> None:
+    fault = Fault("unplug", 4.0, seconds=0.2)
+    link = tmp_path / "imu" if transport == "pty" else None
+    with SimulatedDevice(TRUTH, 1, speed=0, transport=transport, link=link, faults=[fault], hold=True) as device:
+        url, decoder = device.url, Decoder(FORMATS["counts"])
+        port = open_port(url)
+        with SimulatedHands(device.control) as hands:
+            hands.go()
+        before = list[CountBlock]()
+        with pytest.raises(LinkLost):
+            before += received(port, 100_000, decoder)
+        port.close()
+        port, decoder = reopened(url), Decoder(FORMATS["counts"])
+        after = received(port, 100, decoder)
+        port.close()
+    counter = np.concatenate([block.counter for block in after])
+    assert counter[0] >= 210, "what was taken while unplugged is lost"
+
+
+def reopened(url: str) -> Port:
+    until = time.monotonic() + 10.0
+    while True:
+        try:
+            return open_port(url)
+        except OSError:
+            assert time.monotonic() < until, f"{url} did not come back"
+
+
+def test_a_paced_device_sends_too() -> None:
+    with SimulatedDevice(TRUTH, 1, speed=1000.0) as device:
+        port = open_port(device.url)
+        blocks = received(port, 2000, Decoder(FORMATS["counts"]))
+        port.close()
+    counter = np.concatenate([block.counter for block in blocks])
+    assert np.all(np.diff(counter) == 1), "opening drops what came before it, nothing after"
+
+
+def test_a_link_never_replaces_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "imu"
+    path.write_text("mine")
+    with pytest.raises(FileExistsError, match="choose another path"), SimulatedDevice(TRUTH, 1, link=path):
+        pass
+    assert path.read_text() == "mine"
+
+
+def test_an_unknown_transport_is_refused() -> None:
+    with pytest.raises(ValueError, match="pty or tcp"):
+        SimulatedDevice(TRUTH, 1, transport="carrier pigeon")
