@@ -26,9 +26,10 @@ ROUNDS = 4
 WHITE = 0.35  # counts per sqrt(sample) above which the remainder is white: its harmonic is e^-2(pi s)^2
 LAG = 16  # samples
 STEPS = 4  # noises tried per factor e
-NOISE_RANGE = (-13 * STEPS, 0)  # steps of the logarithm of counts per sqrt(sample)
+NOISE_RANGE = (-42, 0)  # steps of the logarithm of counts per sqrt(sample): 2.8e-5 to 1
 DROP = 5.0  # nats below the best at which a noise is given up
-NARROW = 0.3  # width of the noise's logarithm below which one noise stands for all
+REPEATED = 1.5  # by which the evidence is divided: neighbouring nodes say in part the same, which it counts twice
+FALLING = 0.25  # the prior of a noise s is s^-FALLING ds / s; it matters below about four counts a dwell
 SWEEPS, TOLERANCE = 60, 1e-3
 
 
@@ -222,11 +223,6 @@ def _noise_posterior(paths: Sequence[_Path]) -> list[tuple[float, float]]:
         fresh = [path.admit(noise) for path in paths]
         if not any(fresh):
             break
-    below, peak, above = (_evidence(paths, best + k, found) for k in (-1, 0, 1))
-    bend = 2 * peak - below - above
-    if 1 / (NARROW * STEPS) ** 2 < bend < np.inf:
-        mode = (best + (above - below) / (2 * bend)) / STEPS
-        return [(float(np.exp(mode + 1 / (bend * STEPS**2))), 1.0)]
     return _grid(paths, best, found)
 
 
@@ -250,16 +246,21 @@ def _climb(paths: Sequence[_Path], best: int, stride: int, found: dict[int, floa
 
 
 def _grid(paths: Sequence[_Path], best: int, found: dict[int, float]) -> list[tuple[float, float]]:
-    """Weigh every noise within `DROP` of the best."""
+    """Weigh every noise within `DROP` of the best; where that is hardly one step, put one noise for all."""
     low, high = NOISE_RANGE
-    weights = {best: 1.0}
+    fall = {best: 0.0}
     for direction in (-1, 1):
         k = best + direction
-        while low <= k <= high and (fall := found[best] - _evidence(paths, k, found)) < DROP:
-            weights[k] = float(np.exp(-fall))
+        while low <= k <= high and (drop := (found[best] - _evidence(paths, k, found)) / REPEATED) < DROP:
+            fall[k] = drop
             k += direction
-    total = sum(weights.values())
-    return [(float(np.exp(k / STEPS)), weight / total) for k, weight in sorted(weights.items())]
+    if len(fall) <= 3 and low < best < high:
+        below, above = ((found[best] - found[best + k]) / REPEATED for k in (-1, 1))
+        if np.isfinite(below + above):
+            mode = (best + (below - above) / (2 * (below + above))) / STEPS
+            return [(float(np.exp(mode + 1 / ((below + above) * STEPS**2))), 1.0)]
+    weight = {k: float(np.exp(-drop - FALLING * (k - best) / STEPS)) for k, drop in sorted(fall.items())}
+    return [(float(np.exp(k / STEPS)), w / sum(weight.values())) for k, w in weight.items()]
 
 
 def _finish(path: _Path, weights: Sequence[tuple[float, float]], period: float) -> RateEstimate:
