@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.bench_model import tilt_names
 from procedures.campaign import Campaign
 from procedures.errors import NotObservable
@@ -15,7 +15,7 @@ from procedures.hand_turns import GyroscopeFit, solve_gyroscope
 from procedures.observations import TriadDwells, dwell_rates, turn_totals
 from procedures.residuals import fit_quality, step_residuals
 from procedures.solution import Estimate, FitQuality, Solution, TriadCalibration
-from procedures.triad import paper_biases, triad_vector
+from procedures.triad import TriadVector, paper_biases, triad_vector
 from procedures.twelve_position import JointFit, missing_positions, solve_accelerometer
 
 NEVER_EXCITED = ("accelerometer.cross_product", "accelerometer.cubic (with accelerometer.scale_factor)")
@@ -63,58 +63,73 @@ def fit(campaigns: Sequence[Campaign]) -> Fits:
 
 def report(fits: Fits) -> Solution:
     """Put the fits into one solution."""
-    accelerometer, gyroscope, blocks = None, None, []
     counts = fits.campaigns[0].counts
-    if fits.accelerometer is not None:
-        vector = triad_vector(fits.accelerometer, "accelerometer", fits.accelerometer)
-        accelerometer = _with_paper_biases(vector.calibration("count/(g s)" if counts else "output/g"), fits)
-        blocks += [(vector.names, vector.covariance)]
-    slab, parallelism, bench = _bench(fits.accelerometer)
-    blocks += bench
-    if fits.gyroscope is not None:
-        vector = triad_vector(fits.gyroscope.joint, "gyroscope", fits.accelerometer)
-        gyroscope = vector.calibration("count/deg" if counts else "output/(deg/s)")
-        blocks += [(vector.names, vector.covariance)]
     quality = fit_quality(fits.accelerometer, fits.gyroscope.joint if fits.gyroscope else None)
+    accel = triad_vector(fits.accelerometer, "accelerometer", fits.accelerometer) if fits.accelerometer else None
+    gyro = triad_vector(fits.gyroscope.joint, "gyroscope", fits.accelerometer) if fits.gyroscope else None
+    slab, parallelism = _bench(fits.accelerometer) if fits.accelerometer else (None, None)
+    names, covariance = joint_covariance(fits, accel, gyro)
     return Solution(
-        accelerometer=accelerometer, gyroscope=gyroscope, slab_tilt=slab, parallelism=parallelism,
-        quality=quality, names=tuple(name for names, _ in blocks for name in names),
-        covariance=_block_diagonal([block for _, block in blocks]),
+        accelerometer=_accelerometer(accel, fits) if accel else None,
+        gyroscope=gyro.calibration("count/deg" if counts else "output/(deg/s)") if gyro else None,
+        slab_tilt=slab, parallelism=parallelism, quality=quality, names=names, covariance=covariance,
         reference_temperature=_mean_temperature(fits.campaigns),
         residuals=step_residuals(fits.accelerometer, fits.gyroscope),
         not_observable=_not_observable(fits), warnings=_warnings(fits, quality), unused_steps=_unused(fits),
     )  # fmt: skip
 
 
-def _with_paper_biases(calibration: TriadCalibration, fits: Fits) -> TriadCalibration:
+def joint_covariance(
+    fits: Fits, accel: TriadVector | None, gyro: TriadVector | None
+) -> tuple[tuple[str, ...], FloatArray]:
+    """Return names and covariance of accelerometer, slab and faces, gyroscope, in this order.
+
+    The triads meet in the tilts alone: the gyroscopes took them from the accelerometers, so what the two have in
+    common is the gyroscopes' regression on the tilts times the tilts' covariance with the rest.
+    """
+    names: tuple[str, ...] = ()
+    blocks, tilts = np.zeros((0, 0)), np.zeros((0, 0))
+    if accel is not None and fits.accelerometer is not None:
+        joint = fits.accelerometer
+        index, bench_names = _bench_index(joint)
+        names = (*accel.names, *bench_names)
+        J = np.zeros((len(names), len(joint.fit.x)))
+        J[:15, :12] = accel.jacobian
+        J[np.arange(15, len(names)), index] = 1.0
+        blocks = J @ joint.fit.covariance @ J.T
+        blocks[:15, :15] = accel.covariance
+        tilts = joint.fit.covariance[12 : 12 + joint.bench.shared] @ J.T
+    if gyro is None or fits.gyroscope is None:
+        return names, blocks
+    if not names:
+        return gyro.names, gyro.covariance
+    own = fits.gyroscope.joint.fit.covariance
+    shared = slice(12, 12 + len(tilts))
+    regression = gyro.jacobian @ own[:12, shared] @ np.linalg.pinv(own[shared, shared], hermitian=True)
+    common = regression @ tilts
+    return (*names, *gyro.names), np.block([[blocks, common.T], [common, gyro.covariance]])
+
+
+def _bench_index(joint: JointFit) -> tuple[IntArray, tuple[str, ...]]:
+    """Where slab tilt (2) and parallelism (6) of the first campaign stand in the fit, and their names."""
+    cube = 12 + joint.bench.cube_slice(joint.bench.placements[0].cube).start
+    names = ("slab.tilt.east", "slab.tilt.north", *(f"fixture.parallelism.{n}" for n in tilt_names()))
+    return np.array([12, 13, *range(cube, cube + 6)]), names
+
+
+def _bench(joint: JointFit) -> tuple[Estimate, Estimate]:
+    """Slab tilt of the first campaign and parallelism of its cube, as the accelerometers found them."""
+    index, _ = _bench_index(joint)
+    value, std = joint.fit.x[index], np.sqrt(np.diag(joint.fit.covariance)[index])
+    parallelism = Estimate(value[2:].reshape(3, 2), std[2:].reshape(3, 2), "rad")
+    return Estimate(value[:2], std[:2], "rad"), parallelism
+
+
+def _accelerometer(vector: TriadVector, fits: Fits) -> TriadCalibration:
     assert fits.accelerometer is not None
     twelve, two = paper_biases(fits.accelerometer)
+    calibration = vector.calibration("count/(g s)" if fits.campaigns[0].counts else "output/g")
     return replace(calibration, bias_12_position=twelve, bias_two_direction=two)
-
-
-_Block = tuple[tuple[str, ...], FloatArray]
-
-
-def _bench(accelerometer: JointFit | None) -> tuple[Estimate | None, Estimate | None, list[_Block]]:
-    """Slab tilt of the first campaign and parallelism of its cube, as the accelerometers found them."""
-    if accelerometer is None:
-        return None, None, []
-    cube = 12 + accelerometer.bench.cube_slice(accelerometer.bench.placements[0].cube).start
-    index = np.array([12, 13, *range(cube, cube + 6)])
-    covariance = accelerometer.fit.covariance[np.ix_(index, index)]
-    value, std = accelerometer.fit.x[index], np.sqrt(np.diag(covariance))
-    names = ("slab.tilt.east", "slab.tilt.north", *(f"fixture.parallelism.{n}" for n in tilt_names()))
-    slab = Estimate(value[:2], std[:2], "rad")
-    return slab, Estimate(value[2:].reshape(3, 2), std[2:].reshape(3, 2), "rad"), [(names, covariance)]
-
-
-def _block_diagonal(blocks: Sequence[FloatArray]) -> FloatArray:
-    whole = np.zeros((sum(len(b) for b in blocks),) * 2)
-    at = 0
-    for block in blocks:
-        whole[at : at + len(block), at : at + len(block)] = block
-        at += len(block)
-    return whole
 
 
 def _mean_temperature(campaigns: Sequence[Campaign]) -> float | None:

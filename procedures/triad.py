@@ -16,9 +16,13 @@ SKEWED = np.array([0, 1, 2, 12, 13, 14])  # k and D of the vector k (3), E (9), 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TriadVector:
-    """k (3), E (9) by rows and D (3) in one vector (15,), its names and covariance (15, 15)."""
+    """k (3), E (9) by rows and D (3) in one vector (15,), its names and covariance (15, 15).
+
+    ``jacobian`` (15, 12) takes the fit's K and b to it.
+    """
 
     value: FloatArray
+    jacobian: FloatArray
     covariance: FloatArray
     names: tuple[str, ...]
     bias_unit: str
@@ -53,7 +57,7 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
     names = [f"{triad}.scale_factor.{a}" for a in AXES]
     names += [f"{triad}.misalignment.{a}{b}" for a in AXES for b in AXES]
     names += [f"{triad}.bias.{a}" for a in AXES]
-    return TriadVector(value, covariance, tuple(names), unit)
+    return TriadVector(value, J, covariance, tuple(names), unit)
 
 
 def scale_misalignment_bias(K: FloatArray, b: FloatArray, per: float) -> tuple[FloatArray, FloatArray]:

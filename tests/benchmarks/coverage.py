@@ -37,6 +37,10 @@ def errors(seed: int, certified: bool) -> dict[str, np.ndarray]:
         "gyroscope k error, ppm": (gyro.scale_factor.value / truth.gyro_k - 1) * 1e6,
         "gyroscope D error, deg/h": gyro.bias.value - truth.gyro_d_deg_s * 3600,
     }
+    assert solution.parallelism is not None
+    assert solution.slab_tilt is not None
+    found["parallelism"] = in_sigma(solution.parallelism, truth.faces_rad.reshape(3, 2, 2).sum(axis=1)).ravel()
+    found["slab tilt"] = in_sigma(solution.slab_tilt, truth.slab_tilt_rad)
     if certified:
         found["accelerometer E"] = in_sigma(accel.misalignment, truth.accel_e)[OFF_DIAGONAL]
         found["gyroscope E"] = in_sigma(gyro.misalignment, truth.gyro_e)[OFF_DIAGONAL]
