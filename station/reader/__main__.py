@@ -4,7 +4,6 @@ It holds no lock that another process could keep and knows nothing of frames: re
 """
 
 import os
-import signal
 import sys
 import threading
 import time
@@ -25,7 +24,6 @@ FAREWELL_S = 2.0
 
 def main(url: str, journal: str) -> None:
     """Read a device until told to stop."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the station, which then closes stdin
     messages = os.dup(sys.stdout.fileno())
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a stray print must not be taken for a message
     outbox = Outbox(messages)

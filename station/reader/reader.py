@@ -41,7 +41,10 @@ class Reader:
     def __enter__(self) -> "Reader":
         """Start the process and wait until the port is open; raise what it met, such as `PortBusy`."""
         command = [sys.executable, "-P", "-m", "station.reader", self.address.text, str(self.journal)]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0)
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0,
+            start_new_session=True,  # Ctrl-C is for the station, which then closes stdin
+        )  # fmt: skip
         try:
             deadline = time.monotonic() + START_TIMEOUT_S
             while not self._is_open:

@@ -7,6 +7,7 @@ from dataclasses import fields
 import numpy as np
 
 from drivers.wire import WireFormat
+from procedures.arrays import IntArray
 from procedures.records import CountBlock
 from station.reader import Chunk
 from station.recorder.raw_cut import frame_edges, longest_frame
@@ -26,31 +27,44 @@ class Tape:
     def __init__(self, wire: WireFormat) -> None:
         self.wire = wire
         self.begin = self.end = 0
+        self._first = 0  # the oldest sample kept
+        self._blocks: list[CountBlock] = []
+        self._frames: list[IntArray] = []  # of each sample, which of its chunk's frames it is
         self._breaks: list[int] = []
-        self._pieces: list[Piece] = []
-        self._firsts: list[int] = []
-        self._before = b""  # bytes just before the first piece: a frame may begin there
+        self._bytes = bytearray()
+        self._offset = 0  # of the first of these bytes in the stream
+        self._byte_begin = 0  # of the first kept chunk's bytes in the stream
+        self._stamps: list[int] = []  # by chunk: when it was read [ns] ...
+        self._byte_ends: list[int] = []  # ... where its bytes end in the stream
+        self._sample_ends: list[int] = []  # ... and one beyond the last sample that it completed
 
     def append(self, piece: Piece) -> None:
         """Take a piece."""
         if piece.anew is not None:
             self.begin = self.end + piece.anew
-            self.forget_before(self.begin)
         self._breaks += (piece.breaks + self.end).tolist()
-        self._pieces.append(piece)
-        self._firsts.append(self.end)
+        if len(piece.block):
+            self._blocks.append(piece.block)
+            self._frames.append(piece.frame)
+        self._bytes += piece.chunk.data
         self.end += len(piece.block)
+        self._stamps.append(piece.chunk.host_ns)
+        self._byte_ends.append(self._offset + len(self._bytes))
+        self._sample_ends.append(self.end)
+        if piece.anew is not None:
+            self.forget_before(self.begin)
 
     def forget_before(self, sample: int) -> None:
-        """Let go the pieces whose samples all stand before ``sample``."""
-        count = 0
-        while count < len(self._pieces) and self._firsts[count] + len(self._pieces[count].block) <= sample:
-            count += 1
-        if count:
-            tail = self._before + b"".join(p.chunk.data for p in self._pieces[:count][-longest_frame(self.wire) :])
-            self._before = tail[1 - longest_frame(self.wire) :]
-            del self._pieces[:count], self._firsts[:count]
-            self._breaks = [b for b in self._breaks if b >= sample]
+        """Let go the samples before ``sample``."""
+        rows, frames = self._compact()
+        drop = min(sample, self.end) - self._first
+        if drop <= 0:
+            return
+        self._first += drop
+        self._blocks = [_rows(rows, drop, len(rows))]
+        self._frames = [frames[drop:]]
+        self._breaks = [b for b in self._breaks if b >= self._first]
+        self._forget_chunks(bisect_right(self._sample_ends, self._first))
 
     def last_break(self, first: int, last: int) -> int | None:
         """Return the last sample after ``first`` and before ``last`` before which something is missing."""
@@ -58,35 +72,54 @@ class Tape:
 
     def block(self, first: int, last: int) -> CountBlock:
         """Return the samples from ``first`` up to before ``last``."""
-        parts = [rows for _, rows, _ in self._parts(first, last) if len(rows)]
-        return CountBlock(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in _NAMES})
+        return _rows(self._compact()[0], first - self._first, last - self._first)
 
     def recording(self, runs: Sequence[Run]) -> Iterator[tuple[Chunk, CountBlock]]:
-        """Yield the bytes of the runs' samples, cut at frames, and the samples that each piece completed."""
+        """Yield the bytes of the runs' samples, cut at frames, and the samples that each chunk completed."""
         for first, last in runs:
-            for index, rows, (low, high) in self._parts(first, last):
-                piece, at = self._pieces[index], self._firsts[index]
-                begin, end, before = 0, len(piece.chunk.data), b""
-                if at + low == first or at + high == last:
-                    before = self._preceding(index)
-                    edges = frame_edges(self.wire, before, piece.chunk.data)
-                    begin = edges[piece.frame[low]][0] if at + low == first else begin
-                    end = edges[piece.frame[high - 1]][1] if at + high == last else end
-                data = (before + piece.chunk.data)[len(before) + begin : len(before) + end]
-                yield Chunk(piece.chunk.host_ns, data), rows
+            at, end = self._frame_edges(first)[0], self._frame_edges(last - 1)[1]
+            chunk = bisect_right(self._sample_ends, first)
+            while first < last:
+                byte_end, sample_end = min(self._byte_ends[chunk], end), min(self._sample_ends[chunk], last)
+                data = bytes(self._bytes[at - self._offset : byte_end - self._offset])
+                yield Chunk(self._stamps[chunk], data), self.block(first, sample_end)
+                at, first, chunk = byte_end, sample_end, chunk + 1
 
-    def _preceding(self, index: int) -> bytes:
-        wanted, tail = longest_frame(self.wire) - 1, b""
-        while len(tail) < wanted and index > 0:
-            index -= 1
-            tail = self._pieces[index].chunk.data + tail
-        return (self._before + tail)[-wanted:]
+    def _frame_edges(self, sample: int) -> tuple[int, int]:
+        """Return where in the stream a sample's frame begins and ends."""
+        chunk = bisect_right(self._sample_ends, sample)
+        begin = self._byte_ends[chunk - 1] if chunk else self._byte_begin
+        before = max(begin - longest_frame(self.wire) + 1, self._offset)
+        whole = bytes(self._bytes[before - self._offset : self._byte_ends[chunk] - self._offset])
+        edges = frame_edges(self.wire, whole[: begin - before], whole[begin - before :])
+        low, high = edges[int(self._compact()[1][sample - self._first])]
+        return begin + low, begin + high
 
-    def _parts(self, first: int, last: int) -> Iterator[tuple[int, CountBlock, tuple[int, int]]]:
-        """Yield the pieces with samples in a range, and those without any that stand between them."""
-        index, at = max(0, bisect_right(self._firsts, first) - 1), first
-        while at < last:
-            piece, start = self._pieces[index], self._firsts[index]
-            low, high = max(first - start, 0), min(last - start, len(piece.block))
-            yield index, CountBlock(**{n: getattr(piece.block, n)[low:high] for n in _NAMES}), (low, high)
-            at, index = start + high, index + 1
+    def _forget_chunks(self, count: int) -> None:
+        """Let go the first chunks, but for the bytes in which the next one's first frame may begin."""
+        if not count:
+            return
+        self._byte_begin = self._byte_ends[count - 1]
+        keep = max(self._byte_begin - longest_frame(self.wire) + 1, self._offset)
+        del self._bytes[: keep - self._offset]
+        del self._stamps[:count], self._byte_ends[:count], self._sample_ends[:count]
+        self._offset = keep
+
+    def _compact(self) -> tuple[CountBlock, IntArray]:
+        if len(self._blocks) != 1:
+            parts = self._blocks
+            if not parts:
+                return _EMPTY, np.arange(0)
+            joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _NAMES}
+            self._blocks, self._frames = [CountBlock(**joined)], [np.concatenate(self._frames)]
+        return self._blocks[0], self._frames[0]
+
+
+def _rows(block: CountBlock, first: int, last: int) -> CountBlock:
+    return CountBlock(**{name: getattr(block, name)[first:last] for name in _NAMES})
+
+
+_NONE = np.zeros(0)
+_EMPTY = CountBlock(
+    np.arange(0), _NONE, np.zeros((0, 3), np.int64), np.zeros((0, 3), np.int64), _NONE, np.arange(0), _NONE > 0
+)

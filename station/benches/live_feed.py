@@ -1,0 +1,168 @@
+"""A live stream cut into blocks of a second, with everything watched that may go wrong with it."""
+
+import time
+from collections.abc import Iterator, Sequence
+from typing import Protocol
+
+from drivers.device_url import DeviceUrl
+from drivers.errors import LinkLost, LinkSilent, WrongFormat
+from drivers.framing import sniff
+from drivers.wire import FORMATS, WireFormat
+from station.benches.stillness import TICKS, Block, block_of
+from station.reader import Chunk, GapMark
+from station.recorder import Piece, SampleStream, Tape, Unit
+from station.recorder.unit import refuse_other, unit_of
+
+BLOCK_S = 1.0
+POLL_S = 0.1
+SILENT_S = 2.0  # of the station's time, without a byte or without a frame
+REPLUG_S = 30.0  # how long a lost port may stay away
+IDENTITY_S = 3.0  # how long to wait for the device to say who it is
+SNIFFED = 16384  # bytes
+SURE_FRAMES = 3
+
+
+class Source(Protocol):
+    """Where chunks come from: a reader process."""
+
+    address: DeviceUrl
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        """Return what has come, within ``timeout_s``."""
+        ...
+
+
+class LiveFeed:
+    """A device's samples on a `Tape`, and its blocks.
+
+    ``unit`` is set by `identify`; from then on another unit's serial number is refused.
+    """
+
+    def __init__(self, source: Source, wire: WireFormat, held: Sequence[Chunk] = ()) -> None:
+        self._source, self.wire = source, wire
+        self.address = source.address
+        self.unit: Unit | None = None
+        self.stream, self.tape = SampleStream(wire), Tape(wire)
+        self._recent = b""
+        self._silent_s = self._frameless_s = 0.0
+        self._is_open = self._is_anew = True
+        self._pieces: list[Piece] = []  # the last ones taken
+        for chunk in held:
+            self._take(chunk)
+        self._at = self._begin = self.tape.begin
+
+    @property
+    def period(self) -> float:
+        """The nominal sample period [s]: as the device states it, else as it was measured."""
+        period = self.unit.period if self.unit else self.stream.period
+        assert period is not None, "identify first"
+        return period
+
+    def identify(self, model: str | None = None, serial: str | None = None) -> Unit:
+        """Wait until it is known which unit this is; see `unit_of` for what it raises."""
+        decoder, kind = self.stream.decoder, self.wire.identity
+        says_who = kind is not None and kind is not self.wire.imu
+        deadline = time.monotonic() + IDENTITY_S
+        while (period := self.stream.period) is None or (
+            says_who and not decoder.serial and time.monotonic() < deadline
+        ):
+            self.advance()
+        self.unit = unit_of(self.address.name, decoder.identity, round(period, 9), model, serial)
+        return self.unit
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield the stream's blocks of a second, for ever; a block never reaches over a break."""
+        while True:
+            size = max(TICKS, round(BLOCK_S / self.period))
+            if self._begin != self.tape.begin:
+                self._at = self._begin = self.tape.begin
+                self._is_anew = True
+            if self.tape.end - self._at < size:
+                self.advance()
+            elif (broken := self.tape.last_break(self._at, self._at + size)) is not None:
+                self._at = broken
+            else:
+                first, self._at = self._at, self._at + size
+                samples = self.tape.block(first, first + size)
+                is_anew, self._is_anew = self._is_anew, False
+                is_broken = self.tape.last_break(first - 1, first + 1) is not None
+                yield block_of(samples, first, self.period, is_broken=is_broken, is_anew=is_anew)
+
+    def pieces(self) -> Iterator[Piece]:
+        """Yield the stream's pieces, for ever; samples are not kept."""
+        while True:
+            yield from self._pieces
+            self.tape.forget_before(self.tape.end)
+            self.advance()
+
+    def advance(self) -> None:
+        """Take what has come, waiting for it a moment.
+
+        Raises
+        ------
+        LinkSilent, WrongFormat, LinkLost
+            No byte for 2 s; bytes but no frame for 2 s; the port stays away for 30 s.
+        UnitChanged
+            If another unit answers than the one identified.
+        """
+        began = time.monotonic()
+        items = self._source.poll(POLL_S)
+        waited = time.monotonic() - began
+        self._pieces.clear()
+        frames = self.stream.decoder.counters.frames
+        for item in items:
+            if isinstance(item, GapMark):
+                self._mark(item)
+            else:
+                self._silent_s = 0.0
+                self._recent = (self._recent + item.data)[-SNIFFED:]
+                self._take(item)
+        if self.unit is not None:
+            refuse_other(self.address.name, self.stream.decoder.identity, self.unit)
+        self._watch(waited, is_idle=not items, has_frames=self.stream.decoder.counters.frames > frames)
+
+    def _take(self, chunk: Chunk) -> None:
+        self._pieces.append(self.stream.take(chunk))
+        self.tape.append(self._pieces[-1])
+
+    def _mark(self, mark: GapMark) -> None:
+        self._is_open, self._silent_s, self._frameless_s = mark.is_open, 0.0, 0.0
+        self.stream.mark(mark)
+
+    def _watch(self, waited_s: float, *, is_idle: bool, has_frames: bool) -> None:
+        """Add up the time waited in vain; a station that was itself held up did not wait."""
+        self._silent_s += waited_s if is_idle else 0.0
+        self._frameless_s = 0.0 if has_frames else self._frameless_s + waited_s
+        name, baud = self.address.name, self.address.baud
+        if not self._is_open:
+            if self._silent_s > REPLUG_S:
+                raise LinkLost(name, f"not back within {REPLUG_S:g} s")
+        elif self._silent_s >= SILENT_S:
+            raise LinkSilent(name, SILENT_S, baud)
+        elif self._frameless_s >= SILENT_S:
+            likely = next((found.format for found in sniff(self._recent) if found.format != self.wire.name), None)
+            raise WrongFormat(name, self.wire.name, len(self._recent), baud, likely)
+
+
+def open_feed(source: Source) -> LiveFeed:
+    """Return the feed of a source in the format its address says, else in the one its first bytes look like.
+
+    Raises
+    ------
+    LinkSilent, WrongFormat
+        If the format must be found and no byte comes for 2 s, or no frame of any.
+    """
+    address = source.address
+    if address.format is not None:
+        return LiveFeed(source, FORMATS[address.format])
+    held, deadline = list[Chunk](), time.monotonic() + SILENT_S
+    while time.monotonic() < deadline:
+        held += [item for item in source.poll(POLL_S) if isinstance(item, Chunk)]
+        data = b"".join(chunk.data for chunk in held)[:SNIFFED]
+        found = sniff(data) if data else []
+        if found and found[0].frames >= SURE_FRAMES:
+            return LiveFeed(source, FORMATS[found[0].format], held)
+    if not held:
+        raise LinkSilent(address.name, SILENT_S, address.baud)
+    size = sum(len(chunk.data) for chunk in held)
+    raise WrongFormat(address.name, " or ".join(FORMATS), size, address.baud)

@@ -1,0 +1,97 @@
+"""``station simulate``: a simulated IMU on a real transport."""
+
+import signal
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from station.commands import Database
+
+if TYPE_CHECKING:
+    from drivers.simulated.server import SimulatedDevice
+
+
+def simulate(
+    truth: Annotated[
+        Path | None, typer.Option("--truth", metavar="TOML", help="What is true of the unit and its bench.")
+    ] = None,
+    example: Annotated[
+        int | None, typer.Option("--example", metavar="SEED", help="A random unit of the usual size instead.")
+    ] = None,
+    format: Annotated[str, typer.Option("--format", help="Wire format.")] = "counts",
+    pty: Annotated[
+        Path | None, typer.Option("--pty", metavar="LINK", help="Keep this path pointing at the pty.")
+    ] = None,
+    tcp: Annotated[
+        int | None, typer.Option("--tcp", metavar="PORT", help="Serve on this loopback port instead; 0: any.")
+    ] = None,
+    control: Annotated[int, typer.Option("--control", metavar="PORT", help="Port of the hands; 0: any.")] = 0,
+    speed: Annotated[
+        float, typer.Option("--speed", metavar="N", help="Device seconds per second; 0: as fast as read.")
+    ] = 1.0,
+    seed: Annotated[int, typer.Option("--seed", help="Of noise, hands and faults.")] = 1,
+    faults: Annotated[
+        Path | None, typer.Option("--faults", metavar="TOML", help="[[fault]] tables: kind, at_s, every_s ...")
+    ] = None,
+    hold: Annotated[bool, typer.Option("--hold", help="Begin when the hands say go.")] = False,
+    db: Database = None,
+) -> None:
+    """Serve a simulated IMU in its cube until Ctrl-C; prints its URL and the control address of its hands.
+
+    Scale factors in a truth are in count/(g s) and count/deg, biases in g and deg/s, tilts in rad, times in s. The
+    hands take lines such as `place 3 45`, `turn x + 3 5`, `rest 10`, `time`, `status` over TCP.
+
+    Exit code 3 if the truth or the faults are wrong, 4 if the port cannot be made.
+
+    Example: station simulate --example 7 --pty /tmp/imu --speed 20
+    """
+    from drivers.errors import PortNotFound
+    from drivers.simulated.errors import SimulatorError
+    from drivers.simulated.faults import load_faults
+    from drivers.simulated.server import SimulatedDevice, serve
+    from drivers.simulated.truth import Truth, load_truth
+    from drivers.wire import FORMATS
+    from station.errors import DataRefused
+
+    if truth is not None and example is not None:
+        raise typer.BadParameter("--truth and --example are two truths; expected one of them")
+    if pty is not None and tcp is not None:
+        raise typer.BadParameter("--pty and --tcp are two transports; expected one of them")
+    if format not in FORMATS:
+        raise typer.BadParameter(f"format {format!r}: expected one of {', '.join(FORMATS)}")
+    if not speed >= 0:
+        raise typer.BadParameter(f"speed {speed:g}: expected 0 or more")
+    try:
+        unit = (
+            load_truth(_text(truth)) if truth is not None else Truth.example(seed if example is None else example)
+        )
+        planted = load_faults(_text(faults)) if faults is not None else ()
+        device = SimulatedDevice(
+            unit, seed, format, speed,
+            transport="pty" if tcp is None else "tcp", link=pty, port=tcp or 0, control_port=control,
+            faults=planted, hold=hold,
+        )  # fmt: skip
+    except SimulatorError as error:
+        raise DataRefused(truth or faults or "truth", None, str(error), "a truth as described") from error
+    for ending in (signal.SIGINT, signal.SIGTERM):  # the first is ignored in a shell's background otherwise
+        signal.signal(ending, signal.default_int_handler)
+    try:
+        serve(device, _announce)
+    except OSError as error:
+        raise PortNotFound(str(pty or tcp or "pty"), str(error), "choose another path or port") from error
+
+
+def _announce(device: "SimulatedDevice") -> None:
+    typer.echo(f"url {device.url}")
+    typer.echo(f"control {device.control}")
+    typer.echo(f"serving {device.truth.model} {device.truth.serial}; Ctrl-C ends it", err=True)
+
+
+def _text(path: Path) -> str:
+    from station.errors import DataRefused
+
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataRefused(path, None, f"no readable file ({error})", "a TOML file in UTF-8") from error

@@ -1,0 +1,1 @@
+"""The demo: the whole main job on a simulated device, its truth beside what was found."""

@@ -1,0 +1,95 @@
+"""What was found against what was true, parameter by parameter, in sigmas."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.frames import AXES
+from procedures.solution import Estimate, Solution, TriadCalibration
+from station.solution_text import ARCSEC
+
+_SCALE = {"1": (1e6, "1e-6"), "g": (1e6, "ug"), "rad": (1 / ARCSEC, "arcsec")}
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """A parameter as found, its 1 sigma and its truth, in ``unit``."""
+
+    title: str
+    value: float
+    std: float
+    truth: float
+    unit: str
+
+    @property
+    def sigmas(self) -> float:
+        """The error in sigmas."""
+        return (self.value - self.truth) / self.std
+
+
+def compared(solution: Solution, truth: Mapping[str, float]) -> list[Compared]:
+    """Return every parameter of a solution whose truth is known."""
+    found = list[Compared]()
+    for name, title, value, std, unit in _parameters(solution):
+        if name in truth:
+            scale, shown = _SCALE.get(unit, (1.0, unit))
+            found.append(Compared(title, value * scale, std * scale, truth[name] * scale, shown))
+    return found
+
+
+def comparison_text(rows: list[Compared]) -> str:
+    """Return the comparison as a table."""
+    lines = [f"{'parameter':<29}{'found':>14} {'1 sigma':>10}{'truth':>15} {'error/sigma':>12}  unit"]
+    for row in rows:
+        digits = max(0, min(6, 1 - int(np.floor(np.log10(row.std))))) if row.std > 0 else 6
+        lines.append(
+            f"{row.title:<29}{row.value:>14.{digits}f} {row.std:>10.{digits}f}{row.truth:>15.{digits}f}"
+            f" {row.sigmas:>+12.2f}  {row.unit}"
+        )
+    rms = float(np.sqrt(np.mean([row.sigmas**2 for row in rows])))
+    worst = max(abs(row.sigmas) for row in rows)
+    lines.append(f"{len(rows)} parameters: error/sigma {rms:.2f} rms, {worst:.2f} at most")
+    return "\n".join(lines)
+
+
+def _parameters(solution: Solution) -> Iterator[tuple[str, str, float, float, str]]:
+    for name, triad in (("accelerometer", solution.accelerometer), ("gyroscope", solution.gyroscope)):
+        if triad is not None:
+            yield from _triad(name, triad)
+    if solution.slab_tilt is not None:
+        for side, value, std in _each(("east", "north"), solution.slab_tilt):
+            yield f"slab.tilt.{side}", f"slab tilt {side}", value, std, "rad"
+    if (faces := solution.parallelism) is not None:
+        for i, pair in enumerate(AXES):
+            others = [axis for axis in AXES if axis != pair]
+            row = Estimate(faces.value[i], faces.std[i], faces.unit)
+            for other, value, std in _each(others, row):
+                yield (
+                    f"fixture.parallelism.{pair}.{other}",
+                    f"parallelism {pair} faces, {other}",
+                    value,
+                    std,
+                    "rad",
+                )
+
+
+def _triad(name: str, triad: TriadCalibration) -> Iterator[tuple[str, str, float, float, str]]:
+    for axis, value, std in _each(AXES, triad.scale_factor):
+        yield f"{name}.scale_factor.{axis}", f"{name} k {axis}", value, std, triad.scale_factor.unit
+    for axis, value, std in _each(AXES, triad.bias):
+        yield f"{name}.bias.{axis}", f"{name} D {axis}", value, std, triad.bias.unit
+    E = triad.misalignment.value
+    for q, p in np.argwhere(~np.eye(3, dtype=bool)).tolist():
+        pair = AXES[q] + AXES[p]
+        yield (
+            f"{name}.misalignment.{pair}",
+            f"{name} E {pair}",
+            float(E[q, p]),
+            float(triad.misalignment.std[q, p]),
+            "1",
+        )
+
+
+def _each(names: tuple[str, ...] | list[str], estimate: Estimate) -> Iterator[tuple[str, float, float]]:
+    yield from zip(names, estimate.value.tolist(), estimate.std.tolist(), strict=True)

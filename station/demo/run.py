@@ -1,0 +1,142 @@
+"""The demo from beginning to end: device, campaign, check of the recording, results, comparison."""
+
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from drivers.errors import LinkLost
+from drivers.simulated.hands import SimulatedHands
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
+from fixtures_db.database import open_db
+from station.benches.campaign_run import CampaignRequest, record_campaign
+from station.benches.hands import DeviceHands
+from station.benches.progress import Progress
+from station.campaign_folder.schema import ProcedureTable, SiteTable
+from station.demo.truth_values import truth_values
+from station.errors import CannotWrite
+from station.recorder import Unit, check_raw_bytes
+from station.recorder.results import Results, make_results
+
+MARK = ".station-demo"
+MOVE_S = 15.0  # device time of a move; a person takes about 45 s
+GRAVITY_STD = 1e-5  # m/s2, as of a surveyed site
+
+
+@dataclass(frozen=True, slots=True)
+class DemoRequest:
+    """Where the demo goes, which unit, how fast (device seconds per second), dwell [s] and revolutions."""
+
+    folder: Path
+    seed: int
+    speed: float
+    dwell_s: float
+    revolutions: int
+    database: str | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DemoOutcome:
+    """What the demo made; ``samples`` were decoded a second time from the recorded bytes, equal to the counts."""
+
+    results: Results
+    truth: dict[str, float]
+    campaign: Path
+    samples: int
+
+
+def run_demo(
+    request: DemoRequest,
+    progress: Callable[[Progress], None],
+    connected: Callable[[Unit], None],
+    recorded: Callable[[], None],
+) -> DemoOutcome:
+    """Run the demo.
+
+    Raises
+    ------
+    CannotWrite
+        If the folder is there already and is not a demo's.
+    """
+    folder, truth = request.folder, Truth.example(request.seed)
+    clear(folder)
+    values = truth_values(truth)
+    (folder / "truth.json").write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
+    campaign = folder / _campaign_name(request)
+    with (
+        _device(request, folder / "imu") as (url, control),
+        open_db(request.database or folder / "station.db") as db,
+    ):
+        with SimulatedHands(control) as hands:
+            record_campaign(
+                CampaignRequest(
+                    url, campaign, _site(truth), _procedure(truth),
+                    dwell_s=request.dwell_s, revolutions=request.revolutions,
+                ),
+                DeviceHands(hands, MOVE_S), db, progress, connected,
+            )  # fmt: skip
+        recorded()
+        steps = sorted([*campaign.glob("dwell_*.mcap"), *campaign.glob("turn_*.mcap")])
+        samples = sum(check_raw_bytes(path, FORMATS["counts"]) for path in steps)
+        results = make_results(campaign, db, folder, truth=values)
+    return DemoOutcome(results, values, campaign, samples)
+
+
+def clear(folder: Path) -> None:
+    """Make the folder, or empty that of an earlier demo; raise `CannotWrite` if it is anything else."""
+    try:
+        if folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not (folder / MARK).is_file())):
+            raise CannotWrite(folder, "it is there already and was not made by a demo")
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / MARK).touch()
+        for campaign in folder.glob("campaign*"):
+            shutil.rmtree(campaign)
+        for name in ("imu", "station.db", "station.db-wal", "station.db-shm", "truth.json",
+                     "solution.json", "calibration.json", "report.html"):  # fmt: skip
+            (folder / name).unlink(missing_ok=True)
+    except CannotWrite:
+        raise
+    except OSError as error:
+        raise CannotWrite(folder, error.strerror or str(error)) from error
+
+
+def _campaign_name(request: DemoRequest) -> str:
+    """Return a name that a database which outlives the folder does not know yet."""
+    return "campaign" if request.database is None else f"campaign_{datetime.now(UTC):%Y%m%dT%H%M%SZ}"
+
+
+@contextmanager
+def _device(request: DemoRequest, link: Path) -> Iterator[tuple[str, str]]:
+    command = [sys.executable, "-P", "-m", "station.demo.device", str(request.seed), str(request.speed), str(link)]
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        start_new_session=True,  # Ctrl-C is for the demo
+    ) as process:  # fmt: skip
+        assert process.stdin is not None
+        assert process.stdout is not None
+        try:
+            url, control = process.stdout.readline().strip(), process.stdout.readline().strip()
+            if not control:
+                raise LinkLost("the simulated device", "it did not start")
+            yield url, control
+        finally:
+            process.stdin.close()
+
+
+def _site(truth: Truth) -> SiteTable:
+    return SiteTable(
+        latitude_deg=truth.latitude_deg,
+        longitude_deg=truth.longitude_deg,
+        gravity_m_s2=truth.gravity_m_s2,
+        gravity_std_m_s2=GRAVITY_STD,
+    )
+
+
+def _procedure(truth: Truth) -> ProcedureTable:
+    return ProcedureTable(heading_std_deg=truth.heading_std_deg, closure_std_deg=truth.closure_std_deg)

@@ -1,0 +1,41 @@
+"""A simulated unit's truth by the names of a solution's parameters, in the units of files."""
+
+import numpy as np
+
+from drivers.simulated.truth import Truth
+from drivers.simulated.world import imu_from_cube
+from procedures.arrays import FloatArray
+from procedures.bench_model import mean_cube
+from procedures.frames import AXES
+
+
+def truth_values(truth: Truth) -> dict[str, float]:
+    """Return the truth keyed as `procedures.solution.Solution.names`.
+
+    Misalignment and scale factor refer to the mean cube, as the solution's do: columns of ``k E`` along the mean
+    normals of the face pairs instead of the cube's own axes.
+    """
+    up, down = truth.faces_rad[::2], truth.faces_rad[1::2]  # (3, 2) each, by face pair
+    C_ib = imu_from_cube(truth.imu_axes)
+    mean = C_ib @ mean_cube((up - down) / 2) @ C_ib.T
+    values = {
+        **_triad("accelerometer", truth.accel_k, truth.accel_e @ mean, truth.accel_d_g),
+        **_triad("gyroscope", truth.gyro_k, truth.gyro_e @ mean, truth.gyro_d_deg_s * 3600),
+        "slab.tilt.east": float(truth.slab_tilt_rad[0]),
+        "slab.tilt.north": float(truth.slab_tilt_rad[1]),
+    }
+    for i, pair in enumerate(AXES):
+        for j, other in enumerate(axis for axis in AXES if axis != pair):
+            values[f"fixture.parallelism.{pair}.{other}"] = float(up[i, j] + down[i, j])
+    return values
+
+
+def _triad(name: str, k: FloatArray, E: FloatArray, D: FloatArray) -> dict[str, float]:
+    length = np.linalg.norm(E, axis=1)
+    values = {}
+    for q, sensor in enumerate(AXES):
+        values[f"{name}.scale_factor.{sensor}"] = float(k[q] * length[q])
+        values[f"{name}.bias.{sensor}"] = float(D[q] / length[q])
+        for p, body in enumerate(AXES):
+            values[f"{name}.misalignment.{sensor}{body}"] = float(E[q, p] / length[q])
+    return values

@@ -1,0 +1,66 @@
+"""A short look at what a device sends, recording nothing."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivers.errors import LinkSilent, ReplayEnded, WrongFormat
+from drivers.framing import Decoder, FrameCounters, sniff
+from drivers.ports import open_port, parse_device_url
+from drivers.wire import FORMATS
+
+READ_BYTES = 65536
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What came within ``seconds``; ``rate_hz`` is by the device's own time, None if it sends none."""
+
+    format: str
+    model: str | None
+    serial: str | None
+    seconds: float
+    bytes: int
+    frames: int
+    rate_hz: float | None
+    counters: FrameCounters
+
+
+def look(url: str, seconds: float) -> Seen:
+    """Read a device for ``seconds``; where its address names no format, find the one that fits best.
+
+    Raises
+    ------
+    DriverError
+        If the port cannot be opened, no byte comes, or no frame of any format is among them.
+    """
+    address = parse_device_url(url)
+    began = time.monotonic()
+    data = _read(url, began + seconds)
+    took = max(time.monotonic() - began, 1e-9)
+    if not data:
+        raise LinkSilent(address.name, seconds, address.baud)
+    likely = sniff(data)
+    name = address.format or (likely[0].format if likely else None)
+    decoder = Decoder(FORMATS[name]) if name else None
+    block = decoder.feed(data) if decoder else None
+    if name is None or decoder is None or block is None or not len(block):
+        wanted = name or " or ".join(FORMATS)
+        raise WrongFormat(address.name, wanted, len(data), address.baud, likely[0].format if likely else None)
+    steps = np.diff(block.device_time)
+    steps = steps[np.isfinite(steps) & (steps > 0)]
+    rate = float(1 / np.median(steps)) if len(steps) else None
+    return Seen(name, decoder.model, decoder.serial, took, len(data), len(block), rate, decoder.counters)
+
+
+def _read(url: str, until: float) -> bytes:
+    port, parts = open_port(url), list[bytes]()
+    try:
+        while time.monotonic() < until:
+            parts.append(port.read(READ_BYTES))
+    except ReplayEnded:
+        pass
+    finally:
+        port.close()
+    return b"".join(parts)

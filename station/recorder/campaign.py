@@ -1,0 +1,133 @@
+"""A campaign being recorded: a step is on the disk, hashed and in the database before it counts as accepted.
+
+Order at accept: the step's file, synced and under its name; its hash in ``SHA256SUMS``; ``campaign.toml``,
+replaced whole; the row in the database. A kill in between leaves a folder that reads with every step accepted
+before.
+"""
+
+import os
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+from fixtures_db.campaigns import accept_step, set_state, start_campaign
+from fixtures_db.database import Database
+from procedures.steps import Dwell, Step
+from station.campaign_folder import append_hash, write_tables
+from station.campaign_folder.atomic import sync_folder
+from station.campaign_folder.schema import (
+    CampaignTable,
+    DwellTable,
+    FixtureTable,
+    ImuTable,
+    ProcedureTable,
+    SiteTable,
+    TurnTable,
+)
+from station.errors import CannotWrite
+from station.mcap_files import StepWriter
+from station.recorder.tape import Run, Tape
+from station.recorder.unit import Unit
+
+TOML = "campaign.toml"
+
+
+class CampaignRecorder:
+    """Writes the accepted steps of one campaign; made by `open_campaign`."""
+
+    def __init__(self, folder: Path, tables: CampaignTable, database: Database) -> None:
+        self.folder, self.tables = folder, tables
+        self._database = database
+        self._key = str(folder.resolve())
+
+    def accept(self, step: Step, tape: Tape, runs: Sequence[Run]) -> Path:
+        """Record ``step`` as the samples of ``runs``; it is accepted when this returns its file.
+
+        A step of the same name recorded before is superseded: its file stays, the campaign no longer names it.
+        """
+        path = self._free_name(step.name)
+        part = path.with_name(f".{path.name}.part")
+        part.unlink(missing_ok=True)
+        sha256 = _write(part, tape, runs)
+        try:
+            os.rename(part, path)
+            sync_folder(self.folder)
+        except OSError as error:
+            raise CannotWrite(path, error.strerror or str(error)) from error
+        append_hash(self.folder, path.name, sha256)
+        self.tables = _with_step(self.tables, step, path.name)
+        write_tables(self.folder, self.tables)
+        with self._database.write() as session:
+            accept_step(
+                session, self._key, name=step.name, file=path.name, sha256=sha256, accepted_utc=datetime.now(UTC)
+            )
+        return path
+
+    def finish(self, state: str = "recorded") -> None:
+        """Say in the database that the campaign is ``recorded``, ``accepted`` or ``cancelled``."""
+        with self._database.write() as session:
+            set_state(session, self._key, state)
+
+    def _free_name(self, stem: str) -> Path:
+        number, path = 1, self.folder / f"{stem}.mcap"
+        while path.exists():
+            number += 1
+            path = self.folder / f"{stem}_{number}.mcap"
+        return path
+
+
+def open_campaign(
+    folder: Path,
+    unit: Unit,
+    site: SiteTable,
+    database: Database,
+    *,
+    fixture: FixtureTable | None = None,
+    procedure: ProcedureTable | None = None,
+    cube_id: str | None = None,
+) -> CampaignRecorder:
+    """Begin a campaign in ``folder``: its ``campaign.toml`` without steps, its row in the database."""
+    tables = CampaignTable(
+        format="campaign/1",
+        imu=ImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output="increments"),
+        site=site,
+        procedure=procedure or ProcedureTable(),
+        fixture=fixture or FixtureTable(),
+    )
+    key = str(folder.resolve())
+    with database.write() as session:
+        start_campaign(
+            session, key, model=unit.model, serial=unit.serial, started_utc=datetime.now(UTC), cube_id=cube_id
+        )
+    write_tables(folder, tables)
+    return CampaignRecorder(folder, tables, database)
+
+
+def _write(path: Path, tape: Tape, runs: Sequence[Run]) -> str:
+    writer = StepWriter(path)
+    try:
+        for chunk, block in tape.recording(runs):
+            writer.write_raw(chunk.host_ns, chunk.data)
+            if len(block):
+                writer.write_block(chunk.host_ns, block)
+        return writer.close()
+    except OSError as error:
+        path.unlink(missing_ok=True)
+        raise CannotWrite(path, error.strerror or str(error)) from error
+
+
+def _with_step(tables: CampaignTable, step: Step, file: str) -> CampaignTable:
+    if isinstance(step, Dwell):
+        kept = [d for d in tables.dwell if d.position != step.position]
+        return tables.model_copy(update={"dwell": [*kept, DwellTable(position=step.position, file=file)]})
+    others = [t for t in tables.turn if (t.axis, t.direction) != (step.axis, step.direction)]
+    turn = TurnTable.model_validate(
+        {
+            "axis": step.axis,
+            "direction": step.direction,
+            "revolutions": step.revolutions,
+            "start_position": step.start_position,
+            "file": file,
+        }
+    )
+    return tables.model_copy(update={"turn": [*others, turn]})

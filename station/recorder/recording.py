@@ -1,0 +1,68 @@
+"""A plain recording: what a device sends for so many seconds, bytes and counts, with no step to it."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from drivers.errors import ReplayEnded
+from station.campaign_folder import append_hash
+from station.errors import CannotWrite
+from station.mcap_files import StepWriter
+from station.recorder.stream import Piece, SampleStream
+
+NAME = "recording.mcap"
+FLUSH_S = 0.2
+
+
+class Pieces(Protocol):
+    """A stream being decoded."""
+
+    stream: SampleStream
+
+    def pieces(self) -> Iterator[Piece]:
+        """Yield pieces as they come."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """A finished recording and its length [s of device time]."""
+
+    path: Path
+    samples: int
+    seconds: float
+
+
+def record(feed: Pieces, folder: Path, seconds: float) -> Recorded:
+    """Record ``seconds`` of samples (lost ones not counted) into a folder; what was flushed survives a kill.
+
+    Raises
+    ------
+    DriverError
+        What the stream refuses; the file is finished first.
+    """
+    writer, flushed = StepWriter(folder / NAME), time.monotonic()
+    period, samples = 0.0, 0
+    try:
+        for piece in feed.pieces():
+            writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
+            if len(piece.block):
+                writer.write_block(piece.chunk.host_ns, piece.block)
+                samples += len(piece.block)
+            if time.monotonic() - flushed >= FLUSH_S:
+                writer.flush()
+                flushed = time.monotonic()
+            period = feed.stream.period or 0.0
+            if period and samples * period >= seconds:
+                break
+    except ReplayEnded:
+        pass
+    except OSError as error:
+        if isinstance(error, ConnectionError | TimeoutError):  # the device's, not the disk's
+            raise
+        raise CannotWrite(writer.path, error.strerror or str(error)) from error
+    finally:
+        append_hash(folder, NAME, writer.close())
+    return Recorded(writer.path, samples, samples * period)

@@ -1,0 +1,60 @@
+"""Which unit is connected: what its identity frame says, or what the operator says where it has none."""
+
+from dataclasses import dataclass
+
+from drivers.errors import DriverError
+from drivers.wire import Identity
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """An IMU's model and serial number, and its nominal sample period [s]."""
+
+    model: str
+    serial: str
+    period: float
+
+
+class UnitUnknown(DriverError):
+    """The wire says no model or serial number and nobody else did; ``missing`` names which."""
+
+    def __init__(self, port: str, missing: str) -> None:
+        self.port, self.missing = port, missing
+        super().__init__(f"{port}: the device does not say its {missing}, expected one; give it with --{missing}")
+
+
+class UnitChanged(DriverError):
+    """Another unit answers than the one the campaign began with."""
+
+    def __init__(self, port: str, found: str, expected: str) -> None:
+        self.port, self.found, self.expected = port, found, expected
+        super().__init__(
+            f"{port}: serial number {found} is connected, expected {expected} as when the campaign began; "
+            f"connect that unit again or begin a new campaign"
+        )
+
+
+def unit_of(port: str, identity: Identity | None, period: float, model: str | None, serial: str | None) -> Unit:
+    """Return the unit; what the wire says stands before what the operator says.
+
+    Raises
+    ------
+    UnitUnknown
+        If neither says model or serial number.
+    UnitChanged
+        If the operator named another serial number than the wire does.
+    """
+    said = identity or Identity()
+    if said.serial and serial and said.serial != serial:
+        raise UnitChanged(port, said.serial, serial)
+    found = {"serial": said.serial or serial, "model": said.model or model}
+    for name, value in found.items():
+        if not value:
+            raise UnitUnknown(port, name)
+    return Unit(str(found["model"]), str(found["serial"]), period)
+
+
+def refuse_other(port: str, identity: Identity | None, unit: Unit) -> None:
+    """Raise `UnitChanged` where the wire now says another serial number or model."""
+    if identity is not None and identity.serial and identity.serial != unit.serial:
+        raise UnitChanged(port, identity.serial, unit.serial)

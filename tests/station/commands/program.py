@@ -1,0 +1,42 @@
+"""The program as a process of its own, its output read line by line."""
+
+import subprocess
+import sys
+from types import TracebackType
+
+
+class Program:
+    """``station ARGUMENTS``; ended when the block is left."""
+
+    def __init__(self, *arguments: str) -> None:
+        self._arguments = arguments
+
+    def __enter__(self) -> "Program":
+        self.process = subprocess.Popen(
+            [sys.executable, "-P", "-c", "from station.cli import main; main()", *self._arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
+    ) -> None:
+        self.process.kill()
+        self.process.communicate()
+
+    def until(self, text: str) -> list[str]:
+        """Return the lines up to one that holds ``text``."""
+        assert self.process.stdout is not None
+        lines = list[str]()
+        for line in self.process.stdout:
+            lines.append(line)
+            if text in line:
+                return lines
+        raise AssertionError(f"no {text!r} in {lines}; it said {self.process.communicate()[1]}")
+
+    def end(self) -> tuple[int, str, str]:
+        """Return exit code and what is still said on stdout and stderr."""
+        out, error = self.process.communicate()
+        return self.process.returncode, out, error

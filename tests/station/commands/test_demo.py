@@ -1,0 +1,46 @@
+"""The demo from the outside, with short dwells."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from station import cli
+from station.campaign_folder import read_campaign, verify_folder
+from station.demo.run import MARK, clear
+from station.errors import CannotWrite
+from tests.station.commands.program import Program
+
+
+def test_the_demo_ends_with_a_comparison_and_the_paths_of_its_results(tmp_path: Path) -> None:
+    out = tmp_path / "demo"
+    with Program("demo", "--out", str(out), "--dwell-s", "3", "--turns", "1", "--speed", "100") as program:
+        code, said, error = program.end()
+    assert (code, error) == (0, "")
+    assert "all counts equal" in said
+    assert "error/sigma" in said
+    for name in ("report.html", "solution.json", "campaign"):
+        assert str(out / name) in said
+        assert (out / name).exists()
+    assert len(verify_folder(out / "campaign")) == 18
+    assert "gyroscope.bias.x" in json.loads((out / "truth.json").read_text())
+    assert "truth" in (out / "report.html").read_text().lower()
+    assert read_campaign(out / "campaign").tables.imu.serial == "SIM-2"
+
+
+def test_only_a_demo_s_folder_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "thesis.txt").write_text("years of work")
+    assert cli.run(["demo", "--out", str(tmp_path)]) == 2
+    assert "was not made by a demo" in capsys.readouterr().err
+    assert (tmp_path / "thesis.txt").read_text() == "years of work"
+
+
+def test_what_a_demo_left_is_cleared_and_nothing_else(tmp_path: Path) -> None:
+    clear(tmp_path / "demo")
+    for name in ("report.html", "notes.txt"):
+        (tmp_path / "demo" / name).write_text("x")
+    clear(tmp_path / "demo")
+    assert sorted(p.name for p in (tmp_path / "demo").iterdir()) == [MARK, "notes.txt"]
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(CannotWrite):
+        clear(tmp_path / "file")

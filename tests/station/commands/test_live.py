@@ -1,0 +1,174 @@
+"""Whole programs on simulated devices over ptys."""
+
+import json
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from sqlalchemy import text
+
+from drivers.ports import open_port
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
+from fixtures_db.campaigns import campaign
+from fixtures_db.database import open_db
+from fixtures_db.history import history, verify_chain
+from station import cli
+from station.campaign_folder import read_campaign, verify_folder
+from station.mcap_files import read_step
+from station.recorder import check_raw_bytes
+from tests.station.commands.program import Program
+
+SPEED = 100.0
+
+
+@pytest.fixture
+def device() -> Iterator[SimulatedDevice]:
+    with SimulatedDevice(Truth.example(5), 5, speed=SPEED) as served:
+        yield served
+
+
+def calibrate(device: SimulatedDevice, folder: Path) -> tuple[str, ...]:
+    site = ("--latitude", "31.17", "--gravity", "9.80665")
+    short = ("--dwell-s", "3", "--turns", "1", "--move-s", "5")
+    where = ("--out", str(folder / "c"), "--db", str(folder / "s.db"))
+    return ("calibrate", "--headless", "--device", device.url, "--hands", device.control, *site, *short, *where)
+
+
+def test_a_campaign_over_a_pty_becomes_a_stored_calibration(device: SimulatedDevice, tmp_path: Path) -> None:
+    with Program(*calibrate(device, tmp_path)) as program:
+        code, said, error = program.end()
+    assert (code, error) == (0, "")
+    assert said.count("accepted") == 18
+    assert "NOT MEASURED" in said
+    loaded = read_campaign(tmp_path / "c")
+    assert (loaded.tables.imu.serial, loaded.tables.imu.sample_period_s) == ("SIM-5", 0.02)
+    assert (len(loaded.campaign.dwells), len(loaded.campaign.turns)) == (12, 6)
+    for name in verify_folder(tmp_path / "c"):
+        assert check_raw_bytes(tmp_path / "c" / name, FORMATS["counts"]) > 0
+    with open_db(tmp_path / "s.db") as database, database.read() as session:
+        [row] = history(session, "SIM-5")
+        assert row.document == (tmp_path / "c" / "calibration.json").read_text()
+        assert verify_chain(session) == []
+    found = json.loads((tmp_path / "c" / "solution.json").read_text())
+    k, truth = found["gyroscope"]["scale_factor"], Truth.example(5).gyro_k
+    assert all(abs(v - t) < 5 * s for v, s, t in zip(k["value"], k["std"], truth, strict=True))
+    assert (tmp_path / "c" / "report.html").read_text().startswith("<!DOCTYPE html>")
+
+
+def test_ctrl_c_is_130_and_keeps_the_accepted_steps(device: SimulatedDevice, tmp_path: Path) -> None:
+    with Program(*calibrate(device, tmp_path)) as program:
+        program.until("[ 3/18]")
+        program.process.send_signal(signal.SIGINT)
+        code, said, error = program.end()
+    assert (code, error) == (130, "cancelled\n")
+    assert "of 18 steps are accepted" in said
+    names = verify_folder(tmp_path / "c")
+    assert len(names) >= 3
+    assert [d.name for d in read_campaign(tmp_path / "c").campaign.dwells] == names
+    assert read_step(next((tmp_path / "c").glob("session_*.mcap"))).damage is None
+
+
+def test_a_kill_in_mid_campaign_keeps_the_accepted_steps(device: SimulatedDevice, tmp_path: Path) -> None:
+    with Program(*calibrate(device, tmp_path)) as program:
+        program.until("[ 4/18]")
+        program.process.kill()
+        program.end()
+    dwells = read_campaign(tmp_path / "c").campaign.dwells
+    assert [d.position for d in dwells][:4] == [1, 2, 3, 4]
+    with open_db(tmp_path / "s.db") as database, database.read() as session:
+        assert session.execute(text("PRAGMA integrity_check")).scalar() == "ok"
+        rows = [step.file for step in campaign(session, str((tmp_path / "c").resolve())).steps]
+    assert rows == [d.name for d in dwells][: len(rows)]  # the kill may fall between the file and the row
+    assert set(verify_folder(tmp_path / "c")) >= {d.name for d in dwells}
+
+
+def test_a_used_folder_is_refused_and_left_as_it_was(
+    device: SimulatedDevice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "c").mkdir()
+    (tmp_path / "c" / "mine").write_text("x")
+    assert cli.run(list(calibrate(device, tmp_path))) == 2
+    assert "not empty" in capsys.readouterr().err
+    assert [p.name for p in (tmp_path / "c").iterdir()] == ["mine"]
+
+
+def test_without_headless_it_says_what_is_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["calibrate", "--device", "serial:///dev/x", "--latitude", "31", "--out", str(tmp_path / "c")]
+    assert cli.run(arguments) == 2
+    assert "guided screen comes with a later version" in capsys.readouterr().err
+
+
+def test_record_keeps_bytes_and_counts(
+    device: SimulatedDevice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["record", device.url, "--seconds", "20", "--out", str(tmp_path / "r")]) == 0
+    assert "0 frames lost" in capsys.readouterr().out
+    path = tmp_path / "r" / "recording.mcap"
+    assert check_raw_bytes(path, FORMATS["counts"]) >= 1000
+    assert verify_folder(tmp_path / "r") == ["recording.mcap"]
+
+
+def test_devices_finds_the_format_rate_and_serial_number(
+    device: SimulatedDevice, capsys: pytest.CaptureFixture[str]
+) -> None:
+    url = device.url.partition("?")[0]
+    assert cli.run(["devices", "--url", url, "--seconds", "0.5"]) == 0
+    said = capsys.readouterr().out
+    assert all(text in said for text in ("format    counts", "SIM-5", "50 Hz"))
+    assert cli.run(["devices"]) == 0
+
+
+def refused(arguments: list[str], capsys: pytest.CaptureFixture[str], folder: Path) -> str:
+    """Return the one line that a device fault says; nothing may be left behind."""
+    assert cli.run(arguments) == 4
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "Traceback" not in error
+    assert not (folder / "c").exists()
+    return error
+
+
+def arguments_for(url: str, folder: Path) -> list[str]:
+    where = ["--out", str(folder / "c"), "--db", str(folder / "s.db")]
+    return ["calibrate", "--headless", "--device", url, "--latitude", "31", *where]
+
+
+def test_a_missing_port_is_exit_4(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    url = "serial:///dev/ttyNONE?format=counts"
+    assert "no such port" in refused(arguments_for(url, tmp_path), capsys, tmp_path)
+
+
+def test_a_busy_port_is_exit_4(
+    device: SimulatedDevice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    port = open_port(device.url)
+    assert "open in another program" in refused(arguments_for(device.url, tmp_path), capsys, tmp_path)
+    port.close()
+
+
+def test_a_silent_port_is_exit_4(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    far, near = os.openpty()
+    for options in ("?format=counts", ""):
+        url = f"serial://{os.ttyname(near)}{options}"
+        assert "no bytes for 2.0 s" in refused(arguments_for(url, tmp_path), capsys, tmp_path)
+    os.close(far)
+    os.close(near)
+
+
+def test_the_wrong_format_is_exit_4_and_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with SimulatedDevice(Truth.example(5), 5, "rawimusx", SPEED) as device:
+        url = device.url.replace("rawimusx", "counts")
+        said = refused(arguments_for(url, tmp_path), capsys, tmp_path)
+    assert "they look like rawimusx" in said
+
+
+def test_a_device_that_does_not_say_its_serial_number_must_be_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with SimulatedDevice(Truth.example(5), 5, "rawimusx", SPEED) as device:
+        said = refused(arguments_for(device.url, tmp_path), capsys, tmp_path)
+    assert "give it with --serial" in said
