@@ -19,14 +19,14 @@ from functools import cached_property
 
 import numpy as np
 
-from procedures.arrays import FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.campaign import Campaign, Site
 from procedures.earth import STANDARD_GRAVITY
 from procedures.frames import AXES, cross_axes, face_normal, face_of, nominal_C_lb, rotation, slab_C_ln
 
 FACE_RANGE = 1e-3  # rad, 1 sigma: a cube 0.4 mm off in 400 mm is not a fixture
 ITEMS_UP, ITEMS_DOWN = np.array([1.0, 3.0, 3.0]), np.array([3.0, 5.0, 5.0])  # P1 table 2, per face pair
-HELD = 1e-12  # rad, 1 sigma of what is held
+HELD = 1e-9  # rad, 1 sigma of what is held: nothing beside any tilt, yet no more than the arithmetic bears
 SLAB_RANGE = 5e-3  # rad, 1 sigma: 0.3 deg
 
 
@@ -38,6 +38,18 @@ class Placement:
     cube: int
     position: int
     heading_std: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prior:
+    """Rows of prior knowledge: the whitened residual is ``matrix @ x - mean``; matrix (k, p), mean (k,).
+
+    ``loose`` (k,) marks plausible ranges: they keep a parameter in bounds and are no measurements of it.
+    """
+
+    mean: FloatArray
+    matrix: FloatArray
+    loose: BoolArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,21 +146,24 @@ class Bench:
         result: FloatArray = (self.to_cube(x) @ turned)[..., 0]
         return result
 
-    def priors(self) -> tuple[FloatArray, FloatArray]:
-        """Return mean (k,) and matrix (k, p): the whitened prior residual is ``matrix @ x - mean``.
+    def priors(self) -> "Prior":
+        """Return what is known before the first count.
 
         Perpendicularity without a certificate is held where `ITEMS_UP` and `ITEMS_DOWN` put it.
         """
-        rows, means = [], []
+        rows: list[FloatArray] = []
+        means: list[float] = []
+        loose: list[bool] = []
 
-        def add(index: int, sigma: float) -> None:
+        def add(index: int, sigma: float, is_range: bool = False) -> None:
             row = np.zeros(self.size)
             row[index] = 1 / sigma
             rows.append(row)
             means.append(0.0)
+            loose.append(is_range)
 
         for i in range(2 * len(self.campaigns)):
-            add(i, SLAB_RANGE)
+            add(i, SLAB_RANGE, True)
         for i, site in enumerate(self.sites):
             add(2 * len(self.campaigns) + i, site.gravity_std / site.gravity)
         for cube in range(self.cubes):
@@ -157,8 +172,8 @@ class Bench:
             for pair in range(3):
                 held = self.held_pairs(cube)[pair]
                 for k in (0, 1):
-                    add(begin + 2 * pair + k, FACE_RANGE * np.sqrt(2))
-                    add(begin + 6 + 2 * pair + k, HELD if held else FACE_RANGE)
+                    add(begin + 2 * pair + k, FACE_RANGE * np.sqrt(2), True)
+                    add(begin + 6 + 2 * pair + k, HELD if held else FACE_RANGE, not held)
                     if held:
                         rows[-1][begin + 2 * pair + k] = -_datum_share(pair) / HELD
             for (pair, sign), (tilt, covariance) in certified.items():
@@ -168,9 +183,10 @@ class Bench:
                 row[:, begin + 6 + 2 * pair : begin + 8 + 2 * pair] = sign * white
                 rows.extend(row)
                 means.extend(white @ tilt)
+                loose.extend((False, False))
         for i, at in enumerate(self.placements):
             add(self.heading_index(i), at.heading_std)
-        return np.array(means), np.stack(rows)
+        return Prior(np.array(means), np.stack(rows), np.array(loose))
 
     def held_pairs(self, cube: int) -> list[bool]:
         """Say of each face pair whether its perpendicularity is held: of the first cube, without a certificate.

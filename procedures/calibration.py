@@ -56,7 +56,7 @@ def fit(campaigns: Sequence[Campaign]) -> Fits:
     if gyro is not None:
         gyroscope = solve_gyroscope(campaigns, gyro, turn_totals(campaigns, gyro.noise), accelerometer)
     if accelerometer is None and gyroscope is None:
-        missing = missing_positions(campaigns, accel or gyro) or ["turns about x, y and z"]
+        missing = missing_positions(accel or gyro) or ["turns about x, y and z"]
         raise NotObservable("the scale factor and bias of either triad", missing)
     return Fits(tuple(campaigns), accel, gyro, accelerometer, gyroscope)
 
@@ -160,16 +160,19 @@ def _warnings(fits: Fits, quality: FitQuality) -> tuple[str, ...]:
             f"degrees of freedom): the sigmas are too small; run `station diagnose`"
         )
     if fits.accel is not None and fits.accelerometer is None:
-        found.append(
-            f"accelerometer not solved: missing {', '.join(missing_positions(fits.campaigns, fits.accel))}"
-        )
+        found.append(f"accelerometer not solved: {_why_not(fits.accel)}")
     if fits.gyro is not None and fits.gyroscope is None:
         lacking = [a for a in AXES if not any(t.axis == a for c in fits.campaigns for t in c.turns)]
-        what = f"no turn about {', '.join(lacking)}" if lacking else "the turns left do not determine it"
+        what = f"no turn about {', '.join(lacking)}" if lacking else "a channel is dead, or turns were left out"
         found.append(f"gyroscope not solved: its scale factor is unknown ({what})")
     if fits.gyroscope is not None:
         found += _turn_warnings(fits.gyroscope)
     return (*found, *_few_counts(fits))
+
+
+def _why_not(accel: TriadDwells) -> str:
+    missing = missing_positions(accel)
+    return f"missing {', '.join(missing)}" if missing else "a channel does not respond to gravity"
 
 
 def _turn_warnings(gyroscope: GyroscopeFit) -> list[str]:

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.errors import TooShort
 from procedures.kernels import propagate, smooth
 
 WINDOWS, CLOSEST = 64, 3
@@ -30,6 +31,8 @@ NOISE_RANGE = (-42, 0)  # steps of the logarithm of counts per sqrt(sample): 2.8
 DROP = 5.0  # nats below the best at which a noise is given up
 REPEATED = 1.5  # by which the evidence is divided: neighbouring nodes say in part the same, which it counts twice
 FALLING = 0.25  # the prior of a noise s is s^-FALLING ds / s; it matters below about four counts a dwell
+FEW_EDGES = 2  # below which a dwell gives an interval, no point
+LEAST_SAMPLES = 8
 SWEEPS, TOLERANCE = 60, 1e-3
 
 
@@ -99,6 +102,22 @@ class _Path:
         theta = np.array([line[2][0], bent[2][1], bent[2][2]])
         return theta, np.array([line[3][0, 0], bent[3][1, 1], bent[3][2, 2]])
 
+    def allowed(self, noise: float) -> tuple[float, float]:
+        """Return the least and the largest rate beside ``rate`` that the counts allow, counts per sample.
+
+        Between any two nodes the output moved by the count's change, give or take one and three sigma of the
+        random walk: a bound that no approximation enters. Ends and edges bound most.
+        """
+        turn = np.flatnonzero(np.abs(np.diff(self.low, n=2)) > 0.5) + 1
+        ends = np.flatnonzero(np.diff(self.segment, prepend=-1, append=self.segment[-1] + 1))
+        at = np.unique(np.clip(np.concatenate((turn, turn + 1, ends, ends - 1)), 0, len(self.t) - 1))
+        i, j = np.triu_indices(len(at), 1)
+        same = self.segment[at[i]] == self.segment[at[j]]
+        i, j = at[i][same], at[j][same]
+        dt, change = self.t[j] - self.t[i], self.low[j] - self.low[i]
+        slack = 1 + 3 * noise * np.sqrt(dt)
+        return float(np.max((change - slack) / dt)), float(np.min((change + slack) / dt))
+
     def admit(self, noise: float) -> bool:
         """Take in the nodes that the sites found so far leave in doubt; say whether there were any."""
         if self.keep.all():
@@ -131,9 +150,17 @@ def estimate_counts(
     starts : index of the first sample of every gap-free segment of each dwell; default: no gap
     times : end of each sample's interval [s] of each dwell; default: evenly spaced
 
+    Raises
+    ------
+    TooShort
+        If a dwell has fewer than `LEAST_SAMPLES` samples.
+
     Source: the interval likelihood and its figures are this project's own (docs/count-rate.md); expectation
     propagation is Minka, UAI 2001.
     """
+    for dwell in dwells:
+        if len(dwell) < LEAST_SAMPLES:
+            raise TooShort(len(dwell), LEAST_SAMPLES)
     starts = starts or [np.zeros(1, dtype=np.int64)] * len(dwells)
     samples = [np.arange(1.0, len(d) + 1) if times is None else times[i] / period for i, d in enumerate(dwells)]
     paths = [_path(*each) for each in zip(dwells, samples, starts, strict=True)]
@@ -152,13 +179,17 @@ def _white_noise(dwells: Sequence[IntArray]) -> float:
 
     An increment is r + w + q' - q with q uniform of variance 1/12: half the mean square of the increments'
     differences is s^2 + 3/12. A rate near a simple fraction imitates that, but not over `LAG` samples, where
-    a remainder that only repeats cannot pass `WHITE`.
+    a remainder that only repeats cannot pass `WHITE`; nor does it ever change an increment by more than 2.
     """
-    slow = [np.diff(_lag_sums(d)) for d in dwells if len(d) > 2 * LAG]
-    fast = [np.diff(d) for d in dwells if len(d) > 2 * LAG]
-    if not slow or (_mean_square(slow) - 0.5) / (2 * LAG) < WHITE**2:
+    fast = _mean_square([np.diff(d) for d in dwells]) / 2 - 0.25
+    long = [np.diff(_lag_sums(d)) for d in dwells if len(d) > 2 * LAG]
+    if not long:
+        beyond = max(int(np.abs(np.diff(d)).max(initial=0)) for d in dwells) > 2
+        return float(np.sqrt(fast)) if beyond else 0.0
+    slow = (_mean_square(long) - 0.5) / (2 * LAG)
+    if slow < WHITE**2:
         return 0.0
-    return float(np.sqrt(_mean_square(fast) / 2 - 0.25))
+    return float(np.sqrt(fast if fast > WHITE**2 else slow))  # slow alone: a step, as from a knock
 
 
 def _lag_sums(increments: IntArray) -> IntArray:
@@ -276,10 +307,14 @@ def _finish(path: _Path, weights: Sequence[tuple[float, float]], period: float) 
     half = path.span * period / 2
     value, sigma = (each / (path.span * period) * (1, 1 / half, 3 / half**2) for each in (mean, std))
     rate = path.rate / period + value[0]
-    reach = np.sqrt(6) * sigma[0]  # two uniform remainders: a triangle, whose half base is sqrt(6) sigma
+    noise_mean = float(np.sqrt(sum(w * s * s for s, w in weights)))
+    interval = None
+    if path.edges < FEW_EDGES:
+        low, high = (path.rate + bound for bound in path.allowed(noise_mean))
+        interval = (low / period, high / period)
+        rate, sigma[0] = sum(interval) / 2, (interval[1] - interval[0]) / np.sqrt(24)
     return RateEstimate(
         rate=float(rate), std=float(sigma[0]), slope=float(value[1]), slope_std=float(sigma[1]),
         curvature=float(value[2]), curvature_std=float(sigma[2]),
-        noise=float(np.sqrt(sum(w * s * s for s, w in weights) / period)), edges=path.edges,
-        interval=(float(rate - reach), float(rate + reach)) if path.edges < 2 else None,
+        noise=noise_mean / float(np.sqrt(period)), edges=path.edges, interval=interval,
     )  # fmt: skip

@@ -3,7 +3,9 @@
 ProcedureError
 ├── NotObservable      the data do not determine what was asked for
 ├── WrongFace          a dwell's vertical axis is not the one its position names
-└── WrongMounting      the IMU does not sit in the cube as the campaign says
+├── WrongMounting      the IMU does not sit in the cube as the campaign says
+├── TurnsDisagree      two turns about one axis contradict each other's direction or revolutions
+└── TooShort           a dwell has too few samples to say anything
 """
 
 from collections.abc import Sequence
@@ -39,3 +41,24 @@ class WrongMounting(ProcedureError, ValueError):
     def __init__(self, named: str, seen: str) -> None:
         self.named, self.seen = named, seen
         super().__init__(f"imu_axes says {named}, but the counts show {seen}; correct fixture.imu_axes")
+
+
+class TurnsDisagree(ProcedureError, ValueError):
+    """Turns of one axis imply scale factors too far apart: a direction or a number of revolutions is wrong."""
+
+    def __init__(self, first: str, per_turn: float, second: str, other_per_turn: float) -> None:
+        self.first, self.per_turn, self.second, self.other_per_turn = first, per_turn, second, other_per_turn
+        super().__init__(
+            f"{first} shows {per_turn:.6g} and {second} {other_per_turn:.6g} per revolution, expected the same "
+            f"within 10 %; correct the direction or the revolutions of one of them"
+        )
+
+
+class TooShort(ProcedureError, ValueError):
+    """A dwell has too few samples to say anything."""
+
+    def __init__(self, samples: int, least: int) -> None:
+        self.samples, self.least = samples, least
+        super().__init__(
+            f"a dwell has {samples} samples, expected at least {least}; record it longer or leave it out"
+        )

@@ -25,14 +25,15 @@ def refuse_wrong_faces(seen: TriadDwells, C_ib: Sequence[FloatArray]) -> None:
     """
     mounting = [C_ib[number] for number, _ in seen.dwells]
     faces = [face_of(dwell.position) for _, dwell in seen.dwells]
-    misfit, E = _misfit(seen.rate, mounting, faces)
-    if misfit < LIMIT:
-        return
-    if _turned(E) and _misfit(seen.rate, [E.round() @ C for C in mounting], faces)[0] < LIMIT:
-        named, found = ([_axis_name(row) for row in C] for C in (mounting[0], E.round() @ mounting[0]))
+    residual, E = _affine(seen.rate, mounting, faces)
+    nearest = E.round()
+    if max(residual, float(np.abs(E - nearest).max())) < LIMIT and abs(np.linalg.det(nearest)) == 1:
+        if np.linalg.det(nearest) < 0 or np.array_equal(nearest, np.eye(3)):
+            return  # one sensor that counts backwards is no mounting
+        named, found = ([_axis_name(row) for row in C] for C in (mounting[0], nearest @ mounting[0]))
         raise WrongMounting(str(named), str(found))
     trials = [
-        (_misfit(seen.rate, mounting, [*faces[:i], face, *faces[i + 1 :]])[0], i, face)
+        (_misfit(seen.rate, mounting, [*faces[:i], face, *faces[i + 1 :]]), i, face)
         for i in range(len(faces))
         for face in FACES
         if face != faces[i]
@@ -42,29 +43,27 @@ def refuse_wrong_faces(seen: TriadDwells, C_ib: Sequence[FloatArray]) -> None:
     raise WrongFace(dwell.name, dwell.position, faces[i], face)
 
 
-def _misfit(rate: FloatArray, mounting: Sequence[FloatArray], faces: Sequence[str]) -> tuple[float, FloatArray]:
-    """Return the worst of residual [g] and cross-axis E of an affine fit to nominal attitudes, and E (3, 3).
+def _misfit(rate: FloatArray, mounting: Sequence[FloatArray], faces: Sequence[str]) -> float:
+    """Return the worst of residual [g] and cross-axis E."""
+    residual, E = _affine(rate, mounting, faces)
+    return max(residual, float(np.abs(E * ~np.eye(3, dtype=bool)).max()))
 
-    A sensor that hardly moves is dead, not misplaced: it is left out.
+
+def _affine(rate: FloatArray, mounting: Sequence[FloatArray], faces: Sequence[str]) -> tuple[float, FloatArray]:
+    """Return the worst residual [g] of an affine fit to nominal attitudes, and its E (3, 3).
+
+    A sensor whose output hardly moves is dead, not misplaced: it is left out.
     """
     u = np.stack([C @ face_normal(face) for C, face in zip(mounting, faces, strict=True)])
     A = np.hstack((u, np.ones((len(u), 1))))
     if np.linalg.matrix_rank(A, tol=0.1) < 4:
         return 0.0, np.eye(3)
     solution, *_ = np.linalg.lstsq(A, rate, rcond=None)
-    k = np.linalg.norm(solution[:3], axis=0)
-    alive = k > LIMIT * k.max()
-    E = np.where(alive, solution[:3] / np.where(alive, k, 1.0), np.eye(3)).T
-    residual = np.abs(rate - A @ solution)[:, alive] / k[alive]
-    return float(max(residual.max(), np.abs(E * ~np.eye(3, dtype=bool)).max())), E
-
-
-def _turned(E: FloatArray) -> bool:
-    """Say whether E is near a permutation of the axes, and not the one that it should be."""
-    nearest = np.abs(E).round()
-    return bool(
-        np.all(nearest.sum(axis=0) == 1) and np.all(nearest.sum(axis=1) == 1) and np.any(nearest != np.eye(3))
-    )
+    swing = np.ptp(rate, axis=0)
+    alive = swing > LIMIT * swing.max()
+    k = np.maximum(np.linalg.norm(solution[:3], axis=0), 1e-9 * swing.max())
+    E = np.where(alive, solution[:3] / k, np.eye(3)).T
+    return float((np.abs(rate - A @ solution)[:, alive] / k[alive]).max()), E
 
 
 def _axis_name(row: FloatArray) -> str:

@@ -16,16 +16,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.bench_model import Bench, Placement, cube_numbers
+from procedures.bench_model import Bench, Placement, Prior, cube_numbers
 from procedures.campaign import Campaign
 from procedures.earth import earth_rate_n
+from procedures.errors import TurnsDisagree
 from procedures.frames import AXES, TURN_START, face_normal, face_of
 from procedures.least_squares import Fit, minimise
 from procedures.observations import TriadDwells, TurnTotal, channel
 from procedures.records import Series
 from procedures.steps import Plan, Turn
-from procedures.twelve_position import JointFit, mountings
+from procedures.twelve_position import ALIVE, JointFit, mountings
 
+AGREE = 0.1  # of the scale factor: far above any bias, far below a missing revolution
 REST_S = 2.0  # of rest wanted at each end
 REST_RATE = 0.5  # deg/s
 OPEN_CLOSURE = float(np.radians(0.1))  # 1 sigma of a turn that was not at rest at both ends, at the least
@@ -118,6 +120,7 @@ def solve_gyroscope(
     guess = _first_guess(campaigns, seen, turns)
     if guess is None:
         return None
+    refuse_disagreeing(campaigns, turns)
     K, b = guess
     histories = [_history(campaigns, turn, K, b) for turn in turns]
     whole = [not is_broken(turn, heading) for turn, heading in zip(turns, histories, strict=True)]
@@ -136,7 +139,8 @@ def solve_gyroscope(
     excess = model.excess(fit)
     if np.any(excess > 0):
         fit = model.fit(fit.x, excess)
-    return GyroscopeFit(JointFit(fit, model.bench, seen, excess), tuple(turns), shapes, broken)
+    joint = JointFit(fit, model.bench, seen, excess, model.prior.loose)
+    return GyroscopeFit(joint, tuple(turns), shapes, broken)
 
 
 def _history(campaigns: Sequence[Campaign], turn: TurnTotal, K: FloatArray, b: FloatArray) -> FloatArray:
@@ -159,7 +163,7 @@ def _first_guess(
         return None
     angle = np.array(
         [
-            np.degrees(nominal_angle(t))
+            (np.degrees(nominal_angle(t)) + earth[t.campaign][2] * t.seconds)
             * (campaigns[t.campaign].fixture.C_ib @ face_normal(face_of(t.record.start_position)))
             for t in turns
         ]
@@ -170,7 +174,24 @@ def _first_guess(
     A = np.vstack((np.hstack((dwell, np.ones((len(dwell), 1)))), np.hstack((angle, seconds[:, None]))))
     y = np.vstack((seen.rate, np.array([t.total for t in turns])))
     solution, *_ = np.linalg.lstsq(A, y, rcond=None)
+    swing = np.linalg.norm(solution[:3], axis=0) * np.max(np.abs(angle))
+    if np.any(swing < ALIVE * np.median([t.std for t in turns], axis=0)):
+        return None
     return solution[:3].T, solution[3]
+
+
+def refuse_disagreeing(campaigns: Sequence[Campaign], turns: Sequence[TurnTotal]) -> None:
+    """Raise `TurnsDisagree` where two turns about one axis imply scale factors more than `AGREE` apart."""
+    per_turn: dict[int, list[tuple[str, float]]] = {}
+    for turn in turns:
+        up = campaigns[turn.campaign].fixture.C_ib @ face_normal(face_of(turn.record.start_position))
+        sensor = int(np.argmax(np.abs(up)))
+        per = float(turn.total[sensor] / up[sensor] / (nominal_angle(turn) / (2 * np.pi)))
+        per_turn.setdefault(sensor, []).append((turn.record.name, per))
+    for found in per_turn.values():
+        first, other = min(found, key=lambda each: each[1]), max(found, key=lambda each: each[1])
+        if other[1] - first[1] > AGREE * max(abs(other[1]), abs(first[1])):
+            raise TurnsDisagree(*first, *other)
 
 
 class _Model:
@@ -195,7 +216,7 @@ class _Model:
         self.angle = np.degrees([s.angle for s in shapes])
         self.closure = np.degrees([s.closure_std for s in shapes])
         self.earth = [np.degrees(earth_rate_n(c.site.latitude)) for c in campaigns]
-        self.mean, self.prior = _tilt_prior(self.bench, accelerometer)
+        self.prior = _tilt_prior(self.bench, accelerometer)
 
     def output(self, x: FloatArray) -> FloatArray:
         """Modelled rate of every dwell, then total of every turn, (m, 3)."""
@@ -225,7 +246,7 @@ class _Model:
             return np.concatenate(
                 (
                     ((observed - self.output(x)) / sigma).ravel(),
-                    self.prior @ bench - self.mean,
+                    self.prior.matrix @ bench - self.prior.mean,
                     closure / self.closure,
                 )
             )
@@ -251,16 +272,16 @@ class _Model:
         return scatter
 
 
-def _tilt_prior(bench: Bench, accelerometer: JointFit | None) -> tuple[FloatArray, FloatArray]:
+def _tilt_prior(bench: Bench, accelerometer: JointFit | None) -> Prior:
     """Return the bench's priors with slab and faces replaced by what the accelerometers found."""
-    mean, prior = bench.priors()
+    prior = bench.priors()
     if accelerometer is None:
-        return mean, prior
+        return prior
     shared = bench.shared
     own = accelerometer.fit.covariance[12 : 12 + shared, 12 : 12 + shared]
     white = np.linalg.inv(np.linalg.cholesky(own + TILT_STD**2 * np.eye(shared)))
     rows = np.zeros((shared, bench.size))
     rows[:, :shared] = white
-    headings = prior[-len(bench.placements) :]
+    headings = prior.matrix[-len(bench.placements) :]
     values = np.concatenate((white @ accelerometer.fit.x[12 : 12 + shared], np.zeros(len(headings))))
-    return values, np.vstack((rows, headings))
+    return Prior(values, np.vstack((rows, headings)), np.zeros(len(values), dtype=bool))

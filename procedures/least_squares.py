@@ -52,7 +52,8 @@ def minimise(residual: Callable[[FloatArray], FloatArray], start: FloatArray, sc
         x += step * scale
         if np.max(np.abs(J @ step)) < SMALL:
             break
-    covariance = np.linalg.inv(J.T @ J) * np.outer(scale, scale)
+    root = np.linalg.inv(np.linalg.qr(J, mode="r"))  # the normal matrix would square the condition number
+    covariance = root @ root.T * np.outer(scale, scale)
     return Fit(x, covariance, residual(x), J / scale)
 
 

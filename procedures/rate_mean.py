@@ -7,7 +7,7 @@ import numpy as np
 from procedures.arrays import FloatArray, IntArray
 from procedures.count_rate import RateEstimate
 
-BLOCKS = 32  # fewest blocks whose scatter is trusted
+BLOCKS = 128  # of a dwell: their scatter is known to 7 %, and they are long enough to average a filter out
 
 
 def estimate_rates(
@@ -15,16 +15,19 @@ def estimate_rates(
 ) -> list[RateEstimate]:
     """Estimate the mean of one channel in each of several dwells; ``starts`` is of no matter to a mean.
 
-    The white noise is taken from the Allan variance of blocks, at one sample and at the longest block that
-    still leaves `BLOCKS` of them, whichever implies more: filtered or drifting outputs have samples that are
-    not independent, and the scatter of single samples would promise too much (NIST SP 1065, 5.2).
+    The white noise, shared by all dwells, is taken from the Allan variance of blocks, the longest of which every
+    dwell still holds `BLOCKS`: the samples of a filtered or drifting output are not independent, and those of a
+    quantised integral cancel, so the scatter of single samples would promise too much or too little
+    (NIST SP 1065, 5.2). It is at least what rounding to the output's own step leaves.
     """
-    return [_estimate(np.asarray(dwell, dtype=np.float64), period) for dwell in dwells]
+    values = [np.asarray(dwell, dtype=np.float64) for dwell in dwells]
+    scatter = np.sqrt(np.mean([_white(each, max(len(each) // BLOCKS, 1)) ** 2 for each in values]))
+    white = float(max(scatter, _step(values) / np.sqrt(12 * min(len(each) for each in values))))
+    return [_estimate(each, white, period) for each in values]
 
 
-def _estimate(values: FloatArray, period: float) -> RateEstimate:
+def _estimate(values: FloatArray, white: float, period: float) -> RateEstimate:
     n = len(values)
-    white = max(_white(values, 1), _white(values, max(n // BLOCKS, 1)))
     x = (2 * np.arange(n) + 1) / n - 1
     polynomials = np.stack([x, (3 * x**2 - 1) / 2])
     slope, curvature = (polynomials @ (values - values.mean())) / np.sum(polynomials**2, axis=1)
@@ -40,3 +43,11 @@ def _white(values: FloatArray, length: int) -> float:
     """Return the white noise of a sample that the scatter of neighbouring blocks of ``length`` implies."""
     blocks = values[: len(values) // length * length].reshape(-1, length).mean(axis=1)
     return float(np.sqrt(length * np.mean(np.diff(blocks) ** 2) / 2)) if len(blocks) > 1 else 0.0
+
+
+def _step(values: Sequence[FloatArray]) -> float:
+    """Return the smallest difference between two values of the output, or the least float where all are one."""
+    levels = np.unique(np.concatenate([np.unique(each) for each in values]))
+    return (
+        float(np.diff(levels).min(initial=np.inf)) if len(levels) > 1 else float(np.spacing(np.abs(levels).max()))
+    )

@@ -59,7 +59,7 @@ def fit_quality(accelerometer: JointFit | None, gyroscope: JointFit | None) -> F
     """Return the global test over counting noise alone: what scatters more than it does not pass unseen."""
     fits: Sequence[JointFit] = [fit for fit in (accelerometer, gyroscope) if fit is not None]
     chi2 = sum(_chi2(fit) for fit in fits)
-    dof = sum(fit.fit.dof for fit in fits)
+    dof = sum(fit.dof for fit in fits)
     return FitQuality(
         chi2=chi2,
         dof=dof,

@@ -52,7 +52,7 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
         p = accelerometer.bench.parallelism(accelerometer.fit.x[12:])
         variance = skew_variance(p, accelerometer.bench.held_pairs(0))
         scale, bias = skew_jacobian(p, C_ib.T @ value[3:12].reshape(3, 3) @ C_ib)
-        rows = np.vstack((value[:3, None] * (C_ib @ scale), C_ib @ bias * (triad == "accelerometer")))
+        rows = np.vstack((value[:3, None] * (np.abs(C_ib) @ scale), C_ib @ bias * (triad == "accelerometer")))
         covariance[np.ix_(SKEWED, SKEWED)] += rows * variance @ rows.T
     names = [f"{triad}.scale_factor.{a}" for a in AXES]
     names += [f"{triad}.misalignment.{a}{b}" for a in AXES for b in AXES]
@@ -77,7 +77,7 @@ def scale_misalignment_bias(K: FloatArray, b: FloatArray, per: float) -> tuple[F
 def paper_biases(joint: JointFit) -> tuple[Estimate | None, Estimate | None]:
     """Return P1's 12-position and two-direction biases [g] with counting noise; None without all positions."""
     C_ib = joint.bench.campaigns[0].fixture.C_ib
-    table = by_position(joint.seen, C_ib)
+    table = by_position(joint.bench.campaigns, joint.seen, C_ib)
     if table is None:
         return None, None
     form, order = closed_form(*table), np.argmax(np.abs(C_ib), axis=1)

@@ -12,13 +12,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.bench_model import Bench, Placement, cube_numbers
 from procedures.campaign import Campaign
 from procedures.least_squares import Fit, minimise
 from procedures.observations import TriadDwells
 from procedures.records import Series
 from procedures.steps import Dwell, Plan
+
+ALIVE = 10.0  # sigmas of a dwell's rate that one g must move a channel
 
 
 def plan(seconds: float = 100.0, positions: Iterable[int] = range(1, 13)) -> Plan[dict[int, Series]]:
@@ -53,16 +55,20 @@ def closed_form(rate: FloatArray, std: FloatArray) -> ClosedForm:
     return ClosedForm(k, K / k[:, None], rate.mean(axis=0) / k, twelve_std / k, two / k, two_std / k)
 
 
-def by_position(seen: TriadDwells, C_ib: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+def by_position(
+    campaigns: Sequence[Campaign], seen: TriadDwells, C_ib: FloatArray
+) -> tuple[FloatArray, FloatArray] | None:
     """Return rates and sigmas (12, 3), sensors named by the cube axis they lie along; None if a position lacks.
 
-    Repeats are averaged. Reordering the sensors to cube axes makes P1's formulas hold for an IMU that sits
-    turned in its cube; one that points along a cube axis backwards keeps its own sign.
+    Only campaigns with the IMU mounted as ``C_ib`` says are looked at; repeats are averaged. Reordering the
+    sensors to cube axes makes P1's formulas hold for an IMU that sits turned in its cube; one that points along
+    a cube axis backwards keeps its own sign.
     """
     order = np.argmax(np.abs(C_ib), axis=0)
+    mounted = [n for n, campaign in enumerate(campaigns) if np.array_equal(campaign.fixture.C_ib, C_ib)]
     rows, sigmas = [], []
     for position in range(1, 13):
-        here = [i for i, (_, d) in enumerate(seen.dwells) if d.position == position]
+        here = [i for i, (n, d) in enumerate(seen.dwells) if d.position == position and n in mounted]
         if not here:
             return None
         rows.append(seen.rate[here].mean(axis=0)[order])
@@ -82,6 +88,15 @@ class JointFit:
     bench: Bench
     seen: TriadDwells
     excess: FloatArray
+    loose: BoolArray  # of the prior's rows, which follow the observations'
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom: rows less parameters, less what plausible ranges only seem to add."""
+        first = 3 * len(self.bench.placements)
+        rows = slice(first, first + len(self.loose))
+        idle = float(np.sum((1 - self.fit.leverage[rows])[self.loose]))
+        return self.fit.dof - round(idle)
 
     @property
     def K(self) -> FloatArray:
@@ -116,7 +131,7 @@ def specific_force(bench: Bench, x: FloatArray, C_ib: FloatArray) -> FloatArray:
     return seen
 
 
-def missing_positions(campaigns: Sequence[Campaign], seen: TriadDwells | None) -> list[str]:
+def missing_positions(seen: TriadDwells | None) -> list[str]:
     """Name the positions of 1..12 that no dwell holds."""
     there = {d.position for _, d in seen.dwells} if seen else set()
     return [f"position {p}" for p in range(1, 13) if p not in there]
@@ -136,8 +151,10 @@ def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> Joi
     if not is_determined(u):
         return None
     linear, *_ = np.linalg.lstsq(np.hstack((u, np.ones((len(u), 1)))), seen.rate, rcond=None)
+    if np.any(np.linalg.norm(linear[:3], axis=0) < ALIVE * np.median(seen.std, axis=0)):
+        return None
     start = np.concatenate((linear[:3].T.ravel(), linear[3], np.zeros(bench.size)))
-    mean, prior = bench.priors()
+    prior = bench.priors()
     scale = np.concatenate((np.full(12, np.max(np.abs(linear))), np.full(bench.size, 0.1)))
 
     def fit(excess: FloatArray) -> Fit:
@@ -145,9 +162,9 @@ def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> Joi
 
         def residual(x: FloatArray) -> FloatArray:
             model = specific_force(bench, x[12:], C_ib) @ x[:9].reshape(3, 3).T + x[9:12]
-            return np.concatenate((((seen.rate - model) / sigma).ravel(), prior @ x[12:] - mean))
+            return np.concatenate((((seen.rate - model) / sigma).ravel(), prior.matrix @ x[12:] - prior.mean))
 
         return minimise(residual, start, scale)
 
     none = np.zeros(3)
-    return JointFit(fit(none), bench, seen, none)
+    return JointFit(fit(none), bench, seen, none, prior.loose)

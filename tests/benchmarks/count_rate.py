@@ -49,7 +49,9 @@ def errors(seed: int, name: str, noise: float, together: int) -> np.ndarray:
     for rate, increments, found in zip(rates, dwells, estimate_counts(dwells, PERIOD), strict=True):
         error = found.rate * PERIOD - rate
         plain = increments.mean() - rate
-        rows.append((error / bound, (slope(increments) - rate) / bound, plain / bound, error / (found.std * PERIOD)))
+        rows.append(
+            (error / bound, (slope(increments) - rate) / bound, plain / bound, error / (found.std * PERIOD))
+        )
     return np.array(rows)
 
 
@@ -58,7 +60,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--dwells", type=int, default=400)
     dwells = parser.parse_args().dwells
-    print(f"{'noise':>8s} {'counts':16s} {'rms':>6s} {'e/s':>5s} {'rms 12':>7s} {'e/s 12':>7s} {'slope':>8s} {'first-last':>10s}")
+    print(
+        f"{'noise':>8s} {'counts':16s} {'rms':>6s} {'e/s':>5s} {'rms 12':>7s} {'e/s 12':>7s} {'slope':>8s} {'first-last':>10s}"
+    )
     with ProcessPoolExecutor(2) as pool:
         for noise in NOISES:
             for name in RATES:

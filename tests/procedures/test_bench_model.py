@@ -72,7 +72,7 @@ def test_campaigns_at_one_site_share_its_gravity() -> None:
 
 
 def prior_sigma(bench: Bench) -> FloatArray:
-    _, matrix = bench.priors()
+    matrix = bench.priors().matrix
     sigma: FloatArray = np.sqrt(np.diag(np.linalg.pinv(matrix) @ np.linalg.pinv(matrix).T))
     return sigma
 
@@ -89,7 +89,8 @@ def test_priors_are_the_stated_and_plausible_sizes() -> None:
 def test_without_a_certificate_perpendicularity_is_held_where_the_items_put_it() -> None:
     """P1 table 2: X up is reached by one item, X down by three; Y and Z up by three, down by five."""
     bench = Bench((Placement(0, 0, 1, 1e-3),), (campaign(),), 1)
-    mean, matrix = bench.priors()
+    prior = bench.priors()
+    mean, matrix = prior.mean, prior.matrix
     assert bench.held_pairs(0) == [True, True, True]
     assert np.all(mean == 0)
     p = np.arange(1.0, 7) * 1e-4
@@ -105,7 +106,8 @@ def test_a_certificate_holds_the_tilt_of_its_face() -> None:
     faces = {face: certificate(sigma, (i + 1) * tilt) for i, face in enumerate(FACES)}
     bench = Bench((Placement(0, 0, 1, 1e-3),), (campaign(fixture=Fixture(faces)),), 1)
     assert bench.held_pairs(0) == [False, False, False]
-    mean, matrix = bench.priors()
+    prior = bench.priors()
+    mean, matrix = prior.mean, prior.matrix
     x, *_ = np.linalg.lstsq(matrix, mean, rcond=None)
     for pair in range(3):
         for sign, k in ((1, 0), (-1, 1)):

@@ -20,10 +20,6 @@ E_TRUE = np.array([[1.0, 2e-3, -1e-3], [5e-4, 1.0, 3e-3], [-2e-3, 1e-3, 1.0]])
 E_TRUE = E_TRUE / np.linalg.norm(E_TRUE, axis=1)[:, None]
 D_TRUE = np.array([3e-4, -2e-4, 1e-4])  # deg/s
 TINY = 3e-7  # relative: 0.3 ppm, a fiftieth of what the closure leaves open
-LOST_DIGITS = pytest.mark.xfail(
-    strict=True,
-    reason="bench_model.HELD = 1e-12 costs the normal matrix its digits where no accelerometer bounds the tilts",
-)
 START = {"x": 1, "y": 5, "z": 9}
 DOWN = {"x": 3, "y": 7, "z": 11}
 
@@ -127,7 +123,6 @@ def test_one_turn_an_axis_is_enough_where_the_dwells_give_the_bias() -> None:
     assert_true(solved(tuple(t for t in six() if t.direction == "+")))
 
 
-@LOST_DIGITS
 def test_the_closure_is_the_sigma_of_the_scale_factor() -> None:
     fit = solved(six())
     assert fit is not None
@@ -139,7 +134,6 @@ def test_the_closure_is_the_sigma_of_the_scale_factor() -> None:
     )  # two turns of three revolutions
 
 
-@LOST_DIGITS
 def test_an_error_of_closure_is_found_within_its_sigma() -> None:
     rng = np.random.default_rng(1)
     closure = bench(()).sigma.closure
@@ -227,7 +221,6 @@ def test_a_counted_turn_is_as_good_as_its_two_remainders() -> None:
     assert exact.std == pytest.approx(1e-3 * np.sqrt(exact.seconds))
 
 
-@LOST_DIGITS
 @pytest.mark.parametrize("scatter", [0.0, 0.3])
 def test_scatter_from_dwell_to_dwell_beyond_noise_is_found(scatter: float) -> None:
     """The bias wanders by ``scatter`` counts/s between dwells whose noise is 0.1 of it."""
