@@ -42,12 +42,16 @@ class TcpPort:
 
 
 def open_tcp(host: str, port: int, timeout_s: float) -> TcpPort:
-    """Connect to a device server; raise `PortNotFound` where none answers within 5 s."""
+    """Connect to a device server; raise `PortNotFound` where none answers within 5 s, `LinkLost` where it hangs up."""
     name = f"{host}:{port}"
     try:
         connection = socket.create_connection((host, port), timeout=CONNECT_TIMEOUT_S)
     except (OSError, UnicodeError) as error:  # the latter from a host name that is none
         reason = f"no connection ({getattr(error, 'strerror', None) or error})"
         raise PortNotFound(name, reason, "check address, port and that the server runs") from error
-    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    try:
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    except OSError as error:  # the other side has already hung up
+        connection.close()
+        raise LinkLost(name, error.strerror or str(error)) from error
     return TcpPort(connection, name, timeout_s)

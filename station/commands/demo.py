@@ -10,7 +10,7 @@ from station.commands import Database
 
 def demo(
     out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Everything goes here.")] = Path("demo"),
-    seed: Annotated[int, typer.Option("--seed", help="Which random unit.")] = 2,
+    seed: Annotated[int, typer.Option("--seed", help="Which random unit.")] = 1,
     speed: Annotated[
         float, typer.Option("--speed", metavar="N", min=0.1, help="Device seconds per second.")
     ] = 60.0,
@@ -29,7 +29,7 @@ def demo(
 
     Exit code 2 if the folder is there and is not a demo's.
 
-    Example: station demo --out demo --seed 2
+    Example: station demo --out demo --seed 1
     """
     import time
 

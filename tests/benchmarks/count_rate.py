@@ -60,9 +60,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--dwells", type=int, default=400)
     dwells = parser.parse_args().dwells
-    print(
-        f"{'noise':>8s} {'counts':16s} {'rms':>6s} {'e/s':>5s} {'rms 12':>7s} {'e/s 12':>7s} {'slope':>8s} {'first-last':>10s}"
-    )
+    columns = ("rms", "e/s", "rms 12", "e/s 12", "slope", "first-last")
+    print(f"{'noise':>8s} {'counts':16s}" + "".join(f"{name:>11s}" for name in columns))
     with ProcessPoolExecutor(2) as pool:
         for noise in NOISES:
             for name in RATES:
@@ -72,10 +71,8 @@ def main() -> None:
                     parts = pool.map(errors, range(n), [name] * n, [noise] * n, [together] * n, chunksize=4)
                     cells.append(np.sqrt(np.mean(np.vstack(list(parts)) ** 2, axis=0)))
                 (rms, straight, plain, over), (rms12, _, _, over12) = cells
-                print(
-                    f"{noise:8g} {name:16s} {rms:6.2f} {over:5.2f} {rms12:7.2f} {over12:7.2f} {straight:8.1f} {plain:10.1f}",
-                    flush=True,
-                )
+                figures = (rms, over, rms12, over12, straight, plain)
+                print(f"{noise:8g} {name:16s}" + "".join(f"{x:11.2f}" for x in figures), flush=True)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,21 @@
+"""Print every benchmark's table, in the size that fits a coffee break: `make benchmark`.
+
+``docs/measured.md`` holds the long runs' figures and the command of each.
+"""
+
+import subprocess
+import sys
+
+RUNS = (
+    ("times",),
+    ("decode_rate",),
+    ("paper", "--seeds", "40"),
+    ("count_rate", "--dwells", "48"),
+    ("coverage", "--campaigns", "60"),
+    ("hostile_frames", "--frames", "100000"),
+)
+
+if __name__ == "__main__":
+    for name, *options in RUNS:
+        print(f"\n== {name} {' '.join(options)}", flush=True)
+        subprocess.run([sys.executable, "-m", f"tests.benchmarks.{name}", *options], check=True)
