@@ -42,7 +42,7 @@ class TcpPort:
 
 
 def open_tcp(host: str, port: int, timeout_s: float) -> TcpPort:
-    """Connect to a device server; raise `PortNotFound` where none answers within 5 s, `LinkLost` where it hangs up."""
+    """Connect to a device server; raise `PortNotFound` if none answers in 5 s, `LinkLost` if it hangs up."""
     name = f"{host}:{port}"
     try:
         connection = socket.create_connection((host, port), timeout=CONNECT_TIMEOUT_S)

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import erfinv
 
 from procedures.frames import AXES
 from procedures.solution import Estimate, Solution, TriadCalibration
@@ -49,7 +50,9 @@ def comparison_text(rows: list[Compared]) -> str:
         )
     rms = float(np.sqrt(np.mean([row.sigmas**2 for row in rows])))
     worst = max(abs(row.sigmas) for row in rows)
+    low, high = (float(np.sqrt(2) * erfinv(p ** (1 / len(rows)))) for p in (0.05, 0.95))
     lines.append(f"{len(rows)} parameters: error/sigma {rms:.2f} rms, {worst:.2f} at most")
+    lines.append(f"(honest sigmas give 1 rms, and a largest between {low:.1f} and {high:.1f} nine times in ten)")
     return "\n".join(lines)
 
 

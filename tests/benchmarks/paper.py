@@ -1,7 +1,8 @@
 """Print how closely tables 4 to 6 of Yao, Hu, He 2018 come out of integer counts.
 
-`python -m tests.benchmarks.paper`: the paper's unit and cube, 12 dwells of 100 s at 50 Hz, 10 ug per sample; then the same with random faces
-and slab of 5e-5 rad. Beside the station's estimators stand last-minus-first counting and the noise-only bound.
+`python -m tests.benchmarks.paper`: the paper's unit and cube, 12 dwells of 100 s at 50 Hz, 10 ug per sample; then
+the same with random faces and slab of 5e-5 rad. Beside the station's estimators stand last-minus-first counting
+and the noise-only bound.
 """
 
 import argparse
