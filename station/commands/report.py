@@ -35,7 +35,6 @@ def report(
     for one in loaded:
         check_for_solve(one)
     from procedures.calibration import solve  # scipy and kernels: not before the data are right
-
     from station.report.context import ReportContext
     from station.report.writing import write_report
 
