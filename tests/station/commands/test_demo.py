@@ -25,7 +25,7 @@ def test_the_demo_ends_with_a_comparison_and_the_paths_of_its_results(tmp_path: 
     assert len(verify_folder(out / "campaign")) == 18
     assert "gyroscope.bias.x" in json.loads((out / "truth.json").read_text())
     assert "truth" in (out / "report.html").read_text().lower()
-    assert read_campaign(out / "campaign").tables.imu.serial == "SIM-2"
+    assert read_campaign(out / "campaign").tables.imu.serial == "SIM-1"
 
 
 def test_only_a_demo_s_folder_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
