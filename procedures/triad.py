@@ -11,6 +11,7 @@ from procedures.solution import Estimate, TriadCalibration
 from procedures.twelve_position import JointFit, by_position, closed_form
 
 DPH = 3600.0  # deg/h per deg/s
+SHARED_DWELLS = 3  # neighbours that have a bias's instability in common: minutes, as the correlation of a FOG's
 SKEWED = np.array([0, 1, 2, 12, 13, 14])  # k and D of the vector k (3), E (9), D (3)
 
 
@@ -41,7 +42,9 @@ class TriadVector:
 def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) -> TriadVector:
     """Refer a fit to the mean cube and turn it into k, E and D.
 
-    An uncertified cube's skew adds to the sigma of k, and of accelerometers' D (`procedures.bench_model`).
+    Scatter from dwell to dwell beyond counting noise is taken as bias instability, which wanders slowly: the
+    mean over the dwells averages it less than independent draws. An uncertified cube's skew adds to the sigma of
+    k, and of accelerometers' D (`procedures.bench_model`).
     """
     unit, per = ("g", 1.0) if triad == "accelerometer" else ("deg/h", DPH)
     bench, C_ib = joint.bench, joint.bench.campaigns[0].fixture.C_ib
@@ -54,6 +57,9 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
         scale, bias = skew_jacobian(p, C_ib.T @ value[3:12].reshape(3, 3) @ C_ib)
         rows = np.vstack((value[:3, None] * (np.abs(C_ib) @ scale), C_ib @ bias * (triad == "accelerometer")))
         covariance[np.ix_(SKEWED, SKEWED)] += rows * variance @ rows.T
+    n = len(joint.seen.dwells)
+    shared = (joint.excess / value[:3] * per) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
+    covariance[12:, 12:] += np.diag(shared)
     names = [f"{triad}.scale_factor.{a}" for a in AXES]
     names += [f"{triad}.misalignment.{a}{b}" for a in AXES for b in AXES]
     names += [f"{triad}.bias.{a}" for a in AXES]
