@@ -40,9 +40,9 @@ SWEEPS, TOLERANCE = 60, 1e-3
 class RateEstimate:
     """Mean rate of a dwell's channel [output/s], 1 sigma; slope [/s] and curvature [/s2] of the rate, 1 sigma.
 
-    ``noise`` is the white rate noise [output/sqrt(s)]. ``edges`` counts the increments that differ from the
-    usual one. With fewer than two there is no point estimate: ``interval`` holds the rates that the
-    counts allow, and ``rate`` is no more than its middle.
+    ``noise`` is the white rate noise [output/sqrt(s)]. ``edges`` counts the different count boundaries crossed,
+    beside the usual increment: noise crossing one to and fro is one edge. With fewer than two there is no point
+    estimate: ``interval`` holds the rates that the counts allow, and ``rate`` is no more than its middle.
     """
 
     rate: float
@@ -160,7 +160,7 @@ def estimate_counts(
     """
     for dwell in dwells:
         if len(dwell) < LEAST_SAMPLES:
-            raise TooShort(len(dwell), LEAST_SAMPLES)
+            raise TooShort("a dwell", len(dwell), LEAST_SAMPLES)
     starts = starts or [np.zeros(1, dtype=np.int64)] * len(dwells)
     samples = [np.arange(1.0, len(d) + 1) if times is None else times[i] / period for i, d in enumerate(dwells)]
     paths = [_path(*each) for each in zip(dwells, samples, starts, strict=True)]
@@ -169,9 +169,9 @@ def estimate_counts(
         for path in paths:
             path.keep[:] = True
             path.tau, path.nu = np.full(len(path.t), 12.0), 12.0 * (path.low + 0.5)
-        return [_finish(path, [(white, 1.0)], period) for path in paths]
+        return [_finish(path, [(white, 1.0)], period, refit=False) for path in paths]
     weights = _noise_posterior(paths)
-    return [_finish(path, weights, period) for path in paths]
+    return [_finish(path, weights, period, refit=True) for path in paths]
 
 
 def _white_noise(dwells: Sequence[IntArray]) -> float:
@@ -216,7 +216,8 @@ def _path(increments: IntArray, t: FloatArray, starts: IntArray) -> _Path:
     rate = _common_slope(at, count, segment)
     low = count - rate * at
     low -= (np.bincount(segment, low) / np.bincount(segment))[segment] + 0.5
-    edges = int(np.abs(increments - np.round(np.median(increments))).sum())
+    beside = np.cumsum(increments - np.round(np.median(increments)))
+    edges = int(np.ptp(np.concatenate(([0], beside))))
     return _Path(at, low, segment, _binding(low, segment), rate, edges)
 
 
@@ -243,7 +244,7 @@ def _binding(low: FloatArray, segment: IntArray) -> BoolArray:
 
 
 def _noise_posterior(paths: Sequence[_Path]) -> list[tuple[float, float]]:
-    """Return (noise, weight) around the most likely noise of all paths; the prior is flat in its logarithm."""
+    """Return (noise, weight) around the most likely noise of all paths."""
     telling = max(paths, key=lambda path: path.edges)  # where one path leads, all need few steps
     best = _climb([telling], sum(NOISE_RANGE) // 2, STEPS, {})
     for _ in range(ROUNDS):
@@ -294,11 +295,11 @@ def _grid(paths: Sequence[_Path], best: int, found: dict[int, float]) -> list[tu
     return [(float(np.exp(k / STEPS)), w / sum(weight.values())) for k, w in weight.items()]
 
 
-def _finish(path: _Path, weights: Sequence[tuple[float, float]], period: float) -> RateEstimate:
+def _finish(path: _Path, weights: Sequence[tuple[float, float]], period: float, refit: bool) -> RateEstimate:
     """Average a dwell's rate, slope and curvature over what is open of the noise."""
     mean, square = np.zeros(3), np.zeros(3)
     for noise, weight in weights:
-        if noise <= WHITE:
+        if refit:
             path.fit(noise)
         theta, variance = path.terms(noise)
         mean += weight * theta

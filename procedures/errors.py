@@ -57,8 +57,8 @@ class TurnsDisagree(ProcedureError, ValueError):
 class TooShort(ProcedureError, ValueError):
     """A dwell has too few samples to say anything."""
 
-    def __init__(self, samples: int, least: int) -> None:
-        self.samples, self.least = samples, least
+    def __init__(self, step: str, samples: int, least: int) -> None:
+        self.step, self.samples, self.least = step, samples, least
         super().__init__(
-            f"a dwell has {samples} samples, expected at least {least}; record it longer or leave it out"
+            f"{step} has {samples} samples, expected at least {least}; record it longer or leave it out"
         )

@@ -25,6 +25,8 @@ def refuse_wrong_faces(seen: TriadDwells, C_ib: Sequence[FloatArray]) -> None:
     """
     mounting = [C_ib[number] for number, _ in seen.dwells]
     faces = [face_of(dwell.position) for _, dwell in seen.dwells]
+    if not _spans(mounting, faces):
+        return
     residual, E = _affine(seen.rate, mounting, faces)
     nearest = E.round()
     if max(residual, float(np.abs(E - nearest).max())) < LIMIT and abs(np.linalg.det(nearest)) == 1:
@@ -44,9 +46,16 @@ def refuse_wrong_faces(seen: TriadDwells, C_ib: Sequence[FloatArray]) -> None:
 
 
 def _misfit(rate: FloatArray, mounting: Sequence[FloatArray], faces: Sequence[str]) -> float:
-    """Return the worst of residual [g] and cross-axis E."""
+    """Return the worst of residual [g] and cross-axis E; infinite where the faces leave them open."""
+    if not _spans(mounting, faces):
+        return np.inf
     residual, E = _affine(rate, mounting, faces)
     return max(residual, float(np.abs(E * ~np.eye(3, dtype=bool)).max()))
+
+
+def _spans(mounting: Sequence[FloatArray], faces: Sequence[str]) -> bool:
+    u = np.stack([C @ face_normal(face) for C, face in zip(mounting, faces, strict=True)])
+    return bool(np.linalg.matrix_rank(np.hstack((u, np.ones((len(u), 1)))), tol=0.1) == 4)
 
 
 def _affine(rate: FloatArray, mounting: Sequence[FloatArray], faces: Sequence[str]) -> tuple[float, FloatArray]:
@@ -56,8 +65,6 @@ def _affine(rate: FloatArray, mounting: Sequence[FloatArray], faces: Sequence[st
     """
     u = np.stack([C @ face_normal(face) for C, face in zip(mounting, faces, strict=True)])
     A = np.hstack((u, np.ones((len(u), 1))))
-    if np.linalg.matrix_rank(A, tol=0.1) < 4:
-        return 0.0, np.eye(3)
     solution, *_ = np.linalg.lstsq(A, rate, rcond=None)
     swing = np.ptp(rate, axis=0)
     alive = swing > LIMIT * swing.max()

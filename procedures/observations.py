@@ -7,7 +7,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign import Campaign, DwellRecord, TurnRecord
-from procedures.count_rate import RateEstimate, estimate_counts
+from procedures.count_rate import LEAST_SAMPLES, RateEstimate, estimate_counts
+from procedures.errors import TooShort
 from procedures.rate_mean import estimate_rates
 from procedures.records import CountSeries, Series
 
@@ -54,6 +55,9 @@ def dwell_rates(campaigns: Sequence[Campaign], triad: str) -> TriadDwells | None
 
 
 def _axis_rates(dwells: Sequence[DwellRecord], triad: str, axis: int) -> list[RateEstimate]:
+    for dwell in dwells:
+        if len(dwell.series) < LEAST_SAMPLES:
+            raise TooShort(dwell.name, len(dwell.series), LEAST_SAMPLES)
     samples = [np.asarray(channel(d.series, triad))[:, axis] for d in dwells]
     starts = [d.series.starts for d in dwells]
     period = float(np.median([d.series.period for d in dwells]))

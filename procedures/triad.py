@@ -6,6 +6,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.bench_model import mean_cube, skew_jacobian, skew_variance
+from procedures.earth import STANDARD_GRAVITY
 from procedures.frames import AXES
 from procedures.solution import Estimate, TriadCalibration
 from procedures.twelve_position import JointFit, by_position, closed_form
@@ -87,5 +88,7 @@ def paper_biases(joint: JointFit) -> tuple[Estimate | None, Estimate | None]:
     if table is None:
         return None, None
     form, order = closed_form(*table), np.argmax(np.abs(C_ib), axis=1)
-    twelve = Estimate(form.bias_12_position[order], form.bias_12_position_std[order], "g")
-    return twelve, Estimate(form.bias_two_direction[order], form.bias_two_direction_std[order], "g")
+    local = joint.bench.campaigns[0].site.gravity / STANDARD_GRAVITY  # the formulas' unit is the local g
+    twelve = Estimate(form.bias_12_position[order] * local, form.bias_12_position_std[order] * local, "g")
+    two = Estimate(form.bias_two_direction[order] * local, form.bias_two_direction_std[order] * local, "g")
+    return twelve, two
