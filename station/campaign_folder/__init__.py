@@ -2,7 +2,7 @@
 
 from station.campaign_folder.loaded import LoadedCampaign, LoadedStep, check_for_solve, check_one_unit
 from station.campaign_folder.manifest import append_hash, read_hashes, verify_folder
-from station.campaign_folder.reading import read_campaign
+from station.campaign_folder.reading import read_campaign, read_for_solve
 from station.campaign_folder.writing import campaign_tables, write_campaign, write_series, write_tables
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "check_for_solve",
     "check_one_unit",
     "read_campaign",
+    "read_for_solve",
     "read_hashes",
     "verify_folder",
     "write_campaign",

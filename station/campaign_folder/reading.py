@@ -1,6 +1,7 @@
 """A campaign folder to memory."""
 
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from procedures.frames import TURN_START
 from station.campaign_folder.csv_header import TableKind
 from station.campaign_folder.csv_table import read_csv
 from station.campaign_folder.files import open_inside
-from station.campaign_folder.loaded import LoadedCampaign, LoadedStep
+from station.campaign_folder.loaded import LoadedCampaign, LoadedStep, check_for_solve, check_one_unit
 from station.campaign_folder.overlap import refuse_overlap
 from station.campaign_folder.schema import (
     CampaignTable,
@@ -136,3 +137,18 @@ def _fixture(fixture: FixtureTable) -> Fixture:
         for face in fixture.face
     }
     return Fixture(faces, axes_matrix(fixture.imu_axes), fixture.id)
+
+
+def read_for_solve(folders: Sequence[Path]) -> list[LoadedCampaign]:
+    """Read folders that are to be solved jointly; refuse what no solve may use.
+
+    Raises
+    ------
+    DataRefused
+        A folder breaks a rule, is of another unit, or its sample period is more than 1 % off.
+    """
+    loaded = [read_campaign(folder) for folder in folders]
+    check_one_unit(loaded)
+    for one in loaded:
+        check_for_solve(one)
+    return loaded

@@ -1,6 +1,5 @@
 """``station report``: recorded campaigns to one HTML file to read, print and keep."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -27,30 +26,17 @@ def report(
 
     Example: station report campaigns/2026-05-11 --out report.html
     """
-    from station.campaign_folder import check_for_solve, check_one_unit, read_campaign
+    from station.campaign_folder import read_for_solve
     from station.solution_json import solution_document
 
-    loaded = [read_campaign(folder) for folder in campaigns]
-    check_one_unit(loaded)
-    for one in loaded:
-        check_for_solve(one)
+    loaded = read_for_solve(campaigns)
     from procedures.calibration import solve  # scipy and kernels: not before the data are right
-    from station.report.context import ReportContext
+    from station.report.context import report_context
     from station.report.writing import write_report
 
     solution = solve([one.campaign for one in loaded])
     document = solution_document(solution, loaded)
     origin = document["provenance"]
-    whole = replace(
-        solution, warnings=tuple(document["warnings"]), unused_steps=tuple(document["unused_steps"])
-    )  # the folders' own warnings beside the solve's
-    context = ReportContext(
-        solution=whole,
-        campaigns=tuple(one.campaign for one in loaded),
-        files=origin["files"],
-        software=origin["software"],
-        created_utc=origin["created_utc"],
-    )
     target = campaigns[0] / "report.html" if out is None else out
-    write_report(target, context)
+    write_report(target, report_context(solution, [one.campaign for one in loaded], document))
     typer.echo(f"{target}: calibration report of {origin['model']} {origin['serial']}")

@@ -24,14 +24,11 @@ def solve(
 
     Example: station solve campaigns/2026-05-11 --json solution.json
     """
-    from station.campaign_folder import check_for_solve, check_one_unit, read_campaign
+    from station.campaign_folder import read_for_solve
     from station.solution_json import solution_document, write_solution
     from station.solution_text import solution_text
 
-    loaded = [read_campaign(folder) for folder in campaigns]
-    check_one_unit(loaded)
-    for one in loaded:
-        check_for_solve(one)
+    loaded = read_for_solve(campaigns)
     from procedures.calibration import solve as solve_campaigns  # scipy and kernels: not before the data are right
 
     document = solution_document(solve_campaigns([one.campaign for one in loaded]), loaded)

@@ -13,7 +13,7 @@ from fixtures_db.database import Database
 from fixtures_db.history import accept_calibration
 from procedures.campaign import Campaign
 from procedures.solution import Solution
-from station.campaign_folder import LoadedCampaign, check_for_solve, read_campaign
+from station.campaign_folder import LoadedCampaign, read_for_solve
 from station.campaign_folder.atomic import replace_file
 from station.errors import Altered
 
@@ -43,10 +43,9 @@ def make_results(
     ``truth`` is a simulated unit's, keyed as `Solution.names`. ``is_expired``: the cube's certificate has run
     out, so that the calibration counts as measured only.
     """
-    loaded = read_campaign(folder)
-    check_for_solve(loaded)
+    loaded = read_for_solve([folder])[0]
     from procedures.calibration import solve  # scipy and kernels: not before the data are right
-    from station.report.context import ReportContext
+    from station.report.context import report_context
     from station.report.writing import write_report
     from station.solution_json import solution_document, write_solution
 
@@ -58,19 +57,8 @@ def make_results(
         into / "solution.json", into / "calibration.json", into / "report.html",
     )  # fmt: skip
     write_solution(results.solution_file, document)
-    origin = document["provenance"]
-    whole = replace(
-        solution, warnings=tuple(document["warnings"]), unused_steps=tuple(document["unused_steps"])
-    )  # the folder's own beside the solve's
-    context = ReportContext(
-        solution=whole,
-        campaigns=(loaded.campaign,),
-        files=origin["files"],
-        software=origin["software"],
-        created_utc=origin["created_utc"],
-        truth=truth or {},
-        calibration_sha256=results.sha256,
-    )
+    context = report_context(solution, [loaded.campaign], document)
+    context = replace(context, truth=truth or {}, calibration_sha256=results.sha256)
     write_report(results.report_file, context)
     return results
 

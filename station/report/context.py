@@ -1,7 +1,8 @@
 """What a report is made from."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from procedures.campaign import Campaign
 from procedures.solution import Solution
@@ -35,3 +36,19 @@ class ReportContext:
             raise ValueError(f"verdict {self.verdict!r} is none of {', '.join(VERDICTS)}")
         if not self.campaigns:
             raise ValueError("a report of no campaign, expected at least one")
+
+
+def report_context(
+    solution: Solution, campaigns: Sequence[Campaign], document: Mapping[str, Any]
+) -> ReportContext:
+    """Return the context of a solution and its ``solution/1`` document, which holds the folders' own warnings."""
+    origin = document["provenance"]
+    return ReportContext(
+        solution=replace(
+            solution, warnings=tuple(document["warnings"]), unused_steps=tuple(document["unused_steps"])
+        ),
+        campaigns=tuple(campaigns),
+        files=origin["files"],
+        software=origin["software"],
+        created_utc=origin["created_utc"],
+    )
