@@ -6,7 +6,8 @@ a Wiener process of ``noise`` counts per sqrt(sample) with a free level in every
 statement, ``exp(-tau S^2 / 2 + nu S)``, is a *site*; expectation propagation (Minka 2001) finds the sites
 whose product has the moments that each true interval gives it in turn.
 
-Every kernel has its plain form as ``kernel.py_func``; the tests hold both equal.
+Every kernel has its plain form as ``kernel.py_func``; the tests hold both equal. The two that are called from
+Python carry their signature and are compiled once, at the install, with what they call.
 """
 
 import math
@@ -21,24 +22,25 @@ SQRT_HALF = math.sqrt(0.5)
 FAR = 30.0  # sigmas outside its interval at which a node's statement cannot be met (e^-450; erfc nears underflow)
 
 
-@njit("UniTuple(f8, 3)(f8, f8)", cache=True)
+@njit(cache=True)
 def interval_moments(a: float, b: float) -> tuple[float, float, float]:
     """Return log probability, mean and variance of a unit normal held to ``a <= x < b``, a < `FAR`, b > -`FAR`."""
+    side = 1.0
     if a + b < 0:  # mirror: the tail that matters is the upper one, where erfc keeps its digits
-        log_p, mean, variance = interval_moments(-b, -a)
-        return log_p, -mean, variance
+        a, b, side = -b, -a, -1.0
     if (b - a) * max(b, 1.0) < 1e-2:  # the density is flat here, and differences of erfc lose their digits
         middle = 0.5 * (a + b)
-        return -0.5 * middle * middle - 0.9189385332046727 + math.log(b - a), middle, (b - a) ** 2 / 12
+        log_p = -0.5 * middle * middle - 0.9189385332046727 + math.log(b - a)
+        return log_p, side * middle, (b - a) ** 2 / 12
     p = 0.5 * (math.erfc(a * SQRT_HALF) - math.erfc(b * SQRT_HALF))
     density_a = math.exp(-0.5 * a * a) * 0.3989422804014327
     density_b = math.exp(-0.5 * b * b) * 0.3989422804014327
     mean = (density_a - density_b) / p
     variance = 1 + (a * density_a - b * density_b) / p - mean * mean
-    return math.log(p), mean, max(variance, 1e-12)
+    return math.log(p), side * mean, max(variance, 1e-12)
 
 
-@njit("Tuple((f8[:,:], f8))(f8[:,:])", cache=True)
+@njit(cache=True)
 def invert(matrix: FloatArray) -> tuple[FloatArray, float]:
     """Return the inverse and the log determinant of a small positive definite matrix (Gauss-Jordan).
 
