@@ -56,7 +56,7 @@ def fit(campaigns: Sequence[Campaign]) -> Fits:
     if gyro is not None:
         gyroscope = solve_gyroscope(campaigns, gyro, turn_totals(campaigns, gyro.noise), accelerometer)
     if accelerometer is None and gyroscope is None:
-        missing = missing_positions(accel or gyro) or ["turns about x, y and z"]
+        missing = missing_positions(accel or gyro) or ["turns about x, y and z, or a channel that responds"]
         raise NotObservable("the scale factor and bias of either triad", missing)
     return Fits(tuple(campaigns), accel, gyro, accelerometer, gyroscope)
 

@@ -25,7 +25,7 @@ def refuse_wrong_faces(seen: TriadDwells, C_ib: Sequence[FloatArray]) -> None:
     """
     mounting = [C_ib[number] for number, _ in seen.dwells]
     faces = [face_of(dwell.position) for _, dwell in seen.dwells]
-    if not _spans(mounting, faces):
+    if not _spans(mounting, faces) or not np.any(np.ptp(seen.rate, axis=0) > 0):
         return
     residual, E = _affine(seen.rate, mounting, faces)
     nearest = E.round()

@@ -354,6 +354,16 @@ def test_a_triad_with_a_dead_channel_is_left_out(triad: str) -> None:
     assert np.abs(scores(solution, truth)).max() < 4
 
 
+def test_a_unit_that_sends_nothing_but_zeros_is_not_observable() -> None:
+    _, campaign = usual()
+
+    def silent(series: Series) -> Series:
+        return replace(series, gyro=np.zeros_like(series.gyro), accel=np.zeros_like(series.accel))
+
+    with pytest.raises(NotObservable, match="a channel that responds"):
+        solve([mapped(campaign, silent)])
+
+
 @pytest.mark.parametrize("exchanged", [("x",), ("x", "y", "z")])
 def test_turns_labelled_the_wrong_way_round_do_not_pass_unseen(exchanged: tuple[str, ...]) -> None:
     _, campaign = usual()
