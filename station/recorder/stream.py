@@ -60,8 +60,11 @@ class SampleStream:
 
     @property
     def period(self) -> float | None:
-        """The sample period [s]: as the device states it, else the median of the first ones; None before that."""
-        stated = self.decoder.identity.period if self.decoder.identity else 0.0
+        """The sample period [s]: as the device states it, else the median of the first ones; None before that.
+
+        A format without a frame counter states no more than its model's usual rate: there the times decide.
+        """
+        stated = self.decoder.identity.period if self.decoder.identity and self._modulus else 0.0
         if stated > 0:
             return stated
         return float(np.median(self._learnt)) if len(self._learnt) >= LEARNING else None
