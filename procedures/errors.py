@@ -3,6 +3,7 @@
 ProcedureError
 ├── NotObservable      the data do not determine what was asked for
 ├── WrongFace          a dwell's vertical axis is not the one its position names
+├── FitsNoFace         a dwell's output is that of no face, as from a damaged sample
 ├── WrongMounting      the IMU does not sit in the cube as the campaign says
 ├── TurnsDisagree      two turns about one axis contradict each other's direction or revolutions
 └── TooShort           a dwell has too few samples to say anything
@@ -32,6 +33,17 @@ class WrongFace(ProcedureError, ValueError):
         super().__init__(
             f"{step}: position {position} means {named}, but the counts show {seen}; "
             f"run `station diagnose` (it reports placement.label) or correct the position"
+        )
+
+
+class FitsNoFace(ProcedureError, ValueError):
+    """One dwell's accelerometer output spoils the rest, and no other face would mend it."""
+
+    def __init__(self, step: str, position: int) -> None:
+        self.step, self.position = step, position
+        super().__init__(
+            f"{step}: found accelerometer outputs of no face, expected those of position {position}; "
+            f"look for damaged samples in it, or leave it out"
         )
 
 

@@ -6,19 +6,21 @@ other face mends it best.
 """
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.errors import WrongFace, WrongMounting
+from procedures.errors import FitsNoFace, WrongFace, WrongMounting
 from procedures.frames import AXES, FACES, face_normal, face_of
 from procedures.observations import TriadDwells
 
+T = TypeVar("T")
 LIMIT = 0.2  # g, or unit vector: far above any tilt, far below a wrong face (1 g)
 
 
 def refuse_wrong_faces(seen: TriadDwells, C_ib: Sequence[FloatArray]) -> None:
-    """Raise `WrongFace` or `WrongMounting` where accelerometer dwells contradict their positions.
+    """Raise `WrongFace`, `FitsNoFace` or `WrongMounting` where dwells contradict their positions.
 
     ``C_ib`` holds per campaign the rotation (3, 3) from the cube's axes to the IMU's. Fewer than four dwells,
     or dwells that fit any label, are let through: nothing contradicts them.
@@ -40,9 +42,19 @@ def refuse_wrong_faces(seen: TriadDwells, C_ib: Sequence[FloatArray]) -> None:
         for face in FACES
         if face != faces[i]
     ]
-    _, i, face = min(trials)
+    best, i, face = min(trials)
+    without = [
+        _misfit(np.delete(seen.rate, k, axis=0), _but(mounting, k), _but(faces, k)) for k in range(len(faces))
+    ]
+    if best >= LIMIT > min(without):  # no face would mend the one dwell that spoils the rest
+        odd = seen.dwells[int(np.argmin(without))][1]
+        raise FitsNoFace(odd.name, odd.position)
     dwell = seen.dwells[i][1]
     raise WrongFace(dwell.name, dwell.position, faces[i], face)
+
+
+def _but(items: list[T], k: int) -> list[T]:
+    return [*items[:k], *items[k + 1 :]]
 
 
 def _misfit(rate: FloatArray, mounting: Sequence[FloatArray], faces: Sequence[str]) -> float:

@@ -19,7 +19,7 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.calibration import solve
 from procedures.campaign import Campaign, FaceCertificate, Fixture
-from procedures.errors import NotObservable, WrongFace, WrongMounting
+from procedures.errors import FitsNoFace, NotObservable, WrongFace, WrongMounting
 from procedures.face_check import refuse_wrong_faces
 from procedures.frames import FACES, face_of
 from procedures.records import CountSeries, RateSeries, Series
@@ -362,6 +362,16 @@ def test_a_unit_that_sends_nothing_but_zeros_is_not_observable() -> None:
 
     with pytest.raises(NotObservable, match="a channel that responds"):
         solve([mapped(campaign, silent)])
+
+
+def test_one_absurd_sample_names_its_own_dwell_and_no_other_face() -> None:
+    _, campaign = usual()
+    first = campaign.dwells[0]
+    accel = np.array(first.series.accel)
+    accel[7, 0] = 2_000_000_000
+    spoilt = replace(first, series=replace(first.series, accel=accel))
+    with pytest.raises(FitsNoFace, match=f"{first.name}: found"):
+        solve([replace(campaign, dwells=(spoilt, *campaign.dwells[1:]))])
 
 
 @pytest.mark.parametrize("exchanged", [("x",), ("x", "y", "z")])
