@@ -1,0 +1,1 @@
+"""Guided calibration: the engine that watches the counts, and what it shows and takes."""

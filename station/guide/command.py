@@ -1,0 +1,36 @@
+"""What an operator can ask of the engine: one small frozen value, as JSON across a process border."""
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict
+
+from station.guide.view import Setup
+
+Verb = Literal[
+    "check",  # look at the port `url` for two seconds
+    "begin",  # a new campaign as `setup` says
+    "resume",  # the campaign in `folder`
+    "skip_warm_up",
+    "choose",  # do `step` next
+    "redo",  # do `step` again; empty: the one that `View.can_redo` names
+    "pause",
+    "go_on",
+    "answer",  # the question, with `key`
+    "keep_seating",  # take the cube as it sits
+    "finish",  # solve with what is there
+    "store",  # the calibration: the operator's act
+    "leave",  # end here, to be resumed
+    "cancel",  # end here, the database as it was
+]
+
+
+class Command(BaseModel):
+    """A verb and what belongs to it."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    verb: Verb
+    setup: Setup | None = None
+    url: str = ""
+    folder: str = ""
+    step: str = ""
+    key: str = ""

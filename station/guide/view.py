@@ -1,0 +1,272 @@
+"""What a guided calibration shows: one frozen value that says everything a screen, a line of text or a test needs.
+
+The engine makes it, a screen draws it; nothing flows back but `station.guide.command.Command`. It crosses a
+process border as JSON. Angles in deg, rates in deg/s, times in s of the device unless a name says otherwise.
+"""
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict
+
+Stage = Literal[
+    "start",  # no campaign yet: set-up, and unfinished ones to go on with
+    "connecting",
+    "warm_up",
+    "place",  # the cube is to be put somewhere, or turned: `View.wanted` says where
+    "settle",  # it is on its way to rest on the right face
+    "dwell",  # accepted seconds are counted
+    "turn",  # a hand turn is under way
+    "paused",
+    "solving",
+    "verdict",
+    "stored",  # the verdict, and the calibration is in the database
+    "cancelled",
+    "left",  # to be resumed another day
+    "failed",  # it cannot go on; `View.error` says why. What was accepted is safe
+]
+StepState = Literal["todo", "live", "done", "redo"]
+Sound = Literal["", "start", "still", "accepted", "rejected"]
+
+
+class _Value(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Choice(_Value):
+    """One of a list in the set-up: ``key`` is what is sent back, ``title`` what is shown."""
+
+    key: str
+    title: str
+    note: str = ""
+
+
+class Setup(_Value):
+    """The set-up's values, remembered for next time; empty text and None where nothing is chosen yet.
+
+    ``gravity`` and its sigma in m/s2, ``height`` in m, ``dwell_s`` 0: from the unit's noise and ``bias_ug``, the
+    1 sigma wanted of the accelerometers' bias. ``folder`` empty: one is made beneath the default place.
+    """
+
+    url: str = ""
+    model: str = ""
+    serial: str = ""
+    cube: str = ""
+    slab: str = ""
+    latitude_deg: float | None = None
+    longitude_deg: float | None = None
+    height_m: float = 0.0
+    gravity_m_s2: float | None = None
+    gravity_std_m_s2: float | None = None
+    operator: str = ""
+    dwell_s: float = 100.0
+    bias_ug: float | None = None
+    revolutions: int = 3
+    heading_std_deg: float = 0.1
+    closure_std_deg: float = 0.02
+    folder: str = ""
+
+
+class Check(_Value):
+    """A live look at a port: what its bytes are. ``noise`` says the white noise in words."""
+
+    url: str
+    is_good: bool
+    format: str = ""
+    model: str = ""
+    serial: str = ""
+    rate_hz: float | None = None
+    frames: int = 0
+    bad_frames: int = 0
+    noise: str = ""
+    text: str = ""
+
+
+class Unfinished(_Value):
+    """A campaign that can be gone on with. ``state``: free, in use (by another station), not here (no folder)."""
+
+    folder: str
+    title: str  # "campaign of 12:40, 7 of 18 done, SIM-FOG3 SIM-7"
+    serial: str
+    done: int
+    total: int
+    state: Literal["free", "in use", "not here"]
+
+
+class Start(_Value):
+    """What the start screen offers."""
+
+    setup: Setup = Setup()
+    ports: tuple[Choice, ...] = ()
+    cubes: tuple[Choice, ...] = ()  # note: "certificate expired on 2026-02-01"
+    slabs: tuple[Choice, ...] = ()
+    check: Check | None = None
+    is_checking: bool = False
+    unfinished: tuple[Unfinished, ...] = ()
+    refused: str = ""  # why what was sent could not begin
+
+
+class Step(_Value):
+    """A step of the campaign, in the order suggested. ``position`` is 0 for a turn, ``axis`` empty for a dwell.
+
+    ``attempts`` counts accepted recordings, of which all but the last are superseded.
+    """
+
+    name: str
+    state: StepState
+    position: int = 0
+    axis: str = ""
+    direction: str = ""
+    revolutions: int = 0
+    start_position: int = 0
+    attempts: int = 0
+    seconds: float = 0.0
+    note: str = ""
+
+    @property
+    def superseded(self) -> int:
+        """How many earlier recordings stand behind the one that counts."""
+        return max(self.attempts - 1, 0)
+
+
+class Gates(_Value):
+    """The two gates, and what the counts show right now.
+
+    ``face`` is the face that is up (``x_up`` ...), ``off_deg`` the angle it seems off the vertical against
+    ``limit_deg``; ``still`` the live sigma over this unit's own noise, in ``still_channel``, against
+    ``still_limit``. ``position`` 0: the heading is not known (yet); ``heading`` says how it was found.
+    """
+
+    face: str = ""
+    off_deg: float = 0.0
+    limit_deg: float = 3.0
+    is_right_face: bool = False
+    still: float = 0.0
+    still_limit: float = 4.0
+    still_channel: str = ""
+    is_still: bool = False
+    position: int = 0
+    heading: str = ""  # "by the Earth rate", "as said", "reading the Earth rate", "not known"
+    seating: str = ""  # "seated within 3 arcsec", or why to lift, wipe and set down
+    is_seated: bool = True
+
+
+class TurnView(_Value):
+    """A hand turn: revolutions so far (signed, about the axis), speed against its limits, how it came back."""
+
+    revolutions: float = 0.0
+    wanted: int = 3
+    speed_deg_s: float = 0.0
+    slow_deg_s: float = 5.0
+    fast_deg_s: float = 100.0
+    came_back_deg: float | None = None
+    came_back_std_deg: float | None = None
+    rest_s: float = 0.0
+    rest_wanted_s: float = 5.0
+
+
+class WarmUp(_Value):
+    """Warm-up; limits are learnt from this unit. ``left_s`` None: cannot be said yet."""
+
+    seconds: float = 0.0
+    left_s: float | None = None
+    temperature_rate_c_min: float | None = None
+    temperature_limit_c_min: float | None = None
+    gyro_drift_deg_h: float | None = None
+    gyro_limit_deg_h: float | None = None
+    note: str = ""
+
+
+class Link(_Value):
+    """The stream: ``is_live`` False while nothing comes; ``text`` says what is wrong and what to do."""
+
+    name: str = ""
+    rate_hz: float = 0.0
+    bad_frames: int = 0
+    lost: int = 0
+    gaps: int = 0
+    temperature_c: float | None = None
+    is_live: bool = True
+    text: str = ""
+
+
+class Question(_Value):
+    """Something only the operator knows; answered with the ``key`` of a choice."""
+
+    text: str
+    choices: tuple[Choice, ...]
+
+
+class Event(_Value):
+    """Something to be heard and read once; ``number`` rises."""
+
+    number: int
+    sound: Sound
+    text: str
+
+
+class Row(_Value):
+    """A line of the verdict's table, all of it text."""
+
+    name: str
+    value: str
+    sigma: str
+    unit: str
+    limit: str = ""
+    verdict: str = ""  # PASS, FAIL, NOT_MEASURED or empty
+    change: str = ""  # since the unit's last calibration
+
+
+class Verdict(_Value):
+    """The end: one sentence, then what stands behind it."""
+
+    word: Literal["PASS", "FAIL", "NOT_MEASURED"]
+    sentence: str
+    status: Literal["calibrated", "measured"]
+    status_reason: str = ""
+    worst_residual: str = ""
+    change: str = ""
+    rows: tuple[Row, ...] = ()
+    warnings: tuple[str, ...] = ()
+    report: str = ""  # path
+    solution: str = ""
+    stored_sha256: str = ""
+
+
+class View(_Value):
+    """Everything.
+
+    ``line`` is the state as one plain sentence. ``hint`` says what hinders or what comes next. ``wanted`` and
+    ``live`` name steps; ``live`` is empty while none is being recorded. ``remaining_s`` is the time still needed
+    with no break. ``can_redo`` names the step that "redo" would do again.
+    """
+
+    stage: Stage = "start"
+    line: str = ""
+    hint: str = ""
+    unit: str = ""  # "SIM-FOG3 SIM-7"
+    folder: str = ""
+    start: Start | None = None
+    steps: tuple[Step, ...] = ()
+    wanted: str = ""
+    live: str = ""
+    can_redo: str = ""
+    accepted_s: float = 0.0
+    wanted_s: float = 0.0
+    remaining_s: float = 0.0
+    gates: Gates | None = None
+    turn: TurnView | None = None
+    warm_up: WarmUp | None = None
+    link: Link = Link()
+    question: Question | None = None
+    events: tuple[Event, ...] = ()  # the last few
+    verdict: Verdict | None = None
+    error: str = ""
+
+    def step(self, name: str) -> Step | None:
+        """Return a step by its name."""
+        return next((step for step in self.steps if step.name == name), None)
+
+    @property
+    def done(self) -> int:
+        """How many steps are accepted."""
+        return sum(step.attempts > 0 for step in self.steps)
