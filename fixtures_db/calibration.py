@@ -1,10 +1,11 @@
 """A solution as calibration/1: what is applied to counts, ``u = E^-1 (N / k - D)``. Pure formatting."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
+from fixtures_db.limits import Limit
 from procedures.solution import Estimate, Solution, TriadCalibration
 
 FORMAT = "calibration/1"
@@ -17,7 +18,8 @@ class CalibrationFacts:
 
     ``inputs`` holds the SHA-256 of each file used, by name; ``software`` is name, version and commit;
     ``temperature_range_c`` the least and the greatest temperature seen, None if never measured; ``status`` is
-    ``measured`` where a reference had expired.
+    ``measured`` where a reference had expired, ``status_reason`` says which. ``verdict`` is the one against
+    ``limits``, the model's as they were then; None where nobody judged.
     """
 
     model: str
@@ -29,6 +31,10 @@ class CalibrationFacts:
     valid_until: datetime | None = None
     temperature_range_c: tuple[float, float] | None = None
     status: str = "calibrated"
+    status_reason: str = ""
+    operator: str = ""
+    verdict: str | None = None
+    limits: tuple[Limit, ...] = ()
     effects: tuple[Mapping[str, Any], ...] = field(default=())
 
     def __post_init__(self) -> None:
@@ -53,6 +59,13 @@ def calibration_document(solution: Solution, facts: CalibrationFacts, previous: 
         "inputs": dict(facts.inputs),
         "previous": previous,
     }
+    for name in ("status_reason", "operator", "verdict"):
+        if said := getattr(facts, name):
+            document[name] = said
+    if facts.verdict is not None:
+        document["limits"] = [
+            {key: value for key, value in asdict(limit).items() if value is not None} for limit in facts.limits
+        ]
     if facts.valid_until is not None:
         document["valid_until"] = utc_text(facts.valid_until)
     if facts.temperature_range_c is not None:

@@ -1,14 +1,14 @@
 """Campaigns and their accepted steps, as far as a station must remember them."""
 
 from collections.abc import Sequence
-from datetime import datetime
+from datetime import date, datetime
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from fixtures_db.chain import GENESIS, canonical, digest
-from fixtures_db.errors import AlreadyThere, NotInDatabase
-from fixtures_db.schema import CampaignRow, ImuRow, StepRow
+from fixtures_db.chain import GENESIS, ChainFault, canonical, digest
+from fixtures_db.errors import AlreadyThere, CampaignInUse, NotInDatabase
+from fixtures_db.schema import CalibrationRow, CampaignRow, CubeRow, ImuRow, SlabRow, StepRow
 
 STATES = ("recording", "recorded", "accepted", "cancelled")
 
@@ -35,7 +35,7 @@ def start_campaign(
     site_id: str | None = None,
 ) -> CampaignRow:
     """Add a campaign in state ``recording``; raise `AlreadyThere` if the folder is known."""
-    if session.scalars(select(CampaignRow).where(CampaignRow.folder == folder)).first() is not None:
+    if known_campaign(session, folder) is not None:
         raise AlreadyThere("campaign", folder)
     row = CampaignRow(
         folder=folder,
@@ -54,11 +54,68 @@ def start_campaign(
 
 def campaign(session: Session, folder: str) -> CampaignRow:
     """Return the campaign of a folder; raise `NotInDatabase` if there is none."""
-    row = session.scalars(select(CampaignRow).where(CampaignRow.folder == folder)).first()
-    if row is None:
+    if (row := known_campaign(session, folder)) is None:
         known = session.scalars(select(CampaignRow.folder).order_by(CampaignRow.id.desc()).limit(5)).all()
         raise NotInDatabase("campaign", folder, known)
     return row
+
+
+def known_campaign(session: Session, folder: str) -> CampaignRow | None:
+    """Return the campaign of a folder, None if the database has none."""
+    return session.scalars(select(CampaignRow).where(CampaignRow.folder == folder)).first()
+
+
+def in_state(session: Session, state: str) -> Sequence[CampaignRow]:
+    """Return the campaigns in a state, newest first."""
+    rows = select(CampaignRow).where(CampaignRow.state == state)
+    return session.scalars(rows.order_by(CampaignRow.started_utc.desc(), CampaignRow.id.desc())).all()
+
+
+def expired_references(session: Session, folder: str) -> list[str]:
+    """Say which certificates had run out when a campaign's last step was accepted; none of an unknown campaign."""
+    if (row := known_campaign(session, folder)) is None:
+        return []
+    measured = max([row.started_utc, *(step.accepted_utc for step in row.steps)]).astimezone().date()
+    named = (
+        ("cube", row.cube_id and session.get(CubeRow, row.cube_id)),
+        ("slab", row.slab_id and session.get(SlabRow, row.slab_id)),
+    )
+    return [
+        f"the certificate of {kind} {reference.id} expired on {reference.due_date}"
+        for kind, reference in named
+        if reference and is_expired(reference.due_date, measured)
+    ]
+
+
+def is_expired(due: date | None, on: date) -> bool:
+    """Say whether a certificate due on ``due`` has run out ``on`` a day; one without a due date never does."""
+    return due is not None and due < on
+
+
+def remove_campaign(session: Session, folder: str) -> None:
+    """Delete a campaign, its steps, and its IMU if nothing else names it: as if it had never been begun.
+
+    Raises
+    ------
+    CampaignInUse
+        If a calibration was stored from it.
+    """
+    row = campaign(session, folder)
+    unit, is_stored = row.imu, select(CalibrationRow.id).where(CalibrationRow.campaign_id == row.id)
+    if session.scalars(is_stored.limit(1)).first() is not None:
+        raise CampaignInUse(folder)
+    for step in row.steps:
+        session.delete(step)
+    session.flush()
+    session.delete(row)
+    session.flush()
+    users = (
+        select(CampaignRow.id).where(CampaignRow.imu_id == unit.id),
+        select(CalibrationRow.id).where(CalibrationRow.imu_id == unit.id),
+    )
+    if not any(session.scalars(user.limit(1)).all() for user in users):
+        session.delete(unit)
+        session.flush()
 
 
 def set_state(session: Session, folder: str, state: str) -> None:
@@ -89,3 +146,24 @@ def manifest_head(steps: Sequence[StepRow]) -> str:
     for step in steps:
         head = digest(canonical({"previous": head, "name": step.name, "file": step.file, "sha256": step.sha256}))
     return head
+
+
+def verify_steps(session: Session, folder: str | None = None) -> list[ChainFault]:
+    """Return every campaign, or the one of ``folder``, whose accepted steps are not those that were accepted."""
+    rows = select(CampaignRow).order_by(CampaignRow.id)
+    if folder is not None:
+        rows = rows.where(CampaignRow.folder == folder)
+    return [fault for row in session.scalars(rows) for fault in _step_faults(row)]
+
+
+def _step_faults(row: CampaignRow) -> list[ChainFault]:
+    name, faults = f"steps of campaign {row.folder}", list[ChainFault]()
+    if (head := manifest_head(row.steps)) != row.manifest_sha256:
+        faults.append(ChainFault(name, f"head {head}", row.manifest_sha256))
+    last = {step.name: step.id for step in row.steps}
+    for step in row.steps:
+        is_superseded = step.id != last[step.name]
+        if step.superseded != is_superseded:
+            state = {True: "superseded", False: "not superseded"}
+            faults.append(ChainFault(f"{name}: {step.file}", state[step.superseded], state[is_superseded]))
+    return faults

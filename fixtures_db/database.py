@@ -20,7 +20,7 @@ from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError, Oper
 from sqlalchemy.orm import Session
 from sqlalchemy.pool import ConnectionPoolEntry
 
-from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase
+from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten
 from fixtures_db.migrations import HEAD, KNOWN
 
 BUSY_TIMEOUT_S = 10.0
@@ -44,14 +44,22 @@ class Database:
     def write(self) -> Iterator[Session]:
         """Yield a session that holds the write lock; commit at its end, roll back if the body raises.
 
-        Raises `DatabaseBusy` if another process keeps the lock for more than `BUSY_TIMEOUT_S`.
+        Raises
+        ------
+        DatabaseBusy
+            If another process keeps the lock for more than `BUSY_TIMEOUT_S`.
+        NotWritten
+            If the disk is full or refuses; nothing was changed.
         """
-        with Session(self.engine, expire_on_commit=False) as session, session.begin():
-            try:
-                session.connection()
-            except OperationalError as error:
-                raise DatabaseBusy(self.url, BUSY_TIMEOUT_S) from error
-            yield session
+        try:
+            with Session(self.engine, expire_on_commit=False) as session, session.begin():
+                try:
+                    session.connection()
+                except OperationalError as error:
+                    raise DatabaseBusy(self.url, BUSY_TIMEOUT_S) from error
+                yield session
+        except OperationalError as error:
+            raise NotWritten(self.url, str(error.orig)) from error
 
     def close(self) -> None:
         """Close all connections."""

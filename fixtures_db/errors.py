@@ -3,8 +3,11 @@
 DatabaseError
 ├── NotInDatabase      no row of that name
 ├── AlreadyThere       a row of that name exists
+├── CampaignInUse      a campaign cannot be removed: a calibration was stored from it
+├── AlreadyStored      the same calibration of the same campaign is stored
 ├── NewerDatabase      the schema was made by a newer station
 ├── NotADatabase       the file or URL cannot be opened as a database
+├── NotWritten         the disk is full or refuses
 └── DatabaseBusy       another process held the write lock for too long
 """
 
@@ -32,6 +35,25 @@ class AlreadyThere(DatabaseError, ValueError):
         super().__init__(f"{kind} {name!r} is in the database already; choose another name")
 
 
+class CampaignInUse(DatabaseError, ValueError):
+    """A campaign cannot be removed: a calibration was stored from it, and those stay."""
+
+    def __init__(self, folder: str) -> None:
+        self.folder = folder
+        super().__init__(f"campaign {folder!r}: a calibration was stored from it, expected none; it stays")
+
+
+class AlreadyStored(DatabaseError, ValueError):
+    """A campaign's calibration with the same numbers is stored; ``sha256`` is that one's."""
+
+    def __init__(self, folder: str, sha256: str) -> None:
+        self.folder, self.sha256 = folder, sha256
+        super().__init__(
+            f"campaign {folder!r}: the same calibration is stored as {sha256[:12]}..., expected a new one; "
+            f"`station history` lists it"
+        )
+
+
 class NewerDatabase(DatabaseError):
     """The schema was made by a newer station than this one."""
 
@@ -46,6 +68,14 @@ class NotADatabase(DatabaseError, OSError):
     def __init__(self, url: str, reason: str) -> None:
         self.url, self.reason = url, reason
         super().__init__(f"{url}: cannot be opened as a database ({reason}); check --db or STATION_DB")
+
+
+class NotWritten(DatabaseError, OSError):
+    """The database could not be written; it is as it was before."""
+
+    def __init__(self, url: str, reason: str) -> None:
+        self.url, self.reason = url, reason
+        super().__init__(f"{url}: cannot be written ({reason}), expected room on a disk that takes it; make room")
 
 
 class DatabaseBusy(DatabaseError, TimeoutError):

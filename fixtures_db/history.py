@@ -8,9 +8,10 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from fixtures_db.calibration import CalibrationFacts, calibration_document, utc_text
-from fixtures_db.campaigns import campaign, imu
+from fixtures_db.campaigns import campaign, imu, known_campaign
 from fixtures_db.chain import GENESIS, ChainFault, Link, canonical, faults
 from fixtures_db.chain import digest as sha256_of
+from fixtures_db.errors import AlreadyStored, NotInDatabase
 from fixtures_db.schema import CalibrationRow, ImuRow
 from procedures.solution import Solution
 
@@ -25,9 +26,17 @@ def accept_calibration(
     """Append a solution as calibration/1, chained to the newest calibration of the whole database.
 
     Call it in `fixtures_db.database.Database.write`, whose lock keeps two stations from chaining to one row.
+
+    Raises
+    ------
+    AlreadyStored
+        If one of the same campaign with the same numbers from the same files is there.
     """
     previous = head(session)
-    text = canonical(calibration_document(solution, facts, previous))
+    document = calibration_document(solution, facts, previous)
+    if campaign_folder is not None:
+        _refuse_again(session, campaign_folder, document)
+    text = canonical(document)
     row = CalibrationRow(
         imu=imu(session, facts.model, facts.serial),
         campaign_id=None if campaign_folder is None else campaign(session, campaign_folder).id,
@@ -43,6 +52,14 @@ def accept_calibration(
     return row
 
 
+def _refuse_again(session: Session, folder: str, document: dict[str, Any]) -> None:
+    of_campaign = select(CalibrationRow).where(CalibrationRow.campaign_id == campaign(session, folder).id)
+    for row in session.scalars(of_campaign):
+        stored = json.loads(row.document)
+        if all(stored.get(part) == document.get(part) for part in ("accelerometer", "gyroscope", "inputs")):
+            raise AlreadyStored(folder, row.sha256)
+
+
 def head(session: Session) -> str:
     """Return the hash of the newest calibration, 64 zeros where there is none."""
     return (
@@ -55,6 +72,30 @@ def history(session: Session, serial: str) -> Sequence[CalibrationRow]:
     """Return the calibrations of every IMU of a serial number, oldest first; ``row.document`` is calibration/1."""
     of_unit = select(CalibrationRow).join(ImuRow).where(ImuRow.serial == serial)
     return session.scalars(of_unit.order_by(CalibrationRow.id)).all()
+
+
+def calibration(session: Session, sha256: str) -> CalibrationRow:
+    """Return a calibration by its hash; raise `NotInDatabase` if there is none."""
+    row = session.scalars(select(CalibrationRow).where(CalibrationRow.sha256 == sha256)).first()
+    if row is None:
+        raise NotInDatabase("calibration", sha256)
+    return row
+
+
+def last_calibration(
+    session: Session, model: str, serial: str, but_of: str | None = None
+) -> CalibrationRow | None:
+    """Return the newest calibration of an IMU, None if it has none; those of campaign ``but_of`` do not count."""
+    rows = select(CalibrationRow).join(ImuRow).where(ImuRow.model == model, ImuRow.serial == serial)
+    own = None if but_of is None else known_campaign(session, but_of)
+    if own is not None:
+        rows = rows.where((CalibrationRow.campaign_id.is_(None)) | (CalibrationRow.campaign_id != own.id))
+    return session.scalars(rows.order_by(CalibrationRow.id.desc()).limit(1)).first()
+
+
+def calibrated_serials(session: Session) -> Sequence[str]:
+    """Return the serial numbers that have a calibration."""
+    return session.scalars(select(ImuRow.serial).join(CalibrationRow).distinct().order_by(ImuRow.serial)).all()
 
 
 def verify_chain(session: Session, expected_head: str | None = None) -> list[ChainFault]:

@@ -125,6 +125,20 @@ class ImuRow(Base):
     serial: Mapped[str] = mapped_column(index=True)
 
 
+class ImuLimitRow(Base):
+    """What a parameter of an IMU model may be, in the unit of files; an import replaces all of a model's."""
+
+    __tablename__ = "imu_limits"
+    __table_args__ = (UniqueConstraint("model", "parameter"),)
+    id: Mapped[int] = mapped_column(primary_key=True)
+    model: Mapped[str]
+    parameter: Mapped[str]
+    low: Mapped[float | None]
+    high: Mapped[float | None]
+    unit: Mapped[str]
+    guard_band: Mapped[float]
+
+
 class CampaignRow(Base):
     """A campaign folder; ``manifest_sha256`` is the head of the hash chain over its accepted steps."""
 

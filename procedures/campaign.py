@@ -20,10 +20,16 @@ class Site:
 
 @dataclass(frozen=True, slots=True)
 class ProcedureSigma:
-    """How well the operator works, 1 sigma [rad]: a position's heading, a turn's return to where it began."""
+    """How well the operator works, 1 sigma [rad]: a position's heading, a turn's return to where it began.
+
+    ``unsettled_gyro`` [rad/s] and ``unsettled_accelerometer`` [m/s2]: 1 sigma of the bias from step to step where
+    the unit was not given the time to settle.
+    """
 
     heading: float = float(np.radians(0.1))
     closure: float = float(np.radians(0.02))
+    unsettled_gyro: float = 0.0
+    unsettled_accelerometer: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -102,10 +102,14 @@ def is_broken(turn: TurnTotal, heading: FloatArray) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GyroscopeFit:
-    """The gyroscopes' joint fit and the turns in it; ``broken`` names turns left out for a gap while turning."""
+    """The gyroscopes' joint fit, the turns in it and 1 sigma (t, 3) of their totals, closure not in it.
+
+    ``broken`` names turns left out for a gap while turning.
+    """
 
     joint: JointFit
     turns: tuple[TurnTotal, ...]
+    turn_sigma: FloatArray
     geometry: tuple[TurnGeometry, ...]
     broken: tuple[str, ...]
 
@@ -133,14 +137,15 @@ def solve_gyroscope(
         geometry(turn, heading, campaigns[turn.campaign].sigma.closure)
         for turn, heading in zip(turns, histories, strict=True)
     )
-    model = _Model(campaigns, seen, turns, shapes, accelerometer)
+    model = _Model(campaigns, seen, turns, shapes, accelerometer, np.linalg.norm(K, axis=1))
     start = np.concatenate((K.ravel(), b, np.zeros(model.bench.size + len(turns))))
     fit = model.fit(start, np.zeros(3))
     excess = model.excess(fit)
     if np.any(excess > 0):
         fit = model.fit(fit.x, excess)
-    joint = JointFit(fit, model.bench, seen, excess, model.prior.loose)
-    return GyroscopeFit(joint, tuple(turns), shapes, broken)
+    n = len(seen.dwells)
+    joint = JointFit(fit, model.bench, seen, excess, model.unsettled[:n], model.prior.loose)
+    return GyroscopeFit(joint, tuple(turns), model.sigma(excess)[n:], shapes, broken)
 
 
 def _history(campaigns: Sequence[Campaign], turn: TurnTotal, K: FloatArray, b: FloatArray) -> FloatArray:
@@ -204,6 +209,7 @@ class _Model:
         turns: Sequence[TurnTotal],
         shapes: Sequence[TurnGeometry],
         accelerometer: JointFit | None,
+        k: FloatArray,
     ) -> None:
         cubes = cube_numbers(campaigns)
         steps = [(n, d.position) for n, d in seen.dwells]
@@ -217,6 +223,7 @@ class _Model:
         self.closure = np.degrees([s.closure_std for s in shapes])
         self.earth = [np.degrees(earth_rate_n(c.site.latitude)) for c in campaigns]
         self.prior = _tilt_prior(self.bench, accelerometer)
+        self.unsettled = np.outer([np.degrees(campaigns[n].sigma.unsettled_gyro) for n, _ in steps], k)
 
     def output(self, x: FloatArray) -> FloatArray:
         """Modelled rate of every dwell, then total of every turn, (m, 3)."""
@@ -232,9 +239,11 @@ class _Model:
 
     def sigma(self, excess: FloatArray) -> FloatArray:
         """1 sigma of every dwell's rate and every turn's total, (m, 3)."""
-        seconds = np.array([t.seconds for t in self.turns])[:, None]
-        turn = np.sqrt(np.array([t.std for t in self.turns]) ** 2 + (excess * seconds) ** 2)
-        return np.vstack((np.sqrt(self.seen.std**2 + excess**2), turn))
+        seconds = np.array([1.0] * len(self.seen.dwells) + [t.seconds for t in self.turns])[:, None]
+        std = np.vstack((self.seen.std, np.array([t.std for t in self.turns])))
+        expected = np.hypot(std, self.unsettled * seconds)
+        total: FloatArray = np.sqrt(expected**2 + (excess * seconds) ** 2)
+        return total
 
     def fit(self, start: FloatArray, excess: FloatArray) -> Fit:
         """Minimise with a given scatter of the bias from step to step (3,) [output/s]."""
@@ -258,7 +267,7 @@ class _Model:
         return minimise(residual, start, scale)
 
     def excess(self, fit: Fit) -> FloatArray:
-        """Return the scatter (3,) of the bias from dwell to dwell beyond counting noise [output/s].
+        """Return the scatter (3,) of the bias from dwell to dwell beyond what is expected of it [output/s].
 
         One relative scatter for the triad: the dwells' weighted squares are brought to what the fit leaves free
         (the moment estimator of Mandel and Paule, Anal. Chem. 42, 1970).
@@ -268,7 +277,8 @@ class _Model:
         free = (1 - fit.leverage[: 3 * n]).reshape(n, 3)
         k = np.linalg.norm(fit.x[:9].reshape(3, 3), axis=1)
         ratio = float(squares.sum() / free.sum())
-        scatter: FloatArray = k * np.median(self.seen.std / k) * np.sqrt(max(ratio - 1, 0.0))
+        expected = np.hypot(self.seen.std, self.unsettled[:n])
+        scatter: FloatArray = k * np.median(expected / k) * np.sqrt(max(ratio - 1, 0.0))
         return scatter
 
 

@@ -19,7 +19,7 @@ ABSORBED = (
 def dwell_residuals(joint: JointFit) -> tuple[FloatArray, FloatArray]:
     """Return residual (n, 3) and its 1 sigma, in input units (g, deg/s), of every dwell."""
     n = len(joint.seen.dwells)
-    sigma = np.sqrt(joint.seen.std**2 + joint.excess**2) / scale_factor(joint)
+    sigma = joint.sigma / scale_factor(joint)
     free = np.sqrt(np.maximum(1 - joint.fit.leverage[: 3 * n].reshape(n, 3), ABSORBED))
     return joint.fit.residual[: 3 * n].reshape(n, 3) * sigma, sigma * free
 
@@ -47,7 +47,7 @@ def _turn_residuals(gyroscope: GyroscopeFit) -> list[StepResidual]:
     for i, turn in enumerate(gyroscope.turns):
         first = 3 * (len(joint.seen.dwells) + i)
         rows = slice(first, first + 3)
-        sigma = np.sqrt(turn.std**2 + (joint.excess * turn.seconds) ** 2) / scale_factor(joint)
+        sigma = gyroscope.turn_sigma[i] / scale_factor(joint)
         free = np.sqrt(np.maximum(1 - joint.fit.leverage[rows], ABSORBED))
         residual, std = joint.fit.residual[rows] * sigma, sigma * free
         start = turn.record.start_position
@@ -56,7 +56,10 @@ def _turn_residuals(gyroscope: GyroscopeFit) -> list[StepResidual]:
 
 
 def fit_quality(accelerometer: JointFit | None, gyroscope: JointFit | None) -> FitQuality:
-    """Return the global test over counting noise alone: what scatters more than it does not pass unseen."""
+    """Return the global test over counting noise alone: what scatters more than it does not pass unseen.
+
+    What the campaign itself states of an unsettled unit is expected.
+    """
     fits: Sequence[JointFit] = [fit for fit in (accelerometer, gyroscope) if fit is not None]
     chi2 = sum(_chi2(fit) for fit in fits)
     dof = sum(fit.dof for fit in fits)
@@ -71,7 +74,7 @@ def fit_quality(accelerometer: JointFit | None, gyroscope: JointFit | None) -> F
 
 def _chi2(joint: JointFit) -> float:
     rows = joint.fit.residual.copy()
-    rows[: joint.seen.std.size] *= np.sqrt(1 + (joint.excess / joint.seen.std) ** 2).ravel()
+    rows[: joint.seen.std.size] *= np.sqrt(1 + (joint.excess / joint.expected) ** 2).ravel()
     return float(rows @ rows)
 
 

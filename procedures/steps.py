@@ -4,7 +4,9 @@ from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-from procedures.records import Series
+import numpy as np
+
+from procedures.records import RateSeries, Series
 
 R = TypeVar("R")
 
@@ -67,3 +69,14 @@ def run(plan: Plan[R], bench: Bench) -> R:
     except StopIteration as stop:
         result: R = stop.value
         return result
+
+
+def steps_of(plan: Plan[R]) -> tuple[Step, ...]:
+    """Return the steps that ``plan`` would ask for if every one of them recorded nothing."""
+    steps, nothing = list[Step](), RateSeries(np.zeros(0), None, None, np.zeros(0), 1.0)
+    try:
+        steps.append(next(plan))
+        while True:
+            steps.append(plan.send(nothing))
+    except StopIteration:
+        return tuple(steps)

@@ -44,7 +44,8 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
     """Refer a fit to the mean cube and turn it into k, E and D.
 
     Scatter from dwell to dwell beyond counting noise is taken as bias instability, which wanders slowly: the
-    mean over the dwells averages it less than independent draws. An uncertified cube's skew adds to the sigma of
+    mean over the dwells averages it less than independent draws. The drift of an unsettled unit is common to all of
+    them: its bias when it has settled differs by as much as it moved meanwhile. An uncertified cube's skew adds to the sigma of
     k, and of accelerometers' D (`procedures.bench_model`).
     """
     unit, per = ("g", 1.0) if triad == "accelerometer" else ("deg/h", DPH)
@@ -60,7 +61,8 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
         covariance[np.ix_(SKEWED, SKEWED)] += rows * variance @ rows.T
     n = len(joint.seen.dwells)
     shared = (joint.excess / value[:3] * per) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
-    covariance[12:, 12:] += np.diag(shared)
+    drift = np.mean((joint.unsettled / value[:3] * per) ** 2, axis=0)
+    covariance[12:, 12:] += np.diag(shared + drift)
     names = [f"{triad}.scale_factor.{a}" for a in AXES]
     names += [f"{triad}.misalignment.{a}{b}" for a in AXES for b in AXES]
     names += [f"{triad}.bias.{a}" for a in AXES]

@@ -15,6 +15,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.bench_model import Bench, Placement, cube_numbers
 from procedures.campaign import Campaign
+from procedures.earth import STANDARD_GRAVITY
 from procedures.least_squares import Fit, minimise
 from procedures.observations import TriadDwells
 from procedures.records import Series
@@ -80,15 +81,27 @@ def by_position(
 class JointFit:
     """A joint fit: the parameters are K (9) = diag(k) E by rows, b (3) = k D, then the bench's.
 
-    ``fit`` is the whole; ``excess`` (3,) is the scatter from dwell to dwell beyond counting noise that was
-    added to the sigma of every dwell [output/s].
+    ``fit`` is the whole; to the sigma of every dwell were added ``excess`` (3,), the scatter from dwell to dwell
+    that was found beyond counting noise, and ``unsettled`` (n, 3), what the campaign states of it [output/s].
     """
 
     fit: Fit
     bench: Bench
     seen: TriadDwells
     excess: FloatArray
+    unsettled: FloatArray
     loose: BoolArray  # of the prior's rows, which follow the observations'
+
+    @property
+    def expected(self) -> FloatArray:
+        """1 sigma (n, 3) of every dwell without the excess [output/s]."""
+        return np.hypot(self.seen.std, self.unsettled)
+
+    @property
+    def sigma(self) -> FloatArray:
+        """1 sigma (n, 3) of every dwell [output/s]."""
+        total: FloatArray = np.sqrt(self.expected**2 + self.excess**2)
+        return total
 
     @property
     def dof(self) -> int:
@@ -156,15 +169,12 @@ def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> Joi
     start = np.concatenate((linear[:3].T.ravel(), linear[3], np.zeros(bench.size)))
     prior = bench.priors()
     scale = np.concatenate((np.full(12, np.max(np.abs(linear))), np.full(bench.size, 0.1)))
+    g = [campaigns[number].sigma.unsettled_accelerometer / STANDARD_GRAVITY for number, _ in seen.dwells]
+    unsettled = np.outer(g, np.linalg.norm(linear[:3], axis=0))
+    sigma = np.hypot(seen.std, unsettled)
 
-    def fit(excess: FloatArray) -> Fit:
-        sigma = np.sqrt(seen.std**2 + excess**2)
+    def residual(x: FloatArray) -> FloatArray:
+        model = specific_force(bench, x[12:], C_ib) @ x[:9].reshape(3, 3).T + x[9:12]
+        return np.concatenate((((seen.rate - model) / sigma).ravel(), prior.matrix @ x[12:] - prior.mean))
 
-        def residual(x: FloatArray) -> FloatArray:
-            model = specific_force(bench, x[12:], C_ib) @ x[:9].reshape(3, 3).T + x[9:12]
-            return np.concatenate((((seen.rate - model) / sigma).ravel(), prior.matrix @ x[12:] - prior.mean))
-
-        return minimise(residual, start, scale)
-
-    none = np.zeros(3)
-    return JointFit(fit(none), bench, seen, none, prior.loose)
+    return JointFit(minimise(residual, start, scale), bench, seen, np.zeros(3), unsettled, prior.loose)

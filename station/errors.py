@@ -3,7 +3,7 @@
 StationError
 ├── DataRefused        a campaign folder or a file in it breaks a rule
 ├── CannotWrite        a result has nowhere to go
-└── Altered            a recorded file no longer is what was recorded
+└── Altered            a recorded file or a stored row no longer is what was recorded
 """
 
 from pathlib import Path
@@ -33,11 +33,14 @@ class CannotWrite(StationError, OSError):
 
 
 class Altered(StationError):
-    """A recorded file differs from the hash taken when it was accepted."""
+    """A recorded file or a stored row differs from the hash taken when it was accepted."""
 
-    def __init__(self, file: str | Path, found: str, recorded: str) -> None:
+    def __init__(
+        self,
+        file: str | Path,
+        found: str,
+        recorded: str,
+        remedy: str = "restore the file from a copy or record the step again",
+    ) -> None:
         self.file, self.found, self.recorded = str(file), found, recorded
-        super().__init__(
-            f"{file}: found {found}, expected {recorded} as recorded; "
-            f"restore the file from a copy or record the step again"
-        )
+        super().__init__(f"{file}: found {found}, expected {recorded} as recorded; {remedy}")

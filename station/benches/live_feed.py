@@ -4,6 +4,8 @@ import time
 from collections.abc import Iterator, Sequence
 from typing import Protocol
 
+import numpy as np
+
 from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost, LinkSilent, WrongFormat
 from drivers.framing import sniff
@@ -58,6 +60,20 @@ class LiveFeed:
         assert period is not None, "identify first"
         return period
 
+    @property
+    def is_open(self) -> bool:
+        """Whether the port is there."""
+        return self._is_open
+
+    @property
+    def temperature_c(self) -> float | None:
+        """The newest temperature, None where the device says none."""
+        end = self.tape.end
+        if end <= self.tape.first:
+            return None
+        value = float(self.tape.block(end - 1, end).temperature[0])
+        return value if np.isfinite(value) else None
+
     def identify(self, model: str | None = None, serial: str | None = None) -> Unit:
         """Wait until it is known which unit this is; see `unit_of` for what it raises."""
         decoder, kind = self.stream.decoder, self.wire.identity
@@ -73,20 +89,37 @@ class LiveFeed:
     def blocks(self) -> Iterator[Block]:
         """Yield the stream's blocks of a second, for ever; a block never reaches over a break."""
         while True:
+            yield from self.ready()
+            self.advance()
+
+    def ready(self) -> Iterator[Block]:
+        """Yield the blocks that are complete by now and were not yielded before."""
+        while True:
             size = max(TICKS, round(BLOCK_S / self.period))
             if self._begin != self.tape.begin:
                 self._at = self._begin = self.tape.begin
                 self._is_anew = True
             if self.tape.end - self._at < size:
-                self.advance()
-            elif (broken := self.tape.last_break(self._at, self._at + size)) is not None:
+                return
+            if (broken := self.tape.last_break(self._at, self._at + size)) is not None:
                 self._at = broken
             else:
                 first, self._at = self._at, self._at + size
-                samples = self.tape.block(first, first + size)
                 is_anew, self._is_anew = self._is_anew, False
                 is_broken = self.tape.last_break(first - 1, first + 1) is not None
-                yield block_of(samples, first, self.period, is_broken=is_broken, is_anew=is_anew)
+                yield self._block(first, self._at, is_broken=is_broken, is_anew=is_anew)
+
+    def newest(self) -> Block | None:
+        """Return the last second as a block of its own, for a look in between; None if it is not whole."""
+        size = max(TICKS, round(BLOCK_S / self.period))
+        first = self.tape.end - size
+        if first < max(self.tape.begin, self.tape.first) or self.tape.last_break(first, self.tape.end) is not None:
+            return None
+        return self._block(first, self.tape.end, is_broken=False, is_anew=False)
+
+    def _block(self, first: int, last: int, *, is_broken: bool, is_anew: bool) -> Block:
+        samples = self.tape.block(first, last)
+        return block_of(samples, first, self.period, is_broken=is_broken, is_anew=is_anew)
 
     def pieces(self) -> Iterator[Piece]:
         """Yield the stream's pieces, for ever; samples are not kept."""
@@ -125,9 +158,20 @@ class LiveFeed:
         self._pieces.append(self.stream.take(chunk))
         self.tape.append(self._pieces[-1])
 
+    def replace_source(self, source: Source) -> None:
+        """Go on with another reader of the same device; what comes next begins anew."""
+        self._source = source
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Let go what came last, as another unit's, and take what comes next as a new beginning."""
+        self.stream.begin_anew()
+        self.tape.begin_anew()
+        self._silent_s = self._frameless_s = 0.0
+
     def _mark(self, mark: GapMark) -> None:
         self._is_open, self._silent_s, self._frameless_s = mark.is_open, 0.0, 0.0
-        self.stream.mark(mark)
+        self.stream.begin_anew()
 
     def _watch(self, waited_s: float, *, is_idle: bool, has_frames: bool) -> None:
         """Add up the time waited in vain; a station that was itself held up did not wait."""

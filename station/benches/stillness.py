@@ -24,7 +24,7 @@ class Block:
     """A second of the stream: samples ``first`` up to before ``last``.
 
     ``rate`` (6,) counts/s, gyros then accelerometers; ``variance`` (6,) of the ticks [count^2]; ``ends`` the
-    device's time [s] at its end; ``is_healthy`` what the device's status says. ``is_broken``: something is
+    device's time [s] at its end; ``temperature`` [degC] the mean, nan where unknown; ``is_healthy`` what the device's status says. ``is_broken``: something is
     missing just before it; ``is_anew``: device or port have begun anew since the block before.
     """
 
@@ -34,6 +34,7 @@ class Block:
     variance: FloatArray
     begins: float
     ends: float
+    temperature: float
     is_healthy: bool
     is_broken: bool
     is_anew: bool
@@ -52,6 +53,7 @@ def block_of(samples: CountBlock, first: int, period: float, *, is_broken: bool,
         variance=ticks.var(axis=0, ddof=1),
         begins=float(samples.device_time[0]) - period,
         ends=float(samples.device_time[-1]),
+        temperature=float(np.mean(samples.temperature)),
         is_healthy=bool(samples.healthy.all()),
         is_broken=is_broken,
         is_anew=is_anew,

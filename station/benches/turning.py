@@ -38,14 +38,41 @@ class TurnWatch:
         return bool(self._moving) and len(self._after) >= self.rest_blocks
 
     @property
+    def is_moving(self) -> bool:
+        """Whether the cube has begun to move."""
+        return bool(self._moving)
+
+    @property
+    def rested_s(self) -> float:
+        """How long it has rested since it last moved [s]."""
+        return self._seconds(self._after if self._moving else self._before)
+
+    @property
     def moved_s(self) -> float:
         """How long the cube has been moving [s]."""
-        return sum(b.last - b.first for b in self._moving) * self._period
+        return self._seconds(self._moving)
+
+    @property
+    def rests(self) -> tuple[list[Block], list[Block]]:
+        """The blocks at rest before and after."""
+        return self._before, self._after[: self.rest_blocks]
+
+    @property
+    def turned_counts(self) -> float:
+        """The counts of the vertical gyro since it began to move, less its rate at rest; signed, about the axis."""
+        return float(self._turned() @ self._up()) if self._moving else 0.0
+
+    @property
+    def count_rate(self) -> float:
+        """The count rate of the vertical gyro now, less that at rest."""
+        if not self._moving or self._after:
+            return 0.0
+        return float((self._moving[-1].rate[:3] - self._rest()) @ self._up())
 
     @property
     def counts_per_revolution(self) -> float:
         """The counts of the vertical gyro, less its rate at rest, per revolution."""
-        return abs(float(self._turned() @ self._up())) / self._step.revolutions
+        return abs(self.turned_counts) / self._step.revolutions
 
     def rest(self, block: Block) -> None:
         """Take a still block before the turn."""
@@ -90,8 +117,7 @@ class TurnWatch:
 
     def _is_turning(self, block: Block) -> bool:
         """Say whether a gyro's rate is far off the one at rest: a motor turns so evenly that nothing trembles."""
-        rest = np.mean([b.rate[:3] for b in self._before], axis=0)
-        counts = np.abs(block.rate[:3] - rest) * (block.last - block.first) * self._period
+        counts = np.abs(block.rate[:3] - self._rest()) * (block.last - block.first) * self._period
         return bool(np.any(counts > FAR * np.sqrt(TICKS * np.maximum(block.variance[:3], LEAST))))
 
     def _up(self) -> FloatArray:
@@ -100,9 +126,17 @@ class TurnWatch:
 
     def _turned(self) -> FloatArray:
         """Return the counts (3,) of the gyros while moving, less those of their rate at rest."""
-        rest = np.mean([b.rate[:3] for b in self._before], axis=0)
+        rest = self._rest()
         spans = [(b.last - b.first) * self._period for b in self._moving]
         total: FloatArray = np.sum(
             [(b.rate[:3] - rest) * s for b, s in zip(self._moving, spans, strict=True)], axis=0
         )
         return total
+
+    def _rest(self) -> FloatArray:
+        """Return the gyros' count rate (3,) at rest before the turn."""
+        rest: FloatArray = np.mean([b.rate[:3] for b in self._before], axis=0)
+        return rest
+
+    def _seconds(self, blocks: Sequence[Block]) -> float:
+        return sum(b.last - b.first for b in blocks) * self._period

@@ -2,6 +2,7 @@
 
 from station.campaign_folder.loaded import LoadedCampaign, LoadedStep, check_for_solve, check_one_unit
 from station.campaign_folder.manifest import append_hash, read_hashes, verify_folder
+from station.campaign_folder.plan_toml import read_plan, write_plan
 from station.campaign_folder.reading import read_campaign, read_for_solve
 from station.campaign_folder.writing import campaign_tables, write_campaign, write_series, write_tables
 
@@ -15,8 +16,10 @@ __all__ = [
     "read_campaign",
     "read_for_solve",
     "read_hashes",
+    "read_plan",
     "verify_folder",
     "write_campaign",
+    "write_plan",
     "write_series",
     "write_tables",
 ]

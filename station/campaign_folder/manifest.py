@@ -6,9 +6,9 @@ import re
 from pathlib import Path
 
 from station.campaign_folder import toml_text
-from station.campaign_folder.atomic import replace_file, sync_folder
+from station.campaign_folder.atomic import replace_file
 from station.campaign_folder.files import MAX_LINE, open_inside
-from station.errors import Altered, CannotWrite, DataRefused
+from station.errors import Altered, DataRefused
 
 NAME = "SHA256SUMS"
 _LINE = re.compile(r"([0-9a-f]{64}) [ *]([^\\\n]+)")
@@ -27,20 +27,9 @@ def append_hash(folder: Path, name: str, sha256: str) -> None:
     line = f"{sha256}  {name}\n"
     if not _LINE.fullmatch(line[:-1]):
         raise ValueError(f"{name!r} with {sha256!r} does not fit a line of {NAME}")
-    if (folder / NAME).exists() and name in (hashes := read_hashes(folder)):
-        others = "".join(f"{sha}  {other}\n" for other, (sha, _) in hashes.items() if other != name)
-        replace_file(folder / NAME, (others + line).encode())
-        return
-    try:
-        descriptor = os.open(folder / NAME, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o666)
-        try:
-            os.write(descriptor, line.encode())
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
-        sync_folder(folder)
-    except OSError as error:
-        raise CannotWrite(folder / NAME, error.strerror or str(error)) from error
+    hashes = read_hashes(folder) if (folder / NAME).exists() else {}
+    others = "".join(f"{sha}  {other}\n" for other, (sha, _) in hashes.items() if other != name)
+    replace_file(folder / NAME, (others + line).encode())  # whole: a full disk must not leave half a line
 
 
 def read_hashes(folder: Path) -> dict[str, tuple[str, int]]:

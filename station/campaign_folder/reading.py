@@ -15,7 +15,7 @@ from procedures.campaign import (
     Site,
     TurnRecord,
 )
-from procedures.earth import normal_gravity
+from procedures.earth import DEG_PER_HOUR, STANDARD_GRAVITY, normal_gravity
 from procedures.frames import TURN_START
 from station.campaign_folder.csv_header import TableKind
 from station.campaign_folder.csv_table import read_csv
@@ -27,6 +27,7 @@ from station.campaign_folder.schema import (
     DwellTable,
     FixtureTable,
     ImuTable,
+    ProcedureTable,
     RateTable,
     SiteTable,
     StepTable,
@@ -106,7 +107,6 @@ def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
             case TurnTable(file=file, axis=axis, direction=direction) as turn:
                 start = turn.start_position or TURN_START[axis]
                 turns.append(TurnRecord(file, axis, direction, turn.revolutions, start, step.data.series))
-    procedure = tables.procedure
     return Campaign(
         tables.imu.model,
         tables.imu.serial,
@@ -114,8 +114,17 @@ def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
         _site(tables.site),
         tuple(dwells),
         tuple(turns),
-        ProcedureSigma(*(float(np.radians(v)) for v in (procedure.heading_std_deg, procedure.closure_std_deg))),
+        _sigma(tables.procedure),
         _fixture(tables.fixture),
+    )
+
+
+def _sigma(procedure: ProcedureTable) -> ProcedureSigma:
+    return ProcedureSigma(
+        float(np.radians(procedure.heading_std_deg)),
+        float(np.radians(procedure.closure_std_deg)),
+        (procedure.unsettled_gyro_deg_h or 0.0) * DEG_PER_HOUR,
+        (procedure.unsettled_accelerometer_g or 0.0) * STANDARD_GRAVITY,
     )
 
 

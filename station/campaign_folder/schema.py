@@ -63,6 +63,8 @@ class ProcedureTable(_Table):
 
     heading_std_deg: Sigma = 0.1
     closure_std_deg: Sigma = 0.02
+    unsettled_gyro_deg_h: Annotated[float, Field(ge=0, le=1e4)] | None = None
+    unsettled_accelerometer_g: Annotated[float, Field(ge=0, le=1)] | None = None
 
 
 class FaceTable(_Table):

@@ -1,10 +1,10 @@
-"""``campaign.toml`` to its tables; what does not fit is refused with the line where it stands."""
+"""``campaign.toml`` and its like to tables; what does not fit is refused with the line where it stands."""
 
 import re
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -15,6 +15,7 @@ from station.errors import DataRefused
 
 NAME = "campaign.toml"
 Key = tuple[str | int, ...]
+T = TypeVar("T", bound=BaseModel)
 
 _HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_.\s]+?)\s*\]")
 _ENTRY = re.compile(r"\s*([A-Za-z0-9_]+)\s*=")
@@ -39,14 +40,31 @@ def read_toml(folder: Path) -> tuple[CampaignTable, dict[Key, int], bytes]:
         content = stream.read(MAX_LINE + 1)
     if len(content) > MAX_LINE:
         raise DataRefused(path, None, "more than 1 MiB", f"a {NAME} of at most 1 MiB")
+    tables, lines = read_tables(content, path, CampaignTable)
+    return tables, lines, content
+
+
+def read_tables(content: bytes, path: Path, kind: type[T]) -> tuple[T, dict[Key, int]]:
+    """Return TOML text as the tables of ``kind``, and the line of each key; `DataRefused` as in `read_toml`."""
     raw = _parse(content, path)
     lines = line_of_keys(content.decode())
     try:
-        return CampaignTable.model_validate(raw), lines, content
+        return kind.model_validate(raw), lines
     except ValidationError as error:
         faults = error.errors(include_url=False)
         unknown = [fault for fault in faults if fault["type"] == "extra_forbidden"]  # it explains what is missing
-        raise _refusal((unknown or faults)[0], path, lines) from None
+        raise _refusal((unknown or faults)[0], path, lines, kind) from None
+
+
+def read_text_file(path: Path) -> bytes:
+    """Return a small file's bytes; raise `DataRefused` if it is not there or cannot be read."""
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise DataRefused(path, None, f"no readable file ({error.strerror})", "a file of text") from error
+    if len(content) > MAX_LINE:
+        raise DataRefused(path, None, "more than 1 MiB", "a file of at most 1 MiB")
+    return content
 
 
 def _parse(content: bytes, path: Path) -> dict[str, Any]:
@@ -56,9 +74,7 @@ def _parse(content: bytes, path: Path) -> dict[str, Any]:
         line = content[: error.start].count(b"\n") + 1
         raise DataRefused(path, line, f"byte 0x{content[error.start]:02x}", "UTF-8 text") from None
     except RecursionError:
-        raise DataRefused(
-            path, None, "arrays nested too deep", "TOML as in the description of campaign/1"
-        ) from None
+        raise DataRefused(path, None, "arrays nested too deep", "tables as the format describes them") from None
     except ValueError as error:  # TOMLDecodeError is one; so is an integer of thousands of digits
         at = _AT_LINE.search(str(error))
         what = _AT_LINE.sub("", str(error)).strip()
@@ -91,7 +107,7 @@ def line_of(key: Sequence[str | int], lines: dict[Key, int]) -> int:
     return lines[path]
 
 
-def _refusal(error: ErrorDetails, path: Path, lines: dict[Key, int]) -> DataRefused:
+def _refusal(error: ErrorDetails, path: Path, lines: dict[Key, int], kind: type[BaseModel]) -> DataRefused:
     key = error["loc"]
     name = ".".join(str(part) for part in key if isinstance(part, str)) or "the file"
     line = line_of(key, lines)
@@ -100,7 +116,7 @@ def _refusal(error: ErrorDetails, path: Path, lines: dict[Key, int]) -> DataRefu
             return DataRefused(path, line, f"no {name}", f"{name} to be given")
         case "extra_forbidden":
             return DataRefused(
-                path, line, f"unknown key {ascii(name)[:60]}", f"one of {', '.join(_accepted(key))}"
+                path, line, f"unknown key {ascii(name)[:60]}", f"one of {', '.join(_accepted(key, kind))}"
             )
         case "value_error":
             return DataRefused(path, line, f"{name} {_short(error['input'])}", str(error["ctx"]["error"]))
@@ -108,8 +124,7 @@ def _refusal(error: ErrorDetails, path: Path, lines: dict[Key, int]) -> DataRefu
     return DataRefused(path, line, f"{name} = {_short(error['input'])}", wanted)
 
 
-def _accepted(key: Key) -> list[str]:
-    table: type[BaseModel] = CampaignTable
+def _accepted(key: Key, table: type[BaseModel]) -> list[str]:
     for part in key[:-1]:
         if isinstance(part, str):
             table = _table_of(table, part)

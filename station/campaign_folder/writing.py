@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from procedures.campaign import Campaign, Fixture
+from procedures.earth import DEG_PER_HOUR, STANDARD_GRAVITY
 from procedures.frames import AXES
 from procedures.records import Series
 from station.campaign_folder.atomic import replace_file
@@ -53,7 +54,12 @@ def campaign_tables(campaign: Campaign, sample_period_s: float, suffix: str) -> 
                 "gravity_m_s2": site.gravity,
                 "gravity_std_m_s2": site.gravity_std,
             },
-            "procedure": {"heading_std_deg": _degrees(sigma.heading), "closure_std_deg": _degrees(sigma.closure)},
+            "procedure": {
+                "heading_std_deg": _degrees(sigma.heading),
+                "closure_std_deg": _degrees(sigma.closure),
+                "unsettled_gyro_deg_h": sigma.unsettled_gyro / DEG_PER_HOUR or None,
+                "unsettled_accelerometer_g": sigma.unsettled_accelerometer / STANDARD_GRAVITY or None,
+            },
             "fixture": _fixture(campaign.fixture),
             "dwell": [{"position": d.position, "file": Path(d.name).stem + suffix} for d in campaign.dwells],
             "turn": [

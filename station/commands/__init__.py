@@ -25,10 +25,13 @@ COMMANDS = (
     Command("devices", "List ports, or look at what a device sends.", "station.commands.devices"),
     Command("record", "Record what a device sends: raw bytes and counts.", "station.commands.record"),
     Command("calibrate", "Run a calibration campaign on a live device.", "station.commands.calibrate"),
+    Command("resume", "Go on with a campaign that was left or killed.", "station.commands.resume"),
     Command("solve", "Solve recorded campaigns for a calibration with 1 sigma.", "station.commands.solve"),
     Command("report", "Write the calibration report of recorded campaigns.", "station.commands.report"),
-    Command("fixtures", "List cube fixtures or show one.", "station.commands.fixtures"),
-    Command("verify", "Hash every recorded file again and compare.", "station.commands.verify"),
+    Command("history", "List the stored calibrations of a unit and its drift.", "station.commands.history"),
+    Command("export", "Write a calibration for a flight stack or Kalibr.", "station.commands.export"),
+    Command("fixtures", "Cube fixtures, and the limits of IMU models.", "station.commands.fixtures"),
+    Command("verify", "Find what was altered since it was accepted.", "station.commands.verify"),
 )
 
 Database = Annotated[

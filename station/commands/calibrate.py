@@ -1,4 +1,4 @@
-"""``station calibrate``: a live device to a calibration."""
+"""``station calibrate``: a live device to a calibration, guided."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,17 +6,21 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
+from station.commands._guided import Hands, Headless, MoveS, Plain, Quiet, Slow, Store, WarmUp, Web, WebPort
 
 
 def calibrate(
-    device: Annotated[str, typer.Option("--device", metavar="URL", help="The IMU, as in serial:///dev/ttyUSB0.")],
-    out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="A new folder for the campaign.")],
-    latitude: Annotated[float, typer.Option("--latitude", metavar="DEG", help="Geodetic latitude of the slab.")],
-    headless: Annotated[
-        bool, typer.Option("--headless", help="Plain lines, no screen: the only way so far.")
-    ] = False,
+    device: Annotated[
+        str, typer.Option("--device", metavar="URL", help="The IMU, as in serial:///dev/ttyUSB0.")
+    ] = "",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FOLDER", help="A new folder for the campaign.")
+    ] = None,
+    latitude: Annotated[
+        float | None, typer.Option("--latitude", metavar="DEG", help="Geodetic latitude of the slab.")
+    ] = None,
     longitude: Annotated[float | None, typer.Option("--longitude", metavar="DEG")] = None,
-    height: Annotated[float, typer.Option("--height", metavar="M", help="Above the ellipsoid.")] = 0.0,
+    height: Annotated[float | None, typer.Option("--height", metavar="M", help="Above the ellipsoid.")] = None,
     gravity: Annotated[
         float | None, typer.Option("--gravity", metavar="M/S2", help="Surveyed gravity; else the normal one.")
     ] = None,
@@ -24,83 +28,75 @@ def calibrate(
         float | None, typer.Option("--gravity-std", metavar="M/S2", help="Its 1 sigma.")
     ] = None,
     cube: Annotated[str | None, typer.Option("--cube", metavar="ID", help="The cube, see `fixtures`.")] = None,
+    slab: Annotated[str | None, typer.Option("--slab", metavar="ID", help="The slab, see `fixtures`.")] = None,
+    operator: Annotated[str | None, typer.Option("--operator", help="Who calibrates.")] = None,
     dwell_s: Annotated[
-        float, typer.Option("--dwell-s", metavar="S", min=1.0, help="Accepted seconds per position.")
-    ] = 100.0,
-    turns: Annotated[int, typer.Option("--turns", metavar="N", min=1, help="Revolutions per hand turn.")] = 3,
+        float | None,
+        typer.Option("--dwell-s", metavar="S", min=0.0, help="Accepted seconds per position; 0: from --bias-ug."),
+    ] = None,
+    bias_ug: Annotated[
+        float | None, typer.Option("--bias-ug", metavar="UG", help="1 sigma wanted of the accelerometer biases.")
+    ] = None,
+    turns: Annotated[
+        int | None, typer.Option("--turns", metavar="N", min=1, help="Revolutions per hand turn.")
+    ] = None,
     heading_std: Annotated[
-        float, typer.Option("--heading-std", metavar="DEG", help="How well headings are set, 1 sigma.")
-    ] = 0.1,
+        float | None, typer.Option("--heading-std", metavar="DEG", help="How well headings are set, 1 sigma.")
+    ] = None,
     closure_std: Annotated[
-        float, typer.Option("--closure-std", metavar="DEG", help="How well turns close, 1 sigma.")
-    ] = 0.02,
+        float | None, typer.Option("--closure-std", metavar="DEG", help="How well turns close, 1 sigma.")
+    ] = None,
     model: Annotated[str | None, typer.Option("--model", help="For a device that does not say its own.")] = None,
     serial: Annotated[str | None, typer.Option("--serial", help="For a device that does not say its own.")] = None,
-    hands: Annotated[
-        str | None, typer.Option("--hands", metavar="HOST:PORT", help="Control address of a simulated device.")
+    plan: Annotated[
+        Path | None, typer.Option("--plan", metavar="FILE", help="Other steps than the usual 18, as plan/1.")
     ] = None,
-    move_s: Annotated[
-        float, typer.Option("--move-s", metavar="S", help="Device time a simulated move takes.")
-    ] = 45.0,
+    warm_up: WarmUp = True,
+    headless: Headless = False,
+    store: Store = False,
+    plain: Plain = False,
+    web: Web = False,
+    port: WebPort = 8000,
+    slow: Slow = False,
+    quiet: Quiet = False,
+    hands: Hands = None,
+    move_s: MoveS = 45.0,
     db: Database = None,
 ) -> None:
-    """Run a campaign of 12 positions and 6 hand turns on a live device, then solve, store and report.
+    """Guide a technician through 12 positions and 6 hand turns to a verdict.
 
-    Plain lines say where to put the cube; the counts show when it rests there, and every accepted step is on the
-    disk before it is said to be. In the folder: campaign.toml with a data file per step, the session's raw bytes,
-    solution.json, calibration.json and report.html. Dwells are in seconds of device time, angles in deg.
+    Without options the screen asks for what it needs; with --device and --latitude it begins at once. The counts
+    say which face is up and whether the cube rests; every accepted step is on the disk and in the database
+    before it is said to be. Killed or left, it is gone on with by `station resume`. In the folder: campaign.toml
+    with a data file per step, the raw bytes, solution.json, report.html and, once stored, calibration.json.
+    Dwells are in seconds of device time, angles in deg.
 
-    Exit code 4 if port or device fail, 130 on Ctrl-C; the accepted steps stay, for `station solve`.
+    Exit code 1 if the verdict is FAIL, 2 if the disk refuses, 4 if port or device fail, 130 if cancelled.
 
-    Example: station calibrate --headless --device serial:///dev/ttyUSB0?format=counts --latitude 48.1 --out c1
+    Example: station calibrate --device serial:///dev/ttyUSB0?format=counts --latitude 48.1
     """
-    if not headless:
-        raise typer.BadParameter("only --headless is there so far; the guided screen comes with a later version")
-    from drivers.simulated.hands import SimulatedHands
-    from fixtures_db.database import open_db
-    from station.benches.campaign_run import CampaignRequest, is_expired, record_campaign
-    from station.benches.console import ConsoleProgress
-    from station.benches.hands import ConsoleHands, DeviceHands, Hands
-    from station.campaign_folder.schema import ProcedureTable, SiteTable
-    from station.commands._tables import checked
+    from station.commands._guided import Screen, campaigns_root, guide, set_up
+    from station.guide.command import Command
+    from station.guide.process import EngineOptions
+    from station.guide.setup import load_setup
+    from station.guide.view import Setup
 
-    request = CampaignRequest(
-        url=device,
-        folder=out,
-        site=checked(
-            SiteTable,
-            latitude_deg=latitude,
-            longitude_deg=longitude,
-            height_m=height,
-            gravity_m_s2=gravity,
-            gravity_std_m_s2=gravity_std,
-        ),
-        procedure=checked(ProcedureTable, heading_std_deg=heading_std, closure_std_deg=closure_std),
-        cube_id=cube,
-        dwell_s=dwell_s,
-        revolutions=turns,
-        model=model,
-        serial=serial,
-    )
-    progress = ConsoleProgress(total=18)
-    mover: Hands = ConsoleHands(progress.say) if hands is None else DeviceHands(SimulatedHands(hands), move_s)
-    with open_db(db) as database:
-        try:
-            unit = record_campaign(
-                request,
-                mover,
-                database,
-                progress,
-                lambda unit: progress.say(f"connected: {unit.model} {unit.serial}"),
-            )
-        finally:
-            if 0 < progress.accepted < 18:
-                progress.say(f"{progress.accepted} of 18 steps are accepted, in {out}")
-        from station.recorder.results import make_results
-        from station.solution_text import solution_text
-
-        results = make_results(out, database, is_expired=is_expired(database, cube))
-    typer.echo(solution_text(results.document))
-    typer.echo(f"verdict NOT MEASURED: no limits are stored for {unit.model}")
-    for path in (results.report_file, results.solution_file, results.calibration_file):
-        typer.echo(str(path))
+    given = {
+        "url": device, "folder": str(out) if out else "", "latitude_deg": latitude, "longitude_deg": longitude,
+        "height_m": height, "gravity_m_s2": gravity, "gravity_std_m_s2": gravity_std, "cube": cube, "slab": slab,
+        "operator": operator, "dwell_s": dwell_s, "bias_ug": bias_ug, "revolutions": turns,
+        "heading_std_deg": heading_std, "closure_std_deg": closure_std, "model": model, "serial": serial,
+    }  # fmt: skip
+    begins = bool(device) and latitude is not None
+    if (headless or plain) and not begins:
+        raise typer.BadParameter("without a screen, give at least --device and --latitude")
+    if store and not headless:
+        raise typer.BadParameter("--store is for --headless; on a screen the operator stores with s")
+    setup = set_up(Setup() if begins else load_setup(), given)
+    options = EngineOptions(
+        root=campaigns_root(), database=db, setup=setup, plan=plan, hands=hands, move_s=move_s,
+        asks=not headless, warms_up=not headless and warm_up,
+        first=Command(verb="begin", setup=setup) if begins else None,
+    )  # fmt: skip
+    screen = Screen(headless=headless, plain=plain, web=web, port=port, slow=slow, quiet=quiet, stores=store)
+    raise typer.Exit(guide(options, screen))

@@ -22,7 +22,7 @@ from station.campaign_folder.schema import ProcedureTable, SiteTable
 from station.demo.truth_values import truth_values
 from station.errors import CannotWrite
 from station.recorder import Unit, check_raw_bytes
-from station.recorder.results import Results, make_results
+from station.recorder.results import Results, make_results, store
 
 MARK = ".station-demo"
 MOVE_S = 15.0  # device time of a move; a person takes about 45 s
@@ -43,12 +43,16 @@ class DemoRequest:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DemoOutcome:
-    """What the demo made; ``samples`` were decoded a second time from the recorded bytes, equal to the counts."""
+    """What the demo made; ``samples`` were decoded a second time from the recorded bytes, equal to the counts.
+
+    ``sha256`` is the stored calibration's.
+    """
 
     results: Results
     truth: dict[str, float]
     campaign: Path
     samples: int
+    sha256: str
 
 
 def run_demo(
@@ -85,7 +89,8 @@ def run_demo(
         steps = sorted([*campaign.glob("dwell_*.mcap"), *campaign.glob("turn_*.mcap")])
         samples = sum(check_raw_bytes(path, FORMATS["counts"]) for path in steps)
         results = make_results(campaign, db, folder, truth=values)
-    return DemoOutcome(results, values, campaign, samples)
+        sha256 = store(results, db)  # nobody is there to be asked
+    return DemoOutcome(results, values, campaign, samples, sha256)
 
 
 def clear(folder: Path) -> None:

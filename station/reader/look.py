@@ -9,11 +9,12 @@ from drivers.errors import LinkSilent, ReplayEnded, WrongFormat
 from drivers.framing import Decoder, FrameCounters, sniff
 from drivers.ports import open_port, parse_device_url
 from drivers.wire import FORMATS
+from procedures.records import CountBlock
 
 READ_BYTES = 65536
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Seen:
     """What came within ``seconds``; ``rate_hz`` is by the device's own time, None if it sends none."""
 
@@ -25,6 +26,7 @@ class Seen:
     frames: int
     rate_hz: float | None
     counters: FrameCounters
+    samples: CountBlock
 
 
 def look(url: str, seconds: float) -> Seen:
@@ -51,7 +53,7 @@ def look(url: str, seconds: float) -> Seen:
     steps = np.diff(block.device_time)
     steps = steps[np.isfinite(steps) & (steps > 0)]
     rate = float(1 / np.median(steps)) if len(steps) else None
-    return Seen(name, decoder.model, decoder.serial, took, len(data), len(block), rate, decoder.counters)
+    return Seen(name, decoder.model, decoder.serial, took, len(data), len(block), rate, decoder.counters, block)
 
 
 def _read(url: str, until: float) -> bytes:

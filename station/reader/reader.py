@@ -39,6 +39,10 @@ class Reader:
         self._is_open = False
 
     def __enter__(self) -> "Reader":
+        self.start()
+        return self
+
+    def start(self) -> None:
         """Start the process and wait until the port is open; raise what it met, such as `PortBusy`."""
         command = [sys.executable, "-P", "-m", "station.reader", self.address.text, str(self.journal)]
         self._process = subprocess.Popen(
@@ -56,7 +60,6 @@ class Reader:
         except BaseException:
             self.close()
             raise
-        return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
@@ -67,6 +70,11 @@ class Reader:
     def pid(self) -> int:
         """The process's number."""
         return self._process.pid
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether nothing more will come."""
+        return self._ended is not None
 
     def poll(self, timeout_s: float) -> list[Item]:
         """Return what has come since the last call; wait at most ``timeout_s`` for the first of it.

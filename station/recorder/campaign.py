@@ -6,13 +6,15 @@ before.
 """
 
 import os
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
 from fixtures_db.campaigns import accept_step, set_state, start_campaign
 from fixtures_db.database import Database
-from procedures.steps import Dwell, Step
+from procedures.frames import TURN_START
+from procedures.steps import Dwell, Step, Turn
 from station.campaign_folder import append_hash, write_tables
 from station.campaign_folder.atomic import sync_folder
 from station.campaign_folder.schema import (
@@ -33,10 +35,16 @@ TOML = "campaign.toml"
 
 
 class CampaignRecorder:
-    """Writes the accepted steps of one campaign; made by `open_campaign`."""
+    """Writes the accepted steps of one campaign; made by `open_campaign` and `station.guide.unfinished.reopen`.
 
-    def __init__(self, folder: Path, tables: CampaignTable, database: Database) -> None:
+    ``accepted`` counts by step name how often it was accepted; all but the last are superseded.
+    """
+
+    def __init__(
+        self, folder: Path, tables: CampaignTable, database: Database, accepted: Mapping[str, int] | None = None
+    ) -> None:
         self.folder, self.tables = folder, tables
+        self.accepted = Counter(accepted or {})
         self._database = database
         self._key = str(folder.resolve())
 
@@ -55,12 +63,14 @@ class CampaignRecorder:
         except OSError as error:
             raise CannotWrite(path, error.strerror or str(error)) from error
         append_hash(self.folder, path.name, sha256)
-        self.tables = _with_step(self.tables, step, path.name)
-        write_tables(self.folder, self.tables)
+        tables = _with_step(self.tables, step, path.name)
+        write_tables(self.folder, tables)
         with self._database.write() as session:
             accept_step(
                 session, self._key, name=step.name, file=path.name, sha256=sha256, accepted_utc=datetime.now(UTC)
             )
+        self.tables = tables
+        self.accepted[step.name] += 1
         return path
 
     def finish(self, state: str = "recorded") -> None:
@@ -85,8 +95,9 @@ def open_campaign(
     fixture: FixtureTable | None = None,
     procedure: ProcedureTable | None = None,
     cube_id: str | None = None,
+    slab_id: str | None = None,
 ) -> CampaignRecorder:
-    """Begin a campaign in ``folder``: its ``campaign.toml`` without steps, its row in the database."""
+    """Begin a campaign in ``folder``: its ``campaign.toml`` without steps, then its row in the database."""
     tables = CampaignTable(
         format="campaign/1",
         imu=ImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output="increments"),
@@ -94,13 +105,26 @@ def open_campaign(
         procedure=procedure or ProcedureTable(),
         fixture=fixture or FixtureTable(),
     )
-    key = str(folder.resolve())
     with database.write() as session:
         start_campaign(
-            session, key, model=unit.model, serial=unit.serial, started_utc=datetime.now(UTC), cube_id=cube_id
+            session,
+            str(folder.resolve()),
+            model=unit.model,
+            serial=unit.serial,
+            started_utc=datetime.now(UTC),
+            cube_id=cube_id,
+            slab_id=slab_id,
         )
-    write_tables(folder, tables)
+        write_tables(folder, tables)  # before the commit: a row always has its folder
     return CampaignRecorder(folder, tables, database)
+
+
+def step_of(table: DwellTable | TurnTable) -> Step | None:
+    """Return the step that a table of ``campaign.toml`` records, its duration 0; None if it is no guided one."""
+    if isinstance(table, TurnTable):
+        start = table.start_position or TURN_START[table.axis]
+        return Turn(table.axis, table.direction, table.revolutions, start, 0.0)
+    return None if table.position is None else Dwell(table.position, 0.0)
 
 
 def _write(path: Path, tape: Tape, runs: Sequence[Run]) -> str:

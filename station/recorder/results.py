@@ -1,47 +1,54 @@
-"""From a recorded campaign to what is handed out: solution, calibration and report."""
+"""From a recorded campaign to what is handed out: solution, report and, once it is stored, calibration."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, Literal
 
 from fixtures_db.calibration import CalibrationFacts
+from fixtures_db.campaigns import expired_references, set_state
 from fixtures_db.database import Database
-from fixtures_db.history import accept_calibration
-from procedures.campaign import Campaign
+from fixtures_db.errors import AlreadyStored
+from fixtures_db.history import accept_calibration, calibration
+from fixtures_db.limits import limits_of
 from procedures.solution import Solution
-from station.campaign_folder import LoadedCampaign, read_for_solve
+from station.campaign_folder import read_for_solve
 from station.campaign_folder.atomic import replace_file
 from station.errors import Altered
+from station.guide.folder_notes import read_setup
+from station.guide.judgement import Outcome, judge
+
+if TYPE_CHECKING:
+    from station.report.context import ReportContext
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Results:
-    """A solved campaign and where its results are; ``sha256`` is the stored calibration's."""
+    """A solved campaign: its verdict, and where its results are.
 
+    ``status`` is ``measured`` where a certificate had expired when the campaign was recorded, ``status_reason``
+    says which. ``calibration_file`` is there once `store` was called.
+    """
+
+    folder: Path
     solution: Solution
     document: Mapping[str, Any]
-    sha256: str
+    outcome: Outcome
+    status: Literal["calibrated", "measured"]
+    status_reason: str
+    context: "ReportContext"
     solution_file: Path
     calibration_file: Path
     report_file: Path
 
 
 def make_results(
-    folder: Path,
-    database: Database,
-    into: Path | None = None,
-    *,
-    truth: Mapping[str, float] | None = None,
-    is_expired: bool = False,
+    folder: Path, database: Database, into: Path | None = None, *, truth: Mapping[str, float] | None = None
 ) -> Results:
-    """Solve a recorded campaign, store its calibration, and write all three files to ``into``, else to its folder.
+    """Solve a recorded campaign; write solution and report to ``into``, else to its folder. Nothing is stored.
 
-    ``truth`` is a simulated unit's, keyed as `Solution.names`. ``is_expired``: the cube's certificate has run
-    out, so that the calibration counts as measured only.
+    ``truth`` is a simulated unit's, keyed as `Solution.names`.
     """
     loaded = read_for_solve([folder])[0]
     from procedures.calibration import solve  # scipy and kernels: not before the data are right
@@ -52,50 +59,78 @@ def make_results(
     into = folder if into is None else into
     solution = solve([loaded.campaign])
     document = solution_document(solution, [loaded])
+    with database.read() as session:
+        limits = limits_of(session, loaded.tables.imu.model)
+        expired = expired_references(session, str(folder.resolve()))
+    outcome, status_reason = judge(document, limits), "; ".join(expired)
+    status: Literal["calibrated", "measured"] = "measured" if expired else "calibrated"
+    context = replace(
+        report_context(solution, [loaded.campaign], document),
+        verdict=outcome.word,
+        verdict_reason=outcome.reason,
+        truth=truth or {},
+        bench={"Status": f"{status}: {status_reason}" if expired else status},
+    )
     results = Results(
-        solution, document, _store(folder, database, loaded, solution, document, into, is_expired),
+        folder, solution, document, outcome, status, status_reason, context,
         into / "solution.json", into / "calibration.json", into / "report.html",
     )  # fmt: skip
     write_solution(results.solution_file, document)
-    context = report_context(solution, [loaded.campaign], document)
-    context = replace(context, truth=truth or {}, calibration_sha256=results.sha256)
     write_report(results.report_file, context)
     return results
 
 
-def _store(
-    folder: Path,
-    database: Database,
-    loaded: LoadedCampaign,
-    solution: Solution,
-    document: Mapping[str, Any],
-    into: Path,
-    is_expired: bool,
-) -> str:
-    """Append the calibration to the database and write it out; what was written is read back and compared."""
-    origin, now = document["provenance"], datetime.now(UTC)
-    facts = CalibrationFacts(
+def store(results: Results, database: Database) -> str:
+    """Append the calibration to the database, the operator's act; return its hash and mark the campaign accepted.
+
+    It is written out, read back and compared, and the report then names its hash.
+
+    Raises
+    ------
+    AlreadyStored
+        If the same campaign's calibration with the same numbers is there; its file is written all the same.
+    NotInDatabase
+        If the database does not know the campaign.
+    """
+    key = str(results.folder.resolve())
+    try:
+        with database.write() as session:
+            row = accept_calibration(session, results.solution, _facts(results), campaign_folder=key)
+            set_state(session, key, "accepted")
+    except AlreadyStored as error:  # a kill may have come between the row and the files
+        with database.read() as session:
+            _hand_out(results, calibration(session, error.sha256).document, error.sha256)
+        raise
+    _hand_out(results, row.document, row.sha256)
+    return row.sha256
+
+
+def _hand_out(results: Results, text: str, sha256: str) -> None:
+    from station.report.writing import write_report
+
+    path = results.calibration_file
+    replace_file(path, text.encode())
+    if path.read_bytes() != text.encode():
+        raise Altered(path, "other bytes than were written", sha256)
+    write_report(results.report_file, replace(results.context, calibration_sha256=sha256))
+
+
+def _facts(results: Results) -> CalibrationFacts:
+    from station.report.conditions import temperature_range
+
+    origin, now = results.document["provenance"], datetime.now(UTC)
+    setup = read_setup(results.folder)
+    return CalibrationFacts(
         model=origin["model"],
         serial=origin["serial"],
         software=origin["software"],
         inputs=origin["files"],
         accepted_utc=now,
         valid_from=now,
-        temperature_range_c=_temperatures(loaded.campaign),
-        status="measured" if is_expired else "calibrated",
+        temperature_range_c=temperature_range(results.context.campaigns),
+        status=results.status,
+        status_reason=results.status_reason,
+        operator="" if setup is None else setup.operator,
+        verdict=results.outcome.word,
+        limits=tuple(one.limit for one in results.outcome.judged),
     )
-    with database.write() as session:
-        row = accept_calibration(session, solution, facts, campaign_folder=str(folder.resolve()))
-        text, sha256 = row.document, row.sha256
-    path = into / "calibration.json"
-    replace_file(path, text.encode())
-    if path.read_bytes() != text.encode():
-        raise Altered(path, "other bytes than were written", sha256)
-    return sha256
-
-
-def _temperatures(campaign: Campaign) -> tuple[float, float] | None:
-    series = [*(dwell.series for dwell in campaign.dwells), *(turn.series for turn in campaign.turns)]
-    values = np.concatenate([each.temperature for each in series])
-    values = values[np.isfinite(values)]
-    return (float(values.min()), float(values.max())) if len(values) else None

@@ -13,7 +13,7 @@ from drivers.framing import Decoder
 from drivers.wire import WireFormat
 from procedures.arrays import IntArray
 from procedures.records import CountBlock
-from station.reader import Chunk, GapMark
+from station.reader import Chunk
 
 GAP = 1.5  # sample periods, as in campaign folders
 LEARNING = 33  # samples from which the period is taken where the device does not state it
@@ -69,8 +69,8 @@ class SampleStream:
             return stated
         return float(np.median(self._learnt)) if len(self._learnt) >= LEARNING else None
 
-    def mark(self, mark: GapMark) -> None:
-        """Take a gap mark: the next sample begins anew."""
+    def begin_anew(self) -> None:
+        """Take the next sample as a new beginning, as after a gap mark."""
         self._is_anew = True
 
     def take(self, chunk: Chunk) -> Piece:

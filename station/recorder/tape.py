@@ -21,13 +21,13 @@ class Tape:
     """Samples are numbered from 0 at the session's first.
 
     ``begin`` is the first sample of the time that still goes on: what came before has no relation to it.
-    ``end`` is one beyond the newest. Old samples are let go by `forget_before`.
+    ``end`` is one beyond the newest, ``first`` the oldest kept. Old samples are let go by `forget_before`.
     """
 
     def __init__(self, wire: WireFormat) -> None:
         self.wire = wire
         self.begin = self.end = 0
-        self._first = 0  # the oldest sample kept
+        self.first = 0  # the oldest sample kept
         self._blocks: list[CountBlock] = []
         self._frames: list[IntArray] = []  # of each sample, which of its chunk's frames it is
         self._breaks: list[int] = []
@@ -54,17 +54,22 @@ class Tape:
         if piece.anew is not None:
             self.forget_before(self.begin)
 
+    def begin_anew(self) -> None:
+        """Let everything go: what comes next has no relation to it."""
+        self.begin = self.end
+        self.forget_before(self.end)
+
     def forget_before(self, sample: int) -> None:
         """Let go the samples before ``sample``."""
         rows, frames = self._compact()
-        drop = min(sample, self.end) - self._first
+        drop = min(sample, self.end) - self.first
         if drop <= 0:
             return
-        self._first += drop
+        self.first += drop
         self._blocks = [_rows(rows, drop, len(rows))]
         self._frames = [frames[drop:]]
-        self._breaks = [b for b in self._breaks if b >= self._first]
-        self._forget_chunks(bisect_right(self._sample_ends, self._first))
+        self._breaks = [b for b in self._breaks if b >= self.first]
+        self._forget_chunks(bisect_right(self._sample_ends, self.first))
 
     def last_break(self, first: int, last: int) -> int | None:
         """Return the last sample after ``first`` and before ``last`` before which something is missing."""
@@ -72,7 +77,7 @@ class Tape:
 
     def block(self, first: int, last: int) -> CountBlock:
         """Return the samples from ``first`` up to before ``last``."""
-        return _rows(self._compact()[0], first - self._first, last - self._first)
+        return _rows(self._compact()[0], first - self.first, last - self.first)
 
     def recording(self, runs: Sequence[Run]) -> Iterator[tuple[Chunk, CountBlock]]:
         """Yield the bytes of the runs' samples, cut at frames, and the samples that each chunk completed."""
@@ -92,7 +97,7 @@ class Tape:
         before = max(begin - longest_frame(self.wire) + 1, self._offset)
         whole = bytes(self._bytes[before - self._offset : self._byte_ends[chunk] - self._offset])
         edges = frame_edges(self.wire, whole[: begin - before], whole[begin - before :])
-        low, high = edges[int(self._compact()[1][sample - self._first])]
+        low, high = edges[int(self._compact()[1][sample - self.first])]
         return begin + low, begin + high
 
     def _forget_chunks(self, count: int) -> None:

@@ -8,7 +8,7 @@ from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
-from station.reader import Chunk, GapMark
+from station.reader import Chunk
 from station.recorder import Piece, SampleStream
 
 WIRE = FORMATS["counts"]
@@ -55,8 +55,7 @@ def test_a_device_that_counts_from_0_again_begins_anew_there() -> None:
 
 def test_after_a_gap_mark_nothing_has_a_relation_to_before() -> None:
     stream, _ = pieces()
-    stream.mark(GapMark(0, "port lost", False))
-    stream.mark(GapMark(0, "port back", True))
+    stream.begin_anew()
     assert stream.take(Chunk(0, WIRE.example)).anew == 0
 
 

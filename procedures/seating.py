@@ -1,0 +1,144 @@
+"""Is the cube seated as the dwells before say it should be: judged while it is being recorded.
+
+A crumb under the cube tilts it, and a level accelerometer shows the tilt as specific force. What it should show is
+known once the face was up before: its output is ``N = K u + b`` (Yao, Hu, He 2018, eq. 1, 2) with ``u`` the up
+vector as `procedures.bench_model` has it, from slab tilt, face tilt and heading. All of these are parameters of one
+Bayesian fit to the raw rates of the accepted dwells, with the bench's priors and wide ones for K and b, centred on
+what the vertical accelerometers count. The dwell in question takes part with next to no weight, so that its
+residual and its row of the Jacobian are what the others predict of it: ``cov = J P J'``.
+
+The first dwell of a face shows face tilt, bias and misalignment in one sum; the second shows the same sum and the
+slab's tilt reversed. So there is nothing to say of the first, and until one pair is complete the slab is only
+known to be level within its plausible range.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.bench_model import Bench, Placement
+from procedures.campaign import Campaign, Fixture, ProcedureSigma, Site
+from procedures.earth import STANDARD_GRAVITY
+from procedures.frames import AXES, cross_axes, face_normal, face_of
+from procedures.least_squares import Fit, minimise
+from procedures.twelve_position import mountings, specific_force
+
+SCALE_RANGE = 0.1  # 1 sigma of k about what a vertical accelerometer counts, or the others do
+MISALIGNMENT_RANGE = 1e-2  # 1 sigma
+BIAS_RANGE = 2e-2  # g, 1 sigma
+GRAVITY_STD = 1e-6  # m/s2: g and k are one factor here
+BLIND = 1e3  # g, 1 sigma of the dwell in question
+
+ARCSEC = float(np.radians(1 / 3600))  # rad
+SURE = 5.0  # sigma
+FLOOR = 3 * ARCSEC  # as well as a clean cube comes back to a clean slab
+GROSS, FINE = 60 * ARCSEC, 15 * ARCSEC
+
+Rates = tuple[int, FloatArray, FloatArray]
+"""Position 1..12, accelerometer rates (3,) and 1 sigma (3,) [count/s], IMU axes, raw."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seating:
+    """How far the cube is tilted from where the dwells before put it [rad], each (2,).
+
+    Measured less predicted up vector along the face's two other cube axes, in x, y, z order; 1 sigma of the
+    prediction and of the measurement.
+    """
+
+    off: FloatArray
+    predicted_std: FloatArray
+    measured_std: FloatArray
+    axes: str
+
+    @property
+    def std(self) -> FloatArray:
+        """1 sigma (2,) [rad] of prediction and measurement together."""
+        both: FloatArray = np.hypot(self.predicted_std, self.measured_std)
+        return both
+
+
+def seating(accepted: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: float) -> Seating | None:
+    """Compare a dwell, while it is being recorded, with what the accepted ones predict of it.
+
+    None while no other dwell has this face up. Dwells in the position of ``now`` are left out: they are what is
+    being done again. ``heading_std`` [rad] is how well a position's heading is set.
+    """
+    position, rate, std = now
+    face = face_of(position)
+    before = [each for each in accepted if each[0] != position]
+    if not any(face_of(each[0]) == face for each in before):
+        return None
+    fit = _fit(before, now, fixture, heading_std)
+    row = slice(3 * len(before), 3 * len(before) + 3)
+    k = _scale(before, fixture.C_ib)
+    to_tilt = (fixture.C_ib.T @ np.linalg.inv(fit.x[:9].reshape(3, 3)))[list(cross_axes(face))]
+    J = BLIND * to_tilt @ (k[:, None] * fit.jacobian[row])
+    predicted: FloatArray = np.sqrt(np.einsum("ip,pq,iq->i", J, fit.covariance, J))
+    return Seating(
+        off=BLIND * to_tilt @ (k * fit.residual[row]),
+        predicted_std=predicted,
+        measured_std=np.sqrt(to_tilt**2 @ std**2),
+        axes="".join(AXES[i] for i in cross_axes(face)),
+    )
+
+
+def judge(seating: Seating) -> str:
+    """Say why the cube should be lifted; empty if it sits well.
+
+    Off is an axis by more than five sigma of prediction and measurement together, but not by less than 3 arcsec:
+    a good cube on a clean slab comes back no better, and nobody should wipe for nothing. Sigma shrinks while
+    the dwell lasts; so that a gross tilt need not wait for it, 60 arcsec are enough where sigma is at most 15.
+    Chance passes five sigma once in 1.7e6 looks and that second rule's four once in 16000; the latter applies in
+    the few seconds only in which sigma falls from 15 to 12 arcsec.
+    """
+    limit = np.maximum(SURE * seating.std, FLOOR)
+    limit = np.where(seating.std <= FINE, np.minimum(limit, GROSS), limit)
+    worst = int(np.argmax(np.abs(seating.off) / limit))
+    if abs(seating.off[worst]) <= limit[worst]:
+        return ""
+    off, most = seating.off[worst] / ARCSEC, limit[worst] / ARCSEC
+    return (
+        f"tilted by {abs(off):.0f} arcsec along {'-' if off < 0 else '+'}{seating.axes[worst]}, limit {most:.0f}"
+    )
+
+
+def _fit(before: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: float) -> Fit:
+    """Fit K (9), b (3) and the bench's parameters; the last dwell's three rows carry no weight."""
+    site = Site(0.0, STANDARD_GRAVITY, GRAVITY_STD)
+    campaign = Campaign("", "", True, site, (), (), ProcedureSigma(heading_std), fixture)
+    bench = Bench(tuple(Placement(0, 0, each[0], heading_std) for each in (*before, now)), (campaign,), 1)
+    C_ib, prior, k = mountings([campaign], bench), bench.priors(), _scale(before, fixture.C_ib)
+    rate = np.array([*(each[1] for each in before), now[1]])
+    sigma = np.array([*(each[2] for each in before), BLIND * k])
+    centre = np.diag(k)
+    ranges = np.abs(k)[:, None] * np.where(np.eye(3), SCALE_RANGE, MISALIGNMENT_RANGE)
+
+    def residual(x: FloatArray) -> FloatArray:
+        K, b = x[:9].reshape(3, 3), x[9:12]
+        model = specific_force(bench, x[12:], C_ib) @ K.T + b
+        return np.concatenate(
+            (
+                ((rate - model) / sigma).ravel(),
+                ((K - centre) / ranges).ravel(),
+                b / (BIAS_RANGE * k),
+                prior.matrix @ x[12:] - prior.mean,
+            )
+        )
+
+    start = np.concatenate((centre.ravel(), np.zeros(3 + bench.size)))
+    return minimise(residual, start, np.concatenate((np.full(12, np.abs(k).max()), np.full(bench.size, 0.1))))
+
+
+def _scale(dwells: Sequence[Rates], C_ib: FloatArray) -> FloatArray:
+    """Return what 1 g counts (3,) per second, from the dwells that have a sensor upright.
+
+    A sensor that was never upright is taken to be like the others, and to count forwards.
+    """
+    up = np.array([C_ib @ face_normal(face_of(position)) for position, _, _ in dwells])
+    rate = np.array([rate for _, rate, _ in dwells])
+    upright = np.abs(up).sum(axis=0)
+    k = (up * rate).sum(axis=0) / np.maximum(upright, 1)
+    return np.where(upright > 0, k, np.mean(np.abs(k[upright > 0])))

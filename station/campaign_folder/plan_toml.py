@@ -1,0 +1,117 @@
+"""Plans as files (`plan/1`): what is to be done, as the step tables of `campaign/1` without ``file``.
+
+Beside them stands ``seconds``: of a dwell what it records, of a turn the rest at each of its ends (5 if not
+given). ``start_position`` of a turn is 1, 5, 9 for x, y, z if not given. Dwells come before turns.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from procedures.frames import TURN_START, face_of
+from procedures.steps import Dwell, Step, Turn
+from station.campaign_folder.atomic import replace_file
+from station.campaign_folder.schema import Axis, Position
+from station.campaign_folder.toml_text import line_of, read_tables, read_text_file
+from station.campaign_folder.writing import toml_text
+from station.errors import DataRefused
+
+FORMAT = "plan/1"
+REST_S = 5.0
+_GUIDED = "[[dwell]] with position = 1..12 and [[turn]]"
+_REMEDY = "leave it out: such a step cannot be guided yet"
+Seconds = Annotated[float, Field(gt=0, le=1e6)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class PlannedDwell(_Table):
+    """``[[dwell]]`` of a plan; of the three attitudes only ``position`` can be guided yet."""
+
+    seconds: Seconds
+    position: Position | None = None
+    up: str | None = None
+    attitude: str | None = None
+
+
+class PlannedTurn(_Table):
+    """``[[turn]]`` of a plan."""
+
+    axis: Axis
+    direction: Literal["+", "-"]
+    revolutions: Annotated[int, Field(ge=1, le=100)]
+    start_position: Position | None = None
+    seconds: Seconds = REST_S
+
+
+class PlanTable(_Table):
+    """The whole of a plan; the last three kinds cannot be guided yet."""
+
+    format: Literal["plan/1"]
+    dwell: list[PlannedDwell] = []
+    turn: list[PlannedTurn] = []
+    sequence: list[dict[str, Any]] = []
+    rate: list[dict[str, Any]] = []
+    soak: list[dict[str, Any]] = []
+
+
+def write_plan(path: Path, steps: Sequence[Step]) -> None:
+    """Write a plan: there whole or, after a kill, as it was before; raise `CannotWrite` if it cannot be."""
+    tables: dict[str, Any] = {"format": FORMAT, "dwell": [], "turn": []}
+    for step in steps:
+        if isinstance(step, Dwell):
+            tables["dwell"].append({"position": step.position, "seconds": step.seconds})
+        else:
+            tables["turn"].append({
+                "axis": step.axis,
+                "direction": step.direction,
+                "revolutions": step.revolutions,
+                "start_position": step.start_position,
+                "seconds": step.rest_s,
+            })  # fmt: skip
+    replace_file(path, toml_text({key: value for key, value in tables.items() if value}).encode())
+
+
+def read_plan(path: Path) -> tuple[Step, ...]:
+    """Read a plan.
+
+    Raises
+    ------
+    DataRefused
+        With file and line, if it is no plan, has no step, has a step twice, or one that cannot be guided yet.
+    """
+    plan, lines = read_tables(read_text_file(path), path, PlanTable)
+    for kind in ("sequence", "rate", "soak"):
+        if getattr(plan, kind):
+            raise DataRefused(path, line_of((kind, 0), lines), f"a [[{kind}]]", _GUIDED, _REMEDY)
+    tables: list[tuple[str, int, PlannedDwell | PlannedTurn]]
+    tables = [("dwell", i, dwell) for i, dwell in enumerate(plan.dwell)]
+    tables += [("turn", i, turn) for i, turn in enumerate(plan.turn)]
+    steps = dict[str, Step]()
+    for kind, index, table in tables:
+        line = line_of((kind, index), lines)
+        step = _step(table, path, line)
+        if step.name in steps:
+            raise DataRefused(path, line, f"a second {step.name}", "each position and turn once")
+        steps[step.name] = step
+    if not steps:
+        raise DataRefused(path, None, "no step", _GUIDED)
+    return tuple(steps.values())
+
+
+def _step(table: PlannedDwell | PlannedTurn, path: Path, line: int) -> Step:
+    if isinstance(table, PlannedDwell):
+        if table.up is not None or table.attitude is not None:
+            found = f"up = {table.up!r}" if table.up is not None else f"attitude = {table.attitude!r}"
+            raise DataRefused(path, line, f"a [[dwell]] with {found}", _GUIDED, _REMEDY)
+        if table.position is None:
+            raise DataRefused(path, line, "a [[dwell]] without position", _GUIDED)
+        return Dwell(table.position, table.seconds)
+    start = table.start_position or TURN_START[table.axis]
+    if face_of(start) != f"{table.axis}_up":
+        raise DataRefused(path, line, f"start_position = {start}", f"one with {table.axis} up")
+    return Turn(table.axis, table.direction, table.revolutions, start, table.seconds)

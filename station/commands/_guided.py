@@ -1,0 +1,131 @@
+"""What `calibrate` and `resume` share: an engine, somebody to look at it, and the exit code."""
+
+import sys
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import platformdirs
+import typer
+
+from station.campaign_folder.schema import ProcedureTable, SiteTable
+from station.commands._tables import checked
+from station.guide.view import Setup, View
+
+if TYPE_CHECKING:
+    from station.guide.client import Connection
+    from station.guide.process import EngineOptions
+
+WarmUp = Annotated[
+    bool, typer.Option("--warm-up/--no-warm-up", help="Wait until the unit has settled. Never with --headless.")
+]
+Headless = Annotated[bool, typer.Option("--headless", help="Lines of text, no questions, no warm-up.")]
+Store = Annotated[bool, typer.Option("--store", help="With --headless: store the calibration.")]
+Plain = Annotated[bool, typer.Option("--plain", help="Lines of text instead of a screen.")]
+Web = Annotated[bool, typer.Option("--web", help="The same screen in a browser of this machine.")]
+WebPort = Annotated[int, typer.Option("--port", metavar="PORT", help="Of --web; 0: any free one.")]
+Slow = Annotated[bool, typer.Option("--slow", help="Two views a second, for a slow console.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Ring no bell.")]
+Hands = Annotated[
+    str | None, typer.Option("--hands", metavar="HOST:PORT", help="Control address of a simulated device.")
+]
+MoveS = Annotated[float, typer.Option("--move-s", metavar="S", help="Device time a simulated move takes.")]
+
+FAIL, CANNOT_GO_ON, CANCELLED = 1, 2, 130
+SITE = ("latitude_deg", "longitude_deg", "height_m", "gravity_m_s2", "gravity_std_m_s2")
+CARE = ("heading_std_deg", "closure_std_deg")
+
+
+@dataclass(frozen=True, slots=True)
+class Screen:
+    """How the campaign is looked at: ``headless`` by nobody, else by screen, lines of text or browser."""
+
+    headless: bool = False
+    plain: bool = False
+    web: bool = False
+    port: int = 8000
+    slow: bool = False
+    quiet: bool = False
+    stores: bool = False
+
+
+def campaigns_root() -> Path:
+    """Return where campaigns go unless told."""
+    return platformdirs.user_data_path("fog-station") / "campaigns"
+
+
+def set_up(setup: Setup, given: Mapping[str, Any]) -> Setup:
+    """Return ``setup`` with what the command line gives in its place; what is out of range is wrong usage."""
+    known = {name: value for name, value in given.items() if value not in {None, ""}}
+    checked(SiteTable, latitude_deg=0.0, **{n: known[n] for n in SITE[1:] if n in known})
+    if "latitude_deg" in known:
+        checked(SiteTable, latitude_deg=known["latitude_deg"])
+    checked(ProcedureTable, **{n: known[n] for n in CARE if n in known})
+    return setup.model_copy(update=known)
+
+
+def guide(options: "EngineOptions", screen: Screen) -> int:
+    """Run an engine until its campaign has ended or the operator has left; return the exit code."""
+    from fixtures_db.database import open_db
+
+    options.engine()  # a plan that cannot be read is refused here ...
+    with open_db(options.database) as database:  # ... and so is a database
+        if screen.headless:
+            from station.guide.headless import run_headless
+            from station.guide.plain import PlainScreen
+
+            show = PlainScreen(typer.echo, rings=False).show
+            return _code(run_headless(options, database, show, stores=screen.stores))
+    from station.guide.process import engine_process
+
+    with engine_process(options) as socket:
+        return _serve(socket, screen) if screen.web else _code(_look(socket, screen))
+
+
+def _serve(socket: Path, screen: Screen) -> int:
+    from station.web import serve
+
+    serve([sys.executable, "-P", "-m", "station.tui", str(socket)], typer.echo, port=screen.port)
+    return 0
+
+
+def _look(socket: Path, screen: Screen) -> View:
+    from station.guide.client import Connection
+
+    changed = threading.Event()
+    connection = Connection(socket, changed.set)
+    if screen.plain:
+        _follow(connection, changed, rings=not screen.quiet)
+    else:
+        from station.tui.run import run_screens
+
+        run_screens(connection, slow=screen.slow, quiet=screen.quiet)
+    return connection.view
+
+
+def _follow(connection: "Connection", changed: threading.Event, *, rings: bool) -> None:
+    """Write lines and take keys until the campaign has ended."""
+    from station.guide.plain import OVER, PlainScreen, listen
+
+    screen = PlainScreen(typer.echo, rings=rings)
+    threading.Thread(target=listen, args=(connection, sys.stdin, typer.echo), daemon=True).start()
+    while True:
+        changed.wait()
+        changed.clear()
+        view = connection.view
+        screen.show(view)
+        if view.stage in OVER:
+            return
+
+
+def _code(view: View) -> int:
+    """Return the exit code of a campaign that ended so."""
+    if view.stage == "failed":
+        typer.echo(f"{view.error}; {view.hint}" if view.hint else view.error, err=True)
+        return CANNOT_GO_ON
+    if view.stage == "cancelled":
+        typer.echo(view.line, err=True)
+        return CANCELLED
+    return FAIL if view.verdict is not None and view.verdict.word == "FAIL" else 0

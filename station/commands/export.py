@@ -1,0 +1,49 @@
+"""``station export``: a stored calibration for those who apply it."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from station.commands import Database
+
+
+def export(
+    calibration: Annotated[Path, typer.Argument(metavar="CALIBRATION", help="A calibration.json.")],
+    to: Annotated[Literal["ardupilot", "px4", "kalibr"], typer.Option("--to", help="Who is to apply it.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Where to write; else to stdout.")
+    ] = None,
+    nominal_accel: Annotated[
+        float | None,
+        typer.Option("--nominal-accel", metavar="COUNT/(G S)", help="By which the driver makes m/s2 of counts."),
+    ] = None,
+    nominal_gyro: Annotated[
+        float | None,
+        typer.Option("--nominal-gyro", metavar="COUNT/DEG", help="By which the driver makes rad/s of counts."),
+    ] = None,
+    db: Database = None,
+) -> None:
+    """Write a calibration as ArduPilot or PX4 parameters (m/s2, rad/s) or as Kalibr's imu.yaml.
+
+    A driver turns counts into SI by one nominal scale factor for all axes; the file corrects what that leaves. Its
+    comments say what it cannot carry (misalignment, effects, sigmas) and how large an error that is. Without
+    --nominal-accel and --nominal-gyro the mean of the unit's own axes, to 3 digits, is taken, and said.
+
+    Exit code 3 if the file is no calibration/1.
+
+    Example: station export calibration.json --to px4 --out imu.params
+    """
+    for name, value in (("--nominal-accel", nominal_accel), ("--nominal-gyro", nominal_gyro)):
+        if value is not None and not 0 < value < float("inf"):
+            raise typer.BadParameter(f"{name} {value}: expected a positive number")
+    from station.campaign_folder.atomic import replace_file
+    from station.exports import EXPORTS, read_correction
+
+    correction = read_correction(calibration, nominal_accel, nominal_gyro)
+    text = next(one for one in EXPORTS if one.name == to).text(correction)
+    if out is None:
+        typer.echo(text, nl=False)
+    else:
+        replace_file(out, text.encode())
+        typer.echo(f"{out}: written; read its comments for what it does not carry", err=True)

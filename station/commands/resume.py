@@ -1,0 +1,64 @@
+"""``station resume``: go on with a campaign that was left, or that a kill or a power cut ended."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from station.commands import Database
+from station.commands._guided import Hands, Headless, MoveS, Plain, Quiet, Slow, Store, WarmUp, Web, WebPort
+
+
+def resume(
+    folder: Annotated[
+        Path | None, typer.Argument(metavar="[FOLDER]", help="The campaign's folder; else the newest unfinished.")
+    ] = None,
+    device: Annotated[
+        str, typer.Option("--device", metavar="URL", help="Where the IMU is now, if not at the port it had.")
+    ] = "",
+    list_only: Annotated[bool, typer.Option("--list", help="List the unfinished campaigns.")] = False,
+    warm_up: WarmUp = True,
+    headless: Headless = False,
+    store: Store = False,
+    plain: Plain = False,
+    web: Web = False,
+    port: WebPort = 8000,
+    slow: Slow = False,
+    quiet: Quiet = False,
+    hands: Hands = None,
+    move_s: MoveS = 45.0,
+    db: Database = None,
+) -> None:
+    """Go on with an unfinished campaign on the same IMU.
+
+    Every step that was said to be accepted is there. The unit is known by its serial number, or by its rates and
+    noise, and then it is asked. The solution is the same to the last bit as without the interruption.
+
+    Exit codes as `calibrate`; 3 if there is nothing to go on with or its files were altered.
+
+    Example: station resume --list
+    """
+    from fixtures_db.database import open_db
+    from station.commands._guided import Screen, campaigns_root, guide
+    from station.errors import DataRefused
+    from station.guide.command import Command
+    from station.guide.process import EngineOptions
+    from station.guide.unfinished import unfinished
+    from station.guide.view import Setup
+
+    with open_db(db) as database:
+        found = unfinished(database)
+    if list_only:
+        for each in found:
+            typer.echo(f"{each.title}, {each.state}: {each.folder}")
+        return
+    free = [Path(each.folder) for each in found if each.state == "free"]
+    if folder is None and not free:
+        raise DataRefused("database", None, "no unfinished campaign", "one that is free", "begin with `calibrate`")
+    which = str(folder.resolve() if folder is not None else free[0])
+    options = EngineOptions(
+        root=campaigns_root(), database=db, setup=Setup(url=device), hands=hands, move_s=move_s,
+        asks=not headless, warms_up=not headless and warm_up, first=Command(verb="resume", folder=which),
+    )  # fmt: skip
+    screen = Screen(headless=headless, plain=plain, web=web, port=port, slow=slow, quiet=quiet, stores=store)
+    raise typer.Exit(guide(options, screen))

@@ -1,0 +1,108 @@
+"""The steps of a campaign: which are to do, which are done, which comes next. Any order is taken."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from procedures.frames import face_of
+from procedures.steps import Dwell, Step, Turn
+from station.guide import view
+
+MOVE_S = 45.0  # what a person takes to place the cube
+TURN_SPEED_DEG_S = 35.0
+GRIP_S = 20.0  # before and after a turn, besides its rests
+
+
+class Checklist:
+    """``steps`` in the order suggested; ``attempts`` says how often each was accepted before, by name."""
+
+    def __init__(self, steps: Iterable[Step], attempts: Mapping[str, int] | None = None) -> None:
+        self.steps: Sequence[Step] = tuple(steps)
+        self.attempts = {step.name: (attempts or {}).get(step.name, 0) for step in self.steps}
+        self._seconds: dict[str, float] = {}
+        self._notes: dict[str, str] = {}
+        self._redo: list[str] = []
+        self._chosen = ""
+        self.latest = ""  # the step accepted last
+
+    @property
+    def wanted(self) -> Step | None:
+        """The step to do next; None once all are done."""
+        open_steps = [step for step in self.steps if self.is_open(step)]
+        for name in (self._chosen, *self._redo):
+            if found := next((step for step in open_steps if step.name == name), None):
+                return found
+        return open_steps[0] if open_steps else None
+
+    def is_open(self, step: Step) -> bool:
+        """Say whether a step is to be done, for the first time or again."""
+        return step.name in self._redo or not self.attempts[step.name]
+
+    def dwell_at(self, position: int) -> Dwell | None:
+        """Return the dwell in a position, open or done."""
+        return next((s for s in self.steps if isinstance(s, Dwell) and s.position == position), None)
+
+    def open_dwells(self, face: str) -> list[Dwell]:
+        """Return the open dwells with a face up, the wanted one first."""
+        here = [s for s in self.steps if isinstance(s, Dwell) and self.is_open(s) and face_of(s.position) == face]
+        return sorted(here, key=lambda step: step != self.wanted)
+
+    def accept(self, step: Step, seconds: float, note: str) -> None:
+        """Take a step as done."""
+        self._notes[step.name] = note
+        self.attempts[step.name] += 1
+        self._seconds[step.name] = seconds
+        self._redo = [name for name in self._redo if name != step.name]
+        self._chosen = "" if self._chosen == step.name else self._chosen
+        self.latest = step.name
+
+    def redo(self, name: str) -> bool:
+        """Have a step done again, next; False if it was not done yet."""
+        if not self.attempts.get(name):
+            return False
+        self._redo = [*(other for other in self._redo if other != name), name]
+        self._chosen = name
+        return True
+
+    def choose(self, name: str) -> bool:
+        """Have an open step done next; False if it is none."""
+        if not any(step.name == name and self.is_open(step) for step in self.steps):
+            return False
+        self._chosen = name
+        return True
+
+    def set_dwell(self, seconds: float) -> None:
+        """Have every open dwell last ``seconds``."""
+        self.steps = tuple(
+            replace(step, seconds=seconds) if isinstance(step, Dwell) and self.is_open(step) else step
+            for step in self.steps
+        )
+
+    def remaining_s(self) -> float:
+        """Return how long the open steps will take with no break."""
+        return sum(duration(step) for step in self.steps if self.is_open(step))
+
+    def views(self, live: str) -> tuple[view.Step, ...]:
+        """Return the steps as a screen shows them; ``live`` is being recorded."""
+        return tuple(self._view(step, live) for step in self.steps)
+
+    def _view(self, step: Step, live: str) -> view.Step:
+        state: view.StepState = "redo" if step.name in self._redo else "done"
+        if step.name == live:
+            state = "live"
+        elif not self.attempts[step.name]:
+            state = "todo"
+        shown = view.Step(
+            name=step.name, state=state, attempts=self.attempts[step.name],
+            seconds=self._seconds.get(step.name, 0.0), note=self._notes.get(step.name, ""),
+        )  # fmt: skip
+        if isinstance(step, Dwell):
+            return shown.model_copy(update={"position": step.position})
+        own = ("axis", "direction", "revolutions", "start_position")
+        return shown.model_copy(update={name: getattr(step, name) for name in own})
+
+
+def duration(step: Step) -> float:
+    """Return how long a step takes a person [s]."""
+    if isinstance(step, Turn):
+        return GRIP_S + 2 * step.rest_s + 360 * step.revolutions / TURN_SPEED_DEG_S
+    return MOVE_S + step.seconds

@@ -1,0 +1,78 @@
+"""A screen's end of the engine's Unix socket."""
+
+import socket
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from station.guide.command import Command
+from station.guide.view import View
+
+START_S = 30.0
+ENDED = "the engine has ended; what was accepted is safe: go on with `station resume`"
+_OVER = {"cancelled", "left", "failed"}
+
+
+class Connection:
+    """The engine at ``path``: a `station.guide.session.Session`. ``changed`` is called on its thread."""
+
+    def __init__(self, path: Path, changed: Callable[[], None] = lambda: None) -> None:
+        self._socket = _connected(path)
+        self._changed = changed
+        self._view = View(stage="connecting", line="starting")
+        self._sending = threading.Lock()
+        self._thread = threading.Thread(target=self._run, name="views", daemon=True)
+        self._thread.start()
+
+    @property
+    def view(self) -> View:
+        """The newest view."""
+        return self._view
+
+    def send(self, command: Command) -> None:
+        """Ask something of the engine; nothing happens if it has ended."""
+        line = command.model_dump_json(exclude_defaults=True).encode() + b"\n"
+        try:
+            with self._sending:
+                self._socket.sendall(line)
+        except OSError:
+            self._has_ended()
+
+    def close(self) -> None:
+        """Hang up; the engine goes on."""
+        try:
+            self._socket.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            pass  # it has hung up already
+        self._thread.join()
+        self._socket.close()
+
+    def _run(self) -> None:
+        try:
+            with self._socket.makefile("rb") as stream:
+                for line in stream:
+                    self._view = View.model_validate_json(line)
+                    self._changed()
+        except OSError:
+            pass  # as at its end
+        self._has_ended()
+
+    def _has_ended(self) -> None:
+        if self._view.stage not in _OVER:
+            self._view = self._view.model_copy(update={"stage": "failed", "error": ENDED})
+            self._changed()
+
+
+def _connected(path: Path) -> socket.socket:
+    deadline = time.monotonic() + START_S
+    while True:
+        try:
+            found = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+            found.connect(str(path))
+            return found
+        except OSError:
+            found.close()
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(0.02)

@@ -1,0 +1,146 @@
+"""What the stages of a guided campaign share: stream, judge, checklist, and where steps are accepted."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.campaign import Fixture
+from procedures.gyrocompass import Heading, Known, find_heading, scale
+from procedures.steps import Dwell, Step
+from station.benches.live_feed import LiveFeed
+from station.benches.spans import series
+from station.benches.stillness import LEAST, TICKS
+from station.guide.checklist import Checklist
+from station.guide.judge import Judge
+from station.guide.rested import Rested, rested
+from station.guide.story import Story
+from station.guide.wording import title
+from station.recorder.tape import Run, Tape
+
+
+class Recorder(Protocol):
+    """Where accepted steps go: on the disk and in the database when `accept` returns."""
+
+    def accept(self, step: Step, tape: Tape, runs: Sequence[Run]) -> object:
+        """Record ``step`` as the samples of ``runs``."""
+        ...
+
+    def keep_steps(self, steps: Sequence[Step]) -> None:
+        """Keep what the campaign is to have."""
+        ...
+
+    def keep_first_rest(self, rate: FloatArray, noise: FloatArray) -> None:
+        """Keep how the unit looks at rest: rate (6,) [count/s], noise (6,), gyros then accelerometers."""
+        ...
+
+    def set_unsettled(self, gyro_deg_h: float, accelerometer_g: float) -> None:
+        """Say that the unit was not settled: 1 sigma of its bias from dwell to dwell."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Facts:
+    """What is known of the bench: latitude, 1 sigma of headings and closures [rad], the cube; and the rules.
+
+    ``bias_std`` [g] is the accelerometer bias's 1 sigma wanted, from which a dwell's length follows; None: it is
+    given. ``asks``: somebody is there to be asked which way the cube points; else the wanted position is believed
+    where the Earth rate does not tell.
+    """
+
+    latitude: float
+    heading_std: float
+    closure_std: float
+    fixture: Fixture
+    bias_std: float | None = None
+    asks: bool = True
+
+
+class Desk:
+    """Shared by all stages. ``position`` is where the cube is known to stand since it last moved, 0 if not."""
+
+    def __init__(
+        self,
+        feed: LiveFeed,
+        checklist: Checklist,
+        facts: Facts,
+        recorder: Recorder,
+        before: Sequence[Rested] = (),
+        turns: Mapping[str, float] | None = None,
+    ) -> None:
+        self.feed, self.checklist, self.facts, self._recorder = feed, checklist, facts, recorder
+        self.story, self.judge = Story(), Judge(facts.fixture.C_ib)
+        self.rested: dict[int, Rested] = {}
+        self.turns: dict[str, float] = dict(turns or {})  # counts per revolution, by step
+        self.position = 0
+        self.seats: dict[int, FloatArray] = {}  # how the cube sat when it was found off, by position
+        self.kept_seats: set[int] = set()  # positions in which the operator takes the cube as it sits
+        self.off_seat = 0  # the position in which it was just found off
+        for each in before:
+            self._learn(each)
+
+    @property
+    def C_ib(self) -> FloatArray:
+        """Takes the cube's axes to the IMU's (3, 3)."""
+        return self.facts.fixture.C_ib
+
+    @property
+    def known(self) -> list[Known]:
+        """The gyros' rates where the position is certain."""
+        return [Known(each.position, each.gyro, each.gyro_std) for each in self.rested.values()]
+
+    @property
+    def gyro_k(self) -> float | None:
+        """The gyros' scale factor [count/rad], roughly; None where nothing says it."""
+        if self.turns:
+            return float(np.median(list(self.turns.values()))) / (2 * np.pi)
+        found = scale(self.known, self.facts.latitude, self.C_ib)
+        return None if found is None or found[1] > 0.3 else found[0]
+
+    def accept(self, step: Step, runs: Sequence[Run], note: str = "") -> None:
+        """Record a step; it is said to be accepted once it is on the disk and in the database."""
+        tape, period = self.feed.tape, self.feed.period
+        self._recorder.accept(step, tape, runs)
+        self.checklist.accept(step, sum(last - first for first, last in runs) * period, note)
+        if isinstance(step, Dwell):
+            self.position = step.position
+            found = rested(step.position, series(tape, runs, period))
+            if not self.rested:
+                rate = np.concatenate((found.gyro, found.accel))
+                self._recorder.keep_first_rest(rate, self.judge.stillness.noise)
+            self._learn(found)
+        count = sum(n > 0 for n in self.checklist.attempts.values())
+        of = len(self.checklist.steps)
+        told = [f"accepted: {title(step)}", note, f"{count} of {of} done"]
+        self.story.say("accepted", ", ".join(filter(None, told)))
+
+    def skip_warm_up(self, gyro_deg_h: float, accelerometer_g: float) -> None:
+        """Record that the unit was not settled."""
+        self._recorder.set_unsettled(gyro_deg_h, accelerometer_g)
+
+    def set_dwell(self, seconds: float) -> None:
+        """Have every open dwell last ``seconds``."""
+        self.checklist.set_dwell(seconds)
+        self._recorder.keep_steps(self.checklist.steps)
+
+    def heading(self, gyro: FloatArray, seconds: float, face: str) -> Heading:
+        """Say which way the cube stands with ``face`` up, from the gyros' mean count rate (3,)."""
+        std, facts = self.gyro_std(seconds), self.facts
+        return find_heading(gyro, std, face, facts.latitude, self.C_ib, self.known)
+
+    def moved(self) -> None:
+        """Take it that the cube no longer stands where it stood."""
+        self.position = self.off_seat = 0
+
+    def gyro_std(self, seconds: float) -> FloatArray:
+        """Return 1 sigma (3,) of a mean gyro count rate over ``seconds``: noise and the counter's step."""
+        noise = np.maximum(self.judge.stillness.noise[:3], LEAST) * TICKS
+        std: FloatArray = np.sqrt(noise / seconds + 1 / (6 * seconds**2))
+        return std
+
+    def _learn(self, found: Rested) -> None:
+        self.rested[found.position] = found
+        self.judge.learn_rest(found.gyro)
+        self.judge.learn_faces({each.face: each.accel for each in self.rested.values()})

@@ -1,0 +1,196 @@
+"""The engine of a guided calibration: from the start screen through a campaign to a verdict, one view at a time.
+
+It owns the device, the folder and the database; screens only look and ask. Whatever it refuses is said in the
+view and nothing is lost: what was accepted is on the disk.
+"""
+
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drivers.errors import DriverError
+from fixtures_db.database import Database
+from fixtures_db.errors import DatabaseError
+from procedures.errors import ProcedureError
+from station.errors import CannotWrite, StationError
+from station.guide.command import Command
+from station.guide.live_campaign import LiveCampaign, begin, resume
+from station.guide.options import Options
+from station.guide.outcome import verdict_view
+from station.guide.setup import check_port, save_setup, start_view
+from station.guide.unfinished import cancel_campaign
+from station.guide.view import Check, Setup, Stage, Start, Verdict, View
+
+if TYPE_CHECKING:
+    from station.recorder.results import Results
+
+REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
+OVER = frozenset({"cancelled", "left", "failed"})
+
+
+class Engine:
+    """At most one campaign; ``publish`` is told each view that is worth showing before something slow."""
+
+    def __init__(self, database: Database, options: Options, publish: Callable[[View], None]) -> None:
+        self._database, self._options, self._publish = database, options, publish
+        self._campaign: LiveCampaign | None = None
+        self._aside = ThreadPoolExecutor(1, "check")
+        self._check: Future[Check] | None = None
+        self._outcome = _Outcome()
+        self.view = View(stage="start", start=start_view(database, options.setup))
+
+    def round(self) -> None:
+        """Let the campaign go on for a moment, or do nothing."""
+        if self._check is not None and self._check.done():
+            self._show_start(check=self._check.result(), is_checking=False)
+            self._check = None
+        campaign = self._campaign
+        if campaign is None or self.view.stage in OVER:
+            return
+        try:
+            campaign.round()
+            self._show(campaign)
+            if campaign.guide.is_complete and self._outcome.verdict is None:
+                self._finish(campaign)
+        except CannotWrite as error:
+            self._fail(error)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether there is a stream to follow."""
+        return self._campaign is not None and self.view.stage not in OVER
+
+    def obey(self, command: Command) -> None:
+        """Do as the operator says; what is refused is said in the view."""
+        try:
+            self._obey(command)
+        except CannotWrite as error:
+            self._fail(error)
+
+    def close(self) -> None:
+        """Let everything go; a campaign can be resumed."""
+        self._aside.shutdown()
+        if self._campaign is not None:
+            self._campaign.close()
+
+    def _obey(self, command: Command) -> None:
+        campaign = self._campaign
+        if campaign is None:
+            self._obey_at_start(command)
+        elif command.verb == "cancel":
+            self._cancel(campaign)
+        elif command.verb == "leave":
+            self._end("left", "left; go on another day with `station resume`")
+        elif command.verb == "finish":
+            self._finish(campaign)
+        elif command.verb == "store":
+            self._store()
+        else:
+            self._outcome = _Outcome() if command.verb == "redo" else self._outcome
+            campaign.obey(command)
+            self._show(campaign)
+
+    def _obey_at_start(self, command: Command) -> None:
+        if command.verb == "check" and self._check is None:
+            self._check = self._aside.submit(check_port, command.url)
+            self._show_start(is_checking=True)
+        elif command.verb == "begin" and command.setup is not None:
+            if self._options.asks:
+                save_setup(command.setup)
+            self._start(lambda: begin(command.setup or Setup(), self._database, self._options))
+        elif command.verb == "resume":
+            self._start(lambda: resume(Path(command.folder), self._database, self._options))
+        elif command.verb in {"cancel", "leave"}:
+            self._end("cancelled", "nothing was begun; the database is as it was")
+
+    def _start(self, make: Callable[[], LiveCampaign]) -> None:
+        start = self.view.start
+        self._publish(View(stage="connecting", line="connecting", hint="waiting for the unit to say who it is"))
+        try:
+            self._campaign = make()
+        except REFUSALS as error:
+            if not self._options.is_patient:
+                raise
+            self.view = View(stage="start", start=start)
+            self._show_start(refused=str(error))
+        else:
+            self._show(self._campaign)
+
+    def _show(self, campaign: LiveCampaign) -> None:
+        view = campaign.view(View())
+        if self._outcome.verdict is not None:
+            view = view.model_copy(update=self._outcome.shown())
+        self.view = view
+
+    def _show_start(self, **changes: object) -> None:
+        start = self.view.start or Start()
+        self.view = self.view.model_copy(update={"start": start.model_copy(update=changes)})
+
+    def _finish(self, campaign: LiveCampaign) -> None:
+        from station.recorder.results import make_results  # scipy and matplotlib: not before they are wanted
+
+        self._publish(self.view.model_copy(update={"stage": "solving", "line": "solving"}))
+        try:
+            results = make_results(campaign.folder, self._database)
+            self._outcome = _Outcome(verdict_view(results, self._database), results)
+            campaign.recorder.finish()
+        except REFUSALS as error:
+            if isinstance(error, CannotWrite) or not self._options.is_patient:
+                raise
+            campaign.guide.desk.story.say("rejected", f"it cannot be solved yet: {error}")
+        self._show(campaign)
+
+    def _store(self) -> None:
+        from station.recorder.results import store
+
+        if self._outcome.results is None or self._outcome.sha256:
+            return
+        try:
+            self._outcome = replace(self._outcome, sha256=store(self._outcome.results, self._database))
+        except REFUSALS as error:
+            if isinstance(error, CannotWrite) or not self._options.is_patient:
+                raise
+            self.view = self.view.model_copy(update={"hint": f"not stored: {error}"})
+        else:
+            self.view = self.view.model_copy(update=self._outcome.shown())
+
+    def _cancel(self, campaign: LiveCampaign) -> None:
+        if self._outcome.sha256:
+            self._end("left", "the calibration is stored; there is nothing to cancel")
+            return
+        campaign.close()
+        cancel_campaign(campaign.folder, self._database)
+        self._end("cancelled", f"cancelled; the database is as it was, the recordings stay in {campaign.folder}")
+
+    def _fail(self, error: StationError) -> None:
+        if not self._options.is_patient:
+            raise error
+        if self._campaign is not None:
+            self._campaign.close()
+        done = f"{self.view.done} accepted steps are safe; `station resume` goes on with them"
+        self.view = self.view.model_copy(
+            update={"stage": "failed", "line": "the campaign cannot go on", "error": str(error), "hint": done}
+        )
+
+    def _end(self, stage: Stage, line: str) -> None:
+        if self._campaign is not None:
+            self._campaign.close()
+        self.view = self.view.model_copy(update={"stage": stage, "line": line, "hint": "", "question": None})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Outcome:
+    """What came of a campaign; empty until it was solved."""
+
+    verdict: Verdict | None = None
+    results: "Results | None" = None
+    sha256: str = ""
+
+    def shown(self) -> dict[str, object]:
+        """Return the view's fields."""
+        assert self.verdict is not None
+        verdict = self.verdict.model_copy(update={"stored_sha256": self.sha256})
+        stage = "stored" if self.sha256 else "verdict"
+        return {"stage": stage, "line": verdict.sentence, "hint": "", "verdict": verdict, "live": "", "wanted": ""}

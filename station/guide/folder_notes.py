@@ -1,0 +1,59 @@
+"""What a guided campaign keeps in its folder beside the steps: set-up, plan, and what is known of the unit."""
+
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from procedures.steps import Step
+from station.campaign_folder import read_plan, write_plan
+from station.campaign_folder.atomic import replace_file
+from station.errors import DataRefused
+from station.guide.identity import UnitRecord
+from station.guide.view import Setup
+
+SETUP, UNIT, PLAN = "setup.json", "unit.json", "plan.toml"
+T = TypeVar("T", bound=BaseModel)
+
+
+def write_setup(folder: Path, setup: Setup) -> None:
+    """Keep a campaign's set-up."""
+    _write(folder / SETUP, setup)
+
+
+def read_setup(folder: Path) -> Setup | None:
+    """Return a campaign's set-up, None if it has none; raise `DataRefused` if it cannot be read."""
+    return _read(folder / SETUP, Setup)
+
+
+def write_unit(folder: Path, unit: UnitRecord) -> None:
+    """Keep what is known of the unit."""
+    _write(folder / UNIT, unit)
+
+
+def read_unit(folder: Path) -> UnitRecord | None:
+    """Return what was known of the unit, None if nothing was; raise `DataRefused` if it cannot be read."""
+    return _read(folder / UNIT, UnitRecord)
+
+
+def keep_plan(folder: Path, steps: tuple[Step, ...]) -> None:
+    """Keep the steps that a campaign is to have."""
+    write_plan(folder / PLAN, steps)
+
+
+def kept_plan(folder: Path) -> tuple[Step, ...]:
+    """Return the steps that a campaign is to have; none if it has no plan. `DataRefused` as in `read_plan`."""
+    return read_plan(folder / PLAN) if (folder / PLAN).exists() else ()
+
+
+def _write(path: Path, value: BaseModel) -> None:
+    replace_file(path, (value.model_dump_json(indent=1) + "\n").encode())
+
+
+def _read(path: Path, kind: type[T]) -> T | None:
+    try:
+        return kind.model_validate_json(path.read_bytes())
+    except FileNotFoundError:
+        return None
+    except (OSError, ValidationError) as error:
+        raise DataRefused(path, None, f"what cannot be read ({type(error).__name__})", f"a {path.name}") from error

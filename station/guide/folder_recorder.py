@@ -1,0 +1,41 @@
+"""Where a guided campaign's steps go: the recorder, and the notes beside it in the folder."""
+
+from collections.abc import Sequence
+
+from procedures.arrays import FloatArray
+from procedures.steps import Step
+from station.campaign_folder import write_tables
+from station.guide.folder_notes import keep_plan, read_unit, write_unit
+from station.recorder import CampaignRecorder
+from station.recorder.tape import Run, Tape
+
+
+class FolderRecorder:
+    """A `station.guide.desk.Recorder` on a campaign's folder."""
+
+    def __init__(self, recorder: CampaignRecorder) -> None:
+        self._recorder = recorder
+
+    def accept(self, step: Step, tape: Tape, runs: Sequence[Run]) -> None:
+        """Record ``step`` as the samples of ``runs``."""
+        self._recorder.accept(step, tape, runs)
+
+    def keep_steps(self, steps: Sequence[Step]) -> None:
+        """Keep what the campaign is to have."""
+        keep_plan(self._recorder.folder, tuple(steps))
+
+    def keep_first_rest(self, rate: FloatArray, noise: FloatArray) -> None:
+        """Keep how the unit looks at rest, rate (6,) [count/s] and noise (6,), to know it again."""
+        known = read_unit(self._recorder.folder)
+        if known is not None and known.rate is None:
+            seen = {"rate": tuple(rate.tolist()), "noise": tuple(noise.tolist())}
+            write_unit(self._recorder.folder, known.model_copy(update=seen))
+
+    def set_unsettled(self, gyro_deg_h: float, accelerometer_g: float) -> None:
+        """Say in ``campaign.toml`` that the unit was not settled: 1 sigma of its bias from dwell to dwell."""
+        recorder = self._recorder
+        said = {"unsettled_gyro_deg_h": gyro_deg_h, "unsettled_accelerometer_g": accelerometer_g}
+        said = {name: value for name, value in said.items() if value > 0}
+        procedure = recorder.tables.procedure.model_copy(update=said)
+        recorder.tables = recorder.tables.model_copy(update={"procedure": procedure})
+        write_tables(recorder.folder, recorder.tables)

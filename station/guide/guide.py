@@ -1,0 +1,198 @@
+"""The guided campaign: a stage at a time, driven by the stream's seconds and the operator's commands.
+
+Nothing here waits or reads a clock: equal seconds and commands give an equal campaign. The face is recognised
+from raw counts and any order is taken; what is wrong is said and never counted against anybody.
+"""
+
+from collections.abc import Callable
+
+from drivers.errors import DriverError
+from station.benches.stillness import TIMES_NOISE, Block
+from station.guide.command import Command
+from station.guide.desk import Desk
+from station.guide.identity import UnitRecord
+from station.guide.judge import Look
+from station.guide.placing import Placing
+from station.guide.recognising import Recognising
+from station.guide.resting import Resting
+from station.guide.stage import Stage
+from station.guide.turning import Turning
+from station.guide.view import Gates, Link, View
+from station.guide.warming import Warming
+from station.guide.wording import title
+
+KEPT_BLOCKS = 8  # of the past, besides those of the step
+
+
+class Guide:
+    """Takes a desk through its checklist.
+
+    ``warms_up``: not before the unit has settled; ``unsure`` is the unit that it should be, where the wire does
+    not say.
+    """
+
+    def __init__(self, desk: Desk, *, warms_up: bool, unsure: UnitRecord | None = None) -> None:
+        self.desk = desk
+        first = _warming if warms_up else _placing
+        self._stage: Stage = first(desk) if unsure is None else Recognising(desk, unsure, first)
+        self._look: Look | None = None
+        self._is_paused = False
+        self.trouble = ""  # with the stream, in words
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether nothing is left to do."""
+        return self.desk.checklist.wanted is None and not self._is_recording
+
+    def take(self, block: Block) -> None:
+        """Take a second of the stream."""
+        desk = self.desk
+        desk.judge.learn(block)
+        look = self._look = desk.judge.look(block)
+        if block.is_anew:
+            self._stage = self._stage.interrupted()
+        elif self._is_paused:
+            look = Look(look.face, look.off_deg, look.still, look.channel, look.is_upright, False, "paused")
+        self._stage = self._stage.take(block, look)
+        past = block.first - KEPT_BLOCKS * (block.last - block.first)
+        oldest = self._stage.oldest
+        desk.feed.tape.forget_before(past if oldest is None else min(past, oldest))
+
+    def glance(self, block: Block | None) -> None:
+        """Take the newest second for show only."""
+        if block is not None:
+            self._look = self.desk.judge.look(block)
+
+    def stream_failed(self, error: DriverError) -> None:
+        """Take what is wrong with the stream; a dwell or turn under way is not accepted."""
+        if not self.trouble:
+            self.trouble = str(error)
+            self.desk.story.say("rejected", self.trouble)
+            self._stage = self._stage.interrupted()
+
+    def stream_is_back(self) -> None:
+        """Take it that the stream goes on."""
+        if self.trouble:
+            self.trouble = ""
+            self.desk.story.say("", "the stream is back")
+
+    def obey(self, command: Command) -> None:
+        """Do as the operator says; what does not fit the moment is said and changes nothing."""
+        if action := self._actions().get(command.verb):
+            action(command)
+
+    def _actions(self) -> dict[str, Callable[[Command], None]]:
+        return {
+            "choose": self._choose, "redo": self._redo, "pause": self._pause, "go_on": self._go_on,
+            "answer": self._answer, "keep_seating": self._keep_seating, "skip_warm_up": self._skip_warm_up,
+        }  # fmt: skip
+
+    def view(self, base: View) -> View:
+        """Return ``base`` with everything filled in that the guide knows."""
+        desk = self.desk
+        shown = {"hint": "", "live": ""} | self._stage.shown()
+        extras = {key: shown.pop(key) for key in ("position", "heading", "seating", "is_seated") if key in shown}
+        if self._is_paused:
+            shown |= {"stage": "paused", "hint": "paused: nothing is recorded"}
+        if self.trouble:
+            shown["hint"] = self.trouble
+        return base.model_copy(
+            update=shown
+            | {
+                "steps": desk.checklist.views(shown["live"]),
+                "wanted": wanted.name if (wanted := desk.checklist.wanted) else "",
+                "can_redo": desk.checklist.latest,
+                "remaining_s": max(desk.checklist.remaining_s() - shown.get("accepted_s", 0.0), 0.0),
+                "gates": self._gates(extras),
+                "link": self._link(),
+                "events": desk.story.events,
+            }
+        )
+
+    @property
+    def _is_recording(self) -> bool:
+        return isinstance(self._stage, Resting | Turning)
+
+    def _gates(self, extras: dict[str, object]) -> Gates | None:
+        if (look := self._look) is None:
+            return None
+        limit = TIMES_NOISE**0.5
+        gates = Gates(
+            face=look.face, off_deg=look.off_deg, limit_deg=self.desk.judge.limit_deg,
+            is_right_face=look.is_upright and self._has_work(look.face),
+            still=look.still * limit, still_limit=limit, still_channel=look.channel, is_still=look.is_still,
+            position=self.desk.position,
+        )  # fmt: skip
+        return gates.model_copy(update=extras)
+
+    def _has_work(self, face: str) -> bool:
+        checklist = self.desk.checklist
+        wanted = checklist.wanted
+        turns_here = getattr(wanted, "axis", None) is not None and face == f"{getattr(wanted, 'axis', '')}_up"
+        return bool(checklist.open_dwells(face)) or turns_here
+
+    def _link(self) -> Link:
+        feed = self.desk.feed
+        counters, stream = feed.stream.decoder.counters, feed.stream.counters
+        return Link(
+            name=feed.address.name, rate_hz=1 / feed.period,
+            bad_frames=counters.bad_crc + counters.bad_length, lost=stream.lost,
+            gaps=stream.breaks + stream.restarts, temperature_c=feed.temperature_c,
+            is_live=not self.trouble, text=self.trouble,
+        )  # fmt: skip
+
+    def _choose(self, command: Command) -> None:
+        if self.desk.checklist.choose(command.step):
+            self._look_again()
+        else:
+            self.desk.story.say("", f"{command.step} is done already: press r to do it again")
+
+    def _redo(self, command: Command) -> None:
+        checklist = self.desk.checklist
+        name = command.step or checklist.latest
+        if not checklist.redo(name):
+            self.desk.story.say("", "nothing to do again yet")
+            return
+        step = next(each for each in checklist.steps if each.name == name)
+        self.desk.story.say("", f"{title(step)} is to be done again; the recording so far is kept as superseded")
+        self._look_again()
+
+    def _look_again(self) -> None:
+        """Let what is wanted now decide, unless something else is being recorded."""
+        if isinstance(self._stage, Placing):
+            self._stage = _placing(self.desk)
+
+    def _pause(self, _: Command) -> None:
+        if not self._is_paused:
+            self._is_paused = True
+            if isinstance(self._stage, Turning):
+                self._stage = Placing(self.desk, must_move=False)
+            self.desk.story.say("", "paused")
+
+    def _go_on(self, _: Command) -> None:
+        if self._is_paused:
+            self._is_paused = False
+            self.desk.story.say("", "going on")
+
+    def _answer(self, command: Command) -> None:
+        if isinstance(self._stage, Resting | Turning | Recognising):
+            self._stage.answer(command.key)
+
+    def _keep_seating(self, _: Command) -> None:
+        desk = self.desk
+        if desk.off_seat:
+            desk.kept_seats.add(desk.off_seat)
+            desk.off_seat = 0
+            self._stage = Placing(desk, must_move=False)
+
+    def _skip_warm_up(self, _: Command) -> None:
+        if isinstance(self._stage, Warming):
+            self._stage = self._stage.skipped()
+
+
+def _warming(desk: Desk) -> Stage:
+    return Warming(desk, _placing)
+
+
+def _placing(desk: Desk) -> Stage:
+    return Placing(desk, must_move=bool(desk.position))

@@ -1,0 +1,38 @@
+"""A guided calibration in this process, with nobody to ask: what the counts show decides."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from fixtures_db.database import Database
+from station.guide.command import Command
+from station.guide.engine import Engine
+from station.guide.process import EngineOptions
+from station.guide.view import View
+
+OVER = frozenset({"verdict", "stored", "failed", "left", "cancelled"})
+
+
+def run_headless(
+    options: EngineOptions, database: Database, show: Callable[[View], None], *, stores: bool
+) -> View:
+    """Do ``options.first`` up to a verdict and, if asked, store the calibration; return the last view.
+
+    Raises
+    ------
+    DriverError, CannotWrite, DataRefused, ProcedureError, DatabaseError
+        What ended it; every accepted step stays.
+    """
+    engine, operator = Engine(database, replace(options.engine(), is_patient=False), show), options.operator()
+    try:
+        if options.first is not None:
+            engine.obey(options.first)
+        while engine.view.stage not in OVER:
+            engine.round()
+            show(engine.view)
+            operator.look(engine.view)
+        if stores:
+            engine.obey(Command(verb="store"))
+            show(engine.view)
+        return engine.view
+    finally:
+        engine.close()

@@ -1,0 +1,121 @@
+"""The verdict of a calibration against the limits of its model, and why, in words a technician understands.
+
+A value is held against its limit as `fixtures_db.limits` says (guarded acceptance, JCGM 106:2012, 8.3). FAIL if
+any is outside; else NOT_MEASURED if a limited parameter was not estimated or there are no limits; else PASS.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from fixtures_db.limits import Limit
+from station.solution_parameters import Parameter, parameters, shown, shown_scale, title_of
+
+Word = Literal["PASS", "FAIL", "NOT_MEASURED"]
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A limit and the parameter it was held against, None if that was not estimated.
+
+    ``share`` says how much of the way from the middle to its limit the value stands, 1 at the limit; None where
+    a single open limit has no middle.
+    """
+
+    limit: Limit
+    parameter: Parameter | None
+    word: Word
+    share: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The verdict, what led to it, and why, in words."""
+
+    word: Word
+    judged: tuple[Judged, ...]
+    reason: str
+
+    @property
+    def sentence(self) -> str:
+        """The verdict and its reason."""
+        return f"{self.word.replace('_', ' ')}: {self.reason}"
+
+    @property
+    def exit_code(self) -> int:
+        """What a command ends with: 1 on FAIL."""
+        return int(self.word == "FAIL")
+
+
+def judge(document: Mapping[str, Any], limits: Sequence[Limit]) -> Outcome:
+    """Hold a `solution/1` or `calibration/1` document against limits, one for each axis."""
+    found = parameters(document)
+    judged = tuple(_judged(limit, found.get(limit.parameter)) for limit in limits)
+    words = [one.word for one in judged]
+    word: Word = "FAIL" if "FAIL" in words else "NOT_MEASURED" if "NOT_MEASURED" in words or not words else "PASS"
+    origin = document.get("provenance", document)
+    return Outcome(word, judged, _reason(word, judged, origin["model"], origin["serial"]))
+
+
+def _judged(limit: Limit, parameter: Parameter | None) -> Judged:
+    if parameter is None or parameter.unit != limit.unit:
+        return Judged(limit, None, "NOT_MEASURED")
+    low, high = limit.accepted(parameter.std)
+    word: Word = "PASS" if low <= parameter.value <= high else "FAIL"
+    return Judged(limit, parameter, word, _share(parameter.value, low, high))
+
+
+def _share(value: float, low: float, high: float) -> float | None:
+    if math.isfinite(low) and math.isfinite(high):
+        half = (high - low) / 2
+        return abs(value - (low + high) / 2) / half if half > 0 else math.inf
+    if math.isfinite(high):
+        return value / high if high > 0 else None
+    return low / value if value > 0 and low > 0 else None
+
+
+def _reason(word: Word, judged: Sequence[Judged], model: str, serial: str) -> str:
+    unit = f"{model} {serial}"
+    if not judged:
+        return f"no limits are stored for {model}; `station fixtures limits {model} --import FILE` stores them"
+    if word == "FAIL":
+        outside = [one for one in judged if one.word == "FAIL"]
+        worst = max(outside, key=lambda one: one.share if one.share is not None else math.inf)
+        also = f" ({_names(outside)})" if len(outside) > 1 else ""
+        return (
+            f"{unit} is outside {len(outside)} of {len(judged)} limits of its model{also}; "
+            f"the worst is {_against(worst)}"
+        )
+    missing = [one for one in judged if one.word == "NOT_MEASURED"]
+    if missing:
+        return f"{unit} has no value of {len(missing)} of {len(judged)} limited parameters: {_names(missing)}"
+    share, tightest = max((one.share or 0.0, title_of(one.limit.parameter)) for one in judged)
+    return (
+        f"{unit} is within all {len(judged)} limits of its model; "
+        f"the tightest is {tightest} at {share:.0%} of its limit"
+    )
+
+
+def _names(judged: Sequence[Judged]) -> str:
+    names = [title_of(one.limit.parameter) for one in judged]
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+
+
+def _against(judged: Judged) -> str:
+    """Say a value beside its limit."""
+    assert judged.parameter is not None
+    text, unit = shown(judged.parameter)
+    return f"{judged.parameter.title}, {text} {unit}".rstrip() + f" against {limit_in_words(judged.limit)}"
+
+
+def limit_in_words(limit: Limit) -> str:
+    """Return a limit as people read it."""
+    scale, unit = shown_scale(limit.parameter, limit.unit)
+    low, high = (None if end is None else f"{end * scale:.6g}" for end in (limit.low, limit.high))
+    if low is not None and high is not None:
+        ends = f"+-{high}" if limit.low == -(limit.high or 0.0) else f"{low} to {high}"
+    else:
+        ends = f"at least {low}" if high is None else f"at most {high}"
+    guard = f" less {limit.guard_band:g} sigma" if limit.guard_band else ""
+    return f"{ends} {unit}".rstrip() + guard

@@ -1,0 +1,229 @@
+"""A campaign on a live device: the reader, the stream, the guide, and the folder that everything goes to."""
+
+import contextlib
+import time
+from contextlib import ExitStack
+from datetime import datetime
+from pathlib import Path
+
+import numpy as np
+
+from drivers.errors import DriverError, LinkLost
+from fixtures_db.database import Database
+from procedures import hand_turns, twelve_position
+from procedures.arrays import FloatArray
+from procedures.campaign import Fixture, TurnRecord
+from procedures.frames import AXES
+from procedures.records import CountSeries
+from procedures.steps import Step, Turn, steps_of
+from station.benches.campaign_run import cube_fixture
+from station.benches.live_feed import LiveFeed, open_feed
+from station.campaign_folder import read_campaign
+from station.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
+from station.errors import DataRefused
+from station.guide.checklist import Checklist
+from station.guide.command import Command
+from station.guide.desk import Desk, Facts
+from station.guide.folder import journal_path, new_folder
+from station.guide.folder_notes import keep_plan, kept_plan, read_setup, read_unit, write_setup, write_unit
+from station.guide.folder_recorder import FolderRecorder
+from station.guide.guide import Guide
+from station.guide.identity import UnitRecord
+from station.guide.options import Options
+from station.guide.rested import rested
+from station.guide.unfinished import FolderLock, reopen
+from station.guide.view import Setup, View
+from station.reader import Reader
+from station.recorder import CampaignRecorder, Unit, UnitChanged, open_campaign
+from station.recorder.campaign import TOML
+
+REST_S = 5.0
+RETRY_S = 1.0  # between two tries to read a port whose reader died
+
+
+class LiveCampaign:
+    """One campaign being recorded; made by `begin` and `resume`, to be closed."""
+
+    def __init__(
+        self, reader: Reader, feed: LiveFeed, unit: Unit, guide: Guide, recorder: CampaignRecorder,
+        options: Options, stack: ExitStack,
+    ) -> None:  # fmt: skip
+        self._reader, self._feed, self._stack, self._is_patient = reader, feed, stack, options.is_patient
+        self.unit, self.guide, self.recorder = unit, guide, recorder
+        self._retry_at = 0.0
+
+    @property
+    def folder(self) -> Path:
+        """Where it is recorded."""
+        return self.recorder.folder
+
+    def round(self) -> None:
+        """Take what has come, waiting for it a moment.
+
+        Raises
+        ------
+        CannotWrite
+            If the disk refuses; what was accepted before is whole.
+        DriverError
+            What is wrong with the stream, if this campaign does not wait for it to come back.
+        """
+        try:
+            self._feed.advance()
+            if not self._feed.is_open:
+                raise LinkLost(self._feed.address.name, "unplugged; plug it in again")
+        except DriverError as error:
+            if not self._is_patient:
+                raise
+            self._wait_for(error)
+            return
+        self.guide.stream_is_back()
+        for block in self._feed.ready():
+            self.guide.take(block)
+        self.guide.glance(self._feed.newest())
+
+    def view(self, base: View) -> View:
+        """Return ``base`` with everything filled in."""
+        unit = f"{self.unit.model} {self.unit.serial}"
+        return self.guide.view(base.model_copy(update={"unit": unit, "folder": str(self.folder)}))
+
+    def obey(self, command: Command) -> None:
+        """Do as the operator says."""
+        self.guide.obey(command)
+
+    def close(self) -> None:
+        """Let the device and the folder go; may be called twice."""
+        self._reader.close()
+        self._stack.close()
+
+    def _wait_for(self, error: DriverError) -> None:
+        self.guide.stream_failed(error)
+        if isinstance(error, UnitChanged):
+            self._feed.begin_anew()
+        elif self._reader.has_ended and time.monotonic() > self._retry_at:
+            self._retry_at = time.monotonic() + RETRY_S
+            self._restart_reader()
+
+    def _restart_reader(self) -> None:
+        """Have another process read the port; the one before has died."""
+        self._reader.close()
+        self._reader = Reader(self._reader.address.text, journal_path(self.folder))
+        with contextlib.suppress(DriverError):  # tried again and again
+            self._reader.start()
+            self._feed.replace_source(self._reader)
+
+
+def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
+    """Begin a new campaign.
+
+    Raises
+    ------
+    DriverError, CannotWrite, NotInDatabase, DataRefused
+        What port, disk, database or set-up refuse; nothing is left behind.
+    """
+    if setup.latitude_deg is None:
+        raise DataRefused("set-up", None, "no latitude", "the slab's latitude in deg", "enter it")
+    steps = tuple(options.steps) or usual_steps(setup)
+    fixture, table = cube_fixture(database, setup.cube or None)
+    with ExitStack() as stack:
+        folder = stack.enter_context(new_folder(_folder(setup, options.root), TOML))
+        stack.enter_context(FolderLock(folder))
+        reader = stack.enter_context(Reader(setup.url, journal_path(folder)))
+        feed = open_feed(reader)
+        unit = feed.identify(setup.model or None, setup.serial or None)
+        write_setup(folder, setup)
+        write_unit(folder, _record(feed, unit))
+        keep_plan(folder, steps)
+        recorder = open_campaign(
+            folder, unit, site_table(setup), database, fixture=table, procedure=procedure_table(setup),
+            cube_id=setup.cube or None, slab_id=setup.slab or None,
+        )  # fmt: skip
+        desk = Desk(
+            feed, Checklist(steps), _facts(recorder.tables, fixture, setup, options), FolderRecorder(recorder)
+        )
+        guide = Guide(desk, warms_up=options.warms_up)
+        return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all())
+    raise AssertionError("unreachable")
+
+
+def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
+    """Go on with an unfinished campaign, on the same unit and, unless the options name another, the same port.
+
+    Raises
+    ------
+    UnitChanged
+        If another unit is connected.
+    DriverError, CannotWrite, NotInDatabase, DataRefused
+        What port, disk, database or folder refuse.
+    """
+    setup = read_setup(folder) or Setup()
+    with ExitStack() as stack:
+        stack.enter_context(FolderLock(folder))
+        recorder = reopen(folder, database)
+        steps = kept_plan(folder) or usual_steps(setup)
+        reader = stack.enter_context(Reader(options.setup.url or setup.url, journal_path(folder)))
+        feed = open_feed(reader)
+        imu = recorder.tables.imu
+        unit = feed.identify(imu.model, imu.serial)
+        loaded = read_campaign(folder).campaign
+        before = [rested(d.position, d.series) for d in loaded.dwells if isinstance(d.series, CountSeries)]
+        turns = {_name(turn): _counts_per_revolution(turn, loaded.fixture.C_ib) for turn in loaded.turns}
+        checklist = Checklist(steps, recorder.accepted)
+        facts = _facts(recorder.tables, loaded.fixture, setup, options)
+        desk = Desk(feed, checklist, facts, FolderRecorder(recorder), before, turns)
+        record = read_unit(folder)
+        unsure = record if record is not None and not record.serial_from_wire else None
+        guide = Guide(desk, warms_up=options.warms_up, unsure=unsure)
+        return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all())
+    raise AssertionError("unreachable")
+
+
+def usual_steps(setup: Setup) -> tuple[Step, ...]:
+    """Return the twelve positions and six turns; no dwell length yet is a place holder of 100 s."""
+    dwells = steps_of(twelve_position.plan(setup.dwell_s or 100.0))
+    return (*dwells, *steps_of(hand_turns.plan(setup.revolutions, REST_S)))
+
+
+def site_table(setup: Setup) -> SiteTable:
+    """Return the set-up's site."""
+    return SiteTable.model_validate(
+        {
+            "latitude_deg": setup.latitude_deg, "longitude_deg": setup.longitude_deg, "height_m": setup.height_m,
+            "gravity_m_s2": setup.gravity_m_s2, "gravity_std_m_s2": setup.gravity_std_m_s2,
+        }
+    )  # fmt: skip
+
+
+def procedure_table(setup: Setup) -> ProcedureTable:
+    """Return the set-up's care."""
+    return ProcedureTable(heading_std_deg=setup.heading_std_deg, closure_std_deg=setup.closure_std_deg)
+
+
+def _record(feed: LiveFeed, unit: Unit) -> UnitRecord:
+    identity = feed.stream.decoder.identity
+    from_wire = bool(identity and identity.serial)
+    return UnitRecord(model=unit.model, serial=unit.serial, serial_from_wire=from_wire, period=unit.period)
+
+
+def _facts(tables: CampaignTable, fixture: Fixture, setup: Setup, options: Options) -> Facts:
+    care = tables.procedure
+    return Facts(
+        float(np.radians(tables.site.latitude_deg)), float(np.radians(care.heading_std_deg)),
+        float(np.radians(care.closure_std_deg)), fixture,
+        None if setup.dwell_s or setup.bias_ug is None else setup.bias_ug * 1e-6, options.asks,
+    )  # fmt: skip
+
+
+def _folder(setup: Setup, root: Path) -> Path:
+    return Path(setup.folder) if setup.folder else root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
+
+
+def _name(turn: TurnRecord) -> str:
+    return Turn(turn.axis, turn.direction, turn.revolutions, turn.start_position, REST_S).name
+
+
+def _counts_per_revolution(turn: TurnRecord, C_ib: FloatArray) -> float:
+    """Return it as `station.benches.turning.TurnWatch` saw it: less the rate of the first seconds, at rest."""
+    series = turn.series
+    samples = np.asarray(series.gyro) @ C_ib[:, AXES.index(turn.axis)]
+    rest = samples[: max(round(2.0 / series.period), 1)].mean()
+    return abs(float(np.sum(samples - rest))) / turn.revolutions

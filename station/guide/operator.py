@@ -1,0 +1,69 @@
+"""Who moves the cube when nobody does: the hands of a simulated device, told by the views as a person would be."""
+
+from typing import Protocol
+
+from drivers.errors import DriverError
+from drivers.simulated.errors import SimulatorError
+from drivers.simulated.hands import SimulatedHands
+from procedures.steps import Turn
+from station.guide.view import Step, View
+
+REST_MARGIN_S = 2.0  # the guide judges rest in blocks of 1 s that begin anywhere
+
+
+class HandsLost(DriverError):
+    """The simulated hands do not answer or refuse."""
+
+    def __init__(self, reason: str) -> None:
+        self.reason = reason
+        super().__init__(reason)
+
+
+class Operator(Protocol):
+    """Looks at the views and does what they ask for."""
+
+    def look(self, view: View) -> None:
+        """Take a view; returns soon."""
+        ...
+
+
+class Nobody:
+    """A person is at the cube."""
+
+    def look(self, view: View) -> None:
+        """Leave it to them."""
+
+
+class SimulatedOperator:
+    """Moves the cube of a simulated device with its hands at ``address``; a move takes ``move_s`` of its time.
+
+    Each thing asked for is done once; what was rejected is done again.
+    """
+
+    def __init__(self, address: str, move_s: float) -> None:
+        self._hands, self._move_s = SimulatedHands(address), move_s
+        self._done: tuple[str, str, int] | None = None
+
+    def look(self, view: View) -> None:
+        """Place the cube, or turn it once it has rested, if that is what is wanted now."""
+        step = view.step(view.wanted)
+        if step is None or view.stage not in {"place", "turn"}:
+            return
+        is_ready = view.turn is not None and view.turn.rest_s >= view.turn.rest_wanted_s
+        what = "turn" if view.stage == "turn" else "place"
+        rejected = max((event.number for event in view.events if event.sound == "rejected"), default=0)
+        task = (what, f"{step.name} {step.attempts}", rejected)
+        if task == self._done or (what == "turn" and not is_ready):
+            return
+        self._done = task
+        try:
+            self._do(what, step)
+        except SimulatorError as error:
+            raise HandsLost(str(error)) from error
+
+    def _do(self, what: str, step: Step) -> None:
+        if what == "place":
+            self._hands.place(step.position or step.start_position, self._move_s)
+        else:
+            turn = Turn(step.axis, step.direction, step.revolutions, step.start_position, 0.0)
+            self._hands.turn(turn.axis, turn.direction, turn.revolutions, REST_MARGIN_S)

@@ -1,0 +1,24 @@
+"""How a guided calibration is run."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from procedures.steps import Step
+from station.guide.view import Setup
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """Where campaigns go, what the set-up begins with, and the steps if not the usual ones.
+
+    ``asks``: somebody is there to be asked; ``warms_up``: not before the unit has settled; ``is_patient``:
+    whatever goes wrong is said and waited out; else it is raised.
+    """
+
+    root: Path
+    setup: Setup = field(default_factory=Setup)
+    steps: Sequence[Step] = ()
+    asks: bool = True
+    warms_up: bool = True
+    is_patient: bool = True

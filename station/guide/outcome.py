@@ -1,0 +1,102 @@
+"""The end of a calibration: the verdict, what changed since the last one, and the numbers, as they are shown."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from fixtures_db.database import Database
+from fixtures_db.history import last_calibration
+from procedures.frames import AXES
+from procedures.solution import StepResidual
+from station.guide.judgement import Judged, Outcome, judge, limit_in_words
+from station.guide.view import Row, Verdict
+from station.report.fit import LIMIT_SIGMAS, normalised
+from station.solution_parameters import (
+    Parameter,
+    Shift,
+    applied,
+    largest,
+    parameters,
+    shifts,
+    shown,
+    shown_sigma,
+    title_of,
+)
+
+if TYPE_CHECKING:
+    from station.recorder.results import Results
+
+NOTABLE_SIGMAS = 3.0
+__all__ = ["Outcome", "judge", "verdict_view"]
+
+
+def verdict_view(results: "Results", database: Database) -> Verdict:
+    """Return a solved campaign's verdict with everything that stands behind it."""
+    origin = results.document["provenance"]
+    with database.read() as session:
+        last = last_calibration(session, origin["model"], origin["serial"], str(results.folder.resolve()))
+    previous = None if last is None else json.loads(last.document)
+    found = parameters(results.document)
+    moved = {} if previous is None else shifts(applied(found), parameters(previous))
+    return Verdict(
+        word=results.outcome.word,
+        sentence=results.outcome.sentence,
+        status=results.status,
+        status_reason=results.status_reason,
+        worst_residual=worst_residual(results.solution.residuals),
+        change=change_in_words(moved, previous),
+        rows=verdict_rows(found, results.outcome, moved),
+        warnings=tuple(results.document["warnings"]),
+        report=str(results.report_file),
+        solution=str(results.solution_file),
+    )
+
+
+def worst_residual(residuals: Sequence[StepResidual]) -> str:
+    """Say which step's residual is the greatest in its own sigma, against the limit of a report."""
+    ratios = [
+        (abs(float(ratio)), f"{step.name}, {step.triad} {axis}")
+        for step in residuals
+        for axis, ratio in zip(AXES, normalised(step), strict=True)
+        if math.isfinite(ratio)
+    ]
+    if not ratios:
+        return "no residual: the steps determine the parameters exactly"
+    worst, where = max(ratios)
+    side = "over" if worst > LIMIT_SIGMAS else "within"
+    return f"{where}: {worst:.1f} sigma, {side} the limit of {LIMIT_SIGMAS:g}"
+
+
+def change_in_words(moved: Mapping[str, Shift], previous: Mapping[str, Any] | None) -> str:
+    """Say what changed most since the last stored calibration."""
+    if previous is None:
+        return "the first calibration of this unit"
+    day = str(previous["accepted_utc"])[:10]
+    if (most := largest(moved)) is None:
+        return f"nothing to compare with in the calibration of {day}"
+    count = sum(abs(one.sigmas) > NOTABLE_SIGMAS for one in moved.values()) or "none"
+    return (
+        f"since the calibration of {day} {count} of {len(moved)} parameters moved by more than "
+        f"{NOTABLE_SIGMAS:g} sigma; most of all {most.parameter.title}, {most}"
+    )
+
+
+def verdict_rows(found: Mapping[str, Parameter], outcome: Outcome, moved: Mapping[str, Shift]) -> tuple[Row, ...]:
+    """Return the table: what a calibration applies, then what else is limited."""
+    judged = {one.limit.parameter: one for one in outcome.judged}
+    names = dict.fromkeys((*applied(found), *judged))
+    return tuple(_row(name, found.get(name), judged.get(name), moved.get(name)) for name in names)
+
+
+def _row(name: str, parameter: Parameter | None, judged: Judged | None, moved: Shift | None) -> Row:
+    value, unit = ("not estimated", "") if parameter is None else shown(parameter)
+    return Row(
+        name=title_of(name),
+        value=value,
+        sigma="" if parameter is None else shown_sigma(parameter),
+        unit=unit,
+        limit="" if judged is None else limit_in_words(judged.limit),
+        verdict="" if judged is None else judged.word,
+        change="" if moved is None else str(moved),
+    )

@@ -1,0 +1,84 @@
+"""Wait until the cube rests on a face that has something to do; any order is taken, and nobody is hurried."""
+
+from typing import Any
+
+from procedures.frames import face_of
+from procedures.steps import Dwell, Turn
+from station.benches.stillness import Block
+from station.guide.desk import Desk
+from station.guide.judge import Look
+from station.guide.resting import Resting
+from station.guide.stage import Stage
+from station.guide.turning import Turning
+from station.guide.wording import face as face_words
+from station.guide.wording import task
+
+SETTLE_BLOCKS = 3  # still ones that are not used
+
+
+class Placing:
+    """The cube is to be moved: after an accepted step it must be seen to move before another can begin.
+
+    ``why`` says what was wrong with how it stood, empty if nothing was.
+    """
+
+    oldest: int | None = None
+
+    def __init__(self, desk: Desk, *, must_move: bool, why: str = "") -> None:
+        self._desk, self._must_move = desk, must_move
+        self._why = why
+        self._face, self._calm, self._hint = "", 0, ""
+
+    def take(self, block: Block, look: Look) -> Stage:
+        """Take a second of the stream."""
+        judge = self._desk.judge
+        if judge.stillness.is_known and not look.is_still:
+            self._must_move = False
+            self._desk.moved()
+        if self._must_move and not self._begins_here(look):
+            return self
+        self._calm = self._calm + 1 if not look.hindrance and look.face == self._face else 0
+        self._face, self._hint = look.face, look.hindrance
+        if self._calm < SETTLE_BLOCKS:
+            return self
+        return self._arrived(look.face)
+
+    def interrupted(self) -> Stage:
+        """Wait anew; the cube may have been moved meanwhile."""
+        return Placing(self._desk, must_move=False, why=self._why)
+
+    def shown(self) -> dict[str, Any]:
+        """Return where the cube is to go, and what hinders."""
+        wanted = self._desk.checklist.wanted
+        what = task(wanted) if wanted else "all steps are done"
+        hint = self._why or (self._hint if not self._must_move else "")
+        shown = {"stage": "settle" if self._calm else "place", "line": what, "hint": hint}
+        return shown | ({"is_seated": False, "seating": self._why} if self._desk.off_seat else {})
+
+    def _begins_here(self, look: Look) -> bool:
+        """Say whether the wanted step begins where the cube stands, so that it need not be moved."""
+        wanted, position = self._desk.checklist.wanted, self._desk.position
+        if look.hindrance or not position or self._why:
+            return False
+        return (wanted.start_position if isinstance(wanted, Turn) else getattr(wanted, "position", 0)) == position
+
+    def _arrived(self, face: str) -> Stage:
+        desk = self._desk
+        wanted = desk.checklist.wanted
+        if isinstance(wanted, Turn) and face_of(wanted.start_position) == face:
+            return Turning(desk, wanted, _again)
+        if dwells := desk.checklist.open_dwells(face):
+            return Resting(desk, face, dwells, _again)
+        return self._wrong(face, wanted)
+
+    def _wrong(self, face: str, wanted: Dwell | Turn | None) -> Stage:
+        what = f"; {task(wanted)}" if wanted else ""
+        why = f"{face_words(face)}: nothing is left to do there{what}"
+        self._desk.story.say("rejected", why)
+        return Placing(self._desk, must_move=True, why=why)
+
+
+def _again(desk: Desk, why: str, *, must_move: bool) -> Stage:
+    if why:
+        desk.story.say("rejected", why)
+    return Placing(desk, must_move=must_move, why=why if must_move else "")

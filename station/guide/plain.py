@@ -1,0 +1,130 @@
+"""A guided calibration as lines of text: for screen readers, logs and consoles that can do no better.
+
+Nothing is ever overwritten: each line says one thing once. Where somebody listens, a line of input is a key.
+"""
+
+from collections.abc import Callable, Iterable
+
+from station.guide.command import Command
+from station.guide.session import Session
+from station.guide.view import Event, Sound, Verdict, View
+
+OVER = frozenset({"cancelled", "left", "failed"})
+BELLS: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}
+EVERY_S = 25.0  # of accepted seconds between two lines of progress
+QUIET_HINTS = ("learning the noise", "waiting for still")
+KEYS = {
+    "r": Command(verb="redo"), "p": Command(verb="pause"), "g": Command(verb="go_on"),
+    "k": Command(verb="keep_seating"), "w": Command(verb="skip_warm_up"), "f": Command(verb="finish"),
+    "s": Command(verb="store"), "q": Command(verb="leave"), "c": Command(verb="cancel"),
+}  # fmt: skip
+HELP = (
+    "keys, each followed by Enter: r do the last step again, r STEP that one (such as r dwell_03), n STEP do it "
+    "next, p pause, g go on, k keep the cube as it sits, w skip the warm-up, f finish with what is there, "
+    "s store, q leave to resume later, c cancel; a question is answered with the key it names"
+)
+SAID_STAGES = frozenset({"place", "settle", "paused", "connecting", "solving", *OVER})
+
+
+class PlainScreen:
+    """Writes what is new in each view through ``say``; ``rings`` adds the terminal's bell."""
+
+    def __init__(self, say: Callable[[str], None], *, rings: bool) -> None:
+        self._say, self._rings = say, rings
+        self._told = {
+            "task": "",
+            "hint": "",
+            "unit": "",
+            "question": "",
+            "verdict": "",
+            "stored": "",
+            "seconds": "",
+        }
+        self._event = 0
+
+    def show(self, view: View) -> None:
+        """Write what is new."""
+        if view.unit:
+            self._once("unit", f"connected: {view.unit}; recording into {view.folder}")
+        for event in view.events:
+            self._hear(event)
+        task = view.line if view.stage in SAID_STAGES else ""
+        if task:
+            at = (
+                f"[{min(view.done + 1, len(view.steps))}/{len(view.steps)}] " if view.steps and view.wanted else ""
+            )
+            self._once("task", f"{at}{task}")
+        self._hint(view)
+        self._progress(view)
+        if view.verdict:
+            self._verdict(view.verdict)
+        if view.question:
+            choices = "; ".join(f"{choice.key}: {choice.title}" for choice in view.question.choices)
+            self._once("question", f"{view.question.text} {choices}")
+        else:
+            self._told["question"] = ""
+
+    def _verdict(self, verdict: Verdict) -> None:
+        self._once("verdict", "\n".join(verdict_lines(verdict)))
+        if verdict.stored_sha256:
+            self._once("stored", f"stored as {verdict.stored_sha256}")
+
+    def _hear(self, event: Event) -> None:
+        if event.number > self._event:
+            self._event = event.number
+            self._say(f"{event.text}{chr(7) * BELLS[event.sound] if self._rings else ''}")
+
+    def _hint(self, view: View) -> None:
+        spoken = any(view.hint in event.text for event in view.events)
+        if view.hint and not spoken and not view.hint.startswith(QUIET_HINTS):
+            self._once("hint", view.hint)
+
+    def _progress(self, view: View) -> None:
+        if view.stage == "dwell":
+            self._once("seconds", f"{view.live} {EVERY_S * (view.accepted_s // EVERY_S):.0f} s accepted")
+        elif view.stage == "warm_up" and view.warm_up is not None:
+            seconds = EVERY_S * (view.warm_up.seconds // EVERY_S)
+            left = "" if view.warm_up.left_s is None else f", about {view.warm_up.left_s:.0f} s left"
+            self._once("seconds", f"warming up, {seconds:.0f} s{left if seconds else ''}")
+
+    def _once(self, kind: str, text: str) -> None:
+        if kind == "seconds" and text.split(",")[0] == self._told[kind].split(",")[0]:
+            return
+        if text != self._told[kind]:
+            self._told[kind] = text
+            self._say(text)
+
+
+def verdict_lines(verdict: Verdict) -> list[str]:
+    """Return a verdict as lines: the sentence, what stands behind it, the numbers."""
+    reason = f": {verdict.status_reason}" if verdict.status_reason else ""
+    lines = [verdict.sentence, f"status {verdict.status}{reason}"]
+    lines += [f"worst residual: {verdict.worst_residual}", verdict.change]
+    lines += [f"warning: {warning}" for warning in verdict.warnings]
+    lines += [
+        f"{row.name}: {row.value} +- {row.sigma} {row.unit}"
+        + "".join(f", {part}" for part in (row.limit and f"limit {row.limit}", row.verdict, row.change) if part)
+        for row in verdict.rows
+    ]
+    return [*lines, verdict.report, verdict.solution]
+
+
+def command_of(line: str, view: View) -> Command | None:
+    """Return what a line of input asks for, None if it asks for nothing."""
+    key, _, rest = line.strip().partition(" ")
+    if view.question and key in {choice.key for choice in view.question.choices}:
+        return Command(verb="answer", key=key)
+    if key == "n" and rest:
+        return Command(verb="choose", step=rest.strip())
+    if key == "r" and rest:
+        return Command(verb="redo", step=rest.strip())
+    return KEYS.get(key)
+
+
+def listen(session: Session, lines: Iterable[str], say: Callable[[str], None]) -> None:
+    """Turn lines of input into commands until there are no more."""
+    for line in lines:
+        if (command := command_of(line, session.view)) is not None:
+            session.send(command)
+        else:
+            say(HELP)

@@ -1,0 +1,65 @@
+"""Starts the engine's process, and ends it with whoever started it."""
+
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict
+
+from station.campaign_folder.plan_toml import read_plan
+from station.guide.command import Command
+from station.guide.operator import Nobody, Operator, SimulatedOperator
+from station.guide.options import Options
+from station.guide.view import Setup
+
+END_S = 30.0  # a solve under way, and a reader's farewell
+
+
+class EngineOptions(BaseModel):
+    """What the engine's process is told: as `station.guide.options.Options`, with files by their names.
+
+    ``hands`` is the control address of a simulated device whose cube is then moved without a person; ``first``
+    is obeyed at once.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    root: Path
+    database: str | None = None
+    setup: Setup = Setup()
+    plan: Path | None = None
+    asks: bool = True
+    warms_up: bool = True
+    hands: str | None = None
+    move_s: float = 45.0
+    first: Command | None = None
+
+    def engine(self) -> Options:
+        """Return the engine's options; raise `DataRefused` if the plan cannot be read."""
+        steps = read_plan(self.plan) if self.plan else ()
+        return Options(self.root, self.setup, steps, self.asks, self.warms_up)
+
+    def operator(self) -> Operator:
+        """Return who moves the cube, as far as the engine is concerned."""
+        return SimulatedOperator(self.hands, self.move_s) if self.hands else Nobody()
+
+
+@contextmanager
+def engine_process(options: EngineOptions) -> Iterator[Path]:
+    """Yield the path of the socket of an engine that lives as long as the ``with`` lasts."""
+    with tempfile.TemporaryDirectory(prefix="station-") as folder:  # mode 0700
+        socket = Path(folder) / "engine"
+        with subprocess.Popen(
+            [sys.executable, "-P", "-m", "station.guide", str(socket)], stdin=subprocess.PIPE, text=True,
+            start_new_session=True,  # Ctrl-C is for the screen
+        ) as process:  # fmt: skip
+            assert process.stdin is not None
+            try:
+                process.stdin.write(options.model_dump_json() + "\n")
+                process.stdin.flush()
+                yield socket
+            finally:
+                process.stdin.close()
+                process.wait(END_S)

@@ -1,0 +1,133 @@
+"""A dwell under way: seconds are counted while the heading is read from the Earth rate and the seat is judged."""
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+from procedures.frames import face_normal
+from procedures.steps import Dwell
+from station.benches.stillness import Block
+from station.guide.desk import Desk
+from station.guide.dwelling import Dwelling, level_axes
+from station.guide.judge import Look
+from station.guide.seat import Seat
+from station.guide.stage import Stage
+from station.guide.view import Question
+from station.guide.which_way import which_way
+from station.guide.wording import title
+
+ASK_AFTER_S = 10.0  # of accepted seconds without a sure heading
+BY_EARTH, AS_SAID, AS_ASKED = "by the Earth rate", "as said", "as asked for, not checked"
+
+
+class Again(Protocol):
+    """Makes the stage that comes after this one; ``why`` is said, empty if all is well."""
+
+    def __call__(self, desk: Desk, why: str, *, must_move: bool) -> Stage:
+        """Return the stage."""
+        ...
+
+
+class Resting:
+    """One attempt at a dwell on ``face``, for one of ``dwells``, the likeliest first."""
+
+    def __init__(self, desk: Desk, face: str, dwells: Sequence[Dwell], again: Again) -> None:
+        self._desk, self._face, self._dwells, self._again = desk, face, dwells, again
+        period = desk.feed.period
+        self._dwelling = Dwelling(round(dwells[0].seconds / period), period, desk.gyro_k)
+        self._seat = Seat(desk, face)
+        self._position, self._how = desk.position, AS_SAID if desk.position else ""
+        desk.story.say("start", "recording: keep your hands off")
+
+    @property
+    def oldest(self) -> int | None:
+        """The first sample that is still needed."""
+        return self._dwelling.oldest
+
+    @property
+    def _step(self) -> Dwell:
+        """The dwell that this is, as far as it is known."""
+        return next((each for each in self._dwells if each.position == self._position), self._dwells[0])
+
+    def take(self, block: Block, look: Look) -> Stage:
+        """Take a second of the stream."""
+        was_disturbed = self._dwelling.is_disturbed
+        if why := self._dwelling.take(block, look):
+            return self._again(self._desk, f"{why}; it begins again", must_move=False)
+        self._tell(was_disturbed)
+        if self._dwelling.is_disturbed or not self._dwelling.kept:
+            return self
+        if why := self._wrong_heading() or self._seat.fault(self._dwelling, self._position):
+            return self._again(self._desk, why, must_move=True)
+        return self._completed() if self._dwelling.is_complete else self
+
+    def interrupted(self) -> Stage:
+        """Give the dwell up: the stream broke it."""
+        self._desk.position = 0
+        return self._again(self._desk, "the stream was interrupted; the dwell begins again", must_move=False)
+
+    def answer(self, key: str) -> None:
+        """Take the operator's word for the position."""
+        if key in {choice.key for choice in which_way(self._face).choices}:
+            self._position, self._how = int(key), AS_SAID
+
+    def shown(self) -> dict[str, Any]:
+        """Return how far the dwell is."""
+        wanted_s = self._step.seconds
+        accepted_s = min(self._dwelling.accepted_s, wanted_s)
+        where = title(self._step) if self._position else f"{title(self._step)}?"
+        hint = "disturbed: those seconds are left out; keep still" if self._dwelling.is_disturbed else ""
+        if self._question and self._dwelling.is_complete:
+            hint = "recorded; it is accepted once it is known which way the cube points"
+        return {
+            "stage": "dwell", "live": self._step.name, "hint": hint,
+            "accepted_s": accepted_s, "wanted_s": wanted_s,
+            "line": f"{where}: {accepted_s:.0f} of {wanted_s:.0f} s, hands off", "question": self._question,
+            "position": self._position, "heading": self._how or "reading the Earth rate",
+            "seating": self._seat.words, "is_seated": not self._seat.is_off,
+        }  # fmt: skip
+
+    @property
+    def _question(self) -> Question | None:
+        if self._position or not self._desk.facts.asks or self._dwelling.accepted_s < ASK_AFTER_S:
+            return None
+        return which_way(self._face)
+
+    def _tell(self, was_disturbed: bool) -> None:
+        if self._dwelling.is_disturbed and not was_disturbed:
+            self._desk.story.say("still", "disturbed: keep still, only those seconds are left out")
+
+    def _wrong_heading(self) -> str:
+        """Read the heading; say what is wrong with it."""
+        if self._how == BY_EARTH:
+            return ""
+        desk, seconds = self._desk, self._dwelling.accepted_s
+        found = desk.heading(self._dwelling.rate()[:3], seconds, self._face)
+        if not found.is_sure:
+            return ""
+        if found.position is None:
+            turn = {1: "counter-clockwise", 3: "clockwise"}[found.quarter]
+            return f"the cube is turned by 90 deg {turn} against the marks on the slab; set it right"
+        self._position, self._how = found.position, BY_EARTH
+        if any(each.position == found.position for each in self._dwells):
+            return ""
+        return f"position {found.position} is done already; turn the cube by 180 deg about the vertical"
+
+    def _completed(self) -> Stage:
+        desk, dwelling = self._desk, self._dwelling
+        dwelling.forget_restless([desk.judge.stillness.is_still(block) for block in dwelling.kept])
+        if not dwelling.is_complete:
+            return self
+        normal = face_normal(self._face)
+        g_counts = float(dwelling.rate()[3:] @ desk.C_ib @ normal)
+        if why := dwelling.crept(g_counts, level_axes(desk.C_ib, normal)):
+            return self._again(desk, f"{why}; it begins again", must_move=False)
+        if not self._position and not desk.facts.asks:
+            self._position, self._how = self._dwells[0].position, AS_ASKED
+        if not self._position:
+            return self
+        if why := self._seat.last_fault(self._dwelling, self._position):
+            return self._again(desk, why, must_move=True)
+        if all(each.position != self._position for each in self._dwells):
+            return self._again(desk, f"position {self._position} is done already", must_move=True)
+        desk.accept(self._step, dwelling.runs())
+        return self._again(desk, "", must_move=True)

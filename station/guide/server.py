@@ -1,0 +1,108 @@
+"""The engine's end of the Unix socket: views out to every screen, commands in, a line of JSON each.
+
+The socket stands in a folder of its own that only its user may enter.
+"""
+
+import contextlib
+import socketserver
+import threading
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from types import TracebackType
+from typing import Self
+
+from pydantic import ValidationError
+
+from station.guide.command import Command
+from station.guide.view import View
+
+LEAST_S = 0.05  # between two views to one screen
+LONGEST_LINE = 65536
+
+
+class Server:
+    """Serves views at ``path`` while the ``with`` block lasts."""
+
+    def __init__(self, path: Path) -> None:
+        self._commands: SimpleQueue[Command] = SimpleQueue()
+        self._changed = threading.Condition()
+        self._text, self._version, self._is_closed = b"", 0, False
+        self._view: View | None = None
+        self._server = _SocketServer(str(path), self)
+
+    def __enter__(self) -> Self:
+        threading.Thread(target=self._server.serve_forever, args=(0.1,), name="screens", daemon=True).start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
+    ) -> None:
+        with self._changed:
+            self._is_closed = True
+            self._changed.notify_all()
+        self._server.shutdown()
+        self._server.server_close()
+
+    def publish(self, view: View) -> None:
+        """Show a view to every screen; returns at once."""
+        if view == self._view:
+            return
+        text = view.model_dump_json().encode() + b"\n"
+        with self._changed:
+            self._view, self._text, self._version = view, text, self._version + 1
+            self._changed.notify_all()
+
+    def commands(self, timeout_s: float) -> list[Command]:
+        """Return what was asked since the last call; wait at most ``timeout_s`` for the first of it."""
+        found = list[Command]()
+        with contextlib.suppress(Empty):
+            found.append(self._commands.get(timeout=timeout_s) if timeout_s else self._commands.get_nowait())
+            while True:
+                found.append(self._commands.get_nowait())
+        return found
+
+    def next_text(self, seen: int) -> tuple[int, bytes]:
+        """Wait for a view newer than version ``seen``; empty once the server is closed."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._version > seen or self._is_closed)
+            return (self._version, b"") if self._is_closed else (self._version, self._text)
+
+    def put(self, line: bytes) -> None:
+        """Take a line from a screen; one that is no command is dropped."""
+        with contextlib.suppress(ValidationError):
+            self._commands.put(Command.model_validate_json(line))
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether nothing more will be shown."""
+        return self._is_closed
+
+
+class _SocketServer(socketserver.ThreadingUnixStreamServer):
+    daemon_threads = True
+    block_on_close = False
+
+    def __init__(self, path: str, owner: Server) -> None:
+        self.owner = owner
+        super().__init__(path, _Screen)
+
+
+class _Screen(socketserver.StreamRequestHandler):
+    server: _SocketServer
+
+    def handle(self) -> None:
+        owner, version = self.server.owner, 0
+        left = threading.Event()
+        threading.Thread(target=self._listen, args=(left,), daemon=True).start()
+        with contextlib.suppress(OSError):
+            while not left.wait(LEAST_S):
+                version, text = owner.next_text(version)
+                if owner.is_closed:
+                    return
+                self.wfile.write(text)
+
+    def _listen(self, left: threading.Event) -> None:
+        with contextlib.suppress(OSError, ValueError):
+            while line := self.rfile.readline(LONGEST_LINE):
+                self.server.owner.put(line)
+        left.set()

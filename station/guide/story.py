@@ -1,0 +1,18 @@
+"""What happened, to be heard and read once each."""
+
+from station.guide.view import Event, Sound
+
+KEPT = 8
+
+
+class Story:
+    """Numbers events and keeps the last few."""
+
+    def __init__(self) -> None:
+        self.events: tuple[Event, ...] = ()
+        self._number = 0
+
+    def say(self, sound: Sound, text: str) -> None:
+        """Add an event."""
+        self._number += 1
+        self.events = (*self.events, Event(number=self._number, sound=sound, text=text))[-KEPT:]

@@ -1,0 +1,10 @@
+"""The screens of an engine that runs already: ``python -m station.tui SOCKET``, as a browser's tab does."""
+
+import sys
+from pathlib import Path
+
+from station.guide.client import Connection
+from station.tui.run import run_screens
+
+if __name__ == "__main__":
+    run_screens(Connection(Path(sys.argv[1])))

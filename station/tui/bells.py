@@ -1,0 +1,52 @@
+"""What the terminal bell says: four patterns that cannot be mistaken for one another."""
+
+from collections import deque
+from collections.abc import Callable
+
+from station.guide.view import Sound
+
+# When each stroke follows the one before [s]. Terminals merge strokes closer than about 0.1 s.
+PATTERNS: dict[Sound, tuple[float, ...]] = {
+    "": (),
+    "start": (0.0,),
+    "still": (0.0, 0.5),
+    "accepted": (0.0, 0.18, 0.18),
+    "rejected": (0.0, 0.8, 0.8, 0.8),
+}
+APART = 0.7  # between two patterns
+LONGEST = 12  # strokes: what has become older than that is not news
+
+
+class Bells:
+    """Rings patterns one after the other.
+
+    Parameters
+    ----------
+    stroke
+        Rings the bell once.
+    later
+        Calls a function after so many seconds.
+    """
+
+    def __init__(self, stroke: Callable[[], None], later: Callable[[float, Callable[[], None]], object]) -> None:
+        self._stroke, self._later = stroke, later
+        self._waits: deque[float] = deque()
+        self._is_ringing = False
+
+    def ring(self, sound: Sound) -> None:
+        """Ring a pattern, after those that ring already."""
+        waits = PATTERNS[sound]
+        if len(self._waits) + len(waits) > LONGEST or not waits:
+            return
+        self._waits += (waits[0] + APART, *waits[1:]) if self._is_ringing else waits
+        if not self._is_ringing:
+            self._next()
+
+    def _next(self) -> None:
+        self._is_ringing = bool(self._waits)
+        if self._waits:
+            self._later(self._waits.popleft(), self._strike)
+
+    def _strike(self) -> None:
+        self._stroke()
+        self._next()

@@ -1,0 +1,96 @@
+"""What is entered in the set-up: labels, units, ranges, and what is wrong with a text, in words.
+
+Ranges are those of a ``campaign.toml`` (`station.campaign_folder.schema`).
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from station.guide.view import Setup
+
+Check = Callable[[str], str]  # returns what is wrong, or nothing
+
+
+def anything(text: str) -> str:
+    """Accept every text."""
+    return ""
+
+
+def number(low: float, high: float, unit: str = "", *, is_needed: bool = False, is_whole: bool = False) -> Check:
+    """Return the check of a number between two limits."""
+    expected = f"{'a whole number' if is_whole else 'a number'} from {low:g} to {high:g} {unit}".rstrip()
+
+    def check(text: str) -> str:
+        if not text:
+            return f"is needed: {expected}" if is_needed else ""
+        try:
+            value = float(text)
+        except ValueError:
+            return f"{text!r} is not a number, expected {expected}"
+        if not low <= value <= high or math.isnan(value) or (is_whole and value != int(value)):
+            return f"{text} is out of range, expected {expected}"
+        return ""
+
+    return check
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A field of the set-up: the name in `Setup`, its label, its unit and its check."""
+
+    name: str
+    label: str
+    unit: str = ""
+    check: Check = anything
+
+
+ENTRIES = (
+    Entry("url", "Address"),
+    Entry("model", "Model"),
+    Entry("serial", "Serial no."),
+    Entry("latitude_deg", "Latitude", "deg", number(-90, 90, "deg", is_needed=True)),
+    Entry("longitude_deg", "Longitude", "deg", number(-180, 360, "deg")),
+    Entry("height_m", "Height", "m", number(-1000, 20000, "m")),
+    Entry("operator", "Operator"),
+    Entry("gravity_m_s2", "Surveyed g", "m/s2", number(9.5, 10.1, "m/s2")),
+    Entry("gravity_std_m_s2", "its sigma", "m/s2", number(1e-9, 1, "m/s2")),
+    Entry("dwell_s", "Dwell", "s", number(0, 7200, "s", is_needed=True)),
+    Entry("bias_ug", "Bias sigma", "ug", number(1e-3, 1e4, "ug")),
+    Entry("revolutions", "Turns", "each", number(1, 100, is_needed=True, is_whole=True)),
+)
+
+
+def texts_of(setup: Setup) -> dict[str, str]:
+    """Return a set-up as the texts of its fields; empty where nothing is chosen."""
+    values = setup.model_dump()
+    return {entry.name: _text(values[entry.name]) for entry in ENTRIES}
+
+
+def problems(texts: Mapping[str, str]) -> dict[str, str]:
+    """Return what is wrong, by field, in the order of the form; empty when the campaign can begin."""
+    found = {entry.name: problem for entry in ENTRIES if (problem := entry.check(texts[entry.name]))}
+    if not texts["url"]:
+        found = {"url": "is needed: choose a port or type the device's address", **found}
+    if texts["gravity_std_m_s2"] and not texts["gravity_m_s2"]:
+        found["gravity_m_s2"] = "is needed where its sigma is given"
+    if "dwell_s" not in found and float(texts["dwell_s"]) == 0 and not texts["bias_ug"]:
+        found["bias_ug"] = "is needed when the dwell is 0: the sigma wanted decides how long"
+    return found
+
+
+def setup_of(texts: Mapping[str, str], remembered: Setup) -> Setup:
+    """Return the set-up that checked texts say; what has no field is as remembered, what is empty by default."""
+    kept = remembered.model_dump(exclude={entry.name for entry in ENTRIES})
+    return Setup.model_validate(kept | {name: text for name, text in texts.items() if text})
+
+
+def seconds_needed(dwell_s: float) -> float:
+    """Return about how long a campaign takes [s]: 12 dwells with 45 s of handling each, 6 turns of a minute."""
+    return 12 * (dwell_s + 45) + 6 * 60
+
+
+def _text(value: object) -> str:
+    if value is None:
+        return ""
+    return f"{value:.10g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,164 @@
+"""The campaign: one screen whose parts change, so that nothing jumps."""
+
+from collections.abc import Callable
+
+from textual.app import ComposeResult
+from textual.binding import Binding
+from textual.containers import Horizontal, Vertical
+from textual.widgets import ContentSwitcher
+
+from station.guide.command import Command
+from station.guide.view import Stage, View
+from station.tui.orientation import instruction
+from station.tui.screens.framed import FramedScreen
+from station.tui.widgets.accepted_bar import AcceptedBar
+from station.tui.widgets.banner import Now
+from station.tui.widgets.cube import Cube
+from station.tui.widgets.gates_panel import GatesPanel
+from station.tui.widgets.seating import Seating
+from station.tui.widgets.step_grid import Grid, StepGrid
+from station.tui.widgets.turn_gauge import TurnGauge
+
+STAGES: tuple[Stage, ...] = ("place", "settle", "dwell", "turn", "paused")
+LOOKS: dict[Stage, tuple[str, str, str]] = {
+    "place": ("NOW", "▶", "$primary"),
+    "settle": ("KEEP STILL", "◼", "$warning"),
+    "dwell": ("RECORDING", "●", "$success"),
+    "turn": ("TURN", "↻", "$accent"),
+    "paused": ("PAUSED", "‖", "$foreground"),
+}
+GRID = "Any order is taken: put the cube as you like and it is recognised. Arrows and Enter choose a step."
+
+
+class CampaignScreen(FramedScreen):
+    """Where the cube goes, what it does there, and what is done already."""
+
+    HELPS = {
+        "place": f"Put the cube on the slab as it is drawn, North mark to North. No key is needed. {GRID}",
+        "settle": "The cube is on the right face and comes to rest. Take your hands off. Both gates must be open.",
+        "dwell": "Accepted seconds are counted. Do not touch the bench: a knock costs the disturbed seconds only.",
+        "turn": "Turn the cube flat on the slab as the arrow says, whole turns, back to the mark, then let it "
+        "rest. An uneven hand does no harm as long as the speed stays between its limits.",
+        "paused": f"Nothing is recorded. p goes on. {GRID}",
+    }
+    BINDINGS = [
+        Binding("up", "move(-1, 0)", "Up", show=False),
+        Binding("down", "move(1, 0)", "Down", show=False),
+        Binding("left", "move(0, -1)", "Left", show=False),
+        Binding("right", "move(0, 1)", "Right", show=False),
+        Binding("enter", "choose", "Do", tooltip="do the step under the cursor (arrows move it) next"),
+        Binding("r", "redo", "Redo", tooltip="record the step under the cursor again, else the last one"),
+        Binding("p", "pause", "Pause", tooltip="pause, or go on"),
+        Binding("b", "back", "Back", tooltip="the cursor to the step before"),
+        Binding("escape", "home", "Home", show=False, tooltip="the cursor to the step wanted"),
+        Binding("k", "keep", "Keep", tooltip="take the cube as it sits"),
+        Binding("f", "finish", "Finish", tooltip="solve with what is there"),
+    ]
+    DEFAULT_CSS = """
+    CampaignScreen #middle { height: 13; margin: 1 0; }
+    CampaignScreen #right { width: 1fr; }
+    CampaignScreen ContentSwitcher { height: 3; }
+    CampaignScreen.-tall #middle { height: 20; }
+    CampaignScreen.-tall AcceptedBar { margin-bottom: 1; }
+    CampaignScreen.-wide.-tall Cube { width: 50; height: 20; }
+    """
+
+    def __init__(self, send: Callable[[Command], None]) -> None:
+        super().__init__(send)
+        self.cube, self.grid, self.gates = Cube(), StepGrid(), GatesPanel()
+        self.seating, self.turn, self.accepted = Seating(), TurnGauge(), AcceptedBar()
+        self.lower = ContentSwitcher(self.seating, self.turn, initial="seating")
+        self._cursor = ""  # empty: on the step wanted
+
+    def inner(self) -> ComposeResult:
+        """Lay out cube and bar on the left, steps and gates on the right."""
+        with Horizontal(id="middle"):
+            yield self.cube
+            with Vertical(id="right"):
+                yield self.grid
+                yield self.gates
+                yield self.lower
+        yield self.accepted
+
+    def now(self, view: View) -> Now:
+        """Return what the banner says."""
+        word, symbol, colour = LOOKS.get(view.stage, LOOKS["place"])
+        if view.stage == "settle" and _is_badly_seated(view):
+            word, symbol, colour = "SET DOWN AGAIN", "▲", "$error"
+        step = view.step(view.live or view.wanted)
+        return Now(word, symbol, colour, instruction(step) if step else view.line, view.line, view.hint)
+
+    def draw(self, view: View) -> None:
+        """Show a view."""
+        super().draw(view)
+        self.cube.show(view.step(view.live or view.wanted))
+        self.grid.show(self._grid())
+        self.gates.show(view.gates)
+        self.seating.show(view.gates)
+        self.turn.show(view.turn)
+        self.lower.current = "turn" if view.turn else "seating"
+        self.accepted.show((view.accepted_s, view.wanted_s))
+
+    def keys_depend_on(self, view: View) -> object:
+        """Return what decides which keys are offered."""
+        return view.stage == "paused", view.done > 0, bool(view.can_redo), _is_badly_seated(view)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Offer only what makes sense now."""
+        if action == "keep":
+            return _is_badly_seated(self.view)
+        if action in ("redo", "finish"):
+            return self.view.done > 0
+        return True
+
+    def action_move(self, down: int, right: int) -> None:
+        """Move the cursor."""
+        self._set_cursor(self._grid().neighbour(down, right))
+
+    def action_back(self) -> None:
+        """Move the cursor to the step before."""
+        self._set_cursor(self._grid().before())
+
+    def action_home(self) -> None:
+        """Move the cursor to the step wanted, and leave it there."""
+        self._set_cursor("")
+
+    def action_choose(self) -> None:
+        """Do the step under the cursor next."""
+        if step := self._grid().cursor:
+            self.order("choose", step=step)
+            self._set_cursor("")
+
+    def action_redo(self) -> None:
+        """Do the step under the cursor again if it is done, else the one that can be."""
+        step = self.view.step(self._grid().cursor)
+        self.order("redo", step=step.name if step and step.attempts else self.view.can_redo)
+        self._set_cursor("")
+
+    def action_pause(self) -> None:
+        """Pause, or go on."""
+        self.order("go_on" if self.view.stage == "paused" else "pause")
+
+    def action_keep(self) -> None:
+        """Take the cube as it sits."""
+        self.order("keep_seating")
+
+    def action_finish(self) -> None:
+        """Ask, then solve with what is there."""
+        missing = len(self.view.steps) - self.view.done
+        text = (
+            f"{self.view.done} of {len(self.view.steps)} steps are done. What the {missing} missing ones would "
+            "determine is left out of the result, and it says so."
+        )
+        self.confirm("Finish with what is there?", text, "Yes, finish", "finish", *STAGES)
+
+    def _grid(self) -> Grid:
+        return Grid(self.view.steps, self.view.wanted, self._cursor or self.view.live or self.view.wanted)
+
+    def _set_cursor(self, name: str) -> None:
+        self._cursor = name
+        self.grid.show(self._grid())
+
+
+def _is_badly_seated(view: View) -> bool:
+    return view.gates is not None and not view.gates.is_seated

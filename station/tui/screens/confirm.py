@@ -1,0 +1,49 @@
+"""Yes or no, before something that cannot be taken back."""
+
+from collections.abc import Collection
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical
+from textual.widgets import Button, Label
+
+from station.guide.view import Stage, View
+from station.tui.screens.modal import Modal
+
+
+class Confirm(Modal[bool]):
+    """Returns True for yes. ``stages`` are those in which the question makes sense."""
+
+    DEFAULT_CSS = """
+    Confirm Horizontal { width: auto; height: auto; }
+    Confirm Button { margin-right: 2; }
+    """
+    BINDINGS = [
+        ("y", "answer(True)", "Yes"),
+        ("n,escape", "answer(False)", "No"),
+        ("left,right,up,down", "app.focus_next", "Other button"),
+    ]
+
+    def __init__(self, title: str, text: str, yes: str, stages: Collection[Stage]) -> None:
+        super().__init__()
+        self._title, self._text, self._yes, self._stages = title, text, yes, stages
+
+    def compose(self) -> ComposeResult:
+        """Lay out title, text and two buttons; the harmless one has the focus."""
+        with Vertical(classes="box") as box:
+            box.border_title = self._title
+            yield Label(self._text, markup=False)
+            with Horizontal():
+                yield Button("n  No, go on", id="no", compact=True)
+                yield Button(f"y  {self._yes}", id="yes", variant="error", compact=True)
+
+    def fits(self, view: View) -> bool:
+        """Return whether the stage is one of those."""
+        return view.stage in self._stages
+
+    def action_answer(self, answer: bool) -> None:
+        """Close with an answer."""
+        self.dismiss(answer)
+
+    def on_button_pressed(self, event: Button.Pressed) -> None:
+        """Close with the button's answer."""
+        self.dismiss(event.button.id == "yes")

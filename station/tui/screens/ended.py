@@ -1,0 +1,50 @@
+"""The end without a verdict: what became of the data."""
+
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.content import Content
+from textual.widgets import Static
+
+from station.guide.view import Stage, View
+from station.tui.screens.stage import StageScreen
+
+LOOKS: dict[Stage, tuple[str, str, str]] = {
+    "cancelled": (
+        "✗ CANCELLED", "$warning",
+        "Everything recorded stays as files in the folder; the database is as it was before.",
+    ),
+    "left": ("‖ LEFT", "$primary", "All accepted steps are safe; `station resume` goes on from here."),
+    "failed": (
+        "✗ STOPPED", "$error",
+        "All accepted steps are safe; `station resume` goes on once this is put right.",
+    ),
+}  # fmt: skip
+
+
+class EndedScreen(StageScreen):
+    """One sentence; any of the usual keys closes."""
+
+    HELPS = {stage: sentence for stage, (_, _, sentence) in LOOKS.items()}
+    BINDINGS = [
+        ("enter", "app.quit", "Close"),
+        ("escape,space,q,c", "app.quit", ""),
+    ]
+    DEFAULT_CSS = """
+    EndedScreen #ended { align: center middle; height: 1fr; }
+    EndedScreen Static { width: 72; height: auto; }
+    """
+
+    def body(self) -> ComposeResult:
+        """Lay out the sentence."""
+        self.text = Static()
+        with Vertical(id="ended"):
+            yield self.text
+
+    def draw(self, view: View) -> None:
+        """Show a view."""
+        word, colour, sentence = LOOKS.get(view.stage, LOOKS["failed"])
+        parts = [Content.styled(f" {word} ", f"bold $background on {colour}"), Content("")]
+        parts += [Content(text + "\n") for text in (view.error, view.line, sentence) if text]
+        if view.folder:
+            parts.append(Content.assemble(("folder  ", "$muted"), view.folder))
+        self.text.update(Content("\n").join(parts))

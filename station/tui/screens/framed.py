@@ -1,0 +1,45 @@
+"""The frame of the screens that follow a live IMU: banner above, events and link below."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from textual.app import ComposeResult
+
+from station.guide.command import Command
+from station.guide.view import View
+from station.tui.screens.stage import StageScreen
+from station.tui.widgets.banner import Banner, Now
+from station.tui.widgets.event_lines import EventLines
+from station.tui.widgets.link_line import LinkLine
+
+
+class FramedScreen(StageScreen):
+    """A subclass says what is `now`, and composes its `inner` part."""
+
+    def __init__(self, send: Callable[[Command], None]) -> None:
+        super().__init__(send)
+        self.banner, self.events, self.link = Banner(), EventLines(), LinkLine()
+
+    def body(self) -> ComposeResult:
+        """Lay out the frame."""
+        yield self.banner
+        yield from self.inner()
+        yield self.events
+        yield self.link
+
+    def inner(self) -> ComposeResult:
+        """Lay out what is inside the frame."""
+        raise NotImplementedError
+
+    def now(self, view: View) -> Now:
+        """Return what the banner says."""
+        raise NotImplementedError
+
+    def draw(self, view: View) -> None:
+        """Show a view in the frame."""
+        now = self.now(view)
+        if not view.link.is_live and view.stage != "connecting":
+            now = replace(now, word="NO DATA", symbol="✗", colour="$error")
+        self.banner.show(now)
+        self.events.show(view.events)
+        self.link.show(view.link)

@@ -1,0 +1,41 @@
+"""What goes on in this state, and what each key does."""
+
+from textual.app import ComposeResult
+from textual.containers import Vertical, VerticalScroll
+from textual.content import Content
+from textual.widgets import Static
+
+from station.guide.view import Stage, View
+from station.tui.screens.modal import Modal
+
+SOUNDS = "one: begin, two: keep still, three quick: accepted, four slow: rejected"
+
+
+class Help(Modal[None]):
+    """The help of one stage; ``keys`` by what they do."""
+
+    BINDINGS = [("escape,question_mark,q,enter,space", "dismiss(None)", "Close")]
+
+    def __init__(self, stage: Stage, text: str, keys: dict[str, str]) -> None:
+        super().__init__()
+        self._stage, self._text, self._keys = stage, text, keys
+
+    def compose(self) -> ComposeResult:
+        """Lay out the text, the keys and the sounds."""
+        with Vertical(classes="box") as box:
+            box.border_title = f"Help: {self._stage.replace('_', ' ')}"
+            box.border_subtitle = "Esc closes"
+            with VerticalScroll():
+                yield Static(self._content())
+
+    def _content(self) -> Content:
+        width = max(map(len, self._keys.values()), default=0)
+        keys = [
+            Content.assemble((f"{key:>{width}}", "bold $accent"), f"  {what}") for what, key in self._keys.items()
+        ]
+        sounds = Content.assemble(("sounds  ", "bold"), SOUNDS)
+        return Content("\n").join([Content(self._text), Content(""), *keys, Content(""), sounds])
+
+    def fits(self, view: View) -> bool:
+        """Return whether it is still the stage explained."""
+        return view.stage == self._stage

@@ -1,0 +1,27 @@
+"""What lies over a screen until it is answered, or no longer fits what goes on."""
+
+from typing import Generic, TypeVar
+
+from textual.screen import ModalScreen
+
+from station.guide.view import View
+
+T = TypeVar("T")
+
+
+class Modal(ModalScreen[T], Generic[T]):
+    """A modal that knows for which views it makes sense; the application closes it when it does not."""
+
+    DEFAULT_CSS = """
+    Modal { align: center middle; }
+    Modal > .box {
+        width: auto; max-width: 74; height: auto; max-height: 90%;
+        padding: 1 2; background: $surface; border: round $primary;
+    }
+    Modal > .box VerticalScroll { height: auto; max-height: 16; }
+    Modal > .box Label { width: auto; max-width: 66; height: auto; margin-bottom: 1; }
+    """
+
+    def fits(self, view: View) -> bool:
+        """Return whether the modal still makes sense."""
+        raise NotImplementedError

@@ -1,0 +1,63 @@
+"""Something only the operator knows."""
+
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.events import Key
+from textual.widgets import Label, OptionList
+from textual.widgets.option_list import Option
+
+from station.guide.view import Question, View
+from station.tui.screens.modal import Modal
+
+LATER = ""
+
+
+class QuestionScreen(Modal[str]):
+    """Returns the key of the choice, or `LATER`.
+
+    A choice is taken by its own key where all keys are single characters, else by its number, or by Enter.
+    """
+
+    DEFAULT_CSS = """
+    QuestionScreen OptionList { width: 66; height: auto; max-height: 10; border: none; padding: 0; }
+    QuestionScreen #keys { margin: 1 0 0 0; color: $muted; }
+    """
+    BINDINGS = [("escape", "later", "Not now")]
+
+    def __init__(self, question: Question) -> None:
+        super().__init__()
+        self.question = question
+        keys = [choice.key for choice in question.choices]
+        is_short = all(len(key) == 1 for key in keys)
+        self._keys = {key if is_short else str(number): key for number, key in enumerate(keys, start=1)}
+
+    def compose(self) -> ComposeResult:
+        """Lay out the text and the choices."""
+        with Vertical(classes="box") as box:
+            box.border_title = "Question"
+            yield Label(self.question.text, markup=False)
+            yield OptionList(*(Option(line) for line in self._lines()), compact=True, markup=False)
+            yield Label("its key, or arrows and Enter; Esc: not now, a asks again", id="keys")
+
+    def _lines(self) -> list[str]:
+        return [
+            f" {key}  {choice.title}" + (f"  ({choice.note})" if choice.note else "")
+            for key, choice in zip(self._keys, self.question.choices, strict=True)
+        ]
+
+    def fits(self, view: View) -> bool:
+        """Return whether the question is still asked."""
+        return view.question == self.question
+
+    def on_key(self, event: Key) -> None:
+        """Take a choice by its key."""
+        if (key := self._keys.get(event.character or "")) is not None:
+            self.dismiss(key)
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Take the choice under the cursor."""
+        self.dismiss(self.question.choices[event.option_index].key)
+
+    def action_later(self) -> None:
+        """Leave the question open."""
+        self.dismiss(LATER)

@@ -1,0 +1,127 @@
+"""What all screens have in common: a view, commands, a title, keys to leave, to cancel and to ask for help."""
+
+from collections.abc import Callable
+from typing import ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import ActiveBinding, Binding
+from textual.screen import Screen
+from textual.widgets import Footer
+
+from station.guide.command import Command, Verb
+from station.guide.view import Stage, View
+from station.tui.screens.confirm import Confirm
+from station.tui.screens.help import Help
+from station.tui.widgets.title_bar import TitleBar
+
+RUNNING: tuple[Stage, ...] = (
+    "start", "connecting", "warm_up", "place", "settle", "dwell", "turn", "paused", "solving", "verdict",
+)  # fmt: skip
+CANCEL = (
+    "Everything recorded stays as files in the folder. The database is left as it was: no calibration is stored, "
+    "and this campaign cannot be gone on with."
+)
+LEAVE = (
+    "All accepted steps are safe. The step in progress is not kept. The start screen offers to go on from here."
+)
+
+
+COMMON = ("app.ask", "leave", "cancel", "help", "command_palette")  # the keys of every screen
+
+
+class StageScreen(Screen[None]):
+    """A screen of one or more stages: made with a way to send commands, then shown views.
+
+    A subclass composes itself and draws in `draw`, which is called for every new view once all is mounted.
+    ``HELPS`` explains its stages.
+    """
+
+    BINDINGS = [
+        Binding("a", "app.ask", "Answer", tooltip="answer the question that was put off"),
+        Binding("q", "leave", "Leave", tooltip="end here and go on another time"),
+        Binding("c", "cancel", "Cancel", tooltip="give the campaign up; the database stays as it was"),
+        Binding("question_mark", "help", "Help", key_display="?", tooltip="what goes on, and all keys"),
+    ]
+    DEFAULT_CSS = """
+    StageScreen Footer { padding-left: 1; }
+    """
+    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (112, "-wide")]
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]
+    HELPS: ClassVar[dict[Stage, str]] = {}
+
+    def __init__(self, send: Callable[[Command], None]) -> None:
+        super().__init__()
+        self._send = send
+        self._is_ready = False
+        self._keys: object = None
+        self.view = View()
+        self.title_bar = TitleBar()
+
+    def compose(self) -> ComposeResult:
+        """Lay out the title, the body and the keys."""
+        yield self.title_bar
+        yield from self.body()
+        yield Footer(compact=True, show_command_palette=False)
+
+    def body(self) -> ComposeResult:
+        """Lay out what is between title and keys."""
+        raise NotImplementedError
+
+    def draw(self, view: View) -> None:
+        """Show a view in the body."""
+        raise NotImplementedError
+
+    def keys_depend_on(self, view: View) -> object:
+        """Return what decides which keys are offered."""
+        return view.stage
+
+    @property
+    def active_bindings(self) -> dict[str, ActiveBinding]:
+        """The keys that work now, a screen's own before those of every screen."""
+        return dict(sorted(super().active_bindings.items(), key=lambda item: item[1].binding.action in COMMON))
+
+    def on_mount(self) -> None:
+        """Draw what was shown before there was anything to draw on."""
+        self._is_ready = True
+        self.show(self.view)
+
+    def show(self, view: View) -> None:
+        """Take a new view."""
+        self.view = view
+        if not self._is_ready:
+            return
+        self.title_bar.show_view(view)
+        self.draw(view)
+        if (keys := (view.question is None, self.keys_depend_on(view))) != self._keys:
+            self._keys = keys
+            self.refresh_bindings()
+
+    def order(self, verb: Verb, step: str = "", folder: str = "", url: str = "") -> None:
+        """Send a command."""
+        self._send(Command(verb=verb, step=step, folder=folder, url=url))
+
+    def confirm(self, title: str, text: str, yes: str, verb: Verb, *stages: Stage) -> None:
+        """Send a command once the operator has said yes."""
+
+        def answered(answer: bool | None) -> None:
+            if answer:
+                self.order(verb)
+
+        self.app.push_screen(Confirm(title, text, yes, stages or RUNNING), answered)
+
+    def action_leave(self) -> None:
+        """Ask, then leave."""
+        self.confirm("Leave and go on another time?", LEAVE, "Yes, leave", "leave")
+
+    def action_cancel(self) -> None:
+        """Ask, then cancel."""
+        self.confirm("Cancel the campaign?", CANCEL, "Yes, cancel", "cancel")
+
+    def action_help(self) -> None:
+        """Explain the stage and its keys."""
+        keys: dict[str, str] = {}  # by what they do
+        for active in self.active_bindings.values():
+            if active.binding.show and active.enabled:
+                what = active.tooltip or active.binding.description
+                keys[what] = ", ".join(filter(None, (keys.get(what), self.app.get_key_display(active.binding))))
+        self.app.push_screen(Help(self.view.stage, self.HELPS.get(self.view.stage, self.view.line), keys))

@@ -1,0 +1,138 @@
+"""Set-up: go on with an unfinished campaign, or begin a new one."""
+
+from collections.abc import Callable
+
+from textual.app import ComposeResult
+from textual.binding import Binding
+from textual.containers import Horizontal
+from textual.widgets import Button, OptionList, Static
+
+from station.guide.command import Command
+from station.guide.view import Start, View
+from station.tui.entries import seconds_needed
+from station.tui.screens.stage import StageScreen
+from station.tui.spoken import duration
+from station.tui.widgets.setup_form import SetupForm
+from station.tui.widgets.unfinished_list import UnfinishedList
+
+HELP = (
+    "Go on with an unfinished campaign by Enter, or fill in the form and begin. Tab and shift+Tab go from field "
+    "to field, Enter opens a list. A port is looked at for two seconds when it is chosen. Dwell 0: the length "
+    "comes from the unit's noise and the sigma wanted of the accelerometers' bias. All is remembered."
+)
+
+
+class StartScreen(StageScreen):
+    """The campaigns to go on with above, the form below, how long it takes at the bottom."""
+
+    HELPS = {"start": HELP}
+    BINDINGS = [
+        Binding("ctrl+s", "begin", "Begin", tooltip="begin a new campaign as the form says"),
+        Binding("ctrl+l", "look", "Look at port", tooltip="look at the port for two seconds"),
+        Binding("q,ctrl+q", "leave", "Quit", tooltip="close; nothing was begun"),
+        Binding("c,escape", "cancel", "Cancel", tooltip="give up; nothing was recorded"),
+        Binding("question_mark,f1", "help", "Help", tooltip="what goes on, and all keys"),
+    ]
+    DEFAULT_CSS = """
+    StartScreen .heading { height: 1; padding: 0 2; color: $accent; text-style: bold; }
+    StartScreen #said { height: auto; max-height: 3; padding: 0 2; color: $error; text-style: bold; }
+    StartScreen #bottom { height: 1; padding: 0 2; }
+    StartScreen #time { width: 1fr; text-wrap: nowrap; }
+    """
+
+    def __init__(self, send: Callable[[Command], None]) -> None:
+        super().__init__(send)
+        self.unfinished, self.form = UnfinishedList(), SetupForm()
+        self.heading = Static("GO ON with a campaign", classes="heading")
+        self.said, self.time = Static("", id="said", markup=False), Static("", id="time", markup=False)
+        self._typed = ""  # what is wrong in the field typed in last
+        self._refused = ""
+
+    def body(self) -> ComposeResult:
+        """Lay out the campaigns, the form, and the way to begin."""
+        yield self.heading
+        yield self.unfinished
+        yield Static("NEW campaign", classes="heading")
+        yield self.form
+        yield self.said
+        with Horizontal(id="bottom"):
+            yield self.time
+            yield Button("Begin  ctrl+s", id="begin", variant="success", compact=True)
+
+    def on_mount(self) -> None:
+        """Begin where most will go on."""
+        self.unfinished.display = False
+        super().on_mount()
+        (self.unfinished if self.unfinished.is_of_use else self.form.port.select).focus()
+
+    def draw(self, view: View) -> None:
+        """Show a view."""
+        start = view.start or Start()
+        self.unfinished.offer(start.unfinished)
+        self.heading.display = bool(start.unfinished)
+        self.form.offer(start)
+        self._refused = start.refused
+        self._say()
+
+    def _say(self) -> None:
+        said = self._typed or self._refused
+        self.said.update(f"✗ {said}" if said else "")
+        self.said.display = bool(said)
+        self.time.update(self._how_long())
+
+    def _how_long(self) -> str:
+        if self.view.remaining_s:
+            return f"It takes about {duration(self.view.remaining_s)}."
+        if "dwell_s" in self.form.problems():
+            return ""
+        dwell_s = float(self.form.texts()["dwell_s"])
+        if not dwell_s:
+            return "How long it takes follows from the unit's noise, after warm-up."
+        return f"It takes about {duration(seconds_needed(dwell_s))}: 12 dwells of {dwell_s:g} s, 6 hand turns."
+
+    def on_setup_form_changed(self, event: SetupForm.Changed) -> None:
+        """Say what is wrong with what was typed."""
+        problem = self.form.problems().get(event.name, "")
+        self._typed = "" if problem.startswith("is needed") else self._named(event.name, problem)
+        self.form.look.show((self.form.texts()["url"], *self.form.look.value[1:]))
+        self._say()
+
+    def _named(self, name: str, problem: str) -> str:
+        return f"{self.form.fields[name].entry.label} {problem}" if problem else ""
+
+    def on_setup_form_look(self) -> None:
+        """Look at the port."""
+        self.action_look()
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Go on with a campaign."""
+        self.order("resume", folder=self.unfinished.campaigns[event.option_index].folder)
+
+    def on_button_pressed(self) -> None:
+        """Begin."""
+        self.action_begin()
+
+    def action_look(self) -> None:
+        """Ask for a look at the port."""
+        if url := self.form.texts()["url"]:
+            self.order("check", url=url)
+
+    def action_begin(self) -> None:
+        """Begin, or go to the first field that is wrong and say what."""
+        for name, problem in self.form.problems().items():
+            self._typed = self._named(name, problem)
+            self.form.fields[name].judge(problem)
+            self.form.fields[name].input.focus()
+            return self._say()
+        self._typed = ""
+        self._send(Command(verb="begin", setup=self.form.setup()))
+        return self._say()
+
+    def action_cancel(self) -> None:
+        """Ask, then give up."""
+        text = "Nothing was begun and nothing recorded. The database is as it was."
+        self.confirm("Give up?", text, "Yes, give up", "cancel", "start")
+
+    def action_leave(self) -> None:
+        """Close; nothing was begun."""
+        self.app.exit()

@@ -1,0 +1,95 @@
+"""The end of a campaign: the verdict in a sentence, then the numbers; storing them is the operator's act."""
+
+import os
+import webbrowser
+from collections.abc import Callable
+from pathlib import Path
+
+from textual.app import ComposeResult
+from textual.binding import Binding
+from textual.containers import ScrollableContainer, Vertical
+
+from station.commands import COMMANDS
+from station.guide.command import Command
+from station.guide.view import View
+from station.tui.screens.stage import StageScreen
+from station.tui.widgets.fact import Fact
+from station.tui.widgets.number_table import NumberTable
+from station.tui.widgets.verdict_sentence import VerdictSentence
+
+CAN_DIAGNOSE = any(command.name == "diagnose" for command in COMMANDS)
+
+
+class VerdictScreen(StageScreen):
+    """Shown while nothing is stored yet, and after."""
+
+    HELPS = {
+        "verdict": "The result is not stored yet: s stores it, append-only, once you agree with it. The report, "
+        "the solution and all recordings are in the folder either way.",
+        "stored": "The calibration is in the database, sealed by its hash; `station verify` notices any change.",
+    }
+    BINDINGS = [
+        Binding("s", "store", "Store", tooltip="put the calibration into the database"),
+        Binding("o", "open_report", "Open report", tooltip="show the report in a browser"),
+        Binding("d", "diagnose", "Diagnose", tooltip="how to look for what the model lacks"),
+    ]
+    DEFAULT_CSS = """
+    VerdictScreen #facts { height: auto; margin: 1 0; }
+    VerdictScreen #scroll { height: 1fr; }
+    """
+
+    def __init__(self, send: Callable[[Command], None]) -> None:
+        super().__init__(send)
+        self.sentence, self.table = VerdictSentence(), NumberTable()
+        self.status, self.residual, self.change = Fact("status"), Fact("residual"), Fact("change")
+        self.warnings, self.stored = Fact("warnings", "warning"), Fact("stored", "good")
+
+    def body(self) -> ComposeResult:
+        """Lay out the sentence, the facts and the table."""
+        yield self.sentence
+        with Vertical(id="facts"):
+            yield from (self.status, self.residual, self.change, self.warnings, self.stored)
+        with ScrollableContainer(id="scroll"):
+            yield self.table
+
+    def draw(self, view: View) -> None:
+        """Show a view."""
+        if (verdict := view.verdict) is None:
+            return
+        self.sentence.show(verdict)
+        self.status.say(": ".join(part for part in (verdict.status, verdict.status_reason) if part))
+        self.residual.say(verdict.worst_residual)
+        self.change.say(verdict.change)
+        self.warnings.say("\n".join(f"! {warning}" for warning in verdict.warnings))
+        seal = verdict.stored_sha256[:16]
+        self.stored.say(seal and f"✓ in the database, sha256 {seal}")
+        self.table.show(verdict.rows)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Offer only what makes sense now."""
+        if action in ("store", "cancel"):
+            return self.view.stage == "verdict"
+        return CAN_DIAGNOSE if action == "diagnose" else True
+
+    def action_store(self) -> None:
+        """Ask, then store."""
+        text = "The calibration becomes part of the unit's history. It cannot be changed or removed."
+        self.confirm("Store the calibration?", text, "Yes, store it", "store", "verdict")
+
+    def action_open_report(self) -> None:
+        """Open the report in a browser of this machine, or say where it is."""
+        report = self.view.verdict.report if self.view.verdict else ""
+        if report and not self.app.is_web and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+            webbrowser.open(Path(report).absolute().as_uri())
+        self.notify(report or "no report was written", title="The report", markup=False, timeout=30)
+
+    def action_diagnose(self) -> None:
+        """Say how to diagnose."""
+        self.notify(f"station diagnose {self.view.folder}", title="In a shell", markup=False, timeout=30)
+
+    def action_leave(self) -> None:
+        """Leave; once all is stored there is nothing to go on with."""
+        if self.view.stage == "stored":
+            self.app.exit()
+        else:
+            super().action_leave()

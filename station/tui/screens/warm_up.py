@@ -1,0 +1,39 @@
+"""Warm-up: wait until the unit has settled, or skip it knowingly."""
+
+from textual.app import ComposeResult
+from textual.binding import Binding
+
+from station.guide.view import View
+from station.tui.screens.framed import FramedScreen
+from station.tui.widgets.banner import Now
+from station.tui.widgets.warm_up_panel import WarmUpPanel
+
+
+class WarmUpScreen(FramedScreen):
+    """Shows how far the unit has settled."""
+
+    HELPS = {
+        "warm_up": "The IMU warms up. Nothing is to be done: leave the cube at rest on the slab. The positions "
+        "begin by themselves once the temperature rate and the drift of the gyros are inside limits that are "
+        "learnt from this unit. Skipping is recorded, and the sigmas become wider."
+    }
+    BINDINGS = [Binding("s", "skip", "Skip warm-up", tooltip="begin now; recorded, and the sigmas become wider")]
+
+    def inner(self) -> ComposeResult:
+        """Lay out the panel."""
+        self.panel = WarmUpPanel()
+        yield self.panel
+
+    def now(self, view: View) -> Now:
+        """Return what the banner says."""
+        return Now("WARM-UP", "◷", "$primary", "leave the cube at rest", view.line, view.hint)
+
+    def draw(self, view: View) -> None:
+        """Show a view."""
+        super().draw(view)
+        self.panel.show(view.warm_up)
+
+    def action_skip(self) -> None:
+        """Ask, then begin without having settled."""
+        text = "That it was skipped is recorded, and the sigmas become wider."
+        self.confirm("Skip the warm-up?", text, "Yes, skip it", "skip_warm_up", "warm_up")

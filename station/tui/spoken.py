@@ -1,0 +1,14 @@
+"""Durations and limits as a person reads them."""
+
+
+def duration(seconds: float) -> str:
+    """Return a time [s] in words: ``45 s``, ``12 min``, ``1 h 05 min``."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02} min"
+
+
+def against(value: float, limit: float, unit: str, form: str = ".1f") -> str:
+    """Return a value beside its limit: ``0.3 < 3 deg``."""
+    return f"{value:{form}} {'>' if abs(value) > limit else '<'} {limit:g} {unit}".rstrip()

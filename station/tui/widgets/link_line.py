@@ -1,0 +1,40 @@
+"""The stream at a glance; a red line that says what to do while nothing comes."""
+
+from textual.content import Content
+
+from station.guide.view import Link
+from station.tui.widgets.drawn import Drawn
+
+
+class LinkLine(Drawn[Link]):
+    """Rate, bad frames, lost samples, gaps, temperature."""
+
+    DEFAULT_CSS = """
+    LinkLine { text-wrap: wrap; height: auto; max-height: 2; padding: 0 1; background: $panel; }
+    LinkLine.silent { background: $error; color: $background; text-style: bold; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(Link(), id="link")
+
+    def show(self, value: Link) -> None:
+        """Take a link's state."""
+        self.set_class(not value.is_live, "silent")
+        super().show(value)
+
+    def render(self) -> Content:
+        """Draw the numbers, or what is wrong."""
+        link = self.value
+        if not link.is_live:
+            return Content(f"✗ NO DATA  {link.text or 'nothing comes from the IMU'}")
+        if not link.name:
+            return Content.styled("no IMU is connected yet", "$muted")
+        numbers = [f"{link.rate_hz:.1f} Hz", f"{link.bad_frames} bad", f"{link.lost} lost", f"{link.gaps} gaps"]
+        if link.temperature_c is not None:
+            numbers.append(f"{link.temperature_c:.1f} °C")
+        return Content.assemble(
+            ("✓ live ", "bold $success"),
+            f" {link.name}  ",
+            "  ".join(numbers),
+            (f"  {link.text}", "bold $warning"),
+        )

@@ -1,0 +1,59 @@
+"""A labelled list to choose from, with what must be known about the choice below it."""
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical
+from textual.widgets import Label, Select
+
+from station.guide.view import Choice
+
+
+class Pick(Vertical):
+    """Choices of a set-up; ``value`` is the key chosen, empty for none."""
+
+    DEFAULT_CSS = """
+    Pick { height: auto; }
+    Pick Horizontal { height: 1; }
+    Pick .label { width: 11; margin-left: 2; }
+    Pick Select { width: 1fr; }
+    Pick .note { height: auto; margin-left: 13; color: $warning; text-style: bold; display: none; }
+    Pick .note.said { display: block; }
+    """
+
+    def __init__(self, name: str, label: str, prompt: str) -> None:
+        super().__init__(id=f"pick-{name}")
+        self.select: Select[str] = Select((), prompt=prompt, compact=True, id=name)
+        self._label, self._choices = label, tuple[Choice, ...]()
+        self._note = Label("", classes="note", markup=False)
+
+    def compose(self) -> ComposeResult:
+        """Lay out label, list and note."""
+        with Horizontal():
+            yield Label(self._label, classes="label")
+            yield self.select
+        yield self._note
+
+    @property
+    def value(self) -> str:
+        """The key chosen."""
+        return self.select.selection or ""
+
+    def offer(self, choices: tuple[Choice, ...]) -> None:
+        """Offer other choices; what was chosen stays if it still can be."""
+        if choices != self._choices:
+            chosen = self.value
+            self._choices = choices
+            self.select.set_options((choice.title, choice.key) for choice in choices)
+            self.choose(chosen)
+
+    def choose(self, key: str) -> None:
+        """Choose by key; nothing is chosen by a key that is not there."""
+        self.select.value = key if key in {choice.key for choice in self._choices} else Select.NULL
+
+    def explain(self, note: str) -> None:
+        """Say something about the choice."""
+        self._note.update(f"! {note}" if note else "")
+        self._note.set_class(bool(note), "said")
+
+    def note_of_choice(self) -> str:
+        """Return the note of what is chosen."""
+        return next((choice.note for choice in self._choices if choice.key == self.value), "")

@@ -1,0 +1,141 @@
+"""The set-up of a new campaign: port, unit, cube, slab, site, operator, how long and how many."""
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, VerticalScroll
+from textual.message import Message
+from textual.widgets import Input, Select
+
+from station.guide.view import Check, Setup, Start
+from station.tui.entries import ENTRIES, problems, setup_of, texts_of
+from station.tui.widgets.check_line import CheckLine
+from station.tui.widgets.field import Field
+from station.tui.widgets.pick import Pick
+
+SITE = (
+    ("latitude_deg", "longitude_deg"),
+    ("height_m", "operator"),
+    ("gravity_m_s2", "gravity_std_m_s2"),
+    ("dwell_s", "bias_ug"),
+    ("revolutions",),
+)
+
+
+class SetupForm(VerticalScroll, can_focus=False):
+    """Filled from a set-up whenever that is another, and left to the operator in between."""
+
+    DEFAULT_CSS = """
+    SetupForm { height: 1fr; }
+    SetupForm .pair { height: 1; }
+    SetupForm .pair Field { width: 1fr; }
+    """
+
+    class Changed(Message):
+        """Something was typed or chosen: in the field ``name``, empty for a list."""
+
+        def __init__(self, name: str) -> None:
+            super().__init__()
+            self.name = name
+
+    class Look(Message):
+        """The port should be looked at."""
+
+    def __init__(self) -> None:
+        super().__init__(id="form")
+        self.port = Pick("port", "Port", "ports found: Enter opens the list")
+        self.cube = Pick("cube", "Cube", "which cube: Enter opens the list")
+        self.slab = Pick("slab", "Slab", "which slab: Enter opens the list")
+        self.look = CheckLine()
+        self.fields = {entry.name: Field(entry, is_long=entry.name == "url") for entry in ENTRIES}
+        self._filled: Setup | None = None
+        self._check: Check | None = None
+
+    def compose(self) -> ComposeResult:
+        """Lay out a line for each thing, or two things that belong together."""
+        yield self.port
+        yield self.fields["url"]
+        yield self.look
+        yield self._pair("model", "serial")
+        yield self.cube
+        yield self.slab
+        for names in SITE:
+            yield self._pair(*names)
+
+    def _pair(self, *names: str) -> Horizontal:
+        return Horizontal(*(self.fields[name] for name in names), classes="pair")
+
+    def offer(self, start: Start) -> None:
+        """Take what the engine offers."""
+        self.port.offer(start.ports)
+        self.cube.offer(start.cubes)
+        self.slab.offer(start.slabs)
+        if start.setup != self._filled:
+            self._fill(start.setup)
+        url = self.texts()["url"]
+        self.look.show((url, start.check, start.is_checking))
+        self._take_unit(start.check if start.check and start.check.url == url else None)
+
+    def _fill(self, setup: Setup) -> None:
+        self._filled = setup
+        for name, text in texts_of(setup).items():
+            self.fields[name].input.value = text
+        for pick, key in ((self.port, setup.url), (self.cube, setup.cube), (self.slab, setup.slab)):
+            pick.choose(key)
+
+    def _take_unit(self, check: Check | None) -> None:
+        """Let a device that says its own model and serial number fill in these."""
+        if check == self._check:
+            return
+        self._check = check
+        for name, said in (("model", check.model), ("serial", check.serial)) if check else ():
+            if said:
+                self.fields[name].input.value = said
+            self.fields[name].input.disabled = bool(said)
+        if check is None:
+            self.fields["model"].input.disabled = self.fields["serial"].input.disabled = False
+
+    def texts(self) -> dict[str, str]:
+        """Return what stands in the fields."""
+        return {name: field.input.value.strip() for name, field in self.fields.items()}
+
+    def problems(self) -> dict[str, str]:
+        """Return what is wrong, by field."""
+        texts = self.texts()
+        found = problems(texts)
+        if self._check and self._check.is_good:
+            silent = [name for name in ("model", "serial") if not texts[name]]
+            found |= dict.fromkeys(silent, "is needed: this device does not say its own")
+        return found
+
+    def setup(self) -> Setup:
+        """Return the set-up that the form says; it must have no problems."""
+        chosen = setup_of(self.texts(), self._filled or Setup())
+        return chosen.model_copy(update={"cube": self.cube.value, "slab": self.slab.value})
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Check a field as it is typed."""
+        event.stop()
+        name = event.input.id or ""
+        found = self.problems()
+        for field in self.fields.values():
+            problem = found.get(field.entry.name, "")
+            field.judge("" if problem.startswith("is needed") else problem)
+        self.post_message(self.Changed(name))
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Look at the port once its address is typed; else go to the next field."""
+        event.stop()
+        if event.input.id == "url":
+            self.post_message(self.Look())
+        else:
+            self.screen.focus_next()
+
+    def on_select_changed(self, event: Select.Changed) -> None:
+        """Take a choice; a port is looked at."""
+        event.stop()
+        for pick in (self.cube, self.slab):
+            pick.explain(pick.note_of_choice())
+        url = self.port.value
+        if event.select is self.port.select and url and url != self.texts()["url"]:
+            self.fields["url"].input.value = url
+            self.post_message(self.Look())
+        self.post_message(self.Changed(""))

@@ -1,0 +1,103 @@
+"""All steps of a campaign by face: two headings each, and the turns below."""
+
+from dataclasses import dataclass
+
+from textual.content import Content
+
+from station.guide.view import Step, StepState
+from station.tui.orientation import is_counter_clockwise, title
+from station.tui.widgets.drawn import Drawn
+
+COLUMNS = ("X up", "X down", "Y up", "Y down", "Z up", "Z down")
+ROWS = 3
+LOOKS: dict[StepState, tuple[str, str]] = {
+    "todo": ("○", "$muted"),
+    "live": ("●", "bold $accent"),
+    "done": ("✓", "$success"),
+    "redo": ("!", "$warning"),
+}
+Place = tuple[int, int]  # row, column
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """The steps, which one is wanted, and where the cursor stands."""
+
+    steps: tuple[Step, ...] = ()
+    wanted: str = ""
+    cursor: str = ""
+
+    def at(self, place: Place) -> Step | None:
+        """Return the step in a cell."""
+        return next((step for step in self.steps if place_of(step) == place), None)
+
+    def neighbour(self, down: int, right: int) -> str:
+        """Return the name of the next step in a direction; the cursor's own where there is none."""
+        here = next((step for step in self.steps if step.name == self.cursor), None)
+        row, column = place_of(here) if here else (0, 0)
+        for _ in range(len(COLUMNS)):
+            row, column = (row + down) % ROWS, (column + right) % len(COLUMNS)
+            if found := self.at((row, column)):
+                return found.name
+        return self.cursor
+
+    def before(self) -> str:
+        """Return the name of the step before the cursor, in the order suggested."""
+        names = [step.name for step in self.steps]
+        at = names.index(self.cursor) if self.cursor in names else 0
+        return names[max(at - 1, 0)] if names else ""
+
+
+class StepGrid(Drawn[Grid]):
+    """A cell has two lines: number or turn, then symbol and word."""
+
+    DEFAULT_CSS = """
+    StepGrid { height: 8; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(Grid(), id="steps")
+
+    def render(self) -> Content:
+        """Draw the header, the cells, and the cursor's step in words."""
+        width = max(self.size.width // len(COLUMNS), 7)
+        lines = [Content("".join(f" {name}".ljust(width) for name in COLUMNS)).stylize("$muted")]
+        for row in range(ROWS):
+            cells = [self._cell((row, column), width) for column in range(len(COLUMNS))]
+            lines += [Content("").join(cell[line] for cell in cells) for line in (0, 1)]
+        return Content("\n").join([*lines, self._words()])
+
+    def _cell(self, place: Place, width: int) -> tuple[Content, Content]:
+        step = self.value.at(place)
+        if step is None:
+            return Content(" " * width), Content(" " * width)
+        symbol, colour = LOOKS[step.state]
+        is_wanted = step.name == self.value.wanted
+        name = f"{'▶' if is_wanted else ' '}{_short(step)}{f' +{step.superseded}' if step.superseded else ''}"
+        ground = " on $primary 45%" if step.name == self.value.cursor else ""
+        first = Content.assemble((name.ljust(width), ("bold $accent" if is_wanted else "bold") + ground))
+        second = Content.assemble((f" {symbol} {step.state}".ljust(width), colour + ground))
+        return first, second
+
+    def _words(self) -> Content:
+        step = next((step for step in self.value.steps if step.name == self.value.cursor), None)
+        if step is None:
+            return Content("")
+        said = [step.state, f"{step.seconds:.0f} s" if step.attempts else ""]
+        said += [f"{step.superseded} superseded" if step.superseded else "", step.note]
+        words = ", ".join(word for word in said if word)
+        return Content.assemble((f" {title(step)}: ", "bold"), words)
+
+
+def place_of(step: Step) -> Place:
+    """Return the cell of a step."""
+    if step.position:
+        column, row = divmod(step.position - 1, 2)
+        return row, column
+    return 2, 2 * "xyz".index(step.axis) + (step.direction != "+")
+
+
+def _short(step: Step) -> str:
+    if step.position:
+        return str(step.position)
+    return f"{'↺' if is_counter_clockwise(step) else '↻'} {step.axis.upper()}{step.direction}"

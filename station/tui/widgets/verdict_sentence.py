@@ -1,0 +1,36 @@
+"""The verdict: a word, a symbol and one sentence in the verdict's colour."""
+
+from textual.content import Content
+
+from station.guide.view import Verdict
+from station.tui.widgets.drawn import Drawn
+
+LOOKS = {"PASS": ("✓", "$success"), "FAIL": ("✗", "$error"), "NOT_MEASURED": ("?", "$warning")}
+
+
+class VerdictSentence(Drawn[Verdict | None]):
+    """Stands alone at the top."""
+
+    DEFAULT_CSS = """
+    VerdictSentence { text-wrap: wrap; height: auto; min-height: 3; padding: 1 2; text-style: bold; }
+    VerdictSentence.PASS { background: $success 22%; }
+    VerdictSentence.FAIL { background: $error 22%; }
+    VerdictSentence.NOT_MEASURED { background: $warning 22%; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(None, id="sentence")
+
+    def show(self, value: Verdict | None) -> None:
+        """Take another verdict."""
+        for word in LOOKS:
+            self.set_class(value is not None and value.word == word, word)
+        super().show(value)
+
+    def render(self) -> Content:
+        """Draw it."""
+        if self.value is None:
+            return Content("")
+        symbol, colour = LOOKS[self.value.word]
+        word = f" {symbol} {self.value.word.replace('_', ' ')} "
+        return Content.assemble((word, f"$background on {colour}"), f"  {self.value.sentence}")

@@ -1,0 +1,49 @@
+"""Warm-up: what must come to rest inside, against the limits learnt from the unit."""
+
+from textual.content import Content
+
+from station.guide.view import WarmUp
+from station.tui.bars import bar
+from station.tui.spoken import against, duration
+from station.tui.widgets.drawn import Drawn
+
+
+class WarmUpPanel(Drawn[WarmUp | None]):
+    """Time gone and left, then temperature rate and gyro drift with a bar each."""
+
+    DEFAULT_CSS = """
+    WarmUpPanel { text-wrap: wrap; height: auto; padding: 1 2; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(None, id="warm-up")
+
+    def render(self) -> Content:
+        """Draw what is known."""
+        warm = self.value
+        if warm is None:
+            return Content.styled("waiting for the first counts", "$muted")
+        left = "cannot be said yet" if warm.left_s is None else f"about {duration(warm.left_s)}"
+        lines = [
+            Content.assemble(("time so far     ", "$muted"), (duration(warm.seconds), "bold")),
+            Content.assemble(("time left       ", "$muted"), (left, "bold")),
+            Content(""),
+            self._gate("temperature", warm.temperature_rate_c_min, warm.temperature_limit_c_min, "°C/min"),
+            self._gate("gyro drift", warm.gyro_drift_deg_h, warm.gyro_limit_deg_h, "deg/h"),
+        ]
+        if warm.note:
+            lines += [Content(""), Content(warm.note)]
+        return Content("\n").join(lines)
+
+    def _gate(self, name: str, value: float | None, limit: float | None, unit: str) -> Content:
+        if value is None or limit is None:
+            said = "not measured" if value is None else f"{value:.3g} {unit}, the limit is being learnt"
+            return Content.assemble((f"{name:16}", "bold"), (f"… {said}", "$muted"))
+        is_inside = abs(value) <= limit
+        colour, word = ("$success", "✓ settled ") if is_inside else ("$warning", "✗ changing")
+        filled, empty = bar(abs(value) / limit, max(self.size.width - 16 - 11 - 24, 8))
+        numbers = against(value, limit, unit, "+.3g")
+        return Content.assemble(
+            (f"{name:16}", "bold"), (f"{word} ", f"bold {colour}"),
+            (filled, colour), (empty, "on $foreground 12%"), f"{numbers:>24}",
+        )  # fmt: skip

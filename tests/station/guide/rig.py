@@ -1,0 +1,100 @@
+"""A guide on a simulated device polled in memory, in device time: no process, no port, no waiting."""
+
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from drivers.simulated.faults import Fault
+from drivers.simulated.truth import Truth
+from fixtures_db.database import open_db
+from procedures.campaign import Fixture
+from procedures.steps import Dwell, Step
+from station.benches import open_feed
+from station.guide.checklist import Checklist
+from station.guide.command import Command
+from station.guide.desk import Desk, Facts
+from station.guide.folder_recorder import FolderRecorder
+from station.guide.guide import Guide
+from station.guide.view import View
+from station.recorder import open_campaign
+from tests.station.benches.bench_in_memory import SITE, Source
+
+Watch = Callable[[View], None]
+
+
+def ignore(_: View) -> None:
+    pass
+
+
+class GuideRig:
+    """A guide with everything around it, in a folder; ``hands`` moves the cube of the device."""
+
+    def __init__(
+        self,
+        folder: Path,
+        steps: Sequence[Step],
+        truth: Truth | None = None,
+        faults: Iterable[Fault] = (),
+        *,
+        warms_up: bool = False,
+        asks: bool = True,
+        bias_std: float | None = None,
+    ) -> None:
+        self.folder = folder / "campaign"
+        self.folder.mkdir()
+        self.truth = Truth.example(1) if truth is None else truth
+        self.source = Source(self.truth, faults)
+        self.feed = open_feed(self.source)
+        self.unit = self.feed.identify()
+        self.database = open_db(folder / "station.db")
+        self.recorder = open_campaign(self.folder, self.unit, SITE, self.database)
+        facts = Facts(
+            float(np.radians(self.truth.latitude_deg)), 1e-3, 2e-4, Fixture(), bias_std=bias_std, asks=asks
+        )
+        self.desk = Desk(self.feed, Checklist(steps), facts, FolderRecorder(self.recorder))
+        self.guide = Guide(self.desk, warms_up=warms_up)
+        self.seen: list[View] = []
+        self.said: dict[int, str] = {}
+
+    def hands(self, command: str) -> None:
+        answer = self.source.device.obey(command)
+        assert answer.startswith("ok"), answer
+
+    def obey(self, verb: str, **what: str) -> None:
+        self.guide.obey(Command.model_validate({"verb": verb, **what}))
+
+    @property
+    def view(self) -> View:
+        return self.guide.view(View())
+
+    @property
+    def texts(self) -> list[str]:
+        return [self.said[number] for number in sorted(self.said)]
+
+    def run(self, until: Callable[[View], bool], watch: Watch = ignore, seconds: float = 2000.0) -> View:
+        """Let device time pass until a view shows what is waited for; fail after ``seconds`` of it."""
+        end = self.source.device.imu.time + seconds
+        while self.source.device.imu.time < end:
+            self.feed.advance()
+            for block in self.feed.ready():
+                self.guide.take(block)
+                view = self.view
+                self.seen.append(view)
+                self.said |= {event.number: f"{event.sound}: {event.text}" for event in view.events}
+                watch(view)
+                if until(view):
+                    return view
+        raise AssertionError(f"not within {seconds} s: {self.view.line}; {self.view.hint}; {self.texts[-5:]}")
+
+    def rest(self, seconds: float) -> View:
+        """Let device time pass."""
+        end = self.source.device.imu.time + seconds
+        return self.run(lambda _: self.source.device.imu.time >= end, seconds=seconds + 10)
+
+    def done(self, count: int) -> Callable[[View], bool]:
+        return lambda view: view.done >= count
+
+
+def dwells(*positions: int, seconds: float = 10.0) -> list[Step]:
+    return [Dwell(position, seconds) for position in positions]
