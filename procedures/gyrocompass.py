@@ -7,8 +7,8 @@ prior. With ``s = 1 / k``, one gyro's dwells so far and the one in question obey
 
     s r = u + error,   cov(error) = bias_std^2 1 1' + SPREAD^2 u u' + SLACK^2 Omega^2 I + s^2 diag(std^2)
 
-so that chi2(s) is a quadratic form, and its least value over ``s > 0`` is the square of the sigmas by which a
-candidate heading strains what is known. Dwells whose position is certain make the bias drop out. Earth rate and
+so that -2 log likelihood is ``chi2(s) - 6 n log s`` for n dwells, chi2 a quadratic form; its least value over
+``s > 0`` judges a candidate heading. Dwells whose position is certain make the bias drop out. Earth rate and
 signs: `procedures.earth`, `procedures.frames`. The method is gyrocompassing; the rule of decision is this
 project's own (docs/guiding.md).
 """
@@ -21,13 +21,13 @@ from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
 from procedures.earth import DEG_PER_HOUR, EARTH_RATE, earth_rate_n
-from procedures.frames import cross_axes, face_normal, face_of, nominal_C_lb, vertical_rotation
+from procedures.frames import face_normal, face_of, nominal_C_lb, vertical_rotation
 
 BIAS_STD = DEG_PER_HOUR  # rad/s
 SPREAD = 0.03  # 1 sigma of a gyro's scale factor about the unit's own
 SLACK = 0.02  # 1 sigma, of the Earth's rate: misaligned gyros, and a cube set down a degree off
 STRANGE = 1e-3  # probability of a chi2 above which a candidate does not fit
-GAP = 60.0  # chi2 by which every other candidate must fit worse
+GAP = 60.0  # of -2 log likelihood, to every other candidate
 ROUNDS = 4
 ROUGH = 0.5  # relative sigma of a scale factor above which nothing is said
 
@@ -46,8 +46,8 @@ class Heading:
     """The likeliest of four headings, a quarter turn apart.
 
     ``quarter`` counts them counter-clockwise seen from above from the face's first position; ``position`` is None
-    where the cube stands 90 deg off both positions of its face. ``margin`` is the chi2 by which the next candidate
-    fits worse.
+    where the cube stands 90 deg off both positions of its face. ``margin`` is -2 log of the likelihood ratio of
+    the next candidate to it.
     """
 
     position: int | None
@@ -86,17 +86,13 @@ def find_heading(
     before = [_earth_rate(each.position, 0, latitude, C_ib) for each in known]
     rates = np.array([*(each.rate for each in known), rate])
     stds = np.array([*(each.std for each in known), std])
-    chi2 = np.array(
-        [
-            _fit(rates, stds, np.array([*before, _earth_rate(first, quarter, latitude, C_ib)]), bias_std)[2]
-            for quarter in range(4)
-        ]
-    )
-    best, second = np.argsort(chi2)[:2]
-    margin = float(chi2[second] - chi2[best])
-    fits = chi2[best] < chdtri(rates.size - 1, STRANGE)  # of which the scale factor takes one
+    candidates = [np.array([*before, _earth_rate(first, quarter, latitude, C_ib)]) for quarter in range(4)]
+    fits = [_fit(rates, stds, u, bias_std) for u in candidates]
+    best, second = np.argsort([fit.cost for fit in fits])[:2]
+    margin = fits[second].cost - fits[best].cost
+    is_like = fits[best].chi2 < chdtri(rates.size - 1, STRANGE)  # of which the scale factor takes one
     position = {0: first, 2: first + 1}.get(int(best))
-    return Heading(position, int(best), bool(fits and margin > GAP), margin)
+    return Heading(position, int(best), bool(is_like and margin > GAP), float(margin))
 
 
 def scale(
@@ -104,13 +100,14 @@ def scale(
 ) -> tuple[float, float] | None:
     """Return the gyros' scale factor [count/rad] and its relative 1 sigma, roughly, from dwells alone.
 
-    None while the dwells do not tell it to within a half.
+    None while the dwells do not tell it to within a half, or contradict each other.
     """
     if not known:
         return None
     u = np.array([_earth_rate(each.position, 0, latitude, C_ib) for each in known])
-    s, s_std, _ = _fit(np.array([k.rate for k in known]), np.array([k.std for k in known]), u, bias_std)
-    return (1 / s, s_std / s) if s_std < ROUGH * s else None
+    fit = _fit(np.array([k.rate for k in known]), np.array([k.std for k in known]), u, bias_std)
+    fits = fit.chi2 < chdtri(u.size - 1, STRANGE) and fit.std < ROUGH * fit.s
+    return (1 / fit.s, fit.std / fit.s) if fits else None
 
 
 def heading_change(
@@ -149,19 +146,29 @@ def _earth_rate(position: int, quarter: int, latitude: float, C_ib: FloatArray) 
     return rate
 
 
-def _fit(rate: FloatArray, std: FloatArray, u: FloatArray, bias_std: float) -> tuple[float, float, float]:
-    """Return s = 1 / k [rad/count], its 1 sigma and chi2 of dwells (n, 3) at Earth rates ``u`` (n, 3) [rad/s]."""
+@dataclass(frozen=True, slots=True)
+class _Fit:
+    """The likeliest s = 1 / k [rad/count], its 1 sigma, chi2 there, and -2 log likelihood up to a constant."""
+
+    s: float
+    std: float
+    chi2: float
+    cost: float
+
+
+def _fit(rate: FloatArray, std: FloatArray, u: FloatArray, bias_std: float) -> _Fit:
+    """Fit one s to dwells (n, 3) at Earth rates ``u`` (n, 3) [rad/s]; the variance moves little with it."""
     n = len(rate)
     r, w, variance = rate.T[:, :, None], u.T[:, :, None], std.T**2  # gyro by gyro
     own = bias_std**2 + SPREAD**2 * (w @ w.transpose(0, 2, 1)) + (SLACK * EARTH_RATE) ** 2 * np.eye(n)
-    s = float(np.linalg.norm(u) / np.linalg.norm(rate)) if np.any(rate) else 0.0
+    s = float(np.linalg.norm(u)) / max(float(np.linalg.norm(rate)), 1e-9)
     for _ in range(ROUNDS):
-        white = np.linalg.inv(own + s**2 * variance[:, :, None] * np.eye(n))
-        information = float(np.sum(r.transpose(0, 2, 1) @ white @ r))
-        s = max(float(np.sum(r.transpose(0, 2, 1) @ white @ w)) / information, 0.0) if information > 0 else 0.0
+        covariance = own + s**2 * variance[:, :, None] * np.eye(n)
+        white = np.linalg.inv(covariance)
+        a = max(float(np.sum(r.transpose(0, 2, 1) @ white @ r)), 1e-9)
+        b = float(np.sum(r.transpose(0, 2, 1) @ white @ w))
+        s = (b + np.sqrt(b**2 + 12 * n * a)) / (2 * a)  # where a s^2 - 2 b s - 6 n log s is least
     left = s * r - w
-    return (
-        s,
-        information**-0.5 if information > 0 else np.inf,
-        float(np.sum(left.transpose(0, 2, 1) @ white @ left)),
-    )
+    chi2 = float(np.sum(left.transpose(0, 2, 1) @ white @ left))
+    cost = chi2 + float(np.linalg.slogdet(covariance)[1].sum()) - 6 * n * np.log(s)
+    return _Fit(s, a**-0.5, chi2, cost)

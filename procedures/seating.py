@@ -2,10 +2,10 @@
 
 A crumb under the cube tilts it, and a level accelerometer shows the tilt as specific force. What it should show is
 known once the face was up before: its output is ``N = K u + b`` (Yao, Hu, He 2018, eq. 1, 2) with ``u`` the up
-vector as `procedures.bench_model` has it, from slab tilt, face tilt and heading. All of these are parameters of one
-Bayesian fit to the raw rates of the accepted dwells, with the bench's priors and wide ones for K and b, centred on
-what the vertical accelerometers count. The dwell in question takes part with next to no weight, so that its
-residual and its row of the Jacobian are what the others predict of it: ``cov = J P J'``.
+vector as `procedures.bench_model` has it, from slab tilt, face tilt and heading. All of these are parameters of
+one Bayesian fit to the raw rates of the accepted dwells, with the bench's priors and wide ones for K and b,
+centred on what the vertical accelerometers count. The dwell in question takes part with next to no weight, so
+that its residual and its row of the Jacobian are what the others predict of it: ``cov = J P J'``.
 
 The first dwell of a face shows face tilt, bias and misalignment in one sum; the second shows the same sum and the
 slab's tilt reversed. So there is nothing to say of the first, and until one pair is complete the slab is only
@@ -66,7 +66,7 @@ def seating(accepted: Sequence[Rates], now: Rates, fixture: Fixture, heading_std
     None while no other dwell has this face up. Dwells in the position of ``now`` are left out: they are what is
     being done again. ``heading_std`` [rad] is how well a position's heading is set.
     """
-    position, rate, std = now
+    position, _, std = now
     face = face_of(position)
     before = [each for each in accepted if each[0] != position]
     if not any(face_of(each[0]) == face for each in before):
@@ -100,9 +100,8 @@ def judge(seating: Seating) -> str:
     if abs(seating.off[worst]) <= limit[worst]:
         return ""
     off, most = seating.off[worst] / ARCSEC, limit[worst] / ARCSEC
-    return (
-        f"tilted by {abs(off):.0f} arcsec along {'-' if off < 0 else '+'}{seating.axes[worst]}, limit {most:.0f}"
-    )
+    way = ("-" if off < 0 else "+") + seating.axes[worst]
+    return f"tilted by {abs(off):.0f} arcsec along {way}, limit {most:.0f}"
 
 
 def _fit(before: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: float) -> Fit:
@@ -141,4 +140,5 @@ def _scale(dwells: Sequence[Rates], C_ib: FloatArray) -> FloatArray:
     rate = np.array([rate for _, rate, _ in dwells])
     upright = np.abs(up).sum(axis=0)
     k = (up * rate).sum(axis=0) / np.maximum(upright, 1)
-    return np.where(upright > 0, k, np.mean(np.abs(k[upright > 0])))
+    like: FloatArray = np.where(upright > 0, k, np.mean(np.abs(k[upright > 0])))
+    return like

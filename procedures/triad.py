@@ -44,9 +44,9 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
     """Refer a fit to the mean cube and turn it into k, E and D.
 
     Scatter from dwell to dwell beyond counting noise is taken as bias instability, which wanders slowly: the
-    mean over the dwells averages it less than independent draws. The drift of an unsettled unit is common to all of
-    them: its bias when it has settled differs by as much as it moved meanwhile. An uncertified cube's skew adds to the sigma of
-    k, and of accelerometers' D (`procedures.bench_model`).
+    mean over the dwells averages it less than independent draws. The drift of an unsettled unit is common to all
+    of them: its bias when it has settled differs by as much as it moved meanwhile. An uncertified cube's skew
+    adds to the sigma of k, and of accelerometers' D (`procedures.bench_model`).
     """
     unit, per = ("g", 1.0) if triad == "accelerometer" else ("deg/h", DPH)
     bench, C_ib = joint.bench, joint.bench.campaigns[0].fixture.C_ib

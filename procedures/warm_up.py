@@ -1,11 +1,11 @@
-"""Has the unit settled: is what its bias drifts over a pair of positions less than a dwell's own noise?
+"""Has the unit settled, so that its bias drifts less over a pair of positions than a dwell's own noise.
 
 The limits are learnt from the unit at rest, in counts, through nothing stored. With ``white`` its count noise
 [count/sqrt(s)], a dwell of T seconds shows a rate to ``white / sqrt(T)``: the limit of the drift over ``pair_s``,
 the time two positions of one face take. Two things tell the drift:
 
 - the means themselves, by the slope of a straight line through the last W seconds of them,
-  ``std(slope) = white sqrt(12 / W^3)``. Half the limit takes ``W^3 = 48 T pair_s^2``: twelve minutes for T = 100 s;
+  ``std(slope) = white sqrt(12 / W^3)``. Half the limit takes ``W^3 = 48 T pair_s^2``: 12 min for T = 100 s;
 - the temperature, by its rate times the bias's sensitivity ``c`` to it [count/s/K], which is regressed on all that
   was seen, with a prior as wide as fibre-optic gyros are. A temperature at rest settles the matter in a minute.
 
@@ -127,8 +127,8 @@ class Unsettled:
 def unsettled(means: Means, remaining_s: float, marks: Sequence[float] = ()) -> Unsettled:
     """Return what the drift seen last implies for the biases if the campaign begins now and lasts ``remaining_s``.
 
-    A drift d leaves ``d tau exp(-t / tau)`` to go, or, where tau is not known, ``d (remaining_s - t)``. Returned is
-    the root mean square of that over the campaign, at most a whole warm-up of `WARM_UP_K`.
+    A drift d leaves ``d tau exp(-t / tau)`` to go, or, where tau is not known, ``d (remaining_s - t)``. Returned
+    is the root mean square of that over the campaign, at most a whole warm-up of `WARM_UP_K`.
 
     Raises
     ------
@@ -229,5 +229,5 @@ def _left(tau: float | None, ratio: float) -> float | None:
 def _spread(seconds: float, tau: float | None) -> float:
     """Return the root mean square over ``seconds`` of what a drift of 1 /s has still to go [s]."""
     if tau is None:
-        return seconds / np.sqrt(3.0)
+        return float(seconds / np.sqrt(3.0))
     return tau * float(np.sqrt(tau / (2 * seconds) * -np.expm1(-2 * seconds / tau)))

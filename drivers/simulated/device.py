@@ -7,11 +7,14 @@ commands given before the first chunk, equal seeds give equal bytes.
 from collections.abc import Iterable
 from threading import Lock
 
+import numpy as np
+
 from drivers.simulated.faults import Fault, FaultyLine, Sent
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.pace import MOST_SAMPLES
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, Identity
+from procedures.arrays import FloatArray
 
 IDENTITY_EVERY_S = 1.0
 
@@ -59,6 +62,12 @@ class ByteDevice:
                 imu.place(int(position))
             case ["place", position, move_s]:
                 imu.place(int(position), float(move_s))
+            case ["place", position, move_s, *off_deg] if len(off_deg) == 3:
+                imu.place(int(position), float(move_s), _rad(off_deg))
+            case ["knock", seconds, size_g]:
+                imu.knock(float(seconds), float(size_g))
+            case ["creep", seconds, *turn_deg] if len(turn_deg) == 3:
+                imu.creep(float(seconds), _rad(turn_deg))
             case ["turn", axis, direction, revolutions]:
                 imu.turn(axis, direction, int(revolutions))
             case ["turn", axis, direction, revolutions, rest_s]:
@@ -72,7 +81,13 @@ class ByteDevice:
                 return f"position {imu.position} {state} time {imu.time:.6f} done {imu.done:.6f}"
             case _:
                 raise ValueError(
-                    f"unknown command {' '.join(words)!r}; expected place POSITION [MOVE_S], "
-                    "turn AXIS + or - REVOLUTIONS [REST_S], rest SECONDS, status, time or go"
+                    f"unknown command {' '.join(words)!r}; expected place POSITION [MOVE_S "
+                    "[X_DEG Y_DEG Z_DEG]], turn AXIS + or - REVOLUTIONS [REST_S], rest SECONDS, "
+                    "knock SECONDS SIZE_G, creep SECONDS X_DEG Y_DEG Z_DEG, status, time or go"
                 )
         return f"time {imu.time:.6f} done {imu.done:.6f}"
+
+
+def _rad(degrees: list[str]) -> FloatArray:
+    vector: FloatArray = np.radians([float(each) for each in degrees])
+    return vector

@@ -10,10 +10,11 @@ import numpy as np
 
 from drivers.simulated.bench import stand, turn_segment
 from drivers.simulated.effects import planted
-from drivers.simulated.motion import Segment, flip, rest, settle
+from drivers.simulated.motion import Segment, creep, flip, knock, rest, settle
 from drivers.simulated.sensor import Sensor
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
+from procedures.frames import rotation
 from procedures.records import CountBlock
 from procedures.steps import Turn
 
@@ -52,17 +53,33 @@ class SimulatedImu:
         """Whether commanded motion or rest is still under way."""
         return self._queued() > 0
 
-    def place(self, position: int, move_s: float = 45.0) -> None:
-        """Put the cube into ``position`` 1..12 by hand within ``move_s`` [s]; then it settles and rests."""
+    def place(self, position: int, move_s: float = 45.0, off_b: FloatArray | None = None) -> None:
+        """Put the cube into ``position`` 1..12 by hand within ``move_s`` [s]; then it settles and rests.
+
+        ``off_b`` (3,) [rad] is the rotation vector, in the cube's axes, by which it does not stand as it should.
+        """
         if position not in range(1, 13):
             raise ValueError(f"position {position}: expected 1 to 12")
         truth, period = self.truth, self.truth.sample_period_s
         C_bn = self.world.attitude(position, self._draw(truth.heading_std_deg))
+        if off_b is not None:
+            C_bn = rotation(-off_b) @ C_bn
         move = flip(self._last_C_bn(), C_bn, self._samples(move_s), period, self._hands)
         settling = settle(C_bn, position, period, self._hands, self._scatter * truth.settle_rad,
                           truth.settle_tau_s, truth.settle_hz)  # fmt: skip
         self._append(move, settling, rest(C_bn, None, position, settling.samples or 0))
         self.position = position
+
+    def knock(self, seconds: float, size_g: float) -> None:
+        """Knock or shake the cube where it stands."""
+        last, samples = self._segments[-1], self._samples(seconds)
+        shaken = knock(last.C_bn, self.position, samples, self.truth.sample_period_s, self._hands, size_g)
+        self._append(shaken, rest(last.C_bn, None, self.position, samples))
+
+    def creep(self, seconds: float, turn_b: FloatArray) -> None:
+        """Let the cube turn evenly by the rotation vector ``turn_b`` (3,) [rad], its own axes."""
+        moved = creep(self._last_C_bn(), self.position, self._samples(seconds), turn_b)
+        self._append(moved, rest(moved.end_C_bn(), None, self.position))
 
     def rest(self, seconds: float) -> None:
         """Leave the cube alone for ``seconds`` before the next command acts."""

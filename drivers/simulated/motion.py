@@ -108,6 +108,22 @@ def flip(
     return Segment(C_bn, samples, axis, angle, accel)
 
 
+def knock(
+    C_bn: FloatArray, position: int, samples: int, period: float, rng: np.random.Generator, size_g: float
+) -> Segment:
+    """Return a cube that is knocked or shaken, by random swings of ``size_g`` [g], and does not move."""
+    t = period * np.arange(samples)[:, None]
+    hz, phase = rng.uniform(3, 20, (2, 4, 3))
+    swings = np.sin(2 * np.pi * hz[:, None] * t + phase[:, None]).sum(axis=0)
+    return Segment(C_bn, samples, accel_n=size_g / 2 * swings, position=position)
+
+
+def creep(C_bn: FloatArray, position: int, samples: int, turn_b: FloatArray) -> Segment:
+    """Return a cube that turns evenly by the rotation vector ``turn_b`` (3,) [rad], as one that slips does."""
+    angle = float(np.linalg.norm(turn_b)) * np.linspace(0.0, 1.0, samples + 1)
+    return Segment(C_bn, samples, _unit(turn_b), angle, position=position)
+
+
 def hand_turn(
     C_bn: FloatArray, axis_b: FloatArray, total: float, rest_samples: int, period: float, rng: np.random.Generator
 ) -> Segment:

@@ -12,7 +12,8 @@ from procedures.steps import Turn
 from station.benches.stillness import LEAST, TICKS, Block
 
 ALIKE = 0.1  # relative: gyros of one unit agree to some per cent, one revolution more or less is 33 % off
-FAR = 20.0  # times the noise of a block's counts
+FAR = 20.0  # times the noise of a second's counts
+EARTHS = 3.0  # times what the gyros show at rest
 STRAY = 0.2  # of the turn's counts on the axis, what another axis may show: they are 0.1 deg to 1 deg off square
 
 
@@ -51,6 +52,11 @@ class TurnWatch:
     def moved_s(self) -> float:
         """How long the cube has been moving [s]."""
         return self._seconds(self._moving)
+
+    @property
+    def rest_rate(self) -> FloatArray:
+        """The gyros' count rate (3,) at rest before the turn; zero before the first second of it."""
+        return self._rest() if self._before else np.zeros(3)
 
     @property
     def rests(self) -> tuple[list[Block], list[Block]]:
@@ -116,9 +122,13 @@ class TurnWatch:
         return ""
 
     def _is_turning(self, block: Block) -> bool:
-        """Say whether a gyro's rate is far off the one at rest: a motor turns so evenly that nothing trembles."""
-        counts = np.abs(block.rate[:3] - self._rest()) * (block.last - block.first) * self._period
-        return bool(np.any(counts > FAR * np.sqrt(TICKS * np.maximum(block.variance[:3], LEAST))))
+        """Say whether a gyro's rate is far off the one at rest: a motor turns so evenly that nothing trembles.
+
+        In another heading the Earth's rate is another one, by up to twice of it.
+        """
+        rest = self._rest()
+        sigma = np.sqrt(TICKS * np.maximum(block.variance[:3], LEAST))
+        return bool(np.any(np.abs(block.rate[:3] - rest) > FAR * sigma + EARTHS * np.abs(rest).max()))
 
     def _up(self) -> FloatArray:
         up: FloatArray = self._C_ib[:, AXES.index(self._step.axis)]

@@ -23,9 +23,7 @@ def came_back(desk: Desk, step: Turn, watch: TurnWatch) -> tuple[float, float] |
     if (other := desk.turns.get(opposite.name)) is not None:
         off = (watch.counts_per_revolution / other - 1) * 360 * step.revolutions
         return off, float(np.degrees(desk.facts.closure_std * np.sqrt(2)))
-    k = desk.gyro_k
-    if k is None:
-        return None
+    k = desk.rough_gyro_k(watch.rest_rate)
     before, after = (_known(desk, step, blocks) for blocks in watch.rests)
     angle, std = np.degrees(heading_change(before, after, desk.facts.latitude, desk.C_ib, k))
     return (float(angle), float(std)) if std < WORTH_DEG else None

@@ -8,6 +8,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign import Fixture
+from procedures.earth import EARTH_RATE
 from procedures.gyrocompass import Heading, Known, find_heading, scale
 from procedures.steps import Dwell, Step
 from station.benches.live_feed import LiveFeed
@@ -98,6 +99,10 @@ class Desk:
             return float(np.median(list(self.turns.values()))) / (2 * np.pi)
         found = scale(self.known, self.facts.latitude, self.C_ib)
         return None if found is None or found[1] > 0.3 else found[0]
+
+    def rough_gyro_k(self, rest: FloatArray) -> float:
+        """Return the gyros' scale factor [count/rad], as if the Earth were all they show if it is not known."""
+        return self.gyro_k or float(np.linalg.norm(rest)) / EARTH_RATE
 
     def accept(self, step: Step, runs: Sequence[Run], note: str = "") -> None:
         """Record a step; it is said to be accepted once it is on the disk and in the database."""

@@ -5,7 +5,7 @@ tells them apart is the rotation that the gyros saw while it was disturbed, whol
 zero for a knock. A cube that creeps is still every second: its level accelerometers give it away in the end.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -17,17 +17,21 @@ from station.guide.judge import Look
 from station.recorder.tape import Run
 
 MOVED_DEG = 0.05
-UNKNOWN_BLOCKS = 3  # where no rotation can be told, a longer disturbance was a move
 CALM_BLOCKS = 1  # still ones after a disturbance that are not used
+FEW_BLOCKS = 3
+TURNING_SIGMA = 20.0
 SECTIONS = 10
 CREEP_SIGMA = 7.0  # of nine successive differences
 CREEP_RAD = 1e-4  # 20 arcsec: below it the biases of a good unit may wander as well
 
 
 class Dwelling:
-    """Collects ``samples`` samples of ``period`` [s]; ``gyro_k`` [count/rad], roughly, None where not known."""
+    """Collects ``samples`` samples of ``period`` [s].
 
-    def __init__(self, samples: int, period: float, gyro_k: float | None) -> None:
+    ``gyro_k`` returns the gyros' scale factor [count/rad], roughly, for their count rate (3,) at rest.
+    """
+
+    def __init__(self, samples: int, period: float, gyro_k: Callable[[FloatArray], float]) -> None:
         self._wanted, self._period, self._k = samples, period, gyro_k
         self.kept: list[Block] = []
         self._away: list[Block] = []  # since it was last at rest
@@ -64,13 +68,14 @@ class Dwelling:
 
     def take(self, block: Block, look: Look) -> str:
         """Take a block; return why the dwell must begin again, empty if it need not."""
-        if not look.hindrance and not self._away:
+        is_calm = not look.hindrance and not self._is_turning(block)
+        if is_calm and not self._away:
             self.kept.append(block)
             return ""
         self._away.append(block)
         if not look.is_upright:
             return f"the cube was lifted or tilted, by {look.off_deg:.0f} deg"
-        self._calm = 0 if look.hindrance else self._calm + 1
+        self._calm = self._calm + 1 if is_calm else 0
         if self._calm <= CALM_BLOCKS:
             return ""
         reason = self._moved()
@@ -99,6 +104,13 @@ class Dwelling:
             return f"the cube crept by {np.degrees(2 * crept.max()) * 3600:.0f} arcsec"
         return ""
 
+    def _is_turning(self, block: Block) -> bool:
+        """Say whether a gyro is far off its mean so far: an even rotation makes nothing tremble."""
+        if len(self.kept) < FEW_BLOCKS:
+            return False
+        sigma = np.sqrt(np.maximum(block.variance[:3], LEAST) * TICKS)
+        return bool(np.any(np.abs(block.rate[:3] - self.rate()[:3]) > TURNING_SIGMA * sigma))
+
     def _moved(self) -> str:
         """Say by how much the cube was turned while it was disturbed."""
         away = self._away
@@ -106,13 +118,12 @@ class Dwelling:
             return ""
         if any(a.last != b.first or b.is_broken for a, b in pairwise([self.kept[-1], *away])):
             return "samples were lost while it was disturbed"
-        if self._k is None:
-            return "the cube was moved" if len(away) - CALM_BLOCKS > UNKNOWN_BLOCKS + 1 else ""
         rest = self.rate()[:3]
+        k = self._k(rest)
         counts = np.sum([(b.rate[:3] - rest) * (b.last - b.first) * self._period for b in away], axis=0)
         sigma = np.sqrt(max(float(np.max([b.variance[:3].max() for b in self.kept])), LEAST) * TICKS * len(away))
-        angle = float(np.degrees(np.linalg.norm(counts) / self._k))
-        if angle > MOVED_DEG + np.degrees(5 * sigma / self._k):
+        angle = float(np.degrees(np.linalg.norm(counts) / k))
+        if angle > MOVED_DEG + np.degrees(5 * sigma / k):
             return f"the cube was moved by {angle:.2f} deg"
         return ""
 

@@ -93,7 +93,7 @@ def _reason(word: Word, judged: Sequence[Judged], model: str, serial: str) -> st
     share, tightest = max((one.share or 0.0, title_of(one.limit.parameter)) for one in judged)
     return (
         f"{unit} is within all {len(judged)} limits of its model; "
-        f"the tightest is {tightest} at {share:.0%} of its limit"
+        f"the tightest is {tightest} at {share * 100:.0f} % of its limit"
     )
 
 

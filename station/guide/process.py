@@ -10,12 +10,24 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict
 
 from station.campaign_folder.plan_toml import read_plan
+from station.errors import StationError
 from station.guide.command import Command
 from station.guide.operator import Nobody, Operator, SimulatedOperator
 from station.guide.options import Options
 from station.guide.view import Setup
 
 END_S = 30.0  # a solve under way, and a reader's farewell
+
+
+class EngineFailed(StationError):
+    """The engine's process ended as it should not: a bug."""
+
+    def __init__(self, code: int, said: str) -> None:
+        self.code, self.said = code, said
+        last = said.strip().splitlines()[-1:] or [f"exit code {code}"]
+        super().__init__(
+            f"the engine has ended: {last[0]}; what was accepted is safe, `station resume` goes on. Report this bug"
+        )
 
 
 class EngineOptions(BaseModel):
@@ -50,9 +62,10 @@ class EngineOptions(BaseModel):
 def engine_process(options: EngineOptions) -> Iterator[Path]:
     """Yield the path of the socket of an engine that lives as long as the ``with`` lasts."""
     with tempfile.TemporaryDirectory(prefix="station-") as folder:  # mode 0700
-        socket = Path(folder) / "engine"
-        with subprocess.Popen(
-            [sys.executable, "-P", "-m", "station.guide", str(socket)], stdin=subprocess.PIPE, text=True,
+        socket, said = Path(folder) / "engine", Path(folder) / "stderr"
+        with said.open("w") as errors, subprocess.Popen(
+            [sys.executable, "-P", "-m", "station.guide", str(socket)],
+            stdin=subprocess.PIPE, stderr=errors, text=True,  # a screen has the terminal to itself
             start_new_session=True,  # Ctrl-C is for the screen
         ) as process:  # fmt: skip
             assert process.stdin is not None
@@ -63,3 +76,5 @@ def engine_process(options: EngineOptions) -> Iterator[Path]:
             finally:
                 process.stdin.close()
                 process.wait(END_S)
+                if process.returncode:
+                    raise EngineFailed(process.returncode, said.read_text())

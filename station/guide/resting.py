@@ -33,7 +33,7 @@ class Resting:
     def __init__(self, desk: Desk, face: str, dwells: Sequence[Dwell], again: Again) -> None:
         self._desk, self._face, self._dwells, self._again = desk, face, dwells, again
         period = desk.feed.period
-        self._dwelling = Dwelling(round(dwells[0].seconds / period), period, desk.gyro_k)
+        self._dwelling = Dwelling(round(dwells[0].seconds / period), period, desk.rough_gyro_k)
         self._seat = Seat(desk, face)
         self._position, self._how = desk.position, AS_SAID if desk.position else ""
         desk.story.say("start", "recording: keep your hands off")

@@ -65,12 +65,12 @@ class Turning:
 
     def shown(self) -> dict[str, Any]:
         """Return how far the turn is."""
-        watch, k = self._watch, self._desk.gyro_k
-        per_degree = k * np.pi / 180 if k else None
+        watch = self._watch
+        per_degree = self._desk.rough_gyro_k(watch.rest_rate) * np.pi / 180
         turn = TurnView(
-            revolutions=watch.turned_counts / (360 * per_degree) if per_degree else 0.0,
+            revolutions=watch.turned_counts / (360 * per_degree) if watch.is_moving else 0.0,
             wanted=self._step.revolutions,
-            speed_deg_s=abs(watch.count_rate) / per_degree if per_degree else 0.0,
+            speed_deg_s=abs(watch.count_rate) / per_degree if watch.is_moving else 0.0,
             slow_deg_s=SLOW_DEG_S, fast_deg_s=FAST_DEG_S,
             rest_s=watch.rested_s, rest_wanted_s=float(watch.rest_blocks),
         )  # fmt: skip
@@ -111,6 +111,8 @@ class Turning:
         watch.take(block, is_still=look.is_still)
         if watch.is_moving:
             desk.moved()
+        if look.is_still and look.face != face_of(self._step.start_position):
+            return self._again(desk, f"{title(self._step)}: the cube was tipped over; once more", must_move=False)
         if not watch.is_over:
             return self
         if why := watch.fault():

@@ -37,26 +37,27 @@ def number(low: float, high: float, unit: str = "", *, is_needed: bool = False, 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A field of the set-up: the name in `Setup`, its label, its unit and its check."""
+    """A field of the set-up: the name in `Setup`, its label, its unit, its check, and what an empty one means."""
 
     name: str
     label: str
     unit: str = ""
     check: Check = anything
+    empty: str = ""
 
 
 ENTRIES = (
-    Entry("url", "Address"),
-    Entry("model", "Model"),
-    Entry("serial", "Serial no."),
-    Entry("latitude_deg", "Latitude", "deg", number(-90, 90, "deg", is_needed=True)),
-    Entry("longitude_deg", "Longitude", "deg", number(-180, 360, "deg")),
-    Entry("height_m", "Height", "m", number(-1000, 20000, "m")),
+    Entry("url", "Address", empty="serial:///dev/ttyUSB0?baud=921600&format=counts, or tcp://..."),
+    Entry("model", "Model", empty="as the device says"),
+    Entry("serial", "Serial no.", empty="as the device says"),
+    Entry("latitude_deg", "Latitude", "deg", number(-90, 90, "deg", is_needed=True), "needed"),
+    Entry("longitude_deg", "Longitude", "deg", number(-180, 360, "deg"), "not needed"),
+    Entry("height_m", "Height", "m", number(-1000, 20000, "m"), "sea level"),
     Entry("operator", "Operator"),
-    Entry("gravity_m_s2", "Surveyed g", "m/s2", number(9.5, 10.1, "m/s2")),
-    Entry("gravity_std_m_s2", "its sigma", "m/s2", number(1e-9, 1, "m/s2")),
-    Entry("dwell_s", "Dwell", "s", number(0, 7200, "s", is_needed=True)),
-    Entry("bias_ug", "Bias sigma", "ug", number(1e-3, 1e4, "ug")),
+    Entry("gravity_m_s2", "Surveyed g", "m/s2", number(9.5, 10.1, "m/s2"), "from the height"),
+    Entry("gravity_std_m_s2", "its sigma", "m/s2", number(1e-9, 1, "m/s2"), "1e-05"),
+    Entry("dwell_s", "Dwell", "s", number(0, 7200, "s", is_needed=True), "0: from the noise"),
+    Entry("bias_ug", "Bias sigma", "ug", number(1e-3, 1e4, "ug"), "if dwell is 0"),
     Entry("revolutions", "Turns", "each", number(1, 100, is_needed=True, is_whole=True)),
 )
 

@@ -39,7 +39,7 @@ class Tab(AppService):
             await asyncio.wait({ending}, timeout=STOP_S)
         finally:  # also where the server is in a hurry itself
             if self._process.returncode is None:
-                pass
+                self._process.kill()
         await ending
 
     async def _end(self, process: Process) -> None:

@@ -1,4 +1,4 @@
-"""Print the tables of docs/guiding.md: `python -m tests.benchmarks.guiding heading|seating|warm_up|dwell --trials N`."""
+"""Print a table of docs/guiding.md: `python -m tests.benchmarks.guiding TABLE --trials N`."""
 
 import argparse
 from collections.abc import Callable, Sequence
@@ -180,9 +180,7 @@ def print_dwell(trials: int) -> None:
             assert found is not None
             std[seed], error[seed] = found.bias.std, found.bias.value - truth.accel_d_g
         ratio = np.sqrt(np.mean(std**2)) / wanted, std.max() / wanted, np.sqrt(np.mean((error / std) ** 2))
-        print(
-            f"{k:11g} {noise:8g} {wanted:12g} {length.seconds:8.0f} {ratio[0]:14.2f} {ratio[1]:8.2f} {ratio[2]:12.2f}"
-        )
+        print(f"{k:11g} {noise:8g} {wanted:12g} {length.seconds:8.0f}", *(f"{each:10.2f}" for each in ratio))
 
 
 def main() -> None:

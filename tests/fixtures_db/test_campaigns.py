@@ -1,11 +1,23 @@
-from datetime import datetime
+from datetime import date, datetime, timedelta
 
 import pytest
+from sqlalchemy import text
+from sqlalchemy.orm import Session
 
-from fixtures_db.campaigns import accept_step, campaign, manifest_head, set_state, start_campaign
+from fixtures_db.campaigns import (
+    accept_step,
+    campaign,
+    expired_references,
+    manifest_head,
+    set_state,
+    start_campaign,
+    verify_steps,
+)
 from fixtures_db.chain import GENESIS
+from fixtures_db.cubes import add_cube
 from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyThere, NotInDatabase
+from fixtures_db.slabs import add_slab
 from tests.fixtures_db.factory import NOON
 
 
@@ -41,3 +53,62 @@ def test_wrong_names_and_times_are_refused(db: Database) -> None:
         start_campaign(session, "/data/2", model="FOG-3", serial="S1", started_utc=datetime(2026, 1, 1))
     with pytest.raises(Exception, match="FOREIGN KEY"), db.write() as session:
         start_campaign(session, "/data/3", model="FOG-3", serial="S1", started_utc=NOON, cube_id="no such cube")
+
+
+def _measured(session: Session, cube_due: date | None, slab_due: date | None) -> list[str]:
+    add_cube(session, "C", side_mm=400.0, due_date=cube_due)
+    add_slab(session, "S", due_date=slab_due)
+    start_campaign(
+        session,
+        "/data/1",
+        model="FOG-3",
+        serial="S1",
+        started_utc=NOON - timedelta(days=2),
+        cube_id="C",
+        slab_id="S",
+    )
+    accept_step(session, "/data/1", name="dwell_01", file="a", sha256="0" * 64, accepted_utc=NOON)
+    return expired_references(session, "/data/1")
+
+
+def test_a_certificate_must_hold_when_the_last_step_is_accepted(db: Database) -> None:
+    day = NOON.astimezone().date()
+    before = day - timedelta(days=1)
+    for cube_due, slab_due, said in (
+        (None, None, []),
+        (day, day, []),
+        (before, day, [f"the certificate of cube C expired on {before}"]),
+        (None, before, [f"the certificate of slab S expired on {before}"]),
+    ):
+        with pytest.raises(RuntimeError, match="undo"), db.write() as session:  # noqa: PT012
+            assert _measured(session, cube_due, slab_due) == said
+            raise RuntimeError("undo")
+    with db.read() as session:
+        assert expired_references(session, "/data/9") == []
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "UPDATE steps SET sha256 = replace(sha256, '1', '2') WHERE id = 2",
+        "UPDATE steps SET file = 'other.mcap' WHERE id = 1",
+        "UPDATE steps SET name = 'dwell_09' WHERE id = 3",
+        "UPDATE steps SET superseded = 0 WHERE id = 1",
+        "UPDATE steps SET superseded = 1 WHERE id = 2",
+        "DELETE FROM steps WHERE id = 3",
+        "UPDATE campaigns SET manifest_sha256 = replace(manifest_sha256, 'a', 'b')",
+    ],
+)
+def test_an_altered_step_is_found_at_its_campaign(db: Database, statement: str) -> None:
+    with db.write() as session:
+        start_campaign(session, "/data/1", model="FOG-3", serial="S1", started_utc=NOON)
+        for number, name in enumerate(("dwell_01", "dwell_02", "dwell_01")):
+            accept_step(
+                session, "/data/1", name=name, file=f"{number}", sha256=f"{number:064x}", accepted_utc=NOON
+            )
+    with db.write() as session:
+        assert verify_steps(session) == []
+        session.execute(text(statement))
+    with db.read() as session:
+        assert "/data/1" in verify_steps(session)[0].row
+        assert verify_steps(session, "/data/2") == []

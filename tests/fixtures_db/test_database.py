@@ -11,7 +11,7 @@ from sqlalchemy import text
 from fixtures_db import database
 from fixtures_db.cubes import cube_row, cubes
 from fixtures_db.database import Database, open_db
-from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase
+from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten
 from fixtures_db.history import history, verify_chain
 from fixtures_db.migrations import HEAD, KNOWN
 from fixtures_db.migrations.upgrade import config
@@ -87,6 +87,16 @@ def test_a_lock_that_is_kept_is_reported(tmp_path: Path, monkeypatch: pytest.Mon
             pass
         with other.read() as session:
             assert cube_row(session, "P1").side_mm == 400.0
+
+
+def test_a_full_disk_is_reported_and_changes_nothing(db: Database) -> None:
+    with pytest.raises(NotWritten, match=r"full.*make room"), db.write() as session:  # noqa: PT012
+        pages = session.execute(text("PRAGMA page_count")).scalar()
+        session.execute(text(f"PRAGMA max_page_count = {pages}"))
+        for number in range(1000):
+            session.execute(text(f"INSERT INTO slabs (id) VALUES ('{number}{'x' * 1000}')"))
+    with db.read() as session:
+        assert session.execute(text("SELECT count(*) FROM slabs")).scalar() == 0
 
 
 def test_a_newer_schema_is_refused_and_left_alone(db: Database, tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from station import cli
 from station.campaign_folder import append_hash, read_hashes
+from station.errors import CannotWrite
 
 
 @pytest.fixture
@@ -72,6 +73,17 @@ def test_a_file_that_grew_is_given_its_new_hash(recorded: Path) -> None:
     append_hash(recorded, "note.txt", hashlib.sha256(b"more").hexdigest())
     assert list(read_hashes(recorded)) == ["dwell_01.mcap", "turn x.mcap", "note.txt"]
     test_sha256sum_agrees(recorded)
+
+
+def test_a_full_disk_leaves_no_half_line(recorded: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    before = (recorded / "SHA256SUMS").read_bytes()
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(CannotWrite, match="No space left"):
+        append_hash(recorded, "next.mcap", "0" * 64)
+    assert (recorded / "SHA256SUMS").read_bytes() == before
 
 
 def test_a_step_that_was_slipped_in_is_named(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:

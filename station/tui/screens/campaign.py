@@ -59,6 +59,8 @@ class CampaignScreen(FramedScreen):
     CampaignScreen #right { width: 1fr; }
     CampaignScreen ContentSwitcher { height: 3; }
     CampaignScreen.-tall #middle { height: 20; }
+    CampaignScreen.-tall #steps { height: 11; padding-top: 1; }
+    CampaignScreen.-tall #gates { height: 3; }
     CampaignScreen.-tall AcceptedBar { margin-bottom: 1; }
     CampaignScreen.-wide.-tall Cube { width: 50; height: 20; }
     """

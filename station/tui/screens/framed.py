@@ -16,6 +16,10 @@ from station.tui.widgets.link_line import LinkLine
 class FramedScreen(StageScreen):
     """A subclass says what is `now`, and composes its `inner` part."""
 
+    DEFAULT_CSS = """
+    FramedScreen.-tall #banner { height: 5; padding: 1 0; }
+    """
+
     def __init__(self, send: Callable[[Command], None]) -> None:
         super().__init__(send)
         self.banner, self.events, self.link = Banner(), EventLines(), LinkLine()

@@ -1,12 +1,15 @@
 """Something only the operator knows."""
 
+from string import ascii_lowercase
+
 from textual.app import ComposeResult
 from textual.containers import Vertical
+from textual.content import Content
 from textual.events import Key
 from textual.widgets import Label, OptionList
 from textual.widgets.option_list import Option
 
-from station.guide.view import Question, View
+from station.guide.view import Choice, Question, View
 from station.tui.screens.modal import Modal
 
 LATER = ""
@@ -15,7 +18,8 @@ LATER = ""
 class QuestionScreen(Modal[str]):
     """Returns the key of the choice, or `LATER`.
 
-    A choice is taken by its own key where all keys are single characters, else by its number, or by Enter.
+    A choice is taken by its own key where all keys are single characters, else by a letter. None is under the
+    cursor at first, so that no stray Enter answers.
     """
 
     DEFAULT_CSS = """
@@ -29,21 +33,22 @@ class QuestionScreen(Modal[str]):
         self.question = question
         keys = [choice.key for choice in question.choices]
         is_short = all(len(key) == 1 for key in keys)
-        self._keys = {key if is_short else str(number): key for number, key in enumerate(keys, start=1)}
+        self._keys = {key if is_short else letter: key for letter, key in zip(ascii_lowercase, keys, strict=False)}
+
+        self._list = OptionList(*map(self._option, self._keys, question.choices), compact=True, markup=False)
+        self._list.highlighted = None
+
+    def _option(self, key: str, choice: Choice) -> Option:
+        note = f"  ({choice.note})" if choice.note else ""
+        return Option(Content.assemble((f" {key}  ", "bold $accent"), choice.title, note))
 
     def compose(self) -> ComposeResult:
         """Lay out the text and the choices."""
         with Vertical(classes="box") as box:
             box.border_title = "Question"
             yield Label(self.question.text, markup=False)
-            yield OptionList(*(Option(line) for line in self._lines()), compact=True, markup=False)
+            yield self._list
             yield Label("its key, or arrows and Enter; Esc: not now, a asks again", id="keys")
-
-    def _lines(self) -> list[str]:
-        return [
-            f" {key}  {choice.title}" + (f"  ({choice.note})" if choice.note else "")
-            for key, choice in zip(self._keys, self.question.choices, strict=True)
-        ]
 
     def fits(self, view: View) -> bool:
         """Return whether the question is still asked."""

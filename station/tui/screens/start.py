@@ -35,6 +35,7 @@ class StartScreen(StageScreen):
     ]
     DEFAULT_CSS = """
     StartScreen .heading { height: 1; padding: 0 2; color: $accent; text-style: bold; }
+    StartScreen.-tall .heading { height: 3; padding: 1 2; }
     StartScreen #said { height: auto; max-height: 3; padding: 0 2; color: $error; text-style: bold; }
     StartScreen #bottom { height: 1; padding: 0 2; }
     StartScreen #time { width: 1fr; text-wrap: nowrap; }

@@ -35,7 +35,7 @@ class VerdictScreen(StageScreen):
     ]
     DEFAULT_CSS = """
     VerdictScreen #facts { height: auto; margin: 1 0; }
-    VerdictScreen #scroll { height: 1fr; }
+    VerdictScreen #scroll { height: 1fr; scrollbar-size: 1 1; }
     """
 
     def __init__(self, send: Callable[[Command], None]) -> None:

@@ -1,10 +1,13 @@
 """What is to be done now: a word, the instruction, the state in a sentence, and what comes next."""
 
 from dataclasses import dataclass
+from textwrap import wrap
 
 from textual.content import Content
 
 from station.tui.widgets.drawn import Drawn
+
+LINES = 2  # below the instruction
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +33,17 @@ class Banner(Drawn[Now]):
         super().__init__(Now("", "", "$primary", ""), id="banner")
 
     def render(self) -> Content:
-        """Draw the lines; the coloured edge runs down all three."""
+        """Draw the lines: the hint is never cut off by a long sentence. The coloured edge runs down them."""
         now = self.value
         chip = f" {now.symbol} {now.word} " if now.word else ""
+        hint = self._wrapped(now.hint, 1)
+        line = self._wrapped(now.line, LINES - len(hint))
         edge = ("▌ ", now.colour)
-        return Content.assemble(
-            (chip, f"bold $background on {now.colour}"), ("  " if chip else " ", ""), (now.instruction, "bold"),
-            ("\n", ""), edge, (now.line, ""),
-            ("\n", ""), edge, (now.hint, f"bold {now.colour}"),
-        )  # fmt: skip
+        rows = [Content.assemble((chip, f"bold $background on {now.colour}"), (f"  {now.instruction}", "bold"))]
+        rows += [Content.assemble(edge, row) for row in line]
+        rows += [Content.assemble(edge, (row, f"bold {now.colour}")) for row in hint]
+        rows += [Content.assemble(edge)] * (LINES + 1 - len(rows))
+        return Content("\n").join(rows)
+
+    def _wrapped(self, text: str, lines: int) -> list[str]:
+        return wrap(text, max(self.content_size.width - 4, 20), max_lines=lines, placeholder=" ...")

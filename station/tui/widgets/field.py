@@ -15,7 +15,7 @@ class Field(Horizontal):
     Field .label { width: 11; }
     Field .mark { width: 2; color: $error; }
     Field Input { width: 1fr; max-width: 24; }
-    Field.long Input { max-width: 100%; }
+    Field.long Input { max-width: 100%; margin-right: 2; }
     Field .unit { width: 6; padding-left: 1; color: $muted; }
     Field.wrong .label { color: $error; text-style: bold; }
     """
@@ -23,7 +23,7 @@ class Field(Horizontal):
     def __init__(self, entry: Entry, *, is_long: bool = False) -> None:
         super().__init__(id=f"field-{entry.name}", classes="long" if is_long else "")
         self.entry = entry
-        self.input = Input(compact=True, id=entry.name, select_on_focus=False)
+        self.input = Input(placeholder=entry.empty, compact=True, id=entry.name, select_on_focus=False)
         self._mark = Label("", classes="mark")
 
     def compose(self) -> ComposeResult:
@@ -31,7 +31,8 @@ class Field(Horizontal):
         yield self._mark
         yield Label(self.entry.label, classes="label")
         yield self.input
-        yield Label(self.entry.unit, classes="unit")
+        if not self.has_class("long"):
+            yield Label(self.entry.unit, classes="unit")
 
     def judge(self, problem: str) -> None:
         """Mark the field as wrong or right."""

@@ -1,5 +1,7 @@
 """The two gates, apart: is it the right face, and is it still."""
 
+from dataclasses import dataclass
+
 from textual.content import Content
 
 from station.guide.view import Gates
@@ -7,7 +9,7 @@ from station.tui.bars import bar
 from station.tui.spoken import against
 from station.tui.widgets.drawn import Drawn
 
-NUMBERS = 20  # columns of the numbers on the right
+NUMBERS = 22  # columns of the numbers on the right
 
 
 class GatesPanel(Drawn[Gates | None]):
@@ -26,23 +28,32 @@ class GatesPanel(Drawn[Gates | None]):
         if gates is None:
             return Content("\n").join(_unknown(name) for name in ("FACE", "STILL"))
         room = self.size.width - 17 - NUMBERS
-        face = against(gates.off_deg, gates.limit_deg, "deg")
-        still = against(gates.still, gates.still_limit, f"noise {gates.still_channel}")
-        word = "right" if gates.is_right_face else "wrong"
-        return Content("\n").join((
-            _gate("FACE", word, gates.is_right_face, gates.off_deg / gates.limit_deg, face, room),
-            _gate("STILL", "still" if gates.is_still else "moving", gates.is_still,
-                  gates.still / gates.still_limit, still, room),
-        ))  # fmt: skip
+        up = f"{gates.face.replace('_', ' ').capitalize()}, " if gates.face else ""
+        channel = gates.still_channel.replace("accelerometer", "accel").replace("gyroscope", "gyro")
+        face = _Gate("FACE", "right" if gates.is_right_face else "wrong", gates.is_right_face,
+                     gates.off_deg / gates.limit_deg if gates.is_right_face else 1.0,
+                     up + against(gates.off_deg, gates.limit_deg, "deg"))  # fmt: skip
+        still = _Gate("STILL", "still" if gates.is_still else "moving", gates.is_still,
+                      gates.still / gates.still_limit,
+                      against(min(gates.still, 9999.0), gates.still_limit, f"noise {channel}"))  # fmt: skip
+        return Content("\n").join((face.drawn(room), still.drawn(room)))
 
 
-def _gate(name: str, word: str, is_open: bool, fraction: float, numbers: str, room: int) -> Content:
-    colour = "$success" if is_open else "$error"
-    filled, empty = bar(fraction, max(room, 4))
-    return Content.assemble(
-        (f" {name:6}", "bold"), (f"{'✓' if is_open else '✗'} {word:7}", f"bold {colour}"),
-        (filled, colour), (empty, "on $foreground 12%"), (f"{numbers:>{NUMBERS - 1}} ", ""),
-    )  # fmt: skip
+@dataclass(frozen=True, slots=True)
+class _Gate:
+    name: str
+    word: str
+    is_open: bool
+    fraction: float  # of the limit
+    numbers: str
+
+    def drawn(self, room: int) -> Content:
+        colour = "$success" if self.is_open else "$error"
+        filled, empty = bar(self.fraction, max(room, 4))
+        return Content.assemble(
+            (f" {self.name:6}", "bold"), (f"{'✓' if self.is_open else '✗'} {self.word:7}", f"bold {colour}"),
+            (filled, colour), (empty, "on $foreground 12%"), f"{self.numbers:>{NUMBERS - 1}} ",
+        )  # fmt: skip
 
 
 def _unknown(name: str) -> Content:

@@ -27,8 +27,10 @@ class LinkLine(Drawn[Link]):
         link = self.value
         if not link.is_live:
             return Content(f"✗ NO DATA  {link.text or 'nothing comes from the IMU'}")
-        if not link.name:
-            return Content.styled("no IMU is connected yet", "$muted")
+        if not link.rate_hz:
+            return Content.styled(
+                f"… {link.name}  nothing received yet" if link.name else "… no IMU yet", "$muted"
+            )
         numbers = [f"{link.rate_hz:.1f} Hz", f"{link.bad_frames} bad", f"{link.lost} lost", f"{link.gaps} gaps"]
         if link.temperature_c is not None:
             numbers.append(f"{link.temperature_c:.1f} °C")

@@ -14,7 +14,7 @@ class Pick(Vertical):
     Pick { height: auto; }
     Pick Horizontal { height: 1; }
     Pick .label { width: 11; margin-left: 2; }
-    Pick Select { width: 1fr; }
+    Pick Select { width: 1fr; margin-right: 2; }
     Pick .note { height: auto; margin-left: 13; color: $warning; text-style: bold; display: none; }
     Pick .note.said { display: block; }
     """

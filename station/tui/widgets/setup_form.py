@@ -3,7 +3,7 @@
 from textual.app import ComposeResult
 from textual.containers import Horizontal, VerticalScroll
 from textual.message import Message
-from textual.widgets import Input, Select
+from textual.widgets import Input, Select, Static
 
 from station.guide.view import Check, Setup, Start
 from station.tui.entries import ENTRIES, problems, setup_of, texts_of
@@ -16,7 +16,7 @@ SITE = (
     ("height_m", "operator"),
     ("gravity_m_s2", "gravity_std_m_s2"),
     ("dwell_s", "bias_ug"),
-    ("revolutions",),
+    ("revolutions", ""),
 )
 
 
@@ -24,9 +24,9 @@ class SetupForm(VerticalScroll, can_focus=False):
     """Filled from a set-up whenever that is another, and left to the operator in between."""
 
     DEFAULT_CSS = """
-    SetupForm { height: 1fr; }
+    SetupForm { width: 100%; height: 1fr; scrollbar-size: 1 1; }
     SetupForm .pair { height: 1; }
-    SetupForm .pair Field { width: 1fr; }
+    SetupForm .pair > * { width: 1fr; }
     """
 
     class Changed(Message):
@@ -61,7 +61,7 @@ class SetupForm(VerticalScroll, can_focus=False):
             yield self._pair(*names)
 
     def _pair(self, *names: str) -> Horizontal:
-        return Horizontal(*(self.fields[name] for name in names), classes="pair")
+        return Horizontal(*(self.fields[name] if name else Static() for name in names), classes="pair")
 
     def offer(self, start: Start) -> None:
         """Take what the engine offers."""

@@ -1,6 +1,7 @@
 """All steps of a campaign by face: two headings each, and the turns below."""
 
 from dataclasses import dataclass
+from textwrap import wrap
 
 from textual.content import Content
 
@@ -85,8 +86,9 @@ class StepGrid(Drawn[Grid]):
             return Content("")
         said = [step.state, f"{step.seconds:.0f} s" if step.attempts else ""]
         said += [f"{step.superseded} superseded" if step.superseded else "", step.note]
-        words = ", ".join(word for word in said if word)
-        return Content.assemble((f" {title(step)}: ", "bold"), words)
+        words = f"{title(step)}: {', '.join(word for word in said if word)}"
+        room, lines = max(self.size.width - 2, 20), max(self.size.height - 1 - 2 * ROWS, 1)
+        return Content("\n".join(f" {line}" for line in wrap(words, room, max_lines=lines, placeholder=" ...")))
 
 
 def place_of(step: Step) -> Place:

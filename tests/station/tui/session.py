@@ -1,11 +1,20 @@
-"""A session in memory: holds a view, keeps what was sent."""
+"""A session in memory, and the screens over it."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+from textual.pilot import Pilot
 
 from station.guide.command import Command
 from station.guide.view import View
+from station.tui.app import StationApp
+
+SMALL, LARGE = (80, 24), (120, 40)
 
 
 class MemorySession:
-    """A `station.guide.session.Session` without an engine."""
+    """A `station.guide.session.Session` without an engine: holds a view, keeps what was sent."""
 
     def __init__(self, view: View) -> None:
         self.view = view
@@ -13,3 +22,35 @@ class MemorySession:
 
     def send(self, command: Command) -> None:
         self.sent.append(command)
+
+
+@dataclass(frozen=True, slots=True)
+class Screens:
+    """The application under test."""
+
+    app: StationApp
+    session: MemorySession
+    pilot: Pilot[None]
+
+    @property
+    def sent(self) -> list[Command]:
+        return self.session.sent
+
+    async def show(self, view: View) -> None:
+        self.session.view = view
+        self.app.pull()
+        await self.pilot.pause()
+
+    async def press(self, *keys: str) -> None:
+        await self.pilot.press(*keys)
+        await self.pilot.pause()
+
+
+@asynccontextmanager
+async def screens(view: View, size: tuple[int, int] = SMALL) -> AsyncIterator[Screens]:
+    """Run the application over a view; it looks at the session when it is told to, not by the clock."""
+    session = MemorySession(view)
+    app = StationApp(session, refresh_hz=0.001, is_quiet=True)
+    async with app.run_test(size=size) as pilot:
+        await pilot.pause()
+        yield Screens(app, session, pilot)

@@ -26,6 +26,9 @@ class LittleApp(App[None]):
     def on_mount(self) -> None:
         Thread(target=self._listen, daemon=True).start()
 
+    def on_unmount(self) -> None:
+        self._tell("ended")
+
     def on_key(self, event: events.Key) -> None:
         self._tell(event.key)
         match event.key:

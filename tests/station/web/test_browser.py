@@ -22,6 +22,7 @@ def test_keys_reach_the_program_and_its_picture_reaches_the_page(
     assert {url.netloc for url in asked} == {urlsplit(web.url).netloc}
     assert {url.path.rpartition("/")[2] for url in asked} >= {"textual.js", "xterm.css", "ws"}
     page.close()
+    assert engine.next() == (process, "ended")  # told to, not killed
     assert has_ended(process)
 
 
@@ -38,6 +39,7 @@ def test_a_second_tab_sees_the_same_engine_and_a_closed_one_takes_nothing_with_i
         page.until_colour("#206020")
     first.close()
     assert has_ended(one)
+    assert engine.next() == (one, "ended")
     second.press("n")
     assert engine.next() == (two, "n")
     engine.say("#2060c0")

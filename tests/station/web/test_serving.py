@@ -2,6 +2,8 @@
 
 import asyncio
 import signal
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from urllib.parse import urlsplit
 
 import aiohttp
@@ -12,22 +14,27 @@ from tests.station.web.engine import Engine, WebServer, has_ended
 KEY = '["stdin", "{}"]'
 
 
-async def tab_of(client: aiohttp.ClientSession, web: WebServer) -> aiohttp.ClientWebSocketResponse:
-    return await client.ws_connect(web.url + "ws?width=100&height=30")
+@asynccontextmanager
+async def opened(engine: Engine, web: WebServer) -> AsyncIterator[tuple[aiohttp.ClientWebSocketResponse, int]]:
+    """Open a tab; with it comes the number of its process."""
+    async with aiohttp.ClientSession() as client, client.ws_connect(web.url + "ws?width=100&height=30") as tab:
+        yield tab, await asyncio.to_thread(engine.new_screen)
+
+
+async def until_closed(tab: aiohttp.ClientWebSocketResponse) -> None:
+    async for _ in tab:
+        pass
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_every_tab_and_the_server(engine: Engine, web: WebServer, number: signal.Signals) -> None:
-    async def run() -> list[int]:
-        async with aiohttp.ClientSession() as client:
-            tabs = [await tab_of(client, web) for _ in range(2)]
-            processes = [await asyncio.to_thread(engine.new_screen) for _ in tabs]
+    async def run() -> tuple[int, int]:
+        async with opened(engine, web) as (one, first), opened(engine, web) as (two, second):
             web.process.send_signal(number)
-            for tab in tabs:
-                async for _ in tab:
-                    pass
+            for tab in (one, two):
+                await until_closed(tab)
                 assert tab.close_code == aiohttp.WSCloseCode.GOING_AWAY
-            return processes
+            return first, second
 
     assert all(has_ended(process) for process in asyncio.run(run()))
     assert web.said() == ("", "")
@@ -36,13 +43,10 @@ def test_a_signal_ends_every_tab_and_the_server(engine: Engine, web: WebServer, 
 
 def test_a_killed_server_leaves_programs_only_until_the_engine_is_gone_too(engine: Engine, web: WebServer) -> None:
     async def run() -> int:
-        async with aiohttp.ClientSession() as client:
-            async with await tab_of(client, web) as tab:
-                process = await asyncio.to_thread(engine.new_screen)
-                web.process.kill()
-                async for _ in tab:
-                    pass
-        return process
+        async with opened(engine, web) as (tab, process):
+            web.process.kill()
+            await until_closed(tab)
+            return process
 
     process = asyncio.run(run())
     engine.hang_up()
@@ -51,12 +55,10 @@ def test_a_killed_server_leaves_programs_only_until_the_engine_is_gone_too(engin
 
 def test_a_frozen_program_ends_with_its_tab(engine: Engine, web: WebServer) -> None:
     async def run() -> int:
-        async with aiohttp.ClientSession() as client:
-            async with await tab_of(client, web) as tab:
-                process = await asyncio.to_thread(engine.new_screen)
-                await tab.send_str(KEY.format("w"))
-                assert await asyncio.to_thread(engine.next) == (process, "w")
-        return process
+        async with opened(engine, web) as (tab, process):
+            await tab.send_str(KEY.format("w"))
+            assert await asyncio.to_thread(engine.next) == (process, "w")
+            return process
 
     assert has_ended(asyncio.run(run()))
 
@@ -64,31 +66,30 @@ def test_a_frozen_program_ends_with_its_tab(engine: Engine, web: WebServer) -> N
 @pytest.mark.parametrize("key", ["q", "x"])
 def test_a_program_that_ends_closes_its_tab(engine: Engine, web: WebServer, key: str) -> None:
     async def run() -> None:
-        async with aiohttp.ClientSession() as client:
-            async with await tab_of(client, web) as tab:
-                await asyncio.to_thread(engine.new_screen)
-                await tab.send_str(KEY.format(key))
-                async for _ in tab:
-                    pass
+        async with opened(engine, web) as (tab, _):
+            await tab.send_str(KEY.format(key))
+            await until_closed(tab)
 
     asyncio.run(run())
 
 
-def test_a_file_is_handed_out_once(engine: Engine, web: WebServer) -> None:
+async def text_of(tab: aiohttp.ClientWebSocketResponse) -> list[str]:
+    """Return the next message that is not a picture."""
+    while (message := await tab.receive(60)).type is aiohttp.WSMsgType.BINARY:
+        pass
+    said: list[str] = message.json()
+    return said
+
+
+def test_a_file_is_handed_out_once_and_to_its_own_page(engine: Engine, web: WebServer) -> None:
     async def run() -> None:
-        own = urlsplit(web.url)
-        async with aiohttp.ClientSession(f"http://{own.netloc}") as client:
-            async with await tab_of(client, web) as tab:
-                await tab.send_str(KEY.format("d"))
-                async for message in tab:
-                    if message.type is aiohttp.WSMsgType.TEXT:
-                        kind, key = message.json()
-                        break
-                assert kind == "deliver_file_start"
-                assert (
-                    await client.get(f"/download/{key}", headers={"Origin": "http://evil.example"})
-                ).status == 403
-                assert await (await client.get(f"/download/{key}")).text() == "the report"
-                assert (await client.get(f"/download/{key}")).status == 404
+        own = f"http://{urlsplit(web.url).netloc}"
+        async with opened(engine, web) as (tab, _), aiohttp.ClientSession(own) as client:
+            await tab.send_str(KEY.format("d"))
+            kind, key = await text_of(tab)
+            assert kind == "deliver_file_start"
+            assert (await client.get(f"/download/{key}", headers={"Origin": "http://evil.example"})).status == 403
+            assert await (await client.get(f"/download/{key}")).text() == "the report"
+            assert (await client.get(f"/download/{key}")).status == 404
 
     asyncio.run(run())

@@ -1,0 +1,44 @@
+"""What a database can say about whether it was altered; read row by row where it cannot be read whole."""
+
+from collections.abc import Callable
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.orm import Session
+
+from fixtures_db.campaigns import verify_steps
+from fixtures_db.chain import ChainFault
+from fixtures_db.cubes import verify_certificates
+from fixtures_db.history import verify_chain
+from fixtures_db.schema import CalibrationRow, CampaignRow, FaceCertificateRow, StepRow
+
+Check = Callable[[Session], list[ChainFault]]
+_UNREADABLE = (SQLAlchemyError, ValueError, TypeError)  # bytes that are no text, text that is no date or JSON
+
+
+def alterations(session: Session) -> list[ChainFault]:
+    """Return whatever disagrees with what was stored: calibrations, face certificates, accepted steps."""
+    checks: tuple[tuple[Check, tuple[Any, ...]], ...] = (
+        (verify_chain, (CalibrationRow,)),
+        (verify_certificates, (FaceCertificateRow,)),
+        (verify_steps, (CampaignRow, StepRow)),
+    )
+    found = list[ChainFault]()
+    for check, tables in checks:
+        try:
+            found += check(session)
+        except _UNREADABLE:
+            found.append(ChainFault(_unreadable(session, tables), "what cannot be read", "what was stored"))
+    return found
+
+
+def _unreadable(session: Session, tables: tuple[Any, ...]) -> str:
+    for table in tables:
+        for number in session.scalars(select(table.id).order_by(table.id)).all():
+            try:
+                session.expunge_all()
+                session.get_one(table, number)
+            except _UNREADABLE:
+                return f"{table.__tablename__} {number}"
+    return str(tables[0].__tablename__)

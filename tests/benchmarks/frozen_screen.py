@@ -1,0 +1,116 @@
+"""Freeze the station for 5 s under a device of 1 kHz: `python -m tests.benchmarks.frozen_screen`.
+
+What is frozen (SIGSTOP) is the whole process that decodes, so that it collects nothing; the reader is a process of
+its own and goes on. Afterwards every frame must be there by the counter in it, in the station and in the journal.
+"""
+
+import argparse
+import json
+import os
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from drivers.simulated.hands import SimulatedHands
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
+from station.mcap_files import read_step
+from station.reader import Chunk, GapMark, Reader
+from station.recorder import SampleStream
+
+FASTEST = Truth(sample_period_s=0.001)
+FROZEN_S = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What one end has; ``missing`` counts frames by their counter, breaks in time, restarts and gap marks."""
+
+    samples: int
+    missing: int
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What the station saw and what is in the journal; ``blind_s`` is how long the station did not look."""
+
+    station: Seen
+    journal: Seen
+    blind_s: float
+
+    @property
+    def is_good(self) -> bool:
+        """Whether nothing is missing."""
+        return not self.station.missing and not self.journal.missing
+
+
+def freeze(folder: Path, speed: float = 1.0) -> Outcome:
+    """Freeze a station for 5 s of device time; the device runs at ``speed`` times its rate."""
+    journal = folder / "journal.mcap"
+    with SimulatedDevice(FASTEST, 1, speed=speed) as device, SimulatedHands(device.control) as hands:
+        command = [sys.executable, "-m", "tests.benchmarks.frozen_screen", "--station", device.url, str(journal)]
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as station:
+            assert station.stdout is not None
+            assert station.stdout.readline() == "reading\n"
+            os.kill(station.pid, signal.SIGSTOP)
+            end = hands.time() + FROZEN_S
+            while hands.time() < end:
+                pass
+            os.kill(station.pid, signal.SIGCONT)
+            told = json.loads(station.communicate("enough\n")[0])
+    return Outcome(Seen(**told["seen"]), seen(Chunk(*raw) for raw in read_step(journal).raw), told["blind_s"])
+
+
+def seen(items: Iterable[Chunk | GapMark]) -> Seen:
+    """Count what comes."""
+    stream, marks = SampleStream(FORMATS["counts"]), 0
+    for item in items:
+        if isinstance(item, GapMark):
+            marks += 1
+        else:
+            stream.take(item)
+    counted = stream.counters
+    return Seen(counted.samples, counted.lost + counted.breaks + counted.restarts + marks)
+
+
+def be_the_station(url: str, journal: Path) -> None:
+    """Read until told that it is enough and everything from before that has come."""
+    items, blind_s, enough_ns = list[Chunk | GapMark](), 0.0, None
+    with Reader(url, journal) as reader:
+        print("reading", flush=True)
+        looked = time.monotonic()
+        while enough_ns is None or not items or items[-1].host_ns < enough_ns:
+            items += reader.poll(1.0)
+            blind_s, looked = max(blind_s, time.monotonic() - looked), time.monotonic()
+            if enough_ns is None and select.select([sys.stdin], [], [], 0)[0]:
+                enough_ns = time.time_ns()
+    print(json.dumps({"seen": asdict(seen(items)), "blind_s": blind_s}))
+
+
+def main() -> int:
+    """Print the table; exit 1 where a frame is missing."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--speed", type=float, default=1.0, help="1: 1 kHz for 5 s")
+    parser.add_argument("--station", nargs=2, metavar=("URL", "JOURNAL"), help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.station:
+        be_the_station(arguments.station[0], Path(arguments.station[1]))
+        return 0
+    with tempfile.TemporaryDirectory() as folder:
+        got = freeze(Path(folder), arguments.speed)
+    print(f"frames a second            {arguments.speed / FASTEST.sample_period_s:.0f}")
+    print(f"the station did not look   {got.blind_s:.2f} s")
+    for name, end in (("station", got.station), ("journal", got.journal)):
+        print(f"{name}: frames, missing   {end.samples}, {end.missing}   asked 0")
+    return 0 if got.is_good else 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,123 @@
+"""Unplug and replug a simulated IMU under a running reader process: `python -m tests.benchmarks.replug`.
+
+The device is a pty that goes away and comes back as another one under the same link, each time for 0.05 to 2 s.
+Counted: how long after the port is there samples flow again, gap marks, and what reaches over a gap: blocks, and
+the runs that a recording would be cut from.
+"""
+
+import argparse
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from drivers.simulated.faults import Fault
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from station.benches import open_feed
+from station.benches.spans import merged
+from station.benches.stillness import Block
+from station.reader import Chunk, GapMark, Reader
+
+SPEED = 20.0  # device seconds a second: 1000 frames a second
+PLUGGED_S = 10.0  # of device time between two unplugs
+AWAY_S = (0.05, 2.0)
+ASKED_S = 3.0
+GAP = 1.5  # sample periods
+
+
+class WatchedReader:
+    """A reader whose gap marks and returns are noted on their way."""
+
+    def __init__(self, reader: Reader) -> None:
+        self._reader, self.address = reader, reader.address
+        self.marks: list[GapMark] = []
+        self.outages: list[float] = []  # from a loss to the first bytes after it [s]
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        """Return what has come."""
+        items = self._reader.poll(timeout_s)
+        for item in items:
+            if isinstance(item, GapMark):
+                self.marks.append(item)
+            elif len(self.marks) > 2 * len(self.outages):
+                lost = self.marks[2 * len(self.outages)]
+                self.outages.append((item.host_ns - lost.host_ns) / 1e9)
+        return items
+
+
+@dataclass
+class Outcome:
+    """What came of it: ``back`` [s] from the port's return to samples, one for each time."""
+
+    back: list[float] = field(default_factory=list)
+    marks: list[bool] = field(default_factory=list)  # whether the port was open then
+    blocks: int = 0
+    blocks_over_a_gap: int = 0
+    runs: int = 0
+
+    @property
+    def is_good(self) -> bool:
+        """Whether it is as asked."""
+        times = len(self.back)
+        return (
+            max(self.back) <= ASKED_S
+            and self.marks == [False, True] * times
+            and not self.blocks_over_a_gap
+            and self.runs == times + 1
+        )
+
+
+def replug(times: int, seed: int, folder: Path, away_s: tuple[float, float] = AWAY_S) -> Outcome:
+    """Unplug and replug a device so many times; its link and the journal go into ``folder``."""
+    away = np.random.default_rng(seed).uniform(*away_s, times)
+    lost = away * SPEED
+    at = np.cumsum(np.concatenate([[0.0], lost[:-1]]) + PLUGGED_S)
+    faults = [Fault("unplug", at_s=a, seconds=s) for a, s in zip(at, lost, strict=True)]
+    device = SimulatedDevice(Truth.example(seed), seed, speed=SPEED, faults=faults, link=folder / "imu")
+    outcome, blocks = Outcome(), list[Block]()
+    with device, Reader(device.url, folder / "journal.mcap") as reader:
+        watched = WatchedReader(reader)
+        for block, is_over_a_gap in _blocks(watched):
+            blocks.append(block)
+            outcome.blocks_over_a_gap += is_over_a_gap
+            if len(watched.outages) == times and block.is_anew:
+                break
+    outcome.blocks, outcome.runs = len(blocks), len(merged(blocks, None))
+    outcome.back = (np.array(watched.outages) - away).tolist()
+    outcome.marks = [mark.is_open for mark in watched.marks]
+    return outcome
+
+
+def _blocks(source: WatchedReader) -> Iterator[tuple[Block, bool]]:
+    feed = open_feed(source)
+    feed.identify()
+    for block in feed.blocks():
+        samples = feed.tape.block(block.first, block.last)
+        steps = np.diff(samples.device_time) / feed.period
+        yield block, bool(np.any(steps > GAP) or np.any(np.diff(samples.counter) != 1))
+        feed.tape.forget_before(block.last)
+
+
+def main() -> int:
+    """Print the table; exit 1 where it is not as asked."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--times", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        got = replug(arguments.times, arguments.seed, Path(folder))
+    back = np.array(got.back)
+    print(f"unplugged and replugged       {len(back)} times, away {AWAY_S[0]:g} to {AWAY_S[1]:g} s")
+    print(f"samples again, median         {np.median(back):.3f} s")
+    print(f"samples again, longest        {back.max():.3f} s   asked {ASKED_S:g}")
+    print(f"gap marks, lost and back      {got.marks.count(False)} and {got.marks.count(True)}")
+    print(f"blocks, of them over a gap    {got.blocks}, {got.blocks_over_a_gap}   asked 0")
+    print(f"runs                          {got.runs}   asked {len(back) + 1}: none over a gap")
+    return 0 if got.is_good else 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

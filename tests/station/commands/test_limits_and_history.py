@@ -1,0 +1,110 @@
+"""Limits come from a file; a unit's history is listed with its drift."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fixtures_db.database import open_db
+from fixtures_db.history import accept_calibration
+from station import cli
+from tests.fixtures_db.factory import facts, solution
+
+LIMITS = """model = "FOG-3"
+[[limit]]
+parameter = "accelerometer.bias"
+low = -0.002
+high = 0.002
+unit = "g"
+guard_band = 1.64
+[[limit]]
+parameter = "residual.p_value"
+low = 0.01
+unit = "1"
+"""
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str]:
+    code = cli.run(list(arguments))
+    captured = capsys.readouterr()
+    return code, captured.out + captured.err
+
+
+def test_limits_are_imported_and_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    db = ("--db", str(tmp_path / "s.db"))
+    (tmp_path / "limits.toml").write_text(LIMITS)
+    assert run(capsys, "fixtures", "limits", *db) == (0, "no IMU model has limits\n")
+    code, text = run(capsys, "fixtures", "limits", "FOG-3", "--import", str(tmp_path / "limits.toml"), *db)
+    assert code == 0
+    code, text = run(capsys, "fixtures", "limits", "FOG-3", *db)
+    assert code == 0
+    assert text.splitlines() == [
+        "FOG-3: 4 limits",
+        *(f"  accelerometer.bias.{axis}: from -0.002 to 0.002 g, guard band 1.64 sigma" for axis in "xyz"),
+        "  residual.p_value: from 0.01 1",
+    ]
+    assert run(capsys, "fixtures", "limits", *db) == (0, "FOG-3\n")
+    code, text = run(capsys, "fixtures", "limits", "FOG-4", *db)
+    assert (code, "it has FOG-3" in text) == (3, True)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("FOG-3", "FOG-4"), "limits of model 'FOG-4', expected 'FOG-3'"),
+        (
+            ("accelerometer.bias", "accelerometer.bais"),
+            "limits.toml:2: found limit as it stands, expected parameter",
+        ),
+        (("low = -0.002", 'low = "x"'), "limits.toml:4: found limit.low = 'x'"),
+        (("guard_band", "guardband"), "limits.toml:7: found unknown key"),
+        (("residual.p_value", "accelerometer.bias.y"), "expected the unit of accelerometer.bias.y to be g"),
+        (
+            ('"1"', '"1"\n[[limit]]\nparameter = "accelerometer.bias.y"\nhigh = 1\nunit = "g"'),
+            ":12: found a second",
+        ),
+        (("[[limit]]", "[limit]"), "limits.toml"),
+        ((LIMITS, ""), "found no model"),
+    ],
+)
+def test_a_file_that_holds_no_limits_is_refused_with_its_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], said: str
+) -> None:
+    (tmp_path / "limits.toml").write_text(LIMITS.replace(*change))
+    arguments = ("fixtures", "limits", "FOG-3", "--import", str(tmp_path / "limits.toml"))
+    code, text = run(capsys, *arguments, "--db", str(tmp_path / "s.db"))
+    assert code == 3
+    assert said in text
+    code, text = run(capsys, "fixtures", "limits", "--db", str(tmp_path / "s.db"))
+    assert text == "no IMU model has limits\n"
+
+
+def test_an_import_needs_a_model_and_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    db = ("--db", str(tmp_path / "s.db"))
+    assert run(capsys, "fixtures", "limits", "--import", "x", *db)[0] == 2
+    assert run(capsys, "fixtures", "list", "--import", "x", *db)[0] == 2
+    code, text = run(capsys, "fixtures", "limits", "FOG-3", "--import", str(tmp_path / "none"), *db)
+    assert (code, "no readable file" in text) == (3, True)
+
+
+def test_history_lists_calibrations_with_their_drift(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    db = ("--db", str(tmp_path / "s.db"))
+    step = 5 * np.sqrt(2) * 8e-8
+    with open_db(tmp_path / "s.db") as database, database.write() as session:
+        for serial, bias in (("S1", 1e-3), ("S2", 5e-3), ("S1", 1e-3 - step)):
+            accept_calibration(session, solution(bias), facts(serial))
+    code, text = run(capsys, "history", "S1", *db)
+    assert code == 0
+    heads = [line for line in text.splitlines() if not line.startswith(" ")]
+    assert len(heads) == 2
+    assert all(line.startswith("2026-03-04 12:00 UTC  FOG-3  not judged, calibrated  ") for line in heads)
+    assert "  accelerometer bias x                  1000.000 +- 0.080 ug\n" in text
+    assert "  moved most: accelerometer bias x, -0.566 ug (5.0 sigma)" in text.splitlines()[-1]
+    code, _ = run(capsys, "history", "S1", "--json", str(tmp_path / "h.json"), *db)
+    first, second = json.loads((tmp_path / "h.json").read_text())["calibrations"]
+    assert (code, first["drift"]) == (0, {})
+    assert second["drift"]["accelerometer.bias.x"]["shift_sigma"] == pytest.approx(-5.0)
+    assert second["parameters"]["accelerometer.scale_factor.x"]["value"] == 1020.0
+    code, text = run(capsys, "history", "S3", *db)
+    assert (code, "it has S1, S2" in text) == (3, True)

@@ -1,0 +1,121 @@
+"""The verdict: every limit counts, what was not measured is never passed, and the sentence says why."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fixtures_db.calibration import calibration_document
+from fixtures_db.chain import GENESIS
+from fixtures_db.limits import Limit, each_axis
+from station.guide.judgement import Word, judge, limit_in_words
+from station.guide.outcome import change_in_words, verdict_rows, worst_residual
+from station.solution_parameters import Parameter, applied, parameters, shifts
+from tests.fixtures_db.factory import facts, solution
+from tests.station.report import factory
+
+BIAS = Limit("accelerometer.bias.y", -2.5e-3, 2.5e-3, "g")  # the value is 2e-3, sigma 8e-8
+GYRO = Limit("gyroscope.bias.x", -1.0, 1.0, "deg/h")
+
+
+def document(bias: float = 1e-3) -> dict[str, Any]:
+    """Return an accelerometer alone: bias (bias, 2e-3, 1e-3) g, sigma 8e-8."""
+    return calibration_document(solution(bias), facts(), GENESIS)
+
+
+@pytest.mark.parametrize(
+    ("limits", "word", "said"),
+    [
+        (
+            [BIAS],
+            "PASS",
+            "FOG-3 S1 is within all 1 limits of its model; the tightest is accelerometer bias y at 80 %",
+        ),
+        ([Limit("accelerometer.bias.y", None, 2e-3, "g")], "PASS", "at 100 % of its limit"),
+        ([Limit("accelerometer.bias.y", None, 2e-3, "g", 1.0)], "FAIL", "against at most 2000 ug less 1 sigma"),
+        ([BIAS, GYRO], "NOT_MEASURED", "no value of 1 of 2 limited"),
+        ([Limit("accelerometer.scale_factor.x", 0.0, 9e9, "output/g")], "NOT_MEASURED", "no value of 1 of 1"),
+        ([], "NOT_MEASURED", "`station fixtures limits FOG-3 --import FILE`"),
+        (
+            [
+                *each_axis(Limit("accelerometer.bias", -0.9e-3, 0.9e-3, "g")),
+                Limit("gyroscope.bias.x", 0, 1, "deg/h"),
+            ],
+            "FAIL",
+            "is outside 3 of 4 limits of its model (accelerometer bias x, accelerometer bias y, "
+            "accelerometer bias z); "
+            "the worst is accelerometer bias y, 2000.000 ug against +-900 ug",
+        ),
+    ],
+)
+def test_the_verdict_and_its_reason(limits: list[Limit], word: Word, said: str) -> None:
+    outcome = judge(document(), limits)
+    assert outcome.word == word
+    assert said in outcome.reason
+    assert outcome.sentence.startswith(f"{word.replace('_', ' ')}: ")
+    assert outcome.exit_code == (word == "FAIL")
+
+
+@pytest.mark.parametrize("guard", [0.0, 1.64, 3.0])
+@pytest.mark.parametrize("sigmas", [-1.0, 1.0])
+def test_a_value_is_accepted_up_to_the_guarded_limit(guard: float, sigmas: float) -> None:
+    value, sigma = 2e-3, 8e-8
+    limit = Limit("accelerometer.bias.y", None, value + (guard + sigmas) * sigma, "g", guard)
+    assert judge(document(), [limit]).word == ("PASS" if sigmas > 0 else "FAIL")
+    limit = Limit("accelerometer.bias.y", value - (guard + sigmas) * sigma, None, "g", guard)
+    assert judge(document(), [limit]).word == ("PASS" if sigmas > 0 else "FAIL")
+
+
+def test_a_limit_narrowed_to_nothing_fails_everything() -> None:
+    assert judge(document(), [Limit("accelerometer.bias.y", 2e-3 - 1e-8, 2e-3 + 1e-8, "g", 1.0)]).word == "FAIL"
+
+
+def test_the_change_is_in_sigmas_of_both_calibrations() -> None:
+    before, now = document(1e-3), document(1e-3 + 4 * np.sqrt(2) * 8e-8)
+    moved = shifts(applied(parameters(now)), parameters(before))
+    assert moved["accelerometer.bias.x"].sigmas == pytest.approx(4.0)
+    assert sum(one.sigmas != 0 for one in moved.values()) == 1
+    text = change_in_words(moved, before)
+    assert "since the calibration of 2026-03-04 1 of 12 parameters moved by more than 3 sigma" in text
+    assert text.endswith("accelerometer bias x, +0.453 ug (4.0 sigma)")
+    assert change_in_words({}, None) == "the first calibration of this unit"
+    assert "none of 12" in change_in_words(shifts(applied(parameters(before)), parameters(before)), before)
+    assert "nothing to compare" in change_in_words({}, before)
+
+
+def test_the_rows_are_what_is_applied_and_what_else_is_limited() -> None:
+    limits = [BIAS, Limit("residual.p_value", 0.01, None, "1")]
+    found = parameters(document())
+    rows = {row.name: row for row in verdict_rows(found, judge(document(), limits), {})}
+    assert len(rows) == 3 + 6 + 3 + 1
+    bias = rows["accelerometer bias y"]
+    assert (bias.value, bias.sigma, bias.unit) == ("2000.000", "0.080", "ug")
+    assert (bias.limit, bias.verdict) == ("+-2500 ug", "PASS")
+    assert rows["accelerometer misalignment xy"].unit == "arcsec"
+    assert rows["accelerometer bias x"].verdict == ""
+    missing = rows["residual p value"]
+    assert (missing.value, missing.verdict, missing.limit) == ("not estimated", "NOT_MEASURED", "at least 0.01")
+
+
+def test_limits_are_read_as_they_are_meant() -> None:
+    assert (
+        limit_in_words(Limit("accelerometer.scale_factor.x", 950, 1050, "count/(g s)"))
+        == "950 to 1050 count/(g s)"
+    )
+    assert limit_in_words(Limit("accelerometer.misalignment.xy", -1e-3, 1e-3, "1")) == "+-206.265 arcsec"
+    assert limit_in_words(Limit("residual.accelerometer_rms_g", None, 2e-6, "g")) == "at most 2 ug"
+
+
+def test_the_worst_residual_is_the_one_of_most_sigmas() -> None:
+    assert worst_residual(factory.solution().residuals) == (
+        "dwell_08.csv, accelerometer y: 4.6 sigma, over the limit of 4"
+    )
+    assert "exactly" in worst_residual(())
+
+
+def test_parameters_are_named_as_the_covariance_names_them() -> None:
+    made = parameters(
+        {"gyroscope": {"misalignment": {"value": [[1, 2, 3]] * 3, "std": [[0, 1, 2]] * 3, "unit": "1"}}}
+    )
+    assert made["gyroscope.misalignment.xz"] == Parameter("gyroscope.misalignment.xz", 3, 2, "1")
+    assert "gyroscope.misalignment.yy" not in made

@@ -1,0 +1,140 @@
+"""The set-up is remembered, what can be chosen is listed, and a look at any port says what to do."""
+
+import os
+from collections.abc import Iterator
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.ports import open_port
+from drivers.simulated.faults import Fault
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from fixtures_db.cubes import add_cube
+from fixtures_db.database import Database, open_db
+from fixtures_db.slabs import add_slab
+from procedures.records import CountBlock
+from station.errors import CannotWrite
+from station.guide.setup import check_port, load_setup, noise_in_words, save_setup, setup_file, start_view
+from station.guide.view import Setup
+from tests.station.guide.recorded import begin
+
+
+@pytest.fixture
+def db(tmp_path: Path) -> Iterator[Database]:
+    with open_db(tmp_path / "station.db") as opened:
+        yield opened
+
+
+@pytest.fixture(autouse=True)
+def config(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("STATION_CONFIG", str(tmp_path / "config"))
+    return tmp_path / "config"
+
+
+def test_the_set_up_is_remembered(config: Path) -> None:
+    assert load_setup() == Setup()
+    setup = Setup(url="serial:///dev/ttyUSB0", latitude_deg=48.1, operator="Curie", cube="CUBE-7", dwell_s=20.5)
+    save_setup(setup)
+    assert load_setup() == setup
+    assert [path.name for path in config.iterdir()] == ["setup.json"]
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b"[]", b'{"url": 3}', b'{"urls": "x"}', b"\xff\xfe", b"null"])
+def test_a_broken_set_up_is_the_default_one(config: Path, content: bytes) -> None:
+    config.mkdir()
+    setup_file().write_bytes(content)
+    assert load_setup() == Setup()
+    save_setup(Setup(operator="x"))
+    assert load_setup().operator == "x"
+
+
+def test_a_place_that_cannot_be_written_is_said(config: Path) -> None:
+    config.write_text("a file, not a folder")
+    assert load_setup() == Setup()
+    with pytest.raises(CannotWrite):
+        save_setup(Setup())
+
+
+def test_without_the_variable_it_is_the_users_own_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("STATION_CONFIG")
+    assert setup_file().parts[-2:] == ("fog-station", "setup.json")
+
+
+def test_cubes_and_slabs_stand_there_with_their_certificates(db: Database, tmp_path: Path) -> None:
+    with db.write() as session:
+        add_cube(session, "OLD", side_mm=200.0, due_date=date(2020, 2, 1))
+        add_cube(session, "NEW", side_mm=200.0, due_date=date(2100, 2, 1))
+        add_slab(session, "SLAB", due_date=date(2020, 2, 1))
+    begin(tmp_path / "c", db)
+    start = start_view(db, Setup(operator="x"))
+    assert {cube.key: cube.note for cube in start.cubes} == {
+        "OLD": "certificate expired on 2020-02-01",
+        "NEW": "certificate due 2100-02-01",
+        "P1": "no certificate date",
+    }
+    assert [(slab.key, slab.note) for slab in start.slabs] == [("SLAB", "certificate expired on 2020-02-01")]
+    assert start.cubes[0].title == "NEW 200 mm"
+    assert (start.setup.operator, len(start.unfinished)) == ("x", 1)
+
+
+def test_a_good_port_is_said_to_be_good() -> None:
+    with SimulatedDevice(Truth.example(5), 5, speed=20.0) as device:
+        check = check_port(device.url.partition("?")[0], 0.5)
+    assert check.is_good, check.text
+    assert (check.format, check.serial, check.bad_frames) == ("counts", "SIM-5", 0)
+    assert check.rate_hz == pytest.approx(50.0)
+    assert check.frames > 100
+    assert "counts rms in 0.1 s" in check.noise
+
+
+def test_a_bad_line_is_named_with_what_to_do() -> None:
+    faults = [Fault("bad_crc", 0.2 * n) for n in range(1, 100)]
+    with SimulatedDevice(Truth.example(5), 5, speed=20.0, faults=faults) as device:
+        check = check_port(device.url, 0.5)
+    assert not check.is_good
+    assert "frames are damaged, expected under 1%; check cable" in check.text
+
+
+@pytest.mark.parametrize(
+    ("url", "said"),
+    [
+        ("serial:///dev/ttyNONE", "no such port"),
+        ("nonsense", "no scheme"),
+        ("", "no scheme"),
+        ("tcp://127.0.0.1:1", "check address, port"),
+        ("replay:/no/such/file", "No such file"),
+    ],
+)
+def test_what_cannot_be_looked_at_is_words_not_an_error(url: str, said: str) -> None:
+    check = check_port(url, 0.1)
+    assert (check.is_good, check.url) == (False, url)
+    assert said in check.text
+
+
+def test_a_busy_and_a_silent_port_are_words_too() -> None:
+    far, near = os.openpty()
+    url = f"serial://{os.ttyname(near)}"
+    assert "powered" in check_port(url, 0.1).text
+    port = open_port(url)
+    assert "open in another program" in check_port(url, 0.1).text
+    port.close()
+    os.close(far)
+    os.close(near)
+
+
+def test_the_noise_is_the_scatter_of_tenths_of_a_second() -> None:
+    rng, n = np.random.default_rng(1), 5000
+    counts = np.rint(rng.normal(0, [3.0] * 3 + [7.0] * 3, (n, 6))).astype(np.int64)
+    t = 0.02 * np.arange(1, n + 1)
+    samples = CountBlock(
+        np.arange(n), t, counts[:, :3], counts[:, 3:], np.zeros(n), np.zeros(n, np.int64), np.ones(n, bool)
+    )
+    words = noise_in_words(samples, 50.0)  # five samples in 0.1 s, so sqrt(5) times 3 and 7
+    gyro, accel = (float(part.split()[1]) for part in words.split(", "))
+    assert gyro == pytest.approx(3 * 5**0.5, rel=0.15)
+    assert accel == pytest.approx(7 * 5**0.5, rel=0.15)
+    assert "too short" in noise_in_words(samples, 6000.0)
+    assert "too short" in noise_in_words(samples, None)

@@ -1,0 +1,20 @@
+"""The short forms of tests/benchmarks/replug.py and frozen_screen.py."""
+
+from pathlib import Path
+
+from tests.benchmarks.frozen_screen import FROZEN_S, freeze
+from tests.benchmarks.replug import replug
+
+
+def test_a_replugged_device_is_back_within_3_s_and_nothing_reaches_over_the_gap(tmp_path: Path) -> None:
+    got = replug(3, 1, tmp_path, away_s=(0.05, 0.3))
+    assert got.is_good, got
+    assert got.blocks > 2 * 3
+
+
+def test_a_station_frozen_under_a_device_of_1_khz_misses_no_frame(tmp_path: Path) -> None:
+    speed = 5.0
+    got = freeze(tmp_path, speed)
+    assert got.is_good, got
+    assert got.blind_s > 0.9 * FROZEN_S / speed
+    assert min(got.station.samples, got.journal.samples) >= 5000

@@ -1,0 +1,136 @@
+"""Solving writes a solution and a report and stores nothing; storing is one act, done once, and read back."""
+
+import json
+from collections.abc import Iterator
+from datetime import date
+from pathlib import Path
+
+import pytest
+
+from fixtures_db.campaigns import campaign
+from fixtures_db.cubes import add_cube
+from fixtures_db.database import Database, open_db
+from fixtures_db.errors import AlreadyStored, NotInDatabase
+from fixtures_db.history import history, verify_chain
+from fixtures_db.limits import Limit, set_limits
+from fixtures_db.slabs import add_slab
+from station.campaign_folder.atomic import replace_file
+from station.errors import Altered, CannotWrite
+from station.guide.folder_notes import write_setup
+from station.guide.outcome import verdict_view
+from station.guide.unfinished import cancel_campaign
+from station.guide.view import Setup
+from station.recorder import results as module
+from station.recorder.results import make_results, store
+from tests.station.guide.recorded import everything
+from tests.station.guide.stored import recorded
+
+LIMITS = [
+    Limit("accelerometer.bias", -0.05, 0.05, "g", 2.0),
+    Limit("gyroscope.scale_factor", 34000, 38000, "count/deg"),
+    Limit("residual.p_value", 1e-9, None, "1"),
+]
+
+
+@pytest.fixture
+def db(tmp_path: Path) -> Iterator[Database]:
+    with open_db(tmp_path / "station.db") as opened:
+        yield opened
+
+
+def test_a_campaign_is_solved_judged_and_stored_once(db: Database, tmp_path: Path) -> None:
+    folder = recorded(tmp_path / "c", db, turned=True)
+    write_setup(folder, Setup(operator="M. Curie"))
+    with db.write() as session:
+        set_limits(session, "SIM-FOG3", LIMITS)
+    was = everything(db)
+    results = make_results(folder, db)
+    assert everything(db) == was
+    assert not results.calibration_file.exists()
+    verdict = verdict_view(results, db)
+    assert verdict.word == "PASS"
+    assert verdict.sentence.startswith(
+        "PASS: SIM-FOG3 SIM-7 is within all 7 limits of its model; the tightest is "
+    )
+    assert (verdict.change, verdict.status) == ("the first calibration of this unit", "calibrated")
+    assert len(verdict.rows) == 25
+    assert "the limit of 4" in verdict.worst_residual
+    report = results.report_file.read_text()
+    assert "is within all 7 limits" in report
+
+    sha256 = store(results, db)
+    stored = results.calibration_file.read_text()
+    assert sha256 not in report
+    assert sha256 in results.report_file.read_text()
+    document = json.loads(stored)
+    assert (document["verdict"], document["status"], document["operator"]) == ("PASS", "calibrated", "M. Curie")
+    assert document["limits"][-1] == {"parameter": "residual.p_value", "low": 1e-9, "unit": "1", "guard_band": 0.0}
+    with db.read() as session:
+        [row] = history(session, "SIM-7")
+        assert (row.sha256, row.document) == (sha256, stored)
+        assert verify_chain(session) == []
+        assert campaign(session, str(folder.resolve())).state == "accepted"
+    assert verdict_view(results, db).change == "the first calibration of this unit"  # itself does not count
+
+    now = everything(db)
+    results.calibration_file.unlink()  # as a kill between the row and the file leaves it
+    with pytest.raises(AlreadyStored, match=sha256[:12]):
+        store(make_results(folder, db), db)
+    assert results.calibration_file.read_text() == stored
+    assert everything(db) == now
+
+    again = make_results(recorded(tmp_path / "c2", db, seed=2), db)
+    moved = verdict_view(again, db)
+    assert "of 12 parameters moved by more than 3 sigma; most of all" in moved.change
+    assert sum(bool(row.change) for row in moved.rows) == 12  # this one has no gyroscope
+    assert moved.word == "NOT_MEASURED"
+    assert json.loads(db_document(db, store(again, db)))["previous"] == sha256
+
+
+def db_document(db: Database, sha256: str) -> str:
+    with db.read() as session:
+        return next(row.document for row in history(session, "SIM-7") if row.sha256 == sha256)
+
+
+@pytest.mark.parametrize("expired", ["cube", "slab"])
+def test_an_expired_certificate_makes_it_measured_and_says_which(
+    db: Database, tmp_path: Path, expired: str
+) -> None:
+    past, ahead = date(2020, 1, 1), date(2100, 1, 1)
+    with db.write() as session:
+        add_cube(session, "CUBE-7", side_mm=400.0, due_date=past if expired == "cube" else ahead)
+        add_slab(session, "SLAB-1", due_date=past if expired == "slab" else ahead)
+    results = make_results(recorded(tmp_path / "c", db, cube_id="CUBE-7", slab_id="SLAB-1"), db)
+    reason = f"the certificate of {expired} {'CUBE-7' if expired == 'cube' else 'SLAB-1'} expired on 2020-01-01"
+    assert (results.status, results.status_reason) == ("measured", reason)
+    assert reason in results.report_file.read_text()
+    verdict = verdict_view(results, db)
+    assert (verdict.word, verdict.status, verdict.status_reason) == ("NOT_MEASURED", "measured", reason)
+    document = json.loads(db_document(db, store(results, db)))
+    assert (document["status"], document["status_reason"]) == ("measured", reason)
+
+
+def test_what_cannot_be_stored_leaves_no_calibration(
+    db: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    results = make_results(recorded(tmp_path / "c", db), db, tmp_path)
+    assert results.solution_file == tmp_path / "solution.json"
+
+    def garble(path: Path, content: bytes) -> None:
+        replace_file(path, content.replace(b"SIM-7", b"SIM-8"))
+
+    monkeypatch.setattr(module, "replace_file", garble)
+    with pytest.raises(Altered, match="other bytes than were written"):
+        store(results, db)
+    monkeypatch.undo()
+    with pytest.raises(AlreadyStored):  # it is; the file is written anew
+        store(results, db)
+    assert "SIM-7" in results.calibration_file.read_text()
+
+    other = make_results(recorded(tmp_path / "c2", db, seed=3), db)
+    cancel_campaign(tmp_path / "c2", db)
+    with pytest.raises(NotInDatabase):
+        store(other, db)
+    assert not other.calibration_file.exists()
+    with pytest.raises(CannotWrite):
+        make_results(tmp_path / "c", db, tmp_path / "nowhere")

@@ -1,0 +1,131 @@
+"""Every stage has a screen; every screen fits its terminal, explains itself, and can be left."""
+
+from typing import get_args
+
+import pytest
+from textual.widgets._footer import FooterKey
+
+from station.guide.view import Stage, View
+from station.tui.screens import SCREEN_FOR
+from station.tui.screens.confirm import Confirm
+from station.tui.screens.help import Help
+from station.tui.screens.stage import RUNNING
+from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.event_lines import EventLines
+from station.tui.widgets.number_table import NumberTable
+from tests.station.tui import views
+from tests.station.tui.session import LARGE, SMALL, Screens, screens
+
+every_view = pytest.mark.parametrize("view", views.VIEWS.values(), ids=views.VIEWS.keys())
+every_stage = pytest.mark.parametrize("stage", get_args(Stage))
+MAY_BE_CUT = (NumberTable, EventLines)  # one scrolls, the other's texts are any length
+
+
+def of_stage(stage: Stage) -> View:
+    return next(view for view in views.VIEWS.values() if view.stage == stage)
+
+
+@every_stage
+async def test_every_stage_has_its_screen_also_when_a_view_says_nothing_else(stage: Stage) -> None:
+    async with screens(View(stage=stage)) as seen:
+        assert type(seen.app.screen) is SCREEN_FOR[stage]
+    async with screens(of_stage(stage)) as seen:
+        assert type(seen.app.screen) is SCREEN_FOR[stage]
+
+
+@pytest.mark.parametrize("size", [SMALL, LARGE], ids=["80x24", "120x40"])
+@every_view
+async def test_nothing_is_cut_off(view: View, size: tuple[int, int]) -> None:
+    async with screens(view, size) as seen:
+        assert not cut_off(seen)
+
+
+def cut_off(seen: Screens) -> list[object]:
+    """Return what does not fit: widgets outside the terminal, keys outside the footer, lines that are too long."""
+    found: list[object] = []
+    for screen in seen.app.screen_stack:
+        for widget in screen.walk_children():
+            if not widget.display or not widget.is_on_screen or isinstance(widget, MAY_BE_CUT):
+                continue
+            if not seen.app.screen.region.contains_region(widget.region):
+                found.append((widget, widget.region))
+            if isinstance(widget, FooterKey) and not widget.region.width:
+                found.append(widget)
+            if isinstance(widget, Drawn) and widget.content_size.width:
+                rows = sum(-(-len(line) // widget.content_size.width) or 1 for line in widget.render().plain.split("\n"))
+                if rows > widget.content_size.height:
+                    found.append((widget, widget.render().plain))
+    return found
+
+
+@every_stage
+async def test_help_explains_each_stage_and_its_keys_and_closes(stage: Stage) -> None:
+    async with screens(of_stage(stage)) as seen:
+        await seen.press("f1" if stage == "start" else "question_mark")
+        assert isinstance(seen.app.screen, Help)
+        said = seen.app.screen.query_one("Static").render().plain
+        assert len(said.split("\n")[0]) > 20
+        assert "four slow: rejected" in said
+        assert not cut_off(seen)
+        await seen.press("escape")
+        assert type(seen.app.screen) is SCREEN_FOR[stage]
+
+
+@pytest.mark.parametrize("stage", RUNNING)
+async def test_cancel_works_in_every_stage_and_asks_first(stage: Stage) -> None:
+    async with screens(of_stage(stage)) as seen:
+        key = "escape" if stage == "start" else "c"
+        await seen.press(key)
+        assert isinstance(seen.app.screen, Confirm)
+        assert not cut_off(seen)
+        assert "database" in seen.app.screen.query_one("Label").render().plain
+        await seen.press("n")
+        assert seen.sent == []
+        await seen.press(key, "y")
+        assert [command.verb for command in seen.sent] == ["cancel"]
+
+
+@pytest.mark.parametrize("stage", [stage for stage in RUNNING if stage != "start"])
+@pytest.mark.parametrize("key", ["q", "ctrl+q", "ctrl+c"])
+async def test_leaving_asks_first_and_sends_leave(stage: Stage, key: str) -> None:
+    async with screens(of_stage(stage)) as seen:
+        await seen.press(key, "n")
+        assert seen.sent == []
+        await seen.press(key, "right", "enter")
+        assert [command.verb for command in seen.sent] == ["leave"]
+
+
+@pytest.mark.parametrize("stage", ["start", "stored", "cancelled", "left", "failed"])
+async def test_where_nothing_is_at_stake_leaving_closes_the_screens(stage: Stage) -> None:
+    async with screens(of_stage(stage)) as seen:
+        await seen.press("ctrl+q")
+        assert not seen.app.is_running
+    assert seen.sent == []
+
+
+@pytest.mark.parametrize("key", ["enter", "escape", "space", "q"])
+async def test_the_end_says_what_became_of_the_data_and_a_key_closes_it(key: str) -> None:
+    async with screens(views.BROKEN) as seen:
+        said = seen.app.screen.query_one("#ended Static").render().plain
+        assert "The disk is full" in said
+        assert "All accepted steps are safe" in said
+        await seen.press(key)
+        assert not seen.app.is_running
+
+
+async def test_a_campaign_without_an_imu_is_said_in_red_words() -> None:
+    async with screens(views.SILENT) as seen:
+        assert "NO DATA" in seen.app.screen.query_one("#link").render().plain
+        assert "NO DATA" in seen.app.screen.query_one("#banner").render().plain
+        assert seen.app.screen.query_one("#link").has_class("silent")
+        await seen.show(views.HOLDING)
+        assert not seen.app.screen.query_one("#link").has_class("silent")
+
+
+@pytest.mark.parametrize("stage", [stage for stage in get_args(Stage) if stage != "start"])
+async def test_all_keys_of_the_footer_are_in_the_palette(stage: Stage) -> None:
+    async with screens(of_stage(stage)) as seen:
+        shown = {key.description for key in seen.app.screen.query(FooterKey)} - {"All"}
+        offered = {command.title for command in seen.app.get_system_commands(seen.app.screen)}
+        assert shown - offered == set()
+        assert {"Sound", "High contrast", "Theme"} <= offered
