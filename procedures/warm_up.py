@@ -9,12 +9,12 @@ the time two positions of one face take. Two things tell the drift:
 - the temperature, by its rate times the bias's sensitivity ``c`` to it [count/s/K], which is regressed on all that
   was seen, with a prior as wide as fibre-optic gyros are. A temperature at rest settles the matter in a minute.
 
-Where there is a thermometer the second decides, unless the first clearly contradicts it. Least squares and its
-sigmas are textbook; the rules are this project's own (docs/guiding.md).
+Either is enough, but not the second where the first clearly contradicts it. Least squares and its sigmas are
+textbook; the rules are this project's own (docs/guiding.md).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -95,15 +95,16 @@ def warm_up(means: Means, dwell_s: float, pair_s: float, marks: Sequence[float] 
     enough = (48 * dwell_s * pair_s**2) ** (1 / 3)
     last = rest.since(rest.t[-1] - enough)
     slope, slope_std = trend(last.t, last.gyro, noise)
+    drift, missing = np.abs(slope) * pair_s, enough - n * rest.interval
+    is_steady = bool(missing <= 0 and np.all(drift < limit))
     if means.has_temperature:
-        is_hot = np.any(np.abs(slope) * pair_s > limit + CLEAR * slope_std * pair_s)
-        return _by_temperature(means, rest, limit, pair_s, bool(is_hot))
-    drift = np.abs(slope) * pair_s
+        is_hot = np.any(drift > limit + CLEAR * slope_std * pair_s)
+        state = _by_temperature(means, rest, limit, pair_s, bool(is_hot))
+        return replace(state, is_ready=True, left_s=0.0, gyro_drift=drift) if is_steady else state
     worst = int(np.argmax(drift / limit))
-    missing = enough - n * rest.interval
     tau = time_constant(rest.t, rest.gyro[:, worst], float(noise[worst]))
     left = _left(tau, float(drift[worst] / limit[worst])) if missing <= 0 else missing
-    return WarmUpState(bool(missing <= 0 and np.all(drift < limit)), left, None, None, drift, limit)
+    return WarmUpState(is_steady, 0.0 if is_steady else left, None, None, drift, limit)
 
 
 def _by_temperature(means: Means, rest: Means, limit: FloatArray, pair_s: float, is_hot: bool) -> WarmUpState:

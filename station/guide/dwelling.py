@@ -12,14 +12,16 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from station.benches.spans import merged
-from station.benches.stillness import LEAST, TICKS, Block
+from station.benches.stillness import Block
 from station.guide.judge import Look
 from station.recorder.tape import Run
 
+TOUCHED = "touched just after it was set down"
 MOVED_DEG = 0.05
 CALM_BLOCKS = 1  # still ones after a disturbance that are not used
 FEW_BLOCKS = 3
-TURNING_SIGMA = 20.0
+OFF_SIGMA = 6.0
+EARLY_BLOCKS = 5  # a cube that is disturbed as early as this was not let go yet
 SECTIONS = 10
 CREEP_SIGMA = 7.0  # of nine successive differences
 CREEP_RAD = 1e-4  # 20 arcsec: below it the biases of a good unit may wander as well
@@ -34,6 +36,7 @@ class Dwelling:
     def __init__(self, samples: int, period: float, gyro_k: Callable[[FloatArray], float]) -> None:
         self._wanted, self._period, self._k = samples, period, gyro_k
         self.kept: list[Block] = []
+        self._newest: list[Block] = []  # still, and not followed by a still one yet
         self._away: list[Block] = []  # since it was last at rest
         self._calm = 0
 
@@ -55,7 +58,7 @@ class Dwelling:
     @property
     def oldest(self) -> int | None:
         """The first sample that is still needed."""
-        return self.kept[0].first if self.kept else None
+        return next((block.first for block in (*self.kept, *self._newest, *self._away)), None)
 
     def runs(self) -> list[Run]:
         """Return the accepted samples, as many as wanted."""
@@ -67,26 +70,32 @@ class Dwelling:
         return rate
 
     def take(self, block: Block, look: Look) -> str:
-        """Take a block; return why the dwell must begin again, empty if it need not."""
-        is_calm = not look.hindrance and not self._is_turning(block)
+        """Take a block; return why the dwell must begin again, empty if it need not.
+
+        A block counts once the next one is still as well: what disturbs may have begun in it.
+        """
+        is_calm = not look.hindrance and not self._is_off(block, look)
         if is_calm and not self._away:
-            self.kept.append(block)
+            self.kept += self._newest
+            self._newest = [block]
             return ""
-        self._away.append(block)
+        self._away += [*self._newest, block]
+        self._newest = []
         if not look.is_upright:
             return f"the cube was lifted or tilted, by {look.off_deg:.0f} deg"
+        if len(self.kept) < EARLY_BLOCKS:
+            return TOUCHED if look.hindrance != "paused" else ""
         self._calm = self._calm + 1 if is_calm else 0
         if self._calm <= CALM_BLOCKS:
             return ""
-        reason = self._moved()
+        reason = self._moved(look)
         self._away, self._calm = [], 0
-        if not reason:
-            self.kept.append(block)
+        self._newest = [] if reason else [block]
         return reason
 
-    def forget_restless(self, is_still: Sequence[bool]) -> None:
+    def forget_restless(self, is_still: Callable[[Block], bool]) -> None:
         """Drop the blocks that are not still by the noise as it is known now."""
-        self.kept = [block for block, still in zip(self.kept, is_still, strict=True) if still]
+        self.kept = [block for block in self.kept if is_still(block)]
 
     def crept(self, g_counts: float, level: FloatArray) -> str:
         """Say how far the cube crept, empty if it did not.
@@ -104,26 +113,24 @@ class Dwelling:
             return f"the cube crept by {np.degrees(2 * crept.max()) * 3600:.0f} arcsec"
         return ""
 
-    def _is_turning(self, block: Block) -> bool:
-        """Say whether a gyro is far off its mean so far: an even rotation makes nothing tremble."""
+    def _is_off(self, block: Block, look: Look) -> bool:
+        """Say whether a channel is far off its median so far: an even motion makes nothing tremble."""
         if len(self.kept) < FEW_BLOCKS:
             return False
-        sigma = np.sqrt(np.maximum(block.variance[:3], LEAST) * TICKS)
-        return bool(np.any(np.abs(block.rate[:3] - self.rate()[:3]) > TURNING_SIGMA * sigma))
+        usual = np.median([each.rate for each in self.kept], axis=0)
+        return bool(np.any(np.abs(block.rate - usual) > OFF_SIGMA * look.sigma))
 
-    def _moved(self) -> str:
+    def _moved(self, look: Look) -> str:
         """Say by how much the cube was turned while it was disturbed."""
         away = self._away
-        if not self.kept:
-            return ""
         if any(a.last != b.first or b.is_broken for a, b in pairwise([self.kept[-1], *away])):
             return "samples were lost while it was disturbed"
         rest = self.rate()[:3]
         k = self._k(rest)
         counts = np.sum([(b.rate[:3] - rest) * (b.last - b.first) * self._period for b in away], axis=0)
-        sigma = np.sqrt(max(float(np.max([b.variance[:3].max() for b in self.kept])), LEAST) * TICKS * len(away))
+        noise = float(np.max(look.sigma[:3])) * len(away) ** 0.5
         angle = float(np.degrees(np.linalg.norm(counts) / k))
-        if angle > MOVED_DEG + np.degrees(5 * sigma / k):
+        if angle > MOVED_DEG + np.degrees(5 * noise / k):
             return f"the cube was moved by {angle:.2f} deg"
         return ""
 

@@ -5,6 +5,7 @@ from raw counts and any order is taken; what is wrong is said and never counted 
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from drivers.errors import DriverError
 from station.benches.stillness import TIMES_NOISE, Block
@@ -52,7 +53,7 @@ class Guide:
         if block.is_anew:
             self._stage = self._stage.interrupted()
         elif self._is_paused:
-            look = Look(look.face, look.off_deg, look.still, look.channel, look.is_upright, False, "paused")
+            look = replace(look, is_still=False, is_calm=False, hindrance="paused")
         self._stage = self._stage.take(block, look)
         past = block.first - KEPT_BLOCKS * (block.last - block.first)
         oldest = self._stage.oldest

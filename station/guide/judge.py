@@ -19,14 +19,20 @@ from station.benches.stillness import LEAST, TICKS, Block, Stillness
 LIMIT_DEG = 3.0
 ALLOWANCE_DEG = 0.5  # biases of 8.7 mg
 LEARNT_ALLOWANCE_DEG = 0.1
+CALM = 0.5  # of the limit, in amplitude
+COUNTING = 0.5  # count^2, twice what counting alone may vary by
 TURNING_RATE = 3.0  # times the rate at rest, which is the Earth's and the biases
 TURNING_COUNTS = 20.0  # times the noise of a second
 CHANNELS = ("gyro x", "gyro y", "gyro z", "accelerometer x", "accelerometer y", "accelerometer z")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Look:
-    """What a block shows: the face that is up, its angle off the vertical, and how still it is (limit 1)."""
+    """What a block shows: the face that is up, its angle off the vertical, and how still it is (limit 1).
+
+    ``is_calm``: twice as still as it need be, as a cube is that nobody touches. ``sigma`` (6,) [count/s] is what
+    the unit's noise makes of a block's rate.
+    """
 
     face: str
     off_deg: float
@@ -34,6 +40,8 @@ class Look:
     channel: str
     is_upright: bool
     is_still: bool
+    is_calm: bool
+    sigma: FloatArray
     hindrance: str
 
 
@@ -83,7 +91,12 @@ class Judge:
             hindrance = f"waiting for still: {CHANNELS[worst]} moves"
         elif not is_upright:
             hindrance = f"tilted by {off:.1f} deg, limit {self.limit_deg:.1f} deg"
-        return Look(face, off, float(ratio[worst]), CHANNELS[worst], is_upright, is_still, hindrance)
+        calm = np.maximum(CALM**2 * self.stillness.limit, COUNTING)
+        is_calm = is_still and bool(np.all(block.variance <= calm))
+        sigma = np.sqrt(np.maximum(self.stillness.noise, LEAST) * TICKS)
+        return Look(
+            face, off, float(ratio[worst]), CHANNELS[worst], is_upright, is_still, is_calm, sigma, hindrance
+        )
 
     def seen_face(self, accel: FloatArray) -> tuple[str, float]:
         """Return the face that is up and its angle off the vertical [deg], from count rates (3,) in IMU axes."""

@@ -37,7 +37,8 @@ class Placing:
             self._desk.moved()
         if self._must_move and not self._begins_here(look):
             return self
-        self._calm = self._calm + 1 if not look.hindrance and look.face == self._face else 0
+        is_calm = not look.hindrance and look.is_calm and look.face == self._face
+        self._calm = self._calm + 1 if is_calm else 0
         self._face, self._hint = look.face, look.hindrance
         if self._calm < SETTLE_BLOCKS:
             return self

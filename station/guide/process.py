@@ -26,7 +26,7 @@ class EngineFailed(StationError):
         self.code, self.said = code, said
         last = said.strip().splitlines()[-1:] or [f"exit code {code}"]
         super().__init__(
-            f"the engine has ended: {last[0]}; what was accepted is safe, `station resume` goes on. Report this bug"
+            f"the engine has ended: {last[0]}; what was accepted is safe, see `station resume`. Report this bug"
         )
 
 

@@ -7,7 +7,7 @@ from procedures.frames import face_normal
 from procedures.steps import Dwell
 from station.benches.stillness import Block
 from station.guide.desk import Desk
-from station.guide.dwelling import Dwelling, level_axes
+from station.guide.dwelling import TOUCHED, Dwelling, level_axes
 from station.guide.judge import Look
 from station.guide.seat import Seat
 from station.guide.stage import Stage
@@ -52,6 +52,9 @@ class Resting:
         """Take a second of the stream."""
         was_disturbed = self._dwelling.is_disturbed
         if why := self._dwelling.take(block, look):
+            if why == TOUCHED:
+                self._desk.story.say("still", "not let go yet: keep your hands off")
+                return self._again(self._desk, "", must_move=False)
             return self._again(self._desk, f"{why}; it begins again", must_move=False)
         self._tell(was_disturbed)
         if self._dwelling.is_disturbed or not self._dwelling.kept:
@@ -114,7 +117,7 @@ class Resting:
 
     def _completed(self) -> Stage:
         desk, dwelling = self._desk, self._dwelling
-        dwelling.forget_restless([desk.judge.stillness.is_still(block) for block in dwelling.kept])
+        dwelling.forget_restless(desk.judge.stillness.is_still)
         if not dwelling.is_complete:
             return self
         normal = face_normal(self._face)

@@ -1,5 +1,6 @@
 """Writing one step: counts and raw bytes as MCAP, chunked and with checksums, readable after a kill."""
 
+import contextlib
 import hashlib
 import os
 from pathlib import Path
@@ -101,12 +102,20 @@ class StepWriter:
     def close(self) -> str:
         """Finish the file on disk and return its sha256; a second call changes nothing."""
         if not self._stream.closed:
-            self._writer.finish()  # type: ignore[no-untyped-call]
-            self.flush()
-            self._stream.close()
+            try:
+                self._writer.finish()  # type: ignore[no-untyped-call]
+                self.flush()
+            finally:
+                self._stream.close()
             sync_folder(self.path.parent)
         with self.path.open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
+
+    def abandon(self) -> None:
+        """Let the file go and take it away, where it cannot be finished."""
+        with contextlib.suppress(OSError):  # what is still to be written finds no room either
+            self._stream.close()
+        self.path.unlink(missing_ok=True)
 
 
 def write_step(path: Path, series: Series) -> str:

@@ -136,7 +136,7 @@ def _write(path: Path, tape: Tape, runs: Sequence[Run]) -> str:
                 writer.write_block(chunk.host_ns, block)
         return writer.close()
     except OSError as error:
-        path.unlink(missing_ok=True)
+        writer.abandon()
         raise CannotWrite(path, error.strerror or str(error)) from error
 
 

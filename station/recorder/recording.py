@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -42,27 +43,36 @@ def record(feed: Pieces, folder: Path, seconds: float) -> Recorded:
     ------
     DriverError
         What the stream refuses; the file is finished first.
+    CannotWrite
+        If the disk refuses; what it took stays.
     """
     writer, flushed = StepWriter(folder / NAME), time.monotonic()
     period, samples = 0.0, 0
-    try:
-        for piece in feed.pieces():
-            writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
-            if len(piece.block):
-                writer.write_block(piece.chunk.host_ns, piece.block)
-                samples += len(piece.block)
-            if time.monotonic() - flushed >= FLUSH_S:
-                writer.flush()
-                flushed = time.monotonic()
-            period = feed.stream.period or 0.0
-            if period and samples * period >= seconds:
-                break
-    except ReplayEnded:
-        pass
-    except OSError as error:
-        if isinstance(error, ConnectionError | TimeoutError):  # the device's, not the disk's
-            raise
-        raise CannotWrite(writer.path, error.strerror or str(error)) from error
-    finally:
-        append_hash(folder, NAME, writer.close())
+    with _the_disk_refusing(writer.path):
+        try:
+            for piece in feed.pieces():
+                writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
+                if len(piece.block):
+                    writer.write_block(piece.chunk.host_ns, piece.block)
+                    samples += len(piece.block)
+                if time.monotonic() - flushed >= FLUSH_S:
+                    writer.flush()
+                    flushed = time.monotonic()
+                period = feed.stream.period or 0.0
+                if period and samples * period >= seconds:
+                    break
+        except ReplayEnded:
+            pass
+        finally:
+            append_hash(folder, NAME, writer.close())
     return Recorded(writer.path, samples, samples * period)
+
+
+@contextmanager
+def _the_disk_refusing(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except (CannotWrite, ConnectionError, TimeoutError):  # said already, or the device's
+        raise
+    except OSError as error:
+        raise CannotWrite(path, error.strerror or str(error)) from error

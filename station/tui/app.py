@@ -46,7 +46,7 @@ class StationApp(App[None]):
         self._heard = -1  # the newest event that was heard
         self._postponed: object = None  # the question that was put off
         self.is_quiet = is_quiet
-        self._bells = Bells(lambda: self.bell(), self.set_timer)
+        self.bells = Bells(lambda: self.bell(), self.set_timer)
         self.animation_level = "none"
         for theme in (STATION, HIGH_CONTRAST):
             self.register_theme(theme)
@@ -116,7 +116,7 @@ class StationApp(App[None]):
         self._heard = max([self._heard, *(event.number for event in new)])
         if not is_first and not self.is_quiet:
             for event in new:
-                self._bells.ring(event.sound)
+                self.bells.ring(event.sound)
 
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
         """Offer every action of the screen in the palette, then those of the application."""

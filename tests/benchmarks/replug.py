@@ -7,8 +7,9 @@ the runs that a recording would be cut from.
 
 import argparse
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -20,12 +21,14 @@ from station.benches import open_feed
 from station.benches.spans import merged
 from station.benches.stillness import Block
 from station.reader import Chunk, GapMark, Reader
+from station.recorder.tape import Run
 
 SPEED = 20.0  # device seconds a second: 1000 frames a second
 PLUGGED_S = 10.0  # of device time between two unplugs
 AWAY_S = (0.05, 2.0)
 ASKED_S = 3.0
 GAP = 1.5  # sample periods
+EVEN_S = 0.01  # of device time: half a sample period
 
 
 class WatchedReader:
@@ -57,17 +60,14 @@ class Outcome:
     blocks: int = 0
     blocks_over_a_gap: int = 0
     runs: int = 0
+    runs_over_a_gap: int = 0
 
     @property
     def is_good(self) -> bool:
         """Whether it is as asked."""
-        times = len(self.back)
-        return (
-            max(self.back) <= ASKED_S
-            and self.marks == [False, True] * times
-            and not self.blocks_over_a_gap
-            and self.runs == times + 1
-        )
+        is_marked = self.marks == [False, True] * len(self.back)
+        is_whole = not self.blocks_over_a_gap and not self.runs_over_a_gap
+        return max(self.back) <= ASKED_S and is_marked and is_whole
 
 
 def replug(times: int, seed: int, folder: Path, away_s: tuple[float, float] = AWAY_S) -> Outcome:
@@ -85,7 +85,8 @@ def replug(times: int, seed: int, folder: Path, away_s: tuple[float, float] = AW
             outcome.blocks_over_a_gap += is_over_a_gap
             if len(watched.outages) == times and block.is_anew:
                 break
-    outcome.blocks, outcome.runs = len(blocks), len(merged(blocks, None))
+    runs = merged(blocks, None)
+    outcome.blocks, outcome.runs, outcome.runs_over_a_gap = len(blocks), len(runs), _over_a_gap(runs, blocks)
     outcome.back = (np.array(watched.outages) - away).tolist()
     outcome.marks = [mark.is_open for mark in watched.marks]
     return outcome
@@ -99,6 +100,12 @@ def _blocks(source: WatchedReader) -> Iterator[tuple[Block, bool]]:
         steps = np.diff(samples.device_time) / feed.period
         yield block, bool(np.any(steps > GAP) or np.any(np.diff(samples.counter) != 1))
         feed.tape.forget_before(block.last)
+
+
+def _over_a_gap(runs: Sequence[Run], blocks: Sequence[Block]) -> int:
+    """Return how many gaps between blocks are inside a run."""
+    begins = {first for first, _ in runs}
+    return sum(b.begins - a.ends > EVEN_S and b.first not in begins for a, b in pairwise(blocks))
 
 
 def main() -> int:
@@ -115,7 +122,7 @@ def main() -> int:
     print(f"samples again, longest        {back.max():.3f} s   asked {ASKED_S:g}")
     print(f"gap marks, lost and back      {got.marks.count(False)} and {got.marks.count(True)}")
     print(f"blocks, of them over a gap    {got.blocks}, {got.blocks_over_a_gap}   asked 0")
-    print(f"runs                          {got.runs}   asked {len(back) + 1}: none over a gap")
+    print(f"runs, of them over a gap      {got.runs}, {got.runs_over_a_gap}   asked 0")
     return 0 if got.is_good else 1
 
 

@@ -93,6 +93,14 @@ def test_a_large_bias_is_not_sure_until_known_dwells_take_it_off() -> None:
         assert heading.position == position
 
 
+def test_a_scale_factor_that_would_hide_the_earth_rate_behind_the_bias_is_not_likely() -> None:
+    """Beside a bias of a third of the Earth's rate any heading fits, if k is so large that all counts are small."""
+    bias = DEG_PER_HOUR * np.array([5.0, -4.0, 4.0])
+    heading = found(K * (seen(2, CHINA) + bias), 2, CHINA, (known(1, CHINA, bias),), bias_std=5 * DEG_PER_HOUR)
+    assert heading.position == 2
+    assert heading.margin > 30
+
+
 def test_a_known_dwell_sharpens_the_verdict_at_high_latitude() -> None:
     latitude, bias = np.radians(70.0), DEG_PER_HOUR * np.array([0.5, -0.8, 0.3])
     rate = K * (seen(2, latitude) + bias)

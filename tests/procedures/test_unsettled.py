@@ -92,6 +92,18 @@ def test_misalignment_and_both_ends_of_every_step_widen_too() -> None:
     assert {r.kind for r in wider} == {"dwell", "turn"}
 
 
+def test_a_turn_is_as_uncertain_as_the_bias_that_is_taken_off_it() -> None:
+    fits = fit([stated(warming(3)[1], 3.0)])
+    assert fits.gyroscope is not None
+    joint = fits.gyroscope.joint
+    assert np.all(joint.excess == 0)  # less scatter than was stated
+    k = np.linalg.norm(joint.K, axis=1)  # count/deg
+    drift = 3 * TO_GO * GYRO_PER_K / 3600 * k
+    for turn, sigma in zip(fits.gyroscope.turns, fits.gyroscope.turn_sigma, strict=True):
+        assert sigma == pytest.approx(np.hypot(turn.std, drift * turn.seconds), rel=1e-3)
+    assert joint.sigma == pytest.approx(np.hypot(joint.seen.std, drift), rel=1e-3)
+
+
 def test_where_nothing_is_stated_every_sigma_is_what_it_was_to_the_last_bit() -> None:
     fits = fit([warming(3)[1]])
     assert fits.accelerometer is not None

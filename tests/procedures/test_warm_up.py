@@ -14,12 +14,12 @@ PER_K = DPH * np.array([0.05, -0.025, 0.015])
 
 def history(
     seed: int, n: int, rise: float = 0.0, *, step: float | None = 1e-3, per_k: FloatArray = PER_K,
-    drift: float = 0.0, begin: float = 0.0,
+    drift: float = 0.0, white: float = WHITE,
 ) -> Means:  # fmt: skip
     """Means of a unit that warms by ``rise`` [K] and drifts [count/s2]; ``step`` [K] of the thermometer."""
     rng, t = np.random.default_rng(seed), 10.0 * np.arange(1, n + 1)
-    warmth = rise * (1 - np.exp(-(begin + t - 5) / TAU_S))
-    std = np.full((n, 3), WHITE / np.sqrt(10))
+    warmth = rise * (1 - np.exp(-(t - 5) / TAU_S))
+    std = np.full((n, 3), white / np.sqrt(10))
     gyro = (
         np.array([80.0, 3.0, 130.0])
         + np.outer(warmth, per_k)
@@ -64,6 +64,12 @@ def test_a_warming_unit_is_not_ready_before_its_drift_is_below_its_noise(seed: i
     assert left_at(60.0) > 6
     assert left_at(seconds) < 1
     assert seconds < 2900
+
+
+def test_a_thermometer_too_coarse_for_a_quiet_unit_neither_lets_it_begin_early_nor_for_ever_not() -> None:
+    seconds = ready_at(history(1, 450, 10.0, step=1.0, white=0.3 * WHITE))
+    assert left_at(seconds) < 0.3
+    assert seconds < 4500
 
 
 def test_without_a_thermometer_readiness_takes_as_long_as_the_noise_does() -> None:

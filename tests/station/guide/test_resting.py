@@ -133,8 +133,7 @@ def test_a_cube_that_was_lifted_begins_again_in_whatever_position_it_comes_down(
 
 def test_a_slow_creep_is_seen_at_the_end(rig: Make) -> None:
     guided = rig(dwells(1, seconds=100.0))
-    guided.run(after(1.0))
-    guided.hands("creep 120 0 0.1 0")  # 3 arcsec a second
+    guided.hands("creep 200 0 0.1 0")  # 2 arcsec a second
     guided.run(lambda v: any(e.sound == "rejected" for e in v.events))
     assert "the cube crept by" in guided.texts[-1]
     assert guided.view.done == 0

@@ -9,7 +9,7 @@ from tests.benchmarks.replug import replug
 def test_a_replugged_device_is_back_within_3_s_and_nothing_reaches_over_the_gap(tmp_path: Path) -> None:
     got = replug(3, 1, tmp_path, away_s=(0.05, 0.3))
     assert got.is_good, got
-    assert got.blocks > 2 * 3
+    assert got.blocks > 3
 
 
 def test_a_station_frozen_under_a_device_of_1_khz_misses_no_frame(tmp_path: Path) -> None:

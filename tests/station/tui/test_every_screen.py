@@ -16,8 +16,6 @@ from station.tui.widgets.number_table import NumberTable
 from tests.station.tui import views
 from tests.station.tui.session import LARGE, SMALL, Screens, screens
 
-every_view = pytest.mark.parametrize("view", views.VIEWS.values(), ids=views.VIEWS.keys())
-every_stage = pytest.mark.parametrize("stage", get_args(Stage))
 MAY_BE_CUT = (NumberTable, EventLines)  # one scrolls, the other's texts are any length
 
 
@@ -25,19 +23,22 @@ def of_stage(stage: Stage) -> View:
     return next(view for view in views.VIEWS.values() if view.stage == stage)
 
 
-@every_stage
-async def test_every_stage_has_its_screen_also_when_a_view_says_nothing_else(stage: Stage) -> None:
-    async with screens(View(stage=stage)) as seen:
-        assert type(seen.app.screen) is SCREEN_FOR[stage]
-    async with screens(of_stage(stage)) as seen:
-        assert type(seen.app.screen) is SCREEN_FOR[stage]
+async def test_every_stage_has_its_screen_also_when_a_view_says_nothing_else() -> None:
+    async with screens(View()) as seen:
+        for stage in get_args(Stage):
+            for view in (View(stage=stage), of_stage(stage)):
+                await seen.show(view)
+                assert type(seen.app.screen) is SCREEN_FOR[stage], stage
+        assert len(seen.app.screen_stack) == 2
 
 
 @pytest.mark.parametrize("size", [SMALL, LARGE], ids=["80x24", "120x40"])
-@every_view
-async def test_nothing_is_cut_off(view: View, size: tuple[int, int]) -> None:
-    async with screens(view, size) as seen:
-        assert not cut_off(seen)
+async def test_nothing_is_cut_off(size: tuple[int, int]) -> None:
+    async with screens(View(), size) as seen:
+        for name, view in views.VIEWS.items():
+            await seen.show(view)
+            await seen.pilot.pause()
+            assert not cut_off(seen), name
 
 
 def cut_off(seen: Screens) -> list[object]:
@@ -52,23 +53,26 @@ def cut_off(seen: Screens) -> list[object]:
             if isinstance(widget, FooterKey) and not widget.region.width:
                 found.append(widget)
             if isinstance(widget, Drawn) and widget.content_size.width:
-                rows = sum(-(-len(line) // widget.content_size.width) or 1 for line in widget.render().plain.split("\n"))
+                rows = sum(
+                    -(-len(line) // widget.content_size.width) or 1 for line in widget.render().plain.split("\n")
+                )
                 if rows > widget.content_size.height:
                     found.append((widget, widget.render().plain))
     return found
 
 
-@every_stage
-async def test_help_explains_each_stage_and_its_keys_and_closes(stage: Stage) -> None:
-    async with screens(of_stage(stage)) as seen:
-        await seen.press("f1" if stage == "start" else "question_mark")
-        assert isinstance(seen.app.screen, Help)
-        said = seen.app.screen.query_one("Static").render().plain
-        assert len(said.split("\n")[0]) > 20
-        assert "four slow: rejected" in said
-        assert not cut_off(seen)
-        await seen.press("escape")
-        assert type(seen.app.screen) is SCREEN_FOR[stage]
+async def test_help_explains_each_stage_and_its_keys_and_closes() -> None:
+    async with screens(View()) as seen:
+        for stage in get_args(Stage):
+            await seen.show(of_stage(stage))
+            await seen.press("f1" if stage == "start" else "question_mark")
+            assert isinstance(seen.app.screen, Help), stage
+            said = seen.app.screen.query_one("Static").render().plain
+            assert len(said.split("\n")[0]) > 20
+            assert "four slow: rejected" in said
+            assert not cut_off(seen), stage
+            await seen.press("escape")
+            assert type(seen.app.screen) is SCREEN_FOR[stage]
 
 
 @pytest.mark.parametrize("stage", RUNNING)
@@ -85,13 +89,20 @@ async def test_cancel_works_in_every_stage_and_asks_first(stage: Stage) -> None:
         assert [command.verb for command in seen.sent] == ["cancel"]
 
 
-@pytest.mark.parametrize("stage", [stage for stage in RUNNING if stage != "start"])
-@pytest.mark.parametrize("key", ["q", "ctrl+q", "ctrl+c"])
-async def test_leaving_asks_first_and_sends_leave(stage: Stage, key: str) -> None:
-    async with screens(of_stage(stage)) as seen:
-        await seen.press(key, "n")
-        assert seen.sent == []
-        await seen.press(key, "right", "enter")
+async def test_leaving_asks_first_in_every_stage_with_something_to_go_on_with() -> None:
+    async with screens(View()) as seen:
+        for stage in RUNNING[1:]:
+            await seen.show(of_stage(stage))
+            await seen.press("q", "n")
+            assert seen.sent == []
+            await seen.press("q", "right", "enter")
+            assert seen.sent.pop().verb == "leave", stage
+
+
+@pytest.mark.parametrize("key", ["ctrl+q", "ctrl+c"])
+async def test_the_usual_keys_of_a_terminal_ask_to_leave_too(key: str) -> None:
+    async with screens(views.HOLDING) as seen:
+        await seen.press(key, "y")
         assert [command.verb for command in seen.sent] == ["leave"]
 
 
@@ -122,10 +133,15 @@ async def test_a_campaign_without_an_imu_is_said_in_red_words() -> None:
         assert not seen.app.screen.query_one("#link").has_class("silent")
 
 
-@pytest.mark.parametrize("stage", [stage for stage in get_args(Stage) if stage != "start"])
-async def test_all_keys_of_the_footer_are_in_the_palette(stage: Stage) -> None:
-    async with screens(of_stage(stage)) as seen:
-        shown = {key.description for key in seen.app.screen.query(FooterKey)} - {"All"}
-        offered = {command.title for command in seen.app.get_system_commands(seen.app.screen)}
-        assert shown - offered == set()
-        assert {"Sound", "High contrast", "Theme"} <= offered
+async def test_all_keys_of_the_footer_are_in_the_palette() -> None:
+    async with screens(View()) as seen:
+        for view in views.VIEWS.values():
+            await seen.show(view)
+            if view.question or view.stage == "start":
+                continue
+            await seen.pilot.pause()
+            shown = {key.description for key in seen.app.screen.query(FooterKey)} - {"All"}
+            offered = {command.title for command in seen.app.get_system_commands(seen.app.screen)}
+            assert shown
+            assert shown - offered == set()
+            assert {"Sound", "High contrast", "Theme"} <= offered

@@ -1,0 +1,54 @@
+"""The stream may fail; the person is never hurried, and nothing is accepted across a failure."""
+
+from collections.abc import Callable
+
+import pytest
+
+from drivers.errors import LinkSilent
+from drivers.simulated.device import ByteDevice
+from drivers.simulated.truth import Truth
+from station.recorder import UnitChanged
+from tests.station.guide.rig import GuideRig, dwells
+
+Make = Callable[..., GuideRig]
+
+
+
+
+def test_a_silent_stream_is_said_once_and_the_dwell_begins_again(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=20.0))
+    guided.run(lambda v: v.accepted_s >= 10)
+    for _ in range(3):
+        guided.guide.stream_failed(LinkSilent("port", 2.0, None))
+    view = guided.view
+    assert not view.link.is_live
+    assert "port" in view.hint
+    assert [e.sound for e in view.events].count("rejected") == 2  # the port, and the dwell that it broke
+    guided.guide.stream_is_back()
+    guided.run(guided.done(1))
+    assert guided.view.link.is_live
+
+
+def test_another_unit_is_refused_and_none_of_its_samples_are_used(rig: Make) -> None:
+    guided = rig(dwells(1, 2, seconds=20.0))
+    guided.run(lambda v: v.accepted_s >= 10)
+    own = guided.source.device
+    guided.source.device = ByteDevice(Truth.example(2), 1, "counts")
+    with pytest.raises(UnitChanged, match="SIM-2 is connected, expected SIM-1"):
+        guided.run(guided.done(1))
+    guided.feed.begin_anew()
+    guided.guide.stream_failed(UnitChanged("port", "SIM-2", "SIM-1"))
+    guided.source.device = own
+    guided.feed.begin_anew()
+    guided.guide.stream_is_back()
+    guided.run(guided.done(1))
+    assert any("the stream was interrupted" in text for text in guided.texts)
+
+
+def test_nobody_is_hurried(rig: Make) -> None:
+    guided = rig(dwells(1, 2))
+    guided.run(guided.done(1))
+    view = guided.rest(3600)
+    assert view.stage == "place"
+    guided.hands("place 2 8")
+    guided.run(guided.done(2))

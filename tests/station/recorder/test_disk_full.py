@@ -1,0 +1,108 @@
+"""A disk that fills up: what was accepted stays whole, what was not is said, and with room again it goes on."""
+
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from sqlalchemy import text
+
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
+from fixtures_db.campaigns import campaign
+from fixtures_db.database import Database, open_db
+from fixtures_db.errors import NotWritten
+from procedures.steps import Dwell
+from station.benches import LiveFeed, open_feed
+from station.benches.spans import merged
+from station.campaign_folder import read_campaign, verify_folder
+from station.campaign_folder.schema import SiteTable
+from station.errors import CannotWrite
+from station.recorder import CampaignRecorder, check_raw_bytes, open_campaign
+from tests.station.benches.bench_in_memory import Source
+
+SITE = SiteTable(latitude_deg=31.17, gravity_m_s2=9.80665)
+PAGE = 4096
+
+
+class SmallDisk:
+    """A disk of 1 MiB."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def fill(self, but: int) -> None:
+        """Leave no more than ``but`` bytes."""
+        with (self.path / "ballast").open("wb", buffering=0) as stream:
+            try:
+                while True:
+                    stream.write(bytes(PAGE))
+            except OSError:
+                stream.truncate(stream.tell() - but)
+
+    def empty(self) -> None:
+        """Make room again."""
+        (self.path / "ballast").unlink(missing_ok=True)
+
+
+@pytest.fixture
+def disk(tmp_path: Path) -> Iterator[SmallDisk]:
+    path = tmp_path / "disk"
+    path.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", str(path)]
+    done = subprocess.run(mount, capture_output=True, text=True, check=False)
+    if done.returncode:
+        pytest.skip(f"no small disk can be mounted here: {done.stderr.strip()}")
+    yield SmallDisk(path)
+    subprocess.run(["umount", "--lazy", str(path)], check=True)
+
+
+def accept(recorder: CampaignRecorder, feed: LiveFeed, position: int) -> None:
+    blocks = feed.blocks()
+    runs = merged([next(blocks) for _ in range(5)], None)
+    try:
+        recorder.accept(Dwell(position, 5.0), feed.tape, runs)
+    finally:
+        feed.tape.forget_before(feed.tape.end)
+
+
+def rows_of(folder: Path, database: Database) -> list[str]:
+    """Return the files of the steps in a database that is whole."""
+    with database.read() as session:
+        assert session.execute(text("PRAGMA integrity_check")).scalar() == "ok"
+        return [step.file for step in campaign(session, str(folder.resolve())).steps]
+
+
+def assert_whole(folder: Path) -> None:
+    """Every step that the campaign names is there as it was recorded, counts and bytes."""
+    names = [dwell.name for dwell in read_campaign(folder).campaign.dwells]
+    assert set(names) <= set(verify_folder(folder))
+    for name in names:
+        assert check_raw_bytes(folder / name, FORMATS["counts"]) == 250
+
+
+def test_wherever_the_disk_is_full_the_accepted_steps_stay_whole(disk: SmallDisk) -> None:
+    folder = disk.path / "campaign"
+    folder.mkdir()
+    feed = open_feed(Source(Truth.example(1)))
+    refused = list[str]()
+    with open_db(disk.path / "station.db") as database:
+        recorder = open_campaign(folder, feed.identify(), SITE, database)
+        accept(recorder, feed, 1)
+        for left in range(0, 40 * PAGE, PAGE):
+            disk.fill(but=left)
+            try:
+                accept(recorder, feed, 2)
+            except (CannotWrite, NotWritten) as error:
+                refused.append(str(error))
+            else:
+                break
+            assert_whole(folder)
+            assert rows_of(folder, database) == ["dwell_01.mcap"]
+        disk.empty()
+        accept(recorder, feed, 3)
+        assert len(rows_of(folder, database)) == 3
+    assert_whole(folder)
+    assert [dwell.position for dwell in read_campaign(folder).campaign.dwells] == [1, 2, 3]
+    for where in (".dwell_02.mcap.part", "SHA256SUMS", "station.db"):
+        assert any(where in line and "cannot be written" in line for line in refused), refused

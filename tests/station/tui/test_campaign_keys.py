@@ -1,0 +1,124 @@
+"""The keys of the campaign screen, and the commands they send."""
+
+import pytest
+
+from station.guide.command import Command
+from station.guide.view import View
+from station.tui.screens.confirm import Confirm
+from station.tui.widgets.step_grid import Grid, place_of
+from tests.station.tui import views
+from tests.station.tui.session import LARGE, screens
+
+PLACE = views.PLACING  # wanted: dwell_03; done: dwell_01, dwell_02
+
+
+@pytest.mark.parametrize(
+    ("view", "keys", "command"),
+    [
+        (PLACE, "p", Command(verb="pause")),
+        (views.PAUSED, "p", Command(verb="go_on")),
+        (PLACE, "r", Command(verb="redo", step="dwell_02")),  # the cursor is on a step not done yet
+        (PLACE, "b b r", Command(verb="redo", step="dwell_01")),
+        (PLACE, "left r", Command(verb="redo", step="dwell_01")),
+        (PLACE, "enter", Command(verb="choose", step="dwell_03")),
+        (PLACE, "right enter", Command(verb="choose", step="dwell_05")),
+        (PLACE, "down enter", Command(verb="choose", step="dwell_04")),
+        (PLACE, "down down enter", Command(verb="choose", step="turn_x_minus")),
+        (PLACE, "up left enter", Command(verb="choose", step="turn_x_plus")),
+        (PLACE, "left left enter", Command(verb="choose", step="dwell_11")),
+        (PLACE, "right escape enter", Command(verb="choose", step="dwell_03")),
+        (views.BADLY_SEATED, "k", Command(verb="keep_seating")),
+        (PLACE, "f y", Command(verb="finish")),
+        (views.WARMING, "s y", Command(verb="skip_warm_up")),
+        (views.PASSED, "s y", Command(verb="store")),
+    ],
+)
+async def test_a_key_sends_its_command(view: View, keys: str, command: Command) -> None:
+    async with screens(view) as seen:
+        await seen.press(*keys.split())
+        assert seen.sent == [command]
+
+
+@pytest.mark.parametrize(
+    ("view", "keys"),
+    [
+        (PLACE, "k"),  # it sits well
+        (views.running("place", steps=views.steps(0), wanted="dwell_01", can_redo=""), "r"),
+        (views.running("place", steps=views.steps(0), wanted="dwell_01", can_redo=""), "f"),
+        (PLACE, "f n"),
+        (views.WARMING, "s escape"),
+        (views.PASSED, "d"),  # there is no such command yet
+        (views.STORED, "s"),
+        (views.STORED, "c"),
+    ],
+)
+async def test_what_makes_no_sense_or_was_not_confirmed_sends_nothing(view: View, keys: str) -> None:
+    async with screens(view) as seen:
+        await seen.press(*keys.split())
+        assert seen.sent == []
+        assert not isinstance(seen.app.screen, Confirm)
+
+
+async def test_the_cursor_goes_with_the_step_wanted_until_it_is_moved() -> None:
+    async with screens(PLACE) as seen:
+        grid = seen.app.screen.grid
+        assert grid.value.cursor == "dwell_03"
+        await seen.press("right")
+        await seen.show(views.BADLY_SEATED)
+        assert (grid.value.wanted, grid.value.cursor) == ("dwell_04", "dwell_05")
+        await seen.press("escape")
+        assert grid.value.cursor == "dwell_04"
+
+
+@pytest.mark.parametrize("key", ["up", "down", "left", "right"])
+def test_the_cursor_reaches_every_step_of_its_line_and_comes_round(key: str) -> None:
+    down, right = {"up": (-1, 0), "down": (1, 0), "left": (0, -1), "right": (0, 1)}[key]
+    grid = Grid(views.steps(0), cursor="dwell_01")
+    seen = []
+    for _ in range(6 if right else 3):
+        grid = Grid(grid.steps, cursor=grid.neighbour(down, right))
+        seen.append(grid.cursor)
+    assert seen[-1] == "dwell_01"
+    assert len(set(seen)) == (6 if right else 3)
+
+
+def test_every_step_has_a_cell_of_its_own() -> None:
+    assert len({place_of(step) for step in views.steps(0)}) == 18
+
+
+def test_a_plan_of_a_few_steps_can_be_walked() -> None:
+    grid = Grid(views.steps(0)[2:5:2], cursor="dwell_03")
+    assert grid.neighbour(0, 1) == "dwell_05"
+    assert grid.neighbour(1, 0) == "dwell_03"
+    assert Grid().neighbour(0, 1) == ""
+    assert Grid().before() == ""
+
+
+async def test_the_bar_shows_what_the_view_says_and_no_less() -> None:
+    async with screens(views.HOLDING) as seen:
+        bar = seen.app.screen.accepted
+        assert "62 of 100 s" in bar.render().plain
+        await seen.show(views.KNOCKED)
+        assert "62 of 100 s" in bar.render().plain
+        assert "moving" in seen.app.screen.gates.render().plain
+
+
+async def test_gates_and_turn_say_word_symbol_and_number() -> None:
+    async with screens(views.PLACING, LARGE) as seen:
+        face, still = seen.app.screen.gates.render().plain.split("\n")
+        assert "✗ wrong" in face
+        assert "Y up, 90.0 > 3 deg" in face
+        assert "✗ moving" in still
+        assert "38.2 > 4 noise gz" in still
+        await seen.show(views.TURNING)
+        turns, speed, rest = seen.app.screen.turn.render().plain.split("\n")
+        assert "2.34 of 3" in turns
+        assert "✓ good" in speed
+        assert "0 of 5 s" in rest
+        assert seen.app.screen.turn.display
+        for rate, word in ((0.2, "at rest"), (3.0, "faster"), (-120.0, "slower")):
+            turn = views.TURNING.turn.model_copy(update={"speed_deg_s": rate})
+            await seen.show(views.TURNING.model_copy(update={"turn": turn}))
+            assert word in seen.app.screen.turn.render().plain
+        await seen.show(views.CAME_BACK)
+        assert "came back within 0.012 ± 0.004 deg" in seen.app.screen.turn.render().plain

@@ -1,0 +1,155 @@
+"""Questions, and modals while the campaign goes on under them."""
+
+import random
+
+import pytest
+from textual.command import CommandPalette
+
+from station.guide.view import Choice, Question, View
+from station.tui.screens import SCREEN_FOR
+from station.tui.screens.confirm import Confirm
+from station.tui.screens.help import Help
+from station.tui.screens.modal import Modal
+from station.tui.screens.question import QuestionScreen
+from station.tui.screens.stage import RUNNING
+from tests.station.tui import views
+from tests.station.tui.session import LARGE, SMALL, screens
+
+PAIR = Question(
+    text="Which is it?",
+    choices=(Choice(key="11", title="position 11"), Choice(key="12", title="position 12")),
+)
+
+
+@pytest.mark.parametrize(
+    ("question", "keys", "answer"),
+    [
+        (views.ASKING.question, "4", "4"),
+        (views.ASKING.question, "o", "o"),
+        (views.ASKING.question, "down down enter", "4"),
+        (PAIR, "b", "12"),  # keys of two characters are answered by letters
+        (PAIR, "down enter", "11"),
+    ],
+)
+async def test_a_question_is_answered_by_one_key(question: Question, keys: str, answer: str) -> None:
+    async with screens(views.ASKING.model_copy(update={"question": question})) as seen:
+        assert isinstance(seen.app.screen, QuestionScreen)
+        await seen.press(*keys.split())
+        assert [(command.verb, command.key) for command in seen.sent] == [("answer", answer)]
+        seen.app.pull()  # the engine has not taken it yet: it is not asked twice
+        assert not isinstance(seen.app.screen, QuestionScreen)
+
+
+async def test_a_stray_enter_answers_nothing() -> None:
+    async with screens(views.ASKING) as seen:
+        await seen.press("enter", "x", "1")
+        assert seen.sent == []
+        assert isinstance(seen.app.screen, QuestionScreen)
+
+
+async def test_a_question_can_be_put_off_and_taken_up_and_cancel_is_there_meanwhile() -> None:
+    async with screens(views.ASKING) as seen:
+        await seen.press("escape")
+        seen.app.pull()
+        assert not isinstance(seen.app.screen, Modal)
+        await seen.press("a")
+        seen.app.pull()
+        assert isinstance(seen.app.screen, QuestionScreen)
+        await seen.press("escape", "c", "y")
+        assert [command.verb for command in seen.sent] == ["cancel"]
+
+
+async def test_a_question_that_is_gone_closes_itself_and_one_asked_again_opens() -> None:
+    async with screens(views.ASKING) as seen:
+        await seen.show(views.HOLDING)
+        assert not isinstance(seen.app.screen, Modal)
+        await seen.show(views.ASKING)
+        assert isinstance(seen.app.screen, QuestionScreen)
+        await seen.show(views.ASKING.model_copy(update={"question": PAIR}))
+        assert seen.app.screen.question == PAIR
+
+
+async def test_a_modal_stays_while_it_fits_and_goes_when_it_does_not() -> None:
+    async with screens(views.WARMING) as seen:
+        await seen.press("c")
+        await seen.show(views.PLACING)  # another screen waits under the modal
+        assert isinstance(seen.app.screen, Confirm)
+        await seen.press("n")
+        seen.app.pull()
+        assert type(seen.app.screen) is SCREEN_FOR["place"]
+        await seen.press("question_mark")
+        assert isinstance(seen.app.screen, Help)
+        await seen.show(views.SETTLING)
+        assert not isinstance(seen.app.screen, Modal)
+        await seen.press("c")
+        await seen.show(views.BROKEN)
+        assert type(seen.app.screen) is SCREEN_FOR["failed"]
+
+
+async def test_the_palette_runs_an_action_by_its_name() -> None:
+    async with screens(views.PLACING) as seen:
+        await seen.press("ctrl+p")
+        assert isinstance(seen.app.screen, CommandPalette)
+        await seen.press(*"pause")
+        await seen.app.workers.wait_for_complete()
+        await seen.press("enter")
+        await seen.press("enter")
+        assert [command.verb for command in seen.sent] == ["pause"]
+
+
+async def test_the_palette_changes_to_high_contrast_and_sound_off() -> None:
+    async with screens(views.PLACING) as seen:
+        seen.app.action_contrast()
+        await seen.pilot.pause()
+        assert seen.app.theme == "high-contrast"
+        assert seen.app.screen.styles.background.hex == "#000000"
+        seen.app.action_contrast()
+        assert seen.app.theme == "station"
+        seen.app.action_sound()
+        assert not seen.app.is_quiet
+
+
+KEYS = (
+    "question_mark",
+    "c",
+    "y",
+    "n",
+    "escape",
+    "ctrl+p",
+    "a",
+    "f",
+    "r",
+    "p",
+    "b",
+    "k",
+    "s",
+    "down",
+    "right",
+    "q",
+)
+OVER = ("cancelled", "left", "failed")
+
+
+@pytest.mark.parametrize("size", [SMALL, LARGE], ids=["80x24", "120x40"])
+async def test_views_and_keys_in_any_order_never_break_the_screens(size: tuple[int, int]) -> None:
+    chance = random.Random(size[0])
+    every = [*views.VIEWS.values(), *(View(stage=stage) for stage in RUNNING)]
+    async with screens(View(), size) as seen:
+        for _ in range(250):
+            seen.session.view = chance.choice(every)
+            seen.app.pull()
+            if chance.random() < 0.3:
+                await seen.pilot.pause()
+            stage = seen.session.view.stage
+            key = chance.choice(KEYS)
+            if chance.random() < 0.3 and stage not in (*OVER, "stored") and not (stage == "start" and key == "q"):
+                await seen.pilot.press(key)
+        await seen.show(views.HOLDING)
+        for _ in range(4):  # whatever is still open
+            if isinstance(seen.app.screen, SCREEN_FOR["dwell"]):
+                break
+            await seen.press("escape")
+            seen.app.pull()
+        await seen.pilot.pause()
+        assert type(seen.app.screen) is SCREEN_FOR["dwell"]
+        assert "62 of 100 s" in seen.app.screen.accepted.render().plain

@@ -1,0 +1,185 @@
+"""Set-up: what is typed and chosen becomes what is sent."""
+
+import pytest
+
+from station.guide.command import Command
+from station.guide.view import Check, Setup, Start, View
+from station.tui.entries import ENTRIES, problems, setup_of, texts_of
+from tests.station.tui import views
+from tests.station.tui.session import Screens, screens
+
+FRESH = View(stage="start", start=Start(setup=Setup(url="tcp://rig:5000?format=counts")))
+SETUP = views.START.start.setup
+
+
+def of_start(**update: object) -> View:
+    return views.START.model_copy(update={"start": views.START.start.model_copy(update=update)})
+
+
+def said(seen: Screens) -> str:
+    return seen.app.screen.said.render().plain
+
+
+async def fill(seen: Screens, name: str, text: str) -> None:
+    field = seen.app.screen.form.fields[name].input
+    field.focus()
+    field.value = ""
+    await seen.press(*text)
+
+
+async def test_enter_goes_on_with_the_campaign_on_top() -> None:
+    async with screens(views.START) as seen:
+        await seen.press("enter")
+        assert seen.sent == [Command(verb="resume", folder=views.FOLDER)]
+
+
+async def test_campaigns_in_use_or_not_here_are_shown_and_cannot_be_chosen() -> None:
+    async with screens(views.START) as seen:
+        options = seen.app.screen.unfinished
+        assert [options.get_option_at_index(i).disabled for i in range(3)] == [False, True, True]
+        await seen.press("down", "down", "enter")
+        assert seen.sent == [Command(verb="resume", folder=views.FOLDER)]
+
+
+async def test_what_is_remembered_is_filled_in_and_sent_back_as_it_was() -> None:
+    async with screens(views.START) as seen:
+        await seen.press("ctrl+s")
+        expected = SETUP.model_copy(update={"model": "SIM-FOG3", "serial": "SIM-7"})
+        assert seen.sent == [Command(verb="begin", setup=expected)]
+
+
+async def test_what_is_typed_is_sent() -> None:
+    async with screens(FRESH) as seen:
+        for name, text in (("latitude_deg", "48.137"), ("height_m", "520"), ("operator", "M. Huber"),
+                           ("dwell_s", "0"), ("bias_ug", "0.5"), ("revolutions", "5"), ("serial", "A-7")):  # fmt: skip
+            await fill(seen, name, text)
+        await seen.press("ctrl+s")
+        expected = Setup(
+            url="tcp://rig:5000?format=counts", latitude_deg=48.137, height_m=520.0, operator="M. Huber",
+            dwell_s=0.0, bias_ug=0.5, revolutions=5, serial="A-7",
+        )  # fmt: skip
+        assert seen.sent == [Command(verb="begin", setup=expected)]
+
+
+async def test_a_wrong_value_is_said_in_words_as_it_is_typed() -> None:
+    async with screens(FRESH) as seen:
+        await fill(seen, "latitude_deg", "95")
+        assert said(seen) == "✗ Latitude 95 is out of range, expected a number from -90 to 90 deg"
+        assert seen.app.screen.form.fields["latitude_deg"].has_class("wrong")
+        await fill(seen, "latitude_deg", "45")
+        assert said(seen) == ""
+        assert not seen.app.screen.form.fields["latitude_deg"].has_class("wrong")
+
+
+async def test_begin_goes_to_the_first_field_that_is_wrong_and_sends_nothing() -> None:
+    async with screens(FRESH) as seen:
+        await seen.press("ctrl+s")
+        assert seen.sent == []
+        assert "Latitude is needed" in said(seen)
+        assert seen.app.focused is seen.app.screen.form.fields["latitude_deg"].input
+
+
+async def test_what_the_engine_refused_is_said_and_what_was_typed_stays() -> None:
+    async with screens(of_start()) as seen:
+        await fill(seen, "operator", "A. Berg")
+        await seen.show(of_start(refused="the port is in use"))
+        assert "the port is in use" in said(seen)
+        assert seen.app.screen.form.fields["operator"].input.value == "A. Berg"
+
+
+async def test_choosing_a_port_looks_at_it() -> None:
+    async with screens(of_start(unfinished=())) as seen:
+        other = views.START.start.ports[1].key
+        await seen.press("enter", "down", "enter")
+        assert seen.app.screen.form.fields["url"].input.value == other
+        assert seen.sent == [Command(verb="check", url=other)]
+        await seen.show(of_start(unfinished=(), is_checking=True))
+        assert "looking" in seen.app.screen.form.look.render().plain
+
+
+async def test_enter_in_the_address_looks_at_it_and_ctrl_l_looks_again() -> None:
+    async with screens(FRESH) as seen:
+        await fill(seen, "url", "tcp://x:1")
+        await seen.press("enter", "ctrl+l")
+        assert seen.sent == 2 * [Command(verb="check", url="tcp://x:1")]
+
+
+@pytest.mark.parametrize(
+    ("check", "expected"),
+    [
+        (views.START.start.check, "✓ counts, SIM-FOG3 SIM-7, 100.0 Hz, 0 of 200 frames bad, noise 49 ug/rtHz"),
+        (Check(url=SETUP.url, is_good=False, text="no byte within 2 s: is it powered?"), "✗ no byte within 2 s"),
+        (Check(url="tcp://else:1", is_good=True), "not looked at yet"),
+    ],
+)
+async def test_a_look_says_what_came(check: Check, expected: str) -> None:
+    async with screens(of_start(check=check)) as seen:
+        assert expected in seen.app.screen.form.look.render().plain
+
+
+async def test_a_device_that_says_its_serial_number_fills_it_in_and_one_that_does_not_is_asked_for() -> None:
+    async with screens(views.START) as seen:
+        serial = seen.app.screen.form.fields["serial"].input
+        assert (serial.value, serial.disabled) == ("SIM-7", True)
+        silent = Check(url=SETUP.url, is_good=True, format="counts", model="RIG", frames=200)
+        await seen.show(of_start(check=silent, setup=SETUP.model_copy(update={"operator": "B"})))
+        assert (serial.value, serial.disabled) == ("", False)
+        await seen.press("ctrl+s")
+        assert seen.sent == []
+        assert "Serial no. is needed" in said(seen)
+
+
+async def test_an_expired_certificate_is_said_with_the_cube() -> None:
+    async with screens(views.START) as seen:
+        form = seen.app.screen.form
+        assert "! certificate expired on 2026-02-01" in form.cube._note.render().plain  # noqa: SLF001
+        form.cube.choose("CUBE-8")
+        await seen.pilot.pause()
+        assert not form.cube._note.display  # noqa: SLF001
+
+
+@pytest.mark.parametrize(
+    ("dwell", "remaining_s", "expected"),
+    [("100", 0.0, "about 35 min: 12 dwells of 100 s"), ("0", 0.0, "follows from the unit's noise"),
+     ("100", 4000.0, "about 1 h 07 min.")],
+)  # fmt: skip
+async def test_how_long_it_takes_is_said_before(dwell: str, remaining_s: float, expected: str) -> None:
+    async with screens(FRESH.model_copy(update={"remaining_s": remaining_s})) as seen:
+        await fill(seen, "dwell_s", dwell)
+        assert expected in seen.app.screen.time.render().plain
+
+
+def test_a_set_up_survives_the_form_to_the_last_digit() -> None:
+    full = SETUP.model_copy(update={"latitude_deg": 48.123456789, "bias_ug": 0.05, "folder": "/x"})
+    assert setup_of(texts_of(full), full) == full
+    assert problems(texts_of(full)) == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("url", "", "is needed"),
+        ("latitude_deg", "", "is needed: a number from -90 to 90 deg"),
+        ("latitude_deg", "north", "'north' is not a number"),
+        ("latitude_deg", "nan", "out of range"),
+        ("latitude_deg", "-90.01", "out of range"),
+        ("longitude_deg", "400", "out of range"),
+        ("gravity_m_s2", "9.4", "expected a number from 9.5 to 10.1 m/s2"),
+        ("gravity_m_s2", "", "is needed where its sigma is given"),
+        ("gravity_std_m_s2", "0", "out of range"),
+        ("dwell_s", "", "is needed"),
+        ("dwell_s", "-1", "out of range"),
+        ("revolutions", "2.5", "expected a whole number from 1 to 100"),
+        ("revolutions", "0", "out of range"),
+    ],
+)
+def test_each_field_says_what_is_wrong_in_words(name: str, text: str, words: str) -> None:
+    assert words in problems(texts_of(SETUP) | {name: text})[name]
+
+
+def test_a_dwell_from_the_noise_needs_the_sigma_wanted() -> None:
+    assert "is needed" in problems(texts_of(SETUP) | {"dwell_s": "0"})["bias_ug"]
+
+
+def test_every_entry_is_a_field_of_the_set_up() -> None:
+    assert {entry.name for entry in ENTRIES} <= set(Setup.model_fields)
