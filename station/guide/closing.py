@@ -24,8 +24,13 @@ def came_back(desk: Desk, step: Turn, watch: TurnWatch) -> tuple[float, float] |
         off = (watch.counts_per_revolution / other - 1) * 360 * step.revolutions
         return off, float(np.degrees(desk.facts.closure_std * np.sqrt(2)))
     k = desk.rough_gyro_k(watch.rest_rate)
-    before, after = (_known(desk, step, blocks) for blocks in watch.rests)
-    angle, std = np.degrees(heading_change(before, after, desk.facts.latitude, desk.C_ib, k))
+    before, after = watch.rests
+    before, after = before[:-1], after[1:]  # the turn may reach into those: slow, but leaking into level gyros
+    if not before or not after:
+        return None
+    angle, std = np.degrees(
+        heading_change(_known(desk, step, before), _known(desk, step, after), desk.facts.latitude, desk.C_ib, k)
+    )
     return (float(angle), float(std)) if std < WORTH_DEG else None
 
 

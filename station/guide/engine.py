@@ -82,7 +82,9 @@ class Engine:
         elif command.verb == "cancel":
             self._cancel(campaign)
         elif command.verb == "leave":
-            self._end("left", "left; go on another day with `station resume`")
+            what = "left" if self._outcome.sha256 or self._outcome.verdict is None else "left, not stored"
+            after = "" if self._outcome.sha256 else f"; go on another day with `station resume {campaign.folder}`"
+            self._end("left", what + after)
         elif command.verb == "finish":
             self._finish(campaign)
         elif command.verb == "store":

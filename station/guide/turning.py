@@ -20,6 +20,7 @@ from station.guide.wording import sense, task, title
 if TYPE_CHECKING:
     from station.guide.resting import Again
 
+TOUCHED_REVOLUTIONS = 0.1  # less is no turn, but a hand on the cube
 SLOW_DEG_S, FAST_DEG_S = 5.0, 100.0
 
 
@@ -68,7 +69,7 @@ class Turning:
         watch = self._watch
         per_degree = self._desk.rough_gyro_k(watch.rest_rate) * np.pi / 180
         turn = TurnView(
-            revolutions=watch.turned_counts / (360 * per_degree) if watch.is_moving else 0.0,
+            revolutions=self._revolutions(),
             wanted=self._step.revolutions,
             speed_deg_s=abs(watch.count_rate) / per_degree if watch.is_moving else 0.0,
             slow_deg_s=SLOW_DEG_S, fast_deg_s=FAST_DEG_S,
@@ -90,6 +91,12 @@ class Turning:
         if self._position or not self._desk.facts.asks or self._watch.rested_s < self._watch.rest_blocks - 0.5:
             return None
         return which_way(face_of(self._step.start_position))
+
+    def _revolutions(self) -> float:
+        """Return how far it has turned since it began to move."""
+        if not self._watch.is_moving:
+            return 0.0
+        return self._watch.turned_counts / (2 * np.pi * self._desk.rough_gyro_k(self._watch.rest_rate))
 
     def _wrong_heading(self) -> str:
         """Find where the cube stands; say what is wrong with it."""
@@ -115,13 +122,16 @@ class Turning:
             return self._again(desk, f"{title(self._step)}: the cube was tipped over; once more", must_move=False)
         if not watch.is_over:
             return self
+        if abs(self._revolutions()) < TOUCHED_REVOLUTIONS:
+            desk.story.say("still", "touched before the turn: keep your hands off")
+            return self._again(desk, "", must_move=False)
         if why := watch.fault():
             return self._again(desk, f"{title(self._step)}: {why}; once more", must_move=False)
         closing = in_words(came_back(desk, self._step, watch))
         desk.turns[self._step.name] = watch.counts_per_revolution
         desk.accept(self._step, merged(watch.step_blocks(), None), closing)
         desk.position = self._step.start_position
-        return self._again(desk, "", must_move=False)
+        return self._again(desk, "", must_move=True)
 
 
 def _speed(turn: TurnView) -> str:

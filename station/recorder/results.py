@@ -96,7 +96,7 @@ def store(results: Results, database: Database) -> str:
     try:
         with database.write() as session:
             row = accept_calibration(session, results.solution, _facts(results), campaign_folder=key)
-            pass
+            set_state(session, key, "accepted")
     except AlreadyStored as error:  # a kill may have come between the row and the files
         with database.read() as session:
             _hand_out(results, calibration(session, error.sha256).document, error.sha256)

@@ -94,4 +94,4 @@ def seconds_needed(dwell_s: float) -> float:
 def _text(value: object) -> str:
     if value is None:
         return ""
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
+    return f"{value:.15g}" if isinstance(value, float) else str(value)

@@ -94,7 +94,7 @@ def test_a_large_bias_is_not_sure_until_known_dwells_take_it_off() -> None:
 
 
 def test_a_scale_factor_that_would_hide_the_earth_rate_behind_the_bias_is_not_likely() -> None:
-    """Beside a bias of a third of the Earth's rate any heading fits, if k is so large that all counts are small."""
+    """Beside a bias of a third of the Earth's rate any heading fits, if k is so large that all counts are few."""
     bias = DEG_PER_HOUR * np.array([5.0, -4.0, 4.0])
     heading = found(K * (seen(2, CHINA) + bias), 2, CHINA, (known(1, CHINA, bias),), bias_std=5 * DEG_PER_HOUR)
     assert heading.position == 2

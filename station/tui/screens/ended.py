@@ -1,6 +1,7 @@
 """The end without a verdict: what became of the data."""
 
 from textual.app import ComposeResult
+from textual.binding import Binding
 from textual.containers import Vertical
 from textual.content import Content
 from textual.widgets import Static
@@ -26,8 +27,8 @@ class EndedScreen(StageScreen):
 
     HELPS = {stage: sentence for stage, (_, _, sentence) in LOOKS.items()}
     BINDINGS = [
-        ("enter", "app.quit", "Close"),
-        ("escape,space,q,c", "app.quit", ""),
+        Binding("enter", "leave", "Close", tooltip="close the screens"),
+        Binding("escape,space,q,c", "leave", show=False),
     ]
     DEFAULT_CSS = """
     EndedScreen #ended { align: center middle; height: 1fr; }
@@ -48,3 +49,7 @@ class EndedScreen(StageScreen):
         if view.folder:
             parts.append(Content.assemble(("folder  ", "$muted"), view.folder))
         self.text.update(Content("\n").join(parts))
+
+    def action_leave(self) -> None:
+        """Close; there is nothing left to leave."""
+        self.app.exit()

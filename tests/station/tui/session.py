@@ -43,7 +43,6 @@ class Screens:
 
     async def press(self, *keys: str) -> None:
         await self.pilot.press(*keys)
-        await self.pilot.pause()
 
 
 @asynccontextmanager

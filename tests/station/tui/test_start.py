@@ -23,8 +23,8 @@ def said(seen: Screens) -> str:
 async def fill(seen: Screens, name: str, text: str) -> None:
     field = seen.app.screen.form.fields[name].input
     field.focus()
-    field.value = ""
-    await seen.press(*text)
+    field.value = text[:-1]
+    await seen.press(text[-1])
 
 
 async def test_enter_goes_on_with_the_campaign_on_top() -> None:
@@ -50,8 +50,9 @@ async def test_what_is_remembered_is_filled_in_and_sent_back_as_it_was() -> None
 
 async def test_what_is_typed_is_sent() -> None:
     async with screens(FRESH) as seen:
-        for name, text in (("latitude_deg", "48.137"), ("height_m", "520"), ("operator", "M. Huber"),
-                           ("dwell_s", "0"), ("bias_ug", "0.5"), ("revolutions", "5"), ("serial", "A-7")):  # fmt: skip
+        typed = {"latitude_deg": "48.137", "height_m": "520", "operator": "M. Huber", "dwell_s": "0",
+                 "bias_ug": "0.5", "revolutions": "5", "serial": "A-7"}  # fmt: skip
+        for name, text in typed.items():
             await fill(seen, name, text)
         await seen.press("ctrl+s")
         expected = Setup(
