@@ -1,8 +1,5 @@
-"""Benches that answer a plan's steps with live data: whoever moves the cube, the counts decide when it rests."""
+"""A live stream as seconds: blocks with their noise, stillness, turns, and from accepted blocks to samples."""
 
-from station.benches.hands import ConsoleHands, DeviceHands, Hands
-from station.benches.headless import HeadlessBench
 from station.benches.live_feed import LiveFeed, open_feed
-from station.benches.progress import Progress
 
-__all__ = ["ConsoleHands", "DeviceHands", "Hands", "HeadlessBench", "LiveFeed", "Progress", "open_feed"]
+__all__ = ["LiveFeed", "open_feed"]

@@ -23,9 +23,10 @@ LEAST = 1 / TIMES_NOISE  # count^2: a counter at constant rate varies by up to 0
 class Block:
     """A second of the stream: samples ``first`` up to before ``last``.
 
-    ``rate`` (6,) counts/s, gyros then accelerometers; ``variance`` (6,) of the ticks [count^2]; ``ends`` the
-    device's time [s] at its end; ``temperature`` [degC] the mean, nan where unknown; ``is_healthy`` what the device's status says. ``is_broken``: something is
-    missing just before it; ``is_anew``: device or port have begun anew since the block before.
+    ``rate`` (6,) counts/s, gyros then accelerometers; ``variance`` (6,) of the ticks [count^2]; ``begins`` and
+    ``ends`` the device's time [s]; ``temperature`` [degC] the mean, nan where unknown; ``is_healthy`` what the
+    device's status says. ``is_broken``: something is missing just before it; ``is_anew``: device or port have
+    begun anew since the block before.
     """
 
     first: int

@@ -65,7 +65,7 @@ class TurnWatch:
 
     @property
     def turned_counts(self) -> float:
-        """The counts of the vertical gyro since it began to move, less its rate at rest; signed, about the axis."""
+        """The counts of the vertical gyro since it began to move, signed about the axis, less its rate at rest."""
         return float(self._turned() @ self._up()) if self._moving else 0.0
 
     @property

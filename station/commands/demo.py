@@ -33,17 +33,16 @@ def demo(
     """
     import time
 
-    from station.benches.console import ConsoleProgress
     from station.demo.comparison import compared, comparison_text
     from station.demo.run import DemoRequest, run_demo
+    from station.guide.plain import PlainScreen
 
     began = time.monotonic()
-    progress = ConsoleProgress(total=18)
+    typer.echo(f"a simulated IMU on a pty, at {speed:g} times the speed of its own time")
     outcome = run_demo(
         DemoRequest(out, seed, speed, dwell_s, turns, db),
-        progress,
-        lambda unit: progress.say(f"{unit.model} {unit.serial} on a pty, {1 / unit.period:g} Hz, at {speed:g} x"),
-        lambda: progress.say("recorded; decoding the raw bytes again, solving, writing the report"),
+        PlainScreen(typer.echo, rings=False).show,
+        lambda: typer.echo("recorded; decoding the raw bytes again, solving, writing the report"),
     )
     results = outcome.results
     typer.echo(f"raw bytes decoded again: {outcome.samples} samples, all counts equal")

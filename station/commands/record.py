@@ -25,12 +25,12 @@ def record(
 
     Example: station record serial:///dev/ttyUSB0?format=counts --seconds 60 --out r1
     """
-    from station.benches.campaign_run import journal_name, new_folder
     from station.benches.live_feed import open_feed
+    from station.guide.folder import journal_path, new_folder
     from station.reader import Reader
     from station.recorder import recording
 
-    with new_folder(out, recording.NAME) as folder, Reader(url, folder / journal_name()) as reader:
+    with new_folder(out, recording.NAME) as folder, Reader(url, journal_path(folder)) as reader:
         feed = open_feed(reader)
         try:
             done = recording.record(feed, folder, seconds)

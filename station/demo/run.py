@@ -11,17 +11,16 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from drivers.errors import LinkLost
-from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.database import open_db
-from station.benches.campaign_run import CampaignRequest, record_campaign
-from station.benches.hands import DeviceHands
-from station.benches.progress import Progress
-from station.campaign_folder.schema import ProcedureTable, SiteTable
 from station.demo.truth_values import truth_values
 from station.errors import CannotWrite
-from station.recorder import Unit, check_raw_bytes
+from station.guide.headless import record
+from station.guide.operator import SimulatedOperator
+from station.guide.options import Options
+from station.guide.view import Setup, View
+from station.recorder import check_raw_bytes
 from station.recorder.results import Results, make_results, store
 
 MARK = ".station-demo"
@@ -57,8 +56,7 @@ class DemoOutcome:
 
 def run_demo(
     request: DemoRequest,
-    progress: Callable[[Progress], None],
-    connected: Callable[[Unit], None],
+    show: Callable[[View], None],
     recorded: Callable[[], None],
 ) -> DemoOutcome:
     """Run the demo.
@@ -77,14 +75,9 @@ def run_demo(
         _device(request, folder / "imu") as (url, control),
         open_db(request.database or folder / "station.db") as db,
     ):
-        with SimulatedHands(control) as hands:
-            record_campaign(
-                CampaignRequest(
-                    url, campaign, _site(truth), _procedure(truth),
-                    dwell_s=request.dwell_s, revolutions=request.revolutions,
-                ),
-                DeviceHands(hands, MOVE_S), db, progress, connected,
-            )  # fmt: skip
+        options = Options(folder, asks=False, warms_up=False, is_patient=False)
+        setup = _setup(truth, url, campaign, request)
+        record(setup, options, db, SimulatedOperator(control, MOVE_S), show)
         recorded()
         steps = sorted([*campaign.glob("dwell_*.mcap"), *campaign.glob("turn_*.mcap")])
         samples = sum(check_raw_bytes(path, FORMATS["counts"]) for path in steps)
@@ -134,14 +127,10 @@ def _device(request: DemoRequest, link: Path) -> Iterator[tuple[str, str]]:
             process.stdin.close()
 
 
-def _site(truth: Truth) -> SiteTable:
-    return SiteTable(
-        latitude_deg=truth.latitude_deg,
-        longitude_deg=truth.longitude_deg,
-        gravity_m_s2=truth.gravity_m_s2,
-        gravity_std_m_s2=GRAVITY_STD,
-    )
-
-
-def _procedure(truth: Truth) -> ProcedureTable:
-    return ProcedureTable(heading_std_deg=truth.heading_std_deg, closure_std_deg=truth.closure_std_deg)
+def _setup(truth: Truth, url: str, campaign: Path, request: DemoRequest) -> Setup:
+    return Setup(
+        url=url, folder=str(campaign), dwell_s=request.dwell_s, revolutions=request.revolutions,
+        latitude_deg=truth.latitude_deg, longitude_deg=truth.longitude_deg,
+        gravity_m_s2=truth.gravity_m_s2, gravity_std_m_s2=GRAVITY_STD,
+        heading_std_deg=truth.heading_std_deg, closure_std_deg=truth.closure_std_deg,
+    )  # fmt: skip

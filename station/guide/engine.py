@@ -137,7 +137,6 @@ class Engine:
         try:
             results = make_results(campaign.folder, self._database)
             self._outcome = _Outcome(verdict_view(results, self._database), results)
-            campaign.recorder.finish()
         except REFUSALS as error:
             if isinstance(error, CannotWrite) or not self._options.is_patient:
                 raise

@@ -6,8 +6,11 @@ from dataclasses import replace
 from fixtures_db.database import Database
 from station.guide.command import Command
 from station.guide.engine import Engine
+from station.guide.live_campaign import begin
+from station.guide.operator import Operator
+from station.guide.options import Options
 from station.guide.process import EngineOptions
-from station.guide.view import View
+from station.guide.view import Setup, View
 
 OVER = frozenset({"verdict", "stored", "failed", "left", "cancelled"})
 
@@ -36,3 +39,18 @@ def run_headless(
         return engine.view
     finally:
         engine.close()
+
+
+def record(
+    setup: Setup, options: Options, database: Database, operator: Operator, show: Callable[[View], None]
+) -> None:
+    """Record a new campaign, without solving it; raises as `run_headless`."""
+    campaign = begin(setup, database, options)
+    try:
+        while not campaign.guide.is_complete:
+            campaign.round()
+            view = campaign.view(View())
+            show(view)
+            operator.look(view)
+    finally:
+        campaign.close()

@@ -16,7 +16,6 @@ from procedures.campaign import Fixture, TurnRecord
 from procedures.frames import AXES
 from procedures.records import CountSeries
 from procedures.steps import Step, Turn, steps_of
-from station.benches.campaign_run import cube_fixture
 from station.benches.live_feed import LiveFeed, open_feed
 from station.campaign_folder import read_campaign
 from station.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
@@ -24,13 +23,14 @@ from station.errors import DataRefused
 from station.guide.checklist import Checklist
 from station.guide.command import Command
 from station.guide.desk import Desk, Facts
+from station.guide.fixture import cube_fixture
 from station.guide.folder import journal_path, new_folder
 from station.guide.folder_notes import keep_plan, kept_plan, read_setup, read_unit, write_setup, write_unit
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
 from station.guide.identity import UnitRecord
 from station.guide.options import Options
-from station.guide.rested import rested
+from station.guide.rested import Rested, rested
 from station.guide.unfinished import FolderLock, reopen
 from station.guide.view import Setup, View
 from station.reader import Reader
@@ -164,11 +164,10 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         feed = open_feed(reader)
         imu = recorder.tables.imu
         unit = feed.identify(imu.model, imu.serial)
-        loaded = read_campaign(folder).campaign
-        before = [rested(d.position, d.series) for d in loaded.dwells if isinstance(d.series, CountSeries)]
-        turns = {_name(turn): _counts_per_revolution(turn, loaded.fixture.C_ib) for turn in loaded.turns}
+        fixture, _ = cube_fixture(database, recorder.tables.fixture.id)
+        before, turns = _so_far(folder) if recorder.accepted else ([], {})
         checklist = Checklist(steps, recorder.accepted)
-        facts = _facts(recorder.tables, loaded.fixture, setup, options)
+        facts = _facts(recorder.tables, fixture, setup, options)
         desk = Desk(feed, checklist, facts, FolderRecorder(recorder), before, turns)
         record = read_unit(folder)
         unsure = record if record is not None and not record.serial_from_wire else None
@@ -215,6 +214,13 @@ def _facts(tables: CampaignTable, fixture: Fixture, setup: Setup, options: Optio
 
 def _folder(setup: Setup, root: Path) -> Path:
     return Path(setup.folder) if setup.folder else root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
+
+
+def _so_far(folder: Path) -> tuple[list[Rested], dict[str, float]]:
+    """Return what the accepted dwells and turns leave for those after them."""
+    loaded = read_campaign(folder).campaign
+    before = [rested(d.position, d.series) for d in loaded.dwells if isinstance(d.series, CountSeries)]
+    return before, {_name(turn): _counts_per_revolution(turn, loaded.fixture.C_ib) for turn in loaded.turns}
 
 
 def _name(turn: TurnRecord) -> str:

@@ -15,7 +15,7 @@ from station.guide.judge import Look
 from station.guide.stage import Stage
 from station.guide.view import Question, TurnView
 from station.guide.which_way import which_way
-from station.guide.wording import sense, task, title
+from station.guide.wording import sense, task, times, title
 
 if TYPE_CHECKING:
     from station.guide.resting import Again
@@ -51,7 +51,7 @@ class Turning:
             return self._again(self._desk, why, must_move=True)
         if self._position and self._watch.rested_s >= self._watch.rest_blocks - 0.5:
             self._is_ready = True
-            self._desk.story.say("start", f"turn now: {self._step.revolutions} times {sense(self._step)}")
+            self._desk.story.say("start", f"turn now: {times(self._step)} {sense(self._step)}")
         return self
 
     def interrupted(self) -> Stage:

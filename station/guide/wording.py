@@ -23,6 +23,11 @@ def sense(turn: Turn) -> str:
     return "counter-clockwise" if (turn.direction == "+") == up else "clockwise"
 
 
+def times(turn: Turn) -> str:
+    """Return how often the cube is turned."""
+    return "once" if turn.revolutions == 1 else f"{turn.revolutions} times"
+
+
 def title(step: Step) -> str:
     """Return a step's name for people."""
     if isinstance(step, Dwell):
@@ -35,6 +40,6 @@ def task(step: Step) -> str:
     if isinstance(step, Dwell):
         return f"put the cube in position {step.position}: {axes(step.position)}"
     return (
-        f"from position {step.start_position} ({axes(step.start_position)}) turn the cube {step.revolutions} "
-        f"times {sense(step)} seen from above, flat on the slab, back to exactly where it stood"
+        f"from position {step.start_position} ({axes(step.start_position)}) turn the cube {times(step)} "
+        f"{sense(step)} seen from above, flat on the slab, back to exactly where it stood"
     )

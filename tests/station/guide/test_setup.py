@@ -1,7 +1,7 @@
 """The set-up is remembered, what can be chosen is listed, and a look at any port says what to do."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from datetime import date
 from pathlib import Path
 
@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from drivers.ports import open_port
+from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault
-from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.cubes import add_cube
 from fixtures_db.database import Database, open_db
@@ -80,22 +80,30 @@ def test_cubes_and_slabs_stand_there_with_their_certificates(db: Database, tmp_p
     assert (start.setup.operator, len(start.unfinished)) == ("x", 1)
 
 
-def test_a_good_port_is_said_to_be_good() -> None:
-    with SimulatedDevice(Truth.example(5), 5, speed=20.0) as device:
-        check = check_port(device.url.partition("?")[0], 0.5)
+def replayed(folder: Path, faults: Iterable[Fault] = ()) -> str:
+    """Return the address of ten seconds of a simulated unit, to be read as fast as they can be."""
+    device, path = ByteDevice(Truth.example(5), 5, "counts", faults), folder / "bytes"
+    while device.samples < 500:
+        with path.open("ab") as stream:
+            stream.write(b"".join(part for part in device.chunk() if isinstance(part, bytes)))
+    return f"replay:{path}"
+
+
+def test_a_good_port_is_said_to_be_good(tmp_path: Path) -> None:
+    check = check_port(replayed(tmp_path), 60.0)
     assert check.is_good, check.text
     assert (check.format, check.serial, check.bad_frames) == ("counts", "SIM-5", 0)
     assert check.rate_hz == pytest.approx(50.0)
-    assert check.frames > 100
+    assert check.frames >= 500
     assert "counts rms in 0.1 s" in check.noise
 
 
-def test_a_bad_line_is_named_with_what_to_do() -> None:
-    faults = [Fault("bad_crc", 0.2 * n) for n in range(1, 100)]
-    with SimulatedDevice(Truth.example(5), 5, speed=20.0, faults=faults) as device:
-        check = check_port(device.url, 0.5)
+def test_a_bad_line_is_named_with_what_to_do(tmp_path: Path) -> None:
+    check = check_port(replayed(tmp_path, [Fault("bad_crc", 0.2 * n) for n in range(1, 50)]), 60.0)
     assert not check.is_good
+    assert check.bad_frames == 49
     assert "frames are damaged, expected under 1%; check cable" in check.text
+    assert "frames are missing in" in check.text
 
 
 @pytest.mark.parametrize(

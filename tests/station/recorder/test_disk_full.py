@@ -7,21 +7,22 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
+from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.campaigns import campaign
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import NotWritten
 from procedures.steps import Dwell
+from station import cli
 from station.benches import LiveFeed, open_feed
 from station.benches.spans import merged
 from station.campaign_folder import read_campaign, verify_folder
-from station.campaign_folder.schema import SiteTable
 from station.errors import CannotWrite
 from station.recorder import CampaignRecorder, check_raw_bytes, open_campaign
-from tests.station.benches.bench_in_memory import Source
+from tests.station.benches.bench_in_memory import SITE, Source
+from tests.station.commands.program import Program
 
-SITE = SiteTable(latitude_deg=31.17, gravity_m_s2=9.80665)
 PAGE = 4096
 
 
@@ -106,3 +107,25 @@ def test_wherever_the_disk_is_full_the_accepted_steps_stay_whole(disk: SmallDisk
     assert [dwell.position for dwell in read_campaign(folder).campaign.dwells] == [1, 2, 3]
     for where in (".dwell_02.mcap.part", "SHA256SUMS", "station.db"):
         assert any(where in line and "cannot be written" in line for line in refused), refused
+
+
+def test_a_disk_that_fills_up_during_a_dwell_ends_the_program_and_resume_goes_on(disk: SmallDisk) -> None:
+    folder, database = disk.path / "c", ("--db", str(disk.path / "s.db"))
+    short = ("--latitude", "31.17", "--dwell-s", "5", "--turns", "1", "--move-s", "5", "--out", str(folder))
+    with SimulatedDevice(Truth.example(5), 5, speed=100) as device:
+        hands = ("--headless", "--hands", device.control)
+        with Program("calibrate", *hands, "--device", device.url, *short, *database) as program:
+            program.until("accepted: position 2")
+            disk.fill(but=0)
+            code, _, error = program.end()
+        assert code == 2
+        assert error.count("\n") == 1
+        assert "cannot be written (No space left on device)" in error
+        names = [dwell.name for dwell in read_campaign(folder).campaign.dwells]
+        assert names == ["dwell_01.mcap", "dwell_02.mcap"]
+        disk.empty()
+        assert cli.run(["verify", str(folder), *database]) == 0
+        with open_db(database[1]) as opened:
+            assert rows_of(folder, opened) == names
+        with Program("resume", str(folder), *hands, *database) as program:
+            program.until("accepted: position 3, 3 of 18 done")

@@ -134,7 +134,7 @@ async def test_views_and_keys_in_any_order_never_break_the_screens(size: tuple[i
     chance = random.Random(size[0])
     every = [*views.VIEWS.values(), *(View(stage=stage) for stage in RUNNING)]
     async with screens(View(), size) as seen:
-        for _ in range(120):
+        for _ in range(80):
             seen.session.view = chance.choice(every)
             seen.app.pull()
             if chance.random() < 0.3:

@@ -24,6 +24,7 @@ async def fill(seen: Screens, name: str, text: str) -> None:
     field = seen.app.screen.form.fields[name].input
     field.focus()
     field.value = text[:-1]
+    field.cursor_position = len(field.value)
     await seen.press(text[-1])
 
 

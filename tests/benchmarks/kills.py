@@ -1,0 +1,192 @@
+"""Kill a campaign again and again, at random instants and inside its commits; nothing accepted may be lost.
+
+``python -m tests.benchmarks.kills --kills 200``
+
+A child process records a campaign through guide, recorder and database from a simulated device in memory, whose
+counts depend on the step alone: however often the child is killed and the campaign gone on with, the solution must
+be the one of an uninterrupted campaign, bit for bit. Half of the kills come a random moment after the child
+begins to accept a step.
+"""
+
+import argparse
+import json
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from sqlalchemy import text
+
+from drivers.simulated.truth import Truth
+from fixtures_db.campaigns import campaign
+from fixtures_db.database import open_db
+from procedures import hand_turns, twelve_position
+from procedures.campaign import Fixture
+from procedures.steps import Dwell, Step, steps_of
+from station.benches import open_feed
+from station.campaign_folder import read_campaign, verify_folder
+from station.guide.checklist import Checklist
+from station.guide.desk import Desk, Facts
+from station.guide.folder_recorder import FolderRecorder
+from station.guide.guide import Guide
+from station.guide.unfinished import FolderLock, reopen
+from station.guide.view import View
+from station.recorder import CampaignRecorder, open_campaign
+from tests.station.benches.bench_in_memory import SITE, Source
+
+TRUTH = Truth.example(1)
+STEPS = (*steps_of(twelve_position.plan(12.0)), *steps_of(hand_turns.plan(1)))
+COMMIT_S = 0.06  # about what accepting a step takes
+STEP_S = 1000.0  # of device time between two steps
+
+
+class Announced(FolderRecorder):
+    """Says when it begins to accept a step and when it has."""
+
+    def accept(self, step: Step, *args: object) -> None:
+        print(f"accepting {step.name}", flush=True)
+        super().accept(step, *args)  # type: ignore[arg-type]
+        print(f"accepted {step.name}", flush=True)
+
+
+def child(folder: Path) -> None:
+    """Record what is left of the campaign in ``folder``, then solve it."""
+    target = folder / "campaign"
+    with open_db(folder / "station.db") as database:
+        target.mkdir(exist_ok=True)
+        with FolderLock(target):
+            if (target / "campaign.toml").exists() and _is_known(folder):
+                recorder = reopen(target, database)
+            else:
+                (target / "campaign.toml").unlink(missing_ok=True)
+                recorder = open_campaign(target, open_feed(Source(TRUTH)).identify(), SITE, database)
+            for number, step in enumerate(STEPS):
+                if not recorder.accepted[step.name]:
+                    record(number, step, recorder)
+    from procedures.calibration import solve
+    from station.solution_json import solution_document
+
+    loaded = read_campaign(target)
+    document = dict(solution_document(solve([loaded.campaign]), [loaded]))
+    document["provenance"] = {**document["provenance"], "created_utc": ""}
+    (folder / "solution.json").write_text(json.dumps(document, sort_keys=True))
+
+
+def record(number: int, step: Step, recorder: CampaignRecorder) -> None:
+    """Guide one step; the device's counts depend on its number alone."""
+    source = Source(TRUTH, seed=number + 1)
+    source.device.imu.index = round(number * STEP_S / TRUTH.sample_period_s)
+    feed = open_feed(source)
+    feed.identify()
+    start = step.position if isinstance(step, Dwell) else step.start_position
+    source.device.obey(f"place {start} 5")
+    facts = Facts(float(np.radians(TRUTH.latitude_deg)), 1e-3, 2e-4, Fixture(), asks=False)
+    guide = Guide(Desk(feed, Checklist([step]), facts, Announced(recorder)), warms_up=False)
+    has_turned = False
+    while not guide.is_complete:
+        feed.advance()
+        for block in feed.ready():
+            guide.take(block)
+            turn = guide.view(View()).turn
+            if (
+                turn is not None
+                and not has_turned
+                and turn.rest_s >= turn.rest_wanted_s
+                and not isinstance(step, Dwell)
+            ):
+                has_turned = True
+                source.device.obey(f"turn {step.axis} {step.direction} {step.revolutions} 2")
+
+
+def _is_known(folder: Path) -> bool:
+    with open_db(folder / "station.db") as database, database.read() as session:
+        return bool(session.execute(text("SELECT count(*) FROM campaigns")).scalar())
+
+
+def killed_once(folder: Path, rng: random.Random, longest_s: float) -> tuple[bool, list[str]]:
+    """Run the child until a random instant; return whether it came to its end, and what it said it accepted."""
+    command = [sys.executable, "-m", "tests.benchmarks.kills", "--child", str(folder)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        accepted, in_commit = list[str](), rng.random() < 0.5
+        wait_for = rng.randint(1, 4)
+        if not in_commit:
+            time.sleep(rng.uniform(0, longest_s))
+            process.kill()
+        for line in process.stdout:
+            word, name = line.split()
+            if word == "accepted":
+                accepted.append(name)
+            elif in_commit and (wait_for := wait_for - 1) == 0:
+                time.sleep(rng.uniform(0, COMMIT_S))
+                process.kill()
+        return process.wait() == 0, accepted
+
+
+def faults(folder: Path, accepted: list[str]) -> list[str]:
+    """Say what is wrong with a killed campaign; ``accepted`` are the steps that were said to be."""
+    found = list[str]()
+    if not (folder / "station.db").exists():
+        return [f"no database, but {accepted} were accepted"] if accepted else []
+    with open_db(folder / "station.db") as database, database.read() as session:
+        if session.execute(text("PRAGMA integrity_check")).scalar() != "ok":
+            found.append("integrity_check")
+        if not session.execute(text("SELECT count(*) FROM campaigns")).scalar():
+            return [*found, *(f"{name} lost" for name in accepted)]
+        rows = [step.name for step in campaign(session, str((folder / "campaign").resolve())).steps]
+    found += [f"{name} lost" for name in accepted if name not in rows]
+    found += [f"{name} doubled" for name in set(rows) if rows.count(name) > 1]
+    if accepted:
+        named = {dwell.name for dwell in read_campaign(folder / "campaign").campaign.dwells}
+        if not named <= set(verify_folder(folder / "campaign")):
+            found.append("a step without a hash")
+    return found
+
+
+def reference() -> tuple[str, float]:
+    """Return the solution of an uninterrupted campaign, and how long it took [s]."""
+    with tempfile.TemporaryDirectory() as folder:
+        began = time.monotonic()
+        subprocess.run([sys.executable, "-m", "tests.benchmarks.kills", "--child", folder], check=True,
+                       stdout=subprocess.DEVNULL)  # fmt: skip
+        return (Path(folder) / "solution.json").read_text(), time.monotonic() - began
+
+
+def run(kills: int, seed: int) -> dict[str, int]:
+    """Kill ``kills`` times, over as many campaigns as that takes; return what was counted."""
+    rng, (expected, seconds) = random.Random(seed), reference()
+    told = {"kills": 0, "campaigns": 0, "faults": 0, "other_solutions": 0}
+    while told["kills"] < kills:
+        told["campaigns"] += 1
+        with tempfile.TemporaryDirectory() as name:
+            folder, accepted, is_done = Path(name), list[str](), False
+            while not is_done:
+                is_done, more = killed_once(folder, rng, seconds / 3)
+                told["kills"] += not is_done
+                accepted += more
+                for fault in faults(folder, accepted):
+                    print("FAULT", fault)
+                    told["faults"] += 1
+            told["other_solutions"] += (folder / "solution.json").read_text() != expected
+    return told
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kills", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--child", type=Path)
+    arguments = parser.parse_args()
+    if arguments.child is not None:
+        child(arguments.child)
+        return
+    for name, count in run(arguments.kills, arguments.seed).items():
+        print(f"{name:20} {count}")
+
+
+if __name__ == "__main__":
+    main()
