@@ -95,14 +95,14 @@ def _look(socket: Path, screen: Screen) -> View:
     from station.guide.client import Connection
 
     changed = threading.Event()
-    connection = Connection(socket, changed.set)
-    if screen.plain:
-        _follow(connection, changed, rings=not screen.quiet)
-    else:
-        from station.tui.run import run_screens
+    with Connection(socket, changed.set) as connection:
+        if screen.plain:
+            _follow(connection, changed, rings=not screen.quiet)
+        else:
+            from station.tui.run import run_screens
 
-        run_screens(connection, slow=screen.slow, quiet=screen.quiet)
-    return connection.view
+            run_screens(connection, slow=screen.slow, quiet=screen.quiet)
+        return connection.view
 
 
 def _follow(connection: "Connection", changed: threading.Event, *, rings: bool) -> None:

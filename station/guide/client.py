@@ -5,6 +5,8 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import TracebackType
+from typing import Self
 
 from station.guide.command import Command
 from station.guide.view import View
@@ -24,6 +26,14 @@ class Connection:
         self._sending = threading.Lock()
         self._thread = threading.Thread(target=self._run, name="views", daemon=True)
         self._thread.start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
+    ) -> None:
+        self.close()
 
     @property
     def view(self) -> View:

@@ -67,8 +67,8 @@ def reopen(folder: Path, database: Database) -> CampaignRecorder:
                 file = named[name]
                 written = datetime.fromtimestamp((folder / file).stat().st_mtime, UTC)
                 accept_step(session, key, name=name, file=file, sha256=sha256, accepted_utc=written)
-    for part in folder.glob(".*.part"):
-        part.unlink()
+    for aside in (*folder.glob(".*.part"), *folder.glob(".*.tmp")):
+        aside.unlink()
     return CampaignRecorder(folder, tables, database, Counter([*(step.name for step in steps), *adopted]))
 
 

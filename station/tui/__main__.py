@@ -7,4 +7,5 @@ from station.guide.client import Connection
 from station.tui.run import run_screens
 
 if __name__ == "__main__":
-    run_screens(Connection(Path(sys.argv[1])))
+    with Connection(Path(sys.argv[1])) as connection:
+        run_screens(connection)

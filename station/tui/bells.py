@@ -44,8 +44,12 @@ class Bells:
 
     def _next(self) -> None:
         self._is_ringing = bool(self._waits)
-        if self._waits:
-            self._later(self._waits.popleft(), self._strike)
+        if not self._is_ringing:
+            return
+        if wait := self._waits.popleft():
+            self._later(wait, self._strike)
+        else:  # at once: a timer of no time never fires
+            self._strike()
 
     def _strike(self) -> None:
         self._stroke()

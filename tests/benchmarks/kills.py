@@ -71,7 +71,9 @@ def child(folder: Path) -> None:
 
     loaded = read_campaign(target)
     document = dict(solution_document(solve([loaded.campaign]), [loaded]))
-    document["provenance"] = {**document["provenance"], "created_utc": ""}
+    files = document["provenance"]["files"]  # an orphan of a kill keeps its name, the step then has another
+    recorded = sorted(sha256 for file, sha256 in files.items() if file.endswith(".mcap"))
+    document["provenance"] = {**document["provenance"], "created_utc": "", "files": recorded}
     (folder / "solution.json").write_text(json.dumps(document, sort_keys=True))
 
 

@@ -121,7 +121,8 @@ class StageScreen(Screen[None]):
         """Explain the stage and its keys."""
         keys: dict[str, str] = {}  # by what they do
         for active in self.active_bindings.values():
-            if active.binding.show and active.enabled:
+            is_told = active.binding.show or (active.node is self and active.binding.tooltip)
+            if is_told and active.enabled:
                 what = active.tooltip or active.binding.description
                 keys[what] = ", ".join(filter(None, (keys.get(what), self.app.get_key_display(active.binding))))
         self.app.push_screen(Help(self.view.stage, self.HELPS.get(self.view.stage, self.view.line), keys))

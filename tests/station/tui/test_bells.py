@@ -21,6 +21,7 @@ class Clock:
         self._waiting: list[tuple[float, Callable[[], None]]] = []
 
     def later(self, delay: float, action: Callable[[], None]) -> None:
+        assert delay > 0  # a timer of Textual's with no time to wait never fires
         self._waiting.append((self.now + delay, action))
 
     def stroke(self) -> None:

@@ -126,11 +126,14 @@ class Page:
         self.ask("Input.dispatchKeyEvent", type="keyDown", key=key, windowsVirtualKeyCode=code, **text)
         self.ask("Input.dispatchKeyEvent", type="keyUp", key=key, windowsVirtualKeyCode=code)
 
+    def picture(self) -> bytes:
+        """Return what is seen, as PNG."""
+        self.ask("Page.bringToFront")  # a page in the back is drawn at leisure
+        return base64.b64decode(self.ask("Page.captureScreenshot")["data"])
+
     def colour(self) -> str:
         """Return the colour of most of what is seen, as #rrggbb."""
-        self.ask("Page.bringToFront")  # a page in the back is drawn at leisure
-        shot = self.ask("Page.captureScreenshot")["data"]
-        pixels = np.asarray(Image.open(io.BytesIO(base64.b64decode(shot))).convert("RGB")).reshape(-1, 3)
+        pixels = np.asarray(Image.open(io.BytesIO(self.picture())).convert("RGB")).reshape(-1, 3)
         values, counts = np.unique(pixels, axis=0, return_counts=True)
         return "#" + bytes(values[counts.argmax()].tolist()).hex()
 

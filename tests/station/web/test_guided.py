@@ -7,9 +7,11 @@ from pathlib import Path
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station.guide.client import Connection
+from station.guide.command import Command, Verb
 from station.guide.view import View
+from station.tui.themes import STATION
 from tests.station.commands.program import Program
-from tests.station.web.chromium import Chromium
+from tests.station.web.chromium import Chromium, Page
 from tests.station.web.engine import DEADLINE_S, has_ended
 
 
@@ -26,15 +28,28 @@ class Watch:
             self._changed.clear()
         return view
 
-    def close(self) -> None:
+    def send(self, verb: Verb) -> None:
+        self._connection.send(Command(verb=verb))
+
+    def __enter__(self) -> "Watch":
+        return self
+
+    def __exit__(self, *_: object) -> None:
         self._connection.close()
 
 
-def screens_of(process: int) -> dict[int, Path]:
-    """Return the socket that each screen of a web server looks at, by the screen's process."""
-    children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
-    commands = {int(child): Path(f"/proc/{child}/cmdline").read_text().split("\0") for child in children}
-    return {child: Path(words[-2]) for child, words in commands.items() if "station.tui" in words}
+def children(process: int, module: str) -> dict[int, Path]:
+    """Return the processes that run a module as children of another, and the last argument of each."""
+    numbers = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    commands = {int(child): Path(f"/proc/{child}/cmdline").read_text().split("\0") for child in numbers}
+    return {child: Path(words[-2]) for child, words in commands.items() if module in words}
+
+
+def open_screen(browser: Chromium, url: str) -> Page:
+    """Open a tab and wait until the campaign is drawn in it."""
+    page = browser.open(url)
+    page.until_colour(STATION.background or "")
+    return page
 
 
 def test_tabs_come_and_go_and_the_campaign_goes_on(browser: Chromium, tmp_path: Path) -> None:
@@ -44,27 +59,30 @@ def test_tabs_come_and_go_and_the_campaign_goes_on(browser: Chromium, tmp_path: 
         simulated = ("--device", device.url, "--hands", device.control)
         with Program("calibrate", "--web", "--port", "0", *simulated, *site, *where) as program:
             url = program.until("http://127.0.0.1:")[-1].strip()
-            first, second = (browser.open(url) for _ in range(2))
-            for page in (first, second):
-                page.until("document.body.classList.contains('-first-byte')")
-            screens = screens_of(program.process.pid)
-            assert len(screens) == 2
-            watch = Watch(next(iter(screens.values())))
-            watch.until(lambda view: view.stage == "dwell")
-            first.press("p")
-            watch.until(lambda view: view.stage == "paused")
-            second.press("p")
-            done = watch.until(lambda view: view.stage != "paused").done
-            for page in (first, second):
-                page.close()
-            assert all(has_ended(screen) for screen in screens)
-            watch.until(lambda view: view.done >= done + 2)
-            third = browser.open(url)
-            third.until("document.body.classList.contains('-first-byte')")
-            third.press("p")
-            watch.until(lambda view: view.stage == "paused")
-            third.close()
-            watch.close()
+            [socket] = children(program.process.pid, "station.guide").values()
+            with Watch(socket) as watch:
+                watch.until(lambda view: view.live != "")
+                watch.send("pause")
+                first, second = (open_screen(browser, url) for _ in range(2))
+                paused = second.picture()
+                first.press("p")
+                watch.until(lambda view: view.stage != "paused")
+                while second.picture() == paused:  # what it shows is what its key goes by
+                    pass
+                second.press("p")
+                done = watch.until(lambda view: view.stage == "paused").done
+                screens = children(program.process.pid, "station.tui")
+                assert len(screens) == 2
+                for page in (first, second):
+                    page.close()
+                assert all(has_ended(screen) for screen in screens)
+                watch.send("go_on")
+                watch.until(lambda view: view.done >= done + 2)
+                watch.send("pause")
+                third = open_screen(browser, url)
+                third.press("p")
+                watch.until(lambda view: view.stage != "paused")
+                third.close()
             program.process.terminate()
             assert program.end() == (0, "", "")
     assert len(list((tmp_path / "c").glob("session_*.mcap"))) == 1  # one engine, one reader, all along

@@ -1,0 +1,135 @@
+"""Is a dwell ever accepted that should not be, or one refused that should not be?
+
+``python -m tests.benchmarks.false_accept --trials 10000``
+
+Each trial is a random unit whose cube is put down somewhere: flat, tilted by 0 to 45 deg, on another face, tapped,
+shaken by a machine nearby, or slipping slowly. The guide has a minute of device time. Wrong is an accepted dwell
+in which the cube was more than the face limit off the vertical, or one accepted for another position than it is
+in. Refused is a flat cube, tapped or not, that was not accepted.
+"""
+
+import argparse
+from collections import Counter
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
+from procedures.campaign import Fixture
+from procedures.frames import face_normal, face_of
+from procedures.steps import Dwell, Step
+from station.benches import open_feed
+from station.guide.checklist import Checklist
+from station.guide.desk import Desk, Facts
+from station.guide.guide import Guide
+from station.guide.judge import LIMIT_DEG
+from station.recorder.tape import Run, Tape
+from tests.station.benches.bench_in_memory import Source
+
+KINDS = ("flat", "tilted", "tilted a little", "wrong face", "tapped", "shaken", "creeping")
+DWELL_S, PATIENCE_S, MOVE_S = 10.0, 60.0, 3.0
+
+
+@dataclass
+class Accepted:
+    """A `station.guide.desk.Recorder` in memory: the step, and its first and last device time [s]."""
+
+    steps: list[tuple[Step, float, float]] = field(default_factory=list)
+
+    def accept(self, step: Step, tape: Tape, runs: Sequence[Run]) -> None:
+        first, last = tape.block(runs[0][0], runs[0][0] + 1), tape.block(runs[-1][1] - 1, runs[-1][1])
+        self.steps.append((step, float(first.device_time[0]), float(last.device_time[0])))
+
+    def keep_steps(self, steps: Sequence[Step]) -> None:
+        pass
+
+    def keep_first_rest(self, rate: FloatArray, noise: FloatArray) -> None:
+        pass
+
+    def set_unsettled(self, gyro_deg_h: float, accelerometer_g: float) -> None:
+        pass
+
+
+def trial(seed: int) -> tuple[str, str]:
+    """Return the kind of a trial and what came of it: accepted, refused, or wrong."""
+    rng = np.random.default_rng([seed, 0xACC])
+    source, accepted = Source(Truth.example(seed % 997), seed=seed), Accepted()
+    feed = open_feed(source)
+    feed.identify()
+    kind, position = KINDS[seed % len(KINDS)], int(rng.integers(1, 13))
+    wanted = [Dwell(p, DWELL_S) for p in range(1, 13)] if rng.random() < 0.5 else [Dwell(position, DWELL_S)]
+    facts = Facts(float(np.radians(31.17)), 1e-3, 2e-4, Fixture(), asks=False)
+    guide = Guide(Desk(feed, Checklist(wanted), facts, accepted), warms_up=False)
+    stands = position if kind != "wrong face" else int(rng.choice([p for p in range(1, 13) if p != position]))
+    tilt_deg = {"tilted": rng.uniform(0, 45), "tilted a little": rng.uniform(0, 6)}.get(kind, 0.0)
+    tilt = tilt_deg * level_direction(stands, rng)
+    source.device.obey(f"place {stands} {MOVE_S} {tilt[0]} {tilt[1]} {tilt[2]}")
+    slip = disturb(kind, stands, source, rng)
+    end = source.device.imu.time + PATIENCE_S
+    while source.device.imu.time < end and not accepted.steps:
+        feed.advance()
+        for block in feed.ready():
+            guide.take(block)
+    return kind, judged(accepted, stands, tilt, slip)
+
+
+def level_direction(position: int, rng: np.random.Generator) -> FloatArray:
+    """Return a random unit vector (3,) in the cube's axes, level where the cube stands."""
+    vector = rng.standard_normal(3) * (np.abs(face_normal(face_of(position))) < 0.5)
+    unit: FloatArray = vector / np.linalg.norm(vector)
+    return unit
+
+
+def disturb(kind: str, position: int, source: Source, rng: np.random.Generator) -> tuple[float, float, FloatArray]:
+    """Have the cube tapped, shaken or slipping after it was set down; return when [s] and how far [deg] it slips."""
+    device = source.device
+    if kind == "tapped":
+        device.obey(f"rest {rng.uniform(2, 20)}")
+        device.obey(f"knock {rng.uniform(0.1, 3)} {10 ** rng.uniform(-2, 0)}")
+    elif kind == "shaken":
+        device.obey(f"knock {PATIENCE_S} {10 ** rng.uniform(-2.5, -0.3)}")
+    elif kind == "creeping":
+        device.obey(f"rest {rng.uniform(0, 15)}")
+        begins, seconds = device.imu.done, rng.uniform(5, 60)
+        turn = 10 ** rng.uniform(-1, 1.3) * level_direction(position, rng)
+        device.obey(f"creep {seconds} {turn[0]} {turn[1]} {turn[2]}")
+        return begins, seconds, turn
+    return 0.0, 1.0, np.zeros(3)
+
+
+def judged(accepted: Accepted, stands: int, tilt: FloatArray, slip: tuple[float, float, FloatArray]) -> str:
+    """Say what came of a trial."""
+    if not accepted.steps:
+        return "refused"
+    step, first, last = accepted.steps[0]
+    begins, seconds, turn = slip
+    worst = max(float(np.linalg.norm(tilt + turn * np.clip((t - begins) / seconds, 0, 1))) for t in (first, last))
+    is_right = isinstance(step, Dwell) and step.position == stands
+    return "accepted" if is_right and worst <= LIMIT_DEG else "wrong"
+
+
+def run(trials: int, first: int = 0, workers: int = 2) -> dict[str, Counter[str]]:
+    """Return the outcomes of each kind."""
+    found: dict[str, Counter[str]] = {kind: Counter() for kind in KINDS}
+    with ProcessPoolExecutor(workers) as pool:
+        for kind, outcome in pool.map(trial, range(first, first + trials), chunksize=20):
+            found[kind][outcome] += 1
+    return found
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--trials", type=int, default=10_000)
+    parser.add_argument("--first", type=int, default=0)
+    arguments = parser.parse_args()
+    print(f"{'kind':16} {'accepted':>9} {'refused':>9} {'wrong':>9}")
+    for kind, count in run(arguments.trials, arguments.first).items():
+        print(f"{kind:16} {count['accepted']:9} {count['refused']:9} {count['wrong']:9}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,187 @@
+"""The engine as a process: a whole campaign over a pty, watched and steered through its socket."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from sqlalchemy import inspect, text
+
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from fixtures_db.database import Database, open_db
+from fixtures_db.history import history, verify_chain
+from station.campaign_folder import read_campaign, verify_folder
+from station.guide.client import Connection
+from station.guide.command import Command
+from station.guide.process import EngineOptions, engine_process
+from station.guide.unfinished import unfinished
+from station.guide.view import Setup, View
+
+SPEED = 60.0
+
+
+@pytest.fixture
+def device() -> Iterator[SimulatedDevice]:
+    with SimulatedDevice(Truth.example(5), 5, speed=SPEED) as served:
+        yield served
+
+
+def setup_for(device: SimulatedDevice, folder: Path) -> Setup:
+    return Setup(
+        url=device.url, latitude_deg=31.17, gravity_m_s2=9.80665, dwell_s=10.0, revolutions=1,
+        folder=str(folder / "c"),
+    )  # fmt: skip
+
+
+def options_for(device: SimulatedDevice, folder: Path, first: Command | None = None) -> EngineOptions:
+    return EngineOptions(
+        root=folder, database=str(folder / "s.db"), hands=device.control, move_s=5.0, warms_up=False, first=first
+    )
+
+
+class Screen(Connection):
+    """A screen that waits for what it is told to."""
+
+    def __init__(self, path: Path) -> None:
+        self._news = threading.Event()
+        super().__init__(path, self._news.set)
+
+    def wait(self, until: Callable[[View], bool], seconds: float = 90.0) -> View:
+        """Return the first view that shows what is waited for."""
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            if until(view := self.view):
+                return view
+            self._news.wait(1.0)
+            self._news.clear()
+        raise AssertionError(f"not within {seconds} s: {self.view.stage}, {self.view.line}")
+
+
+def at(*stages: str) -> Callable[[View], bool]:
+    return lambda view: view.stage in stages
+
+
+def test_a_campaign_from_set_up_to_a_stored_calibration(device: SimulatedDevice, tmp_path: Path) -> None:
+    with engine_process(options_for(device, tmp_path)) as socket, Screen(socket) as screen:
+        screen.send(Command(verb="check", url=device.url))
+        check = screen.wait(lambda v: v.start is not None and v.start.check is not None).start.check
+        assert (check.is_good, check.format, check.serial) == (True, "counts", "SIM-5")
+        screen.send(Command(verb="begin", setup=setup_for(device, tmp_path)))
+        screen.wait(at("dwell"))
+        with Screen(socket) as other:  # a second screen sees the same, and its leaving changes nothing
+            assert other.wait(lambda v: v.unit == "SIM-FOG3 SIM-5").folder == str(tmp_path / "c")
+        view = screen.wait(at("verdict"))
+        assert view.verdict.word == "NOT_MEASURED"
+        assert Path(view.verdict.report).exists()
+        with open_db(tmp_path / "s.db") as database, database.read() as session:
+            assert not history(session, "SIM-5")  # storing is the operator's act
+        screen.send(Command(verb="store"))
+        stored = screen.wait(at("stored")).verdict.stored_sha256
+        screen.send(Command(verb="leave"))
+        screen.wait(at("left"))
+    with open_db(tmp_path / "s.db") as database, database.read() as session:
+        [row] = history(session, "SIM-5")
+        assert row.sha256 == stored
+        assert row.document == (tmp_path / "c" / "calibration.json").read_text()
+        assert verify_chain(session) == []
+        assert unfinished(database) == []
+    assert len(verify_folder(tmp_path / "c")) == 18
+
+
+@pytest.mark.parametrize("when", ["connecting", "place", "dwell", "paused", "verdict"])
+def test_cancel_leaves_the_database_as_it_was_and_the_files(
+    device: SimulatedDevice, tmp_path: Path, when: str
+) -> None:
+    with open_db(tmp_path / "s.db") as database:
+        before = dump(database)
+    short = tmp_path / "plan.toml"
+    short.write_text(
+        'format = "plan/1"\n' + "".join(f"[[dwell]]\nposition = {p}\nseconds = 8\n" for p in range(1, 13))
+    )
+    first = Command(verb="begin", setup=setup_for(device, tmp_path))
+    options = options_for(device, tmp_path, first).model_copy(update={"plan": short})
+    with engine_process(options) as socket, Screen(socket) as screen:
+        if when == "paused":
+            screen.wait(at("dwell"))
+            screen.send(Command(verb="pause"))
+        if when == "dwell":
+            screen.wait(lambda v: v.stage == "dwell" and v.done >= 2)
+        screen.wait(at(when))
+        screen.send(Command(verb="cancel"))
+        view = screen.wait(at("cancelled"))
+        assert "the database is as it was" in view.line
+    with open_db(tmp_path / "s.db") as database:
+        assert dump(database) == before
+    if when == "dwell":
+        assert len(read_campaign(tmp_path / "c").campaign.dwells) >= 2
+
+
+def dump(database: Database) -> list[str]:
+    """Return every row of every table as text."""
+    with database.read() as session:
+        return [
+            f"{table} {tuple(row)}"
+            for table in sorted(inspect(session.get_bind()).get_table_names())
+            for row in session.execute(text(f"SELECT * FROM {table}"))
+        ]
+
+
+def test_what_cannot_begin_is_said_and_leaves_nothing_behind(device: SimulatedDevice, tmp_path: Path) -> None:
+    setup = setup_for(device, tmp_path).model_copy(update={"url": "serial:///dev/ttyNONE?format=counts"})
+    with engine_process(options_for(device, tmp_path)) as socket, Screen(socket) as screen:
+        screen.send(Command(verb="begin", setup=setup))
+        view = screen.wait(lambda v: v.start is not None and bool(v.start.refused))
+        assert "no such port" in view.start.refused
+        assert not (tmp_path / "c").exists()
+        screen.send(Command(verb="begin", setup=setup_for(device, tmp_path)))
+        screen.wait(at("dwell"))
+
+
+def test_a_killed_engine_is_told_and_its_campaign_is_gone_on_with(device: SimulatedDevice, tmp_path: Path) -> None:
+    first = Command(verb="begin", setup=setup_for(device, tmp_path))
+    options = options_for(device, tmp_path, first)
+    socket = tmp_path / "engine"
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-m", "station.guide", str(socket)], stdin=subprocess.PIPE, text=True
+    )
+    assert process.stdin is not None
+    process.stdin.write(options.model_dump_json() + "\n")
+    process.stdin.flush()
+    with Screen(socket) as screen:
+        screen.wait(lambda v: v.done >= 4)
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+        process.stdin.close()
+        view = screen.wait(at("failed"))
+    assert "station resume" in view.error
+    with open_db(tmp_path / "s.db") as database:
+        [found] = unfinished(database)
+    assert found.done >= 4
+    assert (found.total, found.state) == (18, "free")
+    again = Command(verb="resume", folder=found.folder)
+    with engine_process(options_for(device, tmp_path, again)) as path, Screen(path) as screen:
+        view = screen.wait(at("verdict"))
+        assert view.done == 18
+        assert all(step.attempts == 1 for step in view.steps)
+    steps = read_campaign(tmp_path / "c").campaign
+    assert (len(steps.dwells), len(steps.turns)) == (12, 6)
+
+
+def test_another_unit_may_not_go_on_with_a_campaign(device: SimulatedDevice, tmp_path: Path) -> None:
+    begin = Command(verb="begin", setup=setup_for(device, tmp_path))
+    with engine_process(options_for(device, tmp_path, begin)) as socket, Screen(socket) as screen:
+        screen.wait(lambda v: v.done >= 1)
+        screen.send(Command(verb="leave"))
+        screen.wait(at("left"))
+    with SimulatedDevice(Truth.example(6), 6, speed=SPEED) as other:
+        resume = Command(verb="resume", folder=str(tmp_path / "c"))
+        options = options_for(other, tmp_path, resume).model_copy(update={"setup": Setup(url=other.url)})
+        with engine_process(options) as socket, Screen(socket) as screen:
+            view = screen.wait(lambda v: v.start is not None and bool(v.start.refused))
+            assert "serial number SIM-6 is connected, expected SIM-5" in view.start.refused

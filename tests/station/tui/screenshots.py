@@ -1,0 +1,40 @@
+"""Draw the pictures of docs/guided-calibration.md: `python -m tests.station.tui.screenshots`."""
+
+import asyncio
+import re
+from pathlib import Path
+
+from station.guide.view import View
+from tests.station.tui import views
+from tests.station.tui.session import SMALL, screens
+
+FOLDER = Path(__file__).parents[3] / "docs" / "screens"
+PICTURES = {
+    "setup": views.START,
+    "placing": views.PLACING,
+    "holding": views.HOLDING,
+    "turning": views.TURNING,
+    "verdict": views.PASSED,
+}
+
+
+async def picture(view: View) -> str:
+    """Return a screen as SVG that asks for no font from elsewhere and is the same each time."""
+    async with screens(view, SMALL) as seen:
+        await seen.pilot.pause()
+        svg = seen.app.export_screenshot(simplify=True)
+    svg = re.sub(r"@font-face \{.*?\}", "", svg, flags=re.DOTALL)
+    svg = svg.replace("Fira Code", "DejaVu Sans Mono, Menlo, Consolas")
+    svg = re.sub(r"terminal-\d+-", "terminal-", svg)
+    return "\n".join(line.rstrip() for line in svg.splitlines() if line.strip()) + "\n"
+
+
+async def main() -> None:
+    """Write all of them."""
+    FOLDER.mkdir(exist_ok=True)
+    for name, view in PICTURES.items():
+        (FOLDER / f"{name}.svg").write_text(await picture(view), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    asyncio.run(main())

@@ -1,0 +1,38 @@
+"""Show a view made by hand in this terminal, with a sound: `python -m tests.station.tui.show holding`."""
+
+import sys
+
+from station.guide.command import Command
+from station.guide.view import Event, View
+from station.tui.run import run_screens
+from tests.station.tui.session import MemorySession
+from tests.station.tui.views import LEFT, VIEWS
+
+FIRST, THEN = 5, Event(number=12, sound="accepted", text="position 3 accepted")
+
+
+class Showing(MemorySession):
+    """Something is accepted once it was looked at a few times; leaving leaves."""
+
+    def __init__(self, view: View) -> None:
+        super().__init__(view)
+        self.looks = 0
+
+    @property
+    def view(self) -> View:
+        self.looks += 1
+        if self.looks == FIRST:
+            self._view = self._view.model_copy(update={"events": (*self._view.events, THEN)})
+        return self._view
+
+    @view.setter
+    def view(self, view: View) -> None:
+        self._view = view
+
+    def send(self, command: Command) -> None:
+        if command.verb == "leave":
+            self._view = LEFT
+
+
+if __name__ == "__main__":
+    run_screens(Showing(VIEWS[sys.argv[1]]), quiet="quiet" in sys.argv)
