@@ -4,6 +4,7 @@ It owns the device, the folder and the database; screens only look and ask. What
 view and nothing is lost: what was accepted is on the disk.
 """
 
+import contextlib
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -22,6 +23,7 @@ from station.guide.outcome import verdict_view
 from station.guide.setup import check_port, save_setup, start_view
 from station.guide.unfinished import cancel_campaign
 from station.guide.view import Check, Setup, Stage, Start, Verdict, View
+from station.recorder import UnitChanged
 
 if TYPE_CHECKING:
     from station.recorder.results import Results
@@ -54,7 +56,7 @@ class Engine:
             self._show(campaign)
             if campaign.guide.is_complete and self._outcome.verdict is None:
                 self._finish(campaign)
-        except CannotWrite as error:
+        except (CannotWrite, DatabaseError) as error:
             self._fail(error)
 
     @property
@@ -66,8 +68,10 @@ class Engine:
         """Do as the operator says; what is refused is said in the view."""
         try:
             self._obey(command)
-        except CannotWrite as error:
+        except (CannotWrite, DatabaseError) as error:
             self._fail(error)
+        except UnitChanged as error:
+            self._end("left", str(error))
 
     def close(self) -> None:
         """Let everything go; a campaign can be resumed."""
@@ -100,7 +104,8 @@ class Engine:
             self._show_start(is_checking=True)
         elif command.verb == "begin" and command.setup is not None:
             if self._options.asks:
-                save_setup(command.setup)
+                with contextlib.suppress(CannotWrite):  # to be remembered is a courtesy, not a condition
+                    save_setup(command.setup)
             self._start(lambda: begin(command.setup or Setup(), self._database, self._options))
         elif command.verb == "resume":
             self._start(lambda: resume(Path(command.folder), self._database, self._options))
@@ -165,7 +170,7 @@ class Engine:
         cancel_campaign(campaign.folder, self._database)
         self._end("cancelled", f"cancelled; the database is as it was, the recordings stay in {campaign.folder}")
 
-    def _fail(self, error: StationError) -> None:
+    def _fail(self, error: CannotWrite | DatabaseError) -> None:
         if not self._options.is_patient:
             raise error
         if self._campaign is not None:

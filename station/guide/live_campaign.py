@@ -5,8 +5,10 @@ import time
 from contextlib import ExitStack
 from datetime import datetime
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
+from pydantic import BaseModel, ValidationError
 
 from drivers.errors import DriverError, LinkLost
 from fixtures_db.database import Database
@@ -39,6 +41,9 @@ from station.recorder.campaign import TOML
 
 REST_S = 5.0
 RETRY_S = 1.0  # between two tries to read a port whose reader died
+
+
+T = TypeVar("T", bound=BaseModel)
 
 
 class LiveCampaign:
@@ -183,18 +188,30 @@ def usual_steps(setup: Setup) -> tuple[Step, ...]:
 
 
 def site_table(setup: Setup) -> SiteTable:
-    """Return the set-up's site."""
-    return SiteTable.model_validate(
+    """Return the set-up's site; raise `DataRefused` if a value is out of its range."""
+    return _checked(
+        SiteTable,
         {
             "latitude_deg": setup.latitude_deg, "longitude_deg": setup.longitude_deg, "height_m": setup.height_m,
             "gravity_m_s2": setup.gravity_m_s2, "gravity_std_m_s2": setup.gravity_std_m_s2,
-        }
+        },
     )  # fmt: skip
 
 
 def procedure_table(setup: Setup) -> ProcedureTable:
-    """Return the set-up's care."""
-    return ProcedureTable(heading_std_deg=setup.heading_std_deg, closure_std_deg=setup.closure_std_deg)
+    """Return how well the set-up says headings and closures are; raise `DataRefused` out of range."""
+    care = {"heading_std_deg": setup.heading_std_deg, "closure_std_deg": setup.closure_std_deg}
+    return _checked(ProcedureTable, care)
+
+
+def _checked(table: type[T], values: Mapping[str, object]) -> T:
+    try:
+        return table.model_validate(values)
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        what = ".".join(str(part) for part in fault["loc"])
+        found = f"{what} {fault['input']}"
+        raise DataRefused("set-up", None, found, str(fault["msg"]), "correct the set-up") from error
 
 
 def _record(feed: LiveFeed, unit: Unit) -> UnitRecord:

@@ -131,6 +131,13 @@ class Page:
         self.ask("Page.bringToFront")  # a page in the back is drawn at leisure
         return base64.b64decode(self.ask("Page.captureScreenshot")["data"])
 
+    def picture_at_rest(self) -> bytes:
+        """Return what is seen once it no longer changes."""
+        before = b""
+        while (now := self.picture()) != before:
+            before = now
+        return now
+
     def colour(self) -> str:
         """Return the colour of most of what is seen, as #rrggbb."""
         pixels = np.asarray(Image.open(io.BytesIO(self.picture())).convert("RGB")).reshape(-1, 3)

@@ -63,8 +63,9 @@ def test_tabs_come_and_go_and_the_campaign_goes_on(browser: Chromium, tmp_path: 
             with Watch(socket) as watch:
                 watch.until(lambda view: view.live != "")
                 watch.send("pause")
+                watch.until(lambda view: view.stage == "paused")
                 first, second = (open_screen(browser, url) for _ in range(2))
-                paused = second.picture()
+                paused = second.picture_at_rest()
                 first.press("p")
                 watch.until(lambda view: view.stage != "paused")
                 while second.picture() == paused:  # what it shows is what its key goes by
@@ -79,6 +80,7 @@ def test_tabs_come_and_go_and_the_campaign_goes_on(browser: Chromium, tmp_path: 
                 watch.send("go_on")
                 watch.until(lambda view: view.done >= done + 2)
                 watch.send("pause")
+                watch.until(lambda view: view.stage == "paused")
                 third = open_screen(browser, url)
                 third.press("p")
                 watch.until(lambda view: view.stage != "paused")
