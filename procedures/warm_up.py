@@ -9,18 +9,18 @@ the time two positions of one face take. Two things tell the drift:
 - the temperature, by its rate times the bias's sensitivity ``c`` to it [count/s/K], which is regressed on all that
   was seen, with a prior as wide as fibre-optic gyros are. A temperature at rest settles the matter in a minute.
 
-Either is enough, but not the second where the first clearly contradicts it. Least squares and its sigmas are
-textbook; the rules are this project's own (docs/guiding.md).
+Either is enough where the other does not contradict it. Least squares and its sigmas are textbook; the rules are
+this project's own (docs/guiding.md).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from procedures.arrays import FloatArray
 
-LEAST = 6  # means
+LEAST, MUTE = 6, 8  # means; while the thermometer shows always the same
 RATE_MEANS, COARSE_MEANS = 12, 60  # the last ones, which the temperature's rate is taken from
 BOUND = 2.0  # sigmas by which a sensitivity may be larger than it was found to be
 CLEAR = 3.0  # sigmas
@@ -98,23 +98,29 @@ def warm_up(means: Means, dwell_s: float, pair_s: float, marks: Sequence[float] 
     drift, missing = np.abs(slope) * pair_s, enough - n * rest.interval
     is_steady = bool(missing <= 0 and np.all(drift < limit))
     if means.has_temperature:
-        is_hot = np.any(drift > limit + CLEAR * slope_std * pair_s)
-        state = _by_temperature(means, rest, limit, pair_s, bool(is_hot))
-        return replace(state, is_ready=True, left_s=0.0, gyro_drift=drift) if is_steady else state
+        is_hot = bool(np.any(drift > limit + CLEAR * slope_std * pair_s))
+        return _by_temperature(means, rest, limit, pair_s, is_hot=is_hot, is_steady=is_steady)
     worst = int(np.argmax(drift / limit))
     tau = time_constant(rest.t, rest.gyro[:, worst], float(noise[worst]))
     left = _left(tau, float(drift[worst] / limit[worst])) if missing <= 0 else missing
     return WarmUpState(is_steady, 0.0 if is_steady else left, None, None, drift, limit)
 
 
-def _by_temperature(means: Means, rest: Means, limit: FloatArray, pair_s: float, is_hot: bool) -> WarmUpState:
+def _by_temperature(
+    means: Means, rest: Means, limit: FloatArray, pair_s: float, *, is_hot: bool, is_steady: bool
+) -> WarmUpState:
+    """Judge by the thermometer; ``is_hot``, ``is_steady``: the means show a drift, or for long enough none."""
     c, c_std = sensitivity(rest.temperature, rest.gyro, np.median(rest.gyro_std, axis=0), GYRO_PER_K)
     most = np.abs(c) + BOUND * c_std
     allowed = float(np.min(limit / most) / pair_s)
     rate, rate_std = temperature_rate(means.t, means.temperature)
     fast = abs(rate) + rate_std
+    is_mute = len(means.t) < MUTE and bool(np.ptp(means.temperature) == 0)  # it may not have stepped yet
+    is_slow = fast < allowed and not is_hot and not is_mute
+    is_likely = bool(np.all(np.abs(c * rate) * pair_s < limit))
     left = _left(time_constant(means.t, means.temperature, scatter(means.temperature)), fast / allowed)
-    return WarmUpState(fast < allowed and not is_hot, left, rate, allowed, most * fast * pair_s, limit)
+    is_ready = is_slow or (is_steady and is_likely)
+    return WarmUpState(is_ready, 0.0 if is_ready else left, rate, allowed, most * fast * pair_s, limit)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

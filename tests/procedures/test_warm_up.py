@@ -66,6 +66,13 @@ def test_a_warming_unit_is_not_ready_before_its_drift_is_below_its_noise(seed: i
     assert seconds < 2900
 
 
+def test_a_thermometer_that_shows_always_the_same_is_given_time_to_step() -> None:
+    means = history(0, 8, step=10.0)
+    assert np.ptp(means.temperature) == 0
+    assert not judged(begin_of(means, 7)).is_ready
+    assert judged(means).is_ready
+
+
 def test_a_thermometer_too_coarse_for_a_quiet_unit_neither_lets_it_begin_early_nor_for_ever_not() -> None:
     seconds = ready_at(history(1, 450, 10.0, step=1.0, white=0.3 * WHITE))
     assert left_at(seconds) < 0.3
