@@ -11,6 +11,7 @@ from station.benches.turning import TurnWatch
 from station.guide.desk import Desk
 
 WORTH_DEG = 5.0  # a wider sigma says nothing
+OPPOSITE_STD_DEG = 0.002  # noise of two turns and of the rest before them
 
 
 def came_back(desk: Desk, step: Turn, watch: TurnWatch) -> tuple[float, float] | None:
@@ -22,7 +23,7 @@ def came_back(desk: Desk, step: Turn, watch: TurnWatch) -> tuple[float, float] |
     opposite = replace(step, direction="-" if step.direction == "+" else "+")
     if (other := desk.turns.get(opposite.name)) is not None:
         off = (watch.counts_per_revolution / other - 1) * 360 * step.revolutions
-        return off, float(np.degrees(desk.facts.closure_std * np.sqrt(2)))
+        return off, OPPOSITE_STD_DEG
     k = desk.rough_gyro_k(watch.rest_rate)
     before, after = watch.rests
     before, after = before[:-1], after[1:]  # the turn may reach into those: slow, but leaking into level gyros

@@ -73,7 +73,7 @@ def child(folder: Path) -> None:
     document = dict(solution_document(solve([loaded.campaign]), [loaded]))
     files = document["provenance"]["files"]  # an orphan of a kill keeps its name, the step then has another
     recorded = sorted(sha256 for file, sha256 in files.items() if file.endswith(".mcap"))
-    document["provenance"] = {**document["provenance"], "created_utc": "", "files": recorded}
+    document["provenance"] = {"files": recorded}
     (folder / "solution.json").write_text(json.dumps(document, sort_keys=True))
 
 
