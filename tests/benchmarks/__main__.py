@@ -13,6 +13,8 @@ RUNS = (
     ("count_rate", "--dwells", "48"),
     ("coverage", "--campaigns", "60"),
     ("hostile_frames", "--frames", "100000"),
+    ("replug", "--times", "20"),
+    ("frozen_screen",),
 )
 
 if __name__ == "__main__":

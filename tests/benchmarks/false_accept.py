@@ -84,7 +84,7 @@ def level_direction(position: int, rng: np.random.Generator) -> FloatArray:
 
 
 def disturb(kind: str, position: int, source: Source, rng: np.random.Generator) -> tuple[float, float, FloatArray]:
-    """Have the cube tapped, shaken or slipping once it was set down; return when [s] and how far [deg] it slips."""
+    """Have the cube tapped, shaken or slipping once it is down; return when [s] and how far [deg] it slips."""
     device = source.device
     if kind == "tapped":
         device.obey(f"rest {rng.uniform(2, 20)}")

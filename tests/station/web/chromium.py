@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, Self, TypeVar
 
 import aiohttp
-import numpy as np
 from PIL import Image
 
 PROGRAM = shutil.which("chromium")
@@ -126,23 +125,13 @@ class Page:
         self.ask("Input.dispatchKeyEvent", type="keyDown", key=key, windowsVirtualKeyCode=code, **text)
         self.ask("Input.dispatchKeyEvent", type="keyUp", key=key, windowsVirtualKeyCode=code)
 
-    def picture(self) -> bytes:
-        """Return what is seen, as PNG."""
-        self.ask("Page.bringToFront")  # a page in the back is drawn at leisure
-        return base64.b64decode(self.ask("Page.captureScreenshot")["data"])
-
-    def picture_at_rest(self) -> bytes:
-        """Return what is seen once it no longer changes."""
-        before = b""
-        while (now := self.picture()) != before:
-            before = now
-        return now
-
     def colour(self) -> str:
         """Return the colour of most of what is seen, as #rrggbb."""
-        pixels = np.asarray(Image.open(io.BytesIO(self.picture())).convert("RGB")).reshape(-1, 3)
-        values, counts = np.unique(pixels, axis=0, return_counts=True)
-        return "#" + bytes(values[counts.argmax()].tolist()).hex()
+        self.ask("Page.bringToFront")  # a page in the back is drawn at leisure
+        shot = base64.b64decode(self.ask("Page.captureScreenshot")["data"])
+        colours = Image.open(io.BytesIO(shot)).convert("RGB").getcolors(2**24)
+        assert colours is not None
+        return "#{:02x}{:02x}{:02x}".format(*max(colours)[1])
 
     def until_colour(self, colour: str) -> None:
         """Wait until most of what is seen has a colour; the test's own time-out ends it."""

@@ -54,8 +54,8 @@ def open_screen(browser: Chromium, url: str) -> Page:
 
 def test_tabs_come_and_go_and_the_campaign_goes_on(browser: Chromium, tmp_path: Path) -> None:
     where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
-    site = ("--latitude", "31.17", "--dwell-s", "10", "--no-warm-up", "--move-s", "5")
-    with SimulatedDevice(Truth.example(5), 5, speed=60) as device:
+    site = ("--latitude", "31.17", "--dwell-s", "5", "--no-warm-up", "--move-s", "5")
+    with SimulatedDevice(Truth.example(5), 5, speed=20) as device:
         simulated = ("--device", device.url, "--hands", device.control)
         with Program("calibrate", "--web", "--port", "0", *simulated, *site, *where) as program:
             url = program.until("http://127.0.0.1:")[-1].strip()
@@ -64,12 +64,10 @@ def test_tabs_come_and_go_and_the_campaign_goes_on(browser: Chromium, tmp_path: 
                 watch.until(lambda view: view.live != "")
                 watch.send("pause")
                 watch.until(lambda view: view.stage == "paused")
-                first, second = (open_screen(browser, url) for _ in range(2))
-                paused = second.picture_at_rest()
+                first = open_screen(browser, url)
                 first.press("p")
                 watch.until(lambda view: view.stage != "paused")
-                while second.picture() == paused:  # what it shows is what its key goes by
-                    pass
+                second = open_screen(browser, url)
                 second.press("p")
                 done = watch.until(lambda view: view.stage == "paused").done
                 screens = children(program.process.pid, "station.tui")
@@ -78,7 +76,7 @@ def test_tabs_come_and_go_and_the_campaign_goes_on(browser: Chromium, tmp_path: 
                     page.close()
                 assert all(has_ended(screen) for screen in screens)
                 watch.send("go_on")
-                watch.until(lambda view: view.done >= done + 2)
+                watch.until(lambda view: view.done > done)
                 watch.send("pause")
                 watch.until(lambda view: view.stage == "paused")
                 third = open_screen(browser, url)

@@ -1,0 +1,64 @@
+"""A whole guided campaign on a simulated IMU over a pty: keys on the screen, and hands that follow the screen."""
+
+import asyncio
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from textual.pilot import Pilot
+
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from fixtures_db.database import open_db
+from fixtures_db.history import history
+from station.campaign_folder import read_campaign
+from station.guide.client import Connection
+from station.guide.process import EngineOptions, engine_process
+from station.guide.view import Setup, View
+from station.tui.app import StationApp
+
+SPEED = 60.0  # device seconds per second
+PATIENCE_S = 100.0
+
+
+async def seen(pilot: Pilot[None], screen: Connection, until: Callable[[View], bool]) -> View:
+    """Let the screen run until its view shows what is waited for."""
+    deadline = time.monotonic() + PATIENCE_S
+    while not until(screen.view):
+        assert time.monotonic() < deadline, (screen.view.stage, screen.view.line, screen.view.hint)
+        await asyncio.sleep(0.05)
+        await pilot.pause()
+    await pilot.pause(0.2)  # two looks of the screen at its session
+    return screen.view
+
+
+async def test_a_campaign_is_begun_redone_paused_stored_and_left_by_keys(tmp_path: Path) -> None:
+    with SimulatedDevice(Truth.example(5), 5, speed=SPEED) as device:
+        setup = Setup(
+            url=device.url, latitude_deg=31.17, gravity_m_s2=9.80665, dwell_s=10.0, revolutions=1,
+            folder=str(tmp_path / "c"), operator="M. Huber",
+        )  # fmt: skip
+        options = EngineOptions(
+            root=tmp_path, database=str(tmp_path / "s.db"), setup=setup, hands=device.control, move_s=5.0
+        )
+        with engine_process(options) as socket, Connection(socket) as screen:
+            async with StationApp(screen, is_quiet=True).run_test(size=(80, 24)) as pilot:
+                await seen(pilot, screen, lambda v: v.stage == "start")
+                await pilot.press("ctrl+s")
+                await seen(pilot, screen, lambda v: v.stage == "warm_up")
+                await seen(pilot, screen, lambda v: v.done >= 2)
+                await pilot.press("r")
+                await seen(pilot, screen, lambda v: any(step.superseded for step in v.steps))
+                await pilot.press("p")
+                await seen(pilot, screen, lambda v: v.stage == "paused")
+                await pilot.press("p")
+                verdict = (await seen(pilot, screen, lambda v: v.stage == "verdict")).verdict
+                await pilot.press("s", "y")
+                stored = await seen(pilot, screen, lambda v: v.stage == "stored")
+                await pilot.press("q")
+                assert not pilot.app.is_running
+    assert verdict.word == "NOT_MEASURED"
+    with open_db(tmp_path / "s.db") as database, database.read() as session:
+        assert [row.sha256 for row in history(session, "SIM-5")] == [stored.verdict.stored_sha256]
+    campaign = read_campaign(tmp_path / "c").campaign
+    assert (len(campaign.dwells), len(campaign.turns)) == (12, 6)
