@@ -74,6 +74,23 @@ class TurnRecord:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class RestRecord:
+    """A dwell in none of the twelve positions: ``up`` is the face where it is known (``x_up`` ...), else None."""
+
+    name: str
+    up: str | None
+    series: Series
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SequenceRecord:
+    """An unsegmented recording: rests in unknown attitudes and moves between them."""
+
+    name: str
+    series: Series
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Campaign:
     """One campaign of one unit. ``counts`` says whether the output is counts (else rates)."""
 
@@ -85,3 +102,5 @@ class Campaign:
     turns: tuple[TurnRecord, ...]
     sigma: ProcedureSigma = ProcedureSigma()
     fixture: Fixture = field(default_factory=Fixture)
+    rests: tuple[RestRecord, ...] = ()
+    sequences: tuple[SequenceRecord, ...] = ()

@@ -21,6 +21,7 @@ EXIT_CODES = {  # by full name, so that no command's imports are paid for by ano
     "station.errors.DataRefused": 3,
     "station.errors.CannotWrite": 2,
     "station.errors.Altered": 1,
+    "station.web.errors.CannotServe": 2,
     "procedures.errors.NotObservable": 5,
     "procedures.errors.WrongFace": 3,
     "procedures.errors.ProcedureError": 3,

@@ -1,5 +1,7 @@
 """What `calibrate` and `resume` share: an engine, somebody to look at it, and the exit code."""
 
+import os
+import signal
 import sys
 import threading
 from collections.abc import Mapping
@@ -81,14 +83,30 @@ def guide(options: "EngineOptions", screen: Screen) -> int:
     from station.guide.process import engine_process
 
     with engine_process(options) as socket:
-        return _serve(socket, screen) if screen.web else _code(_look(socket, screen))
+        return _code(_serve(socket, screen) if screen.web else _look(socket, screen))
 
 
-def _serve(socket: Path, screen: Screen) -> int:
+def _serve(socket: Path, screen: Screen) -> View:
+    """Serve the engine to browsers until its campaign has ended, or the server was told to."""
+    from station.guide.client import Connection
+    from station.guide.plain import OVER
     from station.web import serve
 
-    serve([sys.executable, "-P", "-m", "station.tui", str(socket)], typer.echo, port=screen.port)
-    return 0
+    with Connection(socket) as connection:
+
+        def stop_when_over() -> None:
+            if connection.view.stage in OVER:
+                connection.when_changed(_nothing)
+                os.kill(os.getpid(), signal.SIGTERM)
+
+        connection.when_changed(stop_when_over)
+        serve([sys.executable, "-P", "-m", "station.tui", str(socket)], typer.echo, port=screen.port)
+        connection.when_changed(_nothing)
+        return connection.view
+
+
+def _nothing() -> None:
+    pass
 
 
 def _look(socket: Path, screen: Screen) -> View:

@@ -40,6 +40,10 @@ class Connection:
         """The newest view."""
         return self._view
 
+    def when_changed(self, changed: Callable[[], None]) -> None:
+        """Have ``changed`` called on each new view from now on."""
+        self._changed = changed
+
     def send(self, command: Command) -> None:
         """Ask something of the engine; nothing happens if it has ended."""
         line = command.model_dump_json(exclude_defaults=True).encode() + b"\n"

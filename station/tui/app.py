@@ -82,7 +82,7 @@ class StationApp(App[None]):
     def _show(self, view: View) -> None:
         """Show the view on its screen; a modal that fits keeps the screen under it until it is answered."""
         wanted = SCREEN_FOR[view.stage]
-        if self._base is None:
+        if self._base is None or self._base not in self.screen_stack:
             self._base = wanted(self._session.send)
             self.push_screen(self._base)
         elif not isinstance(self._base, wanted) and self.screen is self._base:

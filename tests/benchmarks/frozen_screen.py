@@ -84,8 +84,8 @@ def be_the_station(url: str, journal: Path) -> None:
     """Read until told that it is enough and everything from before that has come."""
     items, blind_s, enough_ns = list[Chunk | GapMark](), 0.0, None
     with Reader(url, journal) as reader:
-        print("reading", flush=True)
         looked = time.monotonic()
+        print("reading", flush=True)  # from here on it may be frozen
         while enough_ns is None or not items or items[-1].host_ns < enough_ns:
             items += reader.poll(1.0)
             blind_s, looked = max(blind_s, time.monotonic() - looked), time.monotonic()

@@ -2,6 +2,7 @@
 
 from typing import Generic, TypeVar
 
+from textual.await_complete import AwaitComplete
 from textual.screen import ModalScreen
 
 from station.guide.view import View
@@ -25,3 +26,7 @@ class Modal(ModalScreen[T], Generic[T]):
     def fits(self, view: View) -> bool:
         """Return whether the modal still makes sense."""
         raise NotImplementedError
+
+    def dismiss(self, result: T | None = None) -> AwaitComplete:
+        """Close, once: the next key may wait already, and Textual would close what lies below."""
+        return super().dismiss(result) if self.is_active else AwaitComplete()

@@ -46,4 +46,6 @@ class Banner(Drawn[Now]):
         return Content("\n").join(rows)
 
     def _wrapped(self, text: str, lines: int) -> list[str]:
-        return wrap(text, max(self.content_size.width - 4, 20), max_lines=lines, placeholder=" ...", break_on_hyphens=False)
+        return wrap(
+            text, max(self.content_size.width - 4, 20), max_lines=lines, placeholder=" ...", break_on_hyphens=False
+        )

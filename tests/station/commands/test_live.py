@@ -67,7 +67,7 @@ def test_ctrl_c_is_130_and_keeps_the_accepted_steps(device: SimulatedDevice, tmp
         code, _, error = program.end()
     assert (code, error) == (130, "cancelled\n")
     names = verify_folder(tmp_path / "c")
-    assert len(names) >= 3
+    assert len(names) >= 2
     assert [d.name for d in read_campaign(tmp_path / "c").campaign.dwells] == names
     assert read_step(next((tmp_path / "c").glob("session_*.mcap"))).damage is None
 

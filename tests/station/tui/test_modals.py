@@ -4,6 +4,7 @@ import random
 
 import pytest
 from textual.command import CommandPalette
+from textual.events import Key
 
 from station.guide.view import Choice, Question, View
 from station.tui.screens import SCREEN_FOR
@@ -84,6 +85,24 @@ async def test_a_modal_stays_while_it_fits_and_goes_when_it_does_not() -> None:
         await seen.press("c")
         await seen.show(views.BROKEN)
         assert type(seen.app.screen) is SCREEN_FOR["failed"]
+
+
+async def test_keys_faster_than_the_screens_answer_once_and_close_nothing_else() -> None:
+    async with screens(views.ASKING) as seen:
+        for _ in range(3):
+            seen.app.post_message(Key("3", "3"))
+        await seen.pilot.pause()
+        assert len(seen.app.screen_stack) == 2
+        assert type(seen.app.screen) is SCREEN_FOR["settle"]
+        assert [command.verb for command in seen.sent] == ["answer"]
+
+
+async def test_screens_that_lost_their_ground_come_back() -> None:
+    async with screens(views.HOLDING) as seen:
+        seen.app.pop_screen()  # as a palette closed twice would
+        await seen.show(views.KNOCKED)
+        assert type(seen.app.screen) is SCREEN_FOR["dwell"]
+        assert "62 of 100 s" in seen.app.screen.accepted.render().plain
 
 
 async def test_the_palette_runs_an_action_by_its_name() -> None:

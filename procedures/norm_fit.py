@@ -1,0 +1,119 @@
+"""Three accelerometers from rests in unknown attitudes, by the norm alone: ``|K^-1 (N - b)| = g``.
+
+The norm says nothing of how the frame is turned. `NormFit` therefore has E lower triangular: the frame's x axis is
+sensor x's input axis, its y axis lies in the plane of sensors x and y (Gram-Schmidt in this order).
+Source of the method: Tedaldi, Pretto, Menegatti, ICRA 2014, who take E upper triangular and minimise the squares.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.least_squares import Fit, minimise
+from procedures.records import Series
+from procedures.rests import Activity
+
+LOWER = np.tril_indices(3)
+LEAST_RESTS = 10  # nine numbers and one to judge the residual by
+MULTIPLIERS = (1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0)  # of the variance of a quiet window
+USUAL = 3.0  # the multiplier where the rests are too few to choose one by
+REACH = 0.1  # relative 1 sigma of k above which the rests are said not to determine it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NormFit:
+    """K (3, 3) [output/s per g], lower triangular, b (3,) [output/s], the fit behind them, residual (n,) [g]."""
+
+    K: FloatArray
+    b: FloatArray
+    fit: Fit
+    residual: FloatArray
+
+    @property
+    def spread(self) -> float:
+        """Mean variance of k and D, relative to g, with the residual's own size as noise."""
+        k = np.diag(self.K)
+        own = np.concatenate((k[[0, 1, 1, 2, 2, 2]], k))
+        variance = np.diag(self.fit.covariance)[[0, 2, 5, 6, 7, 8]] / own[[0, 2, 5, 6, 7, 8]] ** 2
+        return float(variance.mean() * self.fit.chi2 / self.fit.dof)
+
+
+def fit_norm(rate: FloatArray, std: FloatArray, gravity: float) -> NormFit | None:
+    """Fit K and b to the outputs (n, 3) of rests and their 1 sigma; ``gravity`` [g]; None where not determined."""
+    start = _ellipsoid(rate, gravity)
+    if start is None:
+        return None
+    K, b = start
+    sigma = norm_sigma(K, b, rate, std)
+
+    def residual(x: FloatArray) -> FloatArray:
+        lower = np.zeros((3, 3))
+        lower[LOWER] = x[:6]
+        found: FloatArray = (np.linalg.norm(np.linalg.solve(lower, (rate - x[6:]).T), axis=0) - gravity) / sigma
+        return found
+
+    fit = minimise(residual, np.concatenate((K[LOWER], b)), np.full(9, np.max(np.abs(K)) * 0.1))
+    K = np.zeros((3, 3))
+    K[LOWER] = fit.x[:6]
+    relative = np.sqrt(np.diag(fit.covariance)[[0, 2, 5]]) / np.abs(np.diag(K))
+    if not np.all(np.isfinite(fit.x)) or np.any(relative > REACH):
+        return None
+    return NormFit(K, fit.x[6:], fit, fit.residual * sigma)
+
+
+def norm_sigma(K: FloatArray, b: FloatArray, rate: FloatArray, std: FloatArray) -> FloatArray:
+    """Return 1 sigma (n,) [g] of the norm of ``K^-1 (rate - b)``."""
+    u = np.linalg.solve(K, (rate - b).T).T
+    weight = np.linalg.solve(K.T, (u / np.linalg.norm(u, axis=1)[:, None]).T).T
+    sigma: FloatArray = np.linalg.norm(weight * std, axis=1)
+    return sigma
+
+
+def _ellipsoid(rate: FloatArray, gravity: float) -> tuple[FloatArray, FloatArray] | None:
+    """Fit the quadric ``v' M v + 2 m' v = 1`` to the outputs; None unless it is an ellipsoid."""
+    if len(rate) < LEAST_RESTS:
+        return None
+    middle, size = rate.mean(axis=0), rate.std(axis=0)
+    if np.any(size <= 0):
+        return None
+    v = (rate - middle) / size
+    x, y, z = v.T
+    A = np.stack((x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z, 2 * x, 2 * y, 2 * z), axis=1)
+    xx, yy, zz, xy, xz, yz, *m = np.linalg.lstsq(A, np.ones(len(v)), rcond=None)[0]
+    M = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if np.any(np.linalg.eigvalsh(M) <= 0):
+        return None
+    centre = -np.linalg.solve(M, m)
+    inverse = np.linalg.inv(M / (1 + centre @ M @ centre)) / gravity**2
+    return np.linalg.cholesky(inverse * np.outer(size, size)), middle + centre * size
+
+
+def choose_rests(activity: Activity, gravity: float) -> tuple[float, list[slice]]:
+    """Return the threshold's multiplier and the rests that leave k and D least uncertain.
+
+    The uncertainty is the fit's covariance times what its residual shows of it (chi-square per degree of
+    freedom): a multiplier too small throws rests away, and the covariance grows; one too large lets movement
+    in, and the residual grows. The smallest residual alone, the usual choice, would reward having few rests.
+    """
+    found: list[tuple[float, float, list[slice]]] = []
+    for multiplier in MULTIPLIERS:
+        rests = activity.rests(multiplier)
+        fit = _quick_fit(activity.series, rests, gravity)
+        if fit is not None and fit.fit.dof > 0:
+            found.append((fit.spread, multiplier, rests))
+    if not found:
+        return USUAL, activity.rests(USUAL)
+    _, multiplier, rests = min(found, key=lambda each: each[:2])
+    return multiplier, rests
+
+
+def _quick_fit(series: Series, rests: Sequence[slice], gravity: float) -> NormFit | None:
+    if series.accel is None or len(rests) < LEAST_RESTS:
+        return None
+    parts = [np.asarray(series.accel[rest], dtype=np.float64) for rest in rests]
+    mean = np.array([samples.mean(axis=0) for samples in parts])
+    noise = np.sqrt(np.mean([np.var(np.diff(samples, axis=0), axis=0) / 2 for samples in parts], axis=0))
+    std = np.maximum(noise, np.spacing(np.abs(mean).max())) / np.sqrt([[len(samples)] for samples in parts])
+    return fit_norm(mean, std, gravity)
