@@ -7,6 +7,7 @@ Source of the method: Tedaldi, Pretto, Menegatti, ICRA 2014, who take E upper tr
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -19,25 +20,28 @@ LOWER = np.tril_indices(3)
 LEAST_RESTS = 10  # nine numbers and one to judge the residual by
 MULTIPLIERS = (1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0)  # of the variance of a quiet window
 USUAL = 3.0  # the multiplier where the rests are too few to choose one by
+ROUNDS, STEPS = 4, 50  # of weighting anew by the scatter found, and of finding it
 REACH = 0.1  # relative 1 sigma of k above which the rests are said not to determine it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NormFit:
-    """K (3, 3) [output/s per g], lower triangular, b (3,) [output/s], the fit behind them, residual (n,) [g]."""
+    """K (3, 3) [output/s per g], lower triangular, b (3,) [output/s], the fit behind them, residual (n,) [g].
+
+    ``excess`` [g] is the scatter of the norm from rest to rest beyond noise, as in `excess_scatter`.
+    """
 
     K: FloatArray
     b: FloatArray
     fit: Fit
     residual: FloatArray
+    excess: float
 
     @property
     def spread(self) -> float:
-        """Mean variance of k and D, relative to g, with the residual's own size as noise."""
+        """Mean variance of k, relative, and of D [g]."""
         k = np.diag(self.K)
-        own = np.concatenate((k[[0, 1, 1, 2, 2, 2]], k))
-        variance = np.diag(self.fit.covariance)[[0, 2, 5, 6, 7, 8]] / own[[0, 2, 5, 6, 7, 8]] ** 2
-        return float(variance.mean() * self.fit.chi2 / self.fit.dof)
+        return float(np.mean(np.diag(self.fit.covariance)[[0, 2, 5, 6, 7, 8]] / np.tile(k, 2) ** 2))
 
 
 def fit_norm(rate: FloatArray, std: FloatArray, gravity: float) -> NormFit | None:
@@ -46,21 +50,46 @@ def fit_norm(rate: FloatArray, std: FloatArray, gravity: float) -> NormFit | Non
     if start is None:
         return None
     K, b = start
-    sigma = norm_sigma(K, b, rate, std)
-
-    def residual(x: FloatArray) -> FloatArray:
-        lower = np.zeros((3, 3))
-        lower[LOWER] = x[:6]
-        found: FloatArray = (np.linalg.norm(np.linalg.solve(lower, (rate - x[6:]).T), axis=0) - gravity) / sigma
-        return found
-
-    fit = minimise(residual, np.concatenate((K[LOWER], b)), np.full(9, np.max(np.abs(K)) * 0.1))
-    K = np.zeros((3, 3))
-    K[LOWER] = fit.x[:6]
-    relative = np.sqrt(np.diag(fit.covariance)[[0, 2, 5]]) / np.abs(np.diag(K))
-    if not np.all(np.isfinite(fit.x)) or np.any(relative > REACH):
+    noise, excess = norm_sigma(K, b, rate, std), 0.0
+    x = np.concatenate((K[LOWER], b))
+    for _ in range(ROUNDS):
+        sigma = np.hypot(noise, excess)
+        fit = minimise(partial(_misfit, rate, gravity, sigma), x, np.full(9, np.max(np.abs(K)) * 0.1))
+        if not np.all(np.isfinite(fit.x)):
+            return None
+        x, excess = fit.x, excess_scatter(fit.residual * sigma, noise, fit.dof)
+    K, b = _lower(x), x[6:]
+    if np.any(np.sqrt(np.diag(fit.covariance)[[0, 2, 5]]) > REACH * np.abs(np.diag(K))):
         return None
-    return NormFit(K, fit.x[6:], fit, fit.residual * sigma)
+    return NormFit(K, b, fit, fit.residual * sigma, excess)
+
+
+def excess_scatter(residual: FloatArray, noise: FloatArray, free: float) -> float:
+    """Return the scatter common to all rows that brings their weighted squares to the ``free`` degrees of freedom.
+
+    ``residual`` and ``noise``, 1 sigma, are (n,). Source: Mandel and Paule, Anal. Chem. 42, 1970; Newton's steps
+    approach the root of this falling, convex function from below.
+    """
+    variance = 0.0
+    for _ in range(STEPS):
+        weight = 1 / (noise**2 + variance)
+        over = float(np.sum(weight * residual**2)) - free
+        if over <= 0:
+            break
+        variance += over / float(np.sum((weight * residual) ** 2))
+    return float(np.sqrt(variance))
+
+
+def _lower(x: FloatArray) -> FloatArray:
+    K = np.zeros((3, 3))
+    K[LOWER] = x[:6]
+    return K
+
+
+def _misfit(rate: FloatArray, gravity: float, sigma: FloatArray, x: FloatArray) -> FloatArray:
+    u = np.linalg.solve(_lower(x), (rate - x[6:]).T)
+    found: FloatArray = (np.linalg.norm(u, axis=0) - gravity) / sigma
+    return found
 
 
 def norm_sigma(K: FloatArray, b: FloatArray, rate: FloatArray, std: FloatArray) -> FloatArray:
@@ -93,9 +122,9 @@ def _ellipsoid(rate: FloatArray, gravity: float) -> tuple[FloatArray, FloatArray
 def choose_rests(activity: Activity, gravity: float) -> tuple[float, list[slice]]:
     """Return the threshold's multiplier and the rests that leave k and D least uncertain.
 
-    The uncertainty is the fit's covariance times what its residual shows of it (chi-square per degree of
-    freedom): a multiplier too small throws rests away, and the covariance grows; one too large lets movement
-    in, and the residual grows. The smallest residual alone, the usual choice, would reward having few rests.
+    The fit's covariance has the scatter that its residual shows in it: a multiplier too small throws rests away,
+    and the covariance grows; one too large lets movement in, and the residual and with it the covariance grow.
+    The smallest residual alone, the usual choice, would reward having few rests.
     """
     found: list[tuple[float, float, list[slice]]] = []
     for multiplier in MULTIPLIERS:

@@ -15,6 +15,11 @@ RUNS = (
     ("hostile_frames", "--frames", "100000"),
     ("replug", "--times", "20"),
     ("frozen_screen",),
+    ("screen_cpu",),
+    ("kills", "--kills", "12"),
+    ("false_accept", "--trials", "140"),
+    ("guiding", "heading", "--trials", "100"),
+    ("guiding", "seating", "--trials", "5"),
 )
 
 if __name__ == "__main__":

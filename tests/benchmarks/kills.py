@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,7 @@ from procedures import hand_turns, twelve_position
 from procedures.campaign import Fixture
 from procedures.steps import Dwell, Step, steps_of
 from station.benches import open_feed
-from station.campaign_folder import read_campaign, verify_folder
+from station.campaign_folder import read_campaign, read_hashes, verify_folder
 from station.guide.checklist import Checklist
 from station.guide.desk import Desk, Facts
 from station.guide.folder_recorder import FolderRecorder
@@ -52,8 +53,8 @@ class Announced(FolderRecorder):
         print(f"accepted {step.name}", flush=True)
 
 
-def child(folder: Path) -> None:
-    """Record what is left of the campaign in ``folder``, then solve it."""
+def child(folder: Path, steps: Sequence[Step]) -> None:
+    """Record what is left of the campaign in ``folder``, then solve it, or hash what was recorded of a part."""
     target = folder / "campaign"
     with open_db(folder / "station.db") as database:
         target.mkdir(exist_ok=True)
@@ -63,18 +64,28 @@ def child(folder: Path) -> None:
             else:
                 (target / "campaign.toml").unlink(missing_ok=True)
                 recorder = open_campaign(target, open_feed(Source(TRUTH)).identify(), SITE, database)
-            for number, step in enumerate(STEPS):
+            for number, step in enumerate(steps):
                 if not recorder.accepted[step.name]:
                     record(number, step, recorder)
+    recorded = sorted(sha256 for file, (sha256, _) in read_hashes(target).items() if file.endswith(".mcap"))
+    document = {"files": sorted(set(recorded))} if len(steps) < len(STEPS) else solved(target)
+    (folder / "solution.json").write_text(json.dumps(document, sort_keys=True))
+
+
+def solved(target: Path) -> dict[str, object]:
+    """Return the solution, with the hashes of what it was solved from but not their names.
+
+    A file that a kill orphaned keeps its name, so that the step has another one.
+    """
     from procedures.calibration import solve
     from station.solution_json import solution_document
 
     loaded = read_campaign(target)
     document = dict(solution_document(solve([loaded.campaign]), [loaded]))
-    files = document["provenance"]["files"]  # an orphan of a kill keeps its name, the step then has another
+    files = document["provenance"]["files"]
     recorded = sorted(sha256 for file, sha256 in files.items() if file.endswith(".mcap"))
     document["provenance"] = {"files": recorded}
-    (folder / "solution.json").write_text(json.dumps(document, sort_keys=True))
+    return document
 
 
 def record(number: int, step: Step, recorder: CampaignRecorder) -> None:
@@ -108,9 +119,9 @@ def _is_known(folder: Path) -> bool:
         return bool(session.execute(text("SELECT count(*) FROM campaigns")).scalar())
 
 
-def killed_once(folder: Path, rng: random.Random, longest_s: float) -> tuple[bool, list[str]]:
+def killed_once(folder: Path, steps: int, rng: random.Random, longest_s: float) -> tuple[bool, list[str]]:
     """Run the child until a random instant; return whether it came to its end, and what it said it accepted."""
-    command = [sys.executable, "-m", "tests.benchmarks.kills", "--child", str(folder)]
+    command = [sys.executable, "-m", "tests.benchmarks.kills", "--child", str(folder), "--steps", str(steps)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         accepted, in_commit = list[str](), rng.random() < 0.5
@@ -148,25 +159,25 @@ def faults(folder: Path, accepted: list[str]) -> list[str]:
     return found
 
 
-def reference() -> tuple[str, float]:
+def reference(steps: int) -> tuple[str, float]:
     """Return the solution of an uninterrupted campaign, and how long it took [s]."""
     with tempfile.TemporaryDirectory() as folder:
         began = time.monotonic()
-        subprocess.run([sys.executable, "-m", "tests.benchmarks.kills", "--child", folder], check=True,
-                       stdout=subprocess.DEVNULL)  # fmt: skip
+        command = [sys.executable, "-m", "tests.benchmarks.kills", "--child", folder, "--steps", str(steps)]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         return (Path(folder) / "solution.json").read_text(), time.monotonic() - began
 
 
-def run(kills: int, seed: int) -> dict[str, int]:
+def run(kills: int, seed: int, steps: int = len(STEPS)) -> dict[str, int]:
     """Kill ``kills`` times, over as many campaigns as that takes; return what was counted."""
-    rng, (expected, seconds) = random.Random(seed), reference()
+    rng, (expected, seconds) = random.Random(seed), reference(steps)
     told = {"kills": 0, "campaigns": 0, "faults": 0, "other_solutions": 0}
     while told["kills"] < kills:
         told["campaigns"] += 1
         with tempfile.TemporaryDirectory() as name:
             folder, accepted, is_done = Path(name), list[str](), False
             while not is_done:
-                is_done, more = killed_once(folder, rng, seconds / 3)
+                is_done, more = killed_once(folder, steps, rng, seconds / 3)
                 told["kills"] += not is_done
                 accepted += more
                 for fault in faults(folder, accepted):
@@ -182,11 +193,12 @@ def main() -> None:
     parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--child", type=Path)
+    parser.add_argument("--steps", type=int, default=len(STEPS))
     arguments = parser.parse_args()
     if arguments.child is not None:
-        child(arguments.child)
+        child(arguments.child, STEPS[: arguments.steps])
         return
-    for name, count in run(arguments.kills, arguments.seed).items():
+    for name, count in run(arguments.kills, arguments.seed, arguments.steps).items():
         print(f"{name:20} {count}")
 
 

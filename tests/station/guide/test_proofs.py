@@ -1,0 +1,16 @@
+"""The long proofs of `tests.benchmarks`, in short."""
+
+from tests.benchmarks import false_accept, kills
+
+
+def test_a_campaign_killed_again_and_again_is_the_same_campaign() -> None:
+    told = kills.run(kills=4, seed=2, steps=4)
+    assert told["kills"] >= 4
+    assert (told["faults"], told["other_solutions"]) == (0, 0)
+
+
+def test_what_is_off_is_never_accepted_and_what_is_right_is() -> None:
+    outcomes = [false_accept.trial(seed) for seed in range(14)]
+    assert not [kind for kind, outcome in outcomes if outcome == "wrong"]
+    assert {outcome for kind, outcome in outcomes if kind in {"flat", "tapped"}} == {"accepted"}
+    assert {outcome for kind, outcome in outcomes if kind == "tilted"} == {"refused"}
