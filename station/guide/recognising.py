@@ -63,6 +63,8 @@ class Recognising:
         rate = np.mean([block.rate for block in self._blocks], axis=0)
         seen = {"rate": tuple(rate.tolist()), "noise": tuple(self._desk.judge.stillness.noise.tolist())}
         found = same_unit(self._before, self._before.model_copy(update={**seen, "serial_from_wire": False}))
-        if found.answer == "yes" and not self._desk.facts.asks:
+        if not self._desk.facts.asks:
+            if found.answer != "yes":
+                raise UnitChanged(self._desk.feed.address.name, f"a unit that {found.text}", self._before.serial)
             self._answer = "y"
         self._text = f"It says no serial number; {found.text}."
