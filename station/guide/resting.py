@@ -111,9 +111,15 @@ class Resting:
             turn = {1: "counter-clockwise", 3: "clockwise"}[found.quarter]
             return f"the cube is turned by 90 deg {turn} against the marks on the slab; set it right"
         self._position, self._how = found.position, BY_EARTH
-        if any(each.position == found.position for each in self._dwells):
+        return self._nothing_left()
+
+    def _nothing_left(self) -> str:
+        """Say so if there is nothing to do in this position."""
+        if any(each.position == self._position for each in self._dwells):
             return ""
-        return f"position {found.position} is done already; turn the cube by 180 deg about the vertical"
+        is_done = self._desk.checklist.dwell_at(self._position) is not None
+        why = f"position {self._position} is {'done already' if is_done else 'not asked for'}"
+        return f"{why}; turn the cube by 180 deg about the vertical"
 
     def _completed(self) -> Stage:
         desk, dwelling = self._desk, self._dwelling
@@ -130,7 +136,7 @@ class Resting:
             return self
         if why := self._seat.last_fault(self._dwelling, self._position):
             return self._again(desk, why, must_move=True)
-        if all(each.position != self._position for each in self._dwells):
-            return self._again(desk, f"position {self._position} is done already", must_move=True)
+        if why := self._nothing_left():
+            return self._again(desk, why, must_move=True)
         desk.accept(self._step, dwelling.runs())
         return self._again(desk, "", must_move=True)
