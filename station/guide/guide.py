@@ -115,7 +115,7 @@ class Guide:
         return isinstance(self._stage, Resting | Turning)
 
     def _gates(self, extras: dict[str, object]) -> Gates | None:
-        if (look := self._look) is None:
+        if (look := self._look) is None or (isinstance(self._stage, Turning) and self._stage.is_moving):
             return None
         limit = TIMES_NOISE**0.5
         gates = Gates(

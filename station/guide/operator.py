@@ -47,7 +47,7 @@ class SimulatedOperator:
     def look(self, view: View) -> None:
         """Place the cube, or turn it once it has rested, if that is what is wanted now."""
         step = view.step(view.wanted)
-        if step is None or view.stage not in {"place", "turn"}:
+        if step is None or view.stage not in {"place", "turn"} or view.question is not None:
             return
         is_ready = view.turn is not None and view.turn.rest_s >= view.turn.rest_wanted_s
         what = "turn" if view.stage == "turn" else "place"

@@ -91,9 +91,10 @@ class Resting:
 
     @property
     def _question(self) -> Question | None:
-        if self._position or not self._desk.facts.asks or self._dwelling.accepted_s < ASK_AFTER_S:
+        if self._position or not self._desk.facts.asks:
             return None
-        return which_way(self._face)
+        is_time = self._dwelling.accepted_s >= ASK_AFTER_S or self._dwelling.is_complete
+        return which_way(self._face) if is_time else None
 
     def _tell(self, was_disturbed: bool) -> None:
         if self._dwelling.is_disturbed and not was_disturbed:

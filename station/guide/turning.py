@@ -39,6 +39,11 @@ class Turning:
         """The first sample that is still needed."""
         return self._watch.first.first if self._watch.first else None
 
+    @property
+    def is_moving(self) -> bool:
+        """Whether the turn is under way."""
+        return self._watch.is_moving
+
     def take(self, block: Block, look: Look) -> Stage:
         """Take a second of the stream."""
         if self._is_ready:

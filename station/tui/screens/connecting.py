@@ -1,30 +1,19 @@
 """Waiting for the IMU."""
 
-from textual.app import ComposeResult
-from textual.widgets import Static
-
 from station.guide.view import View
 from station.tui.screens.framed import FramedScreen
 from station.tui.widgets.banner import Now
-
-ADVICE = (
-    "The station opens the port, finds the frames and reads which unit it is.\n\n"
-    "If nothing comes: is the IMU powered? Is it this port, and this baud rate?\n"
-    "Are A and B of the RS-422 pair swapped? c cancels."
-)
 
 
 class ConnectingScreen(FramedScreen):
     """Says what is waited for."""
 
-    HELPS = {"connecting": ADVICE}
-    DEFAULT_CSS = """
-    ConnectingScreen #advice { height: auto; padding: 1 2; }
-    """
-
-    def inner(self) -> ComposeResult:
-        """Lay out the advice."""
-        yield Static(ADVICE, id="advice", markup=False)
+    TEXT = (
+        "The station opens the port, finds the frames and reads which unit it is.\n\n"
+        "If nothing comes: is the IMU powered? Is it this port, and this baud rate?\n"
+        "Are A and B of the RS-422 pair swapped? c cancels."
+    )
+    HELPS = {"connecting": TEXT}
 
     def now(self, view: View) -> Now:
         """Return what the banner says."""

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import ClassVar
 
 from textual.app import ComposeResult
+from textual.widgets import Static
 
 from station.guide.command import Command
 from station.guide.view import View
@@ -14,9 +16,12 @@ from station.tui.widgets.link_line import LinkLine
 
 
 class FramedScreen(StageScreen):
-    """A subclass says what is `now`, and composes its `inner` part."""
+    """A subclass says what is `now`, and has a ``TEXT`` or composes its own `inner` part."""
+
+    TEXT: ClassVar[str] = ""
 
     DEFAULT_CSS = """
+    FramedScreen #text { height: auto; padding: 1 2; }
     FramedScreen.-tall #banner { height: 5; padding: 1 0; }
     """
 
@@ -33,7 +38,7 @@ class FramedScreen(StageScreen):
 
     def inner(self) -> ComposeResult:
         """Lay out what is inside the frame."""
-        raise NotImplementedError
+        yield Static(self.TEXT, id="text", markup=False)
 
     def now(self, view: View) -> Now:
         """Return what the banner says."""

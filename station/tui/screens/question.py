@@ -1,7 +1,5 @@
 """Something only the operator knows."""
 
-from string import ascii_lowercase
-
 from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.content import Content
@@ -18,7 +16,7 @@ LATER = ""
 class QuestionScreen(Modal[str]):
     """Returns the key of the choice, or `LATER`.
 
-    A choice is taken by its own key where all keys are single characters, else by a letter. None is under the
+    A choice is taken by its own key where all keys are single characters, else by its number. None is under the
     cursor at first, so that no stray Enter answers.
     """
 
@@ -33,7 +31,7 @@ class QuestionScreen(Modal[str]):
         self.question = question
         keys = [choice.key for choice in question.choices]
         is_short = all(len(key) == 1 for key in keys)
-        self._keys = {key if is_short else letter: key for letter, key in zip(ascii_lowercase, keys, strict=False)}
+        self._keys = {key if is_short else str(number): key for number, key in enumerate(keys, start=1)}
 
         self._list = OptionList(*map(self._option, self._keys, question.choices), compact=True, markup=False)
         self._list.highlighted = None

@@ -32,5 +32,6 @@ class VerdictSentence(Drawn[Verdict | None]):
         if self.value is None:
             return Content("")
         symbol, colour = LOOKS[self.value.word]
-        word = f" {symbol} {self.value.word.replace('_', ' ')} "
-        return Content.assemble((word, f"$background on {colour}"), f"  {self.value.sentence}")
+        plain = self.value.word.replace("_", " ")
+        sentence = self.value.sentence.removeprefix(f"{plain}: ")
+        return Content.assemble((f" {symbol} {plain} ", f"$background on {colour}"), f"  {sentence}")

@@ -96,6 +96,14 @@ def test_where_the_earth_rate_does_not_tell_it_is_asked(rig: Make) -> None:
     assert [d.position for d in read_campaign(guided.folder).campaign.dwells] == [6]
 
 
+def test_a_short_dwell_is_asked_for_as_well(rig: Make) -> None:
+    guided = rig(dwells(5, seconds=4.0), replace(Truth.example(3), latitude_deg=89.5))
+    guided.hands("place 5 8")
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="5")
+    guided.run(guided.done(1))
+
+
 def test_with_nobody_to_ask_the_position_asked_for_is_believed(rig: Make) -> None:
     guided = rig(dwells(5), replace(Truth.example(3), latitude_deg=89.5), asks=False)
     guided.hands("place 5 8")

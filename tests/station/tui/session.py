@@ -50,6 +50,6 @@ async def screens(view: View, size: tuple[int, int] = SMALL) -> AsyncIterator[Sc
     """Run the application over a view; it looks at the session when it is told to, not by the clock."""
     session = MemorySession(view)
     app = StationApp(session, refresh_hz=0.001, is_quiet=True)
-    async with app.run_test(size=size) as pilot:
+    async with app.run_test(size=size, notifications=True) as pilot:
         await pilot.pause()
         yield Screens(app, session, pilot)

@@ -93,10 +93,12 @@ async def test_leaving_asks_first_in_every_stage_with_something_to_go_on_with() 
     async with screens(View()) as seen:
         for stage in RUNNING[1:]:
             await seen.show(of_stage(stage))
-            await seen.press("q", "n")
+            await seen.press("q")
+            assert isinstance(seen.app.screen, Confirm), stage
+            await seen.press("n")
             assert seen.sent == []
-            await seen.press("q", "right", "enter")
-            assert seen.sent.pop().verb == "leave", stage
+        await seen.press("q", "right", "enter")
+        assert [command.verb for command in seen.sent] == ["leave"]
 
 
 @pytest.mark.parametrize("key", ["ctrl+q", "ctrl+c"])
@@ -122,6 +124,41 @@ async def test_the_end_says_what_became_of_the_data_and_a_key_closes_it(key: str
         assert "All accepted steps are safe" in said
         await seen.press(key)
         assert not seen.app.is_running
+
+
+@pytest.mark.parametrize(
+    ("view", "said"),
+    [
+        (views.PASSED, " ✓ PASS   All values are within the limits of SIM-FOG3."),
+        (views.FAILED, " ✗ FAIL   The gyroscope bias x is 0.134 deg/h, the limit is 0.1 deg/h."),
+        (views.NOT_MEASURED, " ? NOT MEASURED   there are no limits for SIM-FOG3."),  # the word is not said twice
+    ],
+)
+async def test_the_verdict_is_a_word_a_symbol_and_one_sentence(view: View, said: str) -> None:
+    async with screens(view) as seen:
+        assert seen.app.screen.sentence.render().plain == said
+        assert seen.app.screen.sentence.has_class(view.verdict.word)
+        assert view.verdict.status in seen.app.screen.status.query_one(".text").render().plain
+        numbers = seen.app.screen.table.render().plain
+        assert all(
+            row.sigma in numbers and row.unit in numbers and row.limit in numbers for row in view.verdict.rows
+        )
+
+
+@pytest.mark.parametrize("display", ["", ":0"])
+async def test_what_is_stored_shows_its_seal_and_opens_its_report(
+    display: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setenv("DISPLAY", display)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    async with screens(views.STORED) as seen:
+        assert "9f2c41d07be85a63" in seen.app.screen.stored.query_one(".text").render().plain
+        await seen.press("o")
+        await seen.pilot.pause()
+        assert "report.html" in seen.app.export_screenshot()  # said in either case
+    assert opened == ([f"file://{views.STORED.verdict.report}"] if display else [])
 
 
 async def test_a_campaign_without_an_imu_is_said_in_red_words() -> None:

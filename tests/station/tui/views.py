@@ -250,7 +250,7 @@ NOT_MEASURED = PASSED.model_copy(
         "verdict": PASSED.verdict.model_copy(
             update={
                 "word": "NOT_MEASURED",
-                "sentence": "There are no limits for the model SIM-FOG3.",
+                "sentence": "NOT MEASURED: there are no limits for SIM-FOG3.",
                 "change": "",
             }
         )
