@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.count_rate import RateEstimate
 from station.benches.spans import merged
 from station.benches.stillness import Block
 from station.guide.judge import Look
@@ -22,8 +23,7 @@ CALM_BLOCKS = 1  # still ones after a disturbance that are not used
 FEW_BLOCKS = 3
 OFF_SIGMA = 6.0
 EARLY_BLOCKS = 5  # a cube that is disturbed as early as this was not let go yet
-SECTIONS = 10
-CREEP_SIGMA = 7.0  # of nine successive differences
+CREEP_CHI2 = 20.0  # of two level axes: chance passes it once in 20000 dwells
 CREEP_RAD = 1e-4  # 20 arcsec: below it the biases of a good unit may wander as well
 
 
@@ -97,22 +97,6 @@ class Dwelling:
         """Drop the blocks that are not still by the noise as it is known now."""
         self.kept = [block for block in self.kept if is_still(block)]
 
-    def crept(self, g_counts: float, level: FloatArray) -> str:
-        """Say how far the cube crept, empty if it did not.
-
-        ``g_counts`` is what 1 g counts per second; ``level`` (2, 3) the level axes in the IMU's frame.
-        """
-        if len(self.kept) < 2 * SECTIONS:
-            return ""
-        sections = [np.mean([b.rate[3:] for b in part], axis=0) for part in _split(self.kept)]
-        tilt = np.array(sections) @ level.T / g_counts
-        wander = np.sqrt(np.mean(np.diff(tilt, axis=0) ** 2, axis=0) / 2)
-        half = SECTIONS // 2
-        crept = np.abs(tilt[half:].mean(axis=0) - tilt[:half].mean(axis=0))
-        if np.any((crept > CREEP_RAD) & (crept > CREEP_SIGMA * wander * np.sqrt(2 / half))):
-            return f"the cube crept by {np.degrees(2 * crept.max()) * 3600:.0f} arcsec"
-        return ""
-
     def _is_off(self, block: Block, look: Look) -> bool:
         """Say whether a channel is far off its median so far: an even motion makes nothing tremble."""
         if len(self.kept) < FEW_BLOCKS:
@@ -135,17 +119,21 @@ class Dwelling:
         return ""
 
 
-def level_axes(C_ib: FloatArray, normal: FloatArray) -> FloatArray:
-    """Return the two level axes (2, 3) in the IMU's frame of a cube whose ``normal`` (3,) points up."""
-    axes = np.eye(3)[np.abs(normal) < 0.5]
-    level: FloatArray = axes @ C_ib.T
-    return level
+def crept(found: Sequence[RateEstimate], seconds: float, C_ib: FloatArray, normal: FloatArray) -> str:
+    """Say how far the cube crept in a dwell of ``seconds``, empty if it did not.
+
+    ``found`` are the accelerometers' rates with their slopes; ``C_ib`` (3, 3) takes the cube's axes to the IMU's,
+    ``normal`` (3,) is the cube axis that points up. A level accelerometer's slope over what 1 g counts is the
+    rate of a tilt.
+    """
+    rate, slope, std = (np.array([getattr(one, name) for one in found]) for name in ("rate", "slope", "slope_std"))
+    level = np.abs(C_ib @ normal) < 0.5
+    tilt = seconds / float(rate @ C_ib @ normal)
+    moved, chi2 = np.abs(slope * tilt)[level], float(np.sum((slope / std)[level] ** 2))
+    if moved.max() > CREEP_RAD and chi2 > CREEP_CHI2:
+        return f"the cube crept by {np.degrees(moved.max()) * 3600:.0f} arcsec"
+    return ""
 
 
 def _samples(blocks: Sequence[Block]) -> int:
     return sum(block.last - block.first for block in blocks)
-
-
-def _split(blocks: Sequence[Block]) -> list[Sequence[Block]]:
-    size = len(blocks) // SECTIONS
-    return [blocks[i * size : (i + 1) * size] for i in range(SECTIONS)]

@@ -5,10 +5,12 @@ from typing import Any, Protocol
 
 from procedures.frames import face_normal
 from procedures.steps import Dwell
+from station.benches.spans import series
 from station.benches.stillness import Block
 from station.guide.desk import Desk
-from station.guide.dwelling import TOUCHED, Dwelling, level_axes
+from station.guide.dwelling import TOUCHED, Dwelling, crept
 from station.guide.judge import Look
+from station.guide.rested import estimates
 from station.guide.seat import Seat
 from station.guide.stage import Stage
 from station.guide.view import Question
@@ -127,9 +129,9 @@ class Resting:
         dwelling.forget_restless(desk.judge.stillness.is_still)
         if not dwelling.is_complete:
             return self
-        normal = face_normal(self._face)
-        g_counts = float(dwelling.rate()[3:] @ desk.C_ib @ normal)
-        if why := dwelling.crept(g_counts, level_axes(desk.C_ib, normal)):
+        recorded = series(desk.feed.tape, dwelling.runs(), desk.feed.period)
+        found = estimates(recorded.accel, recorded)
+        if why := crept(found, dwelling.accepted_s, desk.C_ib, face_normal(self._face)):
             return self._again(desk, f"{why}; it begins again", must_move=False)
         if not self._position and not desk.facts.asks:
             self._position, self._how = self._dwells[0].position, AS_ASKED
