@@ -110,9 +110,10 @@ class TurnWatch:
         turned, up = self._turned(), self._up()
         along = float(turned @ up)
         if np.linalg.norm(turned - along * up) > STRAY * abs(along):
-            return f"it was not about {self._step.axis}"
+            return "the cube was tipped, or turned about another axis"
         if (along > 0) != (self._step.direction == "+"):
-            return f"it was the other way round, expected {self._step.direction} about {self._step.axis}"
+            sense = "counter-clockwise" if self._step.direction == "+" else "clockwise"
+            return f"it was the other way round, expected {sense} seen from above"
         usual = float(np.median(self._earlier)) if self._earlier else self.counts_per_revolution
         if abs(self.counts_per_revolution / usual - 1) > ALIKE:
             return (

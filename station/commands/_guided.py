@@ -72,6 +72,10 @@ def guide(options: "EngineOptions", screen: Screen) -> int:
     """Run an engine until its campaign has ended or the operator has left; return the exit code."""
     from fixtures_db.database import open_db
 
+    if not (screen.headless or screen.plain or screen.web) and not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise typer.BadParameter(
+            "the screen needs a terminal; --plain writes lines of text, --headless asks nothing"
+        )
     options.engine()  # a plan that cannot be read is refused here ...
     with open_db(options.database) as database:  # ... and so is a database
         if screen.headless:

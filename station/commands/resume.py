@@ -52,6 +52,9 @@ def resume(
         for each in found:
             typer.echo(f"{each.title}, {each.state}: {each.folder}")
         return
+    if folder is not None and not any(Path(each.folder) == folder.resolve() for each in found):
+        raise DataRefused(folder, None, "no unfinished campaign", "one that `station resume --list` names",
+                          "it was cancelled, stored, or is in another database (--db)")  # fmt: skip
     free = [Path(each.folder) for each in found if each.state == "free"]
     if folder is None and not free:
         raise DataRefused("database", None, "no unfinished campaign", "one that is free", "begin with `calibrate`")

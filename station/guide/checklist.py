@@ -13,12 +13,20 @@ GRIP_S = 20.0  # before and after a turn, besides its rests
 
 
 class Checklist:
-    """``steps`` in the order suggested; ``attempts`` says how often each was accepted before, by name."""
+    """``steps`` in the order suggested; ``attempts`` says how often each was accepted before, by name.
 
-    def __init__(self, steps: Iterable[Step], attempts: Mapping[str, int] | None = None) -> None:
+    ``seconds`` is how long those recordings are.
+    """
+
+    def __init__(
+        self,
+        steps: Iterable[Step],
+        attempts: Mapping[str, int] | None = None,
+        seconds: Mapping[str, float] | None = None,
+    ) -> None:
         self.steps: Sequence[Step] = tuple(steps)
         self.attempts = {step.name: (attempts or {}).get(step.name, 0) for step in self.steps}
-        self._seconds: dict[str, float] = {}
+        self._seconds = dict(seconds or {})
         self._notes: dict[str, str] = {}
         self._redo: list[str] = []
         self._chosen = ""

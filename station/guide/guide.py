@@ -155,7 +155,7 @@ class Guide:
             self.desk.story.say("", "nothing to do again yet")
             return
         step = next(each for each in checklist.steps if each.name == name)
-        self.desk.story.say("", f"{title(step)} is to be done again; the recording so far is kept as superseded")
+        self.desk.story.say("", f"{title(step)} is to be done again; the one before counts until then")
         self._look_again()
 
     def _look_again(self) -> None:

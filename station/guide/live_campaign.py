@@ -18,7 +18,7 @@ from procedures.arrays import FloatArray
 from procedures.campaign import Fixture, TurnRecord
 from procedures.frames import AXES
 from procedures.records import CountSeries
-from procedures.steps import Step, Turn, steps_of
+from procedures.steps import Dwell, Step, Turn, steps_of
 from station.benches.live_feed import LiveFeed, open_feed
 from station.campaign_folder import read_campaign
 from station.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
@@ -171,8 +171,8 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         imu = recorder.tables.imu
         unit = feed.identify(imu.model, imu.serial)
         fixture, _ = cube_fixture(database, recorder.tables.fixture.id)
-        before, turns = _so_far(folder) if recorder.accepted else ([], {})
-        checklist = Checklist(steps, recorder.accepted)
+        before, turns, seconds = _so_far(folder) if recorder.accepted else ([], {}, {})
+        checklist = Checklist(steps, recorder.accepted, seconds)
         facts = _facts(recorder.tables, fixture, setup, options)
         desk = Desk(feed, checklist, facts, FolderRecorder(recorder), before, turns)
         record = read_unit(folder)
@@ -234,11 +234,13 @@ def _folder(setup: Setup, root: Path) -> Path:
     return Path(setup.folder) if setup.folder else root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
 
 
-def _so_far(folder: Path) -> tuple[list[Rested], dict[str, float]]:
-    """Return what the accepted dwells and turns leave for those after them."""
+def _so_far(folder: Path) -> tuple[list[Rested], dict[str, float], dict[str, float]]:
+    """Return what the accepted dwells and turns leave for those after them, and how long each step is [s]."""
     loaded = read_campaign(folder).campaign
     before = [rested(d.position, d.series) for d in loaded.dwells if isinstance(d.series, CountSeries)]
-    return before, {_name(turn): _counts_per_revolution(turn, loaded.fixture.C_ib) for turn in loaded.turns}
+    turns = {_name(turn): _counts_per_revolution(turn, loaded.fixture.C_ib) for turn in loaded.turns}
+    seconds = {Dwell(d.position, 0.0).name: len(d.series) * d.series.period for d in loaded.dwells}
+    return before, turns, seconds | {_name(t): len(t.series) * t.series.period for t in loaded.turns}
 
 
 def _name(turn: TurnRecord) -> str:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from procedures.frames import face_of
-from procedures.steps import Dwell, Turn
+from procedures.steps import Turn
 from station.benches.stillness import Block
 from station.guide.desk import Desk
 from station.guide.judge import Look
@@ -11,7 +11,7 @@ from station.guide.resting import Resting
 from station.guide.stage import Stage
 from station.guide.turning import Turning
 from station.guide.wording import face as face_words
-from station.guide.wording import task
+from station.guide.wording import task, title
 
 SETTLE_BLOCKS = 3  # still ones that are not used
 
@@ -52,8 +52,9 @@ class Placing:
 
     def shown(self) -> dict[str, Any]:
         """Return where the cube is to go, and what hinders."""
-        wanted = self._desk.checklist.wanted
-        what = task(wanted) if wanted else "all steps are done"
+        wanted, position = self._desk.checklist.wanted, self._desk.position
+        is_there = isinstance(wanted, Turn) and wanted.start_position == position
+        what = task(wanted, is_there=is_there) if wanted else "all steps are done"
         hint = self._why or (self._hint if not self._must_move else "")
         shown = {"stage": "settle" if self._calm else "place", "line": what, "hint": hint}
         return shown | ({"is_seated": False, "seating": self._why} if self._desk.off_seat else {})
@@ -72,13 +73,20 @@ class Placing:
             return Turning(desk, wanted, _again)
         if dwells := desk.checklist.open_dwells(face):
             return Resting(desk, face, dwells, _again)
-        return self._wrong(face, wanted)
+        return self._wrong(face)
 
-    def _wrong(self, face: str, wanted: Dwell | Turn | None) -> Stage:
-        what = f"; {task(wanted)}" if wanted else ""
-        why = f"{face_words(face)}: nothing is left to do there{what}"
+    def _wrong(self, face: str) -> Stage:
+        turns = [each for each in desk_turns(self._desk) if face_of(each.start_position) == face]
+        left = f"{title(turns[0])} comes later, or choose it" if turns else "nothing is left to do there"
+        why = f"{face_words(face)}: {'its positions are done; ' if turns else ''}{left}"
         self._desk.story.say("rejected", why)
         return Placing(self._desk, must_move=True, why=why)
+
+
+def desk_turns(desk: Desk) -> list[Turn]:
+    """Return the turns that are to be done."""
+    checklist = desk.checklist
+    return [step for step in checklist.steps if isinstance(step, Turn) and checklist.is_open(step)]
 
 
 def _again(desk: Desk, why: str, *, must_move: bool) -> Stage:

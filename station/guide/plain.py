@@ -80,7 +80,7 @@ class PlainScreen:
             self._once("hint", view.hint)
 
     def _progress(self, view: View) -> None:
-        if view.stage == "dwell":
+        if view.stage == "dwell" and view.accepted_s >= EVERY_S:
             self._once("seconds", f"{view.live} {EVERY_S * (view.accepted_s // EVERY_S):.0f} s accepted")
         elif view.stage == "warm_up" and view.warm_up is not None:
             seconds = EVERY_S * (view.warm_up.seconds // EVERY_S)

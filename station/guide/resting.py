@@ -14,7 +14,7 @@ from station.guide.rested import estimates
 from station.guide.seat import Seat
 from station.guide.stage import Stage
 from station.guide.view import Question
-from station.guide.which_way import which_way
+from station.guide.which_way import NEITHER, which_way
 from station.guide.wording import title
 
 ASK_AFTER_S = 10.0  # of accepted seconds without a sure heading
@@ -37,6 +37,7 @@ class Resting:
         period = desk.feed.period
         self._dwelling = Dwelling(round(dwells[0].seconds / period), period, desk.rough_gyro_k)
         self._seat = Seat(desk, face)
+        self._is_neither = False
         self._position, self._how = desk.position, AS_SAID if desk.position else ""
         desk.story.say("start", "recording: keep your hands off")
 
@@ -53,6 +54,8 @@ class Resting:
     def take(self, block: Block, look: Look) -> Stage:
         """Take a second of the stream."""
         was_disturbed = self._dwelling.is_disturbed
+        if self._is_neither:
+            return self._again(self._desk, "set the cube down along the marks on the slab", must_move=True)
         if why := self._dwelling.take(block, look):
             if why == TOUCHED:
                 self._desk.story.say("still", "not let go yet: keep your hands off")
@@ -72,7 +75,8 @@ class Resting:
 
     def answer(self, key: str) -> None:
         """Take the operator's word for the position."""
-        if key in {choice.key for choice in which_way(self._face).choices}:
+        self._is_neither = key == NEITHER
+        if key in {choice.key for choice in which_way(self._face).choices} - {NEITHER}:
             self._position, self._how = int(key), AS_SAID
 
     def shown(self) -> dict[str, Any]:
@@ -112,7 +116,7 @@ class Resting:
             return ""
         if found.position is None:
             turn = {1: "counter-clockwise", 3: "clockwise"}[found.quarter]
-            return f"the cube is turned by 90 deg {turn} against the marks on the slab; set it right"
+            return f"turned by 90 deg {turn} against the marks on the slab: set it right"
         self._position, self._how = found.position, BY_EARTH
         return self._nothing_left()
 
@@ -122,7 +126,7 @@ class Resting:
             return ""
         is_done = self._desk.checklist.dwell_at(self._position) is not None
         why = f"position {self._position} is {'done already' if is_done else 'not asked for'}"
-        return f"{why}; turn the cube by 180 deg about the vertical"
+        return f"{why}; position {self._dwells[0].position} is the same face turned by 180 deg"
 
     def _completed(self) -> Stage:
         desk, dwelling = self._desk, self._dwelling

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from procedures.frames import face_of
+from procedures.gyrocompass import scale
 from procedures.steps import Turn
 from station.benches.spans import merged
 from station.benches.stillness import Block
@@ -14,7 +15,7 @@ from station.guide.desk import Desk
 from station.guide.judge import Look
 from station.guide.stage import Stage
 from station.guide.view import Question, TurnView
-from station.guide.which_way import which_way
+from station.guide.which_way import NEITHER, which_way
 from station.guide.wording import sense, task, times, title
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class Turning:
     def answer(self, key: str) -> None:
         """Take the operator's word for the position."""
         if key in {choice.key for choice in which_way(face_of(self._step.start_position)).choices}:
-            self._position = int(key)
+            self._position = -1 if key == NEITHER else int(key)
 
     def shown(self) -> dict[str, Any]:
         """Return how far the turn is."""
@@ -80,22 +81,38 @@ class Turning:
             slow_deg_s=SLOW_DEG_S, fast_deg_s=FAST_DEG_S,
             rest_s=watch.rested_s, rest_wanted_s=float(watch.rest_blocks),
         )  # fmt: skip
-        line, hint = task(self._step), ""
+        line, hint = task(self._step, is_there=True), ""
         if not self._is_ready:
             hint = "keep your hands off: rest before the turn"
         elif watch.is_moving:
             line = f"{title(self._step)}: {abs(turn.revolutions):.2f} of {turn.wanted} turns"
-            hint = "hands off: rest after the turn" if watch.rested_s else _speed(turn)
+            hint = "hands off: rest after the turn" if watch.rested_s else self._advice(turn)
         return {
             "stage": "turn", "live": self._step.name, "line": line, "hint": hint, "turn": turn,
             "question": self._question, "position": self._position,
         }  # fmt: skip
+
+    def _advice(self, turn: TurnView) -> str:
+        is_plus = turn.revolutions > 0
+        if abs(turn.revolutions) > TOUCHED_REVOLUTIONS and is_plus != (self._step.direction == "+"):
+            return f"the other way round: {sense(self._step)} seen from above"
+        return _speed(turn)
 
     @property
     def _question(self) -> Question | None:
         if self._position or not self._desk.facts.asks or self._watch.rested_s < self._watch.rest_blocks - 0.5:
             return None
         return which_way(face_of(self._step.start_position))
+
+    def _wrong_count(self) -> str:
+        """Say whether the Earth's rate tells another number of revolutions; later turns are compared with the first."""
+        desk, wanted = self._desk, self._step.revolutions
+        if desk.turns:
+            return ""
+        found = abs(self._revolutions())
+        if scale(desk.known, desk.facts.latitude, desk.C_ib) is None or round(found) == wanted:
+            return ""
+        return f"it was about {found:.1f} revolutions, expected {wanted}"
 
     def _revolutions(self) -> float:
         """Return how far it has turned since it began to move."""
@@ -130,7 +147,7 @@ class Turning:
         if abs(self._revolutions()) < TOUCHED_REVOLUTIONS:
             desk.story.say("still", "touched before the turn: keep your hands off")
             return self._again(desk, "", must_move=False)
-        if why := watch.fault():
+        if why := watch.fault() or self._wrong_count():
             return self._again(desk, f"{title(self._step)}: {why}; once more", must_move=False)
         closing = in_words(came_back(desk, self._step, watch))
         desk.turns[self._step.name] = watch.counts_per_revolution

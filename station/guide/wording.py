@@ -35,11 +35,10 @@ def title(step: Step) -> str:
     return f"turn {step.axis.upper()}{step.direction}"
 
 
-def task(step: Step) -> str:
-    """Return what is to be done."""
+def task(step: Step, *, is_there: bool = False) -> str:
+    """Return what is to be done; ``is_there``: the cube stands where a turn begins."""
     if isinstance(step, Dwell):
         return f"put the cube in position {step.position}: {axes(step.position)}"
-    return (
-        f"from position {step.start_position} ({axes(step.start_position)}) turn the cube {times(step)} "
-        f"{sense(step)} seen from above, flat on the slab, back to exactly where it stood"
-    )
+    if is_there:
+        return f"turn {times(step)} {sense(step)} from above, flat, back to where it stood"
+    return f"put the cube in position {step.start_position}: {axes(step.start_position)}; then turn it"

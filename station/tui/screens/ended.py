@@ -45,6 +45,8 @@ class EndedScreen(StageScreen):
         """Show a view."""
         word, colour, sentence = LOOKS.get(view.stage, LOOKS["failed"])
         parts = [Content.styled(f" {word} ", f"bold $background on {colour}"), Content("")]
+        if view.stage == "cancelled" and not view.folder:
+            sentence = ""  # nothing was begun
         parts += [Content(text + "\n") for text in (view.error, view.line, sentence) if text]
         if view.folder:
             parts.append(Content.assemble(("folder  ", "$muted"), view.folder))

@@ -30,7 +30,9 @@ class GatesPanel(Drawn[Gates | None]):
         room = self.size.width - 17 - NUMBERS
         up = f"{gates.face.replace('_', ' ').capitalize()}, " if gates.face else ""
         channel = gates.still_channel.replace("accelerometer", "accel").replace("gyroscope", "gyro")
-        face = _Gate("FACE", "right" if gates.is_right_face else "wrong", gates.is_right_face,
+        is_tilted = gates.off_deg > gates.limit_deg
+        word = "right" if gates.is_right_face else "tilted" if is_tilted else "wrong"
+        face = _Gate("FACE", word, gates.is_right_face,
                      gates.off_deg / gates.limit_deg if gates.is_right_face else 1.0,
                      up + against(gates.off_deg, gates.limit_deg, "deg"))  # fmt: skip
         still = _Gate("STILL", "still" if gates.is_still else "moving", gates.is_still,

@@ -67,7 +67,7 @@ def test_the_second_turn_of_a_pair_says_how_well_both_closed(rig: Make) -> None:
 @pytest.mark.parametrize(
     ("command", "reason"),
     [
-        ("turn x - 3 2", "it was the other way round, expected + about x"),
+        ("turn x - 3 2", "it was the other way round, expected counter-clockwise seen from above"),
         ("turn x + 2 2", "it was 2.00 revolutions, by the turns before it, expected 3"),
         ("place 5 8", "the cube was tipped over"),
         ("place 2 8", "it was"),
@@ -107,7 +107,7 @@ def test_a_turn_from_the_other_position_of_its_face_is_refused(rig: Make) -> Non
 def test_it_is_asked_where_a_turn_begins_if_the_earth_rate_does_not_tell(rig: Make) -> None:
     guided = rig([PLUS], replace(Truth.example(1), latitude_deg=89.5))
     view = guided.run(lambda v: v.question is not None)
-    assert [choice.key for choice in view.question.choices] == ["1", "2"]
+    assert [choice.key for choice in view.question.choices] == ["1", "2", "n"]
     guided.obey("answer", key="1")
     guided.run(ready)
     guided.hands("turn x + 3 2")
@@ -126,3 +126,23 @@ def test_a_pause_in_mid_turn_lets_it_be_done_again(rig: Make) -> None:
     guided.run(ready)
     guided.hands("turn x + 3 2")
     guided.run(guided.done(1))
+
+
+@pytest.mark.parametrize("revolutions", [2, 4])
+def test_the_first_turn_is_counted_by_the_earth_rate(rig: Make, revolutions: int) -> None:
+    guided = rig([Dwell(1, 20.0), PLUS])
+    guided.run(guided.done(1))
+    guided.run(ready)
+    guided.hands(f"turn x + {revolutions} 2")
+    view = guided.run(rejected)
+    assert re.search(r"it was about \d\.\d revolutions, expected 3", view.events[-1].text)
+    guided.run(ready)
+    guided.hands("turn x + 3 2")
+    guided.run(guided.done(2))
+
+
+def test_a_turn_the_wrong_way_is_told_while_it_turns(rig: Make) -> None:
+    guided = rig([PLUS])
+    guided.run(ready)
+    guided.hands("turn x - 3 2")
+    guided.run(lambda v: v.hint == "the other way round: counter-clockwise seen from above")
