@@ -105,7 +105,7 @@ class Turning:
         return which_way(face_of(self._step.start_position))
 
     def _wrong_count(self) -> str:
-        """Say whether the Earth's rate tells another number of revolutions; later turns are compared with the first."""
+        """Say whether the Earth's rate tells another number of revolutions; later turns have the first."""
         desk, wanted = self._desk, self._step.revolutions
         if desk.turns:
             return ""
