@@ -2,7 +2,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo install test lint types contracts tests benchmark clean
+.PHONY: demo install test lint types contracts tests test-postgres benchmark clean
 
 demo: install
 	$(BIN)/station demo
@@ -33,7 +33,11 @@ contracts:
 	$(BIN)/lint-imports
 
 tests:
-	$(BIN)/pytest -n auto
+	$(BIN)/python -m tests.with_postgres $(BIN)/pytest -n auto
+
+# The database's tests on a temporary PostgreSQL server; `make tests` includes them where its binaries are.
+test-postgres: $(VENV)/.installed-test
+	$(BIN)/python -m tests.with_postgres --require $(BIN)/pytest tests/fixtures_db
 
 benchmark: $(VENV)/.installed-test
 	$(BIN)/python -m tests.benchmarks

@@ -23,6 +23,13 @@ def imu(session: Session, model: str, serial: str) -> ImuRow:
     return row
 
 
+def add_imu(session: Session, model: str, serial: str) -> ImuRow:
+    """Add an IMU; raise `AlreadyThere` if it is known."""
+    if session.scalars(select(ImuRow).where(ImuRow.model == model, ImuRow.serial == serial)).first() is not None:
+        raise AlreadyThere("IMU", f"{model} {serial}")
+    return imu(session, model, serial)
+
+
 def start_campaign(
     session: Session,
     folder: str,
@@ -142,10 +149,16 @@ def accept_step(
 
 def manifest_head(steps: Sequence[StepRow]) -> str:
     """Return the head of the hash chain over accepted steps, superseded ones included, in their order."""
-    head = GENESIS
+    return manifest_heads(steps)[-1]
+
+
+def manifest_heads(steps: Sequence[StepRow]) -> list[str]:
+    """Return the head of the chain after no, one, two ... of the accepted steps."""
+    heads = [GENESIS]
     for step in steps:
-        head = digest(canonical({"previous": head, "name": step.name, "file": step.file, "sha256": step.sha256}))
-    return head
+        link = {"previous": heads[-1], "name": step.name, "file": step.file, "sha256": step.sha256}
+        heads.append(digest(canonical(link)))
+    return heads
 
 
 def verify_steps(session: Session, folder: str | None = None) -> list[ChainFault]:

@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, date, datetime
+from datetime import date, datetime
 
 import numpy as np
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from fixtures_db.chain import GENESIS, ChainFault, Link, canonical, digest, faults
+from fixtures_db.chain import ChainFault
+from fixtures_db.chained import append, date_owner, in_force, verify_rows
 from fixtures_db.errors import AlreadyThere, NotInDatabase
 from fixtures_db.schema import CubeRow, FaceCertificateRow, ToleranceRow
 from procedures.arrays import FloatArray
@@ -74,49 +75,52 @@ def certify_faces(
     measured_utc: datetime,
     due_date: date | None = None,
 ) -> None:
-    """Append a certificate of some or all faces of a cube; older ones stay and are no longer used.
+    """Append a certificate of some or all faces of a cube; those measured earlier stay and are no longer used.
 
     ``faces`` by resting face (``x_up`` ...): up vector's components (2,) [rad] along the two other cube axes
     and their covariance (2, 2) [rad2]. ``source`` says who measured, and how.
     """
     cube = cube_row(session, cube_id)
-    head = session.scalars(
-        select(FaceCertificateRow.sha256).order_by(FaceCertificateRow.id.desc()).limit(1)
-    ).first()
     for resting, face in faces.items():
-        if resting not in FACES:
-            raise ValueError(f"face {resting!r} is none of {', '.join(FACES)}")
         row = FaceCertificateRow(
             cube_id=cube_id,
             resting=resting,
             source=source,
-            measured_utc=measured_utc.astimezone(UTC),
+            measured_utc=measured_utc,
             due_date=due_date,
-            previous=head or GENESIS,
             **_columns(face),
         )
-        head = row.sha256 = digest(_text(row))
-        session.add(row)
-        session.flush()
-    cube.certificate_date, cube.due_date = measured_utc.date(), due_date
-    session.flush()
-    session.expire(cube, ["certificates"])
+        check_certificate(row)
+        append(session, row)
+    date_owner(session, cube)
 
 
 def cube(session: Session, cube_id: str, C_ib: FloatArray | None = None) -> Fixture:
-    """Return the fixture a solve takes: of each face the newest certificate, none where it was never measured.
+    """Return the fixture a solve takes: of each face what was measured last, none where it never was.
 
     ``C_ib`` (3, 3) takes the cube's axes to the IMU's; identity if not given.
     """
-    newest = {row.resting: row for row in cube_row(session, cube_id).certificates}
-    faces = {resting: _certificate(newest[resting]) for resting in FACES if resting in newest}
+    newest = faces_in_force(cube_row(session, cube_id))
+    faces = {resting: face_certificate(row) for resting, row in newest.items()}
     return Fixture(faces, np.eye(3) if C_ib is None else C_ib, cube_id)
 
 
-def verify_certificates(session: Session) -> list[ChainFault]:
+def faces_in_force(cube: CubeRow) -> dict[str, FaceCertificateRow]:
+    """Return by resting face what was measured last, in the order of `FACES`."""
+    by_face = {resting: [row for row in cube.certificates if row.resting == resting] for resting in FACES}
+    return {resting: row for resting, rows in by_face.items() if (row := in_force(rows)) is not None}
+
+
+def verify_certificates(session: Session, expected_head: str | None = None) -> list[ChainFault]:
     """Return every face certificate that was altered, dropped or reordered since it was stored."""
-    rows = session.scalars(select(FaceCertificateRow).order_by(FaceCertificateRow.id))
-    return faults(Link(f"face certificate {row.id}", _text(row), row.previous, row.sha256) for row in rows)
+    return verify_rows(session, FaceCertificateRow, "face certificate", expected_head)
+
+
+def check_certificate(row: FaceCertificateRow) -> None:
+    """Raise `ValueError` if a row is no certificate of a face."""
+    if row.resting not in FACES:
+        raise ValueError(f"face {row.resting!r} is none of {', '.join(FACES)}")
+    _columns(face_certificate(row))
 
 
 def _columns(face: FaceCertificate) -> dict[str, float]:
@@ -138,20 +142,10 @@ def _columns(face: FaceCertificate) -> dict[str, float]:
     }
 
 
-def _certificate(row: FaceCertificateRow) -> FaceCertificate:
+def face_certificate(row: FaceCertificateRow) -> FaceCertificate:
+    """Return a row as a solve takes it."""
     covariance = [
         [row.covariance_11_rad2, row.covariance_12_rad2],
         [row.covariance_12_rad2, row.covariance_22_rad2],
     ]
     return FaceCertificate(np.array([row.up_tilt_1_rad, row.up_tilt_2_rad]), np.array(covariance))
-
-
-def _text(row: FaceCertificateRow) -> str:
-    hashed = {
-        column.key: getattr(row, column.key)
-        for column in FaceCertificateRow.__table__.columns
-        if column.key not in {"id", "sha256"}
-    }
-    return canonical(
-        {key: value.isoformat() if isinstance(value, date) else value for key, value in hashed.items()}
-    )

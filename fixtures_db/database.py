@@ -1,12 +1,10 @@
 """Open the database, bring its schema up to date, and hand out transactions.
 
-SQLite is used with WAL, synchronous=FULL and a busy time-out, so that an accepted row survives a power cut and
-several processes may write. A writer takes the lock at its beginning (BEGIN IMMEDIATE): two transactions
-that read and then write never fail half-way.
+SQLite, a file, serves the processes of one station; PostgreSQL, by URL, several stations. With both an accepted
+row survives a power cut, and a writer takes the lock at its beginning: two transactions that read and then write
+never fail half-way, and never chain to the same row.
 """
 
-import sqlite3
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,14 +12,15 @@ from pathlib import Path
 from types import TracebackType
 
 import platformdirs
-from sqlalchemy import Connection, Engine, create_engine, event, text
+from sqlalchemy import Connection, Engine, text
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError, OperationalError
 from sqlalchemy.orm import Session
-from sqlalchemy.pool import ConnectionPoolEntry
 
 from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten
 from fixtures_db.migrations import HEAD, KNOWN
+from fixtures_db.postgresql import postgresql_engine
+from fixtures_db.sqlite import sqlite_engine
 
 BUSY_TIMEOUT_S = 10.0
 
@@ -85,7 +84,8 @@ def open_db(where: str | Path | None = None) -> Database:
     Parameters
     ----------
     where : str, Path or None
-        A file's path, or an SQLAlchemy URL such as ``sqlite:////var/lib/station.db``; None is `default_path`.
+        A file's path, or a URL such as ``sqlite:////var/lib/station.db`` or
+        ``postgresql://station@host/fixtures``; None is `default_path`.
 
     Raises
     ------
@@ -123,31 +123,12 @@ def _url(where: str | Path | None) -> URL:
 
 
 def _engine(url: URL) -> Engine:
-    if url.get_backend_name() != "sqlite":
-        return create_engine(url)
-    # isolation_level=None leaves BEGIN to _begin: sqlite3 itself would begin late and never IMMEDIATE
-    engine = create_engine(url, connect_args={"timeout": BUSY_TIMEOUT_S, "isolation_level": None})
-    event.listen(engine, "connect", _configure)
-    event.listen(engine, "begin", _begin)
-    return engine
-
-
-def _configure(connection: sqlite3.Connection, _record: ConnectionPoolEntry) -> None:
-    deadline = time.monotonic() + BUSY_TIMEOUT_S
-    while connection.execute("PRAGMA journal_mode").fetchone()[0] not in {"wal", "memory"}:
-        try:
-            connection.execute("PRAGMA journal_mode = WAL")
-        except sqlite3.OperationalError:  # this one change does not wait for another process by itself
-            if time.monotonic() > deadline:
-                raise
-            time.sleep(0.01)
-    connection.execute("PRAGMA synchronous = FULL")
-    connection.execute("PRAGMA foreign_keys = ON")
-
-
-def _begin(connection: Connection) -> None:
-    reads_only = connection.get_execution_options().get("reads_only", False)
-    connection.exec_driver_sql("BEGIN" if reads_only else "BEGIN IMMEDIATE")
+    match url.get_backend_name():
+        case "sqlite":
+            return sqlite_engine(url, BUSY_TIMEOUT_S)
+        case "postgresql":
+            return postgresql_engine(url, BUSY_TIMEOUT_S)
+    raise ArgumentError(f"found {url.get_backend_name()}, expected sqlite or postgresql")
 
 
 def _revision(connection: Connection) -> str | None:

@@ -3,6 +3,7 @@
 DatabaseError
 ├── NotInDatabase      no row of that name
 ├── AlreadyThere       a row of that name exists
+├── DiffersFromStored  a row to be taken in is there with another value
 ├── CampaignInUse      a campaign cannot be removed: a calibration was stored from it
 ├── AlreadyStored      the same calibration of the same campaign is stored
 ├── NewerDatabase      the schema was made by a newer station
@@ -33,6 +34,17 @@ class AlreadyThere(DatabaseError, ValueError):
     def __init__(self, kind: str, name: str) -> None:
         self.kind, self.name = kind, name
         super().__init__(f"{kind} {name!r} is in the database already; choose another name")
+
+
+class DiffersFromStored(DatabaseError, ValueError):
+    """A row to be taken in is there already, with another value of ``column``; nothing was changed."""
+
+    def __init__(self, kind: str, name: str, column: str, found: object, stored: object) -> None:
+        self.kind, self.name, self.column, self.found, self.stored = kind, name, column, found, stored
+        super().__init__(
+            f"{kind} {name!r}: found {column} {found}, expected {stored} as in the database; "
+            f"correct the file or give it another name"
+        )
 
 
 class CampaignInUse(DatabaseError, ValueError):

@@ -8,7 +8,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from fixtures_db.calibration import CalibrationFacts, calibration_document, utc_text
-from fixtures_db.campaigns import campaign, imu, known_campaign
+from fixtures_db.campaigns import campaign, imu, known_campaign, manifest_heads
 from fixtures_db.chain import GENESIS, ChainFault, Link, canonical, faults
 from fixtures_db.chain import digest as sha256_of
 from fixtures_db.errors import AlreadyStored, NotInDatabase
@@ -36,6 +36,7 @@ def accept_calibration(
     document = calibration_document(solution, facts, previous)
     if campaign_folder is not None:
         _refuse_again(session, campaign_folder, document)
+        document["manifest"] = campaign(session, campaign_folder).manifest_sha256  # ties it to the accepted steps
     text = canonical(document)
     row = CalibrationRow(
         imu=imu(session, facts.model, facts.serial),
@@ -93,6 +94,13 @@ def last_calibration(
     return session.scalars(rows.order_by(CalibrationRow.id.desc()).limit(1)).first()
 
 
+def calibrated_inputs(session: Session, folder: str) -> dict[str, str]:
+    """Return the SHA-256 of each file, by name, that a campaign's newest calibration was made from."""
+    of_campaign = select(CalibrationRow).where(CalibrationRow.campaign_id == campaign(session, folder).id)
+    newest = session.scalars(of_campaign.order_by(CalibrationRow.id.desc()).limit(1)).first()
+    return {} if newest is None else dict(json.loads(newest.document)["inputs"])
+
+
 def calibrated_serials(session: Session) -> Sequence[str]:
     """Return the serial numbers that have a calibration."""
     return session.scalars(select(ImuRow.serial).join(CalibrationRow).distinct().order_by(ImuRow.serial)).all()
@@ -117,9 +125,12 @@ def _column_fault(row: CalibrationRow) -> ChainFault | None:
         document = json.loads(row.document)
     except ValueError:
         return ChainFault(f"calibration {row.id}", "a document that is not JSON", "calibration/1")
+    if (fault := _campaign_fault(row, document)) is not None:
+        return fault
+    unit: ImuRow | None = row.imu  # whoever alters a row is held by no foreign key
     found = {
-        "serial": row.imu.serial,
-        "model": row.imu.model,
+        "serial": unit and unit.serial,
+        "model": unit and unit.model,
         "software": row.code_version,
         "inputs": row.inputs,
         "previous": row.previous,
@@ -130,6 +141,19 @@ def _column_fault(row: CalibrationRow) -> ChainFault | None:
         return None
     key = next(key for key in found if found[key] != expected[key])
     return ChainFault(f"calibration {row.id}", f"{key} column {found[key]!r}", repr(expected[key]))
+
+
+def _campaign_fault(row: CalibrationRow, document: Any) -> ChainFault | None:
+    """Return what is wrong with a calibration's campaign: its steps must be those it was made from."""
+    kept, campaign = _get(document, "manifest"), row.campaign
+    if campaign is None:
+        is_right, said = kept is None and row.campaign_id is None, "no campaign"
+    elif kept is None:  # stored before calibrations named a manifest
+        inputs = (_get(document, "inputs") or {}).values()
+        is_right, said = any(step.sha256 in inputs for step in campaign.steps), f"campaign {campaign.folder}"
+    else:
+        is_right, said = kept in manifest_heads(campaign.steps), f"campaign {campaign.folder} as it is"
+    return None if is_right else ChainFault(f"calibration {row.id}", said, f"that of manifest {kept or 'none'}")
 
 
 def _get(document: Any, key: str) -> Any:

@@ -1,7 +1,7 @@
 """The tables, typed. Migrations create them (``migrations/versions``); a test holds the two equal.
 
-A unit is part of a column's name. Rows of `FaceCertificateRow` and `CalibrationRow` are never changed:
-triggers refuse it.
+A unit is part of a column's name. Rows of `FaceCertificateRow`, `SlabLevelRow` and `CalibrationRow` are never
+changed: triggers refuse it.
 """
 
 from datetime import UTC, date, datetime
@@ -101,10 +101,28 @@ class SlabRow(Base):
     id: Mapped[str] = mapped_column(primary_key=True)
     certificate_date: Mapped[date | None]
     due_date: Mapped[date | None]
+    levels: Mapped[list["SlabLevelRow"]] = relationship(order_by="SlabLevelRow.id")
+
+
+class SlabLevelRow(Base):
+    """A slab's tilt as measured: the up normal's east and north components, each with 1 sigma; append-only."""
+
+    __tablename__ = "slab_levels"
+    id: Mapped[int] = mapped_column(primary_key=True)
+    slab_id: Mapped[str] = mapped_column(ForeignKey("slabs.id"), index=True)
+    tilt_east_rad: Mapped[float]
+    tilt_north_rad: Mapped[float]
+    std_east_rad: Mapped[float]
+    std_north_rad: Mapped[float]
+    source: Mapped[str]
+    measured_utc: Mapped[datetime]
+    due_date: Mapped[date | None]
+    previous: Mapped[str] = mapped_column(SHA256, unique=True)
+    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
 
 
 class SiteRow(Base):
-    """Where a slab stands: geodetic position, surveyed gravity and its 1 sigma."""
+    """Where a slab stands: geodetic position, surveyed gravity and its 1 sigma, by whom and until when."""
 
     __tablename__ = "sites"
     id: Mapped[str] = mapped_column(primary_key=True)
@@ -113,6 +131,9 @@ class SiteRow(Base):
     height_m: Mapped[float | None]
     gravity_m_s2: Mapped[float | None]
     gravity_std_m_s2: Mapped[float | None]
+    gravity_source: Mapped[str | None]
+    gravity_date: Mapped[date | None]
+    due_date: Mapped[date | None]
 
 
 class ImuRow(Base):
@@ -183,3 +204,4 @@ class CalibrationRow(Base):
     previous: Mapped[str] = mapped_column(SHA256, unique=True)
     sha256: Mapped[str] = mapped_column(SHA256, unique=True)
     imu: Mapped[ImuRow] = relationship()
+    campaign: Mapped[CampaignRow | None] = relationship()

@@ -7,12 +7,13 @@ Exit codes (DESIGN 6): 0 done, 1 FAIL or altered, 2 wrong usage, 3 data refused,
 import importlib
 import os
 import sys
+from types import ModuleType
 from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
-from station.commands import COMMANDS
+from station.commands import COMMANDS, Command
 
 CANCELLED = 130
 BUG = 70
@@ -35,24 +36,39 @@ EXIT_CODES = {  # by full name, so that no command's imports are paid for by ano
 class LazyGroup(TyperGroup):
     """A group whose commands are imported when they are asked for, so that ``--help`` stays quick."""
 
+    table = COMMANDS
+
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names in the order of the table."""
-        return [command.name for command in COMMANDS]
+        return [command.name for command in self.table]
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Import a command by its name."""
-        for command in COMMANDS:
+        """Import a command by its name; a module with a table of its own is a group of commands."""
+        for command in self.table:
             if command.name == cmd_name:
-                function = getattr(importlib.import_module(command.module), cmd_name.replace("-", "_"))
-                single = typer.Typer(add_completion=False, rich_markup_mode=None)
-                single.command(cmd_name)(function)
-                return typer.main.get_command(single)
+                module = importlib.import_module(command.module)
+                return (
+                    _group(command, module.COMMANDS) if hasattr(module, "COMMANDS") else _single(command, module)
+                )
         return None
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """List the commands by the table, importing none."""
         with formatter.section("Commands"):
-            formatter.write_dl([(command.name, command.help) for command in COMMANDS])
+            formatter.write_dl([(command.name, command.help) for command in self.table])
+
+
+def _group(command: Command, table: tuple[Command, ...]) -> Any:
+    kind = type("Group", (LazyGroup,), {"table": table})
+    made = typer.Typer(cls=kind, add_completion=False, rich_markup_mode=None, no_args_is_help=False)
+    made.callback(help=command.help)(lambda: None)
+    return typer.main.get_command(made)
+
+
+def _single(command: Command, module: ModuleType) -> Any:
+    single = typer.Typer(add_completion=False, rich_markup_mode=None)
+    single.command(command.name)(getattr(module, command.function))
+    return typer.main.get_command(single)
 
 
 app = typer.Typer(cls=LazyGroup, add_completion=False, rich_markup_mode=None, no_args_is_help=False)

@@ -50,6 +50,15 @@ def read_hashes(folder: Path) -> dict[str, tuple[str, int]]:
     return hashes
 
 
+def sha256_of(path: Path) -> str:
+    """Return the hash of a file's bytes; raise `DataRefused` if it cannot be read."""
+    try:
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError as error:
+        raise DataRefused(path, None, f"no readable file ({error.strerror})", "the file to verify") from error
+
+
 def verify_folder(folder: Path) -> list[str]:
     """Hash every recorded file of a folder again and return their names.
 

@@ -1,10 +1,13 @@
 """The commands of `station`, one file each; a line here puts a command on the list.
 
 A command's file defines a function of the command's name (``-`` written ``_``) with typer annotations and a
-`Database` option. It imports what is heavy inside that function, not at its top.
+`Database` option. It imports what is heavy inside that function, not at its top. A folder with a table
+``COMMANDS`` of its own is a group of commands.
 """
 
+import builtins
 from dataclasses import dataclass
+from keyword import iskeyword
 from typing import Annotated
 
 import typer
@@ -18,6 +21,12 @@ class Command:
     help: str
     module: str
 
+    @property
+    def function(self) -> str:
+        """The name of its function; one that Python has taken ends in ``_``."""
+        name = self.name.replace("-", "_")
+        return f"{name}_" if iskeyword(name) or hasattr(builtins, name) else name
+
 
 COMMANDS = (
     Command("demo", "Run the main job on simulated devices, to a report at the end.", "station.commands.demo"),
@@ -30,11 +39,13 @@ COMMANDS = (
     Command("report", "Write the calibration report of recorded campaigns.", "station.commands.report"),
     Command("history", "List the stored calibrations of a unit and its drift.", "station.commands.history"),
     Command("export", "Write a calibration for a flight stack or Kalibr.", "station.commands.export"),
-    Command("fixtures", "Cube fixtures, and the limits of IMU models.", "station.commands.fixtures"),
+    Command("fixtures", "Cubes, slabs, sites, IMUs and their limits.", "station.commands.fixtures"),
     Command("verify", "Find what was altered since it was accepted.", "station.commands.verify"),
 )
 
 Database = Annotated[
     str | None,  # not a Path, which would make one slash of the four in sqlite:////var/lib/station.db
-    typer.Option("--db", envvar="STATION_DB", metavar="FILE", help="SQLite file of fixtures and calibrations."),
+    typer.Option(
+        "--db", envvar="STATION_DB", metavar="FILE", help="SQLite file, or URL, of fixtures and calibrations."
+    ),
 ]

@@ -14,30 +14,72 @@ if TYPE_CHECKING:
 
 
 def verify(
-    folder: Annotated[
-        Path | None, typer.Argument(metavar="[FOLDER]", help="A recorded campaign's folder; else the database.")
+    what: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[WHAT]", help="A campaign's folder, a calibration.json or an export; else the database."
+        ),
+    ] = None,
+    anchor: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Compare with the heads that an anchor file kept.")
+    ] = None,
+    head: Annotated[
+        str | None, typer.Option(metavar="SHA256", help="Expect the calibration of this hash, from a report.")
+    ] = None,
+    to: Annotated[
+        Path | None, typer.Option("--write-anchor", metavar="FILE", help="Keep the heads in an anchor file.")
     ] = None,
     db: Database = None,
 ) -> None:
     """Look for anything that was altered since it was accepted.
 
     With a folder: hash every recorded file again and compare with SHA256SUMS, written when it was accepted, and
-    with the database's rows if it knows the campaign. Without: check the database's chains of calibrations and of
-    face certificates, and the accepted steps of every campaign.
+    with the database's rows if it knows the campaign. With an export of `station fixtures`: compare with the
+    hash in it; with a calibration.json: find it in the database. Without: check the database's chains of
+    calibrations, face certificates and slab levels, the dates that follow from them, and the accepted steps of
+    every campaign.
 
-    Exit code 1 names the first that differs or is missing; 3 if a folder has no hashes to compare with.
+    Rows dropped from the newest end leave whole chains: they show only against an anchor or a hash kept elsewhere.
+
+    Exit code 1 names the first that differs or is missing; 3 if there are no hashes to compare with.
 
     Example: station verify campaigns/2026-05-11
     """
+    if what is None:
+        typer.echo(_database(db, anchor, head, to))
+    elif anchor or head or to:
+        raise typer.BadParameter("--anchor, --head and --write-anchor are of the database; expected no folder")
+    elif what.is_file():
+        typer.echo(_file(what, db))
+    else:
+        _folder(what, db)
+
+
+def _file(file: Path, db: str | None) -> str:
+    from station.fixture_files.toml_file import seal_of
+
+    if file.suffix != ".json":
+        return f"{file}: as written, sha256 {seal_of(file)[1]}"
+    from fixtures_db.database import open_db
+    from fixtures_db.errors import NotInDatabase
+    from fixtures_db.history import calibration
+    from station.campaign_folder.manifest import sha256_of
+    from station.errors import Altered
+
+    found = sha256_of(file)
+    with open_db(db) as database, database.read() as session:
+        try:
+            row = calibration(session, found)
+        except NotInDatabase as error:
+            raise Altered(file, f"sha256 {found}", f"that of a calibration in {database.url}") from error
+        return f"{file}: as stored in {database.url}, calibration {row.id}"
+
+
+def _folder(folder: Path, db: str | None) -> None:
     from fixtures_db.database import default_path, open_db
+    from station.fixture_files.csv_folder import verify_csv
 
-    if folder is None:
-        with open_db(db) as database:
-            typer.echo(_database(database))
-        return
-    from station.campaign_folder.manifest import verify_folder
-
-    names = verify_folder(folder)
+    names = verify_csv(folder)
     typer.echo(f"{folder}: {len(names)} files are as recorded")
     where = str(default_path()) if db is None else db
     if "://" in where or Path(where).exists():  # a check makes no database
@@ -45,19 +87,35 @@ def verify(
             typer.echo(_rows(database, folder))
 
 
-def _database(database: "OpenDatabase") -> str:
-    from fixtures_db.history import head
+def _database(db: str | None, anchor: Path | None, head: str | None, to: Path | None) -> str:
+    from fixtures_db.anchor import Anchor, take_anchor
+    from fixtures_db.database import open_db
+    from fixtures_db.history import verify_chain
     from fixtures_db.verification import alterations
+    from station.anchor_file import read_anchor, write_anchor
 
-    with database.read() as session:
-        _refuse(alterations(session))
-        return f"{database.url}: as stored; newest calibration {head(session)}"
+    files = [anchor] if anchor is not None else []
+    if to is not None and to.exists():  # a new anchor is never put over one that shows a loss
+        files.append(to)
+    with open_db(db) as database, database.read() as session:
+        for kept in [read_anchor(file) for file in files] or [Anchor()]:
+            _refuse(alterations(session, kept))
+        if head is not None:
+            _refuse(verify_chain(session, head))
+        now = take_anchor(session)
+        if to is not None:
+            write_anchor(to, now)
+        against = f" and as in {anchor}" if anchor is not None else ""
+        return f"{database.url}: as stored{against}; newest calibration {now.calibration}"
 
 
 def _rows(database: "OpenDatabase", folder: Path) -> str:
     """Compare the hashes of a folder, whose files agree with them, with the rows of its accepted steps."""
     from fixtures_db.campaigns import known_campaign, verify_steps
+    from fixtures_db.history import calibrated_inputs
     from station.campaign_folder import read_hashes
+    from station.campaign_folder.manifest import sha256_of
+    from station.campaign_folder.toml_text import NAME as TOML
     from station.errors import Altered
 
     key, hashes = str(folder.resolve()), read_hashes(folder)
@@ -69,6 +127,9 @@ def _rows(database: "OpenDatabase", folder: Path) -> str:
             if found != step.sha256:
                 raise Altered(folder / step.file, f"sha256 {found}", f"{step.sha256} in the database")
         _refuse(verify_steps(session, key))
+        inputs = calibrated_inputs(session, key)
+        if (kept := inputs.get(TOML)) is not None and (now := sha256_of(folder / TOML)) != kept:
+            raise Altered(folder / TOML, f"sha256 {now}", f"{kept} in the calibration")
         return f"{database.url}: {len(row.steps)} accepted steps are as stored"
 
 

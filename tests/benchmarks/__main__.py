@@ -15,6 +15,8 @@ RUNS = (
     ("hostile_frames", "--frames", "100000"),
     ("replug", "--times", "20"),
     ("frozen_screen",),
+    ("two_writers",),
+    ("mutations", "--times", "300"),
     ("screen_cpu",),
     ("kills", "--kills", "12"),
     ("false_accept", "--trials", "140"),

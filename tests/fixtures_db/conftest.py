@@ -1,12 +1,42 @@
+import os
+import uuid
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from sqlalchemy import create_engine, make_url, text
 
 from fixtures_db.database import Database, open_db
+from tests.with_postgres import URL
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def db_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
+    """Where an empty database can be made: a file, or a schema of its own on the server."""
+    if request.param == "sqlite":
+        yield f"sqlite:///{tmp_path / 'station.db'}"
+        return
+    if not (server := os.environ.get(URL)):
+        pytest.skip(f"no PostgreSQL: {URL} is not set; `make test-postgres` starts a server")
+    name = f"test_{uuid.uuid4().hex}"
+    engine = create_engine(make_url(server).set(drivername="postgresql+psycopg"))
+    with engine.begin() as connection:
+        connection.execute(text(f"CREATE SCHEMA {name}"))
+    try:
+        yield make_url(server).update_query_dict({"options": f"-csearch_path={name}"}).render_as_string(False)
+    finally:
+        with engine.begin() as connection:
+            connection.execute(text(f"DROP SCHEMA {name} CASCADE"))
+        engine.dispose()
 
 
 @pytest.fixture
-def db(tmp_path: Path) -> Iterator[Database]:
+def db(db_url: str) -> Iterator[Database]:
+    with open_db(db_url) as opened:
+        yield opened
+
+
+@pytest.fixture
+def sqlite_db(tmp_path: Path) -> Iterator[Database]:
     with open_db(tmp_path / "station.db") as opened:
         yield opened

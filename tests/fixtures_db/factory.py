@@ -1,13 +1,22 @@
 """A small solution with round numbers, and what a calibration says beside it."""
 
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime, time
 
 import numpy as np
+from sqlalchemy import text
+from sqlalchemy.orm import Session
 
 from fixtures_db.calibration import CalibrationFacts
+from fixtures_db.campaigns import imu
+from fixtures_db.cubes import add_cube, certify_faces
+from fixtures_db.drawing import drawing
+from fixtures_db.sites import Survey, add_site
+from fixtures_db.slabs import add_level, add_slab
+from procedures.campaign import FaceCertificate
 from procedures.solution import Estimate, FitQuality, Solution, TriadCalibration
 
 NOON = datetime(2026, 3, 4, 12, 0, tzinfo=UTC)
+LATER = datetime(2026, 6, 4, 12, 0, tzinfo=UTC)
 
 
 def solution(bias: float = 1e-3) -> Solution:
@@ -19,7 +28,43 @@ def solution(bias: float = 1e-3) -> Solution:
     return Solution(accelerometer, None, None, None, FitQuality(3.0, 3, 0.4), (), np.zeros((0, 0)), 23.0)
 
 
-def facts(serial: str = "S1") -> CalibrationFacts:
+def facts(serial: str = "S1", until: date | None = None) -> CalibrationFacts:
     return CalibrationFacts(
-        "FOG-3", serial, "fog-station 0.1.0", {"dwell_01.csv": "ab" * 32}, accepted_utc=NOON, valid_from=NOON
+        "FOG-3",
+        serial,
+        "fog-station 0.1.0",
+        {"dwell_01.csv": "ab" * 32},
+        accepted_utc=NOON,
+        valid_from=NOON,
+        valid_until=None if until is None else datetime.combine(until, time(), UTC),
     )
+
+
+def fill_fixtures(session: Session) -> None:
+    """Add a cube with drawing and certificates, a slab with levels, a site, and two IMUs."""
+    face = FaceCertificate(np.array([1e-5, -2e-5]), np.array([[25e-12, 1e-12], [1e-12, 16e-12]]))
+    add_cube(session, "CUBE-7", side_mm=400.0, tolerances=drawing({"t1": 0.02, "t8": 0.01}))
+    certify_faces(session, "CUBE-7", {"x_up": face, "z_down": face}, source="CMM", measured_utc=NOON)
+    due = date(2027, 3, 4)
+    certify_faces(
+        session, "CUBE-7", {"x_up": face}, source='CMM "2",\r\n \u00e9 # sha256 ', measured_utc=LATER, due_date=due
+    )
+    add_slab(session, "SLAB-1")
+    for at, east in ((NOON, 1e-5), (LATER, 3e-5)):
+        due = at.date().replace(year=2027)
+        tilt, std = (east, -1e-5), (5e-6, 5e-6)
+        add_level(session, "SLAB-1", tilt_rad=tilt, std_rad=std, source="level 17", measured_utc=at, due_date=due)
+    survey = Survey(9.80665, 2e-6, "survey 12", date(2021, 5, 1), date(2026, 5, 1))
+    add_site(session, "SITE-1", latitude_deg=48.1, longitude_deg=11.5, height_m=520.0, survey=survey)
+    imu(session, "FOG-3", "S1")
+    imu(session, "FOG-3", "S2")
+
+
+def unprotect(session: Session, table: str) -> None:
+    """Drop a table's triggers, as whoever owns the database can."""
+    if session.get_bind().dialect.name == "sqlite":
+        named = text("SELECT name FROM sqlite_master WHERE type = 'trigger' AND tbl_name = :table")
+        for trigger in session.scalars(named, {"table": table}).all():
+            session.execute(text(f"DROP TRIGGER {trigger}"))
+    else:
+        session.execute(text(f"ALTER TABLE {table} DISABLE TRIGGER USER"))

@@ -9,27 +9,13 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import text
 
 from fixtures_db import database
-from fixtures_db.cubes import cube_row, cubes
+from fixtures_db.cubes import cube_row
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten
-from fixtures_db.history import history, verify_chain
 from fixtures_db.migrations import HEAD, KNOWN
 from fixtures_db.migrations.upgrade import config
 from fixtures_db.schema import Base
-
-WRITER = """
-import sys
-from fixtures_db import database
-from fixtures_db.cubes import add_cube
-from fixtures_db.database import open_db
-from fixtures_db.history import accept_calibration
-from tests.fixtures_db.factory import facts, solution
-with open_db(sys.argv[1]) as db:
-    for i in range(100):
-        with db.write() as session:
-            accept_calibration(session, solution(i * 1e-6), facts(sys.argv[2]))
-            add_cube(session, f"{sys.argv[2]}-{i}", side_mm=400.0)
-"""
+from tests.benchmarks.two_writers import both
 
 
 def test_migrations_make_exactly_the_declared_tables(db: Database) -> None:
@@ -63,8 +49,8 @@ def test_opening_again_changes_nothing_and_needs_no_alembic(tmp_path: Path) -> N
     assert path.read_bytes() == before
 
 
-def test_the_connection_is_as_durable_as_promised(db: Database) -> None:
-    with db.engine.connect() as connection:
+def test_the_connection_is_as_durable_as_promised(sqlite_db: Database) -> None:
+    with sqlite_db.engine.connect() as connection:
         found = {
             name: connection.execute(text(f"PRAGMA {name}")).scalar()
             for name in ("journal_mode", "synchronous", "foreign_keys", "busy_timeout")
@@ -80,27 +66,27 @@ def test_a_transaction_that_fails_leaves_nothing(db: Database) -> None:
         assert session.execute(text("SELECT count(*) FROM slabs")).scalar() == 0
 
 
-def test_a_lock_that_is_kept_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_lock_that_is_kept_is_reported(db_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(database, "BUSY_TIMEOUT_S", 0.05)
-    with open_db(tmp_path / "s.db") as one, open_db(tmp_path / "s.db") as other, one.write():
+    with open_db(db_url) as one, open_db(db_url) as other, one.write():
         with pytest.raises(DatabaseBusy, match=r"still locked after 0\.05 s"), other.write():
             pass
         with other.read() as session:
             assert cube_row(session, "P1").side_mm == 400.0
 
 
-def test_a_full_disk_is_reported_and_changes_nothing(db: Database) -> None:
-    with pytest.raises(NotWritten, match=r"full.*make room"), db.write() as session:  # noqa: PT012
+def test_a_full_disk_is_reported_and_changes_nothing(sqlite_db: Database) -> None:
+    with pytest.raises(NotWritten, match=r"full.*make room"), sqlite_db.write() as session:  # noqa: PT012
         pages = session.execute(text("PRAGMA page_count")).scalar()
         session.execute(text(f"PRAGMA max_page_count = {pages}"))
         for number in range(1000):
             session.execute(text(f"INSERT INTO slabs (id) VALUES ('{number}{'x' * 1000}')"))
-    with db.read() as session:
+    with sqlite_db.read() as session:
         assert session.execute(text("SELECT count(*) FROM slabs")).scalar() == 0
 
 
-def test_a_newer_schema_is_refused_and_left_alone(db: Database, tmp_path: Path) -> None:
-    with db.write() as session:
+def test_a_newer_schema_is_refused_and_left_alone(sqlite_db: Database, tmp_path: Path) -> None:
+    with sqlite_db.write() as session:
         session.execute(text("UPDATE alembic_version SET version_num = '9999'"))
     with pytest.raises(NewerDatabase, match=f"schema 9999, this station knows up to {HEAD}"):
         open_db(tmp_path / "station.db")
@@ -115,12 +101,5 @@ def test_a_file_that_is_no_database_is_refused(tmp_path: Path) -> None:
             open_db(url)
 
 
-def test_two_processes_that_write_at_once_lose_nothing(tmp_path: Path) -> None:
-    path = tmp_path / "station.db"
-    root = Path(__file__).parents[2]
-    writers = [subprocess.Popen([sys.executable, "-c", WRITER, path, name], cwd=root) for name in ("A", "B")]
-    assert [writer.wait(timeout=100) for writer in writers] == [0, 0]
-    with open_db(path) as db, db.read() as session:
-        assert len(cubes(session)) == 1 + 200
-        assert [len(history(session, name)) for name in ("A", "B")] == [100, 100]
-        assert verify_chain(session) == []
+def test_two_processes_that_write_at_once_lose_nothing(db_url: str) -> None:
+    assert both(db_url, 100) == (0, [])

@@ -8,7 +8,7 @@ from sqlalchemy.exc import DBAPIError
 from fixtures_db.chain import GENESIS, digest
 from fixtures_db.database import Database
 from fixtures_db.history import accept_calibration, head, history, verify_chain
-from tests.fixtures_db.factory import facts, solution
+from tests.fixtures_db.factory import facts, solution, unprotect
 
 
 @pytest.fixture
@@ -21,8 +21,7 @@ def filled(db: Database) -> Database:
 
 def _tamper(db: Database, statement: str) -> None:
     with db.write() as session:
-        for action in ("update", "delete"):
-            session.execute(text(f"DROP TRIGGER calibrations_no_{action}"))
+        unprotect(session, "calibrations")
         session.execute(text(statement))
 
 
@@ -55,9 +54,15 @@ def test_the_stored_text_is_calibration_1_and_its_hash(filled: Database) -> None
         "UPDATE calibrations SET document = 'x'",
         "DELETE FROM calibrations",
         "INSERT OR REPLACE INTO calibrations SELECT * FROM calibrations WHERE id = 2",
+        "INSERT INTO calibrations SELECT * FROM calibrations WHERE id = 2 "
+        "ON CONFLICT (id) DO UPDATE SET document = 'x'",
+        "TRUNCATE calibrations",
     ],
 )
 def test_the_database_refuses_to_change_a_calibration(filled: Database, statement: str) -> None:
+    is_sqlite = filled.engine.dialect.name == "sqlite"
+    if ("REPLACE" in statement and not is_sqlite) or ("TRUNCATE" in statement and is_sqlite):
+        pytest.skip("the other one's words")
     with pytest.raises(DBAPIError, match="append-only"), filled.write() as session:
         session.execute(text(statement))
     with filled.read() as session:

@@ -5,6 +5,8 @@ import inspect
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 
@@ -14,13 +16,24 @@ from station.commands import COMMANDS, Command, Database
 from station.errors import Altered, CannotWrite, DataRefused
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
-def test_each_command_takes_db_and_shows_an_example(command: Command, capsys: pytest.CaptureFixture[str]) -> None:
-    function = getattr(importlib.import_module(command.module), command.name.replace("-", "_"))
+def leaves(table: tuple[Command, ...], path: tuple[str, ...] = ()) -> Iterator[Any]:
+    """Yield every command that does something: the words that name it, and its function."""
+    for command in table:
+        module, words = importlib.import_module(command.module), (*path, command.name)
+        if hasattr(module, "COMMANDS"):
+            yield from leaves(module.COMMANDS, words)
+        else:
+            yield pytest.param(words, getattr(module, command.function), id="-".join(words))
+
+
+@pytest.mark.parametrize(("words", "function"), leaves(COMMANDS))
+def test_each_command_takes_db_and_shows_an_example(
+    words: tuple[str, ...], function: Callable[..., None], capsys: pytest.CaptureFixture[str]
+) -> None:
     assert inspect.signature(function).parameters["db"].annotation == Database
-    assert cli.run([command.name, "--help"]) == 0
+    assert cli.run([*words, "--help"]) == 0
     said = capsys.readouterr().out
-    assert f"station {command.name}" in said.split("Example", 1)[1]
+    assert f"station {' '.join(words)}" in said.split("Example", 1)[1]
     assert "STATION_DB" in said
 
 

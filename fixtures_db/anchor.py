@@ -1,0 +1,47 @@
+"""The heads of a database's hash chains: kept elsewhere, they show rows dropped from its newest end."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from fixtures_db.campaigns import manifest_head
+from fixtures_db.chain import GENESIS, ChainFault
+from fixtures_db.chained import newest_hash
+from fixtures_db.schema import CalibrationRow, CampaignRow, FaceCertificateRow, SlabLevelRow
+
+
+@dataclass(frozen=True, slots=True)
+class Anchor:
+    """The hash of the newest calibration, face certificate and slab level, 64 zeros where there was none.
+
+    ``manifests`` holds, by campaign folder, how many steps were accepted and the head of their chain.
+    """
+
+    calibration: str = GENESIS
+    certificate: str = GENESIS
+    level: str = GENESIS
+    manifests: Mapping[str, tuple[int, str]] = field(default_factory=dict)
+
+
+def take_anchor(session: Session) -> Anchor:
+    """Return the heads as they are; a campaign being recorded, which may still be cancelled, is left out."""
+    ended = select(CampaignRow).where(CampaignRow.state != "recording").order_by(CampaignRow.id)
+    return Anchor(
+        newest_hash(session, CalibrationRow),
+        newest_hash(session, FaceCertificateRow),
+        newest_hash(session, SlabLevelRow),
+        {row.folder: (len(row.steps), row.manifest_sha256) for row in session.scalars(ended)},
+    )
+
+
+def missing_manifests(session: Session, manifests: Mapping[str, tuple[int, str]]) -> list[ChainFault]:
+    """Return every campaign of an anchor that is gone, or whose steps do not begin with those of then."""
+    rows, found = {row.folder: row for row in session.scalars(select(CampaignRow))}, list[ChainFault]()
+    for folder, (steps, sha256) in manifests.items():
+        if (row := rows.get(folder)) is None:
+            found.append(ChainFault(f"campaign {folder}", "none", f"one of {steps} steps as in the anchor"))
+        elif (head := manifest_head(row.steps[:steps])) != sha256:
+            found.append(ChainFault(f"steps of campaign {folder}", f"head {head}", f"{sha256} as in the anchor"))
+    return found

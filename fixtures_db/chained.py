@@ -1,0 +1,97 @@
+"""Measured rows that are only ever added: face certificates and slab levels, each table a hash chain."""
+
+from collections.abc import Sequence
+from datetime import UTC, date
+from typing import Any, TypeVar
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from fixtures_db.chain import GENESIS, ChainFault, Link, canonical, digest, faults
+from fixtures_db.schema import CubeRow, FaceCertificateRow, SlabLevelRow, SlabRow
+
+Measured = TypeVar("Measured", FaceCertificateRow, SlabLevelRow)
+NOT_HASHED = frozenset({"id", "sha256"})
+
+
+def append(session: Session, row: Measured) -> Measured:
+    """Chain a row to the newest of its table and add it; call it in `fixtures_db.database.Database.write`."""
+    row.measured_utc = row.measured_utc.astimezone(UTC)
+    row.previous = newest_hash(session, type(row))
+    row.sha256 = digest(row_text(row))
+    session.add(row)
+    session.flush()
+    return row
+
+
+def newest_hash(session: Session, table: type[Any]) -> str:
+    """Return the hash of a chained table's newest row, 64 zeros where there is none."""
+    found: str | None = session.scalars(select(table.sha256).order_by(table.id.desc()).limit(1)).first()
+    return found or GENESIS
+
+
+def in_force(rows: Sequence[Measured]) -> Measured | None:
+    """Return the row measured last, of two at one moment the one added last; None of none."""
+    return max(rows, key=lambda row: (row.measured_utc, row.id), default=None)
+
+
+def date_owner(session: Session, owner: CubeRow | SlabRow) -> None:
+    """Give a cube or a slab the dates of what was measured of it last."""
+    session.flush()
+    if (last := last_of(session, owner)) is not None:
+        owner.certificate_date, owner.due_date = last.measured_utc.date(), last.due_date
+    session.flush()
+    session.expire(owner)
+
+
+def last_of(session: Session, owner: CubeRow | SlabRow) -> FaceCertificateRow | SlabLevelRow | None:
+    """Return what was measured of a cube or a slab last; None if nothing was."""
+    table: type[Any] = FaceCertificateRow if isinstance(owner, CubeRow) else SlabLevelRow
+    name = table.cube_id if isinstance(owner, CubeRow) else table.slab_id
+    newest = select(table).where(name == owner.id).order_by(table.measured_utc.desc(), table.id.desc()).limit(1)
+    found: FaceCertificateRow | SlabLevelRow | None = session.scalars(newest).first()
+    return found
+
+
+def verify_rows(
+    session: Session, table: type[Measured], word: str, expected_head: str | None = None
+) -> list[ChainFault]:
+    """Return every row that was altered, dropped or reordered since it was added; ``word`` names it.
+
+    Rows dropped at the newest end show only against ``expected_head``, a hash that was kept elsewhere.
+    """
+    rows: Sequence[Measured] = session.scalars(select(table).order_by(table.id)).all()
+    found = faults(Link(f"{word} {row.id}", row_text(row), row.previous, row.sha256) for row in rows)
+    if expected_head not in {None, GENESIS, *(row.sha256 for row in rows)}:
+        found.append(ChainFault(f"newest {word}", newest_hash(session, table), str(expected_head)))
+    return found
+
+
+def verify_dates(session: Session) -> list[ChainFault]:
+    """Return every cube and slab whose dates are not those of what was measured of it last."""
+    found = list[ChainFault]()
+    owners: dict[str, Sequence[CubeRow | SlabRow]] = {
+        "cube": session.scalars(select(CubeRow).order_by(CubeRow.id)).all(),
+        "slab": session.scalars(select(SlabRow).order_by(SlabRow.id)).all(),
+    }
+    for word, each in owners.items():
+        for owner in each:
+            if (last := last_of(session, owner)) is None:
+                continue
+            stands, is_due = (owner.certificate_date, owner.due_date), (last.measured_utc.date(), last.due_date)
+            if stands != is_due:
+                text = [f"certified {of}, due {due}" for of, due in (stands, is_due)]
+                found.append(ChainFault(f"{word} {owner.id}", *text))
+    return found
+
+
+def row_text(row: FaceCertificateRow | SlabLevelRow) -> str:
+    """Return the text that is hashed: every column but the number and the hash itself."""
+    hashed = {
+        column.key: getattr(row, column.key)
+        for column in type(row).__table__.columns
+        if column.key not in NOT_HASHED
+    }
+    return canonical(
+        {key: value.isoformat() if isinstance(value, date) else value for key, value in hashed.items()}
+    )

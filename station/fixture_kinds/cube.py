@@ -1,0 +1,41 @@
+"""A cube as it is shown: side and drawing in mm, certified tilts in arcsec."""
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from fixtures_db.cubes import cube_row, cubes, faces_in_force
+from fixtures_db.schema import CubeRow, FaceCertificateRow
+from station.fixture_kinds.dates import due_text
+from station.solution_text import ARCSEC
+
+
+def lines(session: Session) -> list[str]:
+    """Return a line for each cube."""
+    return [
+        f"{row.id}: {row.side_mm:g} mm, {len(faces_in_force(row))} of 6 faces certified, {due_text(row)}"
+        for row in cubes(session)
+    ]
+
+
+def description(session: Session, name: str) -> str:
+    """Return the drawing and, of each face, the certificate in force; raise `NotInDatabase` without one."""
+    row = cube_row(session, name)
+    said = [f"{row.id}: side {row.side_mm:g} mm, certificate {row.certificate_date or 'none'}, {due_text(row)}"]
+    said += _drawing(row)
+    said += [f"  {resting}: {_face(face)}" for resting, face in faces_in_force(row).items()]
+    earlier = len(row.certificates) - len(faces_in_force(row))
+    return "\n".join([*said, *([f"  and {earlier} earlier certificates of a face"] if earlier else [])])
+
+
+def _drawing(row: CubeRow) -> list[str]:
+    lines = list[str]()
+    for t in row.tolerances:
+        against = f" to {t.reference_face}" if t.reference_face else ""
+        lines.append(f"  {t.item}: {t.kind} of {t.face}{against} {t.tolerance_mm:g} mm")
+    return lines
+
+
+def _face(row: FaceCertificateRow) -> str:
+    tilts = (row.up_tilt_1_rad, row.covariance_11_rad2), (row.up_tilt_2_rad, row.covariance_22_rad2)
+    said = ", ".join(f"{tilt / ARCSEC:+.2f} +- {np.sqrt(variance) / ARCSEC:.2f}" for tilt, variance in tilts)
+    return f"up tilt {said} arcsec ({row.source}, {row.measured_utc:%Y-%m-%d})"

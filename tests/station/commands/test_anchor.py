@@ -1,0 +1,122 @@
+"""Rows dropped from the newest end leave whole chains: they show against an anchor, or a hash from a report."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from sqlalchemy import text
+
+from fixtures_db.campaigns import set_state
+from fixtures_db.database import Database, open_db
+from fixtures_db.history import accept_calibration, head
+from station import cli
+from tests.benchmarks.mutations import mutate
+from tests.fixtures_db.factory import facts, fill_fixtures, solution, unprotect
+from tests.station.guide.recorded import accept, begin
+
+
+@pytest.fixture
+def db(tmp_path: Path) -> Iterator[Database]:
+    with open_db(tmp_path / "station.db") as database:
+        with database.write() as session:
+            fill_fixtures(session)
+            for bias in (1e-3, 2e-3):
+                accept_calibration(session, solution(bias), facts("SIM-7"))
+        recorder = begin(tmp_path / "c", database)
+        accept(recorder, 1, 2)
+        with database.write() as session:
+            set_state(session, str(tmp_path / "c"), "recorded")
+        yield database
+
+
+@pytest.fixture
+def verify(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> object:
+    def run(*options: str) -> tuple[int, str]:
+        code = cli.run(["verify", *options, "--db", str(tmp_path / "station.db")])
+        captured = capsys.readouterr()
+        return code, captured.out + captured.err
+
+    return run
+
+
+def drop(db: Database, table: str, which: str = "id = (SELECT max(id) FROM {})") -> None:
+    with db.write() as session:
+        unprotect(session, table)
+        session.execute(text(f"DELETE FROM {table} WHERE {which.format(table)}"))
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ("calibrations", "newest calibration"),
+        ("face_certificates", "newest face certificate"),
+        ("slab_levels", "newest slab level"),
+        ("steps", "steps of campaign"),
+    ],
+)
+def test_a_dropped_newest_row_shows_against_an_anchor(db, verify, tmp_path, table: str, said: str) -> None:
+    anchor = str(tmp_path / "anchor.toml")
+    assert verify("--write-anchor", anchor)[0] == 0
+    code, found = verify("--anchor", anchor)
+    assert (code, "as in" in found) == (0, True)
+    drop(db, table)
+    with db.write() as session:  # and what hangs on it made to fit
+        session.execute(text("UPDATE cubes SET certificate_date = NULL, due_date = NULL WHERE id = 'CUBE-7'"))
+        if table == "face_certificates":
+            session.execute(text("UPDATE cubes SET certificate_date = '2026-03-04' WHERE id = 'CUBE-7'"))
+        else:
+            due = "certificate_date = '2026-06-04', due_date = '2027-03-04'"
+            session.execute(text(f"UPDATE cubes SET {due} WHERE id = 'CUBE-7'"))
+        if table == "slab_levels":
+            session.execute(text("UPDATE slabs SET certificate_date = '2026-03-04', due_date = '2027-03-04'"))
+        if table == "steps":
+            first = session.execute(text("SELECT name, file, sha256 FROM steps")).one()
+            from fixtures_db.chain import GENESIS, canonical, digest
+
+            made = digest(canonical({"previous": GENESIS, **first._asdict()}))
+            session.execute(text("UPDATE campaigns SET manifest_sha256 = :made"), {"made": made})
+    assert verify()[0] == 0
+    code, found = verify("--anchor", anchor)
+    assert (code, said in found) == (1, True), found
+    assert verify("--write-anchor", anchor)[0] == 1  # an anchor never hides a loss
+
+
+def test_a_campaign_that_is_gone_shows_against_an_anchor(db, verify, tmp_path) -> None:
+    verify("--write-anchor", str(tmp_path / "a"))
+    drop(db, "steps", "true")
+    drop(db, "campaigns", "true")
+    assert verify()[0] == 0
+    assert verify("--anchor", str(tmp_path / "a"))[0] == 1
+
+
+def test_what_was_added_since_agrees_with_an_anchor(db, verify, tmp_path) -> None:
+    verify("--write-anchor", str(tmp_path / "a"))
+    with db.write() as session:
+        accept_calibration(session, solution(), facts("SIM-7"))
+    assert verify("--anchor", str(tmp_path / "a"))[0] == 0
+    assert verify("--anchor", str(tmp_path / "a"), "--write-anchor", str(tmp_path / "a"))[0] == 0
+
+
+def test_the_hash_on_a_report_must_be_there(db, verify) -> None:
+    with db.read() as session:
+        newest = head(session)
+    assert verify("--head", newest)[0] == 0
+    drop(db, "calibrations")
+    assert verify()[0] == 0
+    assert verify("--head", newest)[0] == 1
+
+
+def test_an_anchor_that_was_changed_is_refused(db, verify, tmp_path) -> None:
+    verify("--write-anchor", str(tmp_path / "a"))
+    content = (tmp_path / "a").read_bytes()
+    (tmp_path / "a").write_bytes(content.replace(b"steps = 2", b"steps = 0"))
+    assert verify("--anchor", str(tmp_path / "a"))[0] == 1
+    (tmp_path / "a").write_bytes(content[: content.index(b"# sha256")])
+    assert verify("--anchor", str(tmp_path / "a"))[0] == 3
+    assert verify(str(tmp_path / "c"), "--anchor", str(tmp_path / "a"))[0] == 2
+
+
+def test_no_mutation_is_missed(tmp_path: Path) -> None:
+    outcome = mutate(tmp_path, 80, seed=3)
+    assert set(outcome) <= {"found", "harmless"}, outcome
+    assert outcome["found"] > 70
