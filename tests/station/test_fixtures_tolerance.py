@@ -1,0 +1,121 @@
+"""``station fixtures tolerance``: a cube of the database or of a file, to text, JSON and SVG."""
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from procedures.tolerance.items import ITEMS
+from station import cli
+
+FEW = ("--cubes", "2000")
+
+
+def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, *arguments: str) -> tuple[int, str]:
+    code = cli.run(["fixtures", "tolerance", *arguments, *FEW, "--db", str(tmp_path / "s.db")])
+    captured = capsys.readouterr()
+    return code, captured.out + captured.err
+
+
+def items_file(path: Path, more: str = "", **changed: float) -> Path:
+    sizes = dict.fromkeys(ITEMS, 0.04) | changed
+    rows = "\n".join(f"{item} = {size}" for item, size in sizes.items())
+    path.write_text(f"side_mm = 400.0\n[tolerance_mm]\n{rows}\n{more}")
+    return path
+
+
+def test_the_paper_s_cube_of_the_database_is_told_in_a_table(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, text = run(capsys, tmp_path, "P1", "--want-ug", "100", "--estimator", "twelve")
+    assert code == 0
+    cells = {line[:32].strip(): line[32:].split() for line in text.splitlines()}
+    assert cells["12-position, P1's case"] == ["167", "67.11", "100.6"]  # P1 table 6, without noise
+    assert cells["two-direction, P1's case"] == ["0.5214", "0.6903", "1.091"]
+    rows = [line.split() for line in text.splitlines() if line.startswith("  t")]
+    assert [row[0] for row in rows if "relax" in row] == ["t7", "t10"]
+    assert "free positions" in text
+
+
+def test_a_file_gives_the_same_as_the_database_and_both_are_written_as_json_and_svg(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = items_file(tmp_path / "P1.toml")
+    found = []
+    for name, source in (("db", ("P1",)), ("file", ("--items", str(file)))):
+        out, svg = tmp_path / f"{name}.json", tmp_path / f"{name}.svg"
+        asked = ("--want-ug", "0.2", "--json", str(out), "--svg", str(svg))
+        assert run(capsys, tmp_path, *source, *asked) == (0, "")
+        found.append((json.loads(out.read_text()), svg.read_bytes()))
+        assert ElementTree.fromstring(svg.read_text()).tag == "{http://www.w3.org/2000/svg}svg"
+    assert found[0] == found[1]
+    document = found[0][0]
+    assert document["format"] == "tolerance/1"
+    assert document["bias"]["twelve"]["p1_case"] == pytest.approx([1.6704e-4, 0.6711e-4, 1.0065e-4], abs=1e-8)
+    assert {one["item"] for one in document["allowed"]} == set(ITEMS)
+
+
+def test_a_dear_item_is_spared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def allowed(file: Path) -> float:
+        out = tmp_path / "o.json"
+        assert run(capsys, tmp_path, "--items", str(file), "--want-ug", "1", "--json", str(out))[0] == 0
+        rows = json.loads(out.read_text())["allowed"]
+        return float(next(row["allowed_mm"] for row in rows if row["item"] == "t3"))
+
+    plain = allowed(items_file(tmp_path / "a.toml"))
+    assert allowed(items_file(tmp_path / "b.toml", "[cost]\nt3 = 9.0")) > 1.5 * plain
+
+
+def test_k2_stays_in_every_bias_but_is_no_fault_of_the_cube(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "o.json"
+    assert run(capsys, tmp_path, "P1", "--k2-ug", "30", "--json", str(out))[0] == 0
+    bias = json.loads(out.read_text())["bias"]
+    assert bias["two"]["rms"] == pytest.approx([30e-6] * 3, rel=0.01)
+    assert bias["joint"]["rms"] == pytest.approx([30e-6] * 3, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        ((), 2, "of which cube?"),
+        (("CUBE-99",), 3, "it has P1"),
+        (("P1", "--want-ug", "1", "--k2-ug", "5"), 3, "a perfect cube leaves that"),
+        (("P1", "--want-ug", "0"), 2, "more than zero"),
+        (("P1", "--unit", "no.json"), 3, "no.json"),
+    ],
+)
+def test_what_cannot_be_answered_is_refused_in_words(
+    arguments: tuple[str, ...], code: int, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    got, text = run(capsys, tmp_path, *arguments)
+    assert (got, said in text) == (code, True), text
+
+
+@pytest.mark.parametrize(
+    ("more", "changed", "said"),
+    [
+        ("", {"t11": 0.1}, "t11 missing or unknown"),
+        ("", {"t1": 0.0}, "a tolerance of zero"),
+        ("[cost]\nt3 = 0.0", {}, "cost t3 = 0.0"),
+        ("[price]\nt3 = 1.0", {}, "price"),
+    ],
+)
+def test_an_items_file_with_a_fault_is_refused_by_name(
+    more: str, changed: dict[str, float], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = items_file(tmp_path / "items.toml", more, **changed)
+    code, text = run(capsys, tmp_path, "--items", str(file))
+    assert (code, "items.toml" in text, said in text) == (3, True, True), text
+
+
+def test_a_unit_s_own_solution_is_used(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    eye = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    part = {"misalignment": {"value": eye}, "bias": {"value": [0, 0, 0]}}
+    (tmp_path / "unit.json").write_text(json.dumps({"accelerometer": part}))
+    out = tmp_path / "o.json"
+    assert run(capsys, tmp_path, "P1", "--unit", str(tmp_path / "unit.json"), "--json", str(out))[0] == 0
+    two = json.loads(out.read_text())["bias"]["two"]["p1_case"]
+    assert max(map(abs, two)) <= 4.01e-8  # without misalignment only cosines are left, P1 (20)
