@@ -63,6 +63,7 @@ class Bench:
     placements: tuple[Placement, ...]
     campaigns: tuple[Campaign, ...]
     cubes: int
+    skew_seen: bool = False  # by rests in free attitudes: then only the cube's turning as a whole is held
 
     @cached_property
     def sites(self) -> tuple[Site, ...]:
@@ -108,7 +109,7 @@ class Bench:
 
     @cached_property
     def _nominal(self) -> FloatArray:
-        return np.stack([nominal_C_lb(at.position).T for at in self.placements])
+        return np.array([nominal_C_lb(at.position).T for at in self.placements]).reshape(-1, 3, 3)
 
     @cached_property
     def _campaign(self) -> IntArray:
@@ -149,7 +150,8 @@ class Bench:
     def priors(self) -> "Prior":
         """Return what is known before the first count.
 
-        Perpendicularity without a certificate is held where `ITEMS_UP` and `ITEMS_DOWN` put it.
+        Perpendicularity without a certificate is held where `ITEMS_UP` and `ITEMS_DOWN` put it; where the skew
+        is seen, only the part of it that turns the cube.
         """
         rows: list[FloatArray] = []
         means: list[float] = []
@@ -170,7 +172,7 @@ class Bench:
             certified = self._certificates(cube)
             begin = self.cube_slice(cube).start
             for pair in range(3):
-                held = self.held_pairs(cube)[pair]
+                held = self.held_pairs(cube)[pair] and not self.skew_seen
                 for k in (0, 1):
                     add(begin + 2 * pair + k, FACE_RANGE * np.sqrt(2), True)
                     add(begin + 6 + 2 * pair + k, HELD if held else FACE_RANGE, not held)
@@ -184,9 +186,24 @@ class Bench:
                 rows.extend(row)
                 means.extend(white @ tilt)
                 loose.extend((False, False))
+            if self.skew_seen:
+                rows.extend(turns := self._held_turns(cube))
+                means.extend([0.0] * len(turns))
+                loose.extend([False] * len(turns))
         for i, at in enumerate(self.placements):
             add(self.heading_index(i), at.heading_std)
         return Prior(np.array(means), np.stack(rows), np.array(loose))
+
+    def _held_turns(self, cube: int) -> list[FloatArray]:
+        """Return rows (p,) that hold ``q_ac - q_ca`` of uncertified pairs a, c where their p makes it likely."""
+        begin, held, rows = self.cube_slice(cube).start, self.held_pairs(cube), list[FloatArray]()
+        for a, c in ((0, 1), (0, 2), (1, 2)):
+            row = np.zeros(self.size)
+            for pair, other, sign in ((a, c, 1.0), (c, a, -1.0)):
+                at = begin + 2 * pair + cross_axes(f"{AXES[pair]}_up").index(other)
+                row[at + 6], row[at] = sign / HELD, -sign * _datum_share(pair) / HELD
+            rows += [row] if held[a] and held[c] else []
+        return rows
 
     def held_pairs(self, cube: int) -> list[bool]:
         """Say of each face pair whether its perpendicularity is held: of the first cube, without a certificate.
@@ -199,7 +216,8 @@ class Bench:
         return [alone and (pair, 1) not in certified and (pair, -1) not in certified for pair in range(3)]
 
     def _certificates(self, cube: int) -> dict[tuple[int, int], tuple[FloatArray, FloatArray]]:
-        first = next(at.campaign for at in self.placements if at.cube == cube)
+        stands = (at.campaign for at in self.placements if at.cube == cube)
+        first = next(stands, cube_numbers(self.campaigns).tolist().index(cube))
         return {
             (AXES.index(face[0]), 1 if face.endswith("up") else -1): (each.up_tilt, each.covariance)
             for face, each in self.campaigns[first].fixture.faces.items()
@@ -218,6 +236,13 @@ def mean_cube(q: FloatArray) -> FloatArray:
         normals[list(cross_axes(f"{axis}_up")), pair] = q[pair]
     unit: FloatArray = normals / np.linalg.norm(normals, axis=0)
     return unit
+
+
+def mean_axes(q: FloatArray) -> FloatArray:
+    """Return (3, 3): columns the orthogonal axes nearest to the mean normals (polar factor of `mean_cube`)."""
+    U, _, Vt = np.linalg.svd(mean_cube(q))
+    axes: FloatArray = U @ Vt
+    return axes
 
 
 def skew_variance(p: FloatArray, held: Sequence[bool]) -> FloatArray:

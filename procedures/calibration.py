@@ -7,30 +7,44 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.bench_model import tilt_names
-from procedures.campaign import Campaign
+from procedures.campaign import Campaign, RestRecord
 from procedures.errors import NotObservable
 from procedures.face_check import refuse_wrong_faces
 from procedures.frames import AXES
+from procedures.free_positions import solve_with_rests, with_known_faces
 from procedures.hand_turns import GyroscopeFit, solve_gyroscope
-from procedures.observations import TriadDwells, dwell_rates, turn_totals
+from procedures.moves import MovesFit, solve_moves
+from procedures.norm_fit import LEAST_RESTS
+from procedures.observations import TriadDwells, dwell_rates, rest_rates, turn_totals
 from procedures.residuals import fit_quality, step_residuals
+from procedures.sequences import Segmented, all_rests, segment
 from procedures.solution import Estimate, FitQuality, Solution, TriadCalibration
-from procedures.triad import TriadVector, paper_biases, triad_vector
+from procedures.triad import TriadVector, moves_vector, paper_biases, triad_vector
 from procedures.twelve_position import JointFit, missing_positions, solve_accelerometer
 
 NEVER_EXCITED = ("accelerometer.cross_product", "accelerometer.cubic (with accelerometer.scale_factor)")
+FREE_FRAME = (
+    "rotation of the frame (no face known; E of the accelerometers is lower triangular: x along sensor x, "
+    "y in the plane of sensors x and y)"
+)
 DOUBTFUL = 0.01  # p-value of the global test below which the sigmas are said to be in doubt
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fits:
-    """What was seen and fitted of both triads; None where a triad is absent or not determined."""
+    """What was seen and fitted of both triads; None where a triad is absent or not determined.
+
+    The gyroscopes' fit is that of turns, ``gyroscope``, or where there is none that of ``moves``.
+    """
 
     campaigns: tuple[Campaign, ...]
     accel: TriadDwells | None
     gyro: TriadDwells | None
     accelerometer: JointFit | None
     gyroscope: GyroscopeFit | None
+    rests: tuple[tuple[int, RestRecord], ...] = ()
+    segmented: tuple[Segmented, ...] = ()
+    moves: MovesFit | None = None
 
 
 def solve(campaigns: Sequence[Campaign]) -> Solution:
@@ -49,31 +63,45 @@ def solve(campaigns: Sequence[Campaign]) -> Solution:
 def fit(campaigns: Sequence[Campaign]) -> Fits:
     """Reduce the steps and fit both triads; raises as `solve`."""
     accel, gyro = (dwell_rates(campaigns, triad) for triad in ("accelerometer", "gyroscope"))
-    if accel is not None:
-        refuse_wrong_faces(accel, [campaign.fixture.C_ib for campaign in campaigns])
-    accelerometer = solve_accelerometer(campaigns, accel) if accel is not None else None
+    segmented = segment(campaigns)
+    others = all_rests(campaigns, segmented)
+    rests = rest_rates(others, "accelerometer")
+    if labelled := with_known_faces(accel, rests):
+        refuse_wrong_faces(labelled, [campaign.fixture.C_ib for campaign in campaigns])
+    if rests is not None:
+        accelerometer = solve_with_rests(campaigns, accel, rests)
+    else:
+        accelerometer = solve_accelerometer(campaigns, accel) if accel is not None else None
     gyroscope = None
     if gyro is not None:
         gyroscope = solve_gyroscope(campaigns, gyro, turn_totals(campaigns, gyro.noise), accelerometer)
+    moves = None
+    if gyroscope is None and accelerometer is not None:
+        moves = solve_moves(campaigns, segmented, accelerometer)
     if accelerometer is None and gyroscope is None:
         missing = missing_positions(accel or gyro) or ["turns about x, y and z, or a channel that responds"]
+        if others:
+            missing = [f"{LEAST_RESTS} rests that differ in attitude ({len(others)} found), or all six faces"]
         raise NotObservable("the scale factor and bias of either triad", missing)
-    return Fits(tuple(campaigns), accel, gyro, accelerometer, gyroscope)
+    return Fits(tuple(campaigns), accel, gyro, accelerometer, gyroscope, tuple(others), segmented, moves)
 
 
 def report(fits: Fits) -> Solution:
     """Put the fits into one solution."""
     counts = fits.campaigns[0].counts
-    quality = fit_quality(fits.accelerometer, fits.gyroscope.joint if fits.gyroscope else None)
+    quality = fit_quality(fits.accelerometer, fits.gyroscope.joint if fits.gyroscope else None, fits.moves)
     accel = triad_vector(fits.accelerometer, "accelerometer", fits.accelerometer) if fits.accelerometer else None
     gyro = triad_vector(fits.gyroscope.joint, "gyroscope", fits.accelerometer) if fits.gyroscope else None
-    slab, parallelism = _bench(fits.accelerometer) if fits.accelerometer else (None, None)
+    if fits.moves is not None and fits.accelerometer is not None:
+        gyro = moves_vector(fits.moves, fits.accelerometer)
+    on_bench = fits.accelerometer is not None and not fits.accelerometer.is_turned_freely
+    slab, parallelism = _bench(fits.accelerometer) if on_bench and fits.accelerometer else (None, None)
     names, covariance = joint_covariance(fits, accel, gyro)
     return Solution(
         accelerometer=_accelerometer(accel, fits) if accel else None,
         gyroscope=gyro.calibration("count/deg" if counts else "output/(deg/s)") if gyro else None,
         slab_tilt=slab, parallelism=parallelism, quality=quality, names=names, covariance=covariance,
-        reference_temperature=_mean_temperature(fits.campaigns),
+        reference_temperature=_mean_temperature(fits),
         residuals=step_residuals(fits.accelerometer, fits.gyroscope),
         not_observable=_not_observable(fits), warnings=_warnings(fits, quality), unused_steps=_unused(fits),
     )  # fmt: skip
@@ -88,7 +116,7 @@ def joint_covariance(
     common is the gyroscopes' regression on the tilts times the tilts' covariance with the rest.
     """
     names: tuple[str, ...] = ()
-    blocks, tilts = np.zeros((0, 0)), np.zeros((0, 0))
+    blocks, tilts, own_K = np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
     if accel is not None and fits.accelerometer is not None:
         joint = fits.accelerometer
         index, bench_names = _bench_index(joint)
@@ -99,20 +127,30 @@ def joint_covariance(
         blocks = J @ joint.fit.covariance @ J.T
         blocks[:15, :15] = accel.covariance
         tilts = joint.fit.covariance[12 : 12 + joint.bench.shared] @ J.T
+        own_K = joint.fit.covariance[:12] @ J.T
+    if gyro is not None and fits.moves is not None:
+        common = gyro.jacobian @ fits.moves.by_accelerometer @ own_K
+        return (*names, *gyro.names), np.block([[blocks, common.T], [common, gyro.covariance]])
     if gyro is None or fits.gyroscope is None:
         return names, blocks
     if not names:
         return gyro.names, gyro.covariance
     own = fits.gyroscope.joint.fit.covariance
     shared = slice(12, 12 + len(tilts))
-    regression = gyro.jacobian @ own[:12, shared] @ np.linalg.pinv(own[shared, shared], hermitian=True)
+    given = own[shared, shared]
+    if fits.accelerometer is not None and fits.accelerometer.bench.skew_seen:  # wide enough for gyroscopes to see
+        given = fits.accelerometer.fit.covariance[shared, shared]
+    regression = gyro.jacobian @ own[:12, shared] @ np.linalg.pinv(given, hermitian=True)
     common = regression @ tilts
     return (*names, *gyro.names), np.block([[blocks, common.T], [common, gyro.covariance]])
 
 
 def _bench_index(joint: JointFit) -> tuple[IntArray, tuple[str, ...]]:
     """Where slab tilt (2) and parallelism (6) of the first campaign stand in the fit, and their names."""
-    cube = 12 + joint.bench.cube_slice(joint.bench.placements[0].cube).start
+    if joint.is_turned_freely:
+        return np.zeros(0, dtype=np.int64), ()
+    first = joint.bench.placements[0].cube if joint.bench.placements else 0
+    cube = 12 + joint.bench.cube_slice(first).start
     names = ("slab.tilt.east", "slab.tilt.north", *(f"fixture.parallelism.{n}" for n in tilt_names()))
     return np.array([12, 13, *range(cube, cube + 6)]), names
 
@@ -132,24 +170,36 @@ def _accelerometer(vector: TriadVector, fits: Fits) -> TriadCalibration:
     return replace(calibration, bias_12_position=twelve, bias_two_direction=two)
 
 
-def _mean_temperature(campaigns: Sequence[Campaign]) -> float | None:
-    values = np.concatenate([d.series.temperature for c in campaigns for d in c.dwells])
+def _mean_temperature(fits: Fits) -> float | None:
+    dwells = [d.series.temperature for c in fits.campaigns for d in c.dwells]
+    values = np.concatenate([*dwells, *(rest.series.temperature for _, rest in fits.rests), np.zeros(0)])
     values = values[np.isfinite(values)]
     return float(values.mean()) if len(values) else None
 
 
 def _not_observable(fits: Fits) -> tuple[str, ...]:
     found = []
-    for triad, solved in (("accelerometer", fits.accelerometer), ("gyroscope", fits.gyroscope)):
+    for triad, solved in (("accelerometer", fits.accelerometer), ("gyroscope", fits.gyroscope or fits.moves)):
         if solved is None:
             found += [f"{triad}.{part}" for part in ("scale_factor", "misalignment", "bias")]
     if fits.accelerometer is not None:
-        held = [axis for axis, it_is in zip(AXES, fits.accelerometer.bench.held_pairs(0), strict=True) if it_is]
-        found += [f"fixture.perpendicularity.{n} (with misalignment)" for n in tilt_names() if n[0] in held]
-        if held:
-            found.append("accelerometer.quadratic (with accelerometer.bias and fixture.parallelism)")
-        found += NEVER_EXCITED
+        found += _left_open(fits.accelerometer)
     return tuple(found)
+
+
+def _left_open(accelerometer: JointFit) -> list[str]:
+    """Name what the accelerometers' steps do not show, beside parameters of a triad that was left out."""
+    bench = accelerometer.bench
+    if accelerometer.is_turned_freely:
+        return [FREE_FRAME]
+    held = [axis for axis, it_is in zip(AXES, bench.held_pairs(0), strict=True) if it_is]
+    if bench.skew_seen:
+        pairs = [(a, c) for a, c in ("xy", "xz", "yz") if a in held and c in held]
+        return [f"fixture.perpendicularity.{a}.{c} less {c}.{a} (with misalignment)" for a, c in pairs]
+    found = [f"fixture.perpendicularity.{n} (with misalignment)" for n in tilt_names() if n[0] in held]
+    if held:
+        found.append("accelerometer.quadratic (with accelerometer.bias and fixture.parallelism)")
+    return [*found, *NEVER_EXCITED]
 
 
 def _warnings(fits: Fits, quality: FitQuality) -> tuple[str, ...]:
@@ -161,10 +211,11 @@ def _warnings(fits: Fits, quality: FitQuality) -> tuple[str, ...]:
         )
     if fits.accel is not None and fits.accelerometer is None:
         found.append(f"accelerometer not solved: {_why_not(fits.accel)}")
-    if fits.gyro is not None and fits.gyroscope is None:
+    if fits.gyro is not None and fits.gyroscope is None and fits.moves is None:
         lacking = [a for a in AXES if not any(t.axis == a for c in fits.campaigns for t in c.turns)]
         what = f"no turn about {', '.join(lacking)}" if lacking else "a channel is dead, or turns were left out"
         found.append(f"gyroscope not solved: its scale factor is unknown ({what})")
+    found += [f"{each.record.name}: no rest found in it" for each in fits.segmented if not each.rests]
     if fits.gyroscope is not None:
         found += _turn_warnings(fits.gyroscope)
     return (*found, *_few_counts(fits))
@@ -201,6 +252,8 @@ def _few_counts(fits: Fits) -> list[str]:
 
 
 def _unused(fits: Fits) -> tuple[str, ...]:
+    rests = [rest.name for c in fits.campaigns for rest in c.rests] if fits.accelerometer is None else []
+    rests += [each.record.name for each in fits.segmented if fits.accelerometer is None or not each.rests]
     if fits.gyroscope is None:
-        return tuple(turn.name for campaign in fits.campaigns for turn in campaign.turns)
-    return fits.gyroscope.broken
+        return (*rests, *(turn.name for campaign in fits.campaigns for turn in campaign.turns))
+    return (*rests, *fits.gyroscope.broken)

@@ -82,7 +82,7 @@ def _affine(rate: FloatArray, mounting: Sequence[FloatArray], faces: Sequence[st
     alive = swing > LIMIT * swing.max()
     k = np.maximum(np.linalg.norm(solution[:3], axis=0), 1e-9 * swing.max())
     E = np.where(alive, solution[:3] / k, np.eye(3)).T
-    return float((np.abs(rate - A @ solution)[:, alive] / k[alive]).max()), E
+    return float((np.abs(rate - A @ solution)[:, alive] / k[alive]).max(initial=0.0)), E
 
 
 def _axis_name(row: FloatArray) -> str:

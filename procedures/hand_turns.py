@@ -285,7 +285,7 @@ class _Model:
 def _tilt_prior(bench: Bench, accelerometer: JointFit | None) -> Prior:
     """Return the bench's priors with slab and faces replaced by what the accelerometers found."""
     prior = bench.priors()
-    if accelerometer is None:
+    if accelerometer is None or accelerometer.is_turned_freely:
         return prior
     shared = bench.shared
     own = accelerometer.fit.covariance[12 : 12 + shared, 12 : 12 + shared]

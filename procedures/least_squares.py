@@ -57,6 +57,18 @@ def minimise(residual: Callable[[FloatArray], FloatArray], start: FloatArray, sc
     return Fit(x, covariance, residual(x), J / scale)
 
 
+@np.errstate(all="ignore")  # what overflows is not finite, and None is the answer
+def minimise_if_determined(
+    residual: Callable[[FloatArray], FloatArray], start: FloatArray, scale: FloatArray
+) -> Fit | None:
+    """Minimise as `minimise`; None where the observations leave a parameter open, or none fits."""
+    try:
+        fit = minimise(residual, start, scale)
+    except np.linalg.LinAlgError:
+        return None
+    return fit if np.all(np.isfinite(fit.x)) and np.all(np.isfinite(fit.covariance)) else None
+
+
 def _jacobian(residual: Callable[[FloatArray], FloatArray], x: FloatArray, scale: FloatArray) -> FloatArray:
     columns = []
     for i, size in enumerate(scale):

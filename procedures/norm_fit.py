@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.least_squares import Fit, minimise
+from procedures.least_squares import Fit, minimise_if_determined
 from procedures.records import Series
 from procedures.rests import Activity
 
@@ -21,6 +21,7 @@ LEAST_RESTS = 10  # nine numbers and one to judge the residual by
 MULTIPLIERS = (1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0)  # of the variance of a quiet window
 USUAL = 3.0  # the multiplier where the rests are too few to choose one by
 ROUNDS, STEPS = 4, 50  # of weighting anew by the scatter found, and of finding it
+WORST = 1e8  # condition of an ellipsoid's matrix: axes as 1 to 10^4
 REACH = 0.1  # relative 1 sigma of k above which the rests are said not to determine it
 
 
@@ -44,6 +45,7 @@ class NormFit:
         return float(np.mean(np.diag(self.fit.covariance)[[0, 2, 5, 6, 7, 8]] / np.tile(k, 2) ** 2))
 
 
+@np.errstate(all="ignore")  # outputs beyond all bounds determine nothing
 def fit_norm(rate: FloatArray, std: FloatArray, gravity: float) -> NormFit | None:
     """Fit K and b to the outputs (n, 3) of rests and their 1 sigma; ``gravity`` [g]; None where not determined."""
     start = _ellipsoid(rate, gravity)
@@ -54,9 +56,11 @@ def fit_norm(rate: FloatArray, std: FloatArray, gravity: float) -> NormFit | Non
     x = np.concatenate((K[LOWER], b))
     for _ in range(ROUNDS):
         sigma = np.hypot(noise, excess)
-        fit = minimise(partial(_misfit, rate, gravity, sigma), x, np.full(9, np.max(np.abs(K)) * 0.1))
-        if not np.all(np.isfinite(fit.x)):
+        scale = np.full(9, np.max(np.abs(K)) * 0.1)
+        found = minimise_if_determined(partial(_misfit, rate, gravity, sigma), x, scale)
+        if found is None:
             return None
+        fit = found
         x, excess = fit.x, excess_scatter(fit.residual * sigma, noise, fit.dof)
     K, b = _lower(x), x[6:]
     if np.any(np.sqrt(np.diag(fit.covariance)[[0, 2, 5]]) > REACH * np.abs(np.diag(K))):
@@ -104,7 +108,7 @@ def _ellipsoid(rate: FloatArray, gravity: float) -> tuple[FloatArray, FloatArray
     """Fit the quadric ``v' M v + 2 m' v = 1`` to the outputs; None unless it is an ellipsoid."""
     if len(rate) < LEAST_RESTS:
         return None
-    middle, size = rate.mean(axis=0), rate.std(axis=0)
+    middle, size = (np.asarray(f(rate, axis=0), dtype=np.float64) for f in (np.mean, np.std))
     if np.any(size <= 0):
         return None
     v = (rate - middle) / size
@@ -112,11 +116,11 @@ def _ellipsoid(rate: FloatArray, gravity: float) -> tuple[FloatArray, FloatArray
     A = np.stack((x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z, 2 * x, 2 * y, 2 * z), axis=1)
     xx, yy, zz, xy, xz, yz, *m = np.linalg.lstsq(A, np.ones(len(v)), rcond=None)[0]
     M = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    if np.any(np.linalg.eigvalsh(M) <= 0):
+    if not np.all(np.isfinite(M)) or np.linalg.cond(M) > WORST or np.any(np.linalg.eigvalsh(M) <= 0):
         return None
     centre = -np.linalg.solve(M, m)
     inverse = np.linalg.inv(M / (1 + centre @ M @ centre)) / gravity**2
-    return np.linalg.cholesky(inverse * np.outer(size, size)), middle + centre * size
+    return np.asarray(np.linalg.cholesky(inverse * np.outer(size, size)), dtype=np.float64), middle + centre * size
 
 
 def choose_rests(activity: Activity, gravity: float) -> tuple[float, list[slice]]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.campaign import Campaign, DwellRecord, TurnRecord
+from procedures.campaign import Campaign, DwellRecord, RestRecord, TurnRecord
 from procedures.count_rate import LEAST_SAMPLES, RateEstimate, estimate_counts
 from procedures.errors import TooShort
 from procedures.rate_mean import estimate_rates
@@ -24,6 +24,16 @@ class TriadDwells:
     std: FloatArray
     noise: FloatArray  # (3,) white noise, output per sqrt(s)
     estimates: tuple[tuple[RateEstimate, ...], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TriadRests:
+    """One triad's rate (n, 3) [output/s, or output] and its 1 sigma (n, 3) in n rests outside the positions."""
+
+    rests: tuple[tuple[int, RestRecord], ...]  # (campaign, record)
+    rate: FloatArray
+    std: FloatArray
+    noise: FloatArray  # (3,) white noise, output per sqrt(s)
 
 
 def channel(series: Series, triad: str) -> FloatArray | None:
@@ -54,7 +64,22 @@ def dwell_rates(campaigns: Sequence[Campaign], triad: str) -> TriadDwells | None
     return TriadDwells(tuple(found), rate, std, noise, tuple(estimates))
 
 
-def _axis_rates(dwells: Sequence[DwellRecord], triad: str, axis: int) -> list[RateEstimate]:
+def rest_rates(rests: Sequence[tuple[int, RestRecord]], triad: str) -> TriadRests | None:
+    """Estimate one triad's rate in every rest that holds it, as `dwell_rates`; None if none does."""
+    found = [(n, rest) for n, rest in rests if channel(rest.series, triad) is not None]
+    if not found:
+        return None
+    estimates = list[tuple[RateEstimate, ...]]()
+    for number in dict.fromkeys(n for n, _ in found):
+        records = [rest for n, rest in found if n == number]
+        estimates += zip(*(_axis_rates(records, triad, axis) for axis in range(3)), strict=True)
+    rate = np.array([[e.rate for e in row] for row in estimates])
+    std = np.array([[e.std for e in row] for row in estimates])
+    noise = np.sqrt(np.mean([[e.noise**2 for e in row] for row in estimates], axis=0))
+    return TriadRests(tuple(found), rate, std, noise)
+
+
+def _axis_rates(dwells: Sequence[DwellRecord | RestRecord], triad: str, axis: int) -> list[RateEstimate]:
     for dwell in dwells:
         if len(dwell.series) < LEAST_SAMPLES:
             raise TooShort(dwell.name, len(dwell.series), LEAST_SAMPLES)

@@ -7,9 +7,10 @@ from scipy.special import gammaincc
 
 from procedures.arrays import FloatArray
 from procedures.hand_turns import GyroscopeFit
+from procedures.moves import MovesFit
 from procedures.solution import FitQuality, StepResidual
 from procedures.triad import DPH
-from procedures.twelve_position import JointFit
+from procedures.twelve_position import JointFit, RestFit
 
 ABSORBED = (
     1e-6  # a residual whose sigma is less than a thousandth of the observation's is the fit's, not the data's
@@ -55,28 +56,44 @@ def _turn_residuals(gyroscope: GyroscopeFit) -> list[StepResidual]:
     return found
 
 
-def fit_quality(accelerometer: JointFit | None, gyroscope: JointFit | None) -> FitQuality:
+def fit_quality(
+    accelerometer: JointFit | None, gyroscope: JointFit | None, moves: MovesFit | None = None
+) -> FitQuality:
     """Return the global test over counting noise alone: what scatters more than it does not pass unseen.
 
     What the campaign itself states of an unsettled unit is expected.
     """
     fits: Sequence[JointFit] = [fit for fit in (accelerometer, gyroscope) if fit is not None]
-    chi2 = sum(_chi2(fit) for fit in fits)
-    dof = sum(fit.dof for fit in fits)
+    chi2 = sum(_chi2(fit) for fit in fits) + (moves.chi2 if moves else 0.0)
+    dof = sum(fit.dof for fit in fits) + (moves.dof if moves else 0)
+    gyroscope_rms = _rms(gyroscope) if gyroscope else None
+    if moves is not None:
+        gyroscope_rms = float(np.sqrt(np.mean(moves.rate_error**2)))
     return FitQuality(
         chi2=chi2,
         dof=dof,
         p_value=float(gammaincc(dof / 2, chi2 / 2)) if dof > 0 else 1.0,
         accelerometer_rms_g=_rms(accelerometer) if accelerometer else None,
-        gyroscope_rms_dph=_rms(gyroscope) * DPH if gyroscope else None,
+        gyroscope_rms_dph=gyroscope_rms * DPH if gyroscope_rms is not None else None,
     )
 
 
 def _chi2(joint: JointFit) -> float:
     rows = joint.fit.residual.copy()
     rows[: joint.seen.std.size] *= np.sqrt(1 + (joint.excess / joint.expected) ** 2).ravel()
+    if joint.rests is not None:
+        rows[joint.rests.rows] *= joint.rests.sigma / joint.rests.noise
     return float(rows @ rows)
 
 
 def _rms(joint: JointFit) -> float:
-    return float(np.sqrt(np.mean(dwell_residuals(joint)[0] ** 2)))
+    rows = [dwell_residuals(joint)[0].ravel()]
+    if joint.rests is not None:
+        rows.append(norm_residuals(joint.rests, joint.fit.residual))
+    return float(np.sqrt(np.mean(np.concatenate(rows) ** 2)))
+
+
+def norm_residuals(rests: RestFit, residual: FloatArray) -> FloatArray:
+    """Return by how much every rest's specific force (n,) is longer than gravity [g]."""
+    longer: FloatArray = residual[rests.rows] * rests.sigma
+    return longer

@@ -11,6 +11,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.campaign import RestRecord, SequenceRecord
+from procedures.count_rate import LEAST_SAMPLES
 from procedures.records import Series
 
 WINDOW_S = 1.0
@@ -21,7 +22,7 @@ SPREAD = 2.0  # of the quiet windows' variance: 300 samples scatter it by 8 %, h
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Activity:
-    """How much each sample's window (n,) scatters, in terms of the quietest windows; infinite near an end or gap."""
+    """How much each sample's window (n,) scatters, in terms of the quietest; infinite near an end or gap."""
 
     series: Series
     level: FloatArray
@@ -30,10 +31,11 @@ class Activity:
         """Return the stretches of samples at rest, in order."""
         quiet = np.concatenate(([False], self.level <= multiplier, [False]))
         edges = np.flatnonzero(np.diff(quiet)).reshape(-1, 2)
-        least = LEAST_S / self.series.period
+        least = max(LEAST_S / self.series.period, LEAST_SAMPLES)
         return [slice(int(begin), int(end)) for begin, end in edges if end - begin >= least]
 
 
+@np.errstate(all="ignore")  # what overflows is no rest
 def activity(series: Series) -> Activity:
     """Measure how much every sample's window scatters beside the quietest windows of the recording."""
     half = max(round(WINDOW_S / series.period / 2), 4)
@@ -62,9 +64,9 @@ def _window_variance(samples: FloatArray, half: int, inside: BoolArray) -> Float
 
 
 def _quiet(variance: FloatArray) -> float:
-    """Return the variance of windows at rest; at least the float's step, where a channel does not move at all."""
-    low = float(np.quantile(variance, QUIETEST))
-    return max(float(np.median(variance[variance <= SPREAD * low])), float(np.finfo(np.float64).tiny))
+    """Return the variance of windows at rest; the least there is, where none moves; nan where all overflow."""
+    low = variance[variance <= SPREAD * float(np.quantile(variance, QUIETEST))]
+    return max(float(np.median(low)), float(np.finfo(np.float64).tiny)) if len(low) else np.nan
 
 
 def cut(sequence: SequenceRecord, stretches: list[slice]) -> tuple[RestRecord, ...]:

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.bench_model import mean_cube, skew_jacobian, skew_variance
+from procedures.bench_model import mean_axes, mean_cube, skew_jacobian, skew_variance
 from procedures.earth import STANDARD_GRAVITY
 from procedures.frames import AXES
+from procedures.moves import MovesFit
 from procedures.solution import Estimate, TriadCalibration
 from procedures.twelve_position import JointFit, by_position, closed_form
 
@@ -49,24 +50,54 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
     adds to the sigma of k, and of accelerometers' D (`procedures.bench_model`).
     """
     unit, per = ("g", 1.0) if triad == "accelerometer" else ("deg/h", DPH)
-    bench, C_ib = joint.bench, joint.bench.campaigns[0].fixture.C_ib
-    cube = mean_cube(bench.perpendicularity(joint.fit.x[12:])) if any(bench.held_pairs(0)) else np.eye(3)
-    value, J = scale_misalignment_bias(joint.K @ C_ib @ cube @ C_ib.T, joint.b, per)
+    C_ib = joint.bench.campaigns[0].fixture.C_ib
+    skew_seen = (accelerometer or joint).bench.skew_seen
+    value, J = scale_misalignment_bias(joint.K @ reference_axes(joint, skew_seen), joint.b, per)
     covariance = J @ joint.fit.covariance[:12, :12] @ J.T
-    if accelerometer is not None:
+    if accelerometer is not None and not skew_seen:
         p = accelerometer.bench.parallelism(accelerometer.fit.x[12:])
         variance = skew_variance(p, accelerometer.bench.held_pairs(0))
         scale, bias = skew_jacobian(p, C_ib.T @ value[3:12].reshape(3, 3) @ C_ib)
         rows = np.vstack((value[:3, None] * (np.abs(C_ib) @ scale), C_ib @ bias * (triad == "accelerometer")))
         covariance[np.ix_(SKEWED, SKEWED)] += rows * variance @ rows.T
     n = len(joint.seen.dwells)
-    shared = (joint.excess / value[:3] * per) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
-    drift = np.mean((joint.unsettled / value[:3] * per) ** 2, axis=0)
-    covariance[12:, 12:] += np.diag(shared + drift)
+    if n:
+        shared = (joint.excess / value[:3] * per) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
+        drift = np.mean((joint.unsettled / value[:3] * per) ** 2, axis=0)
+        covariance[12:, 12:] += np.diag(shared + drift)
+    return TriadVector(value, J, covariance, vector_names(triad), unit)
+
+
+def moves_vector(moves: MovesFit, accelerometer: JointFit) -> TriadVector:
+    """Turn the moves' fit into k, E and D, in the axes that the accelerometers' E refers to.
+
+    The covariance holds the accelerometers' share, and bias instability as `triad_vector` does.
+    """
+    axes = reference_axes(accelerometer, accelerometer.bench.skew_seen)
+    value, J = scale_misalignment_bias(moves.K @ axes, moves.b, DPH)
+    G = moves.by_accelerometer
+    covariance = J @ (moves.fit.covariance[:12, :12] + G @ accelerometer.fit.covariance[:12, :12] @ G.T) @ J.T
+    n = len(moves.rate_error)
+    covariance[12:, 12:] += np.eye(3) * (moves.scatter[1] * DPH) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
+    return TriadVector(value, J, covariance, vector_names("gyroscope"), "deg/h")
+
+
+def reference_axes(joint: JointFit, skew_seen: bool) -> FloatArray:
+    """Return (3, 3), IMU axes: columns what E refers to: the mean cube, or the orthogonal axes nearest to it."""
+    bench = joint.bench
+    if not bench.cubes or not any(bench.held_pairs(0)):
+        return np.eye(3)
+    cube = (mean_axes if skew_seen else mean_cube)(bench.perpendicularity(joint.fit.x[12:]))
+    C_ib = bench.campaigns[0].fixture.C_ib
+    axes: FloatArray = C_ib @ cube @ C_ib.T
+    return axes
+
+
+def vector_names(triad: str) -> tuple[str, ...]:
+    """Return the names of k (3), E (9) and D (3) of a triad."""
     names = [f"{triad}.scale_factor.{a}" for a in AXES]
     names += [f"{triad}.misalignment.{a}{b}" for a in AXES for b in AXES]
-    names += [f"{triad}.bias.{a}" for a in AXES]
-    return TriadVector(value, J, covariance, tuple(names), unit)
+    return (*names, *(f"{triad}.bias.{a}" for a in AXES))
 
 
 def scale_misalignment_bias(K: FloatArray, b: FloatArray, per: float) -> tuple[FloatArray, FloatArray]:

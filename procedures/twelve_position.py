@@ -17,7 +17,7 @@ from procedures.bench_model import Bench, Placement, cube_numbers
 from procedures.campaign import Campaign
 from procedures.earth import STANDARD_GRAVITY
 from procedures.least_squares import Fit, minimise
-from procedures.observations import TriadDwells
+from procedures.observations import TriadDwells, TriadRests
 from procedures.records import Series
 from procedures.steps import Dwell, Plan
 
@@ -78,11 +78,32 @@ def by_position(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class RestFit:
+    """The rests' part of a fit: their ``rows``, the norm's 1 sigma (n,) by noise and its ``excess`` [g].
+
+    ``up`` (n, 3) are the up vectors found, of unit length, in IMU axes; ``rows`` hold one norm each.
+    """
+
+    rests: TriadRests
+    rows: slice
+    noise: FloatArray
+    excess: float
+    up: FloatArray
+
+    @property
+    def sigma(self) -> FloatArray:
+        """1 sigma (n,) of the norm [g]."""
+        total: FloatArray = np.hypot(self.noise, self.excess)
+        return total
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class JointFit:
     """A joint fit: the parameters are K (9) = diag(k) E by rows, b (3) = k D, then the bench's.
 
     ``fit`` is the whole; to the sigma of every dwell were added ``excess`` (3,), the scatter from dwell to dwell
     that was found beyond counting noise, and ``unsettled`` (n, 3), what the campaign states of it [output/s].
+    ``rests`` are the rows of rests outside the twelve positions; with ``quadratic`` K2 (3) stands last in x.
     """
 
     fit: Fit
@@ -90,7 +111,9 @@ class JointFit:
     seen: TriadDwells
     excess: FloatArray
     unsettled: FloatArray
-    loose: BoolArray  # of the prior's rows, which follow the observations'
+    loose: BoolArray  # of the rows that follow the dwells'
+    rests: RestFit | None = None
+    quadratic: bool = False
 
     @property
     def expected(self) -> FloatArray:
@@ -110,6 +133,16 @@ class JointFit:
         rows = slice(first, first + len(self.loose))
         idle = float(np.sum((1 - self.fit.leverage[rows])[self.loose]))
         return self.fit.dof - round(idle)
+
+    @property
+    def K2(self) -> FloatArray | None:
+        """Quadratic coefficient (3,) [g/g^2], None where it was not asked for."""
+        return self.fit.x[-3:] if self.quadratic else None
+
+    @property
+    def is_turned_freely(self) -> bool:
+        """Say whether no known face ties the frame: E is then lower triangular (`procedures.norm_fit`)."""
+        return self.bench.cubes == 0
 
     @property
     def K(self) -> FloatArray:
@@ -152,8 +185,10 @@ def missing_positions(seen: TriadDwells | None) -> list[str]:
 
 def is_determined(u: FloatArray) -> bool:
     """Say whether dwells at the inputs ``u`` (m, 3) determine a full row of K and a bias."""
+    if len(u) < 4:
+        return False
     A = np.hstack((u, np.ones((len(u), 1)) * np.max(np.abs(u))))
-    return len(u) >= 4 and bool(np.linalg.svd(A, compute_uv=False)[-1] > 0.1 * np.max(np.abs(u)))
+    return bool(np.linalg.svd(A, compute_uv=False)[-1] > 0.1 * np.max(np.abs(u)))
 
 
 def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> JointFit | None:

@@ -12,6 +12,8 @@ from procedures.campaign import (
     FaceCertificate,
     Fixture,
     ProcedureSigma,
+    RestRecord,
+    SequenceRecord,
     Site,
     TurnRecord,
 )
@@ -29,6 +31,7 @@ from station.campaign_folder.schema import (
     ImuTable,
     ProcedureTable,
     RateTable,
+    SequenceTable,
     SiteTable,
     StepTable,
     TurnTable,
@@ -92,18 +95,21 @@ def _read_table(folder: Path, table: StepTable, line: int, imu: ImuTable) -> Tab
 
 
 def _is_used(step: LoadedStep) -> bool:
-    return isinstance(step.table, TurnTable) or (
-        isinstance(step.table, DwellTable) and step.table.position is not None
-    )
+    return isinstance(step.table, DwellTable | TurnTable | SequenceTable)
 
 
 def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
     dwells, turns = list[DwellRecord](), list[TurnRecord]()
+    rests, sequences = list[RestRecord](), list[SequenceRecord]()
     for step in used:
         assert step.data is not None
         match step.table:
             case DwellTable(file=file, position=int(position)):
                 dwells.append(DwellRecord(file, position, step.data.series))
+            case DwellTable(file=file, up=up):
+                rests.append(RestRecord(file, up, step.data.series))
+            case SequenceTable(file=file):
+                sequences.append(SequenceRecord(file, step.data.series))
             case TurnTable(file=file, axis=axis, direction=direction) as turn:
                 start = turn.start_position or TURN_START[axis]
                 turns.append(TurnRecord(file, axis, direction, turn.revolutions, start, step.data.series))
@@ -116,6 +122,8 @@ def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
         tuple(turns),
         _sigma(tables.procedure),
         _fixture(tables.fixture),
+        tuple(rests),
+        tuple(sequences),
     )
 
 

@@ -56,14 +56,14 @@ def read_tables(content: bytes, path: Path, kind: type[T]) -> tuple[T, dict[Key,
         raise _refusal((unknown or faults)[0], path, lines, kind) from None
 
 
-def read_text_file(path: Path) -> bytes:
-    """Return a small file's bytes; raise `DataRefused` if it is not there or cannot be read."""
+def read_text_file(path: Path, most: int = MAX_LINE) -> bytes:
+    """Return the bytes of a file of at most ``most``; raise `DataRefused` if it is not there or cannot be read."""
     try:
         content = path.read_bytes()
     except OSError as error:
         raise DataRefused(path, None, f"no readable file ({error.strerror})", "a file of text") from error
-    if len(content) > MAX_LINE:
-        raise DataRefused(path, None, "more than 1 MiB", "a file of at most 1 MiB")
+    if len(content) > most:
+        raise DataRefused(path, None, f"more than {most >> 20} MiB", f"a file of at most {most >> 20} MiB")
     return content
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from procedures.campaign import Campaign, Fixture
+from procedures.campaign import Campaign, Fixture, RestRecord
 from procedures.earth import DEG_PER_HOUR, STANDARD_GRAVITY
 from procedures.frames import AXES
 from procedures.records import Series
@@ -31,8 +31,8 @@ def write_campaign(folder: Path, campaign: Campaign, sample_period_s: float, suf
     files = [step.file for step in tables.steps()]
     if len(set(files)) < len(files):
         raise ValueError("two steps of one name: each needs a file of its own")
-    steps = [(d.name, d.series) for d in campaign.dwells] + [(t.name, t.series) for t in campaign.turns]
-    for name, series in steps:
+    kinds = (campaign.dwells, campaign.rests, campaign.turns, campaign.sequences)
+    for name, series in ((step.name, step.series) for kind in kinds for step in kind):
         write_series(folder / (Path(name).stem + suffix), series)
     write_tables(folder, tables)
 
@@ -61,7 +61,10 @@ def campaign_tables(campaign: Campaign, sample_period_s: float, suffix: str) -> 
                 "unsettled_accelerometer_g": sigma.unsettled_accelerometer / STANDARD_GRAVITY or None,
             },
             "fixture": _fixture(campaign.fixture),
-            "dwell": [{"position": d.position, "file": Path(d.name).stem + suffix} for d in campaign.dwells],
+            "dwell": [
+                *({"position": d.position, "file": Path(d.name).stem + suffix} for d in campaign.dwells),
+                *({**_attitude(r), "file": Path(r.name).stem + suffix} for r in campaign.rests),
+            ],
             "turn": [
                 {
                     "axis": t.axis,
@@ -72,6 +75,7 @@ def campaign_tables(campaign: Campaign, sample_period_s: float, suffix: str) -> 
                 }
                 for t in campaign.turns
             ],
+            "sequence": [{"file": Path(s.name).stem + suffix} for s in campaign.sequences],
         }
     )
 
@@ -148,6 +152,10 @@ def _fixture(fixture: Fixture) -> dict[str, object]:
         ],
     }
     return tables if fixture.id is None else {"id": fixture.id, **tables}
+
+
+def _attitude(rest: RestRecord) -> dict[str, str]:
+    return {"attitude": "free"} if rest.up is None else {"up": rest.up}
 
 
 def _degrees(angle: float) -> float:

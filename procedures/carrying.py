@@ -1,0 +1,90 @@
+"""What the gyroscopes' samples between rests make of a direction: the rotation of each move and how it changes.
+
+    R = prod of rotation(-phi_k),  phi_k = w_k dt + (phi_(k-1) x phi_k) / 12,    w = K^-1 (N - b)
+
+A direction ``u`` fixed in space and seen as ``u`` before is seen as ``R u`` after. The cross product is the
+two-sample rotation vector (Savage, J. Guidance 21, 1998): a hand turns about changing axes within a sample.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.frames import rotation
+
+CONING = 1 / 12
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Carried:
+    """Rotation (m, 3, 3) of every move and the change of its rotation vector [rad] with K and b, (m, 3, 12).
+
+    The rotation at other parameters is ``rotation(-(sensitivity @ change)) @ rotation`` to first order.
+    """
+
+    rotation: FloatArray
+    sensitivity: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples:
+    """The gyroscopes' outputs of m moves, (m, s, 3) [output/s], padded at the end, and what is ``real`` (m, s)."""
+
+    output: FloatArray
+    real: BoolArray
+    period: FloatArray  # (m,) s
+
+    @property
+    def seconds(self) -> FloatArray:
+        """How long each move took (m,)."""
+        total: FloatArray = self.real.sum(axis=1) * self.period
+        return total
+
+    def rates(self, K: FloatArray, b: FloatArray) -> FloatArray:
+        """Return the rates (m, s, 3) [deg/s], zero where padded."""
+        found: FloatArray = (self.output - b) @ np.linalg.inv(K).T * self.real[..., None]
+        return found
+
+
+def padded(moves: Sequence[FloatArray], period: Sequence[float]) -> Samples:
+    """Put moves (s_i, 3) [output/s] into one array."""
+    longest = max(len(move) for move in moves)
+    output = np.zeros((len(moves), longest, 3))
+    real = np.zeros((len(moves), longest), dtype=bool)
+    for row, (mask, move) in enumerate(zip(real, moves, strict=True)):
+        mask[: len(move)] = True
+        output[row, : len(move)] = move
+    return Samples(output, real, np.array(period))
+
+
+def carry(samples: Samples, K: FloatArray, b: FloatArray) -> Carried:
+    """Integrate every move for K (3, 3) [output/deg] and b (3,) [output/s]."""
+    w = samples.rates(K, b)
+    dt = samples.period[:, None, None]
+    step = np.radians(w) * dt
+    step[:, 1:] += CONING * np.cross(step[:, :-1], step[:, 1:])
+    small = rotation(-step)
+    to_end = np.broadcast_to(np.eye(3), (len(w), 3, 3)).copy()
+    by_rate, by_time = np.zeros((len(w), 3, 3, 3)), np.zeros((len(w), 3, 3))
+    for k in range(w.shape[1] - 1, -1, -1):
+        by_rate += to_end[..., None] * w[:, k, None, None, :]
+        by_time += to_end * samples.real[:, k, None, None]
+        to_end = to_end @ small[:, k]
+    inverse = -np.radians(np.linalg.inv(K))
+    by_K: FloatArray = np.einsum("mabj,bi->maij", by_rate, inverse).reshape(len(w), 3, 9)
+    sensitivity = np.concatenate((by_K, by_time @ inverse), axis=2) * dt
+    return Carried(to_end, sensitivity)
+
+
+def rotations(samples: Samples, K: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the rotations (m, 3, 3) alone, neighbours multiplied in pairs: for trying many K."""
+    step = np.radians(samples.rates(K, b)) * samples.period[:, None, None]
+    found = rotation(-step)
+    while found.shape[1] > 1:
+        if found.shape[1] % 2:
+            found = np.concatenate((found, np.broadcast_to(np.eye(3), (len(found), 1, 3, 3))), axis=1)
+        found = found[:, 1::2] @ found[:, ::2]
+    whole: FloatArray = found[:, 0]
+    return whole
