@@ -16,6 +16,7 @@ RUNS = (
     ("replug", "--times", "20"),
     ("frozen_screen",),
     ("two_writers",),
+    ("tolerance",),
     ("mutations", "--times", "300"),
     ("screen_cpu",),
     ("kills", "--kills", "12"),
