@@ -2,7 +2,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo install test lint types contracts tests test-postgres benchmark clean
+.PHONY: demo install web test lint types contracts tests test-postgres benchmark clean
 
 demo: install
 	$(BIN)/station demo
@@ -21,6 +21,10 @@ $(VENV)/.installed: $(VENV)/bin/python pyproject.toml constraints.txt
 $(VENV)/.installed-test: $(VENV)/.installed pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[test]"
 	touch $@
+
+# What `station calibrate --web` needs.
+web: install
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[web]"
 
 lint:
 	$(BIN)/ruff check .
