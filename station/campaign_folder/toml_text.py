@@ -19,6 +19,7 @@ T = TypeVar("T", bound=BaseModel)
 
 _HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_.\s]+?)\s*\]")
 _ENTRY = re.compile(r"\s*([A-Za-z0-9_]+)\s*=")
+MOST = 60  # characters of a value in a message
 _AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
 
 
@@ -140,7 +141,9 @@ def _table_of(owner: type[BaseModel], name: str) -> type[BaseModel]:
 
 
 def _short(value: object) -> str:
-    if isinstance(value, BaseModel | dict):
-        return "as it stands"
+    """Return a value of a file for a message; of a table the plain values."""
+    if isinstance(value, dict):
+        plain = [f"{key} = {_short(part)}" for key, part in value.items() if not isinstance(part, dict | list)]
+        return f"with {', '.join(plain)[:MOST]}" if plain else "as it stands"
     text = ascii(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+    return text if len(text) <= MOST else text[: MOST - 3] + "..."

@@ -147,7 +147,7 @@ REFUSED = {
     "position 13": (_toml("position = 1", "position = 13"), "campaign.toml:13: found dwell.position = 13"),
     "two attitudes": (
         _toml("position = 1", 'position = 1\nup = "x_up"'),
-        "campaign.toml:12: found dwell as it stands",
+        "campaign.toml:12: found dwell with position = 1, up = 'x_up'",
     ),
     "half revolution": (
         _toml("revolutions = 3", "revolutions = 2.5"),
@@ -166,7 +166,7 @@ REFUSED = {
             "[site]",
             '[[fixture.face]]\nresting = "x_up"\nup_tilt_rad = [0, 0]\ncovariance_rad2 = [[1, 2], [2, 1]]\n[site]',
         ),
-        "campaign.toml:9: found fixture.face as it stands, expected covariance_rad2 to be symmetric and",
+        "campaign.toml:9: found fixture.face with resting = 'x_up', expected covariance_rad2 to be symmetric and",
     ),
     "wrap without cumulative": (
         _toml('"increments"', '"increments"\nwrap_bits = 16'),
