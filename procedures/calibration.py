@@ -245,7 +245,7 @@ def _few_counts(fits: Fits) -> list[str]:
                 if estimate.interval is not None:
                     low, high = estimate.interval
                     found.append(
-                        f"{dwell.name}: {triad} {axis} shows {estimate.edges} count edge{'' if estimate.edges == 1 else 's'}; "
+                        f"{dwell.name}: {triad} {axis} shows {'one' if estimate.edges else 'no'} count edge; "
                         f"its rate is only known to lie in [{low:.3g}, {high:.3g}] count/s"
                     )
     return found

@@ -9,6 +9,7 @@ from station.tui.bars import bar
 from station.tui.spoken import against
 from station.tui.widgets.drawn import Drawn
 
+NEARER = 45.0  # deg, beyond which another face is the one that is up
 NUMBERS = 22  # columns of the numbers on the right
 
 
@@ -30,7 +31,7 @@ class GatesPanel(Drawn[Gates | None]):
         room = self.size.width - 17 - NUMBERS
         up = f"{gates.face.replace('_', ' ').capitalize()}, " if gates.face else ""
         channel = gates.still_channel.replace("accelerometer", "accel").replace("gyroscope", "gyro")
-        is_tilted = gates.off_deg > gates.limit_deg
+        is_tilted = gates.limit_deg < gates.off_deg < NEARER
         word = "right" if gates.is_right_face else "tilted" if is_tilted else "wrong"
         face = _Gate("FACE", word, gates.is_right_face,
                      gates.off_deg / gates.limit_deg if gates.is_right_face else 1.0,

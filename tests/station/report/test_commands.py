@@ -8,7 +8,6 @@ import pytest
 import typer
 from typer.testing import CliRunner, Result
 
-from station.commands.fixtures import fixtures
 from station.commands.report import report
 from tests.station.report import factory
 
@@ -66,12 +65,3 @@ def test_report_writes_one_file_with_the_folder_s_hashes_and_unused_steps(folder
 def test_report_without_out_stands_in_the_folder(folder: Path) -> None:
     assert _run(report, folder).exit_code == 0
     assert (folder / "report.html").exists()
-
-
-def test_fixtures_lists_and_shows_the_example_cube(tmp_path: Path) -> None:
-    db = tmp_path / "station.db"
-    assert "P1: 400 mm, 0 of 6 faces certified, no due date" in _run(fixtures, "list", "--db", db).output
-    shown = _run(fixtures, "show", "P1", "--db", db).output
-    assert "t4-1: perpendicularity of C to A 0.04 mm" in shown
-    assert _run(fixtures, "show", "--db", db).exit_code == 2
-    assert "no cube 'X'" in str(_run(fixtures, "show", "X", "--db", db).exception)
