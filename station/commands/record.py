@@ -25,8 +25,8 @@ def record(
 
     Example: station record serial:///dev/ttyUSB0?format=counts --seconds 60 --out r1
     """
-    from station.benches.live_feed import open_feed
     from station.guide.folder import journal_path, new_folder
+    from station.live.live_feed import open_feed
     from station.reader import Reader
     from station.recorder import recording
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from procedures.gyrocompass import Known, heading_change
 from procedures.steps import Turn
-from station.benches.stillness import Block
-from station.benches.turning import TurnWatch
 from station.guide.desk import Desk
+from station.live.stillness import Block
+from station.live.turning import TurnWatch
 
 WORTH_DEG = 5.0  # a wider sigma says nothing
 OPPOSITE_STD_DEG = 0.002  # noise of two turns and of the rest before them

@@ -11,14 +11,14 @@ from procedures.campaign import Fixture
 from procedures.earth import EARTH_RATE
 from procedures.gyrocompass import Heading, Known, find_heading, scale
 from procedures.steps import Dwell, Step
-from station.benches.live_feed import LiveFeed
-from station.benches.spans import series
-from station.benches.stillness import LEAST, TICKS
 from station.guide.checklist import Checklist
 from station.guide.judge import Judge
 from station.guide.rested import Rested, rested
 from station.guide.story import Story
 from station.guide.wording import title
+from station.live.live_feed import LiveFeed
+from station.live.spans import series
+from station.live.stillness import LEAST, TICKS
 from station.recorder.tape import Run, Tape
 
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.count_rate import RateEstimate
-from station.benches.spans import merged
-from station.benches.stillness import Block
 from station.guide.judge import Look
+from station.live.spans import merged
+from station.live.stillness import Block
 from station.recorder.tape import Run
 
 TOUCHED = "touched just after it was set down"

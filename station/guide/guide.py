@@ -8,7 +8,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from drivers.errors import DriverError
-from station.benches.stillness import TIMES_NOISE, Block
 from station.guide.command import Command
 from station.guide.desk import Desk
 from station.guide.identity import UnitRecord
@@ -21,6 +20,7 @@ from station.guide.turning import Turning
 from station.guide.view import Gates, Link, View
 from station.guide.warming import Warming
 from station.guide.wording import title
+from station.live.stillness import TIMES_NOISE, Block
 
 KEPT_BLOCKS = 8  # of the past, besides those of the step
 

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from procedures.frames import AXES
-from station.benches.stillness import LEAST, TICKS
+from station.live.stillness import LEAST, TICKS
 
 ACCELEROMETER = 1e-3  # of g: turn-on repeatability of bias and scale factor together
 GYROSCOPE = 0.3  # of the greatest gyro rate at rest

@@ -14,7 +14,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.frames import FACES, face_normal
-from station.benches.stillness import LEAST, TICKS, Block, Stillness
+from station.live.stillness import LEAST, TICKS, Block, Stillness
 
 LIMIT_DEG = 3.0
 ALLOWANCE_DEG = 0.5  # biases of 8.7 mg

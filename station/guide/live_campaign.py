@@ -19,7 +19,6 @@ from procedures.campaign import Fixture, TurnRecord
 from procedures.frames import AXES
 from procedures.records import CountSeries
 from procedures.steps import Dwell, Step, Turn, steps_of
-from station.benches.live_feed import LiveFeed, open_feed
 from station.campaign_folder import read_campaign
 from station.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
 from station.errors import DataRefused
@@ -36,6 +35,7 @@ from station.guide.options import Options
 from station.guide.rested import Rested, rested
 from station.guide.unfinished import FolderLock, reopen
 from station.guide.view import Setup, View
+from station.live.live_feed import LiveFeed, open_feed
 from station.reader import Reader
 from station.recorder import CampaignRecorder, Unit, UnitChanged, open_campaign
 from station.recorder.campaign import TOML
@@ -248,7 +248,7 @@ def _name(turn: TurnRecord) -> str:
 
 
 def _counts_per_revolution(turn: TurnRecord, C_ib: FloatArray) -> float:
-    """Return it as `station.benches.turning.TurnWatch` saw it: less the rate of the first seconds, at rest."""
+    """Return it as `station.live.turning.TurnWatch` saw it: less the rate of the first seconds, at rest."""
     series = turn.series
     samples = np.asarray(series.gyro) @ C_ib[:, AXES.index(turn.axis)]
     rest = samples[: max(round(2.0 / series.period), 1)].mean()

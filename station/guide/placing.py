@@ -4,7 +4,6 @@ from typing import Any
 
 from procedures.frames import face_of
 from procedures.steps import Turn
-from station.benches.stillness import Block
 from station.guide.desk import Desk
 from station.guide.judge import Look
 from station.guide.resting import Resting
@@ -12,6 +11,7 @@ from station.guide.stage import Stage
 from station.guide.turning import Turning
 from station.guide.wording import face as face_words
 from station.guide.wording import task, title
+from station.live.stillness import Block
 
 SETTLE_BLOCKS = 3  # still ones that are not used
 

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from station.benches.stillness import Block
 from station.guide.desk import Desk
 from station.guide.identity import UnitRecord, same_unit
 from station.guide.judge import Look
 from station.guide.stage import Stage
 from station.guide.view import Choice, Question
+from station.live.stillness import Block
 from station.recorder import UnitChanged
 
 BLOCKS = 10

@@ -5,8 +5,6 @@ from typing import Any, Protocol
 
 from procedures.frames import face_normal
 from procedures.steps import Dwell
-from station.benches.spans import series
-from station.benches.stillness import Block
 from station.guide.desk import Desk
 from station.guide.dwelling import TOUCHED, Dwelling, crept
 from station.guide.judge import Look
@@ -16,6 +14,8 @@ from station.guide.stage import Stage
 from station.guide.view import Question
 from station.guide.which_way import NEITHER, which_way
 from station.guide.wording import title
+from station.live.spans import series
+from station.live.stillness import Block
 
 ASK_AFTER_S = 10.0  # of accepted seconds without a sure heading
 BY_EARTH, AS_SAID, AS_ASKED = "by the Earth rate", "as said", "as asked for, not checked"

@@ -8,10 +8,10 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.seating import Seating, judge, seating
-from station.benches.spans import series
 from station.guide.desk import Desk
 from station.guide.dwelling import Dwelling
 from station.guide.rested import estimates, rates
+from station.live.spans import series
 
 LOOKS_S = (3.0, 6.0, 10.0, 20.0, 40.0, 70.0)  # of accepted seconds
 ALIKE_RAD = 5e-5  # 10 arcsec, or three sigma

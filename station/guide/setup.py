@@ -19,11 +19,11 @@ from fixtures_db.database import Database
 from fixtures_db.slabs import slabs
 from procedures.frames import AXES
 from procedures.records import CountBlock
-from station.benches.stillness import TICKS, Block, block_of
 from station.campaign_folder.atomic import replace_file
 from station.errors import CannotWrite
 from station.guide.unfinished import unfinished
 from station.guide.view import Check, Choice, Setup, Start
+from station.live.stillness import TICKS, Block, block_of
 
 if TYPE_CHECKING:
     from station.reader.look import Seen

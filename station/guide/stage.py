@@ -2,8 +2,8 @@
 
 from typing import Any, Protocol
 
-from station.benches.stillness import Block
 from station.guide.judge import Look
+from station.live.stillness import Block
 
 
 class Stage(Protocol):

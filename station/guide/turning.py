@@ -7,9 +7,6 @@ import numpy as np
 from procedures.frames import face_of
 from procedures.gyrocompass import scale
 from procedures.steps import Turn
-from station.benches.spans import merged
-from station.benches.stillness import Block
-from station.benches.turning import TurnWatch
 from station.guide.closing import came_back, in_words
 from station.guide.desk import Desk
 from station.guide.judge import Look
@@ -17,6 +14,9 @@ from station.guide.stage import Stage
 from station.guide.view import Question, TurnView
 from station.guide.which_way import NEITHER, which_way
 from station.guide.wording import sense, task, times, title
+from station.live.spans import merged
+from station.live.stillness import Block
+from station.live.turning import TurnWatch
 
 if TYPE_CHECKING:
     from station.guide.resting import Again

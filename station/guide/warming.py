@@ -9,14 +9,14 @@ from procedures.dwell_length import dwell_seconds
 from procedures.earth import EARTH_RATE
 from procedures.steps import Dwell
 from procedures.warm_up import Means, WarmUpState, unsettled, warm_up
-from station.benches.spans import merged, series
-from station.benches.stillness import LEAST, TICKS, Block
 from station.guide.checklist import MOVE_S
 from station.guide.desk import Desk
 from station.guide.judge import Look
 from station.guide.rested import estimates
 from station.guide.stage import Stage
 from station.guide.view import WarmUp
+from station.live.spans import merged, series
+from station.live.stillness import LEAST, TICKS, Block
 
 MEAN_BLOCKS = 10
 NOISE_ROWS = 6

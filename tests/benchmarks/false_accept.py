@@ -21,13 +21,13 @@ from procedures.arrays import FloatArray
 from procedures.campaign import Fixture
 from procedures.frames import face_normal, face_of
 from procedures.steps import Dwell, Step
-from station.benches import open_feed
 from station.guide.checklist import Checklist
 from station.guide.desk import Desk, Facts
 from station.guide.guide import Guide
 from station.guide.judge import LIMIT_DEG
+from station.live import open_feed
 from station.recorder.tape import Run, Tape
-from tests.station.benches.bench_in_memory import Source
+from tests.station.live.bench_in_memory import Source
 
 KINDS = ("flat", "tilted", "tilted a little", "wrong face", "tapped", "shaken", "creeping")
 DWELL_S, PATIENCE_S, MOVE_S = 10.0, 60.0, 3.0

@@ -27,7 +27,6 @@ from fixtures_db.database import open_db
 from procedures import hand_turns, twelve_position
 from procedures.campaign import Fixture
 from procedures.steps import Dwell, Step, steps_of
-from station.benches import open_feed
 from station.campaign_folder import read_campaign, read_hashes, verify_folder
 from station.guide.checklist import Checklist
 from station.guide.desk import Desk, Facts
@@ -35,8 +34,9 @@ from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
 from station.guide.unfinished import FolderLock, reopen
 from station.guide.view import View
+from station.live import open_feed
 from station.recorder import CampaignRecorder, open_campaign
-from tests.station.benches.bench_in_memory import SITE, Source
+from tests.station.live.bench_in_memory import SITE, Source
 
 TRUTH = Truth.example(1)
 STEPS = (*steps_of(twelve_position.plan(12.0)), *steps_of(hand_turns.plan(1)))

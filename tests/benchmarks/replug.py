@@ -17,9 +17,9 @@ import numpy as np
 from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from station.benches import open_feed
-from station.benches.spans import merged
-from station.benches.stillness import Block
+from station.live import open_feed
+from station.live.spans import merged
+from station.live.stillness import Block
 from station.reader import Chunk, GapMark, Reader
 from station.recorder.tape import Run
 

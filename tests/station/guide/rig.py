@@ -10,15 +10,15 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign import Fixture
 from procedures.steps import Dwell, Step
-from station.benches import open_feed
 from station.guide.checklist import Checklist
 from station.guide.command import Command
 from station.guide.desk import Desk, Facts
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
 from station.guide.view import View
+from station.live import open_feed
 from station.recorder import open_campaign
-from tests.station.benches.bench_in_memory import SITE, Source
+from tests.station.live.bench_in_memory import SITE, Source
 
 Watch = Callable[[View], None]
 

@@ -8,10 +8,10 @@ import pytest
 from drivers.simulated.bench import SimulatedBench
 from drivers.simulated.truth import Truth
 from procedures.steps import Dwell
-from station.benches.stillness import TICKS
 from station.errors import DataRefused
 from station.guide.folder_notes import read_unit, write_unit
 from station.guide.identity import UnitRecord, same_unit
+from station.live.stillness import TICKS
 
 SECONDS = 20
 

@@ -15,13 +15,13 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.errors import NotWritten
 from procedures.steps import Dwell
 from station import cli
-from station.benches import LiveFeed, open_feed
-from station.benches.spans import merged
 from station.campaign_folder import read_campaign, verify_folder
 from station.errors import CannotWrite
+from station.live import LiveFeed, open_feed
+from station.live.spans import merged
 from station.recorder import CampaignRecorder, check_raw_bytes, open_campaign
-from tests.station.benches.bench_in_memory import SITE, Source
 from tests.station.commands.program import Program
+from tests.station.live.bench_in_memory import SITE, Source
 
 PAGE = 4096
 

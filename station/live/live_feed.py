@@ -10,7 +10,7 @@ from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost, LinkSilent, WrongFormat
 from drivers.framing import sniff
 from drivers.wire import FORMATS, WireFormat
-from station.benches.stillness import TICKS, Block, block_of
+from station.live.stillness import TICKS, Block, block_of
 from station.reader import Chunk, GapMark
 from station.recorder import Piece, SampleStream, Tape, Unit
 from station.recorder.unit import refuse_other, unit_of

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.records import CountSeries
-from station.benches.stillness import Block
+from station.live.stillness import Block
 from station.recorder.tape import Run, Tape
 
 

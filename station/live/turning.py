@@ -9,7 +9,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.frames import AXES
 from procedures.steps import Turn
-from station.benches.stillness import LEAST, TICKS, Block
+from station.live.stillness import LEAST, TICKS, Block
 
 ALIKE = 0.1  # relative: gyros of one unit agree to some per cent, one revolution more or less is 33 % off
 FAR = 20.0  # times the noise of a second's counts

@@ -1,5 +1,5 @@
 """A live stream as seconds: blocks with their noise, stillness, turns, and from accepted blocks to samples."""
 
-from station.benches.live_feed import LiveFeed, open_feed
+from station.live.live_feed import LiveFeed, open_feed
 
 __all__ = ["LiveFeed", "open_feed"]

@@ -8,7 +8,7 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.records import CountBlock, CountSeries
 from procedures.steps import Dwell
-from station.benches.stillness import Block, Stillness, block_of
+from station.live.stillness import Block, Stillness, block_of
 
 
 def block(gyro: FloatArray, accel: FloatArray) -> Block:
