@@ -24,7 +24,7 @@ class GatesPanel(Drawn[Gates | None]):
         super().__init__(None, id="gates")
 
     def render(self) -> Content:
-        """Draw both; without counts both are unknown."""
+        """Draw both; while the cube is turned, or before there are counts, neither is judged."""
         gates = self.value
         if gates is None:
             return Content("\n").join(_unknown(name) for name in ("FACE", "STILL"))
@@ -60,4 +60,4 @@ class _Gate:
 
 
 def _unknown(name: str) -> Content:
-    return Content.assemble((f" {name:6}", "bold"), ("… no counts now", "$muted"))
+    return Content.assemble((f" {name:6}", "bold"), ("… not judged now", "$muted"))

@@ -160,8 +160,6 @@ TURNING = running(
     steps=steps(13, live="turn_x_minus"), live="turn_x_minus", wanted="turn_x_minus", remaining_s=310.0,
     line="Turning: 2.34 of 3 turns.", hint="Back to the mark after the third turn.",
     turn=TurnView(revolutions=-2.34, speed_deg_s=-37.0),
-    gates=Gates(face="x_up", off_deg=0.4, is_right_face=True, still=410.0, still_channel="gx", position=1,
-                heading="by the Earth rate"),
 )  # fmt: skip
 CAME_BACK = TURNING.model_copy(
     update={
