@@ -20,9 +20,10 @@ from functools import cached_property
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.campaign import Campaign, Site
+from procedures.campaign import Campaign, MeasuredCube, Site
 from procedures.earth import STANDARD_GRAVITY
 from procedures.frames import AXES, cross_axes, face_normal, face_of, nominal_C_lb, rotation, slab_C_ln
+from procedures.measured_cube import NAMES, SKEW, from_tilts
 
 FACE_RANGE = 1e-3  # rad, 1 sigma: a cube 0.4 mm off in 400 mm is not a fixture
 ITEMS_UP, ITEMS_DOWN = np.array([1.0, 3.0, 3.0]), np.array([3.0, 5.0, 5.0])  # P1 table 2, per face pair
@@ -151,7 +152,7 @@ class Bench:
         """Return what is known before the first count.
 
         Perpendicularity without a certificate is held where `ITEMS_UP` and `ITEMS_DOWN` put it; where the skew
-        is seen, only the part of it that turns the cube.
+        is seen or was measured, only the part of it that turns the cube.
         """
         rows: list[FloatArray] = []
         means: list[float] = []
@@ -172,7 +173,7 @@ class Bench:
             certified = self._certificates(cube)
             begin = self.cube_slice(cube).start
             for pair in range(3):
-                held = self.held_pairs(cube)[pair] and not self.skew_seen
+                held = self.held_pairs(cube)[pair] and not self.skew_known(cube)
                 for k in (0, 1):
                     add(begin + 2 * pair + k, FACE_RANGE * np.sqrt(2), True)
                     add(begin + 6 + 2 * pair + k, HELD if held else FACE_RANGE, not held)
@@ -186,13 +187,29 @@ class Bench:
                 rows.extend(row)
                 means.extend(white @ tilt)
                 loose.extend((False, False))
-            if self.skew_seen:
+            if (measured := self.measured(cube)) is not None:
+                white = np.linalg.inv(np.linalg.cholesky(measured.covariance))
+                row = np.zeros((len(measured.names), self.size))
+                row[:, begin : begin + 12] = white @ from_tilts()[[NAMES.index(name) for name in measured.names]]
+                rows.extend(row)
+                means.extend(white @ measured.value)
+                loose.extend([False] * len(row))
+            if self.skew_known(cube):
                 rows.extend(turns := self._held_turns(cube))
                 means.extend([0.0] * len(turns))
                 loose.extend([False] * len(turns))
         for i, at in enumerate(self.placements):
             add(self.heading_index(i), at.heading_std)
         return Prior(np.array(means), np.stack(rows), np.array(loose))
+
+    def measured(self, cube: int) -> MeasuredCube | None:
+        """Return what IMUs measured of a cube before; None of one that nobody did."""
+        return self.campaigns[self._campaign_of(cube)].fixture.measured
+
+    def skew_known(self, cube: int = 0) -> bool:
+        """Say whether rests in free attitudes show a cube's skew, or it was measured: it is then not held."""
+        measured = self.measured(cube) if self.cubes else None
+        return self.skew_seen or (measured is not None and any(name in SKEW for name in measured.names))
 
     def _held_turns(self, cube: int) -> list[FloatArray]:
         """Return rows (p,) that hold ``q_ac - q_ca`` of uncertified pairs a, c where their p makes it likely."""
@@ -215,12 +232,20 @@ class Bench:
         alone = cube == 0 and len(mountings) == 1
         return [alone and (pair, 1) not in certified and (pair, -1) not in certified for pair in range(3)]
 
-    def _certificates(self, cube: int) -> dict[tuple[int, int], tuple[FloatArray, FloatArray]]:
+    def certified_pairs(self, cube: int) -> list[bool]:
+        """Say of each face pair whether its parallelism is known: by both faces' certificates, or measured by IMUs."""
+        certified, measured = self._certificates(cube), self.measured(cube) is not None
+        return [measured or {(pair, 1), (pair, -1)} <= set(certified) for pair in range(3)]
+
+    def _campaign_of(self, cube: int) -> int:
+        """Return the first campaign in which a cube stands somewhere."""
         stands = (at.campaign for at in self.placements if at.cube == cube)
-        first = next(stands, cube_numbers(self.campaigns).tolist().index(cube))
+        return next(stands, cube_numbers(self.campaigns).tolist().index(cube))
+
+    def _certificates(self, cube: int) -> dict[tuple[int, int], tuple[FloatArray, FloatArray]]:
         return {
             (AXES.index(face[0]), 1 if face.endswith("up") else -1): (each.up_tilt, each.covariance)
-            for face, each in self.campaigns[first].fixture.faces.items()
+            for face, each in self.campaigns[self._campaign_of(cube)].fixture.faces.items()
         }
 
 

@@ -15,7 +15,7 @@ from procedures.free_positions import solve_with_rests, with_known_faces
 from procedures.hand_turns import GyroscopeFit, solve_gyroscope
 from procedures.moves import MovesFit, solve_moves
 from procedures.norm_fit import LEAST_RESTS
-from procedures.observations import TriadDwells, dwell_rates, rest_rates, turn_totals
+from procedures.observations import TriadDwells, TriadRests, TurnTotal, dwell_rates, rest_rates, turn_totals
 from procedures.residuals import fit_quality, step_residuals
 from procedures.sequences import Segmented, all_rests, segment
 from procedures.solution import Estimate, FitQuality, Solution, TriadCalibration
@@ -60,12 +60,37 @@ def solve(campaigns: Sequence[Campaign]) -> Solution:
     return report(fit(campaigns))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Reduced:
+    """What the steps of campaigns say, before anything is fitted; ``rests`` are those of ``others`` with rates."""
+
+    campaigns: tuple[Campaign, ...]
+    accel: TriadDwells | None
+    gyro: TriadDwells | None
+    segmented: tuple[Segmented, ...]
+    others: tuple[tuple[int, RestRecord], ...]
+    rests: TriadRests | None
+    turns: tuple[TurnTotal, ...]
+
+
 def fit(campaigns: Sequence[Campaign]) -> Fits:
     """Reduce the steps and fit both triads; raises as `solve`."""
+    return fit_reduced(reduce_steps(campaigns))
+
+
+def reduce_steps(campaigns: Sequence[Campaign]) -> Reduced:
+    """Reduce dwells, rests and turns to rates and totals."""
     accel, gyro = (dwell_rates(campaigns, triad) for triad in ("accelerometer", "gyroscope"))
     segmented = segment(campaigns)
     others = all_rests(campaigns, segmented)
+    turns = turn_totals(campaigns, gyro.noise) if gyro is not None else []
     rests = rest_rates(others, "accelerometer")
+    return Reduced(tuple(campaigns), accel, gyro, segmented, tuple(others), rests, tuple(turns))
+
+
+def fit_reduced(steps: Reduced) -> Fits:
+    """Fit both triads to what the steps say; raises as `solve`."""
+    campaigns, accel, gyro, rests = steps.campaigns, steps.accel, steps.gyro, steps.rests
     if labelled := with_known_faces(accel, rests):
         refuse_wrong_faces(labelled, [campaign.fixture.C_ib for campaign in campaigns])
     if rests is not None:
@@ -74,16 +99,16 @@ def fit(campaigns: Sequence[Campaign]) -> Fits:
         accelerometer = solve_accelerometer(campaigns, accel) if accel is not None else None
     gyroscope = None
     if gyro is not None:
-        gyroscope = solve_gyroscope(campaigns, gyro, turn_totals(campaigns, gyro.noise), accelerometer)
+        gyroscope = solve_gyroscope(campaigns, gyro, steps.turns, accelerometer)
     moves = None
     if gyroscope is None and accelerometer is not None:
-        moves = solve_moves(campaigns, segmented, accelerometer)
+        moves = solve_moves(campaigns, steps.segmented, accelerometer)
     if accelerometer is None and gyroscope is None:
         missing = missing_positions(accel or gyro) or ["turns about x, y and z, or a channel that responds"]
-        if others:
-            missing = [f"{LEAST_RESTS} rests that differ in attitude ({len(others)} found), or all six faces"]
+        if steps.others:
+            missing = [f"{LEAST_RESTS} rests that differ in attitude ({len(steps.others)} found), or all six faces"]
         raise NotObservable("the scale factor and bias of either triad", missing)
-    return Fits(tuple(campaigns), accel, gyro, accelerometer, gyroscope, tuple(others), segmented, moves)
+    return Fits(campaigns, accel, gyro, accelerometer, gyroscope, steps.others, steps.segmented, moves)
 
 
 def report(fits: Fits) -> Solution:
@@ -122,7 +147,7 @@ def joint_covariance(
         index, bench_names = _bench_index(joint)
         names = (*accel.names, *bench_names)
         J = np.zeros((len(names), len(joint.fit.x)))
-        J[:15, :12] = accel.jacobian
+        J[:15] = accel.jacobian
         J[np.arange(15, len(names)), index] = 1.0
         blocks = J @ joint.fit.covariance @ J.T
         blocks[:15, :15] = accel.covariance
@@ -138,9 +163,9 @@ def joint_covariance(
     own = fits.gyroscope.joint.fit.covariance
     shared = slice(12, 12 + len(tilts))
     given = own[shared, shared]
-    if fits.accelerometer is not None and fits.accelerometer.bench.skew_seen:  # wide enough for gyroscopes to see
+    if fits.accelerometer is not None and fits.accelerometer.bench.skew_known():  # wide enough for gyroscopes to see
         given = fits.accelerometer.fit.covariance[shared, shared]
-    regression = gyro.jacobian @ own[:12, shared] @ np.linalg.pinv(given, hermitian=True)
+    regression = gyro.jacobian @ own[:, shared] @ np.linalg.pinv(given, hermitian=True)
     common = regression @ tilts
     return (*names, *gyro.names), np.block([[blocks, common.T], [common, gyro.covariance]])
 
@@ -193,7 +218,7 @@ def _left_open(accelerometer: JointFit) -> list[str]:
     if accelerometer.is_turned_freely:
         return [FREE_FRAME]
     held = [axis for axis, it_is in zip(AXES, bench.held_pairs(0), strict=True) if it_is]
-    if bench.skew_seen:
+    if bench.skew_known():
         pairs = [(a, c) for a, c in ("xy", "xz", "yz") if a in held and c in held]
         return [f"fixture.perpendicularity.{a}.{c} less {c}.{a} (with misalignment)" for a, c in pairs]
     found = [f"fixture.perpendicularity.{n} (with misalignment)" for n in tilt_names() if n[0] in held]

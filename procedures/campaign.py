@@ -11,11 +11,12 @@ from procedures.records import Series
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """Where the slab stands: latitude [rad], gravity and its 1 sigma [m/s2]."""
+    """Where the slab stands: latitude [rad], gravity and its 1 sigma [m/s2], magnetic field [uT] East-North-Up."""
 
     latitude: float
     gravity: float
     gravity_std: float
+    magnetic: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,15 +42,30 @@ class FaceCertificate:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class MeasuredCube:
+    """A cube as IMUs measured it: ``value`` (n,) [rad] of ``names`` and covariance (n, n) [rad2].
+
+    The names are of `procedures.measured_cube.NAMES`; ``units`` names the IMUs, model and serial number.
+    """
+
+    names: tuple[str, ...]
+    value: FloatArray
+    covariance: FloatArray
+    units: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Fixture:
     """The cube: certificates by face name (``x_up`` ...), and how the IMU sits in it.
 
     ``C_ib`` (3, 3) takes the cube's axes to the IMU's; its rows are the cube axes along which IMU x, y, z point.
+    ``measured`` is what IMUs found of a cube whose faces have no certificate.
     """
 
     faces: Mapping[str, FaceCertificate] = field(default_factory=dict)
     C_ib: FloatArray = field(default_factory=lambda: np.eye(3))
     id: str | None = None
+    measured: MeasuredCube | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,6 +4,7 @@
 campaign holds, of an IMU that counts and of one that reports a rate.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -59,6 +60,7 @@ class CountSeries:
     ``t`` (n,) seconds, end of each interval; ``gyro``, ``accel`` (n, 3) int64 or None where the triad is
     absent; ``temperature`` (n,) degC, nan where unknown. ``starts`` (s,) holds the index of the first
     sample of each gap-free segment; ``starts[0]`` is 0. ``period`` is the measured sample period [s].
+    ``extra`` holds further columns (n,): auxiliary channels ``aux_NAME`` and ``utc_s``, nan where empty.
     """
 
     t: FloatArray
@@ -67,6 +69,7 @@ class CountSeries:
     temperature: FloatArray
     period: float
     starts: IntArray = field(default_factory=_one_segment)
+    extra: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = len(self.t)
@@ -88,6 +91,7 @@ class RateSeries:
     temperature: FloatArray
     period: float
     starts: IntArray = field(default_factory=_one_segment)
+    extra: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = len(self.t)

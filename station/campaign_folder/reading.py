@@ -138,9 +138,8 @@ def _sigma(procedure: ProcedureTable) -> ProcedureSigma:
 
 def _site(site: SiteTable) -> Site:
     latitude = float(np.radians(site.latitude_deg))
-    known = site.gravity_m_s2 is not None
     gravity = site.gravity_m_s2 if site.gravity_m_s2 is not None else normal_gravity(latitude, site.height_m)
-    return Site(latitude, gravity, site.gravity_std_m_s2 or (1e-5 if known else 5e-4))
+    return Site(latitude, gravity, site.gravity_std)
 
 
 def _fixture(fixture: FixtureTable) -> Fixture:

@@ -19,13 +19,11 @@ _NAMED_GAPS = 10
 class StepData:
     """What a step's file holds, a value per sample.
 
-    ``span`` is the first and last ``t_s`` [s]; ``extra`` the columns ``aux_NAME`` and ``utc_s``, nan where empty;
-    ``host_span`` the station's time [ns] where the file has it; ``warnings`` what is legal but worth saying.
+    ``span`` is the first and last ``t_s`` [s]; ``host_span`` the station's time [ns] where the file has it; ``warnings`` what is legal but worth saying.
     """
 
     series: Series
     span: tuple[float, float]
-    extra: dict[str, FloatArray]
     host_span: tuple[int, int] | None = None
     warnings: tuple[str, ...] = ()
 
@@ -57,10 +55,10 @@ def step_data(table: Table, imu: ImuTable) -> StepData:
     period = _period(step, is_gap, imu.sample_period_s)
     arrays = {triad: _outputs(table, names, imu, keep) for triad, names in TRIADS.items()}
     temperature = table.columns.get("temp_c", np.full(len(t), np.nan))[keep]
-    series = _series(t[keep], arrays, temperature, period, starts[starts < keep.sum()], imu)
     extra = {name: c[keep] for name, c in table.columns.items() if name not in {*OUTPUTS, "t_s", "temp_c"}}
+    series = _series(t[keep], arrays, temperature, period, starts[starts < keep.sum()], imu, extra)
     warnings = (*_gap_warnings(table, begins[1:]), *_other_warnings(table, period, imu))
-    return StepData(series, (float(t[0]), float(t[-1])), extra, table.host_span, warnings)
+    return StepData(series, (float(t[0]), float(t[-1])), table.host_span, warnings)
 
 
 def _refuse_time_backwards(table: Table, step: FloatArray) -> None:
@@ -111,12 +109,13 @@ def _series(
     period: float,
     starts: IntArray,
     imu: ImuTable,
+    extra: dict[str, FloatArray],
 ) -> Series:
     gyro, accel = arrays["gyro"], arrays["accel"]
     if imu.output == "rate":
-        return RateSeries(t, gyro, accel, temperature, period, starts)
+        return RateSeries(t, gyro, accel, temperature, period, starts, extra)
     counts = [None if a is None else a.astype(np.int64) for a in (gyro, accel)]
-    return CountSeries(t, counts[0], counts[1], temperature, period, starts)
+    return CountSeries(t, counts[0], counts[1], temperature, period, starts, extra)
 
 
 def _gap_warnings(table: Table, gaps: IntArray) -> list[str]:

@@ -98,8 +98,8 @@ def test_optional_cells_may_be_empty(folder: Path) -> None:
     step = read_campaign(folder).steps[0]
     assert step.data is not None
     assert np.array_equal(step.data.series.temperature, [np.nan, np.nan, 20.0], equal_nan=True)
-    assert np.array_equal(step.data.extra["aux_fan"], [np.nan, np.nan, 4.0], equal_nan=True)
-    assert np.array_equal(step.data.extra["utc_s"], [np.nan, 1e9, np.nan], equal_nan=True)
+    assert np.array_equal(step.data.series.extra["aux_fan"], [np.nan, np.nan, 4.0], equal_nan=True)
+    assert np.array_equal(step.data.series.extra["utc_s"], [np.nan, 1e9, np.nan], equal_nan=True)
 
 
 def test_rates_may_be_real(folder: Path) -> None:

@@ -1,0 +1,117 @@
+"""Which effects a campaign can speak of at all: those that something in it excites.
+
+An effect may have acted in several ways (in one dwell or another, with one time constant or another). Slab and faces
+without certificate are part of the model from the start: to ask whether they are there is to ask what the model
+would lose without them, so their columns are taken out of it and put to the test.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.bench_model import Bench, tilt_names
+from procedures.calibration import Fits
+from procedures.diagnosis.evidence import Evidence
+from procedures.diagnosis.model import LinearFit, Term, fit_linear
+from procedures.effects.effect import Columns, Effect
+
+EXCITED = 0.1  # of a coefficient's plausible size that one sigma of it must at least come down to
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """One way in which an effect may have acted: its columns, its rows H (n, k), its coefficients' range (k,).
+
+    ``taken`` (p,) marks the model's own columns that it is, all False where it adds to the model.
+    """
+
+    effect: Effect
+    columns: Columns
+    term: Term
+    taken: BoolArray
+
+    @property
+    def is_of_model(self) -> bool:
+        """Say whether the model holds it from the start."""
+        return bool(self.taken.any())
+
+    def evidence(self, evidence: Evidence) -> Evidence:
+        """Return the evidence with what the model says of it put back to nought."""
+        if not self.is_of_model:
+            return evidence
+        return replace(evidence, residual=evidence.residual - evidence.A[:, self.taken] @ evidence.x[self.taken])
+
+    def fit(self, evidence: Evidence, others: Sequence[Term] = (), factor: FloatArray | None = None) -> LinearFit:
+        """Fit it beside the model and other terms; it stands last."""
+        return fit_linear(self.evidence(evidence), [*others, self.term], ~self.taken, factor)
+
+    def without(
+        self, evidence: Evidence, others: Sequence[Term] = (), factor: FloatArray | None = None
+    ) -> LinearFit:
+        """Fit the model and other terms without it."""
+        return fit_linear(self.evidence(evidence), others, ~self.taken, factor)
+
+
+def candidates(evidence: Evidence, fits: Fits, effects: Sequence[Effect]) -> dict[str, list[Candidate]]:
+    """Return by effect, in catalogue order, every way in which it may have acted and would show."""
+    of_model = _of_model(fits, len(evidence.x))
+    found: dict[str, list[Candidate]] = {}
+    for effect in effects:
+        ways = list(_ways(evidence, effect, of_model))
+        if ways:
+            found[effect.name] = ways
+    return found
+
+
+def _ways(
+    evidence: Evidence, effect: Effect, of_model: Mapping[str, tuple[Columns, IntArray]]
+) -> Iterator[Candidate]:
+    if effect.name in of_model:
+        columns, index = of_model[effect.name]
+        taken = np.zeros(len(evidence.x), dtype=bool)
+        taken[index] = True
+        yield Candidate(effect, columns, Term(-evidence.A[:, taken], np.full(len(index), np.inf)), taken)
+        return
+    nothing = np.zeros(len(evidence.x), dtype=bool)
+    for columns in effect.columns(evidence.seen):
+        H = evidence.column(columns)
+        if not np.all(np.isfinite(H)):
+            continue
+        term = Term(H, np.full(H.shape[1], effect.plausible))
+        told = EXCITED * effect.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
+        if told.any():
+            yield Candidate(effect, columns, term, nothing)
+
+
+def _of_model(fits: Fits, width: int) -> dict[str, tuple[Columns, IntArray]]:
+    """Return what of slab and faces the model holds, by effect: the coefficients and their columns of A."""
+    joint = fits.accelerometer or (fits.gyroscope.joint if fits.gyroscope else None)
+    if joint is None or joint.is_turned_freely:
+        return {}
+    bench: Bench = joint.bench
+    several = len(fits.campaigns) > 1
+    sides = [
+        f"{side}{f'.{i + 1}' if several else ''}" for i in range(len(fits.campaigns)) for side in ("east", "north")
+    ]
+    found = {"slab.tilt": (Columns(tuple(sides)), 12 + np.arange(len(sides)))}
+    names, index = list[str](), list[int]()
+    for cube in range(bench.cubes):
+        begin = 12 + bench.cube_slice(cube).start
+        for i, name in enumerate(tilt_names()):
+            if not bench.certified_pairs(cube)[i // 2]:
+                names.append(f"{name}{f'.{cube + 1}' if bench.cubes > 1 else ''}")
+                index.append(begin + i)
+    if names:
+        found["fixture.parallelism"] = (Columns(tuple(names)), np.array(index))
+    return found
+
+
+def usable(candidate: Candidate, evidence: Evidence, others: Sequence[Term] = ()) -> bool:
+    """Say whether the model leaves enough of it to see: 1 sigma of a coefficient well below its plausible size."""
+    if candidate.is_of_model:
+        return True
+    fit = candidate.fit(evidence, others, np.ones(len(evidence.residual)))
+    _, C = fit.coefficients()
+    return bool(np.any(np.sqrt(np.diag(C)) < 0.5 * candidate.term.plausible))

@@ -1,0 +1,245 @@
+"""The closed loop: residual, effect, model, residual again.
+
+    evidence -> candidates -> one effect at a time -> parameters solved again -> what is left
+
+until nothing significant, plausible and foretelling is left; then every finding is held against what could take its
+place, and the whole against noise.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.calibration import Fits, Reduced, fit_reduced, reduce_steps, report
+from procedures.campaign import Campaign
+from procedures.diagnosis.aliases import takes_its_place
+from procedures.diagnosis.candidates import Candidate, candidates, usable
+from procedures.diagnosis.errors_made import errors_made
+from procedures.diagnosis.evidence import Evidence
+from procedures.diagnosis.groups import groups
+from procedures.diagnosis.model import Term, fit_linear, significance
+from procedures.diagnosis.refit import Refit, refit
+from procedures.diagnosis.result import Confidence, Diagnosis, Finding, Test, Verdict
+from procedures.diagnosis.selection import (
+    ESTABLISHED,
+    GAIN,
+    LIKELY,
+    MOST,
+    Adopted,
+    Tried,
+    gain_of,
+    next_effect,
+    try_all,
+)
+from procedures.diagnosis.unexplained import excess, log_p_of
+from procedures.effects import EFFECTS
+from procedures.effects.effect import Effect
+
+UNEXPLAINED = np.log(0.01)
+LEFT = np.log(
+    1e-3
+)  # ln p of what is left, below which an effect must have explained nearly all it was brought for
+EXPLAINS = 0.95
+RANK = {"bench": 0, "procedure": 1, "instrument": 2}
+
+Pool = Mapping[str, Sequence[Candidate]]
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """Where the loop stands."""
+
+    steps: Reduced
+    base: Fits
+    adopted: tuple[Adopted, ...]
+    now: Refit
+    pool: Pool
+
+    def beside(self, but: Candidate | None = None) -> list[Term]:
+        """Return the terms added to the model, but for one."""
+        return [each.term for each in self.adopted if not each.candidate.is_of_model and each.candidate is not but]
+
+
+def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS) -> Diagnosis:
+    """Find what the residual of one unit's campaigns says the model lacks, and add it.
+
+    Raises
+    ------
+    NotObservable
+        If neither triad can be solved.
+    """
+    steps = reduce_steps(campaigns)
+    base = fit_reduced(steps)
+    state = first = _stand(steps, base, (), effects)
+    tried = list[Tried]()
+    for _ in range(MOST):
+        found = try_all(state.now.evidence, state.pool, state.adopted)
+        tried = tried or found
+        new = next_effect(state.now.evidence, found, state.adopted, groups(state.now.evidence))
+        if new is None:
+            break
+        state = _stand(steps, base, (*state.adopted, new), effects)
+        state = _dropped(state, effects)
+    state = _honest(state, effects)
+    state, findings = _named(state, len(first.pool), effects)
+    left = _left(state)
+    solution_before, solution = report(base), report(state.now.fits)
+    return Diagnosis(
+        _verdict(findings, left), findings, tuple(_test(each) for each in tried),
+        errors_made(first.now.evidence, state.now, groups(first.now.evidence)), base, state.now.fits,
+        state.now.evidence, solution_before, solution, left, _next(findings),
+    )  # fmt: skip
+
+
+def _stand(steps: Reduced, base: Fits, adopted: Sequence[Adopted], effects: Sequence[Effect]) -> _State:
+    """Solve with what was adopted and look again at everything from there."""
+    now = refit(steps, base, [each.candidate for each in adopted])
+    pool = candidates(now.evidence, now.fits, effects)
+    return _State(steps, base, tuple(_found_again(each, pool) for each in adopted), now, pool)
+
+
+def _found_again(adopted: Adopted, pool: Pool) -> Adopted:
+    """Return an adopted effect with its columns where the model now stands."""
+    old = adopted.candidate
+    for way in pool.get(old.effect.name, ()):
+        if way.columns.where == old.columns.where and way.columns.shape == old.columns.shape:
+            return replace(adopted, candidate=way)
+    return adopted
+
+
+def _dropped(state: _State, effects: Sequence[Effect]) -> _State:
+    """Drop effects that those adopted after them explain."""
+    for each in state.adopted[:-1]:
+        test = significance(
+            state.now.evidence, each.candidate.fit(state.now.evidence, state.beside(each.candidate))
+        )
+        if test.log_p + np.log(len(state.pool)) > LIKELY:
+            kept = [other for other in state.adopted if other is not each]
+            return _stand(state.steps, state.base, kept, effects)
+    return state
+
+
+def _left(state: _State) -> float:
+    """Return ln p of what the model with all its effects leaves."""
+    evidence = state.now.evidence
+    return log_p_of(evidence, fit_linear(evidence, state.beside(), factor=np.ones(len(evidence.residual))))
+
+
+def _honest(state: _State, effects: Sequence[Effect]) -> _State:
+    """Drop effects that leave more than a little of what they were brought in to explain: they only look like it."""
+    while _left(state) < LEFT:
+        wanting = [
+            (share, each)
+            for each in state.adopted
+            if not each.candidate.is_of_model and (share := _explained(state, each.candidate)) < EXPLAINS
+        ]
+        if not wanting:
+            break
+        worst = min(wanting, key=lambda each: each[0])[1]
+        state = _stand(state.steps, state.base, [each for each in state.adopted if each is not worst], effects)
+    return state
+
+
+def _explained(state: _State, candidate: Candidate) -> float:
+    """Return how much of what noise does not explain a candidate does."""
+    evidence, ones = state.now.evidence, np.ones(len(state.now.evidence.residual))
+    without = excess(evidence, fit_linear(evidence, state.beside(candidate), factor=ones))
+    with_it = excess(evidence, fit_linear(evidence, state.beside(), factor=ones))
+    return 1 - with_it / without if without > 0 else 0.0
+
+
+def _named(state: _State, tried: int, effects: Sequence[Effect]) -> tuple[_State, tuple[Finding, ...]]:
+    """Name every finding, or the group it cannot be told from."""
+    renamed = tuple(_renamed(state, each) for each in state.adopted)
+    if any(new.candidate is not old.candidate for new, old in zip(renamed, state.adopted, strict=True)):
+        state = _stand(state.steps, state.base, _once(renamed), effects)
+    return state, tuple(_finding(state, each, tried) for each in state.adopted)
+
+
+def _once(adopted: Sequence[Adopted]) -> list[Adopted]:
+    found = dict[tuple[str, str, str], Adopted]()
+    for each in adopted:
+        columns = each.candidate.columns
+        found.setdefault((each.candidate.effect.name, str(columns.where), columns.shape), each)
+    return list(found.values())
+
+
+def _others(state: _State, finding: Candidate) -> list[Candidate]:
+    """Return the effects that could take a finding's place, the best of the ways of each."""
+    evidence, beside = state.now.evidence, state.beside(finding)
+    inside = {id(each.candidate) for each in state.adopted}
+    found = list[Candidate]()
+    for ways in state.pool.values():
+        for way in ways:
+            if way.effect is finding.effect or id(way) in inside or way.is_of_model:
+                continue
+            if takes_its_place(evidence, finding, way.term, beside):
+                found.append(way)
+    return found
+
+
+def _renamed(state: _State, adopted: Adopted) -> Adopted:
+    """Return a finding under the name that its group goes by: the bench's, the procedure's, or what foretells best."""
+    group = [adopted.candidate, *_others(state, adopted.candidate)]
+    evidence, beside, left_out = state.now.evidence, state.beside(adopted.candidate), groups(state.now.evidence)
+    rank = min(RANK[each.effect.kind] for each in group)
+    if RANK[adopted.candidate.effect.kind] == rank and rank != RANK["instrument"]:
+        return adopted
+    gains = [gain_of(evidence, each, beside, left_out) for each in group]
+    named = max(
+        (each for each in zip(group, gains, strict=True) if RANK[each[0].effect.kind] == rank),
+        key=lambda each: round(each[1], 6),
+    )
+    return replace(adopted, candidate=named[0], gain=named[1]) if named[0] is not adopted.candidate else adopted
+
+
+def _finding(state: _State, adopted: Adopted, tried: int) -> Finding:
+    candidate, evidence = adopted.candidate, state.now.evidence
+    beside = state.beside(candidate)
+    test = significance(evidence, candidate.fit(evidence, beside))
+    log_p = min(test.log_p + np.log(tried), 0.0)
+    gain = gain_of(evidence, candidate, beside, groups(evidence))
+    aliases = tuple(dict.fromkeys(each.effect.name for each in _others(state, candidate)))
+    confidence: Confidence = (
+        "ambiguous" if aliases else "established" if log_p < ESTABLISHED and gain > GAIN else "likely"
+    )
+    return Finding(
+        candidate.effect.name, candidate.effect.kind, candidate.columns.coefficients, test.value, test.std,
+        candidate.effect.unit, _where(state, candidate), confidence, aliases,
+        candidate.effect.separate_by, log_p, gain, candidate.columns.shape,
+    )  # fmt: skip
+
+
+def _where(state: _State, finding: Candidate) -> Mapping[str, object]:
+    """Return what a finding is about; of a seating that its pair's other could be instead, both positions."""
+    where = dict(finding.columns.where)
+    if "position" not in where:
+        return where
+    evidence, beside = state.now.evidence, state.beside(finding)
+    also = [
+        way.columns.where["position"]
+        for way in state.pool[finding.effect.name]
+        if way is not finding and takes_its_place(evidence, finding, way.term, beside)
+    ]
+    if also:
+        where["position"] = [where["position"], *also]
+    return where
+
+
+def _verdict(findings: Sequence[Finding], left: float) -> Verdict:
+    if left < UNEXPLAINED:
+        return "unexplained"
+    for word in ("ambiguous", "likely", "established"):
+        if any(each.confidence == word for each in findings):
+            return word  # type: ignore[return-value]
+    return "consistent"
+
+
+def _test(tried: Tried) -> Test:
+    return Test(tried.candidate.effect.name, tried.test.statistic, tried.log_p, tried.log_p_adjusted)
+
+
+def _next(findings: Sequence[Finding]) -> str:
+    """Say what to measure next."""
+    return "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "ambiguous"))

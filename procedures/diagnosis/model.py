@@ -1,0 +1,188 @@
+"""A linear model of the evidence: what its parameters and some effects make of the residual, and how sure that is.
+
+The residual of `procedures.diagnosis.evidence` is minimised over the model's parameters and the coefficients c,
+which are held to nought by their plausible range. Each class of rows (means, shapes, turns, norms of a triad) has a
+variance of its own: never less than counting noise, more where the rows scatter more than the model explains.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.diagnosis.evidence import KINDS, Evidence
+from procedures.diagnosis.tail import MANY, log_f_sf
+
+ROUNDS = 3  # of weighting anew
+SHARE = 0.1  # of a coefficient's information that a class must hold for its degrees of freedom to count
+SINGULAR = 1e-12
+
+
+def classes(evidence: Evidence) -> IntArray:
+    """Return (n,) which rows share a variance: by triad and kind, slope and curvature together; 0 is known rows."""
+    kind = np.where(evidence.kind == KINDS.index("curvature"), KINDS.index("slope"), evidence.kind)
+    shared: IntArray = np.where(evidence.kind == KINDS.index("prior"), 0, 1 + evidence.triad * len(KINDS) + kind)
+    return shared
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Term:
+    """Columns of an effect and how far its coefficients may plausibly be from nought (k,)."""
+
+    H: FloatArray
+    plausible: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class LinearFit:
+    """The minimum for one set of terms.
+
+    ``theta`` holds the model's parameters dx (of the columns kept), then the coefficients of all terms in order;
+    ``Q``, ``R`` factor the whitened design, prior rows of coefficients last; ``whole`` is the whitened residual left
+    of all these rows, ``white`` (n,) that of the evidence; ``factor`` (n,) by how much each row's sigma was widened, ``dof`` that of each row's class.
+    """
+
+    theta: FloatArray
+    Q: FloatArray
+    R: FloatArray
+    whole: FloatArray
+    factor: FloatArray
+    dof: FloatArray
+    sizes: tuple[int, ...]
+
+    @property
+    def white(self) -> FloatArray:
+        """The evidence's whitened residual (n,)."""
+        return self.whole[: len(self.factor)]
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Covariance of theta."""
+        root = np.linalg.inv(self.R)
+        found: FloatArray = root @ root.T
+        return found
+
+    def span(self, term: int) -> slice:
+        """Where a term's coefficients stand in theta; negative numbers count from the last."""
+        ends = np.cumsum([len(self.theta) - sum(self.sizes), *self.sizes])
+        term %= len(self.sizes)
+        return slice(int(ends[term]), int(ends[term + 1]))
+
+    def coefficients(self, term: int = -1) -> tuple[FloatArray, FloatArray]:
+        """Return a term's coefficients (k,) and their covariance (k, k)."""
+        at = self.span(term)
+        return self.theta[at], self.covariance[at, at]
+
+    @property
+    def leverage(self) -> FloatArray:
+        """Share (n,) of each row's variance that the fit absorbs."""
+        absorbed: FloatArray = np.sum(self.Q[: len(self.white)] ** 2, axis=1)
+        return absorbed
+
+
+def fit_linear(
+    evidence: Evidence, terms: Sequence[Term], keep: BoolArray | None = None, factor: FloatArray | None = None
+) -> LinearFit:
+    """Fit the model's parameters (those columns of A to ``keep``, else all) and the terms' coefficients.
+
+    ``factor`` (n,) widens the rows' sigma by a given amount; else it is found.
+    """
+    A = evidence.A if keep is None else evidence.A[:, keep]
+    H = np.hstack([np.zeros((len(A), 0)), *(term.H for term in terms)])
+    design = np.hstack((A, -H))
+    prior = np.hstack((np.zeros((H.shape[1], A.shape[1])), np.diag(_inverse_ranges(terms))))
+    shared, given = classes(evidence), factor
+    factor = np.ones(len(A)) if given is None else given
+    dof = np.full(len(A), np.inf)
+    for _ in range(ROUNDS if given is None else 1):
+        weight = 1 / (evidence.sigma * factor)
+        Q, R = np.linalg.qr(np.vstack((design * weight[:, None], prior)))
+        y = np.concatenate((evidence.residual * weight, np.zeros(len(prior))))
+        theta = -np.linalg.solve(R, Q.T @ y)
+        whole = y - Q @ (Q.T @ y)
+        white = whole[: len(A)]
+        if given is not None:
+            break
+        used = factor
+        factor, dof = _widened(shared, white * factor, 1 - np.sum(Q[: len(A)] ** 2, axis=1))
+    else:
+        factor = used
+    return LinearFit(theta, Q, R, whole, factor, dof, tuple(term.H.shape[1] for term in terms))
+
+
+def _inverse_ranges(terms: Sequence[Term]) -> FloatArray:
+    return 1 / np.concatenate([np.zeros(0), *(term.plausible for term in terms)])
+
+
+def _widened(shared: IntArray, white: FloatArray, free: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the factor on every row's sigma and the degrees of freedom behind it, infinite where noise suffices."""
+    factor, dof = np.ones(len(white)), np.full(len(white), np.inf)
+    for number in np.unique(shared[shared > 0]):
+        rows = shared == number
+        ratio = float(np.sum(white[rows] ** 2) / max(np.sum(free[rows]), 1.0))
+        if ratio > 1:
+            factor[rows], dof[rows] = np.sqrt(ratio), max(float(np.sum(free[rows])), 1.0)
+    return factor, dof
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Significance:
+    """ln p of a term: jointly, and of its best single coefficient, both counted; coefficients, sigmas, dof."""
+
+    log_p: float
+    statistic: float
+    value: FloatArray
+    std: FloatArray
+    dof: float
+
+
+def significance(evidence: Evidence, fit: LinearFit, term: int = -1) -> Significance:
+    """Test whether a term's coefficients are all nought.
+
+    An effect may act on one sensor or on all: the smaller of the joint p and the least single one times their
+    number is taken, twice, since two were tried.
+    """
+    c, C = fit.coefficients(term)
+    dof = _dof(evidence, fit, term)
+    k = len(c)
+    joint = float(c @ np.linalg.solve(C, c))
+    std = np.sqrt(np.diag(C))
+    log_p = log_f_sf(joint / k, k, dof)
+    if k > 1:
+        single = log_f_sf(float(np.max((c / std) ** 2)), 1, dof) + np.log(k)
+        log_p = min(log_p, single) + np.log(2)
+    return Significance(min(log_p, 0.0), joint / k, c, std, dof)
+
+
+def _dof(evidence: Evidence, fit: LinearFit, term: int) -> float:
+    """Return the least degrees of freedom behind the variances of the rows that tell most of a term."""
+    at = fit.span(term)
+    Q, n = fit.Q[:, : at.stop], len(fit.white)
+    told = np.sum(Q[:n, at] ** 2, axis=1)  # share of the term's own information by row
+    shared, found = classes(evidence), MANY * 10
+    for number in np.unique(shared[shared > 0]):
+        rows = shared == number
+        if told[rows].sum() > SHARE * told.sum():
+            found = min(found, float(fit.dof[rows][0]))
+    return found
+
+
+def held_out(evidence: Evidence, fit: LinearFit, groups: Sequence[IntArray]) -> tuple[float, FloatArray]:
+    """Return the log predictive density of every group left out in turn, summed, and the errors (n,) made, in sigmas.
+
+    With L the group's block of the hat matrix, what is left out is off by ``(I - L)^-1 e`` and known to
+    ``(I - L)^-1``, both whitened: no fit is repeated, and what a campaign cannot foretell is not held against a
+    model. Rows in no group, and errors known to worse than ten sigmas, are nan.
+    """
+    total, errors = 0.0, np.full(len(fit.white), np.nan)
+    for rows in groups:
+        e, Q = fit.white[rows], fit.Q[rows]
+        values, vectors = np.linalg.eigh(np.eye(len(rows)) - Q @ Q.T)
+        values = np.maximum(values, SINGULAR)
+        turned = vectors.T @ e
+        total += -0.5 * float(np.sum(turned**2 / values - np.log(values)))
+        spread = np.sum(vectors**2 / values, axis=1)
+        errors[rows] = np.where(spread < 100, vectors @ (turned / values), np.nan)
+    return total, errors

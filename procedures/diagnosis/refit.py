@@ -1,0 +1,165 @@
+"""The loop closed: the parameters solved again with the adopted effects in the model.
+
+What an effect adds is taken off every rate and total, the base model is fitted to what is left, and the
+coefficients are solved anew where that fit stands (Gauss-Newton). The parameters' covariance is that of the whole model: it holds what the coefficients leave open.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration import Fits, Reduced, fit_reduced
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.evidence import KINDS, Evidence, evidence_of
+from procedures.diagnosis.model import LinearFit, Term, fit_linear
+from procedures.effects.effect import Columns
+from procedures.least_squares import Fit
+from procedures.twelve_position import JointFit
+
+ROUNDS = 6
+SMALL = 1e-3  # sigma by which the last round still moved a coefficient
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Refit:
+    """The fits with effects in, the evidence that is left of them, and the linear fit there.
+
+    ``values`` are the coefficients (k,) of every effect added, in the order given; ``covariances`` theirs.
+    """
+
+    fits: Fits
+    evidence: Evidence
+    linear: LinearFit
+    values: tuple[FloatArray, ...]
+    covariances: tuple[FloatArray, ...]
+
+
+def refit(steps: Reduced, base: Fits, added: Sequence[Candidate]) -> Refit:
+    """Solve everything again with the candidates ``added`` to the model; those of the model itself are in it."""
+    added = [each for each in added if not each.is_of_model]
+    values = [np.zeros(len(each.columns.coefficients)) for each in added]
+    fits = base
+    for _ in range(ROUNDS):
+        evidence = evidence_of(fits)
+        terms, offsets = _terms(evidence, added, values)
+        evidence = _corrected(evidence, terms, values, offsets)
+        linear = fit_linear(evidence, terms)
+        found = [linear.coefficients(i) for i in range(len(terms))]
+        moved = [
+            float(np.max(np.abs(c - old) / np.sqrt(np.diag(C)), initial=0.0))
+            for (c, C), old in zip(found, values, strict=True)
+        ]
+        values = [c for c, _ in found]
+        if max(moved, default=0.0) < SMALL:
+            break
+        fits = fit_reduced(_without(steps, fits, evidence, added, values))
+    covariances = tuple(C for _, C in found)
+    return Refit(_with_covariance(fits, evidence, linear), evidence, linear, tuple(values), covariances)
+
+
+def same_way(candidate: Candidate, evidence: Evidence) -> Columns:
+    """Return a candidate's columns at another evidence's nodes."""
+    for columns in candidate.effect.columns(evidence.seen):
+        if columns.where == candidate.columns.where and columns.shape == candidate.columns.shape:
+            return columns
+    raise LookupError(f"{candidate.effect.name} no longer acts as {candidate.columns.where}")
+
+
+def _terms(
+    evidence: Evidence, added: Sequence[Candidate], values: Sequence[FloatArray]
+) -> tuple[list[Term], list[FloatArray]]:
+    """Return every effect's columns at its coefficients, and what is added beyond columns times coefficients (n,)."""
+    terms, beyond = list[Term](), list[FloatArray]()
+    for candidate, c in zip(added, values, strict=True):
+        columns = same_way(candidate, evidence)
+        exact, columns = _bent(candidate, columns, evidence, c)
+        H = evidence.column(columns)
+        terms.append(Term(H, candidate.term.plausible))
+        beyond.append(np.zeros(len(H)) if exact is None else evidence.column(exact)[:, 0] - H @ c)
+    return terms, beyond
+
+
+def _bent(
+    candidate: Candidate, columns: Columns, evidence: Evidence, c: FloatArray
+) -> tuple[Columns | None, Columns]:
+    """Return what a non-linear effect adds at c, as one column, and its columns there."""
+    added = candidate.effect.added
+    if added is None or not np.any(c):
+        return None, columns
+    total, change = added(evidence.seen, c)
+    name = "accel" if columns.accel is not None else "gyro"
+    return Columns(("",), **{name: total[:, :, None]}), replace(columns, **{name: change})
+
+
+def _corrected(
+    evidence: Evidence, terms: Sequence[Term], values: Sequence[FloatArray], beyond: Sequence[FloatArray]
+) -> Evidence:
+    """Return the residual as if only what is beyond linear had been taken off.
+
+    Means, totals and norms come from a fit to rates less the whole effect; slopes and curvatures are as measured.
+    """
+    residual = evidence.residual.copy()
+    taken_off = evidence.rows("mean", "turn", "norm")
+    for term, c, more in zip(terms, values, beyond, strict=True):
+        residual += np.where(taken_off, term.H @ c, -more)
+    return replace(evidence, residual=residual)
+
+
+def _without(
+    steps: Reduced, fits: Fits, evidence: Evidence, added: Sequence[Candidate], values: Sequence[FloatArray]
+) -> Reduced:
+    """Return the steps less what the effects added to them."""
+    off: dict[tuple[int, str], list[FloatArray]] = {}
+    parts = [_part(candidate, evidence, c) for candidate, c in zip(added, values, strict=True)]
+    for each in evidence.weights:
+        kind = KINDS[evidence.kind[each.rows.start]]
+        sums = [part[each.triad] for part in parts]
+        total = sum((each.w @ s[each.nodes] for s in sums if s is not None), np.zeros(3))
+        off.setdefault((each.triad, kind), []).append(total)
+    accel, gyro, rests, turns = steps.accel, steps.gyro, steps.rests, steps.turns
+    if accel is not None and (here := off.get((0, "mean"))):
+        accel = replace(accel, rate=accel.rate - _scale(fits.accelerometer) * np.array(here))
+    if rests is not None and (here := off.get((0, "norm"))):
+        rests = replace(rests, rate=rests.rate - _scale(fits.accelerometer) * np.array(here))
+    if gyro is not None and fits.gyroscope is not None:
+        k = _scale(fits.gyroscope.joint)
+        gyro = replace(gyro, rate=gyro.rate - k * np.array(off[1, "mean"]))
+        less = dict(zip([t.record.name for t in fits.gyroscope.turns], off.get((1, "turn"), []), strict=True))
+        turns = tuple(replace(t, total=t.total - k * less.get(t.record.name, 0.0)) for t in turns)
+    return replace(steps, accel=accel, gyro=gyro, rests=rests, turns=turns)
+
+
+def _part(candidate: Candidate, evidence: Evidence, c: FloatArray) -> tuple[FloatArray | None, FloatArray | None]:
+    """Return what an effect adds at the nodes (n, 3) [g] and [deg/s]."""
+    columns = same_way(candidate, evidence)
+    exact, _ = _bent(candidate, columns, evidence, c)
+    if exact is not None:
+        columns, c = exact, np.ones(1)
+    accel, gyro = (None if part is None else part @ c for part in (columns.accel, columns.gyro))
+    return accel, gyro
+
+
+def _scale(joint: JointFit | None) -> FloatArray:
+    assert joint is not None
+    k: FloatArray = np.linalg.norm(joint.K, axis=1)
+    return k
+
+
+def _with_covariance(fits: Fits, evidence: Evidence, linear: LinearFit) -> Fits:
+    """Return the fits with the covariance that the whole model gives their parameters."""
+    if not linear.sizes:
+        return fits
+    accel, gyro = fits.accelerometer, fits.gyroscope
+    first, second = evidence.columns_of
+    if accel is not None:
+        accel = replace(accel, fit=_covered(accel.fit, linear.covariance[np.ix_(first, first)]))
+    if gyro is not None:
+        covered = _covered(gyro.joint.fit, linear.covariance[np.ix_(second, second)])
+        gyro = replace(gyro, joint=replace(gyro.joint, fit=covered))
+    return replace(fits, accelerometer=accel, gyroscope=gyro)
+
+
+def _covered(fit: Fit, covariance: FloatArray) -> Fit:
+    return replace(fit, covariance=covariance)

@@ -1,0 +1,79 @@
+"""What a diagnosis returns: verdict, findings, the error before and after, what was tried."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from procedures.arrays import FloatArray
+from procedures.calibration import Fits
+from procedures.diagnosis.evidence import Evidence
+from procedures.effects.effect import Kind
+from procedures.solution import Solution
+
+Confidence = Literal["established", "likely", "ambiguous"]
+Verdict = Literal["consistent", "established", "likely", "ambiguous", "unexplained"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Finding:
+    """An effect found: its coefficients by key with 1 sigma, in ``unit``, and how sure its name is.
+
+    ``aliases`` could take its place; ``separate_by`` is the measurement that would tell. ``log_p`` is adjusted for
+    all that was tried; ``gain`` is what rows left out gained by it (ln predictive density).
+    """
+
+    effect: str
+    kind: Kind
+    coefficients: tuple[str, ...]
+    value: FloatArray
+    std: FloatArray
+    unit: str
+    where: Mapping[str, object]
+    confidence: Confidence
+    aliases: tuple[str, ...]
+    separate_by: str
+    log_p: float
+    gain: float
+    shape: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Test:
+    """An effect that was tried: statistic (chi-square over its coefficients), ln p, and ln p adjusted by Holm."""
+
+    effect: str
+    statistic: float
+    log_p: float
+    log_p_adjusted: float
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """A residual's rms [unit] before and after, in the campaign and on what was left out."""
+
+    quantity: str
+    unit: str
+    before: float
+    after: float
+    held_out_before: float | None
+    held_out_after: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Diagnosis:
+    """The whole: ``before`` and ``after`` are the fits without and with the effects, with the evidence of each.
+
+    ``log_p`` is the global test's after all accepted effects.
+    """
+
+    verdict: Verdict
+    findings: tuple[Finding, ...]
+    tried: tuple[Test, ...]
+    errors: tuple[Errors, ...]
+    before: Fits
+    after: Fits
+    evidence: Evidence
+    solution_before: Solution
+    solution: Solution
+    log_p: float
+    next_measurement: str

@@ -1,0 +1,133 @@
+"""Selection that does not cry wolf: one effect at a time, over all that were tried, and only if it foretells.
+
+In every round each candidate is tested beside what was adopted before; the smallest p counts as one of as many as
+were tried (Holm 1979). The winner must improve the rows that were left out in turn, its size must be plausible, and
+no single step may carry it alone. After each adoption those before are tested again, and dropped if the newcomer
+explains what they did.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.diagnosis.candidates import Candidate, usable
+from procedures.diagnosis.evidence import Evidence
+from procedures.diagnosis.model import LinearFit, Significance, Term, held_out, significance
+
+ESTABLISHED, LIKELY = np.log(0.01), np.log(0.05)  # of the adjusted p
+BEYOND = 5.0  # times its plausible size a coefficient is not believed
+ALONE = np.log(0.05)  # p that must stay whichever step is left out
+GAIN = 0.5  # of log predictive density, below which the left-out rows say neither yes nor no
+MOST = 8  # effects
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tried:
+    """A candidate and its test beside what was adopted; ``log_p`` counts the ways its effect was tried in."""
+
+    candidate: Candidate
+    test: Significance
+    log_p: float
+    log_p_adjusted: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Adopted:
+    """An effect that entered the model: how it was found, and what the left-out rows gained by it (ln density)."""
+
+    candidate: Candidate
+    tried: Tried
+    gain: float
+
+    @property
+    def term(self) -> Term:
+        """Its columns."""
+        return self.candidate.term
+
+
+def try_all(
+    evidence: Evidence, pool: Mapping[str, Sequence[Candidate]], adopted: Sequence[Adopted] = ()
+) -> list[Tried]:
+    """Test every effect beside what was adopted, the best of its ways each; the least p first."""
+    terms = [each.term for each in adopted if not each.candidate.is_of_model]
+    taken = {(each.candidate.effect.name, str(each.candidate.columns.where)) for each in adopted}
+    found = list[Tried]()
+    for name, ways in pool.items():
+        free = [way for way in ways if (name, str(way.columns.where)) not in taken]
+        tests = [significance(evidence, way.fit(evidence, terms)) for way in free if usable(way, evidence, terms)]
+        if tests:
+            best = int(np.argmin([test.log_p for test in tests]))
+            way = [way for way in free if usable(way, evidence, terms)][best]
+            found.append(Tried(way, tests[best], min(tests[best].log_p + np.log(len(tests)), 0.0)))
+    found.sort(key=lambda each: each.log_p)
+    return _adjusted(found)
+
+
+def _adjusted(found: Sequence[Tried]) -> list[Tried]:
+    """Return Holm's adjusted p of a sorted list."""
+    worst, adjusted = -np.inf, list[Tried]()
+    for i, each in enumerate(found):
+        worst = min(max(worst, each.log_p + np.log(len(found) - i)), 0.0)
+        adjusted.append(replace(each, log_p_adjusted=worst))
+    return adjusted
+
+
+def next_effect(
+    evidence: Evidence, tried: Sequence[Tried], adopted: Sequence[Adopted], left_out: Sequence[IntArray]
+) -> Adopted | None:
+    """Return the best of those tried that is significant, plausible, foretells, and hangs on no single step."""
+    terms = [each.term for each in adopted if not each.candidate.is_of_model]
+    for each in tried:
+        if each.log_p_adjusted >= LIKELY:
+            return None
+        gain = gain_of(evidence, each.candidate, terms, left_out)
+        if is_plausible(each) and gain > 0 and stands_without_any(evidence, each.candidate, terms, left_out):
+            return Adopted(each.candidate, each, gain)
+    return None
+
+
+def is_plausible(tried: Tried) -> bool:
+    """Say whether every coefficient lies in its plausible range, as far as its sigma tells."""
+    low = np.abs(tried.test.value) - 2 * tried.test.std
+    return bool(np.all(low < BEYOND * tried.candidate.term.plausible))
+
+
+def gain_of(
+    evidence: Evidence, candidate: Candidate, others: Sequence[Term], left_out: Sequence[IntArray]
+) -> float:
+    """Return by how much the left-out rows are better foretold with a candidate than without [ln density]."""
+    after = candidate.fit(evidence, others)
+    before = candidate.without(evidence, others, after.factor)
+    return held_out(evidence, after, left_out)[0] - held_out(evidence, before, left_out)[0]
+
+
+def stands_without_any(
+    evidence: Evidence, candidate: Candidate, others: Sequence[Term], left_out: Sequence[IntArray]
+) -> bool:
+    """Say whether an instrument's effect is still seen whichever position is left out: one bad dwell is no effect."""
+    if candidate.effect.kind != "instrument":
+        return True
+    fit = candidate.fit(evidence, others)
+    for rows in left_out:
+        without = _dropped(fit, rows)
+        if significance(evidence, without).log_p > ALONE:
+            return False
+    return True
+
+
+def _dropped(fit: LinearFit, rows: IntArray) -> LinearFit:
+    """Return a fit without some rows: its normal equations less theirs."""
+    keep = np.ones(len(fit.Q), dtype=bool)
+    keep[rows] = False
+    design = fit.Q[keep]
+    Q, R = np.linalg.qr(design)
+    step = np.linalg.solve(R @ fit.R, Q.T @ fit.whole[keep])
+    return replace(fit, Q=_spread(Q, keep), R=R @ fit.R, theta=fit.theta - step)
+
+
+def _spread(Q: FloatArray, keep: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> FloatArray:
+    wide = np.zeros((len(keep), Q.shape[1]))
+    wide[keep] = Q
+    return wide

@@ -1,0 +1,37 @@
+"""Logarithms of tail probabilities, where the probabilities themselves are too small for a float.
+
+Large effects underflow to p = 0, and of several zeros the first in the alphabet would win.
+"""
+
+import numpy as np
+from scipy.special import betaln, gammaincc, gammaln, hyp2f1
+
+FAR = 1e-200  # below which the leading terms are used
+MANY = 1e6  # degrees of freedom beyond which a variance is known
+
+
+def log_chi2_sf(chi2: float, k: int) -> float:
+    """Return ln P(X > chi2) for chi-square of k degrees of freedom."""
+    a, x = k / 2, chi2 / 2
+    p = float(gammaincc(a, x))
+    if p > FAR:
+        return float(np.log(p))
+    series, term = 1.0, 1.0  # Gamma(a, x) ~ x^(a-1) e^-x (1 + (a-1)/x + ...), Abramowitz and Stegun 6.5.32
+    for i in range(1, 8):
+        term *= (a - i) / x
+        series += term
+    return float((a - 1) * np.log(x) - x - gammaln(a) + np.log(series))
+
+
+def log_f_sf(f: float, k: int, dof: float) -> float:
+    """Return ln P(F > f) for k and dof degrees of freedom; chi-square / k where dof is infinite.
+
+    P = I_x(dof/2, k/2) at x = dof / (dof + k f), by its hypergeometric series (Abramowitz and Stegun 26.5.23).
+    """
+    if dof > MANY:
+        return log_chi2_sf(k * f, k)
+    if f <= 0:
+        return 0.0
+    a, b, x = dof / 2, k / 2, dof / (dof + k * f)
+    series = float(np.log(hyp2f1(a + b, 1.0, a + 1, x)))
+    return float(min(a * np.log(x) + b * np.log1p(-x) - np.log(a) - betaln(a, b) + series, 0.0))

@@ -1,0 +1,127 @@
+"""What an effect is: a physical cause, and the columns by which it would show in what the sensors put out."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.frames import AXES
+
+Kind = Literal["instrument", "bench", "procedure"]
+INSTRUMENT = ("accelerometer", "gyroscope")
+BENCH = ("slab", "fixture", "site")
+REFERENCE_C = 25.0  # degC: temperature effects vanish there, and bias and scale factor hold there
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """What the sensors went through, at n nodes of all steps, in nominal attitude; IMU axes.
+
+    ``f`` [g], ``omega`` [deg/s, Earth rate included], ``magnetic`` [uT] are (n, 3); ``accel_output`` [g] and
+    ``gyro_output`` [deg/s], (n, 3), are what the triads put out, E u + D. ``change`` (n, 3) [g] is by how much f
+    differs from the rest before. ``t`` [s] is device time, ``rest_s`` [s] the time since the step began,
+    ``temperature`` [degC], ``temperature_rate`` [K/min], ``auxiliary`` channels: (n,). What is not known is nan.
+    ``step`` (n,) numbers the steps of `steps`; ``C_ib`` (n, 3, 3) takes the cube's axes to the IMU's.
+    """
+
+    f: FloatArray
+    omega: FloatArray
+    magnetic: FloatArray
+    accel_output: FloatArray
+    gyro_output: FloatArray
+    change: FloatArray
+    t: FloatArray
+    rest_s: FloatArray
+    temperature: FloatArray
+    temperature_rate: FloatArray
+    auxiliary: Mapping[str, FloatArray]
+    step: IntArray
+    C_ib: FloatArray
+    steps: tuple["SeenStep", ...]
+
+    def per_step(self, name: str) -> FloatArray:
+        """Return an attribute of the steps at every node (n,), as numbers."""
+        values = np.array([float(getattr(step, name)) for step in self.steps])
+        found: FloatArray = values[self.step]
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class SeenStep:
+    """A step: its name, kind (dwell, turn, rest, soak or rate), campaign, position (0 if in none), face ('' if none)."""
+
+    name: str
+    kind: str
+    campaign: int
+    position: int
+    face: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Columns:
+    """One way in which an effect may act.
+
+    ``accel`` [g] and ``gyro`` [deg/s], (n, 3, k), are what a unit of each coefficient adds to E u + D at every node
+    of `Seen`, None where it adds nothing. ``where`` says what of the campaign it is about, ``shape`` the value of
+    what is not linear in it. A coefficient belongs to `coefficients`, in the effect's unit.
+    """
+
+    coefficients: tuple[str, ...]
+    accel: FloatArray | None = None
+    gyro: FloatArray | None = None
+    where: Mapping[str, object] = field(default_factory=dict)
+    shape: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Effect:
+    """A physical cause that a calibration's model may lack.
+
+    ``plausible`` is 1 sigma of what its coefficients may be, in ``unit``. ``columns`` returns every way in which it
+    may have acted in a campaign, none where nothing excites it. ``separate_by`` is the measurement that would tell
+    it from what looks alike. ``added`` returns, for coefficients (k,) of the first of ``columns``, what is added
+    (n, 3) and its change with them (n, 3, k), where the effect is not linear.
+    """
+
+    name: str
+    unit: str
+    physics: str
+    source: str
+    plausible: float
+    columns: Callable[[Seen], Sequence[Columns]]
+    separate_by: str
+    added: Callable[[Seen, FloatArray], tuple[FloatArray, FloatArray]] | None = None
+
+    @property
+    def kind(self) -> Kind:
+        """What it says something about: the instrument, the bench, or how the campaign was carried out."""
+        owner = self.name.split(".")[0]
+        return "instrument" if owner in INSTRUMENT else "bench" if owner in BENCH else "procedure"
+
+
+def per_axis(value: FloatArray) -> FloatArray:
+    """Return columns (n, 3, 3) of a coefficient per sensor for a value (n,) or (n, 3)."""
+    wide = np.broadcast_to(value[:, None] if value.ndim == 1 else value, (len(value), 3))
+    columns: FloatArray = wide[:, :, None] * np.eye(3)
+    return columns
+
+
+def matrix_columns(vector: FloatArray) -> FloatArray:
+    """Return columns (n, 3, 9) of a 3 x 3 matrix, row by sensor, that multiplies a vector (n, 3)."""
+    columns: FloatArray = (np.eye(3)[None, :, :, None] * vector[:, None, None, :]).reshape(len(vector), 3, 9)
+    return columns
+
+
+MATRIX = tuple(q + p for q in AXES for p in AXES)  # xy: sensor x, input y
+
+
+def turned(seen: Seen, rotation: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return accelerometer and gyroscope columns (n, 3, k) of small rotations (n, 3, k) [rad] of all that is seen.
+
+    The rotation vector is in IMU axes and turns every vector as the IMU sees it.
+    """
+    accel = np.cross(rotation, seen.f[:, :, None], axis=1)
+    gyro = np.cross(rotation, seen.omega[:, :, None], axis=1)
+    return accel, gyro

@@ -1,0 +1,23 @@
+"""Second-order nonlinearity of the accelerometers: each adds ``K2 u^2`` to its output.
+
+On a cube's faces u is 0 or +-1 g, and K2 is one with the bias and the parallelism of the two other face pairs.
+"""
+
+from procedures.effects.effect import Columns, Effect, Seen, per_axis
+from procedures.frames import AXES
+
+
+def columns(seen: Seen) -> list[Columns]:
+    """Return u^2 per sensor."""
+    return [Columns(AXES, accel=per_axis(seen.f**2))]
+
+
+EFFECT = Effect(
+    name="accelerometer.quadratic",
+    unit="g/g^2",
+    physics="K2 u^2",
+    source="IEEE Std 1293, model equation: second-order nonlinearity K2",
+    plausible=1e-4,
+    columns=columns,
+    separate_by="free positions near 45 deg, the IMU re-mounted by 90 deg in the cube, or a certificate of the faces",
+)
