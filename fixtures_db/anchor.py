@@ -9,12 +9,19 @@ from sqlalchemy.orm import Session
 from fixtures_db.campaigns import manifest_head
 from fixtures_db.chain import GENESIS, ChainFault
 from fixtures_db.chained import newest_hash
-from fixtures_db.schema import CalibrationRow, CampaignRow, FaceCertificateRow, SlabLevelRow
+from fixtures_db.schema import (
+    CalibrationRow,
+    CampaignRow,
+    CubeMeasurementRow,
+    FaceCertificateRow,
+    IssuedCertificateRow,
+    SlabLevelRow,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """The hash of the newest calibration, face certificate and slab level, 64 zeros where there was none.
+    """The newest hash of calibrations, face certificates, levels, issued certificates, measured cubes.
 
     ``manifests`` holds, by campaign folder, how many steps were accepted and the head of their chain.
     """
@@ -22,7 +29,9 @@ class Anchor:
     calibration: str = GENESIS
     certificate: str = GENESIS
     level: str = GENESIS
+    issued: str = GENESIS
     manifests: Mapping[str, tuple[int, str]] = field(default_factory=dict)
+    measurement: str = GENESIS
 
 
 def take_anchor(session: Session) -> Anchor:
@@ -32,7 +41,9 @@ def take_anchor(session: Session) -> Anchor:
         newest_hash(session, CalibrationRow),
         newest_hash(session, FaceCertificateRow),
         newest_hash(session, SlabLevelRow),
+        newest_hash(session, IssuedCertificateRow),
         {row.folder: (len(row.steps), row.manifest_sha256) for row in session.scalars(ended)},
+        newest_hash(session, CubeMeasurementRow),
     )
 
 

@@ -19,7 +19,10 @@ class CalibrationFacts:
     ``inputs`` holds the SHA-256 of each file used, by name; ``software`` is name, version and commit;
     ``temperature_range_c`` the least and the greatest temperature seen, None if never measured; ``status`` is
     ``measured`` where a reference had expired, ``status_reason`` says which. ``verdict`` is the one against
-    ``limits``, the model's as they were then; None where nobody judged.
+    ``limits``, the model's as they were then; None where nobody judged. ``judged`` holds what each limit was held
+    against. What a certificate needs and only the station knew is there too: ``residual`` as in solution/1, how it
+    was measured (``procedure``), where (``site``) and with what (``references``), and ``uncertainty``, a budget/1
+    of its parameters; all JSON-ready.
     """
 
     model: str
@@ -35,6 +38,12 @@ class CalibrationFacts:
     operator: str = ""
     verdict: str | None = None
     limits: tuple[Limit, ...] = ()
+    judged: tuple[Mapping[str, Any], ...] = ()
+    residual: Mapping[str, Any] = field(default_factory=dict)
+    procedure: Mapping[str, Any] = field(default_factory=dict)
+    site: Mapping[str, Any] = field(default_factory=dict)
+    references: tuple[Mapping[str, Any], ...] = ()
+    uncertainty: Mapping[str, Any] = field(default_factory=dict)
     effects: tuple[Mapping[str, Any], ...] = field(default=())
 
     def __post_init__(self) -> None:
@@ -66,6 +75,12 @@ def calibration_document(solution: Solution, facts: CalibrationFacts, previous: 
         document["limits"] = [
             {key: value for key, value in asdict(limit).items() if value is not None} for limit in facts.limits
         ]
+    for name in ("residual", "procedure", "site", "uncertainty"):
+        if part := getattr(facts, name):
+            document[name] = dict(part)
+    for name in ("judged", "references"):
+        if entries := getattr(facts, name):
+            document[name] = [dict(entry) for entry in entries]
     if facts.valid_until is not None:
         document["valid_until"] = utc_text(facts.valid_until)
     if facts.temperature_range_c is not None:

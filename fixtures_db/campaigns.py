@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.chain import GENESIS, ChainFault, canonical, digest
 from fixtures_db.errors import AlreadyThere, CampaignInUse, NotInDatabase
-from fixtures_db.schema import CalibrationRow, CampaignRow, CubeRow, ImuRow, SlabRow, StepRow
+from fixtures_db.schema import CalibrationRow, CampaignRow, CubeRow, ImuRow, SiteRow, SlabRow, StepRow
 
 STATES = ("recording", "recorded", "accepted", "cancelled")
 
@@ -82,16 +82,22 @@ def expired_references(session: Session, folder: str) -> list[str]:
     """Say which certificates had run out when a campaign's last step was accepted; none of an unknown campaign."""
     if (row := known_campaign(session, folder)) is None:
         return []
-    measured = max([row.started_utc, *(step.accepted_utc for step in row.steps)]).astimezone().date()
+    measured = last_accepted(row).astimezone().date()
     named = (
         ("cube", row.cube_id and session.get(CubeRow, row.cube_id)),
         ("slab", row.slab_id and session.get(SlabRow, row.slab_id)),
+        ("site", row.site_id and session.get(SiteRow, row.site_id)),
     )
     return [
         f"the certificate of {kind} {reference.id} expired on {reference.due_date}"
         for kind, reference in named
         if reference and is_expired(reference.due_date, measured)
     ]
+
+
+def last_accepted(row: CampaignRow) -> datetime:
+    """Return when a campaign's last step was accepted, its begin where none was."""
+    return max([row.started_utc, *(step.accepted_utc for step in row.steps)])
 
 
 def is_expired(due: date | None, on: date) -> bool:

@@ -1,4 +1,4 @@
-"""Measured rows that are only ever added: face certificates and slab levels, each table a hash chain."""
+"""Measured rows that are only ever added: face certificates, cubes by IMUs, slab levels; each a hash chain."""
 
 from collections.abc import Sequence
 from datetime import UTC, date
@@ -8,9 +8,9 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from fixtures_db.chain import GENESIS, ChainFault, Link, canonical, digest, faults
-from fixtures_db.schema import CubeRow, FaceCertificateRow, SlabLevelRow, SlabRow
+from fixtures_db.schema import Base, CubeMeasurementRow, CubeRow, FaceCertificateRow, SlabLevelRow, SlabRow
 
-Measured = TypeVar("Measured", FaceCertificateRow, SlabLevelRow)
+Measured = TypeVar("Measured", FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
 NOT_HASHED = frozenset({"id", "sha256"})
 
 
@@ -36,21 +36,39 @@ def in_force(rows: Sequence[Measured]) -> Measured | None:
 
 
 def date_owner(session: Session, owner: CubeRow | SlabRow) -> None:
-    """Give a cube or a slab the dates of what was measured of it last."""
+    """Give a cube or a slab the dates of what is in force of it."""
     session.flush()
-    if (last := last_of(session, owner)) is not None:
-        owner.certificate_date, owner.due_date = last.measured_utc.date(), last.due_date
+    if (dates := _dates(session, owner)) is not None:
+        owner.certificate_date, owner.due_date = dates
     session.flush()
     session.expire(owner)
 
 
-def last_of(session: Session, owner: CubeRow | SlabRow) -> FaceCertificateRow | SlabLevelRow | None:
-    """Return what was measured of a cube or a slab last; None if nothing was."""
-    table: type[Any] = FaceCertificateRow if isinstance(owner, CubeRow) else SlabLevelRow
-    name = table.cube_id if isinstance(owner, CubeRow) else table.slab_id
-    newest = select(table).where(name == owner.id).order_by(table.measured_utc.desc(), table.id.desc()).limit(1)
-    found: FaceCertificateRow | SlabLevelRow | None = session.scalars(newest).first()
-    return found
+def _dates(session: Session, owner: CubeRow | SlabRow) -> tuple[date, date | None] | None:
+    """Return the day of what was measured last, and the first day on which what is in force is due.
+
+    Of a cube its faces' certificates count, each face's last; where there is none, its last measurement.
+    """
+    if isinstance(owner, SlabRow):
+        return _first_due([in_force(_of(session, SlabLevelRow, SlabLevelRow.slab_id, owner.id))])
+    faces: dict[str, list[FaceCertificateRow]] = {}
+    for row in _of(session, FaceCertificateRow, FaceCertificateRow.cube_id, owner.id):
+        faces.setdefault(row.resting, []).append(row)
+    if faces:
+        return _first_due([in_force(rows) for rows in faces.values()])
+    return _first_due([in_force(_of(session, CubeMeasurementRow, CubeMeasurementRow.cube_id, owner.id))])
+
+
+def _of(session: Session, table: type[Measured], owner: Any, name: str) -> Sequence[Measured]:
+    return session.scalars(select(table).where(owner == name)).all()
+
+
+def _first_due(rows: Sequence[Measured | None]) -> tuple[date, date | None] | None:
+    there = [row for row in rows if row is not None]
+    if not there:
+        return None
+    due = [row.due_date for row in there if row.due_date is not None]
+    return max(row.measured_utc for row in there).date(), min(due, default=None)
 
 
 def verify_rows(
@@ -68,7 +86,7 @@ def verify_rows(
 
 
 def verify_dates(session: Session) -> list[ChainFault]:
-    """Return every cube and slab whose dates are not those of what was measured of it last."""
+    """Return every cube and slab whose dates are not those of what is in force of it."""
     found = list[ChainFault]()
     owners: dict[str, Sequence[CubeRow | SlabRow]] = {
         "cube": session.scalars(select(CubeRow).order_by(CubeRow.id)).all(),
@@ -76,16 +94,16 @@ def verify_dates(session: Session) -> list[ChainFault]:
     }
     for word, each in owners.items():
         for owner in each:
-            if (last := last_of(session, owner)) is None:
+            if (is_due := _dates(session, owner)) is None:
                 continue
-            stands, is_due = (owner.certificate_date, owner.due_date), (last.measured_utc.date(), last.due_date)
+            stands = (owner.certificate_date, owner.due_date)
             if stands != is_due:
                 text = [f"certified {of}, due {due}" for of, due in (stands, is_due)]
                 found.append(ChainFault(f"{word} {owner.id}", *text))
     return found
 
 
-def row_text(row: FaceCertificateRow | SlabLevelRow) -> str:
+def row_text(row: Base) -> str:
     """Return the text that is hashed: every column but the number and the hash itself."""
     hashed = {
         column.key: getattr(row, column.key)

@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.chain import ChainFault
 from fixtures_db.chained import append, date_owner, in_force, verify_rows
 from fixtures_db.errors import AlreadyThere, NotInDatabase
+from fixtures_db.measured_rows import measurement
 from fixtures_db.schema import CubeRow, FaceCertificateRow, ToleranceRow
 from procedures.arrays import FloatArray
 from procedures.campaign import FaceCertificate, Fixture
@@ -98,11 +99,14 @@ def certify_faces(
 def cube(session: Session, cube_id: str, C_ib: FloatArray | None = None) -> Fixture:
     """Return the fixture a solve takes: of each face what was measured last, none where it never was.
 
-    ``C_ib`` (3, 3) takes the cube's axes to the IMU's; identity if not given.
+    Where no face was, it holds what IMUs measured of the cube last. ``C_ib`` (3, 3) takes the cube's axes to the
+    IMU's; identity if not given.
     """
-    newest = faces_in_force(cube_row(session, cube_id))
-    faces = {resting: face_certificate(row) for resting, row in newest.items()}
-    return Fixture(faces, np.eye(3) if C_ib is None else C_ib, cube_id)
+    row = cube_row(session, cube_id)
+    faces = {resting: face_certificate(face) for resting, face in faces_in_force(row).items()}
+    last = None if faces else in_force(row.measurements)
+    measured = None if last is None else measurement(last).cube
+    return Fixture(faces, np.eye(3) if C_ib is None else C_ib, cube_id, measured)
 
 
 def faces_in_force(cube: CubeRow) -> dict[str, FaceCertificateRow]:

@@ -83,6 +83,23 @@ def calibration(session: Session, sha256: str) -> CalibrationRow:
     return row
 
 
+def calibrations_like(session: Session, prefix: str) -> Sequence[CalibrationRow]:
+    """Return the calibrations whose hash begins with ``prefix``, oldest first."""
+    rows = select(CalibrationRow).where(CalibrationRow.sha256.startswith(prefix, autoescape=True))
+    return session.scalars(rows.order_by(CalibrationRow.id)).all()
+
+
+def calibration_before(session: Session, row: CalibrationRow) -> CalibrationRow | None:
+    """Return the calibration of the same IMU that ``row`` took the place of, None if it is the first.
+
+    Others of the same campaign, solved again, do not count.
+    """
+    rows = select(CalibrationRow).where(CalibrationRow.imu_id == row.imu_id, CalibrationRow.id < row.id)
+    if row.campaign_id is not None:
+        rows = rows.where((CalibrationRow.campaign_id.is_(None)) | (CalibrationRow.campaign_id != row.campaign_id))
+    return session.scalars(rows.order_by(CalibrationRow.id.desc()).limit(1)).first()
+
+
 def last_calibration(
     session: Session, model: str, serial: str, but_of: str | None = None
 ) -> CalibrationRow | None:

@@ -1,7 +1,7 @@
 """The tables, typed. Migrations create them (``migrations/versions``); a test holds the two equal.
 
-A unit is part of a column's name. Rows of `FaceCertificateRow`, `SlabLevelRow` and `CalibrationRow` are never
-changed: triggers refuse it.
+A unit is part of a column's name. Rows of `FaceCertificateRow`, `CubeMeasurementRow`, `SlabLevelRow`,
+`CalibrationRow` and `IssuedCertificateRow` are never changed: triggers refuse it.
 """
 
 from datetime import UTC, date, datetime
@@ -59,6 +59,7 @@ class CubeRow(Base):
     due_date: Mapped[date | None]
     tolerances: Mapped[list["ToleranceRow"]] = relationship(order_by="ToleranceRow.id")
     certificates: Mapped[list["FaceCertificateRow"]] = relationship(order_by="FaceCertificateRow.id")
+    measurements: Mapped[list["CubeMeasurementRow"]] = relationship(order_by="CubeMeasurementRow.id")
 
 
 class ToleranceRow(Base):
@@ -88,6 +89,21 @@ class FaceCertificateRow(Base):
     covariance_12_rad2: Mapped[float]
     covariance_22_rad2: Mapped[float]
     source: Mapped[str]
+    measured_utc: Mapped[datetime]
+    due_date: Mapped[date | None]
+    previous: Mapped[str] = mapped_column(SHA256, unique=True)
+    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
+
+
+class CubeMeasurementRow(Base):
+    """What IMUs measured of a cube, as JSON texts: values by name, their covariance, sources; append-only."""
+
+    __tablename__ = "cube_measurements"
+    id: Mapped[int] = mapped_column(primary_key=True)
+    cube_id: Mapped[str] = mapped_column(ForeignKey("cubes.id"), index=True)
+    values_rad: Mapped[str] = mapped_column(Text)
+    covariance_rad2: Mapped[str] = mapped_column(Text)
+    sources: Mapped[str] = mapped_column(Text)
     measured_utc: Mapped[datetime]
     due_date: Mapped[date | None]
     previous: Mapped[str] = mapped_column(SHA256, unique=True)
@@ -205,3 +221,22 @@ class CalibrationRow(Base):
     sha256: Mapped[str] = mapped_column(SHA256, unique=True)
     imu: Mapped[ImuRow] = relationship()
     campaign: Mapped[CampaignRow | None] = relationship()
+
+
+class IssuedCertificateRow(Base):
+    """A certificate as it was handed out: ``html`` is all of it, ``html_sha256`` of its UTF-8 bytes; append-only.
+
+    ``replaces`` is the number of the certificate whose place it takes, None for the first of a calibration.
+    """
+
+    __tablename__ = "certificates"
+    id: Mapped[int] = mapped_column(primary_key=True)
+    number: Mapped[str] = mapped_column(unique=True)
+    replaces: Mapped[str | None]
+    calibration_sha256: Mapped[str] = mapped_column(SHA256, index=True)
+    issued_utc: Mapped[datetime]
+    laboratory: Mapped[str]
+    html: Mapped[str] = mapped_column(Text)
+    html_sha256: Mapped[str] = mapped_column(SHA256, unique=True)
+    previous: Mapped[str] = mapped_column(SHA256, unique=True)
+    sha256: Mapped[str] = mapped_column(SHA256, unique=True)

@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.errors import AlreadyThere, NotInDatabase
 from fixtures_db.schema import SiteRow
 
+SAME_PLACE_DEG = 1e-3  # 100 m: a latitude is typed with four decimals
 GRAVITY = (9.7, 9.9)  # m/s^2: what the Earth's surface has
 
 
@@ -63,6 +64,26 @@ def check_site(row: SiteRow) -> None:
 def sites(session: Session) -> Sequence[SiteRow]:
     """Return all sites by name."""
     return session.scalars(select(SiteRow).order_by(SiteRow.id)).all()
+
+
+def surveyed_site(
+    session: Session, *, latitude_deg: float, gravity_m_s2: float, gravity_std_m_s2: float
+) -> SiteRow | None:
+    """Return the site whose survey a gravity entered by hand comes from, None if there is none.
+
+    It is at the same latitude within 0.001 deg, and the value agrees with the survey's within the 1 sigma entered,
+    which is not smaller than the survey's.
+    """
+    near = (
+        row
+        for row in sites(session)
+        if abs(row.latitude_deg - latitude_deg) <= SAME_PLACE_DEG
+        and row.gravity_m_s2 is not None
+        and row.gravity_std_m_s2 is not None
+        and row.gravity_std_m_s2 <= gravity_std_m_s2 * (1 + 1e-9)
+        and abs(row.gravity_m_s2 - gravity_m_s2) <= gravity_std_m_s2
+    )
+    return next(near, None)
 
 
 def site_row(session: Session, site_id: str) -> SiteRow:

@@ -15,7 +15,9 @@ from sqlalchemy.orm import Session
 from fixtures_db.chained import append, date_owner
 from fixtures_db.cubes import check_certificate
 from fixtures_db.errors import DiffersFromStored, NotInDatabase
+from fixtures_db.measured_rows import check_measurement
 from fixtures_db.schema import (
+    CubeMeasurementRow,
     CubeRow,
     FaceCertificateRow,
     ImuRow,
@@ -30,7 +32,10 @@ from fixtures_db.slabs import check_level
 Value = str | float | date | datetime | None
 Rows = Mapping[str, Sequence[Mapping[str, Value]]]
 DATES = frozenset({"certificate_date", "due_date"})
-OWNERS: dict[type[Any], str] = {CubeRow: "certificate", SlabRow: "level"}  # their dates follow from these
+OWNERS: dict[type[Any], tuple[str, ...]] = {  # their dates follow from these
+    CubeRow: ("certificate", "measurement"),
+    SlabRow: ("level",),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +63,13 @@ TABLES = (  # what a row names stands before it
         FaceCertificateRow,
         ("cube_id", "resting", "measured_utc", "source"),
         check_certificate,
+        True,
+    ),
+    Table(
+        "measurement",
+        CubeMeasurementRow,
+        ("cube_id", "measured_utc", "sources"),
+        check_measurement,
         True,
     ),
     Table("slab", SlabRow, ("id",)),
@@ -98,7 +110,7 @@ def _add(session: Session, table: Table, values: Mapping[str, Value], rows: Rows
     key = [getattr(table.row, key) == values[key] for key in table.key]
     stored = session.scalars(select(table.row).where(*key)).first()
     if stored is not None:
-        follows = DATES if rows.get(OWNERS.get(table.row, "")) else frozenset()
+        follows = DATES if any(rows.get(of) for of in OWNERS.get(table.row, ())) else frozenset()
         for column, found in _values(table, stored).items():
             if column not in follows and found != values[column]:
                 raise DiffersFromStored(table.name, name, column, values[column], found)

@@ -10,27 +10,32 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.anchor import Anchor, missing_manifests
 from fixtures_db.campaigns import verify_steps
-from fixtures_db.chain import ChainFault
+from fixtures_db.chain import GENESIS, ChainFault
 from fixtures_db.chained import verify_dates
+from fixtures_db.cube_measurements import verify_measurements
 from fixtures_db.cubes import verify_certificates
 from fixtures_db.history import verify_chain
+from fixtures_db.issued import verify_issued
 from fixtures_db.schema import (
     CalibrationRow,
     CampaignRow,
+    CubeMeasurementRow,
     CubeRow,
     FaceCertificateRow,
+    IssuedCertificateRow,
     SlabLevelRow,
     SlabRow,
     StepRow,
 )
 from fixtures_db.slabs import verify_levels
 
+CHAINED = (CalibrationRow, IssuedCertificateRow, FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
 Check = Callable[[Session], list[ChainFault]]
 _UNREADABLE = (SQLAlchemyError, ValueError, TypeError)  # bytes that are no text, text that is no date or JSON
 
 
 def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFault]:
-    """Return whatever disagrees with what was stored: calibrations, certificates, levels, accepted steps.
+    """Return whatever disagrees with what was stored: calibrations, certificates of both kinds, levels, steps.
 
     Rows dropped at the newest end show only against an ``anchor`` that was kept elsewhere.
     """
@@ -38,7 +43,9 @@ def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFau
     checks: tuple[tuple[Check, tuple[Any, ...]], ...] = (
         (partial(verify_chain, expected_head=kept.calibration), (CalibrationRow,)),
         (partial(verify_certificates, expected_head=kept.certificate), (FaceCertificateRow,)),
+        (partial(verify_measurements, expected_head=kept.measurement), (CubeMeasurementRow,)),
         (partial(verify_levels, expected_head=kept.level), (SlabLevelRow,)),
+        (partial(verify_issued, expected_head=kept.issued), (IssuedCertificateRow,)),
         (verify_dates, (CubeRow, SlabRow)),
         (verify_steps, (CampaignRow, StepRow)),
         (partial(missing_manifests, manifests=kept.manifests), (CampaignRow, StepRow)),
@@ -50,6 +57,16 @@ def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFau
         except _UNREADABLE:
             found.append(ChainFault(_unreadable(session, tables), "what cannot be read", "what was stored"))
     return found
+
+
+def missing_head(session: Session, sha256: str) -> list[ChainFault]:
+    """Return a fault if no chained row has a hash that was kept elsewhere, printed on a report or certificate."""
+    tables: tuple[Any, ...] = CHAINED
+    if sha256 == GENESIS or any(
+        session.scalars(select(table.id).where(table.sha256 == sha256)).first() for table in tables
+    ):
+        return []
+    return [ChainFault("stored rows", "none with the hash given", sha256)]
 
 
 def _unreadable(session: Session, tables: tuple[Any, ...]) -> str:

@@ -233,7 +233,7 @@ class Bench:
         return [alone and (pair, 1) not in certified and (pair, -1) not in certified for pair in range(3)]
 
     def certified_pairs(self, cube: int) -> list[bool]:
-        """Say of each face pair whether its parallelism is known: by both faces' certificates, or measured by IMUs."""
+        """Say of each face pair whether its parallelism is known: certified of both faces, or measured by IMUs."""
         certified, measured = self._certificates(cube), self.measured(cube) is not None
         return [measured or {(pair, 1), (pair, -1)} <= set(certified) for pair in range(3)]
 

@@ -163,7 +163,7 @@ def joint_covariance(
     own = fits.gyroscope.joint.fit.covariance
     shared = slice(12, 12 + len(tilts))
     given = own[shared, shared]
-    if fits.accelerometer is not None and fits.accelerometer.bench.skew_known():  # wide enough for gyroscopes to see
+    if fits.accelerometer is not None and fits.accelerometer.bench.skew_known():  # gyroscopes may see it
         given = fits.accelerometer.fit.covariance[shared, shared]
     regression = gyro.jacobian @ own[:, shared] @ np.linalg.pinv(given, hermitian=True)
     common = regression @ tilts
@@ -218,10 +218,12 @@ def _left_open(accelerometer: JointFit) -> list[str]:
     if accelerometer.is_turned_freely:
         return [FREE_FRAME]
     held = [axis for axis, it_is in zip(AXES, bench.held_pairs(0), strict=True) if it_is]
+    found = [f"fixture.perpendicularity.{n} (with misalignment)" for n in tilt_names() if n[0] in held]
     if bench.skew_known():
         pairs = [(a, c) for a, c in ("xy", "xz", "yz") if a in held and c in held]
-        return [f"fixture.perpendicularity.{a}.{c} less {c}.{a} (with misalignment)" for a, c in pairs]
-    found = [f"fixture.perpendicularity.{n} (with misalignment)" for n in tilt_names() if n[0] in held]
+        found = [f"fixture.perpendicularity.{a}.{c} less {c}.{a} (with misalignment)" for a, c in pairs]
+    if bench.skew_seen:
+        return found
     if held:
         found.append("accelerometer.quadratic (with accelerometer.bias and fixture.parallelism)")
     return [*found, *NEVER_EXCITED]

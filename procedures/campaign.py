@@ -108,7 +108,10 @@ class SequenceRecord:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Campaign:
-    """One campaign of one unit. ``counts`` says whether the output is counts (else rates)."""
+    """One campaign of one unit. ``counts`` says whether the output is counts (else rates).
+
+    ``nominal_period`` [s] is the sample period that the campaign states, where it states one.
+    """
 
     model: str
     serial: str
@@ -120,3 +123,4 @@ class Campaign:
     fixture: Fixture = field(default_factory=Fixture)
     rests: tuple[RestRecord, ...] = ()
     sequences: tuple[SequenceRecord, ...] = ()
+    nominal_period: float | None = None

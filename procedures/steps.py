@@ -28,7 +28,8 @@ class Dwell:
 class Turn:
     """Turn the cube by hand about its vertical ``axis`` (x, y, z), ``direction`` + or -, whole ``revolutions``.
 
-    It begins and ends in ``start_position`` with ``rest_s`` seconds of rest at each end.
+    It begins and ends in ``start_position`` with ``rest_s`` seconds of rest at each end. ``speed_deg_s`` is asked for
+    where speed matters: two speeds in each direction tell asymmetry from nonlinearity.
     """
 
     axis: str
@@ -36,6 +37,7 @@ class Turn:
     revolutions: int
     start_position: int
     rest_s: float
+    speed_deg_s: float | None = None
 
     @property
     def name(self) -> str:

@@ -1,6 +1,6 @@
 """From a joint fit's K = diag(k) E and b = k D to k, E and D with their covariance."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from procedures.twelve_position import JointFit, by_position, closed_form
 
 DPH = 3600.0  # deg/h per deg/s
 SHARED_DWELLS = 3  # neighbours that have a bias's instability in common: minutes, as the correlation of a FOG's
+STEP = 1e-5  # rad, for central differences of the axes that E refers to
 SKEWED = np.array([0, 1, 2, 12, 13, 14])  # k and D of the vector k (3), E (9), D (3)
 
 
@@ -21,7 +22,7 @@ SKEWED = np.array([0, 1, 2, 12, 13, 14])  # k and D of the vector k (3), E (9), 
 class TriadVector:
     """k (3), E (9) by rows and D (3) in one vector (15,), its names and covariance (15, 15).
 
-    ``jacobian`` (15, 12) takes the fit's K and b to it.
+    ``jacobian`` (15, p) takes the fit's parameters to it, K (9) and b (3) first.
     """
 
     value: FloatArray
@@ -51,21 +52,31 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
     """
     unit, per = ("g", 1.0) if triad == "accelerometer" else ("deg/h", DPH)
     C_ib = joint.bench.campaigns[0].fixture.C_ib
-    skew_seen = (accelerometer or joint).bench.skew_seen
+    skew_seen = (accelerometer or joint).bench.skew_known()
     value, J = scale_misalignment_bias(joint.K @ reference_axes(joint, skew_seen), joint.b, per)
-    covariance = J @ joint.fit.covariance[:12, :12] @ J.T
+    J = J @ _referred(joint, skew_seen)
+    covariance = J @ joint.fit.covariance @ J.T
     if accelerometer is not None and not skew_seen:
         p = accelerometer.bench.parallelism(accelerometer.fit.x[12:])
         variance = skew_variance(p, accelerometer.bench.held_pairs(0))
         scale, bias = skew_jacobian(p, C_ib.T @ value[3:12].reshape(3, 3) @ C_ib)
         rows = np.vstack((value[:3, None] * (np.abs(C_ib) @ scale), C_ib @ bias * (triad == "accelerometer")))
         covariance[np.ix_(SKEWED, SKEWED)] += rows * variance @ rows.T
-    n = len(joint.seen.dwells)
-    if n:
-        shared = (joint.excess / value[:3] * per) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
-        drift = np.mean((joint.unsettled / value[:3] * per) ** 2, axis=0)
-        covariance[12:, 12:] += np.diag(shared + drift)
+    shared, drift = common_variance(joint, value[:3] / per)
+    covariance[12:, 12:] += np.diag(shared + drift)
     return TriadVector(value, J, covariance, vector_names(triad), unit)
+
+
+def common_variance(joint: JointFit, k: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return what dwells have in common, as variances (3,) of D: bias instability, and a drift that is stated.
+
+    ``k`` (3,) is the scale factor in output/s per unit of D.
+    """
+    n = len(joint.seen.dwells)
+    if not n:
+        return np.zeros(3), np.zeros(3)
+    shared = (joint.excess / k) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
+    return shared, np.mean((joint.unsettled / k) ** 2, axis=0)
 
 
 def moves_vector(moves: MovesFit, accelerometer: JointFit) -> TriadVector:
@@ -73,7 +84,7 @@ def moves_vector(moves: MovesFit, accelerometer: JointFit) -> TriadVector:
 
     The covariance holds the accelerometers' share, and bias instability as `triad_vector` does.
     """
-    axes = reference_axes(accelerometer, accelerometer.bench.skew_seen)
+    axes = reference_axes(accelerometer, accelerometer.bench.skew_known())
     value, J = scale_misalignment_bias(moves.K @ axes, moves.b, DPH)
     G = moves.by_accelerometer
     covariance = J @ (moves.fit.covariance[:12, :12] + G @ accelerometer.fit.covariance[:12, :12] @ G.T) @ J.T
@@ -91,6 +102,28 @@ def reference_axes(joint: JointFit, skew_seen: bool) -> FloatArray:
     C_ib = bench.campaigns[0].fixture.C_ib
     axes: FloatArray = C_ib @ cube @ C_ib.T
     return axes
+
+
+def _referred(joint: JointFit, skew_seen: bool) -> FloatArray:
+    """Return the Jacobian (12, p) of K and b, K in the axes that E refers to, by the fit's parameters.
+
+    The axes follow the face pairs' q, which follows p: what p leaves open moves K and its axes alike.
+    """
+    axes = reference_axes(joint, skew_seen)
+    T = np.zeros((12, len(joint.fit.x)))
+    T[:9, :9], T[9:, 9:12] = np.kron(np.eye(3), axes.T), np.eye(3)
+    if not joint.bench.cubes or not any(joint.bench.held_pairs(0)):
+        return T
+    begin = 12 + joint.bench.cube_slice(0).start + 6
+    for column in range(begin, begin + 6):
+        d = np.zeros(len(joint.fit.x))
+        d[column] = STEP
+        up, down = (
+            reference_axes(replace(joint, fit=replace(joint.fit, x=joint.fit.x + sign * d)), skew_seen)
+            for sign in (1, -1)
+        )
+        T[:9, column] = (joint.K @ (up - down) / (2 * STEP)).ravel()
+    return T
 
 
 def vector_names(triad: str) -> tuple[str, ...]:

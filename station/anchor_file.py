@@ -6,6 +6,8 @@ written_utc = 2026-03-04T12:00:00Z
 calibration = "5f0c..."             # the newest one's SHA-256
 certificate = "91ab..."
 level = "0000..."                   # 64 zeros: there was none
+measurement = "0000..."             # of a cube by IMUs; may be missing
+issued = "7c31..."                  # the newest calibration certificate handed out
 [[manifest]]
 folder = "/data/campaigns/2026-03-04"
 steps = 18
@@ -21,6 +23,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, StringConstraints
 
 from fixtures_db.anchor import Anchor
+from fixtures_db.chain import GENESIS
 from fixtures_db.transfer import Value
 from station.campaign_folder.atomic import replace_file
 from station.campaign_folder.toml_text import read_tables
@@ -49,6 +52,8 @@ class AnchorTable(_Table):
     calibration: Sha256
     certificate: Sha256
     level: Sha256
+    measurement: Sha256 = GENESIS  # these two are not in older files
+    issued: Sha256 = GENESIS
     manifest: list[ManifestTable] = []
 
 
@@ -60,6 +65,8 @@ def write_anchor(path: Path, anchor: Anchor) -> None:
         "calibration": anchor.calibration,
         "certificate": anchor.certificate,
         "level": anchor.level,
+        "measurement": anchor.measurement,
+        "issued": anchor.issued,
     }
     manifests: list[dict[str, Value]] = [
         {"folder": folder, "steps": steps, "sha256": head} for folder, (steps, head) in anchor.manifests.items()
@@ -81,4 +88,6 @@ def read_anchor(path: Path) -> Anchor:
     content, _ = seal_of(path)
     tables, _ = read_tables(content, path, AnchorTable)
     manifests = {one.folder: (one.steps, one.sha256) for one in tables.manifest}
-    return Anchor(tables.calibration, tables.certificate, tables.level, manifests)
+    return Anchor(
+        tables.calibration, tables.certificate, tables.level, tables.issued, manifests, tables.measurement
+    )

@@ -3,9 +3,12 @@
 StationError
 ├── DataRefused        a campaign folder or a file in it breaks a rule
 ├── CannotWrite        a result has nowhere to go
+├── Incomplete         a certificate lacks what it must say
+├── NoPdf              the extra that makes PDF is not installed
 └── Altered            a recorded file or a stored row no longer is what was recorded
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 
 
@@ -30,6 +33,26 @@ class CannotWrite(StationError, OSError):
     def __init__(self, path: str | Path, reason: str) -> None:
         self.path, self.reason = str(path), reason
         super().__init__(f"{path}: cannot be written ({reason}); name a place where you may write")
+
+
+class Incomplete(StationError, ValueError):
+    """A certificate lacks what it must say; ``missing`` holds field and where to give it, all of them."""
+
+    def __init__(self, what: str, missing: Sequence[tuple[str, str]]) -> None:
+        self.what, self.missing = what, tuple(missing)
+        fields = "; ".join(f"{field} ({where})" for field, where in self.missing)
+        super().__init__(f"{what}: found no {fields}; expected all that ISO/IEC 17025 asks; nothing was issued")
+
+
+class NoPdf(StationError, RuntimeError):
+    """PDF cannot be made here; the HTML was written."""
+
+    def __init__(self, html: str | Path, reason: str) -> None:
+        self.html, self.reason = str(html), reason
+        super().__init__(
+            f"no PDF ({reason}): install the extra `pdf` and the library pango, then ask for a --copy with --pdf; "
+            f"{html} is written"
+        )
 
 
 class Altered(StationError):

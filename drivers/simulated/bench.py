@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivers.simulated.effects import planted
+from drivers.simulated.effects import Planted, planted
 from drivers.simulated.motion import Segment, hand_turn, rest
 from drivers.simulated.sensor import Sensor
 from drivers.simulated.truth import Truth
@@ -21,6 +21,7 @@ from procedures.campaign import (
     FaceCertificate,
     Fixture,
     ProcedureSigma,
+    RestRecord,
     Site,
     TurnRecord,
 )
@@ -46,26 +47,38 @@ class SimulatedBench:
     """Performs dwells and turns on a simulated unit; ``truth`` and ``world`` say what was true.
 
     Headings and closures are drawn per step from the truth's sigmas. Equal seeds give equal counts.
-    ``seed`` None: no noise and no scatter.
+    ``seed`` None: no noise and no scatter. ``also`` are effects that no catalogue holds.
     """
 
-    def __init__(self, truth: Truth, seed: int | None, move_s: float = 45.0, world: World | None = None) -> None:
+    def __init__(
+        self, truth: Truth, seed: int | None, move_s: float = 45.0, world: World | None = None,
+        also: Planted = (),
+    ) -> None:  # fmt: skip
         hands, power = np.random.SeedSequence(seed or 0).spawn(2)
         self._hands = np.random.default_rng(hands)
         self._scatter = float(seed is not None)
         self.truth = truth if seed is None else truth.powered_on(np.random.default_rng(power))
         self.world = stand(truth) if world is None else world
         entropy = None if seed is None else [seed]
-        self.sensor = Sensor(self.truth, self.world, planted(truth.effects), entropy)
+        self.sensor = Sensor(self.truth, self.world, (*planted(truth.effects), *also), entropy)
         self._move = round(move_s / truth.sample_period_s)
         self._wait = round(min(WAIT_S, move_s) / truth.sample_period_s)
         self._index = 0
 
     def perform(self, step: Step) -> CountSeries:
         """Do one step and return its counts; device time runs on through the move before it."""
+        self._move_on()
+        return self._dwell(step) if isinstance(step, Dwell) else self._turn(step)
+
+    def free(self, C_bn: FloatArray, seconds: float) -> CountSeries:
+        """Rest in an attitude (3, 3), East-North-Up to the cube, that is none of the twelve positions."""
+        self._move_on()
+        samples = round(seconds / self.truth.sample_period_s)
+        return self._record(rest(C_bn, samples, 0, self._wait), samples)
+
+    def _move_on(self) -> None:
         self._index += self._move
         self.sensor.skip()
-        return self._dwell(step) if isinstance(step, Dwell) else self._turn(step)
 
     def _dwell(self, step: Dwell) -> CountSeries:
         samples = round(step.seconds / self.truth.sample_period_s)
@@ -109,7 +122,7 @@ def turn_segment(
             f"turn about {turn.axis}: that axis is not vertical; place the cube in a position where it is"
         )
     total = float(sense * np.sign(normal_b[along]) * 2 * np.pi * turn.revolutions + closure)
-    return hand_turn(C_bn, normal_b, total, round(turn.rest_s / period), period, rng)
+    return hand_turn(C_bn, normal_b, total, round(turn.rest_s / period), period, rng, turn.speed_deg_s)
 
 
 def turn_steps(revolutions: int = 3, rest_s: float = 5.0) -> tuple[Turn, ...]:
@@ -128,8 +141,11 @@ def simulate_campaign(
     gravity_std: float = 1e-5,
     draw_stated: bool = True,
     move_s: float = 45.0,
+    free: Iterable[FloatArray] = (),
+    also: Planted = (),
 ) -> Campaign:
-    """Return a whole campaign: dwells, then turns (the six of `turn_steps` unless given).
+    """Return a whole campaign: dwells, then turns (the six of `turn_steps` unless given), then rests in attitudes
+    ``free``, (3, 3) each, East-North-Up to the cube.
 
     The campaign states the truth's gravity with ``gravity_std`` [m/s2], its operator sigmas, and, with
     ``certificate_sigma`` [rad], a certificate of all six faces. ``draw_stated``: true gravity is the stated one
@@ -141,7 +157,7 @@ def simulate_campaign(
     gravity_error, face_error = rng.standard_normal(), rng.standard_normal((6, 2))
     if draw_stated:
         world = replace(world, gravity=world.gravity + gravity_std * gravity_error)
-    bench = SimulatedBench(truth, seed, move_s, world)
+    bench = SimulatedBench(truth, seed, move_s, world, also)
     dwells = [Dwell(position, dwell_s) for position in positions]
     faces: dict[str, FaceCertificate] = {}
     if certificate_sigma is not None:
@@ -152,14 +168,21 @@ def simulate_campaign(
         model=truth.model,
         serial=truth.serial,
         counts=True,
-        site=Site(float(np.radians(truth.latitude_deg)), truth.gravity_m_s2, gravity_std),
+        site=Site(float(np.radians(truth.latitude_deg)), truth.gravity_m_s2, gravity_std, _field(truth)),
         dwells=tuple(DwellRecord(d.name, d.position, bench.perform(d)) for d in dwells),
-        turns=tuple(_turn_record(t, bench) for t in (turn_steps() if turns is None else turns)),
+        turns=tuple(_turn_record(i, t, bench) for i, t in enumerate(turn_steps() if turns is None else turns)),
         sigma=ProcedureSigma(float(np.radians(truth.heading_std_deg)), float(np.radians(truth.closure_std_deg))),
         fixture=Fixture(faces, world.C_ib),
+        rests=tuple(RestRecord(f"free_{i + 1:02d}", None, bench.free(C, dwell_s)) for i, C in enumerate(free)),
     )
 
 
-def _turn_record(turn: Turn, bench: SimulatedBench) -> TurnRecord:
+def _field(truth: Truth) -> tuple[float, float, float]:
+    east, north, up = (float(component) for component in truth.magnetic_enu_ut)
+    return east, north, up
+
+
+def _turn_record(number: int, turn: Turn, bench: SimulatedBench) -> TurnRecord:
     series = bench.perform(turn)
-    return TurnRecord(turn.name, turn.axis, turn.direction, turn.revolutions, turn.start_position, series)
+    name = f"{turn.name}_{number + 1}" if turn.speed_deg_s is not None else turn.name
+    return TurnRecord(name, turn.axis, turn.direction, turn.revolutions, turn.start_position, series)

@@ -125,14 +125,15 @@ def creep(C_bn: FloatArray, position: int, samples: int, turn_b: FloatArray) -> 
 
 
 def hand_turn(
-    C_bn: FloatArray, axis_b: FloatArray, total: float, rest_samples: int, period: float, rng: np.random.Generator
-) -> Segment:
+    C_bn: FloatArray, axis_b: FloatArray, total: float, rest_samples: int, period: float, rng: np.random.Generator,
+    mean_deg_s: float | None = None,
+) -> Segment:  # fmt: skip
     """Return a turn by ``total`` [rad] about ``axis_b`` with a rest before and after it.
 
     Hand speed is uneven: a raised start and stop and a random sum of slow swings, always forward, about
-    `TURN_RATE_DEG_S` in the mean.
+    ``mean_deg_s`` in the mean, `TURN_RATE_DEG_S` unless it is given.
     """
-    seconds = abs(np.degrees(total)) / TURN_RATE_DEG_S * rng.uniform(0.75, 1.35)
+    seconds = abs(np.degrees(total)) / (mean_deg_s or TURN_RATE_DEG_S) * rng.uniform(0.75, 1.35)
     samples = max(2, int(np.ceil(seconds / period)))
     u = np.linspace(0.0, 1.0, samples + 1)
     order = np.arange(1, 13)

@@ -17,6 +17,7 @@ from procedures.diagnosis.evidence import Evidence
 from procedures.diagnosis.model import Term
 
 STANDS = 3.0  # sigmas
+LOST = 0.75  # of a combination's sigmas, left at most: less is noise about the threshold, not another explanation
 
 
 def takes_its_place(evidence: Evidence, finding: Candidate, other: Term, beside: Sequence[Term]) -> bool:
@@ -27,7 +28,7 @@ def takes_its_place(evidence: Evidence, finding: Candidate, other: Term, beside:
     for w in _combinations(c, C, wider):
         stood = abs(w @ c) / np.sqrt(w @ C @ w)
         stands = abs(w @ shifted) / np.sqrt(w @ wider @ w)
-        if stood > STANDS > stands:
+        if stood > STANDS > stands and stands < LOST * stood:
             return True
     return False
 

@@ -17,6 +17,7 @@ from procedures.diagnosis.evidence import Evidence
 from procedures.diagnosis.model import LinearFit, Term, fit_linear
 from procedures.effects.effect import Columns, Effect
 
+TIED = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")
 EXCITED = 0.1  # of a coefficient's plausible size that one sigma of it must at least come down to
 
 
@@ -24,13 +25,17 @@ EXCITED = 0.1  # of a coefficient's plausible size that one sigma of it must at 
 class Candidate:
     """One way in which an effect may have acted: its columns, its rows H (n, k), its coefficients' range (k,).
 
-    ``taken`` (p,) marks the model's own columns that it is, all False where it adds to the model.
+    ``taken`` (p,) marks the model's own columns that it is, all False where it adds to the model. One that is
+    ``tied`` would go beyond what the model holds already at its prior: faces, and gravity as it is stated.
+    ``is_tried`` is not of a face's tilt on a cube without certificate, whose faces the model holds by pairs.
     """
 
     effect: Effect
     columns: Columns
     term: Term
     taken: BoolArray
+    tied: bool = False
+    is_tried: bool = True
 
     @property
     def is_of_model(self) -> bool:
@@ -79,10 +84,11 @@ def _ways(
         H = evidence.column(columns)
         if not np.all(np.isfinite(H)):
             continue
-        term = Term(H, np.full(H.shape[1], effect.plausible))
-        told = EXCITED * effect.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
+        term = Term(H, effect.plausible_of(columns))
+        told = EXCITED * term.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
         if told.any():
-            yield Candidate(effect, columns, term, nothing)
+            is_tried = effect.name != "fixture.face_tilt" or "fixture.parallelism" not in of_model
+            yield Candidate(effect, columns, term, nothing, effect.name in TIED, is_tried)
 
 
 def _of_model(fits: Fits, width: int) -> dict[str, tuple[Columns, IntArray]]:

@@ -14,9 +14,8 @@ import numpy as np
 from procedures.calibration import Fits, Reduced, fit_reduced, reduce_steps, report
 from procedures.campaign import Campaign
 from procedures.diagnosis.aliases import takes_its_place
-from procedures.diagnosis.candidates import Candidate, candidates, usable
+from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.errors_made import errors_made
-from procedures.diagnosis.evidence import Evidence
 from procedures.diagnosis.groups import groups
 from procedures.diagnosis.model import Term, fit_linear, significance
 from procedures.diagnosis.refit import Refit, refit
@@ -172,11 +171,16 @@ def _others(state: _State, finding: Candidate) -> list[Candidate]:
     found = list[Candidate]()
     for ways in state.pool.values():
         for way in ways:
-            if way.effect is finding.effect or id(way) in inside or way.is_of_model:
+            if way.effect is finding.effect or id(way) in inside or way.is_of_model or _holds(way, finding):
                 continue
             if takes_its_place(evidence, finding, way.term, beside):
                 found.append(way)
     return found
+
+
+def _holds(other: Candidate, finding: Candidate) -> bool:
+    """Say whether the model holds another effect at its prior already, so that it is beside the finding as it is."""
+    return other.tied and finding.effect.kind != "bench"
 
 
 def _renamed(state: _State, adopted: Adopted) -> Adopted:
@@ -204,9 +208,10 @@ def _finding(state: _State, adopted: Adopted, tried: int) -> Finding:
     confidence: Confidence = (
         "ambiguous" if aliases else "established" if log_p < ESTABLISHED and gain > GAIN else "likely"
     )
+    effect, columns = candidate.effect, candidate.columns
+    value, std = (test.value, test.std) if effect.shown is None else effect.shown(test.value, test.std)
     return Finding(
-        candidate.effect.name, candidate.effect.kind, candidate.columns.coefficients, test.value, test.std,
-        candidate.effect.unit, _where(state, candidate), confidence, aliases,
+        effect.name, effect.kind, columns.coefficients, value, std, columns.unit or effect.unit, _where(state, candidate), confidence, aliases,
         candidate.effect.separate_by, log_p, gain, candidate.columns.shape,
     )  # fmt: skip
 

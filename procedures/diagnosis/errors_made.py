@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.evidence import TRIADS, Evidence
-from procedures.diagnosis.model import LinearFit, Term, fit_linear, held_out
+from procedures.diagnosis.model import LinearFit, fit_linear, held_out
 from procedures.diagnosis.refit import Refit
 from procedures.diagnosis.result import Errors
 

@@ -1,9 +1,9 @@
 """What is left out in turn: every position of a campaign, every turn and every rest, with all its repeats."""
 
+import numpy as np
+
 from procedures.arrays import IntArray
 from procedures.diagnosis.evidence import Evidence
-
-import numpy as np
 
 
 def groups(evidence: Evidence) -> list[IntArray]:

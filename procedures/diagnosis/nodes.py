@@ -4,6 +4,7 @@ Attitudes are nominal, as the plan says: on fitted attitudes an effect that face
 copy of the faces' own tilts. Rests at unknown attitudes have no nominal one: there it is what gravity showed.
 """
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 
@@ -14,7 +15,7 @@ from procedures.calibration import Fits
 from procedures.campaign import Campaign
 from procedures.earth import STANDARD_GRAVITY, earth_rate_n
 from procedures.effects.effect import Seen, SeenStep
-from procedures.frames import face_normal, face_of, nominal_C_lb, vertical_rotation
+from procedures.frames import face_normal, face_of, nominal_C_lb, rotation
 from procedures.hand_turns import heading_history
 from procedures.observations import TurnTotal, channel
 from procedures.records import CountSeries, Series
@@ -68,7 +69,7 @@ def _changes(parts: Sequence[Part], number: IntArray) -> FloatArray:
     """Return by how much f (n, 3) differs from the step before, in the order of time; nan for the first."""
     order = sorted(range(len(parts)), key=lambda i: (parts[i].step.campaign, parts[i].t[0]))
     change = np.full((len(parts), 3), np.nan)
-    for before, after in zip(order, order[1:], strict=False):
+    for before, after in itertools.pairwise(order):
         if parts[before].step.campaign == parts[after].step.campaign:
             change[after] = parts[after].f[0] - parts[before].f[-1]
     found: FloatArray = change[number]
@@ -165,7 +166,9 @@ class Places:
         up, earth, magnetic = _site_vectors(campaign)
         heading = bins.mean(heading_history(turn, campaign.fixture.C_ib, K, b, float(earth[2])))
         C_bl = nominal_C_lb(turn.record.start_position).T
-        C_in = np.stack([campaign.fixture.C_ib @ C_bl @ vertical_rotation(-angle) for angle in heading])
+        about = np.zeros((len(heading), 3))
+        about[:, 2] = -heading
+        C_in = campaign.fixture.C_ib @ C_bl @ rotation(about)
         samples = np.asarray(channel(series, "gyroscope"), dtype=np.float64)
         rate = bins.mean(samples) / (series.period if isinstance(series, CountSeries) else 1.0)
         omega = np.linalg.solve(K, (rate - b).T).T

@@ -89,8 +89,9 @@ def _bent(
     if added is None or not np.any(c):
         return None, columns
     total, change = added(evidence.seen, c)
-    name = "accel" if columns.accel is not None else "gyro"
-    return Columns(("",), **{name: total[:, :, None]}), replace(columns, **{name: change})
+    if columns.accel is not None:
+        return Columns(("",), accel=total[:, :, None]), replace(columns, accel=change)
+    return Columns(("",), gyro=total[:, :, None]), replace(columns, gyro=change)
 
 
 def _corrected(
@@ -126,8 +127,9 @@ def _without(
     if gyro is not None and fits.gyroscope is not None:
         k = _scale(fits.gyroscope.joint)
         gyro = replace(gyro, rate=gyro.rate - k * np.array(off[1, "mean"]))
-        less = dict(zip([t.record.name for t in fits.gyroscope.turns], off.get((1, "turn"), []), strict=True))
-        turns = tuple(replace(t, total=t.total - k * less.get(t.record.name, 0.0)) for t in turns)
+        used = [id(turn.record) for turn in fits.gyroscope.turns]
+        less = dict(zip(used, off.get((1, "turn"), []), strict=True))
+        turns = tuple(replace(t, total=t.total - k * less.get(id(t.record), 0.0)) for t in turns)
     return replace(steps, accel=accel, gyro=gyro, rests=rests, turns=turns)
 
 

@@ -55,12 +55,12 @@ def try_all(
     taken = {(each.candidate.effect.name, str(each.candidate.columns.where)) for each in adopted}
     found = list[Tried]()
     for name, ways in pool.items():
-        free = [way for way in ways if (name, str(way.columns.where)) not in taken]
-        tests = [significance(evidence, way.fit(evidence, terms)) for way in free if usable(way, evidence, terms)]
+        free = [way for way in ways if way.is_tried and (name, str(way.columns.where)) not in taken]
+        free = [way for way in free if usable(way, evidence, terms)]
+        tests = [significance(evidence, way.fit(evidence, terms)) for way in free]
         if tests:
             best = int(np.argmin([test.log_p for test in tests]))
-            way = [way for way in free if usable(way, evidence, terms)][best]
-            found.append(Tried(way, tests[best], min(tests[best].log_p + np.log(len(tests)), 0.0)))
+            found.append(Tried(free[best], tests[best], min(tests[best].log_p + np.log(len(tests)), 0.0)))
     found.sort(key=lambda each: each.log_p)
     return _adjusted(found)
 

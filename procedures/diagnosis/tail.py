@@ -10,7 +10,7 @@ FAR = 1e-200  # below which the leading terms are used
 MANY = 1e6  # degrees of freedom beyond which a variance is known
 
 
-def log_chi2_sf(chi2: float, k: int) -> float:
+def log_chi2_sf(chi2: float, k: float) -> float:
     """Return ln P(X > chi2) for chi-square of k degrees of freedom."""
     a, x = k / 2, chi2 / 2
     p = float(gammaincc(a, x))

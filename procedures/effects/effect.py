@@ -50,7 +50,7 @@ class Seen:
 
 @dataclass(frozen=True, slots=True)
 class SeenStep:
-    """A step: its name, kind (dwell, turn, rest, soak or rate), campaign, position (0 if in none), face ('' if none)."""
+    """A step: name, kind (dwell, turn, rest, soak or rate), campaign, position (0: in none), face ('': none)."""
 
     name: str
     kind: str
@@ -63,9 +63,10 @@ class SeenStep:
 class Columns:
     """One way in which an effect may act.
 
-    ``accel`` [g] and ``gyro`` [deg/s], (n, 3, k), are what a unit of each coefficient adds to E u + D at every node
-    of `Seen`, None where it adds nothing. ``where`` says what of the campaign it is about, ``shape`` the value of
-    what is not linear in it. A coefficient belongs to `coefficients`, in the effect's unit.
+    ``accel`` [g] and ``gyro`` [deg/s], (n, 3, k), are what a unit of each coefficient adds to E u + D at every
+    node of `Seen`, None where it adds nothing. ``where`` says what of the campaign it is about, ``shape`` the
+    value of what is not linear in it. A coefficient belongs to `coefficients`, in ``unit`` where this way has one
+    of its own, else the effect's; ``plausible`` likewise, one a coefficient as it is fitted.
     """
 
     coefficients: tuple[str, ...]
@@ -73,16 +74,19 @@ class Columns:
     gyro: FloatArray | None = None
     where: Mapping[str, object] = field(default_factory=dict)
     shape: str = ""
+    unit: str = ""
+    plausible: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Effect:
     """A physical cause that a calibration's model may lack.
 
-    ``plausible`` is 1 sigma of what its coefficients may be, in ``unit``. ``columns`` returns every way in which it
-    may have acted in a campaign, none where nothing excites it. ``separate_by`` is the measurement that would tell
-    it from what looks alike. ``added`` returns, for coefficients (k,) of the first of ``columns``, what is added
-    (n, 3) and its change with them (n, 3, k), where the effect is not linear.
+    ``plausible`` is 1 sigma of what its coefficients may be, in ``unit``. ``columns`` returns every way in which
+    it may have acted in a campaign, none where nothing excites it. ``separate_by`` is the measurement that would
+    tell it from what looks alike. ``added`` returns, for coefficients (k,) of the first of ``columns``, what is
+    added (n, 3) and its change with them (n, 3, k), where the effect is not linear. ``shown`` returns coefficients
+    (k,) in ``unit`` and their 1 sigma for those that are fitted, where the two differ.
     """
 
     name: str
@@ -93,6 +97,11 @@ class Effect:
     columns: Callable[[Seen], Sequence[Columns]]
     separate_by: str
     added: Callable[[Seen, FloatArray], tuple[FloatArray, FloatArray]] | None = None
+    shown: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
+
+    def plausible_of(self, columns: Columns) -> FloatArray:
+        """Return 1 sigma (k,) of what the fitted coefficients of one of its ways may be."""
+        return np.array(columns.plausible or (self.plausible,) * len(columns.coefficients))
 
     @property
     def kind(self) -> Kind:

@@ -19,5 +19,5 @@ EFFECT = Effect(
     source="IEEE Std 1293, model equation: second-order nonlinearity K2",
     plausible=1e-4,
     columns=columns,
-    separate_by="free positions near 45 deg, the IMU re-mounted by 90 deg in the cube, or a certificate of the faces",
+    separate_by="free positions near 45 deg, the IMU re-mounted by 90 deg in the cube, or a face certificate",
 )

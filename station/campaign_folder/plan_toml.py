@@ -1,7 +1,9 @@
 """Plans as files (`plan/1`): what is to be done, as the step tables of `campaign/1` without ``file``.
 
 Beside them stands ``seconds``: of a dwell what it records, of a turn the rest at each of its ends (5 if not
-given). ``start_position`` of a turn is 1, 5, 9 for x, y, z if not given. Dwells come before turns.
+given). ``start_position`` of a turn is 1, 5, 9 for x, y, z if not given. ``speed_deg_s`` of a turn is about how
+fast it should be, where that matters. Dwells come before turns. A plan for an IMU that is mounted otherwise says so
+as a campaign does: ``[fixture] imu_axes``.
 """
 
 from collections.abc import Sequence
@@ -13,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from procedures.frames import TURN_START, face_of
 from procedures.steps import Dwell, Step, Turn
 from station.campaign_folder.atomic import replace_file
-from station.campaign_folder.schema import Axis, Position
+from station.campaign_folder.schema import Axis, ImuAxes, Position
 from station.campaign_folder.toml_text import line_of, read_tables, read_text_file
 from station.campaign_folder.writing import toml_text
 from station.errors import DataRefused
@@ -46,12 +48,20 @@ class PlannedTurn(_Table):
     revolutions: Annotated[int, Field(ge=1, le=100)]
     start_position: Position | None = None
     seconds: Seconds = REST_S
+    speed_deg_s: Annotated[float, Field(gt=0, le=1000)] | None = None
+
+
+class PlannedFixture(_Table):
+    """``[fixture]`` of a plan: how the IMU is to be mounted."""
+
+    imu_axes: ImuAxes
 
 
 class PlanTable(_Table):
     """The whole of a plan; the last three kinds cannot be guided yet."""
 
     format: Literal["plan/1"]
+    fixture: PlannedFixture | None = None
     dwell: list[PlannedDwell] = []
     turn: list[PlannedTurn] = []
     sequence: list[dict[str, Any]] = []
@@ -72,6 +82,7 @@ def write_plan(path: Path, steps: Sequence[Step]) -> None:
                 "revolutions": step.revolutions,
                 "start_position": step.start_position,
                 "seconds": step.rest_s,
+                **({} if step.speed_deg_s is None else {"speed_deg_s": step.speed_deg_s}),
             })  # fmt: skip
     replace_file(path, toml_text({key: value for key, value in tables.items() if value}).encode())
 
@@ -103,6 +114,18 @@ def read_plan(path: Path) -> tuple[Step, ...]:
     return tuple(steps.values())
 
 
+def read_mounting(path: Path) -> tuple[str, ...]:
+    """Return the cube axes along which a plan wants the IMU's x, y, z; none if it does not say.
+
+    Raises
+    ------
+    DataRefused
+        As `read_plan`.
+    """
+    plan, _ = read_tables(read_text_file(path), path, PlanTable)
+    return () if plan.fixture is None else tuple(plan.fixture.imu_axes)
+
+
 def _step(table: PlannedDwell | PlannedTurn, path: Path, line: int) -> Step:
     if isinstance(table, PlannedDwell):
         if table.up is not None or table.attitude is not None:
@@ -114,4 +137,4 @@ def _step(table: PlannedDwell | PlannedTurn, path: Path, line: int) -> Step:
     start = table.start_position or TURN_START[table.axis]
     if face_of(start) != f"{table.axis}_up":
         raise DataRefused(path, line, f"start_position = {start}", f"one with {table.axis} up")
-    return Turn(table.axis, table.direction, table.revolutions, start, table.seconds)
+    return Turn(table.axis, table.direction, table.revolutions, start, table.seconds, table.speed_deg_s)

@@ -11,6 +11,7 @@ from procedures.campaign import (
     DwellRecord,
     FaceCertificate,
     Fixture,
+    MeasuredCube,
     ProcedureSigma,
     RestRecord,
     SequenceRecord,
@@ -29,6 +30,7 @@ from station.campaign_folder.schema import (
     DwellTable,
     FixtureTable,
     ImuTable,
+    MeasuredTable,
     ProcedureTable,
     RateTable,
     SequenceTable,
@@ -66,7 +68,11 @@ def read_campaign(folder: Path) -> LoadedCampaign:
     if not steps:
         raise DataRefused(folder / NAME, None, "no step", f"at least one of {', '.join(_KINDS)}")
     remarks = refuse_overlap(folder, steps)
-    warnings = [*remarks, *(w for step in steps if step.data for w in step.data.warnings)]
+    warnings = [
+        *remarks,
+        *_measured_by_itself(tables),
+        *(w for step in steps if step.data for w in step.data.warnings),
+    ]
     used = [step for step in steps if _is_used(step)]
     unused = tuple(step.label for step in steps if step not in used)
     return LoadedCampaign(folder, tables, _campaign(tables, used), tuple(steps), files, tuple(warnings), unused)
@@ -124,6 +130,7 @@ def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
         _fixture(tables.fixture),
         tuple(rests),
         tuple(sequences),
+        tables.imu.sample_period_s,
     )
 
 
@@ -152,7 +159,25 @@ def _fixture(fixture: FixtureTable) -> Fixture:
         )
         for face in fixture.face
     }
-    return Fixture(faces, axes_matrix(fixture.imu_axes), fixture.id)
+    return Fixture(faces, axes_matrix(fixture.imu_axes), fixture.id, _measured(fixture.measured))
+
+
+def _measured(table: MeasuredTable | None) -> MeasuredCube | None:
+    if table is None:
+        return None
+    value, covariance = np.array(table.value_rad), np.array(table.covariance_rad2)
+    return MeasuredCube(tuple(table.names), value, covariance, tuple(table.units))
+
+
+def _measured_by_itself(tables: CampaignTable) -> list[str]:
+    """Warn of a cube's measurement that the unit's own campaigns are in."""
+    measured, unit = tables.fixture.measured, f"{tables.imu.model} {tables.imu.serial}"
+    if measured is None or unit not in measured.units:
+        return []
+    return [
+        f"{NAME}: fixture.measured comes from campaigns of {unit} itself; its K2 is in both, and the two agree "
+        f"better than either is right"
+    ]
 
 
 def read_for_solve(folders: Sequence[Path]) -> list[LoadedCampaign]:

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from procedures.arrays import FloatArray
 from procedures.frames import AXES, POSITIONS, face_of
+from procedures.measured_cube import NAMES
 
 Axis = Literal["x", "y", "z"]
 Face = Literal["x_up", "x_down", "y_up", "y_down", "z_up", "z_down"]
@@ -17,6 +18,15 @@ Tilt = Annotated[float, Field(ge=-0.1, le=0.1)]
 Pair = Annotated[list[Tilt], Field(min_length=2, max_length=2)]
 Row = Annotated[list[float], Field(min_length=2, max_length=2)]
 SignedAxis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+
+
+def _right_handed(imu_axes: list[SignedAxis]) -> list[SignedAxis]:
+    if abs(np.linalg.det(axes_matrix(imu_axes)) - 1) > 0.5:
+        raise ValueError("imu_axes to be right-handed, each cube axis once")
+    return imu_axes
+
+
+ImuAxes = Annotated[list[SignedAxis], Field(min_length=3, max_length=3), AfterValidator(_right_handed)]
 
 
 def axes_matrix(imu_axes: Sequence[str]) -> FloatArray:
@@ -57,6 +67,11 @@ class SiteTable(_Table):
     gravity_std_m_s2: Annotated[float, Field(gt=0, le=1)] | None = None
     magnetic_enu_ut: Annotated[list[float], Field(min_length=3, max_length=3)] | None = None
 
+    @property
+    def gravity_std(self) -> float:
+        """1 sigma of gravity [m/s2], that of a survey or of normal gravity where none is given."""
+        return self.gravity_std_m_s2 or (5e-4 if self.gravity_m_s2 is None else 1e-5)
+
 
 class ProcedureTable(_Table):
     """``[procedure]``, 1 sigma."""
@@ -86,21 +101,46 @@ class FaceTable(_Table):
         return self
 
 
+class MeasuredTable(_Table):
+    """``[fixture.measured]``: the cube as IMUs measured it; ``units`` are their models and serial numbers."""
+
+    names: Annotated[list[str], Field(min_length=1)]
+    value_rad: list[Tilt]
+    covariance_rad2: list[list[float]]
+    units: list[str] = []
+    source: str | None = None
+
+    @model_validator(mode="after")
+    def _is_a_measurement(self) -> Self:
+        n = len(self.names)
+        if unknown := [name for name in self.names if name not in NAMES]:
+            raise ValueError(f"names of {', '.join(NAMES)}, not {unknown[0]!r}")
+        if len(set(self.names)) != n or len(self.value_rad) != n:
+            raise ValueError("each name once, and a value_rad for each")
+        if [len(row) for row in self.covariance_rad2] != [n] * n:
+            raise ValueError(f"covariance_rad2 of {n} rows and columns, as there are names")
+        C = np.array(self.covariance_rad2)
+        if not np.allclose(C, C.T, rtol=1e-6, atol=0) or not np.linalg.eigvalsh(C)[0] > 0:
+            raise ValueError("covariance_rad2 to be symmetric and positive definite")
+        return self
+
+
 class FixtureTable(_Table):
     """``[fixture]``."""
 
     id: str | None = None
     side_mm: Annotated[float, Field(gt=0, le=1e5)] | None = None
-    imu_axes: Annotated[list[SignedAxis], Field(min_length=3, max_length=3)] = ["+x", "+y", "+z"]
+    imu_axes: ImuAxes = ["+x", "+y", "+z"]
     face: list[FaceTable] = []
+    measured: MeasuredTable | None = None
 
     @model_validator(mode="after")
     def _is_a_cube(self) -> Self:
-        if abs(np.linalg.det(axes_matrix(self.imu_axes)) - 1) > 0.5:
-            raise ValueError("imu_axes to be right-handed, each cube axis once")
         faces = [face.resting for face in self.face]
         if len(set(faces)) != len(faces):
             raise ValueError("one certificate per resting face")
+        if faces and self.measured is not None:
+            raise ValueError("[[fixture.face]] or [fixture.measured], not both: a certificate of the faces wins")
         return self
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from procedures.campaign import Campaign, Fixture, RestRecord
+from procedures.campaign import Campaign, Fixture, MeasuredCube, RestRecord
 from procedures.earth import DEG_PER_HOUR, STANDARD_GRAVITY
 from procedures.frames import AXES
 from procedures.records import Series
@@ -151,7 +151,19 @@ def _fixture(fixture: Fixture) -> dict[str, object]:
             for name, c in fixture.faces.items()
         ],
     }
+    if fixture.measured is not None:
+        tables["measured"] = measured_table(fixture.measured)
     return tables if fixture.id is None else {"id": fixture.id, **tables}
+
+
+def measured_table(measured: MeasuredCube) -> dict[str, object]:
+    """Return ``[fixture.measured]``."""
+    return {
+        "names": list(measured.names),
+        "value_rad": measured.value.tolist(),
+        "covariance_rad2": measured.covariance.tolist(),
+        "units": list(measured.units),
+    }
 
 
 def _attitude(rest: RestRecord) -> dict[str, str]:

@@ -1,5 +1,6 @@
-"""``station history``: a unit's stored calibrations and how it drifted between them."""
+"""``station history``: what the stored calibrations say about a unit, or about all units of a model."""
 
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -8,93 +9,96 @@ import typer
 from station.commands import Database
 
 if TYPE_CHECKING:
-    from fixtures_db.schema import CalibrationRow
-
-HEAD = ("model", "accepted_utc", "status", "verdict")
-MAIN = ("scale_factor", "bias")  # shown in the list; the file holds misalignment too
+    from sqlalchemy.orm import Session
 
 
 def history(
-    serial: Annotated[str, typer.Argument(metavar="SERIAL", help="The unit's serial number.")],
-    json: Annotated[
-        Path | None, typer.Option("--json", metavar="OUT", help="Write history/1 here instead of a list.")
+    serial: Annotated[str | None, typer.Argument(metavar="SERIAL", help="The unit's serial number.")] = None,
+    population: Annotated[
+        str | None, typer.Option(metavar="MODEL", help="Compare all units of this model instead of one unit.")
     ] = None,
+    at: Annotated[
+        datetime | None,
+        typer.Option(formats=["%Y-%m-%d"], metavar="DATE", help="Predict for this date, not the due date."),
+    ] = None,
+    json: Annotated[
+        Path | None, typer.Option("--json", metavar="OUT", help="Write history/1 or population/1 here.")
+    ] = None,
+    html: Annotated[Path | None, typer.Option("--html", metavar="FILE", help="Write a page with charts.")] = None,
     db: Database = None,
 ) -> None:
-    """List every stored calibration of a unit: when, verdict, status, the main parameters with 1 sigma.
+    """List every stored calibration of a unit and what they say together; or what stands out among all units.
 
-    Below each stands its drift from the one before, in sigmas of both together. Scale factors are in count/(g s)
-    and count/deg, biases in ug and deg/h (in g and deg/h in the file).
+    Of a unit: every calibration with 1 sigma and drift from the one before in sigmas of both; then per parameter
+    the turn-on repeatability, the control chart's last z, the value predicted for the due date with its 95 %
+    interval, and the probability to be outside the limits of the model. Of a model: units that differ from the
+    others, and cubes, slabs, sites and operators that shift a parameter. docs/history.md has the equations.
 
-    Exit code 3 if no calibration of that serial number is stored.
+    Scale factors are in count/(g s) and count/deg, biases in ug and deg/h (in g and deg/h in files), misalignments
+    in arcsec (1 in files). Without --json or --html the result is text.
 
-    Example: station history SIM-7
+    Exit code 3 if there is no calibration of that serial number or model.
+
+    Example: station history SIM-7 --html history.html
     """
+    if (serial is None) == (population is None):
+        raise typer.BadParameter("expected a serial number or --population MODEL, one of the two")
+    if population is not None and at is not None:
+        raise typer.BadParameter("--at belongs to a serial number, a population is not predicted")
     from fixtures_db.database import open_db
-    from fixtures_db.errors import NotInDatabase
-    from fixtures_db.history import calibrated_serials
-    from fixtures_db.history import history as stored
 
     with open_db(db) as database, database.read() as session:
-        rows = list(stored(session, serial))
-        if not rows:
-            raise NotInDatabase("calibration of serial number", serial, calibrated_serials(session))
-        document = {"format": "history/1", "serial": serial, "calibrations": _entries(rows)}
-    if json is None:
-        typer.echo(_text(document))
-    else:
+        document = _of_unit(session, serial, at) if serial is not None else _of_model(session, str(population))
+    if json is not None:
         from station.solution_json import write_solution
 
         write_solution(json, document)
+    if html is not None:
+        from station.history.page import write_page
+
+        write_page(html, document)
+    if json is None and html is None:
+        typer.echo(_text(document))
 
 
-def _entries(rows: "list[CalibrationRow]") -> list[dict[str, Any]]:
-    """Return each calibration as history/1; drift is against the one before of the same model."""
-    from json import loads
+def _of_unit(session: "Session", serial: str, at: datetime | None) -> dict[str, Any]:
+    from datetime import UTC
 
-    from station.solution_parameters import applied, parameters, shifts
+    from fixtures_db.errors import NotInDatabase
+    from fixtures_db.history import calibrated_serials
+    from fixtures_db.limits import limits_of
+    from fixtures_db.runs import runs_of_unit
+    from station.history.unit import analysis, entries
 
-    entries, last = list[dict[str, Any]](), dict[str, dict[str, Any]]()
-    for row in rows:
-        document = loads(row.document)
-        found = applied(parameters(document))
-        before = applied(parameters(last.get(document["model"], {})))
-        entries.append(
-            {
-                "sha256": row.sha256,
-                **{
-                    key: document[key] for key in ("model", "accepted_utc", "status", "verdict") if key in document
-                },
-                "parameters": {
-                    name: {"value": one.value, "std": one.std, "unit": one.unit} for name, one in found.items()
-                },
-                "drift": {
-                    name: {"shift": one.shift, "shift_sigma": one.sigmas}
-                    for name, one in shifts(found, before).items()
-                },
-            }
-        )
-        last[document["model"]] = document
-    return entries
+    runs = runs_of_unit(session, serial)
+    if not runs:
+        raise NotInDatabase("calibration of serial number", serial, calibrated_serials(session))
+    asked = None if at is None else at.replace(tzinfo=UTC)
+    if asked is not None and asked < (newest := max(run.ended for run in runs)):
+        raise typer.BadParameter(f"--at {asked:%Y-%m-%d}: expected a date after the newest, {newest:%Y-%m-%d}")
+    models = dict.fromkeys(run.model for run in runs)
+    together = [
+        analysis([run for run in runs if run.model == model], limits_of(session, model), asked) for model in models
+    ]
+    return {"format": "history/1", "serial": serial, "calibrations": entries(runs), "analysis": together}
+
+
+def _of_model(session: "Session", model: str) -> dict[str, Any]:
+    from fixtures_db.errors import NotInDatabase
+    from fixtures_db.runs import calibrated_models, runs_of_model
+    from station.history.population import population_document
+
+    runs = runs_of_model(session, model)
+    if not runs:
+        raise NotInDatabase("calibration of model", model, calibrated_models(session))
+    return population_document(model, runs)
 
 
 def _text(document: dict[str, Any]) -> str:
-    from station.solution_parameters import Parameter, Shift, largest, shown, shown_sigma
+    if document["format"] == "history/1":
+        from station.history.text import history_text
 
-    lines = list[str]()
-    for entry in document["calibrations"]:
-        verdict = entry.get("verdict", "not judged").replace("_", " ")
-        when = entry["accepted_utc"][:16].replace("T", " ")
-        lines.append(f"{when} UTC  {entry['model']}  {verdict}, {entry['status']}  {entry['sha256'][:12]}")
-        found = {name: Parameter(name, **values) for name, values in entry["parameters"].items()}
-        moved = {
-            name: Shift(found[name], one["shift"], one["shift_sigma"]) for name, one in entry["drift"].items()
-        }
-        for name, one in found.items():
-            if name.split(".")[1] in MAIN:
-                value, unit = shown(one)
-                drift = f"   {moved[name]}" if name in moved else ""
-                lines.append(f"  {one.title:<30}{value:>16} +- {shown_sigma(one)} {unit}{drift}")
-        if (most := largest(moved)) is not None:
-            lines.append(f"  moved most: {most.parameter.title}, {most}")
-    return "\n".join(lines)
+        return history_text(document)
+    from station.history.population_text import population_text
+
+    return population_text(document)

@@ -18,9 +18,10 @@ def report(
 ) -> None:
     """Solve recorded campaigns and write the calibration report: HTML that needs no other file and prints on A4.
 
-    It holds every parameter with 1 sigma, 95 % interval and unit (count/(g s), count/deg, ug, deg/h, arcsec), the
-    residual of every step against its limit, the Allan deviation of the longest dwell, conditions, warnings and
-    the hashes of the inputs.
+    It holds every parameter with 1 sigma, 95 % interval and unit (count/(g s), count/deg, ug, deg/h, arcsec), its
+    uncertainty budget with expanded uncertainty, coverage factor and what contributes most, the residual of every
+    step against its limit, the Allan deviation of the longest dwell, conditions, warnings and the hashes of the
+    inputs.
 
     Exit code 3 if a folder breaks a rule of campaign/1, 5 if neither triad can be solved.
 
@@ -30,13 +31,16 @@ def report(
     from station.solution_json import solution_document
 
     loaded = read_for_solve(campaigns)
-    from procedures.calibration import solve  # scipy and kernels: not before the data are right
+    from procedures.calibration import fit  # scipy and kernels: not before the data are right
+    from procedures.calibration import report as solution_of
+    from procedures.uncertainty.budget import budget
     from station.report.context import report_context
     from station.report.writing import write_report
 
-    solution = solve([one.campaign for one in loaded])
+    fits = fit([one.campaign for one in loaded])
+    solution = solution_of(fits)
     document = solution_document(solution, loaded)
     origin = document["provenance"]
     target = campaigns[0] / "report.html" if out is None else out
-    write_report(target, report_context(solution, [one.campaign for one in loaded], document))
+    write_report(target, report_context(solution, fits.campaigns, document, budget(fits)))
     typer.echo(f"{target}: calibration report of {origin['model']} {origin['serial']}")

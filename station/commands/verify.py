@@ -9,6 +9,8 @@ import typer
 from station.commands import Database
 
 if TYPE_CHECKING:
+    from sqlalchemy.orm import Session
+
     from fixtures_db.chain import ChainFault
     from fixtures_db.database import Database as OpenDatabase
 
@@ -17,14 +19,16 @@ def verify(
     what: Annotated[
         Path | None,
         typer.Argument(
-            metavar="[WHAT]", help="A campaign's folder, a calibration.json or an export; else the database."
+            metavar="[WHAT]",
+            help="A campaign's folder, calibration.json, certificate or export; else the database.",
         ),
     ] = None,
     anchor: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Compare with the heads that an anchor file kept.")
     ] = None,
     head: Annotated[
-        str | None, typer.Option(metavar="SHA256", help="Expect the calibration of this hash, from a report.")
+        str | None,
+        typer.Option(metavar="SHA256", help="Expect a row of this hash, from a report or certificate."),
     ] = None,
     to: Annotated[
         Path | None, typer.Option("--write-anchor", metavar="FILE", help="Keep the heads in an anchor file.")
@@ -35,9 +39,9 @@ def verify(
 
     With a folder: hash every recorded file again and compare with SHA256SUMS, written when it was accepted, and
     with the database's rows if it knows the campaign. With an export of `station fixtures`: compare with the
-    hash in it; with a calibration.json: find it in the database. Without: check the database's chains of
-    calibrations, face certificates and slab levels, the dates that follow from them, and the accepted steps of
-    every campaign.
+    hash in it; with a calibration.json or the HTML of a certificate: find it in the database. Without: check the
+    database's chains of calibrations, issued certificates, face certificates and slab levels, the dates that
+    follow from them, and the accepted steps of every campaign.
 
     Rows dropped from the newest end leave whole chains: they show only against an anchor or a hash kept elsewhere.
 
@@ -58,21 +62,32 @@ def verify(
 def _file(file: Path, db: str | None) -> str:
     from station.fixture_files.toml_file import seal_of
 
-    if file.suffix != ".json":
+    if file.suffix not in {".json", ".html"}:
         return f"{file}: as written, sha256 {seal_of(file)[1]}"
     from fixtures_db.database import open_db
     from fixtures_db.errors import NotInDatabase
-    from fixtures_db.history import calibration
     from station.campaign_folder.manifest import sha256_of
     from station.errors import Altered
 
-    found = sha256_of(file)
+    found, kind = sha256_of(file), "calibration" if file.suffix == ".json" else "certificate"
     with open_db(db) as database, database.read() as session:
         try:
-            row = calibration(session, found)
+            said = _stored(session, kind, found)
         except NotInDatabase as error:
-            raise Altered(file, f"sha256 {found}", f"that of a calibration in {database.url}") from error
-        return f"{file}: as stored in {database.url}, calibration {row.id}"
+            raise Altered(file, f"sha256 {found}", f"that of a {kind} in {database.url}") from error
+        return f"{file}: as stored in {database.url}, {said}"
+
+
+def _stored(session: "Session", kind: str, sha256: str) -> str:
+    from fixtures_db.history import calibration
+    from fixtures_db.issued import issued_as, issued_of
+
+    if kind == "calibration":
+        return f"calibration {calibration(session, sha256).id}"
+    row = issued_as(session, sha256)
+    newest = issued_of(session, row.calibration_sha256)[-1]
+    is_replaced = "" if newest.id == row.id else f"; replaced since by No. {newest.number}"
+    return f"certificate No. {row.number} of {row.issued_utc:%Y-%m-%d}{is_replaced}"
 
 
 def _folder(folder: Path, db: str | None) -> None:
@@ -90,8 +105,7 @@ def _folder(folder: Path, db: str | None) -> None:
 def _database(db: str | None, anchor: Path | None, head: str | None, to: Path | None) -> str:
     from fixtures_db.anchor import Anchor, take_anchor
     from fixtures_db.database import open_db
-    from fixtures_db.history import verify_chain
-    from fixtures_db.verification import alterations
+    from fixtures_db.verification import alterations, missing_head
     from station.anchor_file import read_anchor, write_anchor
 
     files = [anchor] if anchor is not None else []
@@ -101,7 +115,7 @@ def _database(db: str | None, anchor: Path | None, head: str | None, to: Path | 
         for kept in [read_anchor(file) for file in files] or [Anchor()]:
             _refuse(alterations(session, kept))
         if head is not None:
-            _refuse(verify_chain(session, head))
+            _refuse(missing_head(session, head))
         now = take_anchor(session)
         if to is not None:
             write_anchor(to, now)

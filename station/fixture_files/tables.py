@@ -54,6 +54,17 @@ class CertificateTable(_Table):
     due_date: date | None = None
 
 
+class MeasurementTable(_Table):
+    """``[[measurement]]`` of a cube by IMUs: values by name, their covariance and sources, each as JSON."""
+
+    cube_id: str
+    values_rad: str
+    covariance_rad2: str
+    sources: str
+    measured_utc: Moment
+    due_date: date | None = None
+
+
 class SlabTable(_Table):
     """``[[slab]]``; the dates of a slab with levels are those of the last one."""
 
@@ -103,6 +114,7 @@ class FixturesTable(_Table):
     cube: list[CubeTable] = []
     tolerance: list[ToleranceTable] = []
     certificate: list[CertificateTable] = []
+    measurement: list[MeasurementTable] = []
     slab: list[SlabTable] = []
     level: list[LevelTable] = []
     site: list[SiteTable] = []
@@ -118,6 +130,7 @@ TABLES: dict[str, type[BaseModel]] = {
     "cube": CubeTable,
     "tolerance": ToleranceTable,
     "certificate": CertificateTable,
+    "measurement": MeasurementTable,
     "slab": SlabTable,
     "level": LevelTable,
     "site": SiteTable,

@@ -18,13 +18,26 @@ def lines(session: Session) -> list[str]:
 
 
 def description(session: Session, name: str) -> str:
-    """Return the drawing and, of each face, the certificate in force; raise `NotInDatabase` without one."""
+    """Return the drawing, of each face the certificate in force, and what IMUs measured, with the cube's drift.
+
+    Raise `NotInDatabase` if there is no cube of that name.
+    """
     row = cube_row(session, name)
     said = [f"{row.id}: side {row.side_mm:g} mm, certificate {row.certificate_date or 'none'}, {due_text(row)}"]
     said += _drawing(row)
     said += [f"  {resting}: {_face(face)}" for resting, face in faces_in_force(row).items()]
     earlier = len(row.certificates) - len(faces_in_force(row))
-    return "\n".join([*said, *([f"  and {earlier} earlier certificates of a face"] if earlier else [])])
+    said += [f"  and {earlier} earlier certificates of a face"] if earlier else []
+    return "\n".join([*said, *(_measured(session, row) if row.measurements else [])])
+
+
+def _measured(session: Session, row: CubeRow) -> list[str]:
+    from station.cube_measurement.known import known_of  # scipy: only where a cube was measured
+    from station.cube_measurement.text import known_lines, values
+
+    known = known_of(session, row.id)
+    at, last = known.measured[-1]
+    return [f"measured by {', '.join(last.cube.units)}, {at:%Y-%m-%d}", *values(last), *known_lines(known)]
 
 
 def _drawing(row: CubeRow) -> list[str]:

@@ -1,13 +1,29 @@
 """The cube of a campaign, from the database."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 from fixtures_db.cubes import cube, cube_row
 from fixtures_db.database import Database
 from procedures.campaign import Fixture
-from station.campaign_folder.schema import FaceTable, FixtureTable
+from station.campaign_folder.schema import FaceTable, FixtureTable, MeasuredTable, axes_matrix
+from station.campaign_folder.writing import measured_table
 
 
-def cube_fixture(database: Database, cube_id: str | None) -> tuple[Fixture, FixtureTable]:
-    """Return a cube of the database as a solve takes it and as ``campaign.toml`` says it."""
+def cube_fixture(
+    database: Database, cube_id: str | None, imu_axes: Sequence[str] = ()
+) -> tuple[Fixture, FixtureTable]:
+    """Return a cube of the database as a solve takes it and as ``campaign.toml`` says it.
+
+    ``imu_axes`` says how the IMU is mounted in it, along x, y, z if it is empty.
+    """
+    fixture, table = _cube(database, cube_id)
+    if not imu_axes:
+        return fixture, table
+    return replace(fixture, C_ib=axes_matrix(imu_axes)), table.model_copy(update={"imu_axes": list(imu_axes)})
+
+
+def _cube(database: Database, cube_id: str | None) -> tuple[Fixture, FixtureTable]:
     if cube_id is None:
         return Fixture(), FixtureTable()
     with database.read() as session:
@@ -18,4 +34,6 @@ def cube_fixture(database: Database, cube_id: str | None) -> tuple[Fixture, Fixt
         )
         for name, face in fixture.faces.items()
     ]
-    return fixture, FixtureTable(id=cube_id, side_mm=side, face=faces)
+    found = fixture.measured
+    measured = None if found is None else MeasuredTable.model_validate(measured_table(found))
+    return fixture, FixtureTable(id=cube_id, side_mm=side, face=faces, measured=measured)

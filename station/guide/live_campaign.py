@@ -129,7 +129,7 @@ def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
     if setup.latitude_deg is None:
         raise DataRefused("set-up", None, "no latitude", "the slab's latitude in deg", "enter it")
     steps = tuple(options.steps) or usual_steps(setup)
-    fixture, table = cube_fixture(database, setup.cube or None)
+    fixture, table = cube_fixture(database, setup.cube or None, options.imu_axes)
     with ExitStack() as stack:
         folder = stack.enter_context(new_folder(_folder(setup, options.root), TOML))
         stack.enter_context(FolderLock(folder))
@@ -170,7 +170,7 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         feed = open_feed(reader)
         imu = recorder.tables.imu
         unit = feed.identify(imu.model, imu.serial)
-        fixture, _ = cube_fixture(database, recorder.tables.fixture.id)
+        fixture, _ = cube_fixture(database, recorder.tables.fixture.id, recorder.tables.fixture.imu_axes)
         before, turns, seconds = _so_far(folder) if recorder.accepted else ([], {}, {})
         checklist = Checklist(steps, recorder.accepted, seconds)
         facts = _facts(recorder.tables, fixture, setup, options)

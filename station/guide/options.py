@@ -12,6 +12,8 @@ from station.guide.view import Setup
 class Options:
     """Where campaigns go, what the set-up begins with, and the steps if not the usual ones.
 
+    ``imu_axes``: the cube axes along which the IMU's x, y, z point, the cube's own if empty.
+
     ``asks``: somebody is there to be asked; ``warms_up``: not before the unit has settled; ``is_patient``:
     whatever goes wrong is said and waited out; else it is raised.
     """
@@ -22,3 +24,4 @@ class Options:
     asks: bool = True
     warms_up: bool = True
     is_patient: bool = True
+    imu_axes: Sequence[str] = ()

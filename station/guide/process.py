@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
-from station.campaign_folder.plan_toml import read_plan
+from station.campaign_folder.plan_toml import read_mounting, read_plan
 from station.errors import StationError
 from station.guide.command import Command
 from station.guide.operator import Nobody, Operator, SimulatedOperator
@@ -51,7 +51,8 @@ class EngineOptions(BaseModel):
     def engine(self) -> Options:
         """Return the engine's options; raise `DataRefused` if the plan cannot be read."""
         steps = read_plan(self.plan) if self.plan else ()
-        return Options(self.root, self.setup, steps, self.asks, self.warms_up)
+        axes = read_mounting(self.plan) if self.plan else ()
+        return Options(self.root, self.setup, steps, self.asks, self.warms_up, imu_axes=axes)
 
     def operator(self) -> Operator:
         """Return who moves the cube, as far as the engine is concerned."""

@@ -40,5 +40,6 @@ def task(step: Step, *, is_there: bool = False) -> str:
     if isinstance(step, Dwell):
         return f"put the cube in position {step.position}: {axes(step.position)}"
     if is_there:
-        return f"turn {times(step)} {sense(step)} from above, flat, back to where it stood"
+        speed = "" if step.speed_deg_s is None else f" at about {step.speed_deg_s:g} deg/s"
+        return f"turn {times(step)} {sense(step)} from above{speed}, flat, back to where it stood"
     return f"put the cube in position {step.start_position}: {axes(step.start_position)}; then turn it"

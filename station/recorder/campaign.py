@@ -11,8 +11,11 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
+from sqlalchemy.orm import Session
+
 from fixtures_db.campaigns import accept_step, set_state, start_campaign
 from fixtures_db.database import Database
+from fixtures_db.sites import surveyed_site
 from procedures.frames import TURN_START
 from procedures.steps import Dwell, Step, Turn
 from station.campaign_folder import append_hash, write_tables
@@ -114,6 +117,7 @@ def open_campaign(
             started_utc=datetime.now(UTC),
             cube_id=cube_id,
             slab_id=slab_id,
+            site_id=_site_id(session, site),
         )
         write_tables(folder, tables)  # before the commit: a row always has its folder
     return CampaignRecorder(folder, tables, database)
@@ -125,6 +129,18 @@ def step_of(table: DwellTable | TurnTable) -> Step | None:
         start = table.start_position or TURN_START[table.axis]
         return Turn(table.axis, table.direction, table.revolutions, start, 0.0)
     return None if table.position is None else Dwell(table.position, 0.0)
+
+
+def _site_id(session: Session, site: SiteTable) -> str | None:
+    if site.gravity_m_s2 is None:
+        return None
+    found = surveyed_site(
+        session,
+        latitude_deg=site.latitude_deg,
+        gravity_m_s2=site.gravity_m_s2,
+        gravity_std_m_s2=site.gravity_std,
+    )
+    return None if found is None else found.id
 
 
 def _write(path: Path, tape: Tape, runs: Sequence[Run]) -> str:

@@ -15,11 +15,15 @@ from fixtures_db.limits import limits_of
 from procedures.solution import Solution
 from station.campaign_folder import read_for_solve
 from station.campaign_folder.atomic import replace_file
+from station.campaign_folder.schema import CampaignTable
 from station.errors import Altered
 from station.guide.folder_notes import read_setup
 from station.guide.judgement import Outcome, judge
+from station.recorder.circumstances import circumstances, judged_values
 
 if TYPE_CHECKING:
+    from sqlalchemy.orm import Session
+
     from station.report.context import ReportContext
 
 
@@ -41,6 +45,7 @@ class Results:
     solution_file: Path
     calibration_file: Path
     report_file: Path
+    tables: CampaignTable
 
 
 def make_results(
@@ -51,13 +56,15 @@ def make_results(
     ``truth`` is a simulated unit's, keyed as `Solution.names`.
     """
     loaded = read_for_solve([folder])[0]
-    from procedures.calibration import solve  # scipy and kernels: not before the data are right
+    from procedures.calibration import fit, report  # scipy and kernels: not before the data are right
+    from procedures.uncertainty.budget import budget
     from station.report.context import report_context
     from station.report.writing import write_report
     from station.solution_json import solution_document, write_solution
 
     into = folder if into is None else into
-    solution = solve([loaded.campaign])
+    fits = fit([loaded.campaign])
+    solution = report(fits)
     document = solution_document(solution, [loaded])
     with database.read() as session:
         limits = limits_of(session, loaded.tables.imu.model)
@@ -65,7 +72,7 @@ def make_results(
     outcome, status_reason = judge(document, limits), "; ".join(expired)
     status: Literal["calibrated", "measured"] = "measured" if expired else "calibrated"
     context = replace(
-        report_context(solution, [loaded.campaign], document),
+        report_context(solution, [loaded.campaign], document, budget(fits)),
         verdict=outcome.word,
         verdict_reason=outcome.reason,
         truth=truth or {},
@@ -74,6 +81,7 @@ def make_results(
     results = Results(
         folder, solution, document, outcome, status, status_reason, context,
         into / "solution.json", into / "calibration.json", into / "report.html",
+        loaded.tables,
     )  # fmt: skip
     write_solution(results.solution_file, document)
     write_report(results.report_file, context)
@@ -95,7 +103,7 @@ def store(results: Results, database: Database) -> str:
     key = str(results.folder.resolve())
     try:
         with database.write() as session:
-            row = accept_calibration(session, results.solution, _facts(results), campaign_folder=key)
+            row = accept_calibration(session, results.solution, _facts(results, session), campaign_folder=key)
             set_state(session, key, "accepted")
     except AlreadyStored as error:  # a kill may have come between the row and the files
         with database.read() as session:
@@ -115,11 +123,13 @@ def _hand_out(results: Results, text: str, sha256: str) -> None:
     write_report(results.report_file, replace(results.context, calibration_sha256=sha256))
 
 
-def _facts(results: Results) -> CalibrationFacts:
+def _facts(results: Results, session: "Session") -> CalibrationFacts:
+    from station.budget_json import budget_document
     from station.report.conditions import temperature_range
 
     origin, now = results.document["provenance"], datetime.now(UTC)
     setup = read_setup(results.folder)
+    key, measured = str(results.folder.resolve()), results.context.campaigns[0]
     return CalibrationFacts(
         model=origin["model"],
         serial=origin["serial"],
@@ -133,4 +143,8 @@ def _facts(results: Results) -> CalibrationFacts:
         operator="" if setup is None else setup.operator,
         verdict=results.outcome.word,
         limits=tuple(one.limit for one in results.outcome.judged),
+        uncertainty=budget_document(results.context.budgets),
+        judged=judged_values(results.outcome.judged),
+        residual=results.document.get("residual", {}),
+        **circumstances(session, key, measured, results.tables, results.document),
     )

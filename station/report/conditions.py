@@ -58,7 +58,9 @@ def _temperature(campaign: Campaign) -> list[tuple[str, str]]:
 def _fixture(campaign: Campaign) -> list[tuple[str, str]]:
     fixture = campaign.fixture
     certified = [face for face in FACES if face in fixture.faces]
-    if not certified:
+    if fixture.measured is not None:
+        certificate = f"none; measured by {', '.join(fixture.measured.units) or 'IMUs'}"
+    elif not certified:
         certificate = "none: misalignment refers to the mean cube"
     else:
         stds = [float(np.sqrt(np.trace(fixture.faces[face].covariance) / 2)) for face in certified]

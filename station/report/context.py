@@ -6,6 +6,7 @@ from typing import Any
 
 from procedures.campaign import Campaign
 from procedures.solution import Solution
+from procedures.uncertainty.budget import ParameterBudget
 
 VERDICTS = ("PASS", "FAIL", "NOT_MEASURED")
 
@@ -17,7 +18,8 @@ class ReportContext:
     ``files`` holds the SHA-256 of each input by name; ``created_utc`` is printed as it is: with it, equal
     inputs give equal bytes. ``truth`` (simulated campaigns) is keyed as `Solution.names`, in the units of
     files: ``accelerometer.bias.x`` in g. ``calibration_sha256`` is the head of the database's hash chain.
-    ``bench`` adds lines to the conditions, such as a certificate's number and due date.
+    ``bench`` adds lines to the conditions, such as a certificate's number and due date. ``budgets`` are the
+    uncertainty budgets of the parameters.
     """
 
     solution: Solution
@@ -30,6 +32,7 @@ class ReportContext:
     truth: Mapping[str, float] = field(default_factory=dict)
     calibration_sha256: str | None = None
     bench: Mapping[str, str] = field(default_factory=dict)
+    budgets: tuple[ParameterBudget, ...] = ()
 
     def __post_init__(self) -> None:
         if self.verdict not in VERDICTS:
@@ -39,7 +42,10 @@ class ReportContext:
 
 
 def report_context(
-    solution: Solution, campaigns: Sequence[Campaign], document: Mapping[str, Any]
+    solution: Solution,
+    campaigns: Sequence[Campaign],
+    document: Mapping[str, Any],
+    budgets: Sequence[ParameterBudget] = (),
 ) -> ReportContext:
     """Return the context of a solution and its ``solution/1`` document, which holds the folders' own warnings."""
     origin = document["provenance"]
@@ -51,4 +57,5 @@ def report_context(
         files=origin["files"],
         software=origin["software"],
         created_utc=origin["created_utc"],
+        budgets=tuple(budgets),
     )

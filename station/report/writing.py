@@ -9,6 +9,7 @@ from markupsafe import Markup
 from procedures.solution import Solution, TriadCalibration
 from station.campaign_folder.atomic import replace_file
 from station.report.allan_plot import allan_svg
+from station.report.budget import budget_tables
 from station.report.conditions import condition_lines
 from station.report.context import ReportContext
 from station.report.fit import LIMIT_SIGMAS, correlations, residual_tables
@@ -49,6 +50,7 @@ def render(context: ReportContext) -> str:
             facts=_facts(solution),
             triads=[_triad(name, triad, context) for name, triad in _solved(solution)],
             bench=bench_groups(solution, context.truth),
+            budget_tables=budget_tables(context.budgets),
             correlations=correlations(solution),
             residual_tables=residual_tables(solution.residuals),
             residual_plots=[

@@ -2,8 +2,8 @@
 
 A campaign is recorded, solved and stored, fixtures are certified, an anchor is written. Then N times one thing is
 changed: a byte of a column, a row or two rows of the database; a byte, a line or two lines of the calibration's
-file, of an export or of the recording's files; a file. ``harmless`` counts what reads as it did before: the blank
-between day and hour as another letter, two lines of SHA256SUMS in another order.
+file, of a certificate, of an export or of the recording's files; a file. ``harmless`` counts what reads as it did
+before: the blank between day and hour as another letter, two lines of SHA256SUMS in another order.
 """
 
 import argparse
@@ -27,20 +27,24 @@ from fixtures_db.transfer import dump
 from fixtures_db.verification import alterations
 from station import cli
 from station.campaign_folder.manifest import read_hashes
+from station.certificate.issuing import Request, issue
 from station.fixture_files.csv_folder import write_csv
 from station.fixture_files.toml_file import to_toml
 from station.recorder.results import make_results, store
 from tests.fixtures_db.factory import facts, fill_fixtures, solution
+from tests.station.certificate.factory import accepted, laboratory
 from tests.station.guide.stored import recorded
 
 COLUMNS = {  # what the chains cover; of the others docs/fixtures.md says so
     "calibrations": "imu_id campaign_id accepted_utc code_version inputs document previous sha256",
     "face_certificates": "cube_id resting up_tilt_1_rad up_tilt_2_rad covariance_11_rad2 covariance_12_rad2 "
     "covariance_22_rad2 source measured_utc due_date previous sha256",
+    "cube_measurements": "cube_id values_rad covariance_rad2 sources measured_utc due_date previous sha256",
     "slab_levels": "slab_id tilt_east_rad tilt_north_rad std_east_rad std_north_rad source measured_utc due_date "
     "previous sha256",
     "steps": "campaign_id name file sha256 superseded",
     "campaigns": "folder manifest_sha256",
+    "certificates": "number replaces calibration_sha256 issued_utc laboratory html html_sha256 previous sha256",
 }
 
 
@@ -57,6 +61,11 @@ class Station:
                 fill_fixtures(session)
                 for i in range(4):
                     accept_calibration(session, solution(i * 1e-3), facts(f"S{i % 2}"))
+                for _ in range(2):
+                    accepted(session)
+            self.certificate = home / "certificate.html"
+            for why in ("", "the customer's address was wrong"):
+                self.certificate.write_text(issue(database, Request("S0101", laboratory(), why)).html)
             with database.read() as session:
                 rows, self.anchor = dump(session), take_anchor(session)
             (home / "export.toml").write_text(to_toml(rows))
@@ -119,8 +128,9 @@ class Station:
         """Change a file and take it back."""
         toml, export, document = self.home / "export.toml", self.home / "export", self.folder / "calibration.json"
         recording = [self.folder / name for name in ("campaign.toml", "SHA256SUMS", *read_hashes(self.folder))]
+        exported, issued = (export, list(export.iterdir())), (self.certificate, [self.certificate])
         what, files = self.chance.choice(
-            ((toml, [toml]), (export, list(export.iterdir())), (self.folder, recording), (document, [document]))
+            ((toml, [toml]), exported, (self.folder, recording), (document, [document]), issued)
         )
         file = self.chance.choice(sorted(files))
         content = file.read_bytes()

@@ -8,11 +8,13 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.calibration import CalibrationFacts
 from fixtures_db.campaigns import imu
+from fixtures_db.cube_measurements import add_measurement
 from fixtures_db.cubes import add_cube, certify_faces
 from fixtures_db.drawing import drawing
 from fixtures_db.sites import Survey, add_site
 from fixtures_db.slabs import add_level, add_slab
-from procedures.campaign import FaceCertificate
+from procedures.campaign import FaceCertificate, MeasuredCube
+from procedures.measured_cube import PARALLELISM, CubeMeasurement, UnitShare
 from procedures.solution import Estimate, FitQuality, Solution, TriadCalibration
 
 NOON = datetime(2026, 3, 4, 12, 0, tzinfo=UTC)
@@ -41,7 +43,7 @@ def facts(serial: str = "S1", until: date | None = None) -> CalibrationFacts:
 
 
 def fill_fixtures(session: Session) -> None:
-    """Add a cube with drawing and certificates, a slab with levels, a site, and two IMUs."""
+    """Add a cube with drawing, certificates and measurements, a slab with levels, a site, and two IMUs."""
     face = FaceCertificate(np.array([1e-5, -2e-5]), np.array([[25e-12, 1e-12], [1e-12, 16e-12]]))
     add_cube(session, "CUBE-7", side_mm=400.0, tolerances=drawing({"t1": 0.02, "t8": 0.01}))
     certify_faces(session, "CUBE-7", {"x_up": face, "z_down": face}, source="CMM", measured_utc=NOON)
@@ -49,6 +51,11 @@ def fill_fixtures(session: Session) -> None:
     certify_faces(
         session, "CUBE-7", {"x_up": face}, source='CMM "2",\r\n \u00e9 # sha256 ', measured_utc=LATER, due_date=due
     )
+    for at, moved in ((NOON, 0.0), (LATER, 5e-6)):
+        given = {"measured_utc": at, "due_date": at.date().replace(year=2027)}
+        add_measurement(
+            session, "CUBE-7", measured_cube(moved), campaigns={"FOG-3 S1": {"day": "ab" * 32}}, **given
+        )
     add_slab(session, "SLAB-1")
     for at, east in ((NOON, 1e-5), (LATER, 3e-5)):
         due = at.date().replace(year=2027)
@@ -58,6 +65,15 @@ def fill_fixtures(session: Session) -> None:
     add_site(session, "SITE-1", latitude_deg=48.1, longitude_deg=11.5, height_m=520.0, survey=survey)
     imu(session, "FOG-3", "S1")
     imu(session, "FOG-3", "S2")
+
+
+def measured_cube(moved: float = 0.0, unit: str = "FOG-3 S1") -> CubeMeasurement:
+    """A cube as one unit of K2 = 5e-5 g/g^2 measures it: y.x and z.x, less them by 2 K2 of x, and so on."""
+    by_quadratic = np.array([[0, -2.0, 0], [0, 0, -2], [-2, 0, 0], [0, 0, -2], [-2, 0, 0], [0, -2, 0]])
+    noise, value = 1e-14 * np.eye(6), np.arange(6) * 1e-5
+    value[0] += moved
+    cube = MeasuredCube(PARALLELISM, value, noise + 25e-10 * by_quadratic @ by_quadratic.T, (unit,))
+    return CubeMeasurement(cube, noise, (UnitShare(unit, by_quadratic, 5e-5, np.full(3, 5e-5)),))
 
 
 def unprotect(session: Session, table: str) -> None:

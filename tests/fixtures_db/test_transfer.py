@@ -5,18 +5,21 @@ import pytest
 from sqlalchemy import text
 
 from fixtures_db.chained import newest_hash, verify_dates
+from fixtures_db.cube_measurements import verify_measurements
 from fixtures_db.cubes import add_cube, certify_faces, cube, cube_row, verify_certificates
 from fixtures_db.database import Database, open_db
 from fixtures_db.drawing import drawing
 from fixtures_db.due import due
 from fixtures_db.errors import DiffersFromStored, NotInDatabase
 from fixtures_db.history import accept_calibration
-from fixtures_db.schema import FaceCertificateRow, SlabLevelRow
+from fixtures_db.schema import CubeMeasurementRow, FaceCertificateRow, SlabLevelRow
 from fixtures_db.sites import Survey, add_site, site_row
 from fixtures_db.slabs import add_level, add_slab, slab_row, verify_levels
 from fixtures_db.transfer import dump, restore
 from procedures.campaign import FaceCertificate
 from tests.fixtures_db.factory import LATER, NOON, facts, fill_fixtures, solution, unprotect
+
+CHAINED = (FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
 
 
 @pytest.fixture
@@ -29,14 +32,15 @@ def filled(db: Database) -> Database:
 def test_a_dump_taken_into_an_empty_database_is_equal_down_to_the_hashes(filled: Database) -> None:
     with filled.read() as session:
         rows = dump(session)
-        heads = [newest_hash(session, table) for table in (FaceCertificateRow, SlabLevelRow)]
+        heads = [newest_hash(session, table) for table in CHAINED]
     with open_db("sqlite://") as other:
         with other.write() as session:
             added = restore(session, rows)
         with other.read() as session:
             assert dump(session) == rows
-            assert [newest_hash(session, table) for table in (FaceCertificateRow, SlabLevelRow)] == heads
+            assert [newest_hash(session, table) for table in CHAINED] == heads
             assert verify_certificates(session) == verify_levels(session) == verify_dates(session) == []
+            assert verify_measurements(session) == []
         with other.write() as session:
             assert set(restore(session, rows).values()) == {0}
     assert added["certificate"] == 3

@@ -130,8 +130,8 @@ def test_the_closure_is_the_sigma_of_the_scale_factor() -> None:
     found = triad_vector(fit.joint, "gyroscope", None)
     relative = np.sqrt(np.diag(found.covariance))[:3] / found.value[:3]
     assert relative == pytest.approx(
-        closure / (6 * np.pi) / np.sqrt(2), rel=0.02
-    )  # two turns of three revolutions
+        closure / (6 * np.pi) / np.sqrt(2), rel=0.03
+    )  # two turns of three revolutions; the rest is misalignment times tilts that no accelerometer saw
 
 
 def test_an_error_of_closure_is_found_within_its_sigma() -> None:

@@ -51,6 +51,10 @@ def _link_outside(path: Path) -> None:
 
 CELL = "1.02,1,2,-3,4,0,-6,23.5"
 INSIDE = "expected the name of a file inside"
+MEASURED = (
+    '[fixture.measured]\nnames = ["parallelism.x.y", "skew.x.y"]\nvalue_rad = [1e-5, 2e-5]\n'
+    "covariance_rad2 = [[1e-12, 0.0], [0.0, 1e-12]]\n"
+)
 REFUSED = {
     "no data file": (
         _replace("one.csv", lambda p: None),
@@ -167,6 +171,33 @@ REFUSED = {
             '[[fixture.face]]\nresting = "x_up"\nup_tilt_rad = [0, 0]\ncovariance_rad2 = [[1, 2], [2, 1]]\n[site]',
         ),
         "campaign.toml:9: found fixture.face with resting = 'x_up', expected covariance_rad2 to be symmetric and",
+    ),
+    "measured cube of another name": (
+        _toml("[site]", f"{MEASURED.replace('x.y', 'x.w')}[site]"),
+        "skew.y.z, not 'parallelism.x.w'",
+    ),
+    "measured cube without a row of covariance": (
+        _toml("[site]", MEASURED.replace(", [0.0, 1e-12]", "") + "[site]"),
+        "expected covariance_rad2 of 2 rows and columns",
+    ),
+    "measured cube, no covariance at all": (
+        _toml("[site]", MEASURED.replace("[1e-12, 0.0]", "[1e-12, 2e-12]") + "[site]"),
+        "expected covariance_rad2 to be symmetric and positive definite",
+    ),
+    "measured cube with a name twice": (
+        _toml("[site]", MEASURED.replace("skew.x.y", "parallelism.x.y") + "[site]"),
+        "expected each name once, and a value_rad for each",
+    ),
+    "measured cube with certified faces": (
+        _toml(
+            "[site]",
+            f'{MEASURED}[[fixture.face]]\nresting = "x_up"\nup_tilt_rad = [0, 0]\nstd_rad = 1e-6\n[site]',
+        ),
+        "expected [[fixture.face]] or [fixture.measured], not both",
+    ),
+    "measured cube with an unknown key": (
+        _toml("[site]", MEASURED + 'by = "us"\n[site]'),
+        "campaign.toml:13: found unknown key 'fixture.measured.by', expected one of names, value_rad",
     ),
     "wrap without cumulative": (
         _toml('"increments"', '"increments"\nwrap_bits = 16'),

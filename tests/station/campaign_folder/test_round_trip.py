@@ -9,8 +9,18 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from procedures.campaign import Campaign, DwellRecord, FaceCertificate, Fixture, ProcedureSigma, Site, TurnRecord
+from procedures.campaign import (
+    Campaign,
+    DwellRecord,
+    FaceCertificate,
+    Fixture,
+    MeasuredCube,
+    ProcedureSigma,
+    Site,
+    TurnRecord,
+)
 from procedures.frames import FACES, TURN_START
+from procedures.measured_cube import NAMES
 from procedures.records import CountSeries, RateSeries, Series
 from station.campaign_folder import LoadedCampaign, read_campaign, write_campaign
 from station.campaign_folder.writing import toml_text
@@ -37,6 +47,14 @@ def series(draw: st.DrawFn, first: int, counts: bool) -> Series:
 
 
 @st.composite
+def measured_cubes(draw: st.DrawFn) -> MeasuredCube:
+    some = tuple(draw(st.lists(st.sampled_from(NAMES), min_size=1, unique=True)))
+    value = np.array(draw(st.lists(st.floats(-1e-3, 1e-3), min_size=len(some), max_size=len(some))))
+    root = np.tril(np.full((len(some), len(some)), draw(st.floats(-1e-6, 1e-6))), -1) + 1e-6 * np.eye(len(some))
+    return MeasuredCube(some, value, root @ root.T, tuple(draw(st.lists(names, max_size=2))))
+
+
+@st.composite
 def campaigns(draw: st.DrawFn) -> Campaign:
     counts = draw(st.booleans())
     positions = draw(st.lists(st.integers(1, 12), min_size=1, max_size=4))
@@ -56,6 +74,7 @@ def campaigns(draw: st.DrawFn) -> Campaign:
         )
         for face in draw(st.lists(st.sampled_from(FACES), unique=True))
     }
+    measured = None if faces else draw(st.none() | measured_cubes())
     sign = draw(st.sampled_from([1.0, -1.0]))
     axes_of_imu = np.roll(np.eye(3), draw(st.integers(0, 2)), axis=0) * np.array([sign, sign, 1.0])
     return Campaign(
@@ -63,7 +82,7 @@ def campaigns(draw: st.DrawFn) -> Campaign:
         Site(draw(st.floats(-1.5, 1.5)), draw(st.floats(9.7, 9.9)), draw(st.floats(1e-9, 1e-3))),
         dwells, turns,
         ProcedureSigma(draw(st.floats(1e-6, 0.1)), draw(st.floats(1e-6, 0.1))),
-        Fixture(faces, axes_of_imu, draw(st.none() | names)),
+        Fixture(faces, axes_of_imu, draw(st.none() | names), measured),
     )  # fmt: skip
 
 
@@ -89,6 +108,12 @@ def test_a_campaign_is_read_back_as_it_was_written(suffix: str, campaign: Campai
     assert found.sigma.heading == pytest.approx(campaign.sigma.heading, rel=1e-14)
     assert (found.fixture.id, set(found.fixture.faces)) == (campaign.fixture.id, set(campaign.fixture.faces))
     assert np.array_equal(found.fixture.C_ib, campaign.fixture.C_ib)
+    was, read = campaign.fixture.measured, found.fixture.measured
+    assert (was is None) == (read is None)
+    if was is not None and read is not None:
+        assert (read.names, read.units) == (was.names, was.units)
+        assert np.array_equal(read.value, was.value)
+        assert np.array_equal(read.covariance, was.covariance)
     for face, certificate in campaign.fixture.faces.items():
         assert np.array_equal(found.fixture.faces[face].up_tilt, certificate.up_tilt)
         assert np.array_equal(found.fixture.faces[face].covariance, certificate.covariance)

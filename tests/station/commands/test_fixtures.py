@@ -113,7 +113,7 @@ def test_an_export_taken_into_an_empty_database_is_equal(
     assert Station(filled, capsys)("fixtures", "export", out)[0] == 0
     other = Station(tmp_path / "b.db", capsys)
     assert other("fixtures", "import", out)[1].endswith(
-        "added 1 cube, 2 tolerance, 3 certificate, 1 slab, 2 level, 1 site, 2 imu\n"
+        "added 1 cube, 2 tolerance, 3 certificate, 2 measurement, 1 slab, 2 level, 1 site, 2 imu\n"
     )
     assert rows(tmp_path / "b.db") == rows(filled)
     assert other("fixtures", "import", out)[1].endswith("added nothing\n")

@@ -1,6 +1,7 @@
 """Limits come from a file; a unit's history is listed with its drift."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -96,15 +97,50 @@ def test_history_lists_calibrations_with_their_drift(tmp_path: Path, capsys: pyt
             accept_calibration(session, solution(bias), facts(serial))
     code, text = run(capsys, "history", "S1", *db)
     assert code == 0
-    heads = [line for line in text.splitlines() if not line.startswith(" ")]
+    heads = [line for line in text.splitlines() if line.startswith("2026-")]
     assert len(heads) == 2
     assert all(line.startswith("2026-03-04 12:00 UTC  FOG-3  not judged, calibrated  ") for line in heads)
-    assert "  accelerometer bias x                  1000.000 +- 0.080 ug\n" in text
-    assert "  moved most: accelerometer bias x, -0.566 ug (5.0 sigma)" in text.splitlines()[-1]
+    assert "  accelerometer bias x             1000.000 +- 0.080 ug\n" in text
+    assert "  moved most: accelerometer bias x, -0.566 ug (5.0 sigma)\n" in text
+    assert "  moved significantly (p < 0.05, Holm): 1 of 12\n" in text
+    assert "FOG-3, turn-ons: 1, 2026-03-04 to 2026-03-04\n" in text  # one recording, solved twice
     code, _ = run(capsys, "history", "S1", "--json", str(tmp_path / "h.json"), *db)
     first, second = json.loads((tmp_path / "h.json").read_text())["calibrations"]
     assert (code, first["drift"]) == (0, {})
     assert second["drift"]["accelerometer.bias.x"]["shift_sigma"] == pytest.approx(-5.0)
+    assert second["drift"]["accelerometer.bias.x"]["p_adjusted"] == pytest.approx(12 * 5.73e-7, rel=1e-2)
     assert second["parameters"]["accelerometer.scale_factor.x"]["value"] == 1020.0
     code, text = run(capsys, "history", "S3", *db)
     assert (code, "it has S1, S2" in text) == (3, True)
+
+
+def test_a_page_is_written_of_a_unit_and_of_a_population(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    db = ("--db", str(tmp_path / "s.db"))
+    with open_db(tmp_path / "s.db") as database, database.write() as session:
+        for i in range(4):
+            accept_calibration(
+                session, solution(1e-3 + 1e-6 * i), replace(facts(), inputs={"dwell_01.csv": str(i)})
+            )
+    page, out = tmp_path / "h.html", tmp_path / "p.json"
+    assert run(capsys, "history", "S1", "--html", str(page), "--at", "2027-05-06", *db) == (0, "")
+    assert "predicted for 2027-05-06: as asked" in page.read_text()
+    assert run(capsys, "history", "--population", "FOG-3", "--html", str(page), "--json", str(out), *db) == (0, "")
+    assert "<h1>All units of FOG-3</h1>" in page.read_text()
+    assert json.loads(out.read_text())["turn_ons"] == 4
+
+
+def test_wrong_usage_and_what_is_not_stored_are_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    db = ("--db", str(tmp_path / "s.db"))
+    with open_db(tmp_path / "s.db") as database, database.write() as session:
+        accept_calibration(session, solution(), facts())
+    for arguments, code, said in (
+        ((), 2, "expected a serial number or --population"),
+        (("S1", "--population", "FOG-3"), 2, "one of the two"),
+        (("--population", "FOG-3", "--at", "2030-01-01"), 2, "a population is not predicted"),
+        (("S1", "--at", "2020-01-01"), 2, "expected a date after the newest, 2026-03-04"),
+        (("--population", "FOG-4"), 3, "no calibration of model 'FOG-4' in the database (it has FOG-3)"),
+    ):
+        found, text = run(capsys, "history", *arguments, *db)
+        assert (found, said in text) == (code, True)

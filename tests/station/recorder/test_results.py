@@ -65,6 +65,9 @@ def test_a_campaign_is_solved_judged_and_stored_once(db: Database, tmp_path: Pat
     document = json.loads(stored)
     assert (document["verdict"], document["status"], document["operator"]) == ("PASS", "calibrated", "M. Curie")
     assert document["limits"][-1] == {"parameter": "residual.p_value", "low": 1e-9, "unit": "1", "guard_band": 0.0}
+    assert document["uncertainty"]["format"] == "budget/1"
+    assert len(document["uncertainty"]["parameters"]) == 24
+    assert "Uncertainty budget" in report
     with db.read() as session:
         [row] = history(session, "SIM-7")
         assert (row.sha256, row.document) == (sha256, stored)

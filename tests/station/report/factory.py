@@ -8,6 +8,8 @@ from procedures.campaign import Campaign, DwellRecord, FaceCertificate, Fixture,
 from procedures.frames import AXES, POSITIONS
 from procedures.records import CountSeries
 from procedures.solution import Estimate, FitQuality, Solution, StepResidual, TriadCalibration
+from procedures.uncertainty.budget import ParameterBudget, combined
+from procedures.uncertainty.sources import Cell
 from station.report.context import ReportContext
 
 K_ACCELEROMETER = np.array([1020.0, 1015.0, 1018.0])
@@ -85,6 +87,20 @@ def campaign(seed: int = 1, serial: str = "S0101", model: str = "FOG-3", samples
     faces = {"x_up": FaceCertificate(np.array([1e-5, -2e-5]), np.eye(2) * 25e-12)}
     site = Site(np.radians(31.17), 9.7946, 1e-5)
     return Campaign(model, serial, True, site, dwells, (turn,), fixture=Fixture(faces, id="CUBE-7"))
+
+
+def budgets() -> tuple[ParameterBudget, ...]:
+    parts = {
+        Cell("counting noise", dof=240.0): 4.9e-15,
+        Cell("bias instability", dof=6.0): 9e-16,
+        Cell("cube"): 8e-18,
+    }
+    bias = [
+        combined(f"accelerometer.bias.{axis}", v, "g", parts)
+        for axis, v in zip(AXES, (1e-3, 2e-3, -1e-3), strict=True)
+    ]
+    closure = {Cell("closure"): 0.22, Cell("counting noise", dof=3e4): 1e-3}
+    return (*bias, combined("gyroscope.scale_factor.x", 36147.26, "count/deg", closure))
 
 
 def truth() -> dict[str, float]:

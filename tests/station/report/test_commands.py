@@ -1,13 +1,14 @@
-import sys
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 import typer
 from typer.testing import CliRunner, Result
 
+from procedures import calibration
+from procedures.uncertainty import budget
 from station.commands.report import report
 from tests.station.report import factory
 
@@ -42,9 +43,9 @@ def _rows(start: float) -> str:
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder whose solve is made up: here only the way from folder to file is looked at."""
-    calibration = ModuleType("procedures.calibration")
-    calibration.solve = lambda campaigns: factory.solution()  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "procedures.calibration", calibration)
+    monkeypatch.setattr(calibration, "fit", lambda campaigns: SimpleNamespace(campaigns=tuple(campaigns)))
+    monkeypatch.setattr(calibration, "report", lambda fits: factory.solution())
+    monkeypatch.setattr(budget, "budget", lambda fits: factory.budgets())
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     (tmp_path / "dwell_01.csv").write_text(_rows(0.0))
     (tmp_path / "soak.csv").write_text(_rows(10.0))

@@ -176,3 +176,16 @@ def test_the_verdict_is_one_of_three_words() -> None:
 
 def _visible(page: str) -> str:
     return " ".join(_Page(re.sub(r"<style.*?</style>", "", page, flags=re.DOTALL)).texts)
+
+
+def test_the_budget_has_a_line_a_parameter_with_its_largest_contributions() -> None:
+    text = render(factory.context(budgets=factory.budgets()))
+    table = text[text.index("uncertainty budget of the accelerometer") : text.index("<h2>Residuals")]
+    assert table.count("counting noise 84 %, bias instability 15 %, cube &lt; 1 %") == 3
+    assert '<td class="num">0.15</td><td>\u00b5g</td><td class="num">1.98</td><td class="num">143</td>' in table
+    assert "closure 100 %" in table
+    assert "\u221e" in table
+
+
+def test_a_report_without_budgets_has_no_such_section() -> None:
+    assert "Uncertainty budget" not in render(factory.context())

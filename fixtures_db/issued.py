@@ -1,0 +1,84 @@
+"""Certificates as they were handed out: whole, numbered, each naming the hash of the one before it.
+
+The row holds the certificate itself. What is on paper or in a file is a copy: it can be made again, and told from
+one that was altered or never issued.
+"""
+
+from collections.abc import Sequence
+from datetime import datetime
+
+from sqlalchemy import func, select
+from sqlalchemy.orm import Session
+
+from fixtures_db.chain import GENESIS, ChainFault, Link, digest, faults
+from fixtures_db.chained import newest_hash, row_text
+from fixtures_db.errors import NotInDatabase
+from fixtures_db.schema import CalibrationRow, IssuedCertificateRow
+
+WORD = "issued certificate"
+
+
+def next_number(session: Session, prefix: str, year: int) -> str:
+    """Return the number that the next certificate has: prefix, year and how manieth of this database it is."""
+    count = session.scalar(select(func.count()).select_from(IssuedCertificateRow)) or 0
+    return f"{prefix}{year}-{count + 1:04d}"
+
+
+def record_issue(
+    session: Session,
+    *,
+    number: str,
+    replaces: str | None,
+    calibration_sha256: str,
+    issued_utc: datetime,
+    laboratory: str,
+    html: str,
+) -> IssuedCertificateRow:
+    """Append a certificate; call it in the `fixtures_db.database.Database.write` that gave it its number."""
+    row = IssuedCertificateRow(
+        number=number,
+        replaces=replaces,
+        calibration_sha256=calibration_sha256,
+        issued_utc=issued_utc,
+        laboratory=laboratory,
+        html=html,
+        html_sha256=digest(html),
+        previous=newest_hash(session, IssuedCertificateRow),
+    )
+    row.sha256 = digest(row_text(row))
+    session.add(row)
+    session.flush()
+    return row
+
+
+def issued_of(session: Session, calibration_sha256: str) -> Sequence[IssuedCertificateRow]:
+    """Return the certificates of a calibration, the first one first; the last is the one in force."""
+    rows = select(IssuedCertificateRow).where(IssuedCertificateRow.calibration_sha256 == calibration_sha256)
+    return session.scalars(rows.order_by(IssuedCertificateRow.id)).all()
+
+
+def issued_as(session: Session, html_sha256: str) -> IssuedCertificateRow:
+    """Return the certificate whose bytes have a hash; raise `NotInDatabase` if none was issued."""
+    rows = select(IssuedCertificateRow).where(IssuedCertificateRow.html_sha256 == html_sha256)
+    if (row := session.scalars(rows).first()) is None:
+        raise NotInDatabase(WORD, html_sha256)
+    return row
+
+
+def verify_issued(session: Session, expected_head: str | None = None) -> list[ChainFault]:
+    """Return every certificate that was altered, dropped or reordered since, or is of no calibration.
+
+    Rows dropped at the newest end show only against ``expected_head``, a hash that was kept elsewhere.
+    """
+    rows = session.scalars(select(IssuedCertificateRow).order_by(IssuedCertificateRow.id)).all()
+    found = faults(Link(f"{WORD} {row.id}", row_text(row), row.previous, row.sha256) for row in rows)
+    known = set(session.scalars(select(CalibrationRow.sha256)))
+    for row in rows:
+        if (actual := digest(row.html)) != row.html_sha256:
+            found.append(ChainFault(f"{WORD} {row.id}", f"html with sha256 {actual}", row.html_sha256))
+        if row.calibration_sha256 not in known:
+            found.append(ChainFault(f"{WORD} {row.id}", "no such calibration", row.calibration_sha256))
+    if expected_head not in {None, GENESIS, *(row.sha256 for row in rows)}:
+        head = newest_hash(session, IssuedCertificateRow)
+        found.append(ChainFault(f"newest {WORD}", head, str(expected_head)))
+    return found

@@ -1,0 +1,40 @@
+"""What IMUs measured of cubes; a cube is due when the first of its faces is."""
+
+import sqlalchemy as sa
+from alembic import op
+
+from fixtures_db.migrations.append_only import protect
+
+revision = "0005"
+down_revision = "0004"
+
+FIRST_DUE = """
+UPDATE cubes SET due_date = (
+    SELECT MIN(f.due_date) FROM face_certificates f WHERE f.cube_id = cubes.id AND NOT EXISTS (
+        SELECT 1 FROM face_certificates g WHERE g.cube_id = f.cube_id AND g.resting = f.resting
+        AND (g.measured_utc > f.measured_utc OR (g.measured_utc = f.measured_utc AND g.id > f.id))))
+WHERE EXISTS (SELECT 1 FROM face_certificates f WHERE f.cube_id = cubes.id)
+"""  # until now it was due with the face measured last, and never where that one had no due date
+
+
+def upgrade() -> None:
+    """Create the append-only table of measurements and date the cubes anew."""
+    op.create_table(
+        "cube_measurements",
+        sa.Column("id", sa.Integer(), nullable=False),
+        sa.Column("cube_id", sa.String(), nullable=False),
+        sa.Column("values_rad", sa.Text(), nullable=False),
+        sa.Column("covariance_rad2", sa.Text(), nullable=False),
+        sa.Column("sources", sa.Text(), nullable=False),
+        sa.Column("measured_utc", sa.DateTime(timezone=True), nullable=False),
+        sa.Column("due_date", sa.Date()),
+        sa.Column("previous", sa.String(64), nullable=False),
+        sa.Column("sha256", sa.String(64), nullable=False),
+        sa.PrimaryKeyConstraint("id", name="pk_cube_measurements"),
+        sa.ForeignKeyConstraint(["cube_id"], ["cubes.id"], name="fk_cube_measurements_cube_id"),
+        sa.UniqueConstraint("previous", name="uq_cube_measurements_previous"),
+        sa.UniqueConstraint("sha256", name="uq_cube_measurements_sha256"),
+    )
+    op.create_index("ix_cube_measurements_cube_id", "cube_measurements", ["cube_id"])
+    protect("cube_measurements")
+    op.execute(FIRST_DUE)

@@ -1,0 +1,92 @@
+"""Stored calibrations with what they were made with: of one serial number, or of all units of a model."""
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import ColumnElement, select
+from sqlalchemy.orm import Session
+
+from fixtures_db.schema import CalibrationRow, CampaignRow, ImuRow
+
+KINDS = ("cube", "slab", "site", "operator")  # what may shift a calibration, beside the unit
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A calibration: ``document`` is calibration/1, ``ended`` when it was measured, ``made_with`` by `KINDS`.
+
+    ``recording`` names what it was solved from: calibrations that share it are one turn-on, solved again.
+    """
+
+    sha256: str
+    model: str
+    serial: str
+    ended: datetime
+    recording: str
+    made_with: dict[str, str]
+    document: dict[str, Any]
+
+
+def runs_of_unit(session: Session, serial: str) -> list[Run]:
+    """Return the calibrations of every IMU of a serial number, in the order in which they were stored."""
+    return _runs(session, ImuRow.serial == serial)
+
+
+def runs_of_model(session: Session, model: str) -> list[Run]:
+    """Return the calibrations of all units of a model, in the order in which they were stored."""
+    return _runs(session, ImuRow.model == model)
+
+
+def calibrated_models(session: Session) -> Sequence[str]:
+    """Return the models that have a calibration."""
+    return session.scalars(select(ImuRow.model).join(CalibrationRow).distinct().order_by(ImuRow.model)).all()
+
+
+def turn_ons(runs: Iterable[Run]) -> list[Run]:
+    """Return one run, the newest stored, of each recording, in the order in which they were measured."""
+    newest = {(run.model, run.serial, run.recording): run for run in runs}
+    return sorted(newest.values(), key=lambda run: run.ended)
+
+
+def _runs(session: Session, which: ColumnElement[bool]) -> list[Run]:
+    units = {unit.id: unit for unit in session.scalars(select(ImuRow).where(which))}
+    campaigns = {one.id: one for one in session.scalars(select(CampaignRow).join(ImuRow).where(which))}
+    rows = select(CalibrationRow).join(ImuRow).where(which).order_by(CalibrationRow.id)
+    return [
+        _run(row, units[row.imu_id], None if row.campaign_id is None else campaigns.get(row.campaign_id))
+        for row in session.scalars(rows)
+    ]
+
+
+def _run(row: CalibrationRow, unit: ImuRow, campaign: CampaignRow | None) -> Run:
+    document = json.loads(row.document)
+    return Run(
+        sha256=row.sha256,
+        model=unit.model,
+        serial=unit.serial,
+        ended=_ended(document, row.accepted_utc),
+        recording=f"campaign {campaign.id}" if campaign is not None else _files(row),
+        made_with=_made_with(document, campaign),
+        document=document,
+    )
+
+
+def _ended(document: dict[str, Any], accepted: datetime) -> datetime:
+    """Return when the measuring ended; calibrations stored before that was kept say when they were accepted."""
+    said = document.get("procedure", {}).get("ended_utc")
+    return accepted if said is None else datetime.fromisoformat(said).astimezone(UTC)
+
+
+def _files(row: CalibrationRow) -> str:
+    return " ".join(sorted(row.inputs.values())) or row.sha256
+
+
+def _made_with(document: dict[str, Any], campaign: CampaignRow | None) -> dict[str, str]:
+    found = {kind: getattr(campaign, f"{kind}_id", None) for kind in KINDS[:3]}
+    found |= {one["kind"]: one.get("id") for one in document.get("references", ())}
+    found["site"] = document.get("site", {}).get("id", found["site"])
+    found["operator"] = document.get("operator")
+    return {kind: name for kind in KINDS if (name := found.get(kind))}

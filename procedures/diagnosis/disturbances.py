@@ -1,0 +1,215 @@
+"""``disturbance.dwell``: a knock or a vibration inside a step at rest.
+
+Looked for in the local liveliness of every channel (`procedures.diagnosis.quiet`), since a mean over a whole dwell
+hides it, with every block of every channel and step counted in the level of the test. The disturbed stretch is cut
+out: the step becomes segments that share a rate, as after a gap.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.campaign import Campaign, DwellRecord, RestRecord
+from procedures.diagnosis.quiet import LEAST, Blocks, Trace, judge
+from procedures.diagnosis.result import Finding, Test
+from procedures.diagnosis.vibration import measure
+from procedures.frames import face_normal, face_of
+from procedures.observations import TRIADS, channel
+from procedures.records import CountSeries, Series
+
+EFFECT = "disturbance.dwell"
+LEVEL = np.log(0.01)
+JOINED_S = 2.0  # stretches nearer than this are one
+MOST = 0.6  # of a step that is cut: more is no disturbance of it but its state
+LABELS = {"accelerometer": ("ax", "ay", "az"), "gyroscope": ("gx", "gy", "gz")}
+
+Record = TypeVar("Record", DwellRecord, RestRecord)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Disturbance:
+    """A stretch of a step to be cut, ``first`` to ``end`` (samples), with its finding.
+
+    ``step`` is the number among the campaign's dwells, then its rests.
+    """
+
+    campaign: int
+    step: int
+    first: int
+    end: int
+    finding: Finding
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Lively:
+    """A block that is livelier than its channel: its step, samples, channel and ln p, adjusted."""
+
+    step: int
+    first: int
+    end: int
+    triad: str
+    axis: int
+    log_p: float
+
+
+def find_disturbances(campaigns: Sequence[Campaign]) -> tuple[tuple[Disturbance, ...], tuple[Test, ...]]:
+    """Find the disturbed stretches of one unit's campaigns, and the test made of the liveliest block."""
+    found, judged, least = list[Disturbance](), 0, 0.0
+    blocks = [_judged(campaign) for campaign in campaigns]
+    judged = sum(len(each.log_p) for channels in blocks for *_, all_ in channels for each in all_)
+    if not judged:
+        return (), ()
+    for number, (campaign, channels) in enumerate(zip(campaigns, blocks, strict=True)):
+        lively = list(_lively(channels, float(np.log(judged))))
+        least = min([least, *(each.log_p for each in lively)])
+        found += _disturbances(number, campaign, lively)
+    raw = min(float(each.log_p.min(initial=0.0)) for channels in blocks for *_, all_ in channels for each in all_)
+    return tuple(found), (Test(EFFECT, -2 * raw, raw, min(raw + float(np.log(judged)), 0.0)),)
+
+
+def without_disturbances(campaigns: Sequence[Campaign], found: Sequence[Disturbance]) -> tuple[Campaign, ...]:
+    """Return the campaigns with the disturbed stretches cut out."""
+    return tuple(
+        replace(campaign, dwells=_cut(campaign.dwells, here, 0), rests=_cut(campaign.rests, here, len(campaign.dwells)))
+        for number, campaign in enumerate(campaigns)
+        for here in ([each for each in found if each.campaign == number],)
+    )
+
+
+def _cut(records: Sequence[Record], found: Sequence[Disturbance], before: int) -> tuple[Record, ...]:
+    kept = list[Record]()
+    for i, record in enumerate(records):
+        keep = np.ones(len(record.series), dtype=bool)
+        for each in found:
+            if each.step == before + i:
+                keep[each.first : each.end] = False
+        kept.append(record if keep.all() else replace(record, series=_kept(record.series, keep)))
+    return tuple(kept)
+
+
+def _kept(series: Series, keep: BoolArray) -> Series:
+    """Return the samples to keep; what follows samples left out begins a segment."""
+    begins = np.zeros(len(series), dtype=bool)
+    begins[series.starts] = True
+    lost = np.flatnonzero(np.diff(keep.astype(int)) == 1) + 1
+    begins[lost] = True
+    carried = np.flatnonzero(begins)  # a segment whose first samples are cut begins where the next are kept
+    after = np.searchsorted(np.flatnonzero(keep), carried)
+    starts = np.unique(after[after < keep.sum()])
+    return replace(
+        series, t=series.t[keep], gyro=None if series.gyro is None else series.gyro[keep],
+        accel=None if series.accel is None else series.accel[keep], temperature=series.temperature[keep],
+        starts=starts.astype(np.int64), extra={name: values[keep] for name, values in series.extra.items()},
+    )  # type: ignore[return-value, arg-type]  # fmt: skip
+
+
+def _steps(campaign: Campaign) -> tuple[DwellRecord | RestRecord, ...]:
+    return (*campaign.dwells, *campaign.rests)
+
+
+def _judged(campaign: Campaign) -> list[tuple[str, int, list[int], list[Blocks]]]:
+    """Return per channel its triad, axis, the steps that hold it, and all blocks judged."""
+    found = list[tuple[str, int, list[int], list[Blocks]]]()
+    steps = _steps(campaign)
+    for triad in TRIADS:
+        here = [i for i, s in enumerate(steps) if channel(s.series, triad) is not None and len(s.series) >= LEAST]
+        if not here:
+            continue
+        for axis in range(3):
+            traces = [_trace(steps[i].series, triad, axis) for i in here]
+            found.append((triad, axis, here, judge(traces, campaign.counts)))
+    return found
+
+
+def _trace(series: Series, triad: str, axis: int) -> Trace:
+    return Trace(np.asarray(channel(series, triad))[:, axis].astype(np.float64), series.starts, series.period)
+
+
+def _lively(channels: Sequence[tuple[str, int, list[int], list[Blocks]]], counted: float) -> Iterator[_Lively]:
+    """Return the blocks below the level, ``counted`` being the logarithm of how many were judged."""
+    for triad, axis, steps, lengths in channels:
+        for blocks in lengths:
+            for i in np.flatnonzero(blocks.log_p + counted < LEVEL):
+                first, end = int(blocks.first[i]), int(blocks.end[i])
+                yield _Lively(steps[blocks.trace[i]], first, end, triad, axis, float(blocks.log_p[i]) + counted)
+
+
+def _disturbances(number: int, campaign: Campaign, lively: Sequence[_Lively]) -> Iterator[Disturbance]:
+    steps = _steps(campaign)
+    for step in sorted({each.step for each in lively}):
+        series = steps[step].series
+        here = [each for each in lively if each.step == step]
+        for stretch in _stretches(here, round(JOINED_S / series.period)):
+            inside = [each for each in here if each.first < stretch.stop and each.end > stretch.start]
+            found = _measured(number, campaign, step, stretch, inside)
+            if found.end - found.first <= MOST * len(series):
+                yield found
+
+
+def _stretches(lively: Sequence[_Lively], near: int) -> list[slice]:
+    """Return the stretches that blocks show, each by its shortest blocks, longer ones only where none is shorter."""
+    found = list[slice]()
+    for length in sorted({each.end - each.first for each in lively}):
+        blocks = [slice(each.first, each.end) for each in lively if each.end - each.first == length]
+        fresh = [b for b in blocks if not any(b.start < s.stop and b.stop > s.start for s in found)]
+        found = _joined([*found, *fresh], near)
+    return found
+
+
+def _joined(stretches: Sequence[slice], near: int) -> list[slice]:
+    found = list[slice]()
+    for each in sorted(stretches, key=lambda s: s.start):
+        if found and each.start - found[-1].stop <= near:
+            found[-1] = slice(found[-1].start, max(found[-1].stop, each.stop))
+        else:
+            found.append(each)
+    return found
+
+
+def _measured(
+    number: int, campaign: Campaign, step: int, stretch: slice, lively: Sequence[_Lively]
+) -> Disturbance:
+    """Measure a stretch by the triad that shows it, the accelerometers if both do."""
+    record = _steps(campaign)[step]
+    series, triad = record.series, min(each.triad for each in lively)
+    worst = min((each for each in lively if each.triad == triad), key=lambda each: each.log_p)
+    k = _scale(campaign, triad)
+    samples = np.asarray(channel(series, triad), dtype=np.float64)
+    counts = isinstance(series, CountSeries)
+    per_sample = k * series.period if counts else k
+    sine = measure(samples, per_sample, series.period, stretch, counts and triad == "accelerometer")
+    first, end = min(stretch.start, sine.first), max(stretch.stop, sine.end)
+    t = series.t
+    where: dict[str, object] = {"file": record.name, "channel": LABELS[triad][worst.axis]}
+    if isinstance(record, DwellRecord):
+        where = {"position": record.position, **where}
+    where |= {"from_s": float(t[first] - series.period), "to_s": float(t[end - 1])}
+    finding = Finding(
+        EFFECT, "procedure", ("x", "y", "z"), sine.amplitude, sine.std,
+        "g" if triad == "accelerometer" else "deg/h", where, "established", (),
+        "the same position again, nobody near the slab", worst.log_p, 0.0, f"{sine.hertz:.3g} Hz",
+    )  # fmt: skip
+    return Disturbance(number, step, first, end, finding)
+
+
+def _scale(campaign: Campaign, triad: str) -> FloatArray:
+    """Return k (3,) roughly [output per g, or per deg/h]: from the dwells' means, or the turns' totals."""
+    if triad == "accelerometer":
+        rows = [(d.series, face_of(d.position), 1.0) for d in campaign.dwells]
+    else:
+        rows = [(t.series, face_of(t.start_position), 360.0 * t.revolutions) for t in campaign.turns]
+    u, y = list[FloatArray](), list[FloatArray]()
+    for series, face, size in rows:
+        samples = channel(series, triad)
+        if samples is None:
+            continue
+        per = 1 / series.period if isinstance(series, CountSeries) else 1.0
+        u.append(np.abs(campaign.fixture.C_ib @ face_normal(face)))
+        total = samples.mean(axis=0) * per
+        y.append(total if triad == "accelerometer" else total * len(series) * series.period / size)
+    largest = np.max(np.abs(np.array(y) * (np.array(u) > 0.5)), axis=0, initial=0.0) if u else np.zeros(3)
+    known = largest[largest > 0]
+    return np.where(largest > 0, largest, known.mean() if len(known) else 1.0) / (1.0 if triad == "accelerometer" else 3600.0)

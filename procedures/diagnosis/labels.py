@@ -1,0 +1,313 @@
+"""``placement.label``: dwells recorded under a position in which the cube did not stand.
+
+The accelerometers show the face. An affine fit of raw outputs to nominal up vectors is drawn through four dwells at a
+time (random sample consensus); the one that most dwells agree with decides, and every dwell that contradicts it is
+moved to the face that fits it. No number of wrong labels short of a majority for another story can bend it, and
+tilts, seatings and K2 are hundreds of times below its threshold.
+
+The gyroscopes show which of its face's two positions it was. A gyro at rest puts out, for up and North as unit
+vectors u, n in IMU axes,
+
+    r = b + G u + H n + noise,   H = K w cos(latitude) + what follows the heading alike, as a magnetic field does
+
+with bias b, g-sensitivity and the Earth rate's vertical part in G, all with broad normal priors about what the
+turns say of K. Between the two positions of a face n changes sign, so labellings are compared by the likelihood of
+all gyros' dwells together (a normal one, the coefficients integrated out), improved one dwell or two at a time.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.campaign import Campaign, DwellRecord
+from procedures.diagnosis.result import Confidence, Finding, Test
+from procedures.earth import earth_rate_n
+from procedures.frames import FACES, face_normal, face_of, nominal_C_lb
+from procedures.gyrocompass import first_position
+from procedures.observations import channel
+from procedures.rate_mean import estimate_rates
+from procedures.records import CountSeries
+
+EFFECT = "placement.label"
+SEED, DRAWS = 20181218, 400  # of the sample consensus: always the same
+AGREES = 0.2  # g, as in `procedures.face_check`: far above any tilt, far below a wrong face
+MAJORITY = 0.5  # of the dwells that must agree
+LEAST = 5  # dwells: four are fitted by anything
+BIAS, G_SENSITIVITY = 1.0, 0.01  # 1 sigma, deg/s; deg/s per g, beside which the vertical Earth rate is small
+SLACK = 0.5  # 1 sigma of H about K w cos(latitude), of that: magnetic sensitivity, and K guessed from dwells
+UNSTABLE = np.array([0.1, 0.4, 1.5, 6.0, 25.0, 100.0]) / 3600  # deg/s, 1 sigma of a bias from dwell to dwell
+SURE = 30.0  # of a log likelihood ratio: far beyond what is left open by noise alone that is not quite normal
+FACE_LOG_P = -300.0  # of a face: 1 g off is 25 times what tilts, bias and scale could be together
+POSITIONS = 12
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Dwells:
+    """All dwells of one campaign: raw rates (n, 3) of both triads and 1 sigma, nan where a triad is absent."""
+
+    records: tuple[DwellRecord, ...]
+    accel: FloatArray
+    gyro: FloatArray
+    gyro_std: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Mislabelled:
+    """A dwell (by number) that truly stood in ``position``; ``log_p`` of the label as recorded, Bonferroni in.
+
+    ``is_heading_known`` says whether anything told the position from its face's other one.
+    """
+
+    campaign: int
+    dwell: int
+    position: int
+    log_p: float
+    is_heading_known: bool
+
+
+def find_labels(campaigns: Sequence[Campaign]) -> tuple[tuple[Finding, ...], tuple[Test, ...]]:
+    """Return the dwells that contradict their labels, and the test made of the worst."""
+    found = mislabelled(campaigns)
+    if not any(campaign.dwells for campaign in campaigns):
+        return (), ()
+    worst = min((each.log_p for each in found), default=0.0)
+    return tuple(_finding(campaigns, each) for each in found), (Test(EFFECT, -2 * worst, worst, worst),)
+
+
+def with_true_labels(campaigns: Sequence[Campaign], findings: Sequence[Mislabelled]) -> tuple[Campaign, ...]:
+    """Return the campaigns with every mislabelled dwell in the position where it stood."""
+    corrected = list(campaigns)
+    for each in findings:
+        campaign = corrected[each.campaign]
+        dwells = list(campaign.dwells)
+        dwells[each.dwell] = replace(dwells[each.dwell], position=each.position)
+        corrected[each.campaign] = replace(campaign, dwells=tuple(dwells))
+    return tuple(corrected)
+
+
+def mislabelled(campaigns: Sequence[Campaign]) -> list[Mislabelled]:
+    """Find the wrong labels of each campaign by itself."""
+    found = list[Mislabelled]()
+    for number, campaign in enumerate(campaigns):
+        dwells = _rates(campaign)
+        faces = _faces(campaign, dwells)
+        if faces is None:
+            continue
+        for i, position, log_p, is_known in _headings(campaign, dwells, faces):
+            found.append(Mislabelled(number, i, position, log_p, is_known))
+    return found
+
+
+def _finding(campaigns: Sequence[Campaign], each: Mislabelled) -> Finding:
+    record = campaigns[each.campaign].dwells[each.dwell]
+    where = {"position": record.position, "file": record.name}
+    confidence: Confidence = "established" if each.is_heading_known and each.log_p < np.log(0.01) else "likely"
+    std = 0.0 if each.is_heading_known else 1.0  # a face's two positions are neighbours
+    return Finding(
+        EFFECT, "procedure", ("actual",), np.array([float(each.position)]), np.array([std]), "position", where,
+        confidence, (), "the dwell again, in the position it was asked for", each.log_p, 0.0,
+    )  # fmt: skip
+
+
+def _rates(campaign: Campaign) -> _Dwells:
+    parts = [_triad_rates(campaign.dwells, triad) for triad in ("accelerometer", "gyroscope")]
+    return _Dwells(campaign.dwells, parts[0][0], *parts[1])
+
+
+def _triad_rates(dwells: Sequence[DwellRecord], triad: str) -> tuple[FloatArray, FloatArray]:
+    """Return mean output (n, 3) per second (or of a rate) and its 1 sigma."""
+    rate, std = np.full((2, len(dwells), 3), np.nan)
+    here = [i for i, d in enumerate(dwells) if channel(d.series, triad) is not None and len(d.series) > 1]
+    for axis in range(3):
+        values = [np.asarray(channel(dwells[i].series, triad))[:, axis].astype(float) for i in here]
+        for i, estimate in zip(here, estimate_rates(values, 1.0) if here else (), strict=True):
+            series = dwells[i].series
+            per = 1 / series.period if isinstance(series, CountSeries) else 1.0
+            rate[i, axis], std[i, axis] = estimate.rate * per, estimate.std * per
+    return rate, std
+
+
+def _up(campaign: Campaign, faces: Sequence[str]) -> FloatArray:
+    return np.stack([campaign.fixture.C_ib @ face_normal(face) for face in faces])
+
+
+def _faces(campaign: Campaign, dwells: _Dwells) -> list[str] | None:
+    """Return the face on which every dwell stood, the recorded one where nothing else fits; None if undecided."""
+    named = [face_of(d.position) for d in dwells.records]
+    seen = np.flatnonzero(np.all(np.isfinite(dwells.accel), axis=1))
+    if len(seen) < LEAST:
+        return named
+    design = np.hstack((_up(campaign, [named[i] for i in seen]), np.ones((len(seen), 1))))
+    rate = dwells.accel[seen]
+    agrees = _consensus(design, rate)
+    if agrees is None:
+        return None
+    solution, *_ = np.linalg.lstsq(design[agrees], rate[agrees], rcond=None)
+    per_face = np.hstack((_up(campaign, FACES), np.ones((len(FACES), 1)))) @ solution
+    k = np.linalg.norm(solution[:3], axis=0)
+    off = np.max(np.abs(rate[:, None] - per_face) / k, axis=2)
+    found = list(named)
+    for row, i in enumerate(seen):
+        if not agrees[row] and off[row].min() < AGREES:
+            found[i] = FACES[int(np.argmin(off[row]))]
+    return found
+
+
+def _consensus(design: FloatArray, rate: FloatArray) -> BoolArray | None:
+    """Mark the dwells of the largest set that one affine map takes to their outputs; None if it is no majority.
+
+    Of two stories told by as many, the one without a sensor that counts backwards is taken.
+    """
+    rng, n = np.random.default_rng(SEED), len(design)
+    best, most = np.zeros(n, dtype=bool), 0.0
+    for _ in range(DRAWS):
+        rows = rng.choice(n, 4, replace=False)
+        if abs(np.linalg.det(design[rows])) < 0.5:  # whole numbers: four faces that span, or not
+            continue
+        solution = np.linalg.solve(design[rows], rate[rows])
+        k = np.linalg.norm(solution[:3], axis=0)
+        if np.any(k < 0.5 * k.max()) or k.max() == 0:
+            continue
+        agrees = np.max(np.abs(rate - design @ solution) / k, axis=1) < AGREES
+        score = float(agrees.sum()) + 0.5 * bool(np.all(np.diag(solution[:3]) > 0))
+        if score > most:
+            best, most = agrees, score
+        if most > n:
+            break
+    return best if best.sum() >= LEAST and best.mean() > MAJORITY else None
+
+
+def _headings(
+    campaign: Campaign, dwells: _Dwells, faces: Sequence[str]
+) -> Iterator[tuple[int, int, float, bool]]:
+    """Return (dwell, position, ln p, whether its heading is known) of every dwell that is not where it says."""
+    named = [d.position for d in dwells.records]
+    moved = [i for i, position in enumerate(named) if face_of(position) != faces[i]]
+    start = [_nearest(dwells, faces, moved, i) if i in moved else named[i] for i in range(len(named))]
+    compass = _Compass.of(campaign, dwells, start)
+    positions, margins = (start, np.zeros(len(start))) if compass is None else compass.best(start)
+    tried = float(np.log(POSITIONS * len(start)))
+    for i, position in enumerate(positions):
+        is_sure = bool(margins[i] > SURE + tried)
+        if i in moved:
+            yield i, position if is_sure else start[i], FACE_LOG_P + tried, is_sure
+        elif position != named[i] and is_sure:
+            yield i, position, tried - float(margins[i]), True
+
+
+def _nearest(dwells: _Dwells, faces: Sequence[str], moved: Sequence[int], i: int) -> int:
+    """Return the position of the dwell on the same face that dwell ``i`` is most like: the slab's tilt tells a little."""
+    same = [j for j, face in enumerate(faces) if face == faces[i] and j not in moved]
+    if not same:
+        return first_position(faces[i])
+    off = np.linalg.norm(dwells.accel[same] - dwells.accel[i], axis=1)
+    return dwells.records[same[int(np.argmin(off))]].position
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Compass:
+    """Judges labellings by the gyros' dwells ``rows``: rates (n, 3) and variances [deg/s by ``K``'s largest element].
+
+    ``H`` (3, 3) is what North is expected to give, ``C_ib`` takes the cube's axes to the IMU's.
+    """
+
+    C_ib: FloatArray
+    rows: IntArray
+    rate: FloatArray
+    variance: FloatArray
+    H: FloatArray
+
+    @classmethod
+    def of(cls, campaign: Campaign, dwells: _Dwells, start: Sequence[int]) -> "_Compass | None":
+        """Scale the gyros by what the turns, or else the dwells themselves, roughly say of K; None if nothing does."""
+        rows = np.flatnonzero(np.all(np.isfinite(dwells.gyro), axis=1))
+        north = float(np.degrees(earth_rate_n(campaign.site.latitude)[1]))
+        if len(rows) < LEAST:
+            return None
+        C_ib, rate = campaign.fixture.C_ib, dwells.gyro[rows]
+        K = _turned(campaign)
+        if K is None:
+            K = _from_dwells(_design(C_ib, np.array([[start[i] for i in rows]]))[0], rate, north)
+        size = float(np.abs(K).max())
+        if not size > 0:
+            return None
+        return cls(C_ib, rows, rate / size, (dwells.gyro_std[rows] / size) ** 2, K / size * north)
+
+    def costs(self, labellings: IntArray) -> FloatArray:
+        """Return minus the log likelihood (m,) of labellings (m, dwells), up to a constant.
+
+        The scatter of the biases from dwell to dwell is whatever makes a labelling likeliest.
+        """
+        A = _design(self.C_ib, labellings[:, self.rows])
+        total = np.zeros((len(labellings), len(UNSTABLE)))
+        for q in range(3):
+            prior = np.r_[BIAS, np.full(3, G_SENSITIVITY), np.full(3, SLACK * np.linalg.norm(self.H[q]))]
+            own = self.variance[:, q] + UNSTABLE[:, None] ** 2
+            covariance = ((A * prior**2) @ A.swapaxes(1, 2))[:, None] + own[:, :, None] * np.eye(len(self.rows))
+            left = (self.rate[:, q] - A[:, :, 4:] @ self.H[q])[:, None, :, None]
+            root = np.linalg.cholesky(covariance)
+            white = np.linalg.solve(root, np.broadcast_to(left, (*covariance.shape[:3], 1)))
+            total += 0.5 * np.sum(white[..., 0] ** 2, axis=2)
+            total += np.log(np.diagonal(root, axis1=2, axis2=3)).sum(axis=2)
+        least: FloatArray = total.min(axis=1)
+        return least
+
+    def best(self, start: Sequence[int]) -> tuple[list[int], FloatArray]:
+        """Return the best labelling, one or two dwells changed at a time, and what changing each alone costs (n,)."""
+        changes = np.zeros((0, len(start)), dtype=bool)
+        for which in (*((i,) for i in self.rows), *combinations(self.rows, 2)):
+            changes = np.vstack((changes, np.isin(np.arange(len(start)), which)))
+        positions = np.array(start)
+        while True:
+            costs = self.costs(np.vstack((positions, np.where(changes, _other(positions), positions))))
+            least = int(np.argmin(costs))
+            if least == 0:
+                break
+            positions = np.where(changes[least - 1], _other(positions), positions)
+        margins = np.zeros(len(start))
+        margins[self.rows] = costs[1 : 1 + len(self.rows)] - costs[0]
+        return positions.tolist(), margins
+
+
+def _other(position: IntArray) -> IntArray:
+    """Return the other position of the same face."""
+    other: IntArray = np.where(position % 2 == 1, position + 1, position - 1)
+    return other
+
+
+def _design(C_ib: FloatArray, labellings: IntArray) -> FloatArray:
+    """Return (m, n, 7): one, up (3) and North (3) in IMU axes for labellings (m, n)."""
+    nominal = np.stack([np.hstack((1.0, C_ib @ C_bl[:, 2], C_ib @ C_bl[:, 1])) for C_bl in _NOMINAL_C_BL])
+    found: FloatArray = nominal[labellings - 1]
+    return found
+
+
+_NOMINAL_C_BL = [nominal_C_lb(position).T for position in range(1, POSITIONS + 1)]
+
+
+def _from_dwells(A: FloatArray, rate: FloatArray, north: float) -> FloatArray:
+    """Return K (3, 3) [output/deg] from the Earth's rate in dwells (n): the signs by gyro, one size for all."""
+    H = np.linalg.lstsq(A, rate, rcond=None)[0][4:].T
+    own: FloatArray = np.diag(H) / north
+    return np.diag(np.sign(own) * np.median(np.abs(own)))
+
+
+def _turned(campaign: Campaign) -> FloatArray | None:
+    """Return K (3, 3) [output/deg] of the gyros, roughly, from the turns; None if they do not tell."""
+    angle, total = list[FloatArray](), list[FloatArray]()
+    for turn in campaign.turns:
+        samples = channel(turn.series, "gyroscope")
+        if samples is not None:
+            per = 1.0 if isinstance(turn.series, CountSeries) else turn.series.period
+            up = campaign.fixture.C_ib @ face_normal(face_of(turn.start_position))
+            sign = 1 if (turn.direction == "+") == face_of(turn.start_position).endswith("up") else -1
+            angle.append(sign * 360.0 * turn.revolutions * up)
+            total.append(samples.sum(axis=0) * per)
+    if not angle or np.linalg.matrix_rank(np.array(angle), tol=1.0) < 3:
+        return None
+    K, *_ = np.linalg.lstsq(np.array(angle), np.array(total), rcond=None)
+    found: FloatArray = K.T
+    return found

@@ -1,0 +1,54 @@
+"""An auxiliary channel acts on the sensors: ``c aux``; the bias holds where the channel is nought.
+
+Slow channels have gaps: in between it is linear. A channel that a step does not have at all is not known, and then
+nothing is said of it. Plausible: 100 ug and 1 deg/h by one standard deviation of what the channel did.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.effects.effect import Columns, Effect, Seen
+
+KEYS = ("ax", "ay", "az", "gx", "gy", "gz")
+ACCEL_RANGE, GYRO_RANGE = 1e-4, 1.0  # g, deg/h by one standard deviation of the channel
+
+
+def columns(seen: Seen) -> list[Columns]:
+    """Return each channel per sensor [g per g/unit, deg/s per deg/h/unit]; ``where`` names it."""
+    return list(_channels(seen))
+
+
+def _channels(seen: Seen) -> Iterator[Columns]:
+    for name, known in seen.auxiliary.items():
+        value = _without_gaps(seen, known)
+        spread = float(np.std(value))
+        if not spread > 0:
+            continue
+        acts = value[:, None, None]
+        accel, gyro = acts * np.eye(3, 6), acts / 3600 * np.eye(3, 6, 3)
+        ranges = (ACCEL_RANGE / spread,) * 3 + (GYRO_RANGE / spread,) * 3
+        yield Columns(KEYS, accel=accel, gyro=gyro, where={"channel": name}, plausible=ranges)
+
+
+def _without_gaps(seen: Seen, values: FloatArray) -> FloatArray:
+    """Return a channel (n,) with what is missing within a step interpolated."""
+    filled = values.copy()
+    for number in range(len(seen.steps)):
+        nodes = np.flatnonzero(seen.step == number)
+        known = nodes[np.isfinite(values[nodes])]
+        if len(known):
+            filled[nodes] = np.interp(seen.t[nodes], seen.t[known], values[known])
+    return filled
+
+
+EFFECT = Effect(
+    name="auxiliary.channel",
+    unit="ax..az: g/unit, gx..gz: deg/h/unit",
+    physics="c aux",
+    source="IEEE Std 952 and 1293, environmental sensitivities of the model equations",
+    plausible=1.0,
+    columns=columns,
+    separate_by="the channel changed on purpose while the cube rests",
+)

@@ -1,0 +1,23 @@
+"""A disturbance in one dwell: a knock, a footstep, a machine nearby.
+
+It averages out of the counts' mean, or nearly: what shows it is their variance, over short stretches of the dwell,
+and so it has no column. Plausible: 0.01 g, what a knock on the slab gives.
+"""
+
+from procedures.effects.effect import Columns, Effect, Seen
+
+
+def columns(seen: Seen) -> list[Columns]:
+    """Return none: it is no column."""
+    return []
+
+
+EFFECT = Effect(
+    name="disturbance.dwell",
+    unit="g",
+    physics="specific force that comes and goes within a dwell",
+    source="IEEE Std 1293, seismic noise of the test site",
+    plausible=1e-2,
+    columns=columns,
+    separate_by="the same position again, nobody near the slab",
+)

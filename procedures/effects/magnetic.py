@@ -1,0 +1,23 @@
+"""Magnetic sensitivity of the gyroscopes: ``M B``, by the Faraday effect in fibre that is not quite polarising.
+
+Needs the site's field. Its part along the vertical is one with g-sensitivity, and heading alone tells the two
+apart. Plausible: 0.1 deg/h/uT (10 deg/h per gauss), of a coil without shield.
+"""
+
+from procedures.effects.effect import MATRIX, Columns, Effect, Seen, matrix_columns
+
+
+def columns(seen: Seen) -> list[Columns]:
+    """Return the field per sensor and axis [deg/s per deg/h/uT]."""
+    return [Columns(MATRIX, gyro=matrix_columns(seen.magnetic) / 3600)]
+
+
+EFFECT = Effect(
+    name="gyroscope.magnetic",
+    unit="deg/h/uT",
+    physics="M B",
+    source="IEEE Std 952, magnetic sensitivity; K. Hotate, K. Tabe, Appl. Opt. 25 (1986) 1086",
+    plausible=0.1,
+    columns=columns,
+    separate_by="the same positions with the magnetic field turned or shielded",
+)

@@ -1,0 +1,41 @@
+"""One seating off: in one dwell the cube stands turned by a small rotation, dirt or a chip under it.
+
+The rotation vector is in the cube's axes and turns every vector as the cube sees it. Where faces are free, a
+seating and that of the position on the same face cannot be told apart. Plausible: 5e-4 rad, 0.2 mm on 400 mm.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from procedures.effects.effect import Columns, Effect, Seen, SeenStep, turned
+from procedures.frames import AXES
+
+
+def columns(seen: Seen) -> list[Columns]:
+    """Return each dwell in a position turned about the cube's axes; ``where`` names position and file."""
+    several = len({step.campaign for step in seen.steps}) > 1
+    found = list[Columns]()
+    for number, step in enumerate(seen.steps):
+        if step.position and step.kind != "turn":
+            here = (seen.step == number)[:, None, None]
+            accel, gyro = turned(seen, np.where(here, seen.C_ib, 0.0))
+            found.append(Columns(AXES, accel=np.where(here, accel, 0.0), gyro=gyro, where=_where(step, several)))
+    return found
+
+
+def _where(step: SeenStep, several: bool) -> Mapping[str, object]:
+    """Say which dwell: files of several campaigns may share their names."""
+    where: dict[str, object] = {"position": step.position, "file": step.name}
+    return {**where, "campaign": step.campaign + 1} if several else where
+
+
+EFFECT = Effect(
+    name="placement.dwell",
+    unit="rad",
+    physics="rotation(x, y, z) of every vector as seen in the cube, in one dwell",
+    source="Yao, Hu, He 2018, section 2: the cube seated on its face",
+    plausible=5e-4,
+    columns=columns,
+    separate_by="the same position again, slab and face wiped",
+)

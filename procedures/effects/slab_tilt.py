@@ -1,0 +1,28 @@
+"""Tilt of the slab: every vector of the world turns as the slab sees it.
+
+Coefficients are the East and North components of the up vector seen from the slab. Plausible: 5e-3 rad, 0.3 deg.
+"""
+
+import numpy as np
+
+from procedures.effects.effect import Columns, Effect, Seen
+from procedures.effects.on_slab import turned_world
+
+ROTATION = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 0.0]])  # up leans east by a turn about north, as `slab_C_ln`
+
+
+def columns(seen: Seen) -> list[Columns]:
+    """Return the world turned about the slab's North and East."""
+    accel, gyro = turned_world(seen, ROTATION)
+    return [Columns(("east", "north"), accel=accel, gyro=gyro)]
+
+
+EFFECT = Effect(
+    name="slab.tilt",
+    unit="rad",
+    physics="up seen from the slab = (east, north, 1)",
+    source="Yao, Hu, He 2018, section 2: positions in pairs turned by 180 deg",
+    plausible=5e-3,
+    columns=columns,
+    separate_by="both positions of every face, turned by 180 deg",
+)

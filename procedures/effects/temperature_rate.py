@@ -1,0 +1,24 @@
+"""Shupe effect of the gyroscopes: ``c dT/dt``, bias while the coil's temperature changes.
+
+With one single exponential T and dT/dt are one. Plausible: 3 deg/h/(K/min), of a coil wound quadrupolar
+and not potted.
+"""
+
+from procedures.effects.effect import Columns, Effect, Seen, per_axis
+from procedures.frames import AXES
+
+
+def columns(seen: Seen) -> list[Columns]:
+    """Return the rate of temperature per sensor [deg/s per deg/h/(K/min)]."""
+    return [Columns(AXES, gyro=per_axis(seen.temperature_rate / 3600))]
+
+
+EFFECT = Effect(
+    name="gyroscope.temperature_rate",
+    unit="deg/h/(K/min)",
+    physics="c dT/dt",
+    source="D. M. Shupe, Thermally induced nonreciprocity, Appl. Opt. 19 (1980) 654",
+    plausible=3.0,
+    columns=columns,
+    separate_by="a heating run with ramps of different steepness, up and down, to the same temperature",
+)

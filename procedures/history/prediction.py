@@ -1,0 +1,73 @@
+"""What a parameter will be at a later date, and when it may leave its limits.
+
+The mixture of `procedures.history.process` at that date: what the unit does once it is turned on then. Its central
+95 % is the prediction interval. The calibration interval that it supports ends when the interval first touches a
+limit (ILAC-G24 / OIML D 10, 2007, 5: intervals from the history of the same instrument).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from procedures.history.process import Filter, Mixture, filtered, hypotheses
+from procedures.history.series import Series
+
+LEAST = 3  # calibrations: from two, a trend and a scatter cannot be told apart at all
+TAIL = 0.025
+
+
+@dataclass(frozen=True, slots=True)
+class Predicted:
+    """The value at ``day``, its 95 % interval, and the probability to be outside the limits if there are any."""
+
+    day: float
+    value: float
+    low_95: float
+    high_95: float
+    outside: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Forecast:
+    """All that can be said about the days after the last calibration; ``low``, ``high`` None: no limit there."""
+
+    filter: Filter
+    low: float | None = None
+    high: float | None = None
+
+    def at(self, day: float) -> Predicted:
+        """Return the prediction for a day not before the last calibration."""
+        mixture = self.filter.at(day)
+        ends = mixture.quantile(TAIL), mixture.quantile(1 - TAIL)
+        outside = None if self.low is None and self.high is None else sum(self._tails(mixture))
+        return Predicted(day, mixture.quantile(0.5), *ends, outside)
+
+    def first_touch(self, days: Sequence[float]) -> float | None:
+        """Return the first of increasing days at which the interval reaches a limit, None if it never does."""
+        last = None
+        for day in days:
+            if self._touches(day):
+                return day if last is None else self._between(last, day)
+            last = day
+        return None
+
+    def _between(self, free: float, touching: float) -> float:
+        while touching - free > 0.5:
+            middle = 0.5 * (free + touching)
+            free, touching = (free, middle) if self._touches(middle) else (middle, touching)
+        return touching
+
+    def _touches(self, day: float) -> bool:
+        return any(tail >= TAIL for tail in self._tails(self.filter.at(day)))
+
+    def _tails(self, mixture: Mixture) -> Iterator[float]:
+        if self.low is not None:
+            yield mixture.below(self.low)
+        if self.high is not None:
+            yield mixture.above(self.high)
+
+
+def forecast(series: Series, low: float | None = None, high: float | None = None) -> Forecast | None:
+    """Return the forecast after the last calibration, None with fewer than `LEAST`."""
+    if len(series) < LEAST:
+        return None
+    return Forecast(filtered(series, hypotheses(series)), low, high)

@@ -1,0 +1,104 @@
+"""``station certificate``: a stored calibration as a certificate, or the list of what it still lacks."""
+
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from station.commands import Database
+
+if TYPE_CHECKING:
+    from fixtures_db.database import Database as OpenDatabase
+    from fixtures_db.schema import IssuedCertificateRow
+    from station.certificate.laboratory import Laboratory
+
+Day = Annotated[datetime | None, typer.Option("--received", metavar="DATE", formats=["%Y-%m-%d"])]
+
+
+def certificate(
+    calibration: Annotated[
+        str, typer.Argument(metavar="CALIBRATION", help="A calibration.json, a serial number, or a hash's begin.")
+    ],
+    laboratory: Annotated[
+        Path | None, typer.Option("--laboratory", metavar="LAB.toml", help="What the laboratory says of itself.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE.html", help="Where to write; else NUMBER.html here.")
+    ] = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Beside it as PDF; needs the extra `pdf`.")] = False,
+    customer: Annotated[str | None, typer.Option("--customer", metavar="NAME")] = None,
+    customer_address: Annotated[str | None, typer.Option("--customer-address", metavar="TEXT")] = None,
+    received: Day = None,
+    condition: Annotated[
+        str | None, typer.Option("--condition", metavar="TEXT", help="Of the unit, as it came.")
+    ] = None,
+    amend: Annotated[
+        str, typer.Option("--amend", metavar="REASON", help="Replace the certificate issued before, and why.")
+    ] = "",
+    copy: Annotated[bool, typer.Option("--copy", help="Hand out again what was issued.")] = False,
+    db: Database = None,
+) -> None:
+    """Issue the certificate of a stored calibration: HTML that prints on numbered A4 pages, on request PDF.
+
+    It says all that ISO/IEC 17025:2017, 7.8, asks: results with expanded uncertainty U, coverage factor and
+    degrees of freedom (count/(g s), ug, count/deg, deg/h, arcsec), conditions, references with due dates, as found
+    and as left, conformity with decision rule and risk. An expired reference makes it a measurement report.
+    What was issued is recorded whole: `station verify FILE.html` finds it, --copy writes it again.
+
+    Exit code 3 if anything is missing, all of it listed with where to give it; 2 if PDF cannot be made.
+
+    Example: station certificate SIM-7 --laboratory lab.toml --received 2026-03-02 --condition "no damage seen"
+    """
+    from fixtures_db.database import open_db
+    from station.certificate.issuing import copy_of
+
+    if laboratory is None and not copy:
+        raise typer.BadParameter("--laboratory LAB.toml says who certifies; only --copy does without")
+    with open_db(db) as database:
+        if copy or laboratory is None:
+            row = copy_of(database, calibration)
+        else:
+            lab = _laboratory(laboratory, customer, customer_address, received, condition)
+            row = _issue(database, calibration, lab, amend, out)
+    _hand_out(row, out, pdf)
+
+
+def _laboratory(
+    file: Path, customer: str | None, address: str | None, received: datetime | None, condition: str | None
+) -> "Laboratory":
+    from station.certificate.laboratory import read_laboratory
+
+    lab = read_laboratory(file).given("customer", {"name": customer, "address": address})
+    return lab.given("item", {"received": received and received.date(), "condition": condition})
+
+
+def _issue(
+    database: "OpenDatabase", calibration: str, lab: "Laboratory", amend: str, out: Path | None
+) -> "IssuedCertificateRow":
+    from station.certificate.issuing import Request, issue
+    from station.errors import CannotWrite, Incomplete
+
+    if out is not None and not out.absolute().parent.is_dir():  # before a number is given
+        raise CannotWrite(out, "no such folder")
+    try:
+        return issue(database, Request(calibration, lab, amend))
+    except Incomplete as error:
+        for field, where in error.missing:
+            typer.echo(f"missing  {field:<34}{where}")
+        raise
+
+
+def _hand_out(row: "IssuedCertificateRow", out: Path | None, pdf: bool) -> None:
+    from station.campaign_folder.atomic import replace_file
+
+    html = Path(f"{row.number}.html") if out is None else out
+    replaces = f", replaces No. {row.replaces}" if row.replaces else ""
+    typer.echo(f"certificate No. {row.number}{replaces}: sha256 {row.html_sha256}")
+    replace_file(html, row.html.encode())
+    typer.echo(f"{html}: written")
+    if pdf:
+        from station.certificate.pdf import write_pdf
+
+        write_pdf(html.with_suffix(".pdf"), row, html)
+        typer.echo(f"{html.with_suffix('.pdf')}: written")

@@ -1,0 +1,98 @@
+"""``station diagnose``: what the residual of recorded campaigns says the model lacks."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from station.commands import Database
+
+if TYPE_CHECKING:
+    from procedures.diagnosis.result import Diagnosis
+    from station.campaign_folder import LoadedCampaign
+
+
+def diagnose(
+    campaigns: Annotated[list[Path], typer.Argument(metavar="CAMPAIGN", help="Folders of campaign/1.")],
+    validate: Annotated[
+        list[Path] | None,
+        typer.Option("--validate", metavar="CAMPAIGN", help="Test the findings on this one of the same unit."),
+    ] = None,
+    partial: Annotated[
+        bool, typer.Option("--partial", help="Where no triad can be solved, say what can be said.")
+    ] = False,
+    plan: Annotated[
+        Path | None, typer.Option("--plan", metavar="FILE", help="Write the next measurement as plan/1.")
+    ] = None,
+    json: Annotated[
+        Path | None, typer.Option("--json", metavar="OUT", help="Write diagnosis/1 here instead of a summary.")
+    ] = None,
+    html: Annotated[
+        Path | None, typer.Option("--html", metavar="FILE", help="Write a page with plots here.")
+    ] = None,
+    db: Database = None,
+) -> None:
+    """Find what the residual says the model lacks, name it or say that it cannot be named, and add it.
+
+    The verdict is one of consistent, established, likely, ambiguous, unexplained. Each finding has its
+    coefficients with 1 sigma (ug, arcsec, ppm, deg/h), how sure its name is, what else it could be and what would
+    tell. The error before and after is that of positions, turns and rests left out in turn; with --validate also
+    that of another campaign with the coefficients as they were found here.
+
+    Exit code 0 whatever the verdict, 3 if a folder breaks a rule of campaign/1, 5 if neither triad can be solved.
+
+    Example: station diagnose campaigns/2026-05-11 --validate campaigns/2026-05-12 --plan next.toml
+    """
+    from procedures.errors import NotObservable
+    from station.campaign_folder import check_one_unit, read_campaign
+    from station.diagnosis.partial import partial_document
+
+    loaded, others = ([read_campaign(folder) for folder in folders] for folders in (campaigns, validate or []))
+    check_one_unit([*loaded, *others])
+    from procedures.diagnosis.diagnosis import diagnose as find  # scipy and kernels: not before the data are right
+
+    try:
+        found = find([one.campaign for one in loaded])
+    except NotObservable as error:
+        if not partial or (document := partial_document(loaded, error)) is None:
+            raise
+        found = None
+    else:
+        document = _document(found, loaded, others)
+    _hand_out(document, loaded, found, json, html, plan)
+
+
+def _document(
+    found: "Diagnosis", loaded: Sequence["LoadedCampaign"], others: Sequence["LoadedCampaign"]
+) -> dict[str, Any]:
+    from station.diagnosis.document import diagnosis_document
+
+    validated = {}
+    if others:
+        from procedures.diagnosis.validation import validate
+
+        validated = {str(one.folder): validate(found, [one.campaign]) for one in others}
+    return diagnosis_document(found, loaded, validated)
+
+
+def _hand_out(
+    document: dict[str, Any], loaded: Sequence["LoadedCampaign"], found: "Diagnosis | None", json: Path | None,
+    html: Path | None, plan: Path | None,
+) -> None:  # fmt: skip
+    from station.diagnosis.text import diagnosis_text
+    from station.solution_json import write_solution
+
+    if json is None:
+        typer.echo(diagnosis_text(document))
+    else:
+        write_solution(json, document)
+    if html is not None:
+        from station.diagnosis.page import write_page
+
+        write_page(html, document, found)
+    if plan is not None:
+        from station.diagnosis.plans import next_plans, write_next_plans
+
+        for file in write_next_plans(plan, next_plans(document["findings"], loaded[0].tables)):
+            typer.echo(f"{file}: what to measure next, for `station calibrate --plan {file}`")

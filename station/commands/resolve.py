@@ -1,0 +1,83 @@
+"""``station resolve``: recordings solved again with today's code, and what that changes."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from station.commands import Database
+
+
+def resolve(
+    campaigns: Annotated[
+        list[Path] | None, typer.Argument(metavar="[CAMPAIGN]...", help="Folders of campaign/1.")
+    ] = None,
+    every: Annotated[bool, typer.Option("--all", help="Every complete campaign of the database.")] = False,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler, tcp://HOST:8786; else this machine.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=1024, help="Processes here; else as many as there are cores.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Keep solutions here; else in the user's cache folder.")
+    ] = None,
+    json: Annotated[
+        Path | None, typer.Option("--json", metavar="OUT", help="Write resolve/1 here instead of a summary.")
+    ] = None,
+    db: Database = None,
+) -> None:
+    """Solve campaigns again with today's code and report what changed; nothing that is stored is touched.
+
+    Each is solved by itself and compared with its newest stored calibration, else with its solution.json: shifts
+    in the sigma stated before (same counts), verdicts on the limits of today, new warnings, what is refused and
+    why, and files altered since they were recorded. Storing a new calibration stays the operator's act.
+
+    A run that was ended goes on where it was; a second one computes only what has other files or other code.
+    With --scheduler every worker needs this station and the folders under the same path. One worker needs no
+    Dask; more need the extra `cluster`.
+
+    Exit code 1 if a verdict turned FAIL or a recording was altered, 2 if there is no cluster, 4 if it went away in
+    the midst. A campaign that is refused is named and stops no other.
+
+    Example: station resolve --all --workers 2 --json resolve.json
+    """
+    import sys
+
+    from platformdirs import user_cache_path
+
+    from fixtures_db.database import open_db
+    from fixtures_db.fleet import complete_campaigns
+    from station.cluster.engine import open_engine
+    from station.errors import DataRefused
+
+    if bool(campaigns) == every:
+        raise typer.BadParameter("found both campaigns and --all, or neither; expected one of them")
+    if scheduler is not None and workers is not None:
+        raise typer.BadParameter("--workers is of this machine; expected it without --scheduler")
+    keep = user_cache_path("fog-station") / "resolve" if out is None else out
+    with open_db(db) as database:
+        folders = [str(folder.resolve()) for folder in campaigns or ()]
+        if every:
+            with database.read() as session:
+                folders = [row.folder for row in complete_campaigns(session)]
+        if not folders:
+            raise DataRefused(
+                database.url, None, "no complete campaign", "one at least", "check --db or STATION_DB"
+            )
+        with open_engine(workers, scheduler) as engine:
+            from station.resolve.fleet import resolve_fleet
+
+            document = resolve_fleet(list(dict.fromkeys(folders)), database, engine, keep, sys.stderr)
+    raise typer.Exit(_say(document, json))
+
+
+def _say(document: dict[str, object], json: Path | None) -> int:
+    from station.resolve.text import exit_code, resolve_text
+    from station.solution_json import write_solution
+
+    if json is None:
+        typer.echo(resolve_text(document))
+    else:
+        write_solution(json, document)
+    return exit_code(document)

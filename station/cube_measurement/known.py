@@ -1,0 +1,67 @@
+"""What is known of a cube: a certificate of its faces, its measurements, and whether it moved between them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+from sqlalchemy.orm import Session
+
+from fixtures_db.cube_measurements import measurements
+from fixtures_db.cubes import cube, cube_row
+from fixtures_db.measured_rows import measurement
+from procedures.campaign import MeasuredCube
+from procedures.cube_drift import Comparison, CubeDrift, compare, drift
+from procedures.measured_cube import CubeMeasurement, from_certificate
+
+DAYS_PER_MONTH = 365.25 / 12
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Known:
+    """What the database says of a cube: its faces' certificate, and its measurements with their moments."""
+
+    certificate: MeasuredCube | None
+    measured: tuple[tuple[datetime, CubeMeasurement], ...]
+
+    @property
+    def drift(self) -> CubeDrift | None:
+        """How the cube moved over its measurements; None of fewer than two."""
+        return drift_of(self.measured)
+
+    @property
+    def comparison(self) -> Comparison | None:
+        """The last measurement against the certificate; None where one of them lacks."""
+        return compare(self.certificate, self.measured[-1][1].cube) if self.certificate and self.measured else None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Study:
+    """A cube as its campaigns show it, their hashes by unit and folder, and what was known before."""
+
+    cube: str
+    measured: CubeMeasurement
+    measured_utc: datetime
+    campaigns: Mapping[str, Mapping[str, str]]
+    warnings: tuple[str, ...]
+    known: Known
+
+    @property
+    def with_this(self) -> Known:
+        """What is known when this is stored."""
+        every = sorted([*self.known.measured, (self.measured_utc, self.measured)], key=lambda each: each[0])
+        return Known(self.known.certificate, tuple(every))
+
+
+def known_of(session: Session, cube_id: str) -> Known:
+    """Return what the database says of a cube; raise `NotInDatabase` if it has none of that name."""
+    row = cube_row(session, cube_id)
+    measured = tuple((one.measured_utc, measurement(one)) for one in measurements(row))
+    return Known(from_certificate(cube(session, cube_id).faces), measured)
+
+
+def drift_of(measured: Sequence[tuple[datetime, CubeMeasurement]]) -> CubeDrift | None:
+    """Return how a cube moved over measurements with their moments, the earliest first."""
+    if len(measured) < 2:
+        return None
+    months = [(at - measured[0][0]).total_seconds() / 86400 / DAYS_PER_MONTH for at, _ in measured]
+    return drift([each for _, each in measured], months)

@@ -1,0 +1,126 @@
+"""A diagnosis as `diagnosis/1` (DESIGN 5): JSON-ready, without NaN, what is not known left out."""
+
+import sys
+from collections.abc import Mapping, Sequence
+from math import exp, isfinite, log
+from typing import Any
+
+import numpy as np
+
+from procedures.diagnosis.result import Diagnosis, Errors, Finding, Test
+from procedures.effects.effect import REFERENCE_C
+from procedures.solution import Solution
+from station.campaign_folder import LoadedCampaign
+from station.solution_json import solution_document
+from station.solution_parameters import parameters
+
+FORMAT = "diagnosis/1"
+LEFT_OUT = "position, turn or rest left out in turn"
+NOT_DETERMINED = "coefficients of a finding are not determined and were left out"
+
+
+def diagnosis_document(
+    diagnosis: Diagnosis,
+    campaigns: Sequence[LoadedCampaign],
+    validated: Mapping[str, Sequence[Errors]] | None = None,
+) -> dict[str, Any]:
+    """Return a diagnosis of ``campaigns`` as `diagnosis/1`; ``validated`` are the errors made on other folders."""
+    before = solution_document(diagnosis.solution_before, campaigns)
+    after = solution_document(diagnosis.solution, campaigns)
+    if any(temperature_effect(finding.effect) for finding in diagnosis.findings):
+        after["reference_temperature_c"] = REFERENCE_C
+    errors = [_error(each, LEFT_OUT) for each in diagnosis.errors]
+    for folder, found in (validated or {}).items():
+        errors += [_error(each, f"validation: {folder}") for each in found]
+    return {
+        "format": FORMAT,
+        "verdict": diagnosis.verdict,
+        **_p_value("p_value", diagnosis.log_p),
+        "findings": [finding_document(finding) for finding in diagnosis.findings],
+        "error": errors,
+        "parameters": moved(before, after),
+        "solution": after,
+        "tried": [_tried(each) for each in diagnosis.tried],
+        "next_measurement": diagnosis.next_measurement,
+    }
+
+
+def finding_document(finding: Finding) -> dict[str, Any]:
+    """Return a finding; ``log10_p`` is adjusted for all that was tried."""
+    value, std = np.atleast_1d(finding.value), np.atleast_1d(finding.std)
+    known = np.isfinite(value) & np.isfinite(std)
+    return {
+        "effect": finding.effect,
+        "kind": finding.kind,
+        "coefficients": {
+            name: {"value": float(value[i]), "std": float(std[i])}
+            for i, name in enumerate(finding.coefficients)
+            if known[i]
+        },
+        "unit": finding.unit,
+        "where": {name: plain(what) for name, what in finding.where.items()},
+        "confidence": finding.confidence,
+        "aliases": list(finding.aliases),
+        "separate_by": finding.separate_by,
+        "log10_p": float(finding.log_p) / log(10),
+        **({"shape": finding.shape} if finding.shape else {}),
+    }
+
+
+def temperature_effect(name: str) -> bool:
+    """Say whether an effect is a coefficient of temperature, which vanishes at the reference temperature."""
+    return name.endswith("_temperature")
+
+
+def moved(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return by how much each parameter that two solution/1 hold moved, in sigmas of the latter."""
+    earlier, found = parameters(before), list[dict[str, Any]]()
+    for name, now in parameters(after).items():
+        old = earlier.get(name)
+        if old is None or old.unit != now.unit or now.std is None or not now.std > 0:
+            continue
+        shift = (now.value - old.value) / now.std
+        row = {"name": name, "before": old.value, "after": now.value, "std": now.std, "unit": now.unit}
+        found.append({**row, "shift_sigma": shift})
+    return found
+
+
+def reference_solution(solution: Solution, findings: Sequence[Finding]) -> float | None:
+    """Return the temperature [degC] at which a solution's parameters hold."""
+    return REFERENCE_C if any(temperature_effect(f.effect) for f in findings) else solution.reference_temperature
+
+
+def plain(value: object) -> Any:
+    """Return a value of numpy's or Python's as JSON has it."""
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(each) for each in value]
+    return value
+
+
+def _tried(test: Test) -> dict[str, Any]:
+    return {
+        "effect": test.effect,
+        "statistic": float(test.statistic),
+        **_p_value("p_value", test.log_p),
+        **_p_value("p_adjusted", test.log_p_adjusted),
+    }
+
+
+def _p_value(name: str, log_p: float) -> dict[str, float]:
+    """Return p, never nought, and where it is too small for a number its logarithm."""
+    p = max(exp(min(float(log_p), 0.0)), sys.float_info.min)
+    short = {"p_value": "log10_p", "p_adjusted": "log10_p_adjusted"}[name]
+    return {name: p, short: float(log_p) / log(10)}
+
+
+def _error(error: Errors, method: str) -> dict[str, Any]:
+    values = {
+        "before": error.before,
+        "after": error.after,
+        "held_out_before": error.held_out_before,
+        "held_out_after": error.held_out_after,
+    }
+    known = {name: float(v) for name, v in values.items() if v is not None and isfinite(v)}
+    return {"quantity": error.quantity, "unit": error.unit, **known, "method": method}

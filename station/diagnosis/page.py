@@ -1,0 +1,74 @@
+"""A diagnosis as HTML: the section that a report ends with, and a page of its own."""
+
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from station.campaign_folder.atomic import replace_file
+from station.diagnosis.text import coefficient_rows, error_rows, moved_rows, tried_rows
+from station.diagnosis.wording import SURE, p_text, verdict_sentence, where_text
+
+if TYPE_CHECKING:
+    from procedures.diagnosis.result import Diagnosis
+
+
+def write_page(path: Path, document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> None:
+    """Write a diagnosis as one self-contained HTML file.
+
+    Raises
+    ------
+    CannotWrite
+        If the place cannot be written.
+    """
+    page = _environment().get_template("page.html")
+    origin, section = document["solution"]["provenance"], Markup(section_html(document, diagnosis))
+    replace_file(path, page.render(origin=origin, section=section).encode())
+
+
+def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> str:
+    """Return the section "What the model lacks" of a `diagnosis/1`, with plots where the diagnosis is at hand."""
+    plots = {} if diagnosis is None else _plots(diagnosis)
+    findings = [
+        _finding(finding) | plots.get(finding["effect"], {"plot": "", "caption": ""})
+        for finding in document["findings"]
+    ]
+    return _environment().get_template("section.html").render(
+        document=document, sentence=verdict_sentence(document), findings=findings,
+        errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
+        tried=tried_rows(document["tried"]),
+    )  # fmt: skip
+
+
+def _plots(diagnosis: "Diagnosis") -> dict[str, dict[str, Any]]:
+    from station.diagnosis.figure import caption, residual_svg
+    from station.diagnosis.residuals import residual_panels
+
+    found = dict[str, dict[str, Any]]()
+    for number, panel in enumerate(residual_panels(diagnosis), 1):
+        found.setdefault(panel.effect, {"plot": Markup(residual_svg(number, panel)), "caption": caption(panel)})
+    return found
+
+
+def _finding(finding: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        "effect": finding["effect"],
+        "kind": finding["kind"],
+        "where": where_text(finding["where"]),
+        "sure": SURE[finding["confidence"]],
+        "p": p_text(finding["log10_p"]) if "log10_p" in finding else "",
+        "aliases": finding["aliases"],
+        "separate_by": finding["separate_by"],
+        "rows": coefficient_rows(finding),
+    }
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        loader=ChoiceLoader([PackageLoader("station.diagnosis"), PackageLoader("station.report")]),
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip

@@ -1,0 +1,70 @@
+"""What a diagnosis says, in words."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+SURE = {
+    "established": "established: it repeats on what was left out, and nothing else looks like it",
+    "likely": "likely: nothing else looks like it, but the evidence is thinner",
+    "ambiguous": "ambiguous: this data cannot tell it from what is named below",
+}
+LEAST_P = -300  # log10 below which a p-value is only said to be below
+
+
+def verdict_sentence(document: Mapping[str, Any]) -> str:
+    """Return a `diagnosis/1`'s verdict in plain words."""
+    if "log10_p" not in document:
+        return "Neither triad can be solved; how level the cube stood is all that can be said."
+    names = [finding["effect"] for finding in document["findings"]]
+    p = p_text(document["log10_p"])
+    match document["verdict"]:
+        case "consistent":
+            return f"The residual is what noise leaves (p {p}): the model lacks nothing that this data can show."
+        case "established":
+            return f"The model lacked {both(names)}. With it in, the residual is what noise leaves (p {p})."
+        case "likely":
+            return f"The model probably lacked {both(names)}. With it in, the residual is what noise leaves (p {p})."
+        case "ambiguous":
+            sure = [f["effect"] for f in document["findings"] if f["confidence"] != "ambiguous"]
+            beside = f" Beside it the model lacked {both(sure)}, which is in it now." if sure else ""
+            return f"Something is there, but this data cannot say what: {_groups(document['findings'])}.{beside}"
+        case _:
+            found = f", also with {both(names)} in the model" if names else ""
+            return (
+                f"The residual is more than noise (p {p}){found}, and no effect of the catalogue accounts for it: "
+                f"what the model lacks is unexplained."
+            )
+
+
+def p_text(log10_p: float) -> str:
+    """Return a p-value with one or two digits, however small."""
+    if log10_p <= LEAST_P:
+        return f"< 1e{LEAST_P}"
+    exponent = int(log10_p // 1)
+    return f"{10**log10_p:.2g}" if log10_p > -3 else f"{min(10 ** (log10_p - exponent), 9):.0f}e{exponent}"
+
+
+def both(names: Sequence[str]) -> str:
+    """Return names as an English list."""
+    once = list(dict.fromkeys(names))
+    return " and ".join([", ".join(once[:-1]), once[-1]] if len(once) > 1 else once)
+
+
+def where_text(where: Mapping[str, Any]) -> str:
+    """Return what a finding is about: ``position 3 or 4, dwell_03.csv``."""
+    said = []
+    for name, value in where.items():
+        text = " or ".join(map(str, value)) if isinstance(value, list) else str(value)
+        said.append(text if name == "file" else f"{name} {text}")
+    return ", ".join(said)
+
+
+def size_in_sigmas(value: float, std: float) -> str:
+    """Return how large a coefficient is in its own sigma."""
+    return f"{abs(value) / std:.0f} sigma" if std > 0 and abs(value) >= 10 * std else f"{abs(value) / std:.1f} sigma"
+
+
+def _groups(findings: Sequence[Mapping[str, Any]]) -> str:
+    doubtful = [f for f in findings if f["confidence"] == "ambiguous"]
+    groups = [" or ".join(dict.fromkeys((f["effect"], *f["aliases"]))) for f in doubtful]
+    return "; and ".join(dict.fromkeys(groups))

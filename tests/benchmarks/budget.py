@@ -1,0 +1,167 @@
+"""Print the budget beside a Monte Carlo of the whole chain: `python -m tests.benchmarks.budget --campaigns 2000`.
+
+JCGM 101:2008: everything the budget has as uncertain is drawn (counts, headings, closures, gravity, certificates,
+the cube, latitude and time base where they are in), integer counts are simulated and solved, and the parameters'
+errors have a standard deviation and an interval that holds 95 % of them. The budget's are its mean u and U over
+the campaigns. U is asked to agree where the coverage factor is near that of a known sigma: with few degrees of
+freedom it is longer, as it must be to cover. One unit; each kind of campaign on its own.
+"""
+
+import argparse
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drivers.simulated.bench import simulate_campaign
+from drivers.simulated.truth import Truth
+from procedures.bench_model import mean_cube
+from procedures.calibration import fit
+from procedures.frames import AXES
+from procedures.uncertainty.budget import budget
+from procedures.uncertainty.inputs import EXACT, Inputs
+
+UNIT = 1
+CHUNK = 4
+ASKED = 0.05
+NEAR_NORMAL = 2.05  # coverage factor at 30 degrees of freedom
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of campaign: dwells, noise of a sample [g], certificate [rad], what is drawn beside them."""
+
+    dwell_s: float = 100.0
+    noise_g: float = 1e-5
+    certificate: float | None = None
+    inputs: Inputs = EXACT
+
+
+KINDS = {
+    "no certificate": Kind(),
+    "faces certified": Kind(certificate=5e-6),
+    "short noisy dwells": Kind(dwell_s=20.0, noise_g=3e-4),
+    "short dwells, latitude and clock": Kind(
+        dwell_s=20.0, noise_g=3e-4, inputs=Inputs(float(np.radians(0.3)), 1e-5)
+    ),
+}
+Row = tuple[list[str], np.ndarray, np.ndarray, np.ndarray]
+
+
+def trial(seed: int, kind: str) -> Row:
+    """Return names, errors, u and U of one campaign: another cube and another operator's day."""
+    how, rng = KINDS[kind], np.random.default_rng([seed, 0xB0D6])
+    stated = replace(Truth.example(UNIT), accel_noise_g=how.noise_g, faces_rad=3e-5 * rng.standard_normal((6, 2)))
+    latitude, clock = (
+        np.degrees(how.inputs.latitude) * rng.standard_normal(),
+        how.inputs.clock * rng.standard_normal(),
+    )
+    true = replace(
+        stated,
+        latitude_deg=stated.latitude_deg + latitude,
+        effects={"clock.rate": {"value": clock * 1e6}} if clock else {},
+    )
+    campaign = simulate_campaign(true, seed, dwell_s=how.dwell_s, certificate_sigma=how.certificate)
+    site = replace(campaign.site, latitude=float(np.radians(stated.latitude_deg)))
+    budgets = budget(fit([replace(campaign, site=site)]), how.inputs)
+    known = expected(stated, how.certificate is not None)
+    return (
+        [one.name for one in budgets],
+        np.array([one.value - known[one.name] for one in budgets]),
+        np.array([one.std for one in budgets]),
+        np.array([one.expanded for one in budgets]),
+    )
+
+
+def expected(truth: Truth, certified: bool) -> dict[str, float]:
+    """Return what each parameter should come out as; without a certificate E refers to the mean cube."""
+    faces = truth.faces_rad.reshape(3, 2, 2)
+    axes = np.eye(3) if certified else mean_cube((faces[:, 0] - faces[:, 1]) / 2)
+    found = dict[str, float]()
+    for triad, k, E, D in (
+        ("accelerometer", truth.accel_k, truth.accel_e, truth.accel_d_g),
+        ("gyroscope", truth.gyro_k, truth.gyro_e, truth.gyro_d_deg_s * 3600),
+    ):
+        seen = E @ axes
+        seen /= np.linalg.norm(seen, axis=1)[:, None]
+        for q, sensor in enumerate(AXES):
+            found[f"{triad}.scale_factor.{sensor}"] = float(k[q])
+            found[f"{triad}.bias.{sensor}"] = float(D[q])
+            found |= {f"{triad}.misalignment.{sensor}{body}": float(seen[q, p]) for p, body in enumerate(AXES)}
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Per parameter: budget's u over Monte Carlo's std, U over its 95 % half-width, share covered, mean factor."""
+
+    names: list[str]
+    std: np.ndarray
+    interval: np.ndarray
+    covered: np.ndarray
+    factor: np.ndarray
+    campaigns: int
+
+    @property
+    def own_std(self) -> float:
+        """1 sigma of ``std`` by sampling: a standard deviation of n draws is known to 1 / sqrt(2 n)."""
+        return float(1 / np.sqrt(2 * self.campaigns))
+
+    @property
+    def own_interval(self) -> float:
+        """1 sigma of ``interval`` by sampling."""
+        return float(0.95 / np.sqrt(self.campaigns))
+
+
+def compare(rows: Sequence[Row]) -> Comparison:
+    """Set the budgets beside the scatter of the errors."""
+    error, u, U = (np.stack([row[i] for row in rows]) for i in (1, 2, 3))  # type: ignore[call-overload]
+    std = np.sqrt(np.mean(error**2, axis=0))
+    half = np.quantile(np.abs(error), 0.95, axis=0)
+    covered = np.mean(np.abs(error) <= U, axis=0)
+    return Comparison(
+        rows[0][0], u.mean(axis=0) / std, U.mean(axis=0) / half, covered, (U / u).mean(axis=0), len(rows)
+    )
+
+
+def run(kind: str, campaigns: int, processes: int) -> Comparison:
+    """Compare over so many campaigns."""
+    with ProcessPoolExecutor(processes) as pool:
+        return compare(list(pool.map(trial, range(campaigns), [kind] * campaigns, chunksize=CHUNK)))
+
+
+def table(kind: str, found: Comparison) -> bool:
+    """Print a line per parameter; return whether all agree within what was asked and their own sampling."""
+    print(
+        f"{found.campaigns} campaigns, {kind}; sampling, 1 sigma: "
+        f"u {100 * found.own_std:.1f} %, U {100 * found.own_interval:.1f} %"
+    )
+    print(f"{'parameter':32s} {'u / MC std':>10s} {'U / MC 95 %':>12s} {'covered %':>10s} {'k':>6s}")
+    for name, *numbers in zip(
+        found.names, found.std, found.interval, 100 * found.covered, found.factor, strict=True
+    ):
+        print(f"{name:32s} {numbers[0]:10.3f} {numbers[1]:12.3f} {numbers[2]:10.1f} {numbers[3]:6.2f}")
+    sure = found.factor < NEAR_NORMAL
+    off_std, off_interval = (float(np.max(np.abs(part - 1))) for part in (found.std, found.interval[sure]))
+    print(f"{'largest difference':32s} {100 * off_std:9.1f}% {100 * off_interval:11.1f}%")
+    print(f"{'median over the parameters':32s} {np.median(found.std):10.3f} {np.median(found.interval):12.3f}")
+    return off_std <= ASKED + 2 * found.own_std and off_interval <= ASKED + 2 * found.own_interval
+
+
+def main() -> None:
+    """Run every kind asked for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--campaigns", type=int, default=2000)
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--kind", choices=KINDS, action="append")
+    options = parser.parse_args()
+    kinds = options.kind or list(KINDS)
+    good = [table(kind, run(kind, options.campaigns, options.processes)) for kind in kinds]
+    print(
+        f"asked {100 * ASKED:.0f} % (two of its own sampling sigmas allowed): {'met' if all(good) else 'not met'}"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Campaigns with effects planted in them that nobody declares, and how well a diagnosis names them."""

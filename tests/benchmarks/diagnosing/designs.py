@@ -1,0 +1,112 @@
+"""Campaign designs, each with what it takes to excite some effects; made by `drivers.simulated` alone."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drivers.simulated.bench import simulate_campaign, turn_steps
+from drivers.simulated.effects import Planted
+from drivers.simulated.effects.procedure import auxiliary
+from drivers.simulated.truth import Truth
+from procedures.campaign import Campaign
+from procedures.frames import TURN_START, rotation
+from procedures.steps import Turn
+
+PERIOD = 0.1  # s: ten times fewer samples than a FOG's 100 Hz, the same noise a second
+FINE = 5.0  # times finer counts, so that they are still no more than noise
+FACES, SLAB = 4e-5, 3e-5  # rad, 1 sigma
+SLOW, FAST = 15.0, 60.0  # deg/s
+CERTIFICATE = 5e-6  # rad
+Made = tuple[Campaign, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """How a campaign is made of a truth and a seed, and what of the truth it needs."""
+
+    make: Callable[[Truth, int, Planted], Made]
+    truth: Mapping[str, float]
+
+
+def unit(seed: int, **fields: object) -> Truth:
+    """Return another unit on another tilted cube and slab, quicker to simulate but as noisy."""
+    rng = np.random.default_rng([seed, 77])
+    base = Truth.example(seed)
+    fine = {"accel_k": base.accel_k * FINE, "gyro_k": base.gyro_k * FINE}
+    noise = base.accel_noise_g * np.sqrt(base.sample_period_s / PERIOD)
+    return replace(
+        base, sample_period_s=PERIOD, accel_noise_g=float(noise), faces_rad=FACES * rng.standard_normal((6, 2)),
+        slab_tilt_rad=SLAB * rng.standard_normal(2), **{**fine, **fields},
+    )  # fmt: skip
+
+
+def plain(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """Twelve positions and six turns."""
+    return (simulate_campaign(truth, seed, draw_stated=False, also=also),)
+
+
+def certified(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """The same on a cube with a certificate."""
+    return (simulate_campaign(truth, seed, certificate_sigma=CERTIFICATE, draw_stated=False, also=also),)
+
+
+def with_free(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """Beside the twelve, sixteen rests near 45 deg between the faces."""
+    rng = np.random.default_rng([seed, 3])
+    corners = [np.array([a, b, c]) for a in (1, -1) for b in (1, -1) for c in (1, -1)]
+    ups = [u / np.linalg.norm(u) for u in (*corners, *(np.roll([s, t, 0], r) for s in (1, -1) for t in (1, -1) for r in range(3)))]
+    free = [_with_up(u, rng) for u in ups[:16]]
+    return (simulate_campaign(truth, seed, draw_stated=False, free=free, also=also),)
+
+
+def _with_up(up: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return C_bn (3, 3) with ``up`` (3,) in the cube's axes, about 3 deg off, at a random heading."""
+    up = rotation(0.05 * rng.standard_normal(3)) @ up
+    east = np.cross(rng.standard_normal(3), up)
+    east /= np.linalg.norm(east)
+    return np.stack((east, np.cross(up, east), up), axis=1)
+
+
+def two_speeds(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """Every turn slowly and fast."""
+    turns = [Turn(a, d, 3, TURN_START[a], 5.0, speed) for a in "xyz" for speed in (SLOW, FAST) for d in "+-"]
+    return (simulate_campaign(truth, seed, draw_stated=False, turns=turns, also=also),)
+
+
+def with_auxiliary(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """With an auxiliary channel beside the counts."""
+    return tuple(_auxiliary(campaign) for campaign in plain(truth, seed, also))
+
+
+def _auxiliary(campaign: Campaign) -> Campaign:
+    def add(record):  # type: ignore[no-untyped-def]
+        series = record.series
+        return replace(record, series=replace(series, extra={"aux_pump": auxiliary(series.t)}))
+
+    return replace(
+        campaign, dwells=tuple(add(d) for d in campaign.dwells), turns=tuple(add(t) for t in campaign.turns)
+    )
+
+
+def two_sites(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """The same unit at two sites; what is planted of the site is at the second."""
+    home = replace(truth, effects={k: v for k, v in truth.effects.items() if k != "site.gravity"})
+    first = simulate_campaign(home, seed, draw_stated=False, also=also)
+    away = replace(truth, latitude_deg=48.0, gravity_m_s2=9.8081)
+    second = simulate_campaign(away, seed + 1_000_000, draw_stated=False, also=also)
+    same = [replace(c, fixture=replace(c.fixture, id="CUBE")) for c in (first, second)]
+    return tuple(same)
+
+
+WARM = {"temperature_rise_k": 6.0, "temperature_tau_s": 900.0, "temperature_swing_k": 2.0, "temperature_swing_period_s": 1300.0}
+DESIGNS: dict[str, Design] = {
+    "plain": Design(plain, {}),
+    "certified": Design(certified, {}),
+    "free": Design(with_free, {}),
+    "warm": Design(plain, WARM),
+    "two speeds": Design(two_speeds, {}),
+    "auxiliary": Design(with_auxiliary, {}),
+    "two sites": Design(two_sites, {}),
+}
+PLAIN_TURNS = turn_steps

@@ -1,0 +1,52 @@
+"""Effects that no catalogue holds: periodic in heading, a dead zone, a term in rate times temperature."""
+
+import numpy as np
+
+from drivers.simulated.effects import Effect, Felt, Planted, Stimulus
+from drivers.simulated.truth import Sizes
+
+AXES = ("x", "y", "z")
+
+
+def heading(seen: Stimulus) -> np.ndarray:
+    """Return (n, 1) the angle from magnetic north of the IMU axis that is most level to the east, [rad]."""
+    up = seen.f / np.linalg.norm(seen.f, axis=1, keepdims=True)
+    north = seen.magnetic - np.sum(seen.magnetic * up, axis=1, keepdims=True) * up
+    north /= np.linalg.norm(north, axis=1, keepdims=True)
+    axis = np.eye(3)[np.argsort(np.abs(up), axis=1, kind="stable")[:, 0]]
+    level = axis - np.sum(axis * up, axis=1, keepdims=True) * up
+    angle: np.ndarray = np.arctan2(np.sum(np.cross(north, level) * up, axis=1), np.sum(north * level, axis=1))[:, None]
+    return angle
+
+
+def _accel_heading(seen: Stimulus, felt: Felt, sizes: Sizes) -> np.ndarray:
+    found: np.ndarray = sizes["accel"] * np.sin(heading(seen) + np.array([0.3, 1.7, 4.0]))
+    return found
+
+
+def _gyro_heading(seen: Stimulus, felt: Felt, sizes: Sizes) -> np.ndarray:
+    found: np.ndarray = sizes["gyro"] / 3600 * np.sin(heading(seen) + np.array([2.3, 0.7, 5.0]))
+    return found
+
+
+def _dead_zone(seen: Stimulus, felt: Felt, sizes: Sizes) -> np.ndarray:
+    width = sizes["gyro"] / 3600
+    total = felt.raw + felt.bias
+    found: np.ndarray = -np.clip(total, -width, width)
+    return found
+
+
+def _rate_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> np.ndarray:
+    found: np.ndarray = sizes["gyro"] / 3600 * (felt.raw * 240) ** 2 * (seen.temperature - 25)
+    return found
+
+
+def outside(name: str, size: float) -> Planted:
+    """Return an effect of no catalogue of a given size (g, deg/h)."""
+    kinds = {
+        "heading, accelerometers": Effect(name, "g", "", (), accel=_accel_heading),
+        "heading, all": Effect(name, "g", "", (), accel=_accel_heading, gyro=_gyro_heading),
+        "dead zone": Effect(name, "deg/h", "", (), gyro=_dead_zone),
+        "rate squared times temperature": Effect(name, "deg/h", "", (), gyro=_rate_temperature),
+    }
+    return ((kinds[name], {"accel": size, "gyro": size * 3e5}),)

@@ -1,0 +1,96 @@
+"""One trial: a campaign with something planted, diagnosed, and what became of the name."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.diagnosis.diagnosis import diagnose
+from procedures.diagnosis.result import Diagnosis
+from tests.benchmarks.diagnosing.designs import DESIGNS, unit
+
+# effect: design, coefficients that may be planted, options, nature (bench effects: how wide a size is drawn)
+PLANTS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "accelerometer.quadratic": ("certified", ("x", "y", "z")),
+    "accelerometer.quadratic, free": ("free", ("x", "y", "z")),
+    "accelerometer.quadratic, uncertified": ("plain", ("x", "y", "z")),
+    "accelerometer.cubic": ("free", ("x", "y", "z")),
+    "accelerometer.scale_asymmetry": ("free", ("x", "y", "z")),
+    "accelerometer.cross_product": ("free", ("xy", "xz", "xyz", "yx", "yz", "yxz", "zx", "zy", "zxy")),
+    "accelerometer.bias_temperature": ("warm", ("x", "y", "z")),
+    "accelerometer.scale_temperature": ("warm", ("x", "y", "z")),
+    "accelerometer.bias_drift": ("warm", ("x", "y", "z")),
+    "accelerometer.relaxation": ("plain", ("x", "y", "z")),
+    "gyroscope.g_sensitivity": ("plain", tuple(a + b for a in "xyz" for b in "xyz")),
+    "gyroscope.bias_temperature": ("warm", ("x", "y", "z")),
+    "gyroscope.scale_temperature": ("warm", ("x", "y", "z")),
+    "gyroscope.temperature_rate": ("warm", ("x", "y", "z")),
+    "gyroscope.bias_drift": ("warm", ("x", "y", "z")),
+    "gyroscope.magnetic": ("plain", tuple(a + b for a in "xyz" for b in "xyz")),
+    "gyroscope.scale_asymmetry": ("two speeds", ("x", "y", "z")),
+    "gyroscope.scale_nonlinearity": ("two speeds", ("x", "y", "z")),
+    "gyroscope.sagnac_sine": ("two speeds", ("x", "y", "z")),
+    "slab.tilt": ("plain", ("east", "north")),
+    "fixture.face_tilt": ("certified", ("x_up.y", "y_down.z", "z_up.x")),
+    "fixture.parallelism": ("plain", ("x.y", "y.z", "z.x")),
+    "placement.dwell": ("plain", ("x", "y", "z")),
+    "site.azimuth": ("plain", ("value",)),
+    "site.gravity": ("two sites", ("value",)),
+    "auxiliary.channel": ("auxiliary", ("ax", "ay", "az", "gx", "gy", "gz")),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of one trial."""
+
+    effect: str
+    seed: int
+    word: str  # right, group, missed, wrong, false alarm
+    named: tuple[str, ...]
+    worst: float  # error of a coefficient over its sigma, nan where none compares
+    verdict: str
+    seconds: float
+
+
+def sigma_of(name: str, seed: int = 1) -> dict[str, float]:
+    """Return 1 sigma of each coefficient of an effect in its design, from a campaign without it."""
+    effect, design = name.split(",")[0], DESIGNS[PLANTS[name][0]]
+    from procedures.calibration import fit
+    from procedures.diagnosis.candidates import candidates
+    from procedures.diagnosis.evidence import evidence_of
+    from procedures.effects import EFFECTS
+
+    fits = fit(design.make(unit(seed, **design.truth), seed, ()))
+    evidence = evidence_of(fits)
+    ways = candidates(evidence, fits, [e for e in EFFECTS if e.name == effect])[effect]
+    found: dict[str, float] = {}
+    for way in ways:
+        _, C = way.fit(evidence, (), np.ones(len(evidence.residual))).coefficients()
+        for key, std in zip(way.columns.coefficients, np.sqrt(np.diag(C)), strict=True):
+            found[key] = max(found.get(key, 0.0), float(std))
+    return found
+
+
+def judge(diagnosis: Diagnosis, effect: str) -> tuple[str, tuple[str, ...]]:
+    """Return the word for what was found of a planted effect ('' for none), and the names claimed."""
+    named = tuple(f.effect for f in diagnosis.findings)
+    claims = [f for f in diagnosis.findings if f.kind == "instrument" and f.confidence != "ambiguous"]
+    wrong = [f.effect for f in claims if f.effect != effect]
+    if wrong:
+        return ("wrong" if effect else "false alarm"), named
+    if not effect:
+        return "right", named
+    for finding in diagnosis.findings:
+        if finding.effect == effect:
+            return ("right" if finding.confidence != "ambiguous" else "group"), named
+        if effect in finding.aliases:
+            return "group", named
+    return "missed", named
+
+
+def diagnosed(name: str, sizes: dict[str, float], seed: int) -> Diagnosis:
+    """Plant and diagnose."""
+    effect, (design, _) = name.split(",")[0], PLANTS[name]
+    make = DESIGNS[design]
+    truth = unit(seed, **make.truth, effects={effect: sizes} if sizes else {})
+    return diagnose(make.make(truth, seed, ()))

@@ -1,0 +1,85 @@
+"""Print how much sooner two workers re-solve a fleet than one: `python -m tests.benchmarks.resolve`.
+
+Simulated campaigns, each of another unit, solved again by the whole command `station resolve`, as one process and
+as two local Dask workers in turn. Beside the time on the clock stands the time of all cores together: what two
+workers spend beyond one is the cost of Dask, and on a machine with other work the clock alone says little.
+"""
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from drivers.simulated.bench import simulate_campaign
+from drivers.simulated.truth import Truth
+from station.campaign_folder import write_campaign
+from station.cluster.engine import open_engine
+from station.cluster.restartable import map_restartable
+from tests.benchmarks import resolve as this  # workers cannot import what was started as __main__
+
+STATION = Path(sys.executable).with_name("station")
+ASKED = 1.8
+
+
+def record(item: tuple[str, int, float]) -> dict[str, Any]:
+    """Simulate and write a campaign of dwells of some seconds."""
+    folder, seed, dwell_s = item
+    truth = Truth.example(seed)
+    write_campaign(Path(folder), simulate_campaign(truth, seed, dwell_s=dwell_s), truth.sample_period_s)
+    return {}
+
+
+def fleet(root: Path, campaigns: int, dwell_s: float) -> list[str]:
+    """Record a fleet; return its folders."""
+    items = [(str(root / f"campaign_{seed:04d}"), seed, dwell_s) for seed in range(campaigns)]
+    with open_engine() as engine:
+        for done in map_restartable(this.record, items, list, None, engine):
+            if done.answer.fault is not None:
+                raise SystemExit(done.answer.fault.text)
+    return [folder for folder, _, _ in items]
+
+
+def seconds(folders: list[str], workers: int) -> tuple[float, float]:
+    """Return the time that the command takes [s], on the clock and of all cores."""
+    with tempfile.TemporaryDirectory() as out:
+        command = [STATION, "resolve", *folders, "--workers", str(workers), "--out", out, "--db", f"{out}/s.db"]
+        began, used = time.perf_counter(), _used()
+        subprocess.run(command, check=True, capture_output=True)
+        return time.perf_counter() - began, _used() - used
+
+
+def _used() -> float:
+    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return spent.ru_utime + spent.ru_stime
+
+
+def main() -> None:
+    """Print a line for each run and the ratio of the best."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--campaigns", type=int, default=200)
+    parser.add_argument("--dwell-s", type=float, default=100.0)
+    parser.add_argument("--repeats", type=int, default=2)
+    options = parser.parse_args()
+    best: dict[int, tuple[float, float]] = {}
+    with tempfile.TemporaryDirectory() as root:
+        folders = fleet(Path(root), options.campaigns, options.dwell_s)
+        for _ in range(options.repeats):
+            for workers in (1, 2):
+                clock, cores = seconds(folders, workers)
+                load = os.getloadavg()[0]
+                print(f"{workers} workers: {clock:6.2f} s, {cores:6.2f} s of cores, load {load:.1f}", flush=True)
+                best[workers] = min(best.get(workers, (clock, cores)), (clock, cores))
+    clock, cores = (best[1][i] / best[2][i] for i in (0, 1))
+    print(
+        f"{options.campaigns} campaigns: two workers {clock:.2f} times as fast as one (asked {ASKED}); "
+        f"by the time of cores at most {2 * cores:.2f}"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,157 @@
+from dataclasses import replace
+from datetime import UTC, date, datetime
+
+import numpy as np
+import pytest
+from sqlalchemy import text
+from sqlalchemy.exc import DBAPIError
+
+from fixtures_db.anchor import take_anchor
+from fixtures_db.chained import verify_dates
+from fixtures_db.cube_measurements import add_measurement, measurements, verify_measurements
+from fixtures_db.cubes import add_cube, certify_faces, cube, cube_row
+from fixtures_db.database import Database
+from fixtures_db.due import due
+from fixtures_db.errors import NotInDatabase
+from fixtures_db.measured_rows import check_measurement, measurement
+from fixtures_db.migrations.versions.v0005_measured_cubes import FIRST_DUE
+from fixtures_db.schema import CubeMeasurementRow
+from fixtures_db.verification import alterations
+from procedures.campaign import FaceCertificate
+from tests.fixtures_db.factory import LATER, NOON, measured_cube, unprotect
+
+CAMPAIGNS = {"FOG-3 S1": {"2026-03-04": "ab" * 32}}
+FACE = FaceCertificate(np.array([1e-5, -2e-5]), 25e-12 * np.eye(2))
+
+
+@pytest.fixture
+def measured(db: Database) -> Database:
+    with db.write() as session:
+        add_cube(session, "C8", side_mm=400.0)
+        for at, moved in ((NOON, 0.0), (LATER, 5e-6)):
+            found, until = measured_cube(moved), date(at.year + 1, 3, 4)
+            add_measurement(session, "C8", found, campaigns=CAMPAIGNS, measured_utc=at, due_date=until)
+    return db
+
+
+def test_what_is_stored_comes_back_as_it_was_measured(measured: Database) -> None:
+    with measured.read() as session:
+        first, last = (measurement(row) for row in measurements(cube_row(session, "C8")))
+    was = measured_cube(5e-6)
+    assert first.cube.value[0] == 0.0
+    assert last.cube.names == was.cube.names
+    np.testing.assert_array_equal(last.cube.value, was.cube.value)
+    np.testing.assert_array_equal(last.cube.covariance, was.cube.covariance)
+    np.testing.assert_allclose(last.noise, was.noise, atol=1e-20)
+    np.testing.assert_array_equal(last.shares[0].by_quadratic, was.shares[0].by_quadratic)
+    assert last.cube.units == ("FOG-3 S1",)
+
+
+def test_a_solve_takes_the_last_measurement_and_a_certificate_of_a_face_before_it(measured: Database) -> None:
+    with measured.write() as session:
+        taken = cube(session, "C8")
+        assert taken.measured is not None
+        assert taken.measured.value[0] == 5e-6
+        certify_faces(session, "C8", {"x_up": FACE}, source="CMM", measured_utc=NOON)
+        taken = cube(session, "C8")
+        assert taken.measured is None
+        assert list(taken.faces) == ["x_up"]
+
+
+def test_a_measured_cube_is_due_with_its_last_measurement_and_a_certified_one_with_its_first_face(
+    measured: Database,
+) -> None:
+    with measured.write() as session:
+        assert (row := cube_row(session, "C8")).due_date == date(2027, 3, 4)
+        assert row.certificate_date == LATER.date()
+        assert [one.name for one in due(session, date(2027, 3, 4))] == ["C8"]
+        for face, day in (("x_up", date(2030, 1, 1)), ("y_up", date(2029, 1, 1)), ("z_up", None)):
+            certify_faces(session, "C8", {face: FACE}, source="CMM", measured_utc=NOON, due_date=day)
+        assert cube_row(session, "C8").due_date == date(2029, 1, 1)  # z_up has no say
+        certify_faces(session, "C8", {"y_up": FACE}, source="CMM", measured_utc=LATER)
+        assert cube_row(session, "C8").due_date == date(2030, 1, 1)  # y_up holds without end now
+        assert verify_dates(session) == []
+
+
+def test_the_database_refuses_to_change_a_measurement(measured: Database) -> None:
+    for statement in ("UPDATE cube_measurements SET cube_id = 'P1'", "DELETE FROM cube_measurements"):
+        with pytest.raises(DBAPIError, match="append-only"), measured.write() as session:
+            session.execute(text(statement))
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "UPDATE cube_measurements SET values_rad = replace(values_rad, '5e-06', '4e-06') WHERE id = 2",
+        "UPDATE cube_measurements SET covariance_rad2 = replace(covariance_rad2, '0.0', '1.0') WHERE id = 1",
+        "UPDATE cube_measurements SET sources = replace(sources, 'S1', 'S2') WHERE id = 1",
+        "UPDATE cube_measurements SET sources = 'none' WHERE id = 1",
+        "UPDATE cube_measurements SET due_date = '2031-01-01' WHERE id = 2",
+        "DELETE FROM cube_measurements WHERE id = 1",
+    ],
+)
+def test_an_altered_measurement_is_found(measured: Database, statement: str) -> None:
+    with measured.write() as session:
+        assert alterations(session, take_anchor(session)) == []
+        unprotect(session, "cube_measurements")
+        session.execute(text(statement))
+    with measured.read() as session:
+        assert verify_measurements(session) != []
+        assert alterations(session) != []
+
+
+def test_a_newest_measurement_that_is_gone_shows_against_the_anchor(measured: Database) -> None:
+    with measured.write() as session:
+        anchor = take_anchor(session)
+        unprotect(session, "cube_measurements")
+        session.execute(text("DELETE FROM cube_measurements WHERE id = 2"))
+    with measured.read() as session:
+        assert verify_measurements(session) == []
+        assert verify_measurements(session, anchor.measurement) != []
+        assert any("cube measurement" in fault.row for fault in alterations(session, anchor))
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "said"),
+    [
+        ("values_rad", '{"parallelism.x.w": 1e-5}', "by_quadratic"),
+        ("values_rad", "[]", "no attribute|items|values"),
+        ("covariance_rad2", "[[1.0]]", "broadcast|expected"),
+        ("values_rad", str(dict.fromkeys(measured_cube().cube.names, 1.0)).replace("'", '"'), "each under"),
+        ("sources", '[{"unit": "S"}]', "quadratic_left"),
+        ("sources", "{", "Expecting"),
+    ],
+)
+def test_what_is_no_measurement_is_refused(column: str, value: str, said: str, measured: Database) -> None:
+    with measured.read() as session:
+        row = measurements(cube_row(session, "C8"))[0]
+    columns = {c: getattr(row, c) for c in ("cube_id", "values_rad", "covariance_rad2", "sources", "measured_utc")}
+    with pytest.raises(ValueError, match=f"C8.*({said})"):
+        check_measurement(CubeMeasurementRow(**columns | {column: value}))
+
+
+def test_a_covariance_that_is_none_and_a_name_that_is_none_are_refused(measured: Database) -> None:
+    was = measured_cube()
+    wrong = (
+        (replace(was.cube, covariance=-was.cube.covariance), "positive definite"),
+        (replace(was.cube, names=("parallelism.x.w", *was.cube.names[1:])), "x.w"),
+    )
+    for found, said in wrong:
+        with pytest.raises(ValueError, match=said), measured.write() as session:
+            add_measurement(session, "C8", replace(was, cube=found), campaigns=CAMPAIGNS, measured_utc=LATER)
+    with pytest.raises(NotInDatabase), measured.write() as session:
+        add_measurement(session, "C9", was, campaigns=CAMPAIGNS, measured_utc=datetime(2026, 1, 1, tzinfo=UTC))
+
+
+def test_a_cube_of_an_older_database_is_dated_anew_by_the_first_of_its_faces(db: Database) -> None:
+    with db.write() as session:
+        add_cube(session, "C8", side_mm=400.0)
+        days = (("x_up", NOON, date(2027, 1, 1)), ("x_up", LATER, date(2029, 1, 1)), ("y_up", LATER, None))
+        for face, at, day in days:
+            certify_faces(session, "C8", {face: FACE}, source="CMM", measured_utc=at, due_date=day)
+        session.execute(text("UPDATE cubes SET due_date = NULL WHERE id = 'C8'"))  # as y_up, added last, had it
+        session.execute(text(FIRST_DUE))
+        session.expire_all()
+        assert cube_row(session, "C8").due_date == date(2029, 1, 1)
+        assert cube_row(session, "P1").due_date is None
+        assert verify_dates(session) == []

@@ -1,0 +1,73 @@
+from datetime import timedelta
+
+import pytest
+from sqlalchemy import text
+from sqlalchemy.exc import DBAPIError
+
+from fixtures_db.database import Database
+from fixtures_db.errors import NotInDatabase
+from fixtures_db.history import accept_calibration
+from fixtures_db.issued import issued_as, issued_of, next_number, record_issue, verify_issued
+from tests.fixtures_db.factory import NOON, facts, solution, unprotect
+
+
+@pytest.fixture
+def calibrated(db: Database) -> str:
+    """The hash of a calibration of which three certificates were issued."""
+    with db.write() as session:
+        sha256 = accept_calibration(session, solution(), facts()).sha256
+    replaces = None
+    for day in range(3):
+        with db.write() as session:
+            number = next_number(session, "EX-", 2026)
+            record_issue(
+                session, number=number, replaces=replaces, calibration_sha256=sha256, laboratory="L",
+                issued_utc=NOON + timedelta(days=day), html=f"<p>\u00b5g {day}</p>",
+            )  # fmt: skip
+            replaces = number
+    return sha256
+
+
+def test_certificates_are_numbered_and_the_last_is_in_force(db: Database, calibrated: str) -> None:
+    with db.read() as session:
+        rows = issued_of(session, calibrated)
+        assert [(row.number, row.replaces) for row in rows] == [
+            ("EX-2026-0001", None), ("EX-2026-0002", "EX-2026-0001"), ("EX-2026-0003", "EX-2026-0002"),
+        ]  # fmt: skip
+        assert verify_issued(session) == []
+        assert verify_issued(session, rows[-1].sha256) == []
+        assert issued_as(session, rows[1].html_sha256).number == "EX-2026-0002"
+        with pytest.raises(NotInDatabase):
+            issued_as(session, "0" * 64)
+
+
+@pytest.mark.parametrize("statement", ["UPDATE certificates SET html = 'x'", "DELETE FROM certificates"])
+def test_the_database_refuses_to_change_a_certificate(db: Database, calibrated: str, statement: str) -> None:
+    with pytest.raises(DBAPIError, match="append-only"), db.write() as session:
+        session.execute(text(statement))
+
+
+@pytest.mark.parametrize(
+    ("statement", "row"),
+    [
+        ("UPDATE certificates SET html = '<p>' WHERE id = 2", 2),
+        ("UPDATE certificates SET replaces = NULL WHERE id = 3", 3),
+        ("UPDATE certificates SET issued_utc = '2026-03-04 12:00:01.000000' WHERE id = 1", 1),
+        ("DELETE FROM certificates WHERE id = 2", 3),
+        ("UPDATE certificates SET id = 9 WHERE id = 1", 2),
+    ],
+)
+def test_tampering_is_found_at_its_row(db: Database, calibrated: str, statement: str, row: int) -> None:
+    with db.write() as session:
+        unprotect(session, "certificates")
+        session.execute(text(statement))
+    with db.read() as session:
+        assert verify_issued(session)[0].row == f"issued certificate {row}"
+
+
+def test_a_certificate_of_no_calibration_is_found(db: Database, calibrated: str) -> None:
+    with db.write() as session:
+        unprotect(session, "calibrations")
+        session.execute(text("DELETE FROM calibrations"))
+    with db.read() as session:
+        assert verify_issued(session)[0].found == "no such calibration"

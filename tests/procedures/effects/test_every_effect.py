@@ -1,0 +1,301 @@
+"""Every effect against the simulator's own, which shares no code with it: what it adds to the evidence."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench import simulate_campaign
+from drivers.simulated.effects import EFFECTS as PLANTED
+from drivers.simulated.effects.procedure import auxiliary
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
+from procedures.calibration import Fits, Reduced, fit_reduced, reduce_steps
+from procedures.campaign import ProcedureSigma
+from procedures.diagnosis.evidence import KINDS, Evidence, evidence_of
+from procedures.effects import EFFECTS, sagnac_sine
+from procedures.effects.effect import BENCH, Effect
+from procedures.frames import TURN_START, rotation
+from procedures.observations import TriadDwells
+from procedures.records import CountSeries, RateSeries
+from procedures.steps import Turn
+
+BY_NAME = {effect.name: effect for effect in EFFECTS}
+NAMES = (
+    "accelerometer.quadratic accelerometer.cubic accelerometer.scale_asymmetry accelerometer.cross_product "
+    "accelerometer.bias_temperature accelerometer.scale_temperature accelerometer.bias_drift "
+    "accelerometer.relaxation gyroscope.g_sensitivity gyroscope.bias_temperature gyroscope.scale_temperature "
+    "gyroscope.temperature_rate gyroscope.bias_drift gyroscope.magnetic gyroscope.scale_asymmetry "
+    "gyroscope.scale_nonlinearity gyroscope.sagnac_sine slab.tilt fixture.face_tilt fixture.parallelism "
+    "placement.dwell placement.label site.azimuth site.gravity clock.rate disturbance.dwell auxiliary.channel"
+).split()  # DESIGN 7
+PAGE = Path(__file__).parents[3] / "docs/effects.md"
+NO_COLUMNS = ("placement.label", "disturbance.dwell")
+
+UNIT = Truth(
+    sample_period_s=0.05, gravity_m_s2=9.79, magnetic_enu_ut=np.array([-3.0, 34.0, -36.0]),
+    accel_k=np.full(3, 1e9), gyro_k=np.full(3, 1e10), accel_noise_g=0.0, gyro_arw_deg_rt_s=0.0,
+    accel_e=np.array([[1, 1e-5, 0], [0, 1, -1e-5], [1e-5, 0, 1.0]]), accel_d_g=np.array([1e-3, -2e-3, 5e-4]),
+    gyro_e=np.array([[1, 1e-5, 0], [0, 1, 0], [0, -1e-5, 1.0]]), gyro_d_deg_s=np.array([1e-4, 2e-4, -1e-4]),
+    gyro_instability_dph=0.0, heading_std_deg=0.0, closure_std_deg=0.0, imu_axes=("-y", "+x", "+z"),
+    temperature_start_c=20.0, temperature_rise_k=8.0, temperature_tau_s=800.0,
+)  # fmt: skip
+TURNS = tuple(
+    Turn(axis, direction, 1, TURN_START[axis], 2.0, speed)
+    for axis in "xyz"
+    for direction in "+-"
+    for speed in (20, 60)
+)
+LEANS = tuple(
+    rotation(np.array(v)) for v in ((0.8, 0.3, 0.1), (-0.4, 0.7, 0.9), (2.5, 0.6, -0.4), (0.2, -2.0, 1.0))
+)
+
+
+def carried_out(effects: Mapping[str, Mapping[str, float]]) -> Reduced:
+    """A campaign without noise, with two speeds, free positions, a warming unit and a channel beside it."""
+    truth = replace(UNIT, effects={name: dict(sizes) for name, sizes in effects.items()})
+    campaign = simulate_campaign(truth, 1, dwell_s=12.0, turns=TURNS, draw_stated=False, move_s=20.0, free=LEANS)
+    steps = {
+        name: tuple(replace(each, series=as_rates(each.series)) for each in getattr(campaign, name))
+        for name in ("dwells", "turns", "rests")
+    }
+    return reduce_steps([replace(campaign, counts=False, sigma=ProcedureSigma(1e-3, 2e-4), **steps)])
+
+
+def as_rates(counts: CountSeries) -> RateSeries:
+    """The same as rates, which are quicker to reduce, with a channel whose value is known five times a second."""
+    values = auxiliary(counts.t - counts.period / 2)
+    values[np.arange(len(values)) % 4 > 0] = np.nan
+    gyro, accel = (n / counts.period for n in (counts.gyro, counts.accel))
+    return RateSeries(counts.t, gyro, accel, counts.temperature, counts.period, extra={"aux_volts": values})
+
+
+@dataclass(frozen=True, eq=False)
+class Baseline:
+    steps: Reduced
+    fits: Fits
+    evidence: Evidence
+
+
+@cache
+def baseline() -> Baseline:
+    steps = carried_out({})
+    fits = fit_reduced(steps)
+    return Baseline(steps, fits, evidence_of(fits))
+
+
+def planted(name: str, sizes: Mapping[str, float]) -> FloatArray:
+    """What planting it adds to every row of evidence but the known ones [g, deg/s; deg of turns]."""
+    before, evidence = baseline().steps, baseline().evidence
+    after = carried_out({name: sizes})
+    k = (UNIT.accel_k, UNIT.gyro_k)
+    queues = {
+        (triad, kind): iter(rows)
+        for triad, of in enumerate(("accel", "gyro"))
+        for kind, rows in changes(getattr(before, of), getattr(after, of)).items()
+    }
+    queues[0, "norm"] = iter(after.rests.rate - before.rests.rate)
+    queues[1, "turn"] = iter([b.total - a.total for a, b in zip(before.turns, after.turns, strict=True)])
+    found = np.zeros(len(evidence.residual))
+    for each in evidence.weights:
+        rows = next(queues[each.triad, KINDS[evidence.kind[each.rows.start]]]) / k[each.triad]
+        found[each.rows] = rows if each.mix is None else each.mix @ rows
+    return found
+
+
+def changes(before: TriadDwells, after: TriadDwells) -> dict[str, FloatArray]:
+    """By how much each dwell's rate, slope and curvature changed (n, 3)."""
+    found = {"mean": after.rate - before.rate}
+    for kind in ("slope", "curvature"):
+        a, b = ([[getattr(e, kind) for e in row] for row in each.estimates] for each in (before, after))
+        found[kind] = np.array(b) - np.array(a)
+    return found
+
+
+def predicted(name: str, sizes: Mapping[str, float], where: Mapping[str, object], shape: str) -> FloatArray:
+    """The same by the effect's columns."""
+    evidence = baseline().evidence
+    ways = [
+        way
+        for way in BY_NAME[name].columns(evidence.seen)
+        if way.shape == shape and where.items() <= way.where.items()
+    ]
+    assert len(ways) == 1
+    c = np.array([sizes.get(key, 0.0) for key in ways[0].coefficients])
+    return evidence.column(ways[0]) @ c
+
+
+def agree(got: FloatArray, expected: FloatArray, part: float) -> None:
+    """They agree to ``part`` of what there is, in every kind of row of each triad that is not nought."""
+    evidence = baseline().evidence
+    assert np.any(expected)
+    for triad in (0, 1):
+        for number in np.unique(evidence.kind):
+            rows = (evidence.triad == triad) & (evidence.kind == number)
+            size = np.linalg.norm(got[rows])
+            still = (FLOOR[triad] if KINDS[number] != "turn" else TURN_FLOOR) * np.sqrt(rows.sum())
+            off = np.linalg.norm((got - expected)[rows])
+            assert off <= part * size + still, f"{KINDS[number]} of triad {triad}: {off:.3g} of {size:.3g}"
+
+
+FLOOR = (1e-8, 1e-9)  # g, deg/s: rounding to whole counts, and products of effect and misalignment
+TURN_FLOOR = 1e-5  # deg: a third of a real count
+# effect, what is planted, the coefficients that must come to it, where, shape
+CASES = [
+    ("accelerometer.quadratic", {"x": 4e-4, "y": -2e-4}, None, {}, ""),
+    ("accelerometer.cubic", {"x": 4e-4, "z": 1e-4}, None, {}, ""),
+    ("accelerometer.scale_asymmetry", {"x": 400.0, "z": -300.0}, None, {}, ""),
+    ("accelerometer.cross_product", {"xxy": 3e-4, "yxz": 2e-4, "zyz": -4e-4}, None, {}, ""),
+    ("accelerometer.bias_temperature", {"x": 1e-4, "y": 2e-4, "z": -3e-4}, None, {}, ""),
+    ("accelerometer.scale_temperature", {"x": 100.0, "y": -50.0, "z": 70.0}, None, {}, ""),
+    ("accelerometer.bias_drift", {"x": 1e-2, "y": -3e-2}, None, {}, ""),
+    ("accelerometer.relaxation", {"x": 1e-4, "z": 2e-4, "tau_s": 8.0},
+     {"x": 1e-4 * np.exp(-5 / 8), "z": 2e-4 * np.exp(-5 / 8)}, {}, "tau = 8 s"),
+    ("gyroscope.g_sensitivity", {"xx": 1.0, "yz": -2.0, "zx": 1.5}, None, {}, ""),
+    ("gyroscope.bias_temperature", {"x": 0.3, "z": -0.2}, None, {}, ""),
+    ("gyroscope.scale_temperature", {"x": 50.0, "y": -80.0, "z": 70.0}, None, {}, ""),
+    ("gyroscope.temperature_rate", {"x": 2.0, "y": -3.0}, None, {}, ""),
+    ("gyroscope.bias_drift", {"y": 300.0, "z": -200.0}, None, {}, ""),
+    ("gyroscope.magnetic", {"xx": 0.1, "xy": -0.05, "zx": 0.08}, None, {}, ""),
+    ("gyroscope.scale_asymmetry", {"x": 100.0, "y": -200.0, "z": 50.0}, None, {}, ""),
+    ("gyroscope.scale_nonlinearity", {"x": 20.0, "y": -10.0}, None, {}, "u |u|"),
+    ("gyroscope.sagnac_sine", {"x": 1e-3, "z": 8e-4}, {"x": 1e-6, "z": 6.4e-7}, {}, ""),
+    ("slab.tilt", {"east": 1e-4, "north": -2e-4}, None, {}, ""),
+    ("fixture.face_tilt", {"x_up.y": 1e-4, "y_down.x": -2e-4, "z_up.y": 1e-4}, None, {}, ""),
+    ("fixture.parallelism", {"x.z": 2e-4, "y.x": -1e-4, "z.y": 1e-4}, None, {}, ""),
+    ("placement.dwell", {"position": 7, "x": 1e-4, "y": 3e-4, "z": -2e-4}, None, {"position": 7}, ""),
+    ("site.azimuth", {"value": 0.01}, None, {}, ""),
+    ("site.gravity", {"value": 1e-3}, None, {"campaign": 1}, ""),
+    ("clock.rate", {"value": 200.0}, None, {}, ""),
+    ("auxiliary.channel", {"ax": 1e-4, "az": -2e-4, "gy": 2.0}, None, {"channel": "volts"}, ""),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "sizes", "coefficients", "where", "shape"), CASES, ids=[case[0] for case in CASES]
+)
+def test_a_planted_effect_changes_the_evidence_by_its_columns(name, sizes, coefficients, where, shape) -> None:
+    agree(planted(name, sizes), predicted(name, coefficients or sizes, where, shape), 0.03)
+
+
+FITTED = ("accelerometer.quadratic", "gyroscope.magnetic")
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case[0] in FITTED], ids=FITTED)
+def test_a_fit_leaves_of_it_what_the_base_model_cannot_take_up(case) -> None:
+    name, sizes, coefficients, where, shape = case
+    evidence = baseline().evidence
+    after = evidence_of(fit_reduced(carried_out({name: sizes})))
+    Q, _ = np.linalg.qr(evidence.A / evidence.sigma[:, None])
+    got, expected = (
+        white - Q @ (Q.T @ white)
+        for white in (
+            (after.residual - evidence.residual) / evidence.sigma,
+            predicted(name, coefficients or sizes, where, shape) / evidence.sigma,
+        )
+    )
+    assert np.linalg.norm(got - expected) < 0.01 * np.linalg.norm(expected)
+
+
+def test_every_effect_with_columns_is_planted_here() -> None:
+    assert [case[0] for case in CASES] == [name for name in NAMES if name not in NO_COLUMNS]
+    assert set(PLANTED) == set(NAMES)
+
+
+def test_the_catalogue_is_that_of_the_design_in_its_order() -> None:
+    assert [effect.name for effect in EFFECTS] == NAMES
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=NAMES)
+def test_an_effect_says_what_it_is(effect: Effect) -> None:
+    for text in (effect.unit, effect.physics, effect.source, effect.separate_by):
+        assert text.strip()
+    assert effect.plausible > 0
+    owner = effect.name.split(".")[0]
+    kinds = {"accelerometer": "instrument", "gyroscope": "instrument"} | dict.fromkeys(BENCH, "bench")
+    assert effect.kind == kinds.get(owner, "procedure")
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=NAMES)
+def test_its_columns_fit_its_coefficients_and_no_two_ways_are_called_the_same(effect: Effect) -> None:
+    evidence = baseline().evidence
+    seen, ways = evidence.seen, effect.columns(evidence.seen)
+    assert bool(ways) == (effect.name not in NO_COLUMNS)
+    assert len({(str(way.where), way.shape) for way in ways}) == len(ways)
+    for way in ways:
+        assert way.accel is not None or way.gyro is not None
+        assert len(effect.plausible_of(way)) == len(way.coefficients) == len(set(way.coefficients))
+        assert np.all(effect.plausible_of(way) > 0)
+        assert np.all(np.isfinite(evidence.column(way)))
+        for part in (way.accel, way.gyro):
+            assert part is None or part.shape == (len(seen.t), 3, len(way.coefficients))
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=NAMES)
+def test_an_effect_stands_on_its_page(effect: Effect) -> None:
+    rows = [line for line in PAGE.read_text("utf-8").splitlines() if line.startswith(f"| `{effect.name}` |")]
+    assert len(rows) == 1
+    assert effect.unit in rows[0]
+
+
+def base_columns(first: int, count: int) -> FloatArray:
+    """The base model's own columns H of bench parameters, which follow twelve of the triads'."""
+    return -baseline().evidence.A[:, 12 + first : 12 + first + count]
+
+
+@pytest.mark.parametrize(("name", "first", "count"), [("slab.tilt", 0, 2), ("fixture.parallelism", 3, 6)])
+def test_a_bench_effect_is_the_base_models_own_column(name, first, count) -> None:
+    evidence = baseline().evidence
+    rows = evidence.rows("mean", "turn")
+    H = evidence.column(BY_NAME[name].columns(evidence.seen)[0])[rows]
+    own = base_columns(first, count)[rows]
+    assert np.all(np.linalg.norm(H - own, axis=0) < 2e-3 * np.linalg.norm(own, axis=0))
+
+
+def test_face_tilts_are_the_base_models_parallelism_and_perpendicularity() -> None:
+    evidence = baseline().evidence
+    rows = evidence.rows("mean", "turn")
+    H = evidence.column(BY_NAME["fixture.face_tilt"].columns(evidence.seen)[0])[rows].reshape(-1, 3, 2, 2)
+    for own, ours in ((base_columns(3, 6), H.mean(axis=2)), (base_columns(9, 6), H[:, :, 0] - H[:, :, 1])):
+        off = np.linalg.norm(ours.reshape(-1, 6) - own[rows], axis=0)
+        assert np.all(off < 2e-3 * np.linalg.norm(own[rows], axis=0))
+
+
+def test_the_cubic_is_the_sagnac_sine_to_first_order() -> None:
+    seen = baseline().evidence.seen
+    cubic = BY_NAME["gyroscope.scale_nonlinearity"].columns(seen)[1]
+    sine = BY_NAME["gyroscope.sagnac_sine"].columns(seen)[0]
+    assert np.allclose(sine.gyro, -1e6 / 6 * cubic.gyro, rtol=1e-12)
+
+
+@pytest.mark.parametrize("s", [1e-5, 8e-4, 4e-3, 2e-2])
+def test_the_sagnac_sine_is_exact_beyond_the_first_order(s: float) -> None:
+    seen, q = baseline().evidence.seen, np.full(3, s**2)
+    total, change = sagnac_sine.added(seen, q)
+    assert np.allclose(total, np.sin(s * seen.omega) / s - seen.omega, rtol=1e-9, atol=1e-12)
+    step = 1e-3 * s**2
+    higher, lower = (sagnac_sine.added(seen, q + d)[0] for d in (step, -step))
+    assert np.allclose(np.einsum("nqq->nq", change), (higher - lower) / (2 * step), rtol=1e-5, atol=1e-4)
+
+
+def test_a_sagnac_phase_is_shown_with_its_own_sigma() -> None:
+    q, std = np.array([4e-6, 0.0, -1e-8]), np.array([4e-8, 1e-8, 1e-8])
+    s, s_std = sagnac_sine.shown(q, std)
+    assert s == pytest.approx([2e-3, 0.0, -1e-4])
+    assert s_std == pytest.approx([4e-8 / 4e-3, 1e-4, 0.414e-4], rel=0.01)
+
+
+def test_relaxation_may_go_by_the_change_of_specific_force() -> None:
+    seen = baseline().evidence.seen
+    ways = {way.shape: way for way in BY_NAME["accelerometer.relaxation"].columns(seen)}
+    same, by_change = ways["tau = 8 s"], ways["tau = 8 s, by the change of f"]
+    second = [step.name for step in seen.steps].index("dwell_03")
+    at = seen.step == second
+    change = np.array([0.0, 9.79 / 9.80665, 0.0]) * -2  # IMU y points along cube x, which goes from up to down
+    expected = same.accel[at] * change[:, None]
+    assert by_change.unit == "g/g"
+    assert np.allclose(by_change.accel[at], expected, rtol=1e-9)
+    assert not np.any(by_change.accel[seen.step == 0])

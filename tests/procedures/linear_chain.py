@@ -1,0 +1,70 @@
+"""JCGM 101 on the observations: the fit's rows are drawn anew and minimised anew, nothing of it by linear gain.
+
+The residuals are written here a second time, from the model in docs/solving.md: the fits' own are tested too.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration import Fits
+from procedures.earth import earth_rate_n
+from procedures.least_squares import minimise
+from procedures.triad import reference_axes, scale_misalignment_bias
+from procedures.twelve_position import JointFit, mountings, specific_force
+
+Residual = Callable[[FloatArray], FloatArray]
+
+
+def accelerometer_residual(joint: JointFit) -> Residual:
+    """Return the whitened rows of dwells and priors as a function of the parameters."""
+    prior, C_ib = joint.bench.priors(), mountings(joint.bench.campaigns, joint.bench)
+
+    def residual(x: FloatArray) -> FloatArray:
+        model = specific_force(joint.bench, x[12:], C_ib) @ x[:9].reshape(3, 3).T + x[9:12]
+        dwells = ((joint.seen.rate - model) / joint.sigma).ravel()
+        return np.concatenate((dwells, prior.matrix @ x[12:] - prior.mean))
+
+    return residual
+
+
+def gyroscope_residual(fits: Fits) -> Residual:
+    """Return the whitened rows of dwells, turns, priors and closures; those of priors are linear as they stand."""
+    gyroscope = fits.gyroscope
+    assert gyroscope is not None
+    joint, turns, shapes = gyroscope.joint, gyroscope.turns, gyroscope.geometry
+    n, bench, at_fit = len(joint.seen.dwells), joint.bench, joint.fit
+    C_ib = mountings(bench.campaigns, bench)
+    earth = [np.degrees(earth_rate_n(c.site.latitude)) for c in bench.campaigns]
+    motion = np.stack([np.eye(3)] * n + [shape.motion for shape in shapes])
+    angle = np.degrees([shape.angle for shape in shapes])
+    seconds = np.concatenate((np.ones(n), [turn.seconds for turn in turns]))
+    observed = np.concatenate((joint.seen.rate, np.array([turn.total for turn in turns])))
+    sigma, rows = np.concatenate((joint.sigma, gyroscope.turn_sigma)), 3 * (n + len(turns))
+
+    def residual(x: FloatArray) -> FloatArray:
+        tilts = x[12 : 12 + bench.size]
+        u = bench.seen(tilts, earth, motion)
+        u[n:] += (angle + x[12 + bench.size :])[:, None] * bench.to_cube(tilts)[n:, :, 2]
+        model = (C_ib @ u[..., None])[..., 0] @ x[:9].reshape(3, 3).T + seconds[:, None] * x[9:12]
+        known = at_fit.residual[rows:] + at_fit.jacobian[rows:] @ (x - at_fit.x)
+        return np.concatenate((((observed - model) / sigma).ravel(), known))
+
+    return residual
+
+
+def drawn(
+    joint: JointFit, residual: Residual, draws: int, rng: np.random.Generator, per: float = 1.0
+) -> FloatArray:
+    """Return (draws, 15): k, E and D found from as many draws of the rows."""
+    fit, found = joint.fit, []
+    scale = np.sqrt(np.diag(fit.covariance)) * 1e3
+    base = residual(fit.x)
+    for _ in range(draws):
+        noise = rng.standard_normal(len(base))
+        again = minimise(lambda x, noise=noise: residual(x) + noise, fit.x, scale)  # type: ignore[misc]
+        axes = reference_axes(replace(joint, fit=again), joint.bench.skew_seen)
+        found.append(scale_misalignment_bias(again.x[:9].reshape(3, 3) @ axes, again.x[9:12], per)[0])
+    return np.array(found)
