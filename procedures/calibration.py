@@ -106,7 +106,9 @@ def fit_reduced(steps: Reduced) -> Fits:
     if accelerometer is None and gyroscope is None:
         missing = missing_positions(accel or gyro) or ["turns about x, y and z, or a channel that responds"]
         if steps.others:
-            missing = [f"{LEAST_RESTS} rests that differ in attitude ({len(steps.others)} found), or all six faces"]
+            missing = [
+                f"{LEAST_RESTS} rests that differ in attitude ({len(steps.others)} found), or all six faces"
+            ]
         raise NotObservable("the scale factor and bias of either triad", missing)
     return Fits(campaigns, accel, gyro, accelerometer, gyroscope, steps.others, steps.segmented, moves)
 

@@ -28,8 +28,8 @@ class Dwell:
 class Turn:
     """Turn the cube by hand about its vertical ``axis`` (x, y, z), ``direction`` + or -, whole ``revolutions``.
 
-    It begins and ends in ``start_position`` with ``rest_s`` seconds of rest at each end. ``speed_deg_s`` is asked for
-    where speed matters: two speeds in each direction tell asymmetry from nonlinearity.
+    It begins and ends in ``start_position`` with ``rest_s`` seconds of rest at each end. ``speed_deg_s`` is asked
+    for where speed matters: two speeds in each direction tell asymmetry from nonlinearity.
     """
 
     axis: str

@@ -1,9 +1,9 @@
 """Which other effects could take a finding's place.
 
-An effect is an alias where, fitted beside the finding and held to its own plausible range, it brings some combination
-of the finding's coefficients that stood above three sigma below it. The combinations looked at are each coefficient,
-the best one, and those of which the other takes most and least (the eigenvectors of the one covariance in the
-other's metric).
+An effect is an alias where, fitted beside the finding and held to its own plausible range, it brings some
+combination of the finding's coefficients that stood above three sigma below it. The combinations looked at are
+each coefficient, the best one, and those of which the other takes most and least (the eigenvectors of the one
+covariance in the other's metric).
 """
 
 from collections.abc import Sequence

@@ -1,8 +1,8 @@
 """Which effects a campaign can speak of at all: those that something in it excites.
 
-An effect may have acted in several ways (in one dwell or another, with one time constant or another). Slab and faces
-without certificate are part of the model from the start: to ask whether they are there is to ask what the model
-would lose without them, so their columns are taken out of it and put to the test.
+An effect may have acted in several ways (in one dwell or another, with one time constant or another). Slab and
+faces without certificate are part of the model from the start: to ask whether they are there is to ask what the
+model would lose without them, so their columns are taken out of it and put to the test.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

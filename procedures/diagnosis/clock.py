@@ -1,10 +1,10 @@
 """``clock.rate``: the device's clock against reference time, and the sample period against the stated one.
 
-Positive is fast: while the reference moves by dt, device time moves by ``(1 + 1e-6 c) dt``. Every rate computed with
-device time is too small by as much. Where rows hold reference time (``utc_s``), it is fitted by a line over device
-time: of block means, so that a coarse or jittery reference counts for no more than it tells, and robustly, so that a
-step of the reference in some blocks does not. Without it, a sample period in device time that is not the stated
-one says that either the clock or the statement is wrong, and cannot say which.
+Positive is fast: while the reference moves by dt, device time moves by ``(1 + 1e-6 c) dt``. Every rate computed
+with device time is too small by as much. Where rows hold reference time (``utc_s``), it is fitted by a line over
+device time: of block means, so that a coarse or jittery reference counts for no more than it tells, and robustly,
+so that a step of the reference in some blocks does not. Without it, a sample period in device time that is not the
+stated one says that either the clock or the statement is wrong, and cannot say which.
 """
 
 from collections.abc import Iterator, Sequence
@@ -74,6 +74,11 @@ def with_true_clock(campaigns: Sequence[Campaign], ppm: float) -> tuple[Campaign
     )
 
 
+def is_timed(campaigns: Sequence[Campaign]) -> bool:
+    """Say whether reference time tells the clock's rate in any campaign."""
+    return any(clock_rate(campaign) is not None for campaign in campaigns)
+
+
 def clock_rate(campaign: Campaign) -> ClockRate | None:
     """Fit reference time over device time in all rows that hold it; None where too few do."""
     rows = [(s.t, s.extra["utc_s"]) for s in _series(campaign) if "utc_s" in s.extra]
@@ -127,9 +132,7 @@ def _mean(rates: Sequence[ClockRate]) -> ClockRate:
 
 def _off_period(campaigns: Sequence[Campaign]) -> Iterator[Finding]:
     """Report a sample period in device time that is not the stated one."""
-    off = [
-        s.period / c.nominal_period - 1 for c in campaigns if c.nominal_period is not None for s in _series(c)
-    ]
+    off = [s.period / c.nominal_period - 1 for c in campaigns if c.nominal_period is not None for s in _series(c)]
     if off and abs(np.median(off)) > OFF_PERIOD:
         std = float(np.std(off)) if len(off) > 1 else abs(off[0]) * 1e-3
         found = _finding(PPM * float(np.median(off)), PPM * std, "ambiguous", -np.inf, "t_s")

@@ -2,8 +2,8 @@
 
     evidence -> candidates -> one effect at a time -> parameters solved again -> what is left
 
-until nothing significant, plausible and foretelling is left; then every finding is held against what could take its
-place, and the whole against noise.
+until nothing significant, plausible and foretelling is left; then every finding is held against what could take
+its place, and the whole against noise.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,6 +18,7 @@ from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.errors_made import errors_made
 from procedures.diagnosis.groups import groups
 from procedures.diagnosis.model import Term, fit_linear, significance
+from procedures.diagnosis.preliminary import preliminary
 from procedures.diagnosis.refit import Refit, refit
 from procedures.diagnosis.result import Confidence, Diagnosis, Finding, Test, Verdict
 from procedures.diagnosis.selection import (
@@ -68,7 +69,9 @@ def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS)
     NotObservable
         If neither triad can be solved.
     """
-    steps = reduce_steps(campaigns)
+    found_before = preliminary(campaigns)
+    effects = [effect for effect in effects if effect.name not in found_before.settled]
+    steps = reduce_steps(found_before.campaigns)
     base = fit_reduced(steps)
     state = first = _stand(steps, base, (), effects)
     tried = list[Tried]()
@@ -82,10 +85,11 @@ def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS)
         state = _dropped(state, effects)
     state = _honest(state, effects)
     state, findings = _named(state, len(first.pool), effects)
+    findings = (*found_before.findings, *findings)
     left = _left(state)
     solution_before, solution = report(base), report(state.now.fits)
     return Diagnosis(
-        _verdict(findings, left), findings, tuple(_test(each) for each in tried),
+        _verdict(findings, left), findings, (*found_before.tests, *(_test(each) for each in tried)),
         errors_made(first.now.evidence, state.now, groups(first.now.evidence)), base, state.now.fits,
         state.now.evidence, solution_before, solution, left, _next(findings),
     )  # fmt: skip
@@ -126,7 +130,7 @@ def _left(state: _State) -> float:
 
 
 def _honest(state: _State, effects: Sequence[Effect]) -> _State:
-    """Drop effects that leave more than a little of what they were brought in to explain: they only look like it."""
+    """Drop effects that leave more than a little of what they were brought in to explain."""
     while _left(state) < LEFT:
         wanting = [
             (share, each)
@@ -184,7 +188,7 @@ def _holds(other: Candidate, finding: Candidate) -> bool:
 
 
 def _renamed(state: _State, adopted: Adopted) -> Adopted:
-    """Return a finding under the name that its group goes by: the bench's, the procedure's, or what foretells best."""
+    """Return a finding under its group's name: the bench's, the procedure's, or what foretells best."""
     group = [adopted.candidate, *_others(state, adopted.candidate)]
     evidence, beside, left_out = state.now.evidence, state.beside(adopted.candidate), groups(state.now.evidence)
     rank = min(RANK[each.effect.kind] for each in group)
@@ -211,8 +215,8 @@ def _finding(state: _State, adopted: Adopted, tried: int) -> Finding:
     effect, columns = candidate.effect, candidate.columns
     value, std = (test.value, test.std) if effect.shown is None else effect.shown(test.value, test.std)
     return Finding(
-        effect.name, effect.kind, columns.coefficients, value, std, columns.unit or effect.unit, _where(state, candidate), confidence, aliases,
-        candidate.effect.separate_by, log_p, gain, candidate.columns.shape,
+        effect.name, effect.kind, columns.coefficients, value, std, columns.unit or effect.unit,
+        _where(state, candidate), confidence, aliases, effect.separate_by, log_p, gain, columns.shape,
     )  # fmt: skip
 
 
@@ -237,7 +241,7 @@ def _verdict(findings: Sequence[Finding], left: float) -> Verdict:
         return "unexplained"
     for word in ("ambiguous", "likely", "established"):
         if any(each.confidence == word for each in findings):
-            return word  # type: ignore[return-value]
+            return word
     return "consistent"
 
 

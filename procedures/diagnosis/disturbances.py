@@ -18,10 +18,10 @@ from procedures.diagnosis.result import Finding, Test
 from procedures.diagnosis.vibration import measure
 from procedures.frames import face_normal, face_of
 from procedures.observations import TRIADS, channel
-from procedures.records import CountSeries, Series
+from procedures.records import CountSeries, RateSeries, Series
 
 EFFECT = "disturbance.dwell"
-LEVEL = np.log(0.01)
+LEVEL = np.log(0.003)  # of all blocks of a diagnosis; blocks overlap and their variances are not quite chi-square
 JOINED_S = 2.0  # stretches nearer than this are one
 MOST = 0.6  # of a step that is cut: more is no disturbance of it but its state
 LABELS = {"accelerometer": ("ax", "ay", "az"), "gyroscope": ("gx", "gy", "gz")}
@@ -73,7 +73,9 @@ def find_disturbances(campaigns: Sequence[Campaign]) -> tuple[tuple[Disturbance,
 def without_disturbances(campaigns: Sequence[Campaign], found: Sequence[Disturbance]) -> tuple[Campaign, ...]:
     """Return the campaigns with the disturbed stretches cut out."""
     return tuple(
-        replace(campaign, dwells=_cut(campaign.dwells, here, 0), rests=_cut(campaign.rests, here, len(campaign.dwells)))
+        replace(
+            campaign, dwells=_cut(campaign.dwells, here, 0), rests=_cut(campaign.rests, here, len(campaign.dwells))
+        )
         for number, campaign in enumerate(campaigns)
         for here in ([each for each in found if each.campaign == number],)
     )
@@ -99,11 +101,10 @@ def _kept(series: Series, keep: BoolArray) -> Series:
     carried = np.flatnonzero(begins)  # a segment whose first samples are cut begins where the next are kept
     after = np.searchsorted(np.flatnonzero(keep), carried)
     starts = np.unique(after[after < keep.sum()])
-    return replace(
-        series, t=series.t[keep], gyro=None if series.gyro is None else series.gyro[keep],
-        accel=None if series.accel is None else series.accel[keep], temperature=series.temperature[keep],
-        starts=starts.astype(np.int64), extra={name: values[keep] for name, values in series.extra.items()},
-    )  # type: ignore[return-value, arg-type]  # fmt: skip
+    gyro, accel = (None if each is None else each[keep] for each in (series.gyro, series.accel))
+    extra = {name: values[keep] for name, values in series.extra.items()}
+    kept = series.t[keep], gyro, accel, series.temperature[keep], series.period, starts.astype(np.int64), extra
+    return CountSeries(*kept) if isinstance(series, CountSeries) else RateSeries(*kept)  # type: ignore[arg-type]
 
 
 def _steps(campaign: Campaign) -> tuple[DwellRecord | RestRecord, ...]:
@@ -150,7 +151,7 @@ def _disturbances(number: int, campaign: Campaign, lively: Sequence[_Lively]) ->
 
 
 def _stretches(lively: Sequence[_Lively], near: int) -> list[slice]:
-    """Return the stretches that blocks show, each by its shortest blocks, longer ones only where none is shorter."""
+    """Return the stretches that blocks show, by the shortest of them, longer ones only where none is shorter."""
     found = list[slice]()
     for length in sorted({each.end - each.first for each in lively}):
         blocks = [slice(each.first, each.end) for each in lively if each.end - each.first == length]
@@ -212,4 +213,6 @@ def _scale(campaign: Campaign, triad: str) -> FloatArray:
         y.append(total if triad == "accelerometer" else total * len(series) * series.period / size)
     largest = np.max(np.abs(np.array(y) * (np.array(u) > 0.5)), axis=0, initial=0.0) if u else np.zeros(3)
     known = largest[largest > 0]
-    return np.where(largest > 0, largest, known.mean() if len(known) else 1.0) / (1.0 if triad == "accelerometer" else 3600.0)
+    return np.where(largest > 0, largest, known.mean() if len(known) else 1.0) / (
+        1.0 if triad == "accelerometer" else 3600.0
+    )

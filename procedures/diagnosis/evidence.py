@@ -124,12 +124,27 @@ class _Builder:
     def evidence(self, x: FloatArray) -> Evidence:
         """Put the blocks together."""
         sizes = [len(block.residual) for block in self.blocks]
-        numbers = [np.repeat([getattr(b, name) for b in self.blocks], sizes) for name in ("triad", "kind", "step")]
+        triad, kind, step = (
+            np.repeat([getattr(b, n) for b in self.blocks], sizes) for n in ("triad", "kind", "step")
+        )
         axis = np.concatenate([np.arange(size) if size == 3 else np.full(size, -1) for size in sizes])
-        arrays = [np.concatenate([getattr(b, name) for b in self.blocks]) for name in ("residual", "sigma", "A")]
+        residual, sigma, A = (
+            np.concatenate([getattr(b, n) for b in self.blocks]) for n in ("residual", "sigma", "A")
+        )
         is_range = np.concatenate([b.is_range for b in self.blocks])
         return Evidence(
-            *arrays, *numbers, axis, is_range, x, self.columns_of, tuple(self.weights), joined(self.parts)
+            residual,
+            sigma,
+            A,
+            triad,
+            kind,
+            step,
+            axis,
+            is_range,
+            x,
+            self.columns_of,
+            tuple(self.weights),
+            joined(self.parts),
         )
 
 
@@ -222,7 +237,7 @@ def _dwells(builder: _Builder, fits: Fits, places: Places, joint: JointFit, tria
 
 
 def _bend(x: FloatArray) -> FloatArray:
-    """Return the weights by which values at x in [-1, 1] give the second derivative of the parabola through them."""
+    """Return the weights by which values at x in [-1, 1] give their parabola's second derivative."""
     P2 = (3 * x**2 - 1) / 2
     P2 -= P2.mean()
     w: FloatArray = 3 * P2 / np.sum(P2**2)

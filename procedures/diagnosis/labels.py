@@ -1,31 +1,21 @@
 """``placement.label``: dwells recorded under a position in which the cube did not stand.
 
-The accelerometers show the face. An affine fit of raw outputs to nominal up vectors is drawn through four dwells at a
-time (random sample consensus); the one that most dwells agree with decides, and every dwell that contradicts it is
-moved to the face that fits it. No number of wrong labels short of a majority for another story can bend it, and
-tilts, seatings and K2 are hundreds of times below its threshold.
-
-The gyroscopes show which of its face's two positions it was. A gyro at rest puts out, for up and North as unit
-vectors u, n in IMU axes,
-
-    r = b + G u + H n + noise,   H = K w cos(latitude) + what follows the heading alike, as a magnetic field does
-
-with bias b, g-sensitivity and the Earth rate's vertical part in G, all with broad normal priors about what the
-turns say of K. Between the two positions of a face n changes sign, so labellings are compared by the likelihood of
-all gyros' dwells together (a normal one, the coefficients integrated out), improved one dwell or two at a time.
+The accelerometers show the face. An affine fit of raw outputs to nominal up vectors is drawn through four dwells
+at a time (random sample consensus, Fischler and Bolles 1981); the one that most dwells agree with decides, and
+every dwell that contradicts it is moved to the face that fits it. Tilts, seatings and K2 are hundreds of times
+below its threshold. The gyroscopes show which of its face's two positions it was (`procedures.diagnosis.compass`).
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign import Campaign, DwellRecord
+from procedures.diagnosis.compass import Compass
 from procedures.diagnosis.result import Confidence, Finding, Test
-from procedures.earth import earth_rate_n
-from procedures.frames import FACES, face_normal, face_of, nominal_C_lb
+from procedures.frames import FACES, POSITIONS, face_normal, face_of
 from procedures.gyrocompass import first_position
 from procedures.observations import channel
 from procedures.rate_mean import estimate_rates
@@ -36,12 +26,8 @@ SEED, DRAWS = 20181218, 400  # of the sample consensus: always the same
 AGREES = 0.2  # g, as in `procedures.face_check`: far above any tilt, far below a wrong face
 MAJORITY = 0.5  # of the dwells that must agree
 LEAST = 5  # dwells: four are fitted by anything
-BIAS, G_SENSITIVITY = 1.0, 0.01  # 1 sigma, deg/s; deg/s per g, beside which the vertical Earth rate is small
-SLACK = 0.5  # 1 sigma of H about K w cos(latitude), of that: magnetic sensitivity, and K guessed from dwells
-UNSTABLE = np.array([0.1, 0.4, 1.5, 6.0, 25.0, 100.0]) / 3600  # deg/s, 1 sigma of a bias from dwell to dwell
 SURE = 30.0  # of a log likelihood ratio: far beyond what is left open by noise alone that is not quite normal
 FACE_LOG_P = -300.0  # of a face: 1 g off is 25 times what tilts, bias and scale could be together
-POSITIONS = 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,19 +54,20 @@ class Mislabelled:
     is_heading_known: bool
 
 
-def find_labels(campaigns: Sequence[Campaign]) -> tuple[tuple[Finding, ...], tuple[Test, ...]]:
-    """Return the dwells that contradict their labels, and the test made of the worst."""
-    found = mislabelled(campaigns)
+def find_labels(
+    campaigns: Sequence[Campaign], found: Sequence[Mislabelled]
+) -> tuple[tuple[Finding, ...], tuple[Test, ...]]:
+    """Return the findings of dwells that are `mislabelled`, and the test made of the worst."""
     if not any(campaign.dwells for campaign in campaigns):
         return (), ()
     worst = min((each.log_p for each in found), default=0.0)
     return tuple(_finding(campaigns, each) for each in found), (Test(EFFECT, -2 * worst, worst, worst),)
 
 
-def with_true_labels(campaigns: Sequence[Campaign], findings: Sequence[Mislabelled]) -> tuple[Campaign, ...]:
+def with_true_labels(campaigns: Sequence[Campaign], found: Sequence[Mislabelled]) -> tuple[Campaign, ...]:
     """Return the campaigns with every mislabelled dwell in the position where it stood."""
     corrected = list(campaigns)
-    for each in findings:
+    for each in found:
         campaign = corrected[each.campaign]
         dwells = list(campaign.dwells)
         dwells[each.dwell] = replace(dwells[each.dwell], position=each.position)
@@ -180,16 +167,14 @@ def _consensus(design: FloatArray, rate: FloatArray) -> BoolArray | None:
     return best if best.sum() >= LEAST and best.mean() > MAJORITY else None
 
 
-def _headings(
-    campaign: Campaign, dwells: _Dwells, faces: Sequence[str]
-) -> Iterator[tuple[int, int, float, bool]]:
+def _headings(campaign: Campaign, dwells: _Dwells, faces: Sequence[str]) -> Iterator[tuple[int, int, float, bool]]:
     """Return (dwell, position, ln p, whether its heading is known) of every dwell that is not where it says."""
     named = [d.position for d in dwells.records]
     moved = [i for i, position in enumerate(named) if face_of(position) != faces[i]]
     start = [_nearest(dwells, faces, moved, i) if i in moved else named[i] for i in range(len(named))]
-    compass = _Compass.of(campaign, dwells, start)
+    compass = Compass.of(campaign, dwells.gyro, dwells.gyro_std, start)
     positions, margins = (start, np.zeros(len(start))) if compass is None else compass.best(start)
-    tried = float(np.log(POSITIONS * len(start)))
+    tried = float(np.log(len(POSITIONS) * len(start)))
     for i, position in enumerate(positions):
         is_sure = bool(margins[i] > SURE + tried)
         if i in moved:
@@ -199,115 +184,9 @@ def _headings(
 
 
 def _nearest(dwells: _Dwells, faces: Sequence[str], moved: Sequence[int], i: int) -> int:
-    """Return the position of the dwell on the same face that dwell ``i`` is most like: the slab's tilt tells a little."""
+    """Return the position of the dwell on its face that dwell ``i`` is most like: the slab's tilt tells a little."""
     same = [j for j, face in enumerate(faces) if face == faces[i] and j not in moved]
     if not same:
         return first_position(faces[i])
     off = np.linalg.norm(dwells.accel[same] - dwells.accel[i], axis=1)
     return dwells.records[same[int(np.argmin(off))]].position
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Compass:
-    """Judges labellings by the gyros' dwells ``rows``: rates (n, 3) and variances [deg/s by ``K``'s largest element].
-
-    ``H`` (3, 3) is what North is expected to give, ``C_ib`` takes the cube's axes to the IMU's.
-    """
-
-    C_ib: FloatArray
-    rows: IntArray
-    rate: FloatArray
-    variance: FloatArray
-    H: FloatArray
-
-    @classmethod
-    def of(cls, campaign: Campaign, dwells: _Dwells, start: Sequence[int]) -> "_Compass | None":
-        """Scale the gyros by what the turns, or else the dwells themselves, roughly say of K; None if nothing does."""
-        rows = np.flatnonzero(np.all(np.isfinite(dwells.gyro), axis=1))
-        north = float(np.degrees(earth_rate_n(campaign.site.latitude)[1]))
-        if len(rows) < LEAST:
-            return None
-        C_ib, rate = campaign.fixture.C_ib, dwells.gyro[rows]
-        K = _turned(campaign)
-        if K is None:
-            K = _from_dwells(_design(C_ib, np.array([[start[i] for i in rows]]))[0], rate, north)
-        size = float(np.abs(K).max())
-        if not size > 0:
-            return None
-        return cls(C_ib, rows, rate / size, (dwells.gyro_std[rows] / size) ** 2, K / size * north)
-
-    def costs(self, labellings: IntArray) -> FloatArray:
-        """Return minus the log likelihood (m,) of labellings (m, dwells), up to a constant.
-
-        The scatter of the biases from dwell to dwell is whatever makes a labelling likeliest.
-        """
-        A = _design(self.C_ib, labellings[:, self.rows])
-        total = np.zeros((len(labellings), len(UNSTABLE)))
-        for q in range(3):
-            prior = np.r_[BIAS, np.full(3, G_SENSITIVITY), np.full(3, SLACK * np.linalg.norm(self.H[q]))]
-            own = self.variance[:, q] + UNSTABLE[:, None] ** 2
-            covariance = ((A * prior**2) @ A.swapaxes(1, 2))[:, None] + own[:, :, None] * np.eye(len(self.rows))
-            left = (self.rate[:, q] - A[:, :, 4:] @ self.H[q])[:, None, :, None]
-            root = np.linalg.cholesky(covariance)
-            white = np.linalg.solve(root, np.broadcast_to(left, (*covariance.shape[:3], 1)))
-            total += 0.5 * np.sum(white[..., 0] ** 2, axis=2)
-            total += np.log(np.diagonal(root, axis1=2, axis2=3)).sum(axis=2)
-        least: FloatArray = total.min(axis=1)
-        return least
-
-    def best(self, start: Sequence[int]) -> tuple[list[int], FloatArray]:
-        """Return the best labelling, one or two dwells changed at a time, and what changing each alone costs (n,)."""
-        changes = np.zeros((0, len(start)), dtype=bool)
-        for which in (*((i,) for i in self.rows), *combinations(self.rows, 2)):
-            changes = np.vstack((changes, np.isin(np.arange(len(start)), which)))
-        positions = np.array(start)
-        while True:
-            costs = self.costs(np.vstack((positions, np.where(changes, _other(positions), positions))))
-            least = int(np.argmin(costs))
-            if least == 0:
-                break
-            positions = np.where(changes[least - 1], _other(positions), positions)
-        margins = np.zeros(len(start))
-        margins[self.rows] = costs[1 : 1 + len(self.rows)] - costs[0]
-        return positions.tolist(), margins
-
-
-def _other(position: IntArray) -> IntArray:
-    """Return the other position of the same face."""
-    other: IntArray = np.where(position % 2 == 1, position + 1, position - 1)
-    return other
-
-
-def _design(C_ib: FloatArray, labellings: IntArray) -> FloatArray:
-    """Return (m, n, 7): one, up (3) and North (3) in IMU axes for labellings (m, n)."""
-    nominal = np.stack([np.hstack((1.0, C_ib @ C_bl[:, 2], C_ib @ C_bl[:, 1])) for C_bl in _NOMINAL_C_BL])
-    found: FloatArray = nominal[labellings - 1]
-    return found
-
-
-_NOMINAL_C_BL = [nominal_C_lb(position).T for position in range(1, POSITIONS + 1)]
-
-
-def _from_dwells(A: FloatArray, rate: FloatArray, north: float) -> FloatArray:
-    """Return K (3, 3) [output/deg] from the Earth's rate in dwells (n): the signs by gyro, one size for all."""
-    H = np.linalg.lstsq(A, rate, rcond=None)[0][4:].T
-    own: FloatArray = np.diag(H) / north
-    return np.diag(np.sign(own) * np.median(np.abs(own)))
-
-
-def _turned(campaign: Campaign) -> FloatArray | None:
-    """Return K (3, 3) [output/deg] of the gyros, roughly, from the turns; None if they do not tell."""
-    angle, total = list[FloatArray](), list[FloatArray]()
-    for turn in campaign.turns:
-        samples = channel(turn.series, "gyroscope")
-        if samples is not None:
-            per = 1.0 if isinstance(turn.series, CountSeries) else turn.series.period
-            up = campaign.fixture.C_ib @ face_normal(face_of(turn.start_position))
-            sign = 1 if (turn.direction == "+") == face_of(turn.start_position).endswith("up") else -1
-            angle.append(sign * 360.0 * turn.revolutions * up)
-            total.append(samples.sum(axis=0) * per)
-    if not angle or np.linalg.matrix_rank(np.array(angle), tol=1.0) < 3:
-        return None
-    K, *_ = np.linalg.lstsq(np.array(angle), np.array(total), rcond=None)
-    found: FloatArray = K.T
-    return found

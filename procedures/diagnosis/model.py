@@ -1,8 +1,8 @@
 """A linear model of the evidence: what its parameters and some effects make of the residual, and how sure that is.
 
 The residual of `procedures.diagnosis.evidence` is minimised over the model's parameters and the coefficients c,
-which are held to nought by their plausible range. Each class of rows (means, shapes, turns, norms of a triad) has a
-variance of its own: never less than counting noise, more where the rows scatter more than the model explains.
+which are held to nought by their plausible range. Each class of rows (means, shapes, turns, norms of a triad) has
+a variance of its own: never less than counting noise, more where the rows scatter more than the model explains.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ SINGULAR = 1e-12
 
 
 def classes(evidence: Evidence) -> IntArray:
-    """Return (n,) which rows share a variance: by triad and kind, slope and curvature together; 0 is known rows."""
+    """Return (n,) which rows share a variance: by triad and kind, both shapes as one; 0 is known rows."""
     kind = np.where(evidence.kind == KINDS.index("curvature"), KINDS.index("slope"), evidence.kind)
     shared: IntArray = np.where(evidence.kind == KINDS.index("prior"), 0, 1 + evidence.triad * len(KINDS) + kind)
     return shared
@@ -40,8 +40,9 @@ class LinearFit:
     """The minimum for one set of terms.
 
     ``theta`` holds the model's parameters dx (of the columns kept), then the coefficients of all terms in order;
-    ``Q``, ``R`` factor the whitened design, prior rows of coefficients last; ``whole`` is the whitened residual left
-    of all these rows, ``white`` (n,) that of the evidence; ``factor`` (n,) by how much each row's sigma was widened, ``dof`` that of each row's class.
+    ``Q``, ``R`` factor the whitened design, prior rows of coefficients last; ``whole`` is the whitened residual
+    left of all these rows, ``white`` (n,) that of the evidence; ``factor`` (n,) by how much each row's sigma was
+    widened, ``dof`` that of each row's class.
     """
 
     theta: FloatArray
@@ -117,7 +118,7 @@ def _inverse_ranges(terms: Sequence[Term]) -> FloatArray:
 
 
 def _widened(shared: IntArray, white: FloatArray, free: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the factor on every row's sigma and the degrees of freedom behind it, infinite where noise suffices."""
+    """Return the factor on every row's sigma and the degrees of freedom behind it (infinite: noise is all)."""
     factor, dof = np.ones(len(white)), np.full(len(white), np.inf)
     for number in np.unique(shared[shared > 0]):
         rows = shared == number
@@ -170,7 +171,7 @@ def _dof(evidence: Evidence, fit: LinearFit, term: int) -> float:
 
 
 def held_out(evidence: Evidence, fit: LinearFit, groups: Sequence[IntArray]) -> tuple[float, FloatArray]:
-    """Return the log predictive density of every group left out in turn, summed, and the errors (n,) made, in sigmas.
+    """Return the log predictive density of all groups, each left out in turn, and the errors (n,) made, in sigmas.
 
     With L the group's block of the hat matrix, what is left out is off by ``(I - L)^-1 e`` and known to
     ``(I - L)^-1``, both whitened: no fit is repeated, and what a campaign cannot foretell is not held against a

@@ -1,9 +1,9 @@
 """Blocks of one channel that are livelier than the channel's own quiet: where a dwell was disturbed.
 
-Of a channel whose remainder is not white, as of counts with little noise, a block is judged by the strip its counts
-need (`procedures.diagnosis.strips`); of any other by its variance, chi-square with the degrees of freedom that the
-scatter of all blocks' variances shows. Noise and variance are those of the channel's quieter dwells, so that a
-knock does not hide itself.
+Of a channel whose remainder is not white, as of counts with little noise, a block is judged by the strip its
+counts need (`procedures.diagnosis.strips`); of any other by its variance, chi-square with the degrees of freedom
+that the scatter of all blocks' variances shows. Noise and variance are those of the channel's quieter dwells, so
+that a knock does not hide itself.
 """
 
 from collections.abc import Sequence
@@ -46,12 +46,12 @@ class Blocks:
 
 def judge(traces: Sequence[Trace], counts: bool) -> list[Blocks]:
     """Judge all blocks of one channel's traces; shortest blocks first."""
-    if counts and not _is_white(traces):
+    if counts and not is_white(traces):
         return _by_strip(traces)
     return _by_variance(traces)
 
 
-def _is_white(traces: Sequence[Trace]) -> bool:
+def is_white(traces: Sequence[Trace]) -> bool:
     """Say whether most traces' noise is so large that the counts' remainder is white (as `count_rate`)."""
     slow = list[float]()
     for trace in traces:
@@ -60,8 +60,10 @@ def _is_white(traces: Sequence[Trace]) -> bool:
     return bool((np.median(slow) - 0.5) / (2 * LAG) > WHITE**2)
 
 
-def _windows(traces: Sequence[Trace], seconds: float, more: int) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
-    """Return trace, first and end of half-overlapping blocks, and their samples (m, L); ``more`` 1: L + 1 nodes."""
+def _windows(
+    traces: Sequence[Trace], seconds: float, more: int
+) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+    """Return trace, first and end of half-overlapping blocks, their samples (m, L); ``more`` 1: L + 1 nodes."""
     length = round(seconds / traces[0].period)
     at, first, rows = list[IntArray](), list[IntArray](), [np.zeros((0, length + more))]
     for number, trace in enumerate(traces):

@@ -1,7 +1,8 @@
 """The loop closed: the parameters solved again with the adopted effects in the model.
 
 What an effect adds is taken off every rate and total, the base model is fitted to what is left, and the
-coefficients are solved anew where that fit stands (Gauss-Newton). The parameters' covariance is that of the whole model: it holds what the coefficients leave open.
+coefficients are solved anew where that fit stands (Gauss-Newton). The parameters' covariance is that of the whole
+model: it holds what the coefficients leave open.
 """
 
 from collections.abc import Sequence
@@ -70,7 +71,7 @@ def same_way(candidate: Candidate, evidence: Evidence) -> Columns:
 def _terms(
     evidence: Evidence, added: Sequence[Candidate], values: Sequence[FloatArray]
 ) -> tuple[list[Term], list[FloatArray]]:
-    """Return every effect's columns at its coefficients, and what is added beyond columns times coefficients (n,)."""
+    """Return every effect's columns at its coefficients, and what it adds beyond these times them (n,)."""
     terms, beyond = list[Term](), list[FloatArray]()
     for candidate, c in zip(added, values, strict=True):
         columns = same_way(candidate, evidence)

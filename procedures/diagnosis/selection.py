@@ -1,9 +1,9 @@
 """Selection that does not cry wolf: one effect at a time, over all that were tried, and only if it foretells.
 
 In every round each candidate is tested beside what was adopted before; the smallest p counts as one of as many as
-were tried (Holm 1979). The winner must improve the rows that were left out in turn, its size must be plausible, and
-no single step may carry it alone. After each adoption those before are tested again, and dropped if the newcomer
-explains what they did.
+were tried (Holm 1979). The winner must improve the rows that were left out in turn, its size must be plausible,
+and no single step may carry it alone. After each adoption those before are tested again, and dropped if the
+newcomer explains what they did.
 """
 
 from collections.abc import Mapping, Sequence
@@ -106,7 +106,7 @@ def gain_of(
 def stands_without_any(
     evidence: Evidence, candidate: Candidate, others: Sequence[Term], left_out: Sequence[IntArray]
 ) -> bool:
-    """Say whether an instrument's effect is still seen whichever position is left out: one bad dwell is no effect."""
+    """Say whether an instrument's effect is seen whichever position is left out: one bad dwell is none."""
     if candidate.effect.kind != "instrument":
         return True
     fit = candidate.fit(evidence, others)

@@ -1,10 +1,10 @@
 """How far counts are from those of an even rate: the width of the narrowest strip that holds them.
 
 The cumulative count c is the integer part of an output, so of an output that is a straight line all points (t, c)
-lie within a strip less than one count high, whatever its rate and remainder (they are a digital straight line). Of
-a line plus any w they lie within ``1 + strip(w)``. Where w is the random walk of white rate noise, s per square root
-of a sample, its strip over L samples is no wider than the range of a Brownian bridge, of which Kuiper gave the
-distribution: a bound on the probability of what is seen that takes nothing for granted of rate or remainder.
+lie within a strip less than one count high, whatever its rate and remainder (they are a digital straight line).
+Of a line plus any w they lie within ``1 + strip(w)``. Where w is the random walk of white rate noise, s per square
+root of a sample, its strip over L samples is no wider than the range of a Brownian bridge, of which Kuiper gave
+the distribution: a bound on the probability of what is seen that takes nothing for granted of rate or remainder.
 What a knock does shows hundreds of times below the variance that quantisation leaves in the increments.
 
 Source: N. H. Kuiper, Proc. Kon. Ned. Akad. Wet. A 63, 1960; the use made of it is this project's own.

@@ -40,6 +40,6 @@ def log_p_of(evidence: Evidence, fit: LinearFit) -> float:
 
 
 def excess(evidence: Evidence, fit: LinearFit) -> float:
-    """Return by how much the data's sum of squares exceeds what noise leaves, in units of noise; at least nought."""
+    """Return by how much the data's sum of squares exceeds what noise leaves; at least nought."""
     rows = evidence.is_data
     return max(float(np.sum(fit.white[rows] ** 2) - np.sum((1 - fit.leverage)[rows])), 0.0)

@@ -1,11 +1,12 @@
 """How large a disturbance was: the sine that fits it best, in the stretch where it fits best.
 
-In a signal e that holds ``Re(a exp(2 pi i f t))`` plus noise of variance s^2 the sums ``Z = sum of e exp(-2 pi i f t)``
-over N samples gather ``|Z|^2 / N = N |a|^2 / 4``; frequency and stretch are where that, over s^2 and summed over the
-axes, is largest; at each frequency s^2 is what the quiet part of the step holds there, since counts at a low rate
-are a sawtooth with lines of its own. Of counts with little noise e is the cumulative count about a parabola, where a sine of A g stands
-as ``k A / (2 pi f)``; of noisy channels it is the samples. How a sample averages the sine within itself is open: the
-middle between the mean over it and its value at mid-sample is taken, and half their difference is part of the sigma.
+In a signal e that holds ``Re(a exp(2 pi i f t))`` and noise of variance s^2 the sums ``Z = sum e exp(-2 pi i f
+t)`` over N samples gather ``|Z|^2 / N = N |a|^2 / 4``; frequency and stretch are where that, over s^2 and summed
+over the axes, is largest; at each frequency s^2 is what the quiet part of the step holds there, since counts at a
+low rate are a sawtooth with lines of its own. Of counts with little noise e is the running count about a parabola,
+where a sine of A g stands as ``k A / (2 pi f)``, measured by `procedures.diagnosis.between_counts`; of noisy
+channels it is the samples. How a sample averages the sine within itself is open: the middle between the mean over
+it and its value at mid-sample is taken, and half their difference is part of the sigma.
 """
 
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.diagnosis.between_counts import NOT_ALLOWED, best_hertz, sine_between
 
 PAD = 4  # times as many frequencies as samples
 LOWEST = 2.0  # whole periods a stretch must hold
@@ -46,14 +48,21 @@ def measure(samples: FloatArray, k: FloatArray, period: float, stretch: slice, c
     turning = np.exp(-2j * np.pi * frequency * period * np.arange(n))[:, None]
     first, end = _edges(signal[wide] * turning[wide] / noise)
     first, end = first + wide.start, end + wide.start
-    a = 2 * np.abs(np.mean(signal[first:end] * turning[first:end], axis=0))
-    scatter = _scatter(signal * turning, first, end, noise)
+    turned = signal * turning
+    a, scatter = 2 * np.abs(np.mean(turned[first:end], axis=0)), _scatter(turned, first, end, noise)
+    a = np.sqrt(np.maximum(a**2 - scatter**2, 0.0))
+    if cumulative:
+        inner = slice(first + (end - first) // 10, end - (end - first) // 10)
+        running = np.cumsum(samples[inner], axis=0)
+        frequency = best_hertz(running, frequency, period)
+        found = [sine_between(running[:, axis], frequency, period) for axis in range(3)]
+        if max(each.strip for each in found) < NOT_ALLOWED:
+            a, scatter = np.array([each.amplitude for each in found]), np.array([each.std for each in found])
     phase = np.pi * frequency * period
     by_mean, by_middle = (1.0, phase / np.sin(phase)) if cumulative else (np.sinc(frequency * period), 1.0)
     gain = np.abs(k) * (by_mean + by_middle) / 2 / (2 * phase if cumulative else 1.0)
-    amplitude = np.sqrt(np.maximum(a**2 - scatter**2, 0.0)) / gain
-    std = np.hypot(scatter / gain, amplitude * abs(by_middle - by_mean) / (by_middle + by_mean))
-    return Vibration(frequency, first, end, amplitude, std)
+    std = np.hypot(scatter, a * abs(by_middle - by_mean) / (by_middle + by_mean)) / gain
+    return Vibration(frequency, first, end, a / gain, std)
 
 
 def _detrended(signal: FloatArray) -> FloatArray:

@@ -26,7 +26,7 @@ EFFECT = Effect(
     unit="g/g^2",
     physics="K u_i u_j, i != j",
     source="IEEE Std 1293, model equation: cross-coupling coefficients K_ip, K_io, K_po",
-    plausible=1e-4,
+    plausible=2e-5,
     columns=columns,
     separate_by="free positions near 45 deg about each axis",
 )

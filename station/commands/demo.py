@@ -34,6 +34,7 @@ def demo(
     import time
 
     from station.demo.comparison import compared, comparison_text
+    from station.diagnosis.text import diagnosis_text
     from station.demo.run import DemoRequest, run_demo
     from station.guide.plain import PlainScreen
 
@@ -42,7 +43,7 @@ def demo(
     outcome = run_demo(
         DemoRequest(out, seed, speed, dwell_s, turns, db),
         PlainScreen(typer.echo, rings=False).show,
-        lambda: typer.echo("recorded; decoding the raw bytes again, solving, writing the report"),
+        lambda: typer.echo("recorded; decoding the raw bytes again, solving, diagnosing, writing the report"),
     )
     results = outcome.results
     typer.echo(f"raw bytes decoded again: {outcome.samples} samples, all counts equal")
@@ -52,6 +53,10 @@ def demo(
     typer.echo(
         f"global test: chi2 {quality.chi2:.1f} of {quality.dof} degrees of freedom, p {quality.p_value:.2g}"
     )
+    typer.echo("")
+    typer.echo("what the model lacks:")
+    typer.echo(diagnosis_text(results.diagnosis))
+    typer.echo("")
     typer.echo(results.outcome.sentence)
     typer.echo(f"the calibration is stored, which at a bench is the operator's act: sha256 {outcome.sha256}")
     typer.echo(f"done in {time.monotonic() - began:.0f} s")

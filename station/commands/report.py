@@ -1,5 +1,6 @@
 """``station report``: recorded campaigns to one HTML file to read, print and keep."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -16,7 +17,7 @@ def report(
     ] = None,
     db: Database = None,
 ) -> None:
-    """Solve recorded campaigns and write the calibration report: HTML that needs no other file and prints on A4.
+    """Solve and diagnose recorded campaigns and write the calibration report: HTML that needs no other file and prints on A4.
 
     It holds every parameter with 1 sigma, 95 % interval and unit (count/(g s), count/deg, ug, deg/h, arcsec), its
     uncertainty budget with expanded uncertainty, coverage factor and what contributes most, the residual of every
@@ -31,16 +32,16 @@ def report(
     from station.solution_json import solution_document
 
     loaded = read_for_solve(campaigns)
-    from procedures.calibration import fit  # scipy and kernels: not before the data are right
-    from procedures.calibration import report as solution_of
-    from procedures.uncertainty.budget import budget
+    from procedures.uncertainty.budget import budget  # scipy and kernels: not before the data are right
+    from station.diagnosis.loop import close_loop
+    from station.diagnosis.page import section_html
     from station.report.context import report_context
     from station.report.writing import write_report
 
-    fits = fit([one.campaign for one in loaded])
-    solution = solution_of(fits)
-    document = solution_document(solution, loaded)
+    closed = close_loop(loaded)
+    document = solution_document(closed.solution, loaded)
     origin = document["provenance"]
     target = campaigns[0] / "report.html" if out is None else out
-    write_report(target, report_context(solution, fits.campaigns, document, budget(fits)))
+    context = report_context(closed.solution, closed.fits.campaigns, document, budget(closed.fits))
+    write_report(target, replace(context, diagnosis=section_html(closed.document, closed.diagnosis)))
     typer.echo(f"{target}: calibration report of {origin['model']} {origin['serial']}")

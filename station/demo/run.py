@@ -96,7 +96,7 @@ def clear(folder: Path) -> None:
         for campaign in folder.glob("campaign*"):
             shutil.rmtree(campaign)
         for name in ("imu", "station.db", "station.db-wal", "station.db-shm", "truth.json",
-                     "solution.json", "calibration.json", "report.html"):  # fmt: skip
+                     "solution.json", "calibration.json", "diagnosis.json", "report.html"):  # fmt: skip
             (folder / name).unlink(missing_ok=True)
     except CannotWrite:
         raise

@@ -23,7 +23,9 @@ class Coordinate:
     names: tuple[str, ...] = ()
 
 
-def coordinate_of(evidence: Evidence, finding: Finding, rows: BoolArray, added: FloatArray, unit: str) -> Coordinate:
+def coordinate_of(
+    evidence: Evidence, finding: Finding, rows: BoolArray, added: FloatArray, unit: str
+) -> Coordinate:
     """Return the coordinate of the rows: the effect's own, the step, or what the effect adds to each (n,).
 
     A row of all three sensors (a rest's norm) has no sensor's own coordinate.
@@ -93,8 +95,14 @@ _COORDINATES: Mapping[str, tuple[str, Values]] = {
     "accelerometer.bias_temperature": _TEMPERATURE,
     "accelerometer.bias_drift": _TIME,
     "accelerometer.relaxation": ("change of specific force at the flip [g]", lambda seen, finding: seen.change),
-    "gyroscope.g_sensitivity": ("specific force, along the input that matters most [g]", _of_inputs(lambda s: s.f)),
-    "gyroscope.magnetic": ("magnetic field, along the input that matters most [uT]", _of_inputs(lambda s: s.magnetic)),
+    "gyroscope.g_sensitivity": (
+        "specific force, along the input that matters most [g]",
+        _of_inputs(lambda s: s.f),
+    ),
+    "gyroscope.magnetic": (
+        "magnetic field, along the input that matters most [uT]",
+        _of_inputs(lambda s: s.magnetic),
+    ),
     "gyroscope.scale_temperature": _TEMPERATURE,
     "gyroscope.bias_temperature": _TEMPERATURE,
     "gyroscope.temperature_rate": ("temperature rate [K/min]", lambda seen, finding: seen.temperature_rate),

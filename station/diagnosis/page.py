@@ -1,5 +1,6 @@
 """A diagnosis as HTML: the section that a report ends with, and a page of its own."""
 
+import re
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -66,9 +67,18 @@ def _finding(finding: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+def _typeset(text: str) -> str:
+    """Return text with the signs that a terminal may lack."""
+    for plain, sign in (("+-", "\u00b1"), ("->", "\u2192"), ("ug", "\u00b5g")):
+        text = re.sub(rf"(?<!\w){re.escape(plain)}(?!\w)", sign, text)
+    return text
+
+
 @cache
 def _environment() -> Environment:
-    return Environment(
+    environment = Environment(
         loader=ChoiceLoader([PackageLoader("station.diagnosis"), PackageLoader("station.report")]),
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
+    environment.filters["typeset"] = _typeset
+    return environment

@@ -23,7 +23,9 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
         case "established":
             return f"The model lacked {both(names)}. With it in, the residual is what noise leaves (p {p})."
         case "likely":
-            return f"The model probably lacked {both(names)}. With it in, the residual is what noise leaves (p {p})."
+            return (
+                f"The model probably lacked {both(names)}. With it in, the residual is what noise leaves (p {p})."
+            )
         case "ambiguous":
             sure = [f["effect"] for f in document["findings"] if f["confidence"] != "ambiguous"]
             beside = f" Beside it the model lacked {both(sure)}, which is in it now." if sure else ""
@@ -61,7 +63,9 @@ def where_text(where: Mapping[str, Any]) -> str:
 
 def size_in_sigmas(value: float, std: float) -> str:
     """Return how large a coefficient is in its own sigma."""
-    return f"{abs(value) / std:.0f} sigma" if std > 0 and abs(value) >= 10 * std else f"{abs(value) / std:.1f} sigma"
+    return (
+        f"{abs(value) / std:.0f} sigma" if std > 0 and abs(value) >= 10 * std else f"{abs(value) / std:.1f} sigma"
+    )
 
 
 def _groups(findings: Sequence[Mapping[str, Any]]) -> str:

@@ -100,6 +100,7 @@ def verdict_lines(verdict: Verdict) -> list[str]:
     reason = f": {verdict.status_reason}" if verdict.status_reason else ""
     lines = [verdict.sentence, f"status {verdict.status}{reason}"]
     lines += [f"worst residual: {verdict.worst_residual}", verdict.change]
+    lines += [f"diagnosis: {verdict.diagnosis}"] if verdict.diagnosis else []
     lines += [f"warning: {warning}" for warning in verdict.warnings]
     lines += [
         f"{row.name}: {row.value} +- {row.sigma} {row.unit}"

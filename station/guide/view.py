@@ -225,6 +225,7 @@ class Verdict(_Value):
     status_reason: str = ""
     worst_residual: str = ""
     change: str = ""
+    diagnosis: str = ""
     rows: tuple[Row, ...] = ()
     warnings: tuple[str, ...] = ()
     report: str = ""  # path

@@ -32,7 +32,8 @@ class Results:
     """A solved campaign: its verdict, and where its results are.
 
     ``status`` is ``measured`` where a certificate had expired when the campaign was recorded, ``status_reason``
-    says which. ``calibration_file`` is there once `store` was called.
+    says which. ``calibration_file`` is there once `store` was called. ``diagnosis`` is the `diagnosis/1`,
+    ``effects`` what the calibration carries of it.
     """
 
     folder: Path
@@ -46,44 +47,48 @@ class Results:
     calibration_file: Path
     report_file: Path
     tables: CampaignTable
+    diagnosis: Mapping[str, Any]
+    effects: tuple[Mapping[str, Any], ...]
 
 
 def make_results(
     folder: Path, database: Database, into: Path | None = None, *, truth: Mapping[str, float] | None = None
 ) -> Results:
-    """Solve a recorded campaign; write solution and report to ``into``, else to its folder. Nothing is stored.
+    """Solve and diagnose a recorded campaign; write solution, diagnosis and report to ``into``, else to its folder.
 
-    ``truth`` is a simulated unit's, keyed as `Solution.names`.
+    Nothing is stored. ``truth`` is a simulated unit's, keyed as `Solution.names`.
     """
     loaded = read_for_solve([folder])[0]
-    from procedures.calibration import fit, report  # scipy and kernels: not before the data are right
-    from procedures.uncertainty.budget import budget
+    from procedures.uncertainty.budget import budget  # scipy and kernels: not before the data are right
+    from station.diagnosis.loop import close_loop
+    from station.diagnosis.page import section_html
     from station.report.context import report_context
     from station.report.writing import write_report
     from station.solution_json import solution_document, write_solution
 
     into = folder if into is None else into
-    fits = fit([loaded.campaign])
-    solution = report(fits)
-    document = solution_document(solution, [loaded])
+    closed = close_loop([loaded])
+    document = solution_document(closed.solution, [loaded])
     with database.read() as session:
         limits = limits_of(session, loaded.tables.imu.model)
         expired = expired_references(session, str(folder.resolve()))
     outcome, status_reason = judge(document, limits), "; ".join(expired)
     status: Literal["calibrated", "measured"] = "measured" if expired else "calibrated"
     context = replace(
-        report_context(solution, [loaded.campaign], document, budget(fits)),
+        report_context(closed.solution, [loaded.campaign], document, budget(closed.fits)),
         verdict=outcome.word,
         verdict_reason=outcome.reason,
         truth=truth or {},
         bench={"Status": f"{status}: {status_reason}" if expired else status},
+        diagnosis=section_html(closed.document, closed.diagnosis),
     )
     results = Results(
-        folder, solution, document, outcome, status, status_reason, context,
+        folder, closed.solution, document, outcome, status, status_reason, context,
         into / "solution.json", into / "calibration.json", into / "report.html",
-        loaded.tables,
+        loaded.tables, closed.document, closed.effects,
     )  # fmt: skip
     write_solution(results.solution_file, document)
+    write_solution(into / "diagnosis.json", closed.document)
     write_report(results.report_file, context)
     return results
 
@@ -146,5 +151,6 @@ def _facts(results: Results, session: "Session") -> CalibrationFacts:
         uncertainty=budget_document(results.context.budgets),
         judged=judged_values(results.outcome.judged),
         residual=results.document.get("residual", {}),
+        effects=results.effects,
         **circumstances(session, key, measured, results.tables, results.document),
     )

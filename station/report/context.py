@@ -19,7 +19,7 @@ class ReportContext:
     inputs give equal bytes. ``truth`` (simulated campaigns) is keyed as `Solution.names`, in the units of
     files: ``accelerometer.bias.x`` in g. ``calibration_sha256`` is the head of the database's hash chain.
     ``bench`` adds lines to the conditions, such as a certificate's number and due date. ``budgets`` are the
-    uncertainty budgets of the parameters.
+    uncertainty budgets of the parameters. ``diagnosis`` is the section on what the model lacks, as HTML.
     """
 
     solution: Solution
@@ -33,6 +33,7 @@ class ReportContext:
     calibration_sha256: str | None = None
     bench: Mapping[str, str] = field(default_factory=dict)
     budgets: tuple[ParameterBudget, ...] = ()
+    diagnosis: str = ""
 
     def __post_init__(self) -> None:
         if self.verdict not in VERDICTS:

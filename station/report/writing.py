@@ -3,7 +3,7 @@
 from functools import cache
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from procedures.solution import Solution, TriadCalibration
@@ -62,6 +62,7 @@ def render(context: ReportContext) -> str:
             axis_names=axis_names,
             conditions=[*condition_lines(context.campaigns, solution), *context.bench.items()],
             files=sorted(context.files.items()),
+            diagnosis=Markup(context.diagnosis),
         )
     )
 
@@ -69,7 +70,7 @@ def render(context: ReportContext) -> str:
 @cache
 def _environment() -> Environment:
     return Environment(
-        loader=PackageLoader("station.report"),
+        loader=ChoiceLoader([PackageLoader("station.report"), PackageLoader("station.diagnosis")]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

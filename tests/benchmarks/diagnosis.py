@@ -23,8 +23,12 @@ WORDS = ("right", "group", "missed", "wrong", "false alarm")
 def planted(name: str, sigma: dict[str, float], seed: int) -> Outcome:
     """Plant one effect, on one coefficient or on several, and diagnose."""
     rng = np.random.default_rng([seed, 5])
-    effect, keys = name.split(",")[0], [key for key in PLANTS[name][1]]
-    chosen = rng.choice(keys, rng.integers(1, len(keys) + 1), replace=False) if rng.random() < 0.5 else [rng.choice(keys)]
+    effect, keys = name.split(",")[0], list(PLANTS[name][1])
+    chosen = (
+        rng.choice(keys, rng.integers(1, len(keys) + 1), replace=False)
+        if rng.random() < 0.5
+        else [rng.choice(keys)]
+    )
     sizes = {str(k): float(rng.choice([-1, 1]) * rng.uniform(LEAST, MOST) * _sigma(sigma, str(k))) for k in chosen}
     if effect == "gyroscope.sagnac_sine":
         sizes = {k: abs(v) for k, v in sizes.items()}
@@ -57,7 +61,9 @@ def null(design: str, seed: int) -> Outcome:
     made = DESIGNS[design]
     diagnosis = diagnose(made.make(unit(seed, **made.truth), seed, ()))
     word, named = judge(diagnosis, "")
-    return Outcome(f"none, {design}", seed, word, named, float("nan"), diagnosis.verdict, time.process_time() - begun)
+    return Outcome(
+        f"none, {design}", seed, word, named, float("nan"), diagnosis.verdict, time.process_time() - begun
+    )
 
 
 def unheard(name: str, seed: int) -> Outcome:
@@ -70,7 +76,9 @@ def unheard(name: str, seed: int) -> Outcome:
     diagnosis = diagnose(made.make(unit(seed, **made.truth), seed, outside(name, size)))
     word, named = judge(diagnosis, "")
     word = "unexplained" if diagnosis.verdict == "unexplained" and word == "right" else word
-    return Outcome(f"outside, {name}", seed, word, named, float("nan"), diagnosis.verdict, time.process_time() - begun)
+    return Outcome(
+        f"outside, {name}", seed, word, named, float("nan"), diagnosis.verdict, time.process_time() - begun
+    )
 
 
 def table(outcomes: list[Outcome]) -> None:
@@ -83,7 +91,11 @@ def table(outcomes: list[Outcome]) -> None:
         others = Counter(n for o in here for n in o.named if n not in {name.split(",")[0]})
         seen = ", ".join(f"{n} {c}" for n, c in others.most_common(4))
         verdicts = ", ".join(f"{n} {c}" for n, c in Counter(o.verdict for o in here).most_common())
-        print(f"{name:38s} {len(here):4d}  " + "  ".join(f"{w} {c}" for w, c in words.most_common()), f"| <4s {covered} | {verdicts} | {np.mean([o.seconds for o in here]):.1f} s | also: {seen}", flush=True)
+        print(
+            f"{name:38s} {len(here):4d}  " + "  ".join(f"{w} {c}" for w, c in words.most_common()),
+            f"| <4s {covered} | {verdicts} | {np.mean([o.seconds for o in here]):.1f} s | also: {seen}",
+            flush=True,
+        )
 
 
 def main() -> None:

@@ -42,13 +42,14 @@ class VerdictScreen(StageScreen):
         super().__init__(send)
         self.sentence, self.table = VerdictSentence(), NumberTable()
         self.status, self.residual, self.change = Fact("status"), Fact("residual"), Fact("change")
+        self.diagnosis = Fact("diagnosis")
         self.warnings, self.stored = Fact("warnings", "warning"), Fact("stored", "good")
 
     def body(self) -> ComposeResult:
         """Lay out the sentence, the facts and the table."""
         yield self.sentence
         with Vertical(id="facts"):
-            yield from (self.status, self.residual, self.change, self.warnings, self.stored)
+            yield from (self.status, self.residual, self.change, self.diagnosis, self.warnings, self.stored)
         with ScrollableContainer(id="scroll"):
             yield self.table
 
@@ -60,6 +61,7 @@ class VerdictScreen(StageScreen):
         self.status.say(": ".join(part for part in (verdict.status, verdict.status_reason) if part))
         self.residual.say(verdict.worst_residual)
         self.change.say(verdict.change)
+        self.diagnosis.say(verdict.diagnosis)
         self.warnings.say("\n".join(f"! {warning}" for warning in verdict.warnings))
         seal = verdict.stored_sha256[:16]
         self.stored.say(seal and f"✓ in the database, sha256 {seal}")

@@ -55,7 +55,10 @@ def with_free(truth: Truth, seed: int, also: Planted = ()) -> Made:
     """Beside the twelve, sixteen rests near 45 deg between the faces."""
     rng = np.random.default_rng([seed, 3])
     corners = [np.array([a, b, c]) for a in (1, -1) for b in (1, -1) for c in (1, -1)]
-    ups = [u / np.linalg.norm(u) for u in (*corners, *(np.roll([s, t, 0], r) for s in (1, -1) for t in (1, -1) for r in range(3)))]
+    ups = [
+        u / np.linalg.norm(u)
+        for u in (*corners, *(np.roll([s, t, 0], r) for s in (1, -1) for t in (1, -1) for r in range(3)))
+    ]
     free = [_with_up(u, rng) for u in ups[:16]]
     return (simulate_campaign(truth, seed, draw_stated=False, free=free, also=also),)
 
@@ -99,7 +102,12 @@ def two_sites(truth: Truth, seed: int, also: Planted = ()) -> Made:
     return tuple(same)
 
 
-WARM = {"temperature_rise_k": 6.0, "temperature_tau_s": 900.0, "temperature_swing_k": 2.0, "temperature_swing_period_s": 1300.0}
+WARM = {
+    "temperature_rise_k": 6.0,
+    "temperature_tau_s": 900.0,
+    "temperature_swing_k": 2.0,
+    "temperature_swing_period_s": 1300.0,
+}
 DESIGNS: dict[str, Design] = {
     "plain": Design(plain, {}),
     "certified": Design(certified, {}),

@@ -15,7 +15,9 @@ def heading(seen: Stimulus) -> np.ndarray:
     north /= np.linalg.norm(north, axis=1, keepdims=True)
     axis = np.eye(3)[np.argsort(np.abs(up), axis=1, kind="stable")[:, 0]]
     level = axis - np.sum(axis * up, axis=1, keepdims=True) * up
-    angle: np.ndarray = np.arctan2(np.sum(np.cross(north, level) * up, axis=1), np.sum(north * level, axis=1))[:, None]
+    angle: np.ndarray = np.arctan2(np.sum(np.cross(north, level) * up, axis=1), np.sum(north * level, axis=1))[
+        :, None
+    ]
     return angle
 
 

@@ -1,0 +1,89 @@
+"""The sine in counts, from what every count says for certain: the output lay in ``[c, c + 1)``.
+
+At a given frequency the outputs ``line + bend + a_c cos + a_s sin`` that all counts of a stretch allow are a
+convex set; the middle of its extent in a_c and a_s is the estimate, half of its half extent the sigma, to which is
+added what no sine explains. Counts at a low rate, whose remainder is a sawtooth with lines of its own, are no
+different. Each bound is a linear programme.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linprog
+
+from procedures.arrays import FloatArray
+
+MOST_NODES = 600  # of a stretch, about its middle
+SLACK = 0.02  # counts, for noise and what the frequency is off
+SPREAD = 0.5  # of a half extent: sigma; of a uniform distribution it is 1 / sqrt(3)
+SHAPES = 3  # level, slope, bend
+TRIED = (0.0, -0.17, 0.17, -0.33, 0.33, -0.5, 0.5)  # of a period per stretch, the likeliest first
+NOT_ALLOWED = 1.3  # counts: a narrowest strip above this is no sine in counts
+
+
+@dataclass(frozen=True, slots=True)
+class SineInCounts:
+    """Amplitude [counts] with 1 sigma of a sine, and the strip it needs: 1 or less if all counts allow it."""
+
+    amplitude: float
+    std: float
+    strip: float
+
+
+def best_hertz(running: FloatArray, hertz: float, period: float) -> float:
+    """Return the frequency, within half a period per stretch, at which counts (n, 3) need the narrowest strips."""
+    n = min(len(running), MOST_NODES)
+    begin = (len(running) - n) // 2
+    near = hertz + np.array(TRIED) / (n * period)
+    level = running[begin : begin + n] - running[begin]
+    needed = [sum(max(narrowest(level[:, q], _design(n, f, period)), 1.0) for q in range(3)) for f in near]
+    return float(near[int(np.argmin(needed))])
+
+
+def sine_between(count: FloatArray, hertz: float, period: float) -> SineInCounts:
+    """Bound a sine of ``hertz`` in a running count (n,)."""
+    n = len(count)
+    begin = max((n - MOST_NODES) // 2, 0)
+    count = count[begin : begin + MOST_NODES]
+    count = count - count[0]
+    design = _design(len(count), hertz, period)
+    strip = narrowest(count, design)
+    if not np.isfinite(strip):
+        return SineInCounts(0.0, np.inf, np.inf)
+    allowed = max(strip, 1.0) + SLACK
+    bounds = np.array([[_extreme(count, design, allowed, k, sign) for sign in (1, -1)] for k in (0, 1)])
+    middle, half = bounds.mean(axis=1), np.ptp(bounds, axis=1) / 2
+    std = float(np.hypot(np.hypot(*half) / np.sqrt(2) * SPREAD, max(strip - 1, 0.0)))
+    size = float(np.hypot(*middle))
+    return SineInCounts(float(np.sqrt(max(size**2 - std**2, 0.0))), std, strip)
+
+
+def narrowest(count: FloatArray, design: FloatArray) -> float:
+    """Return the narrowest strip [counts] that any combination of columns leaves."""
+    m = design.shape[1]
+    A = np.vstack(
+        (np.hstack((-design, np.zeros((len(count), 1)))), np.hstack((design, -np.ones((len(count), 1)))))
+    )
+    found = linprog(
+        np.r_[np.zeros(m), 1.0],
+        A_ub=A,
+        b_ub=np.r_[-count, count],
+        bounds=[(None, None)] * m + [(0, None)],
+        method="highs",
+    )
+    return np.inf if found.fun is None else float(found.fun)
+
+
+def _extreme(count: FloatArray, design: FloatArray, strip: float, k: int, sign: int) -> float:
+    """Return the least (``sign`` 1) or largest (-1) coefficient of cosine (0) or sine (1)."""
+    aim = np.zeros(design.shape[1])
+    aim[SHAPES + k] = sign
+    A, b = np.vstack((-design, design)), np.r_[-count, count + strip]
+    found = linprog(aim, A_ub=A, b_ub=b, bounds=[(None, None)] * len(aim), method="highs")
+    return float(-sign * len(count)) if found.fun is None else sign * float(found.fun)
+
+
+def _design(n: int, hertz: float, period: float) -> FloatArray:
+    x, phase = np.linspace(-1, 1, n), 2 * np.pi * hertz * period * np.arange(n)
+    columns: FloatArray = np.stack((np.ones(n), x, x**2, np.cos(phase), np.sin(phase)), axis=1)
+    return columns

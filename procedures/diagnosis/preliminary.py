@@ -1,0 +1,40 @@
+"""What is no column of a linear model and is settled before one is asked: labels, knocks and the clock.
+
+Each is put right in memory, and the rest of the diagnosis looks at the campaigns as they then are: at dwells in
+the positions where they stood, without disturbed stretches, in true seconds.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from procedures.campaign import Campaign
+from procedures.diagnosis.clock import find_clock, is_timed, with_true_clock
+from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
+from procedures.diagnosis.labels import find_labels, mislabelled, with_true_labels
+from procedures.diagnosis.result import Finding, Test
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Preliminary:
+    """The campaigns put right, the findings and tests made on the way, and the effects so ``settled``, by name."""
+
+    campaigns: tuple[Campaign, ...]
+    findings: tuple[Finding, ...]
+    tests: tuple[Test, ...]
+    settled: frozenset[str]
+
+
+def preliminary(campaigns: Sequence[Campaign]) -> Preliminary:
+    """Put one unit's campaigns right; a clock that may as well be a wrongly stated period is left alone."""
+    wrong = mislabelled(campaigns)
+    labels = find_labels(campaigns, wrong)
+    campaigns = with_true_labels(campaigns, wrong)
+    knocks, knock_tests = find_disturbances(campaigns)
+    campaigns = without_disturbances(campaigns, knocks)
+    clock, clock_tests = find_clock(campaigns)
+    settled = {"placement.label", "disturbance.dwell"} | ({"clock.rate"} if is_timed(campaigns) else set())
+    for each in clock:
+        if each.confidence != "ambiguous":
+            campaigns = with_true_clock(campaigns, float(each.value[0]))
+    findings = (*labels[0], *(knock.finding for knock in knocks), *clock)
+    return Preliminary(tuple(campaigns), findings, (*labels[1], *knock_tests, *clock_tests), frozenset(settled))

@@ -1,0 +1,150 @@
+"""A `calibration/1` applied to counts: from rates to specific force and angular rate, its effects taken off.
+
+    N / k = E u + D + e(u, T, ...)        u <- E^-1 (N / k - D - e(u, T, ...))
+
+repeated until u stands still: a round gains as many digits as e changes slower than u, four of most effects, half a one
+of a sine that is bent by 0.8 rad.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.effects import EFFECTS
+from procedures.effects.effect import Effect, Seen, SeenStep
+from procedures.frames import AXES
+
+ROUNDS = 100
+STILL = 1e-13  # relative
+DEG_H = 1 / 3600  # deg/s
+_FITTED = {"gyroscope.sagnac_sine": lambda s: s * abs(s)}  # what is fitted is the square of what is shown
+TRANSIENT = ("accelerometer.bias_drift", "gyroscope.bias_drift", "accelerometer.relaxation")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surroundings:
+    """What the sensors were in at n samples, each (n,) or (n, 3), None where unknown.
+
+    ``temperature`` [degC], ``temperature_rate`` [K/min], ``magnetic`` [uT] in IMU axes, ``auxiliary`` by channel.
+    """
+
+    temperature: FloatArray | None = None
+    temperature_rate: FloatArray | None = None
+    magnetic: FloatArray | None = None
+    auxiliary: Mapping[str, FloatArray] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inputs:
+    """Specific force ``f`` (n, 3) [g] and angular rate ``omega`` (n, 3) [deg/s], IMU axes; None of an absent triad.
+
+    ``not_applied`` names effects that were left in, and why.
+    """
+
+    f: FloatArray | None
+    omega: FloatArray | None
+    not_applied: tuple[str, ...] = ()
+
+
+def calibrated_inputs(
+    calibration: Mapping[str, Any],
+    accel: FloatArray | None,
+    gyro: FloatArray | None,
+    around: Surroundings = Surroundings(),
+) -> Inputs:
+    """Return what the sensors went through, from count rates (n, 3) [count/s] (or rates as they came).
+
+    An effect of gyroscopes that depends on specific force needs both triads.
+    """
+    triads = {
+        name: _Triad.of(calibration[name], per)
+        for name, rate, per in (("accelerometer", accel, 1.0), ("gyroscope", gyro, DEG_H))
+        if rate is not None and name in calibration
+    }
+    rates = {"accelerometer": accel, "gyroscope": gyro}
+    output = {name: np.asarray(rates[name], dtype=np.float64) / triad.k for name, triad in triads.items()}
+    u = {name: triad.invert(output[name]) for name, triad in triads.items()}
+    n = len(next(iter(output.values()), np.zeros((0, 3))))
+    effects, left = _applicable(calibration["effects"], triads, around, n)
+    for _ in range(ROUNDS if effects else 0):
+        seen = _seen(triads, u, around, n)
+        off = {name: np.zeros((n, 3)) for name in triads}
+        for effect, entry in effects:
+            for name, added in _added(effect, entry, seen).items():
+                if name in off:
+                    off[name] += added
+        before, u = u, {name: triad.invert(output[name] - off[name]) for name, triad in triads.items()}
+        if all(np.allclose(u[name], before[name], rtol=STILL, atol=STILL) for name in u):
+            break
+    return Inputs(u.get("accelerometer"), u.get("gyroscope"), left)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Triad:
+    """k (3,), E (3, 3), D (3,) in g or deg/s."""
+
+    k: FloatArray
+    E: FloatArray
+    D: FloatArray
+
+    @classmethod
+    def of(cls, part: Mapping[str, Any], per: float) -> "_Triad":
+        k, E, D = (np.array(part[name]["value"], dtype=float) for name in ("scale_factor", "misalignment", "bias"))
+        return cls(k, E, D * per)
+
+    def invert(self, output: FloatArray) -> FloatArray:
+        u: FloatArray = np.linalg.solve(self.E, (output - self.D).T).T
+        return u
+
+
+def _applicable(
+    entries: list[Mapping[str, Any]], triads: Mapping[str, _Triad], around: Surroundings, n: int
+) -> tuple[list[tuple[Effect, Mapping[str, Any]]], tuple[str, ...]]:
+    """Return the effects that can be taken off, and what is said of the others."""
+    known = {effect.name: effect for effect in EFFECTS}
+    found, left = list[tuple[Effect, Mapping[str, Any]]](), list[str]()
+    seen = _seen(triads, {name: np.ones((n, 3)) for name in triads}, around, n)
+    for entry in entries:
+        name = str(entry["name"])
+        if name in TRANSIENT:
+            left.append(f"{name}: of the campaign, not of the instrument for good")
+        elif name not in known:
+            left.append(f"{name}: not in this program's catalogue")
+        elif any(not np.isfinite(added).all() for added in _added(known[name], entry, seen).values()):
+            left.append(f"{name}: what it depends on was not recorded")
+        else:
+            found.append((known[name], entry))
+    return found, tuple(left)
+
+
+def _added(effect: Effect, entry: Mapping[str, Any], seen: Seen) -> dict[str, FloatArray]:
+    """Return what an effect adds (n, 3) to each triad's output [g], [deg/s]; nan where it cannot be known."""
+    ways = [way for way in effect.columns(seen) if way.shape == entry.get("shape", "")]
+    if not ways:
+        return {"accelerometer": np.full(seen.f.shape, np.nan)}
+    way = ways[0]
+    values = [entry["coefficients"].get(key, {"value": 0.0})["value"] for key in way.coefficients]
+    c = _FITTED.get(effect.name, lambda s: s)(np.array(values, dtype=float))
+    if effect.added is not None:
+        return {effect.name.split(".")[0]: effect.added(seen, c)[0]}
+    parts = {"accelerometer": way.accel, "gyroscope": way.gyro}
+    return {name: part @ c for name, part in parts.items() if part is not None}
+
+
+def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Surroundings, n: int) -> Seen:
+    """Return the samples as an effect's columns take them; what is not known is nan."""
+    one, three = np.full(n, np.nan), np.full((n, 3), np.nan)
+    output = {name: u[name] @ triad.E.T + triad.D for name, triad in triads.items()}
+    temperature = one if around.temperature is None else around.temperature
+    rate = one if around.temperature_rate is None else around.temperature_rate
+    return Seen(
+        f=u.get("accelerometer", three), omega=u.get("gyroscope", three),
+        magnetic=three if around.magnetic is None else around.magnetic,
+        accel_output=output.get("accelerometer", three), gyro_output=output.get("gyroscope", three),
+        change=three, t=one, rest_s=one, temperature=temperature, temperature_rate=rate, auxiliary=around.auxiliary,
+        step=np.zeros(n, dtype=np.int64), C_ib=np.broadcast_to(np.eye(len(AXES)), (n, 3, 3)),
+        steps=(SeenStep("", "sample", 0, 0, ""),),
+    )  # fmt: skip

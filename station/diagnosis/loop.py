@@ -1,0 +1,43 @@
+"""The closed loop over recorded campaigns: solved, diagnosed, and solved again with what was found."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from procedures.calibration import Fits
+from procedures.diagnosis.diagnosis import diagnose
+from procedures.diagnosis.result import Diagnosis
+from procedures.solution import Solution
+from station.campaign_folder import LoadedCampaign
+from station.diagnosis.carried import SURE, carried_effects
+from station.diagnosis.document import diagnosis_document, reference_solution
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClosedLoop:
+    """A diagnosis with its `diagnosis/1`, and the solution that a calibration takes from it.
+
+    ``effects`` are those of the instrument that the solution holds, as `calibration/1` carries them.
+    """
+
+    diagnosis: Diagnosis
+    document: Mapping[str, Any]
+    fits: Fits
+    solution: Solution
+    effects: tuple[Mapping[str, Any], ...]
+
+
+def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
+    """Diagnose one unit's campaigns; raises as `procedures.diagnosis.diagnosis.diagnose`.
+
+    The calibration is the solution with the effects in, so that it is the one that its effects belong to. Where an
+    effect of the instrument is in doubt it is the solution without any: a calibration claims nothing that is not
+    likely at least.
+    """
+    found = diagnose([one.campaign for one in campaigns])
+    document = diagnosis_document(found, campaigns)
+    if any(each.kind == "instrument" and each.confidence not in SURE for each in found.findings):
+        return ClosedLoop(found, document, found.before, found.solution_before, ())
+    reference = reference_solution(found.solution, found.findings)
+    solution = replace(found.solution, reference_temperature=reference)
+    return ClosedLoop(found, document, found.after, solution, carried_effects(found.findings))
