@@ -2,8 +2,8 @@
 
     N / k = E u + D + e(u, T, ...)        u <- E^-1 (N / k - D - e(u, T, ...))
 
-repeated until u stands still: a round gains as many digits as e changes slower than u, four of most effects, half a one
-of a sine that is bent by 0.8 rad.
+repeated until u stands still: a round gains as many digits as e changes slower than u, four of most effects, half
+a one of a sine that is bent by 0.8 rad.
 """
 
 from collections.abc import Mapping
@@ -39,7 +39,7 @@ class Surroundings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inputs:
-    """Specific force ``f`` (n, 3) [g] and angular rate ``omega`` (n, 3) [deg/s], IMU axes; None of an absent triad.
+    """Specific force ``f`` (n, 3) [g] and angular rate ``omega`` (n, 3) [deg/s], IMU axes; absent triads are None.
 
     ``not_applied`` names effects that were left in, and why.
     """
@@ -65,7 +65,7 @@ def calibrated_inputs(
         if rate is not None and name in calibration
     }
     rates = {"accelerometer": accel, "gyroscope": gyro}
-    output = {name: np.asarray(rates[name], dtype=np.float64) / triad.k for name, triad in triads.items()}
+    output: dict[str, FloatArray] = {name: np.array(rates[name], float) / t.k for name, t in triads.items()}
     u = {name: triad.invert(output[name]) for name, triad in triads.items()}
     n = len(next(iter(output.values()), np.zeros((0, 3))))
     effects, left = _applicable(calibration["effects"], triads, around, n)
@@ -92,11 +92,12 @@ class _Triad:
 
     @classmethod
     def of(cls, part: Mapping[str, Any], per: float) -> "_Triad":
-        k, E, D = (np.array(part[name]["value"], dtype=float) for name in ("scale_factor", "misalignment", "bias"))
+        names = ("scale_factor", "misalignment", "bias")
+        k, E, D = (np.array(part[name]["value"], dtype=np.float64) for name in names)
         return cls(k, E, D * per)
 
     def invert(self, output: FloatArray) -> FloatArray:
-        u: FloatArray = np.linalg.solve(self.E, (output - self.D).T).T
+        u: FloatArray = (output - self.D) @ np.linalg.inv(self.E).T
         return u
 
 
@@ -144,7 +145,8 @@ def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Sur
         f=u.get("accelerometer", three), omega=u.get("gyroscope", three),
         magnetic=three if around.magnetic is None else around.magnetic,
         accel_output=output.get("accelerometer", three), gyro_output=output.get("gyroscope", three),
-        change=three, t=one, rest_s=one, temperature=temperature, temperature_rate=rate, auxiliary=around.auxiliary,
+        change=three, t=one, rest_s=one, temperature=temperature, temperature_rate=rate,
+        auxiliary=around.auxiliary,
         step=np.zeros(n, dtype=np.int64), C_ib=np.broadcast_to(np.eye(len(AXES)), (n, 3, 3)),
         steps=(SeenStep("", "sample", 0, 0, ""),),
     )  # fmt: skip

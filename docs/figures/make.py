@@ -1,6 +1,7 @@
 """Draw the figures of the pages in ``docs``: `python docs/figures/make.py`. Equal code gives equal files."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib as mpl
@@ -12,10 +13,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Polygon
 
+from drivers.simulated.bench import simulate_campaign, turn_steps
 from drivers.simulated.motion import hand_turn
+from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
 from procedures.count_rate import estimate_counts
+from procedures.diagnosis.diagnosis import diagnose
 from procedures.kernels import propagate, smooth
+from station.diagnosis.figure import SIZE_IN, draw_panel
+from station.diagnosis.residuals import residual_panels
 
 HERE = Path(__file__).parent
 BLUE, ORANGE, GREEN, GREY, PALE = "#1f5a96", "#c4611a", "#3a7d44", "#6b6b6b", "#e4e8ee"
@@ -201,7 +207,18 @@ def draw_turn() -> Figure:
     return figure
 
 
+def draw_diagnosis() -> Figure:
+    """Draw what gave a temperature coefficient away in a simulated campaign."""
+    planted = {"accelerometer.bias_temperature": {"x": 1.5e-5, "y": -1e-5, "z": 2e-5}}
+    truth = replace(Truth.example(7), temperature_rise_k=5.0, sample_period_s=0.05, effects=planted)
+    found = diagnose([simulate_campaign(truth, 3, dwell_s=60.0, turns=turn_steps(3, 5.0), certificate_sigma=2e-7)])
+    figure = Figure(figsize=SIZE_IN, layout="constrained")
+    draw_panel(figure, residual_panels(found)[0])
+    return figure
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
+    "diagnosis": draw_diagnosis,
     "dwell": draw_dwell,
     "efficiency": draw_efficiency,
     "face_pair": draw_face_pair,

@@ -40,6 +40,20 @@ def best_hertz(running: FloatArray, hertz: float, period: float) -> float:
     return float(near[int(np.argmin(needed))])
 
 
+def strip_beside(running: FloatArray, hertz: float, period: float, first: int, end: int) -> float:
+    """Return the strips, summed over axes, that counts (n, 3) need beside a sine from ``first`` to ``end``.
+
+    Before and after it, and while it acts, the count has levels of its own.
+    """
+    begin = max((len(running) - MOST_NODES) // 2, 0)
+    level = running[begin : begin + MOST_NODES] - running[begin]
+    at = np.arange(begin, begin + len(level))
+    acts, after = ((at >= first) & (at < end))[:, None], (at >= end)[:, None]
+    columns = _design(len(level), hertz, period)
+    design: FloatArray = np.hstack((columns[:, :SHAPES], 1.0 * acts, 1.0 * after, acts * columns[:, SHAPES:]))
+    return float(sum(max(narrowest(level[:, axis], design), 1.0) for axis in range(3)))
+
+
 def sine_between(count: FloatArray, hertz: float, period: float) -> SineInCounts:
     """Bound a sine of ``hertz`` in a running count (n,)."""
     n = len(count)

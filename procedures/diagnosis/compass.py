@@ -2,11 +2,12 @@
 
 A gyro at rest puts out, for up and North as unit vectors u, n in IMU axes,
 
-    r = b + G u + H n + noise,   H = K w cos(latitude) + what follows the heading alike, as a magnetic field does
+    r = b + d t + G u + H n + noise
 
-with bias b, g-sensitivity and the Earth rate's vertical part in G, all with broad normal priors about what the
-turns say of K. Between the two positions of a face n changes sign, so labellings are compared by the likelihood of
-all gyros' dwells together (a normal one, the coefficients integrated out), improved one dwell or two at a time.
+with bias b, its drift d, and in G its g-sensitivity and the Earth rate's vertical part; ``H = K w cos(latitude)``
+plus what follows the heading alike, as a magnetic field does. All have broad normal priors about what the turns
+say of K. Between the two positions of a face n changes sign, so labellings are compared by the likelihood of all
+gyros' dwells together (a normal one, the coefficients integrated out), improved one dwell or two at a time.
 """
 
 from collections.abc import Sequence
@@ -24,6 +25,7 @@ from procedures.records import CountSeries
 
 LEAST = 5  # dwells
 BIAS, G_SENSITIVITY = 1.0, 0.01  # 1 sigma, deg/s; deg/s per g, beside which the vertical Earth rate is small
+DRIFT = 10.0 / 3600  # 1 sigma, deg/s per hour
 SLACK = 0.5  # 1 sigma of H about K w cos(latitude), of that: magnetic sensitivity, and K guessed from dwells
 UNSTABLE = np.array([0.1, 0.4, 1.5, 6.0, 25.0, 100.0]) / 3600  # deg/s, 1 sigma of a bias from dwell to dwell
 
@@ -41,6 +43,7 @@ class Compass:
     rows: IntArray
     rate: FloatArray
     variance: FloatArray
+    hours: FloatArray
     H: FloatArray
 
     @classmethod
@@ -54,13 +57,14 @@ class Compass:
         if len(rows) < LEAST:
             return None
         C_ib, rate, std = campaign.fixture.C_ib, rate[rows], std[rows]
+        hours = np.array([campaign.dwells[i].series.t.mean() / 3600 for i in rows.tolist()])
         K = _turned(campaign)
         if K is None:
             K = _from_dwells(_design(C_ib, np.array([[start[i] for i in rows.tolist()]]))[0], rate, north)
         size = float(np.abs(K).max())
         if not size > 0:
             return None
-        return cls(C_ib, rows, rate / size, (std / size) ** 2, K / size * north)
+        return cls(C_ib, rows, rate / size, (std / size) ** 2, hours - hours.mean(), K / size * north)
 
     def costs(self, labellings: IntArray) -> FloatArray:
         """Return minus the log likelihood (m,) of labellings (m, dwells), up to a constant.
@@ -68,12 +72,13 @@ class Compass:
         The scatter of the biases from dwell to dwell is whatever makes a labelling likeliest.
         """
         A = _design(self.C_ib, labellings[:, self.rows])
+        A = np.concatenate((A, np.broadcast_to(self.hours[:, None], (*A.shape[:2], 1))), axis=2)
         total = np.zeros((len(labellings), len(UNSTABLE)))
         for q in range(3):
-            prior = np.r_[BIAS, np.full(3, G_SENSITIVITY), np.full(3, SLACK * np.linalg.norm(self.H[q]))]
+            prior = np.r_[BIAS, np.full(3, G_SENSITIVITY), np.full(3, SLACK * np.linalg.norm(self.H[q])), DRIFT]
             own = self.variance[:, q] + UNSTABLE[:, None] ** 2
             covariance = ((A * prior**2) @ A.swapaxes(1, 2))[:, None] + own[:, :, None] * np.eye(len(self.rows))
-            left = (self.rate[:, q] - A[:, :, 4:] @ self.H[q])[:, None, :, None]
+            left = (self.rate[:, q] - A[:, :, 4:7] @ self.H[q])[:, None, :, None]
             root = np.linalg.cholesky(covariance)
             white = np.linalg.solve(root, np.broadcast_to(left, (*covariance.shape[:3], 1)))
             total += 0.5 * np.sum(white[..., 0] ** 2, axis=2)

@@ -195,10 +195,10 @@ def _renamed(state: _State, adopted: Adopted) -> Adopted:
     if RANK[adopted.candidate.effect.kind] == rank and rank != RANK["instrument"]:
         return adopted
     gains = [gain_of(evidence, each, beside, left_out) for each in group]
-    named = max(
-        (each for each in zip(group, gains, strict=True) if RANK[each[0].effect.kind] == rank),
-        key=lambda each: round(each[1], 6),
-    )
+    ranked = [each for each in zip(group, gains, strict=True) if RANK[each[0].effect.kind] == rank]
+    best, order = max(gain for _, gain in ranked), list(state.pool)
+    close = (each for each in ranked if each[1] > best - GAIN)
+    named = min(close, key=lambda each: order.index(each[0].effect.name))
     return replace(adopted, candidate=named[0], gain=named[1]) if named[0] is not adopted.candidate else adopted
 
 

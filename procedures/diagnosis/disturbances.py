@@ -13,7 +13,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign import Campaign, DwellRecord, RestRecord
-from procedures.diagnosis.quiet import LEAST, Blocks, Trace, judge
+from procedures.diagnosis.quiet import LEAST, Blocks, Trace, is_white, judge
 from procedures.diagnosis.result import Finding, Test
 from procedures.diagnosis.vibration import measure
 from procedures.frames import face_normal, face_of
@@ -22,8 +22,8 @@ from procedures.records import CountSeries, RateSeries, Series
 
 EFFECT = "disturbance.dwell"
 LEVEL = np.log(0.003)  # of all blocks of a diagnosis; blocks overlap and their variances are not quite chi-square
-JOINED_S = 2.0  # stretches nearer than this are one
-MOST = 0.6  # of a step that is cut: more is no disturbance of it but its state
+JOINED_S = 5.0  # stretches nearer than this are one
+MOST = 0.6  # of a step that is cut: more is no disturbance of it but its state, reported and left in
 LABELS = {"accelerometer": ("ax", "ay", "az"), "gyroscope": ("gx", "gy", "gz")}
 
 Record = TypeVar("Record", DwellRecord, RestRecord)
@@ -31,7 +31,7 @@ Record = TypeVar("Record", DwellRecord, RestRecord)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Disturbance:
-    """A stretch of a step to be cut, ``first`` to ``end`` (samples), with its finding.
+    """A stretch of a step to be cut, ``first`` to ``end`` (samples), with its finding; empty if it is left in.
 
     ``step`` is the number among the campaign's dwells, then its rests.
     """
@@ -145,9 +145,7 @@ def _disturbances(number: int, campaign: Campaign, lively: Sequence[_Lively]) ->
         here = [each for each in lively if each.step == step]
         for stretch in _stretches(here, round(JOINED_S / series.period)):
             inside = [each for each in here if each.first < stretch.stop and each.end > stretch.start]
-            found = _measured(number, campaign, step, stretch, inside)
-            if found.end - found.first <= MOST * len(series):
-                yield found
+            yield _measured(number, campaign, step, stretch, inside)
 
 
 def _stretches(lively: Sequence[_Lively], near: int) -> list[slice]:
@@ -179,10 +177,11 @@ def _measured(
     worst = min((each for each in lively if each.triad == triad), key=lambda each: each.log_p)
     k = _scale(campaign, triad)
     samples = np.asarray(channel(series, triad), dtype=np.float64)
-    counts = isinstance(series, CountSeries)
-    per_sample = k * series.period if counts else k
-    sine = measure(samples, per_sample, series.period, stretch, counts and triad == "accelerometer")
+    is_running = campaign.counts and not is_white([_trace(series, triad, axis) for axis in range(3)])
+    sine = measure(samples, k * series.period if campaign.counts else k, series.period, stretch, is_running)
     first, end = min(stretch.start, sine.first), max(stretch.stop, sine.end)
+    if end - first > MOST * len(series):
+        first, end = stretch.start, stretch.stop
     t = series.t
     where: dict[str, object] = {"file": record.name, "channel": LABELS[triad][worst.axis]}
     if isinstance(record, DwellRecord):
@@ -191,9 +190,11 @@ def _measured(
     finding = Finding(
         EFFECT, "procedure", ("x", "y", "z"), sine.amplitude, sine.std,
         "g" if triad == "accelerometer" else "deg/h", where, "established", (),
-        "the same position again, nobody near the slab", worst.log_p, 0.0, f"{sine.hertz:.3g} Hz",
+        "the same position again, nobody near the slab", worst.log_p, 0.0,
+        f"{sine.hertz:.3g} Hz" if sine.hertz else "",
     )  # fmt: skip
-    return Disturbance(number, step, first, end, finding)
+    is_state = end - first > MOST * len(series)
+    return Disturbance(number, step, first, first if is_state else end, finding)
 
 
 def _scale(campaign: Campaign, triad: str) -> FloatArray:

@@ -1,4 +1,8 @@
-"""What is left out in turn: every position of a campaign, every turn and every rest, with all its repeats."""
+"""What is left out in turn: every position of a campaign, every turn and rest, and everything that was stated.
+
+A position is left out with all its repeats. What a campaign states, each face's certificate, gravity, headings and
+closures, is foretold by the rest like a measurement.
+"""
 
 import numpy as np
 
@@ -7,11 +11,13 @@ from procedures.diagnosis.evidence import Evidence
 
 
 def groups(evidence: Evidence) -> list[IntArray]:
-    """Return the rows of each position, turn and rest."""
+    """Return the rows of each position, turn, rest and statement."""
     keys = dict[tuple[object, ...], list[int]]()
     for row, number in enumerate(evidence.step.tolist()):
         if number >= 0:
             step = evidence.seen.steps[number]
             name = step.position if step.kind == "dwell" else step.name
             keys.setdefault((step.campaign, step.kind, name), []).append(row)
+        elif not evidence.is_range[row]:
+            keys[row,] = [row]
     return [np.array(rows) for rows in keys.values()]

@@ -26,7 +26,7 @@ SEED, DRAWS = 20181218, 400  # of the sample consensus: always the same
 AGREES = 0.2  # g, as in `procedures.face_check`: far above any tilt, far below a wrong face
 MAJORITY = 0.5  # of the dwells that must agree
 LEAST = 5  # dwells: four are fitted by anything
-SURE = 30.0  # of a log likelihood ratio: far beyond what is left open by noise alone that is not quite normal
+SURE = 15.0  # of a log likelihood ratio: far beyond what is left open by noise alone that is not quite normal
 FACE_LOG_P = -300.0  # of a face: 1 g off is 25 times what tilts, bias and scale could be together
 
 
@@ -79,6 +79,8 @@ def mislabelled(campaigns: Sequence[Campaign]) -> list[Mislabelled]:
     """Find the wrong labels of each campaign by itself."""
     found = list[Mislabelled]()
     for number, campaign in enumerate(campaigns):
+        if not campaign.dwells:
+            continue
         dwells = _rates(campaign)
         faces = _faces(campaign, dwells)
         if faces is None:
@@ -184,7 +186,7 @@ def _headings(campaign: Campaign, dwells: _Dwells, faces: Sequence[str]) -> Iter
 
 
 def _nearest(dwells: _Dwells, faces: Sequence[str], moved: Sequence[int], i: int) -> int:
-    """Return the position of the dwell on its face that dwell ``i`` is most like: the slab's tilt tells a little."""
+    """Return the position of the dwell on its face that dwell ``i`` is most like: the slab's tilt tells."""
     same = [j for j, face in enumerate(faces) if face == faces[i] and j not in moved]
     if not same:
         return first_position(faces[i])

@@ -2,7 +2,7 @@
 
 The residual of `procedures.diagnosis.evidence` is minimised over the model's parameters and the coefficients c,
 which are held to nought by their plausible range. Each class of rows (means, shapes, turns, norms of a triad) has
-a variance of its own: never less than counting noise, more where the rows scatter more than the model explains.
+a variance of its own: that of counting noise, unless the rows scatter by more than it can explain.
 """
 
 from collections.abc import Sequence
@@ -13,11 +13,12 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.evidence import KINDS, Evidence
-from procedures.diagnosis.tail import MANY, log_f_sf
+from procedures.diagnosis.tail import MANY, log_chi2_sf, log_f_sf
 
 ROUNDS = 3  # of weighting anew
 SHARE = 0.1  # of a coefficient's information that a class must hold for its degrees of freedom to count
 SINGULAR = 1e-12
+DOUBT = np.log(0.05)  # ln p of a class's scatter, below which counting noise is not all of it
 
 
 def classes(evidence: Evidence) -> IntArray:
@@ -122,9 +123,9 @@ def _widened(shared: IntArray, white: FloatArray, free: FloatArray) -> tuple[Flo
     factor, dof = np.ones(len(white)), np.full(len(white), np.inf)
     for number in np.unique(shared[shared > 0]):
         rows = shared == number
-        ratio = float(np.sum(white[rows] ** 2) / max(np.sum(free[rows]), 1.0))
-        if ratio > 1:
-            factor[rows], dof[rows] = np.sqrt(ratio), max(float(np.sum(free[rows])), 1.0)
+        squares, left = float(np.sum(white[rows] ** 2)), max(float(np.sum(free[rows])), 1.0)
+        if squares > left and log_chi2_sf(squares, max(round(left), 1)) < DOUBT:
+            factor[rows], dof[rows] = np.sqrt(squares / left), left
     return factor, dof
 
 

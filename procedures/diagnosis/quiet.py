@@ -48,7 +48,7 @@ def judge(traces: Sequence[Trace], counts: bool) -> list[Blocks]:
     """Judge all blocks of one channel's traces; shortest blocks first."""
     if counts and not is_white(traces):
         return _by_strip(traces)
-    return _by_variance(traces)
+    return _by_variance(traces, counts)
 
 
 def is_white(traces: Sequence[Trace]) -> bool:
@@ -116,19 +116,28 @@ def _noise(traces: Sequence[Trace], widths: Sequence[tuple[IntArray, FloatArray]
     return max(NOISE_MARGIN * estimate.noise * float(np.sqrt(period)), LEAST_NOISE)
 
 
-def _by_variance(traces: Sequence[Trace]) -> list[Blocks]:
-    found = list[Blocks]()
+def _by_variance(traces: Sequence[Trace], counts: bool) -> list[Blocks]:
+    found, rounding = list[Blocks](), 0.0 if counts else _rounding([trace.values for trace in traces])
     for seconds in LENGTHS:
         at, first, end, samples = _windows(traces, seconds, 0)
         if not len(samples):
             continue
         variance = samples.var(axis=1, ddof=1)
-        quiet = _quiet_variance(variance, at, len(traces))
+        quiet = _quiet_variance(variance, at, len(traces)) + rounding
         ratio = variance / quiet[at] if np.all(quiet > 0) else np.ones(len(at))
         dof = _degrees(ratio, samples.shape[1] - 1)
         log_p = np.array([log_chi2_sf(dof * r, dof) if r > 1 else 0.0 for r in ratio])
         found.append(Blocks(at, first, end, log_p))
     return found
+
+
+def _rounding(values: Sequence[FloatArray]) -> float:
+    """Return the variance that an output flickering between two neighbouring values has at most.
+
+    A rounded output with little noise comes to it, and leaves it, as its mean drifts.
+    """
+    levels = np.unique(np.concatenate([np.unique(each) for each in values]))
+    return float(np.diff(levels).min()) ** 2 / 4 if len(levels) > 1 else 0.0
 
 
 def _quiet_variance(variance: FloatArray, at: IntArray, traces: int) -> FloatArray:

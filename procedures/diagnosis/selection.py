@@ -111,6 +111,8 @@ def stands_without_any(
         return True
     fit = candidate.fit(evidence, others)
     for rows in left_out:
+        if not evidence.is_data[rows[0]]:
+            continue
         without = _dropped(fit, rows)
         if significance(evidence, without).log_p > ALONE:
             return False

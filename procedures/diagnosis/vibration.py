@@ -6,24 +6,36 @@ over the axes, is largest; at each frequency s^2 is what the quiet part of the s
 low rate are a sawtooth with lines of its own. Of counts with little noise e is the running count about a parabola,
 where a sine of A g stands as ``k A / (2 pi f)``, measured by `procedures.diagnosis.between_counts`; of noisy
 channels it is the samples. How a sample averages the sine within itself is open: the middle between the mean over
-it and its value at mid-sample is taken, and half their difference is part of the sigma.
+it and its value at mid-sample is taken, and half their difference is part of the sigma. What is no sine is given
+by the amplitude of a sine of its rms, and no frequency.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.diagnosis.between_counts import NOT_ALLOWED, best_hertz, sine_between
+from procedures.diagnosis.between_counts import NOT_ALLOWED, best_hertz, sine_between, strip_beside
+
+ComplexArray = np.ndarray[tuple[int, ...], np.dtype[np.complex128]]
 
 PAD = 4  # times as many frequencies as samples
+LINES, MOST_LINES = 3, 10  # tried of all axes together and of each; in all
+ALLOWED = 0.15  # counts of strip, summed over the axes, more than the least: what edges a little off cost
+AS_WELL = 0.03  # within which another frequency is allowed as well as the best
+MOSTLY = 2.0  # times its own variance a sine is allowed to leave beside it
 LOWEST = 2.0  # whole periods a stretch must hold
+SHORTEST = 6  # of the part looked at, the least that the stretch is
 EDGES = 80  # tried for either end of the stretch
 
 
 @dataclass(frozen=True, slots=True)
 class Vibration:
-    """A sine at ``hertz`` from sample ``first`` to ``end``; ``amplitude`` (3,) and 1 sigma (3,) in input units."""
+    """A sine from sample ``first`` to ``end``: ``amplitude`` (3,) and 1 sigma (3,) in input units.
+
+    ``hertz`` is 0 of what is no sine.
+    """
 
     hertz: float
     first: int
@@ -41,28 +53,91 @@ def measure(samples: FloatArray, k: FloatArray, period: float, stretch: slice, c
     n, length = len(signal), stretch.stop - stretch.start
     quiet = np.ones(n, dtype=bool)
     quiet[stretch] = False
-    rest = signal[quiet] if quiet.sum() > 16 else signal
-    noise = np.maximum(rest.std(axis=0), 1e-12)
-    frequency = _frequency(signal, stretch, noise, period)
+    noise = np.maximum((signal[quiet] if quiet.sum() > 16 else signal).std(axis=0), 1e-12)
     wide = slice(max(stretch.start - length // 2, 0), min(stretch.stop + length // 2, n))
-    turning = np.exp(-2j * np.pi * frequency * period * np.arange(n))[:, None]
-    first, end = _edges(signal[wide] * turning[wide] / noise)
-    first, end = first + wide.start, end + wide.start
-    turned = signal * turning
-    a, scatter = 2 * np.abs(np.mean(turned[first:end], axis=0)), _scatter(turned, first, end, noise)
-    a = np.sqrt(np.maximum(a**2 - scatter**2, 0.0))
+    stretches = {
+        hertz: _edges(signal[wide] * _turning(wide, hertz, period) / noise, wide.start)
+        for hertz in _frequencies(signal, stretch, noise, period)[: MOST_LINES if cumulative else 1]
+    }
     if cumulative:
-        inner = slice(first + (end - first) // 10, end - (end - first) // 10)
-        running = np.cumsum(samples[inner], axis=0)
-        frequency = best_hertz(running, frequency, period)
-        found = [sine_between(running[:, axis], frequency, period) for axis in range(3)]
-        if max(each.strip for each in found) < NOT_ALLOWED:
-            a, scatter = np.array([each.amplitude for each in found]), np.array([each.std for each in found])
-    phase = np.pi * frequency * period
-    by_mean, by_middle = (1.0, phase / np.sin(phase)) if cumulative else (np.sinc(frequency * period), 1.0)
+        hertz, a, scatter = _counted(samples, period, stretch, stretches)
+        first, end = stretches[hertz]
+        is_sine = bool(np.all(np.isfinite(scatter)))
+    else:
+        hertz, (first, end) = next(iter(stretches.items()))
+        a, scatter = _sine(signal * _turning(slice(0, n), hertz, period), first, end, noise)
+        is_sine = bool(2 * _excess(samples, first, end)[0].max() < MOSTLY * (a**2).max())
+    if not is_sine:
+        a, scatter = _rms(samples, first, end)
+        return Vibration(0.0, first, end, a / np.abs(k), scatter / np.abs(k))
+    phase = np.pi * hertz * period
+    by_mean, by_middle = (1.0, phase / np.sin(phase)) if cumulative else (np.sinc(hertz * period), 1.0)
     gain = np.abs(k) * (by_mean + by_middle) / 2 / (2 * phase if cumulative else 1.0)
     std = np.hypot(scatter, a * abs(by_middle - by_mean) / (by_middle + by_mean)) / gain
-    return Vibration(frequency, first, end, a / gain, std)
+    return Vibration(hertz, first, end, a / gain, std)
+
+
+def _counted(
+    samples: FloatArray, period: float, stretch: slice, stretches: Mapping[float, tuple[int, int]]
+) -> tuple[float, FloatArray, FloatArray]:
+    """Return the frequency that stands out first of those that counts allow, amplitude (3,) [counts] and 1 sigma.
+
+    Infinite is the sigma of what counts do not allow; else it spans what other frequencies, allowed best, would
+    make of it: as accelerations, each as counts at the one chosen.
+    """
+    running = np.cumsum(samples[stretch], axis=0)
+    needed = {
+        hertz: strip_beside(running, hertz, period, first - stretch.start, end - stretch.start)
+        for hertz, (first, end) in stretches.items()
+    }
+    least = min(needed.values())
+    chosen = next(hertz for hertz, strip in needed.items() if strip <= least + ALLOWED)
+    a, scatter = _between(samples, period, chosen, *stretches[chosen])
+    for hertz, strip in needed.items():
+        if strip <= least + AS_WELL and hertz != chosen:
+            other, _ = _between(samples, period, hertz, *stretches[hertz])
+            scatter = np.maximum(scatter, np.abs(other * hertz / chosen - a))
+    return chosen, a, scatter
+
+
+def _between(
+    samples: FloatArray, period: float, hertz: float, first: int, end: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the amplitude (3,) [counts] of a sine near ``hertz`` and 1 sigma, infinite of what is not allowed."""
+    inner = slice(first + (end - first) // 10, end - (end - first) // 10)
+    running = np.cumsum(samples[inner], axis=0)
+    near = best_hertz(running, hertz, period)
+    found = [sine_between(running[:, axis], near, period) for axis in range(3)]
+    a, std = np.array([each.amplitude for each in found]), np.array([each.std for each in found])
+    return a, std if max(each.strip for each in found) < NOT_ALLOWED else np.full(3, np.inf)
+
+
+def _turning(samples: slice, hertz: float, period: float) -> ComplexArray:
+    turning: ComplexArray = np.exp(-2j * np.pi * hertz * period * np.arange(samples.start, samples.stop))[:, None]
+    return turning
+
+
+def _sine(turned: ComplexArray, first: int, end: int, noise: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the amplitude (3,) of a line, less what noise adds to it, and 1 sigma."""
+    a, scatter = 2 * np.abs(np.mean(turned[first:end], axis=0)), _scatter(turned, first, end, noise)
+    return np.sqrt(np.maximum(a**2 - scatter**2, 0.0)), scatter
+
+
+def _excess(samples: FloatArray, first: int, end: int) -> tuple[FloatArray, FloatArray]:
+    """Return by how much the samples' variance (3,) exceeds that of quiet stretches as long, and 1 sigma."""
+    begins, variance = _quiet_windows(len(samples), first, end), samples[first:end].var(axis=0)
+    if not begins:
+        return variance, variance
+    quiet = np.array([samples[b : b + end - first].var(axis=0) for b in begins])
+    excess = np.maximum(variance - np.median(quiet, axis=0), 0.0)
+    return excess, np.hypot(np.std(quiet, axis=0), variance * np.sqrt(2 / (end - first)))
+
+
+def _rms(samples: FloatArray, first: int, end: int) -> tuple[FloatArray, FloatArray]:
+    """Return the amplitude (3,) of a sine with as much variance as a disturbance that is none, and 1 sigma."""
+    excess, std = _excess(samples, first, end)
+    amplitude = np.sqrt(2 * excess)
+    return amplitude, std / np.maximum(amplitude, np.sqrt(std))
 
 
 def _detrended(signal: FloatArray) -> FloatArray:
@@ -72,17 +147,25 @@ def _detrended(signal: FloatArray) -> FloatArray:
     return left
 
 
-def _frequency(signal: FloatArray, stretch: slice, noise: FloatArray, period: float) -> float:
-    """Return the frequency [Hz] whose line stands out most from the quiet part's spectrum, three axes together."""
+def _frequencies(signal: FloatArray, stretch: slice, noise: FloatArray, period: float) -> list[float]:
+    """Return the frequencies [Hz] whose lines stand out from the quiet part's spectrum, of all axes first."""
     length = stretch.stop - stretch.start
     hertz = np.fft.rfftfreq(PAD * length, period)
     quiet = np.tile(noise**2 * length, (len(hertz), 1))
     begins = _quiet_windows(len(signal), stretch.start, stretch.stop)
     if begins:
         quiet = np.maximum(quiet, np.mean([_power(signal[b : b + length]) for b in begins], axis=0))
-    stands_out = np.sum(_power(signal[stretch]) / quiet, axis=1)
+    each = _power(signal[stretch]) / quiet
     usable = (hertz * length * period >= LOWEST) & (hertz * period < 0.49)
-    return float(hertz[np.argmax(np.where(usable, stands_out, 0.0))])
+    peaks = list[int]()
+    for stands_out, many in ((each.sum(axis=1), LINES), *((axis, LINES) for axis in each.T)):
+        left = np.where(usable, stands_out, 0.0)
+        for _ in range(many):
+            at = int(np.argmax(left))
+            left[max(at - PAD, 0) : at + PAD + 1] = 0.0
+            if not any(abs(at - other) < PAD for other in peaks):
+                peaks.append(at)
+    return [float(hertz[at]) for at in peaks]
 
 
 def _power(signal: FloatArray) -> FloatArray:
@@ -96,18 +179,18 @@ def _quiet_windows(n: int, first: int, end: int) -> list[int]:
     return [b for b in range(0, n - length + 1, max(length // 2, 1)) if b + length <= first or b >= end]
 
 
-def _edges(turned: FloatArray) -> tuple[int, int]:
-    """Return first and end of the stretch that gathers most: argmax of |Z|^2 / N over pairs of edges."""
+def _edges(turned: ComplexArray, begin: int) -> tuple[int, int]:
+    """Return first and end, from ``begin`` on, of what gathers most: argmax of |Z|^2 / N over pairs of edges."""
     n = len(turned)
     at = np.unique(np.linspace(0, n, min(EDGES, n) + 1).round().astype(int))
     sums = np.vstack((np.zeros((1, turned.shape[1])), np.cumsum(turned, axis=0)))[at]
-    i, j = np.triu_indices(len(at), 1)
+    i, j = np.triu_indices(len(at), max(len(at) // SHORTEST, 1))
     gathered = np.sum(np.abs(sums[j] - sums[i]) ** 2, axis=1) / (at[j] - at[i])
     best = int(np.argmax(gathered))
-    return int(at[i[best]]), int(at[j[best]])
+    return begin + int(at[i[best]]), begin + int(at[j[best]])
 
 
-def _scatter(turned: FloatArray, first: int, end: int, noise: FloatArray) -> FloatArray:
+def _scatter(turned: ComplexArray, first: int, end: int, noise: FloatArray) -> FloatArray:
     """Return 1 sigma (3,) of an amplitude: what stretches as long hold of the same frequency where it is quiet.
 
     At the least what white noise leaves: counts at a low rate are a sawtooth, with lines of its own.

@@ -2,8 +2,8 @@
 
 Beside them stands ``seconds``: of a dwell what it records, of a turn the rest at each of its ends (5 if not
 given). ``start_position`` of a turn is 1, 5, 9 for x, y, z if not given. ``speed_deg_s`` of a turn is about how
-fast it should be, where that matters. Dwells come before turns. A plan for an IMU that is mounted otherwise says so
-as a campaign does: ``[fixture] imu_axes``.
+fast it should be, where that matters. Dwells come before turns. A plan for an IMU that is mounted otherwise says
+so as a campaign does: ``[fixture] imu_axes``.
 """
 
 from collections.abc import Sequence

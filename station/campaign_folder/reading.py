@@ -146,7 +146,8 @@ def _sigma(procedure: ProcedureTable) -> ProcedureSigma:
 def _site(site: SiteTable) -> Site:
     latitude = float(np.radians(site.latitude_deg))
     gravity = site.gravity_m_s2 if site.gravity_m_s2 is not None else normal_gravity(latitude, site.height_m)
-    return Site(latitude, gravity, site.gravity_std)
+    field = site.magnetic_enu_ut
+    return Site(latitude, gravity, site.gravity_std, None if field is None else (field[0], field[1], field[2]))
 
 
 def _fixture(fixture: FixtureTable) -> Fixture:

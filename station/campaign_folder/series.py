@@ -19,7 +19,8 @@ _NAMED_GAPS = 10
 class StepData:
     """What a step's file holds, a value per sample.
 
-    ``span`` is the first and last ``t_s`` [s]; ``host_span`` the station's time [ns] where the file has it; ``warnings`` what is legal but worth saying.
+    ``span`` is the first and last ``t_s`` [s]; ``host_span`` the station's time [ns] where the file has it;
+    ``warnings`` what is legal but worth saying.
     """
 
     series: Series

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.campaign import Campaign, Fixture, MeasuredCube, RestRecord
 from procedures.earth import DEG_PER_HOUR, STANDARD_GRAVITY
 from procedures.frames import AXES
@@ -53,6 +54,7 @@ def campaign_tables(campaign: Campaign, sample_period_s: float, suffix: str) -> 
                 "latitude_deg": _degrees(site.latitude),
                 "gravity_m_s2": site.gravity,
                 "gravity_std_m_s2": site.gravity_std,
+                "magnetic_enu_ut": None if site.magnetic is None else list(site.magnetic),
             },
             "procedure": {
                 "heading_std_deg": _degrees(sigma.heading),
@@ -103,8 +105,15 @@ def _csv_text(series: Series) -> str:
             columns += [[repr(v) for v in column] for column in values.T.tolist()]
     if np.isfinite(series.temperature).any():
         names.append("temp_c")
-        columns.append(["" if v != v else repr(v) for v in series.temperature.tolist()])
+        columns.append(_cells(series.temperature))
+    for name, values in series.extra.items():
+        names.append(name)
+        columns.append(_cells(values))
     return "\n".join([",".join(names), *map(",".join, zip(*columns, strict=True)), ""])
+
+
+def _cells(values: FloatArray) -> list[str]:
+    return ["" if v != v else repr(v) for v in values.tolist()]
 
 
 def toml_text(tables: Mapping[str, object]) -> str:

@@ -34,8 +34,8 @@ def demo(
     import time
 
     from station.demo.comparison import compared, comparison_text
-    from station.diagnosis.text import diagnosis_text
     from station.demo.run import DemoRequest, run_demo
+    from station.diagnosis.text import diagnosis_text
     from station.guide.plain import PlainScreen
 
     began = time.monotonic()

@@ -55,12 +55,11 @@ def diagnose(
     try:
         found = find([one.campaign for one in loaded])
     except NotObservable as error:
-        if not partial or (document := partial_document(loaded, error)) is None:
+        if not partial or (part := partial_document(loaded, error)) is None:
             raise
-        found = None
+        _hand_out(part, loaded, None, json, html, plan)
     else:
-        document = _document(found, loaded, others)
-    _hand_out(document, loaded, found, json, html, plan)
+        _hand_out(_document(found, loaded, others), loaded, found, json, html, plan)
 
 
 def _document(
@@ -92,7 +91,7 @@ def _hand_out(
 
         write_page(html, document, found)
     if plan is not None:
-        from station.diagnosis.plans import next_plans, write_next_plans
+        from station.diagnosis.plans import next_measurements, write_plans
 
-        for file in write_next_plans(plan, next_plans(document["findings"], loaded[0].tables)):
+        for file in write_plans(plan, next_measurements(document["findings"], loaded[0].tables.fixture.imu_axes)):
             typer.echo(f"{file}: what to measure next, for `station calibrate --plan {file}`")

@@ -17,7 +17,7 @@ def report(
     ] = None,
     db: Database = None,
 ) -> None:
-    """Solve and diagnose recorded campaigns and write the calibration report: HTML that needs no other file and prints on A4.
+    """Solve and diagnose recorded campaigns; write the calibration report: HTML that needs no other file, on A4.
 
     It holds every parameter with 1 sigma, 95 % interval and unit (count/(g s), count/deg, ug, deg/h, arcsec), its
     uncertainty budget with expanded uncertainty, coverage factor and what contributes most, the residual of every

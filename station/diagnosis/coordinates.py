@@ -65,7 +65,7 @@ def _means(seen: Seen, values: FloatArray) -> FloatArray:
 
 
 def _of_inputs(vector: Callable[[Seen], FloatArray]) -> Values:
-    """Return the input (n, 3) that each sensor's largest coefficient multiplies; keys are xy: sensor x, input y."""
+    """Return the input (n, 3) that each sensor's largest coefficient multiplies; key xy: sensor x, input y."""
 
     def values(seen: Seen, finding: Finding) -> FloatArray:
         strength = np.zeros((3, 3))

@@ -8,6 +8,7 @@ from procedures.frames import AXES
 from station.diagnosis.residuals import ResidualPanel
 from station.report.svg import AXIS_STYLE, INK, RULE, draw_svg
 
+SIZE_IN = (7.0, 2.6)
 _SPREAD = 0.2  # of a step, by which the three sensors stand apart
 _ROWS = {"mean": "dwells", "turn": "turns", "norm": "rests", "slope": "slopes within dwells",
          "curvature": "curvatures within dwells", "rate": "points"}  # fmt: skip
@@ -15,22 +16,23 @@ _ROWS = {"mean": "dwells", "turn": "turns", "norm": "rests", "slope": "slopes wi
 
 def residual_svg(number: int, panel: ResidualPanel) -> str:
     """Return the plot of a finding; ``number`` keeps it apart from others on the page."""
-    unit = panel.unit.replace("ug", "\u00b5g")
-
-    def draw(figure: Figure) -> None:
-        left, right = figure.subplots(1, 2, sharey=True)
-        for axes, values, title in ((left, panel.before, "without it"), (right, panel.after, "with it")):
-            _draw(axes, panel, values)
-            rms = float(np.sqrt(np.mean(values**2)))
-            axes.set_title(f"{title}: {rms:.3g} {unit} rms", fontsize=8.5, color=INK, loc="left")
-        left.set_ylabel(f"residual [{unit}]")
-        handles, labels = left.get_legend_handles_labels()
-        if len(labels) > 1:
-            figure.legend(handles, labels, loc="outside upper right", ncols=3, handletextpad=0.1)
-        figure.supxlabel(panel.coordinate.label, fontsize=8.5, color=INK)
-
     said = f"Residual of the {panel.triad}, {_ROWS.get(panel.kind, panel.kind)}, without and with {panel.effect}"
-    return draw_svg(f"finding-{number}", said, (7.0, 2.6), draw)
+    return draw_svg(f"finding-{number}", said, SIZE_IN, lambda figure: draw_panel(figure, panel))
+
+
+def draw_panel(figure: Figure, panel: ResidualPanel) -> None:
+    """Draw a finding's residual on an empty figure."""
+    unit = panel.unit.replace("ug", "\u00b5g")
+    left, right = figure.subplots(1, 2, sharey=True)
+    for axes, values, title in ((left, panel.before, "without it"), (right, panel.after, "with it")):
+        _draw(axes, panel, values)
+        rms = float(np.sqrt(np.mean(values**2)))
+        axes.set_title(f"{title}: {rms:.3g} {unit} rms", fontsize=8.5, color=INK, loc="left")
+    left.set_ylabel(f"residual [{unit}]")
+    handles, labels = left.get_legend_handles_labels()
+    if len(labels) > 1:
+        figure.legend(handles, labels, loc="outside upper right", ncols=3, handletextpad=0.1)
+    figure.supxlabel(panel.coordinate.label, fontsize=8.5, color=INK)
 
 
 def caption(panel: ResidualPanel) -> str:

@@ -1,7 +1,9 @@
 """The closed loop over recorded campaigns: solved, diagnosed, and solved again with what was found."""
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from procedures.calibration import Fits
@@ -9,8 +11,14 @@ from procedures.diagnosis.diagnosis import diagnose
 from procedures.diagnosis.result import Diagnosis
 from procedures.solution import Solution
 from station.campaign_folder import LoadedCampaign
+from station.campaign_folder.toml_text import read_text_file
 from station.diagnosis.carried import SURE, carried_effects
 from station.diagnosis.document import diagnosis_document, reference_solution
+from station.errors import DataRefused
+
+
+NAME = "diagnosis.json"
+MOST = 2**26  # bytes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,10 +29,19 @@ class ClosedLoop:
     """
 
     diagnosis: Diagnosis
-    document: Mapping[str, Any]
+    document: dict[str, Any]
     fits: Fits
     solution: Solution
     effects: tuple[Mapping[str, Any], ...]
+
+
+def added_effects(folder: Path) -> list[str]:
+    """Return what the diagnosis kept in a campaign's folder added to the model; nothing if there is none."""
+    try:
+        findings = json.loads(read_text_file(folder / NAME, MOST))["findings"]
+        return [str(one["effect"]) for one in findings if one["kind"] != "bench"]
+    except (DataRefused, ValueError, KeyError, TypeError):  # it is no record: without it the plain solve is right
+        return []
 
 
 def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:

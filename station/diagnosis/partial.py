@@ -1,8 +1,8 @@
 """What can be said of a campaign that determines no triad: how level its faces stood.
 
-The mean accelerometer output of a dwell with a known face up points along the up vector, if scale factors agree and
-biases are small beside 1 g. Its components along the two other cube axes over that along the vertical are the tilt,
-in which bias / 1 g and misalignment are. No scale factor is needed for a ratio.
+The mean accelerometer output of a dwell with a known face up points along the up vector, if scale factors agree
+and biases are small beside 1 g. Its components along the two other cube axes over that along the vertical are the
+tilt, in which bias / 1 g and misalignment are. No scale factor is needed for a ratio.
 """
 
 from collections.abc import Iterator, Sequence
@@ -32,7 +32,7 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
     warnings = list(dict.fromkeys(w for loaded in campaigns for w in loaded.warnings))
     open_ = [f"{triad}.{part}" for triad in ("accelerometer", "gyroscope")
              for part in ("scale_factor", "misalignment", "bias")]  # fmt: skip
-    needed = f"measure {', '.join(missing.missing)}"
+    needed = ", ".join(missing.missing)
     return {
         "format": FORMAT,
         "verdict": "ambiguous",

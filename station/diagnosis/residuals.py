@@ -1,7 +1,7 @@
 """The residual of the rows that gave an effect away, without it and with it in the model.
 
-Both are residuals of the whole model, fitted again: without the effect its parameters absorb of it what they can, as
-they did before it was found.
+Both are residuals of the whole model, fitted again: without the effect its parameters absorb of it what they can,
+as they did before it was found.
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,7 +31,7 @@ _UNITS = {  # of a row in natural units to people's, by triad and kind
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ResidualPanel:
-    """Rows (n,) of one triad and kind against ``coordinate``: residual ``before`` and ``after``, 1 sigma, in ``unit``.
+    """Rows (n,) of a triad and kind against ``coordinate``: residual ``before``, ``after``, 1 sigma in ``unit``.
 
     ``axis`` (n,) is the sensor, -1 where a row is of all three.
     """
@@ -67,7 +67,7 @@ def _way(diagnosis: Diagnosis, finding: Finding) -> Candidate | None:
 
 
 def _is_there(way: Candidate, finding: Finding) -> bool:
-    """Say whether a way is about the same position or file; a finding may name several positions, its own first."""
+    """Say whether a way is about the same position or file; a finding may name several, its own first."""
     return all(_first(finding.where.get(name)) == _first(value) for name, value in way.columns.where.items())
 
 
@@ -92,7 +92,7 @@ def _panel(evidence: Evidence, finding: Finding, way: Candidate, others: Sequenc
 
 
 def _telling(evidence: Evidence, sigmas: FloatArray) -> BoolArray:
-    """Mark the rows of the triad and kind in which an effect shows most; ``sigmas`` (n,) is how far it moves each."""
+    """Mark the rows of the triad and kind in which an effect shows most; it moves them by ``sigmas`` (n,)."""
     strength: Mapping[tuple[int, int], float] = {
         (triad, kind): float(np.sum(sigmas[(evidence.triad == triad) & (evidence.kind == kind)] ** 2))
         for triad, kind in sorted({*zip(evidence.triad.tolist(), evidence.kind.tolist(), strict=True)})

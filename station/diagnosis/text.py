@@ -1,6 +1,7 @@
 """A `diagnosis/1` as text to read in 80 columns: the verdict first, then what it rests on."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import degrees
 from textwrap import wrap
 from typing import Any
 
@@ -38,7 +39,7 @@ _PLAN = "(--plan FILE writes its steps for `station calibrate --plan FILE`)"
 
 
 def coefficient_rows(finding: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    """Return name, value with sigma and unit, and size in sigmas of a finding's coefficients, largest first kept."""
+    """Return name, value with sigma and unit, and size in sigmas of a finding's largest coefficients."""
     scale, unit = shown_unit(finding["unit"])
     found = finding["coefficients"]
     strength = {name: abs(c["value"]) / c["std"] if c["std"] > 0 else 0.0 for name, c in found.items()}
@@ -56,7 +57,8 @@ def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
     p = f"; p {p_text(finding['log10_p'])} over all that was tried" if "log10_p" in finding else ""
     lines += _fold(f"{SURE[finding['confidence']]}{p}", "   ")
     if (angle := finding.get("levelling_deg")) is not None:
-        lines.append(f"   the vertical stands {angle:.2f} deg off the face")
+        along = [f"{degrees(c['value']):.2f} along {n[-1]}" for n, c in finding["coefficients"].items()]
+        lines.append(f"   the vertical stands {angle:.2f} deg off the face: {', '.join(along)}")
     for name, value, sigmas in coefficient_rows(finding):
         lines.append(f"   {name:<9} {value:<44} {sigmas:>12}")
     if len(finding["coefficients"]) > MOST_COEFFICIENTS:
@@ -95,7 +97,7 @@ def _errors(errors: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 def moved_rows(parameters: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str, str]]:
     """Return title, before, after with sigma, unit and shift in sigmas of those that moved most."""
-    notable = [p for p in parameters if abs(p["shift_sigma"]) >= NOTABLE and not p["name"].split(".")[1] in PAPER]
+    notable = [p for p in parameters if abs(p["shift_sigma"]) >= NOTABLE and p["name"].split(".")[1] not in PAPER]
     notable.sort(key=lambda row: -abs(row["shift_sigma"]))
     found = []
     for row in notable[:MOST_MOVED]:
@@ -110,9 +112,9 @@ def moved_rows(parameters: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, 
 def _moved(parameters: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     rows = moved_rows(parameters)
     if rows:
-        yield f"   {'':<29} {'before':>12} {'after +- 1 sigma':>18} {'unit':<6} {'sigmas':>6}"
+        yield f"  {'':<29} {'before':>10} {'after +- 1 sigma':>18} {'unit':<11} {'sigmas':>6}"
     for title, before, after, unit, sigmas in rows:
-        yield f"   {title:<29} {before:>12} {after:>18} {unit:<6} {sigmas:>6}"
+        yield f"  {title:<29} {before:>10} {after:>18} {unit:<11} {sigmas:>6}"
 
 
 def tried_rows(tried: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:

@@ -20,15 +20,12 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
     match document["verdict"]:
         case "consistent":
             return f"The residual is what noise leaves (p {p}): the model lacks nothing that this data can show."
-        case "established":
-            return f"The model lacked {both(names)}. With it in, the residual is what noise leaves (p {p})."
-        case "likely":
-            return (
-                f"The model probably lacked {both(names)}. With it in, the residual is what noise leaves (p {p})."
-            )
+        case "established" | "likely":
+            known = _named(document["findings"], "" if document["verdict"] == "established" else " probably")
+            return f"{known}. With that in, the residual is what noise leaves (p {p})."
         case "ambiguous":
             sure = [f["effect"] for f in document["findings"] if f["confidence"] != "ambiguous"]
-            beside = f" Beside it the model lacked {both(sure)}, which is in it now." if sure else ""
+            beside = f" Sure beside it, and in the solution: {both(sure)}." if sure else ""
             return f"Something is there, but this data cannot say what: {_groups(document['findings'])}.{beside}"
         case _:
             found = f", also with {both(names)} in the model" if names else ""
@@ -66,6 +63,16 @@ def size_in_sigmas(value: float, std: float) -> str:
     return (
         f"{abs(value) / std:.0f} sigma" if std > 0 and abs(value) >= 10 * std else f"{abs(value) / std:.1f} sigma"
     )
+
+
+def _named(findings: Sequence[Mapping[str, Any]], doubt: str) -> str:
+    """Say what was found; slab and faces the model holds from the start."""
+    bench = [f["effect"] for f in findings if f["kind"] == "bench"]
+    lacked = [f["effect"] for f in findings if f["kind"] != "bench"]
+    said = [f"the model{doubt} lacked {both(lacked)}"] if lacked else []
+    said += [f"the bench{doubt} has {both(bench)}"] if bench else []
+    text = "; ".join(said)
+    return text[0].upper() + text[1:]
 
 
 def _groups(findings: Sequence[Mapping[str, Any]]) -> str:

@@ -61,7 +61,9 @@ class StepWriter:
         device_ns = np.rint(series.t * 1e9).astype(np.int64)
         zero = [0] * len(series)
         host = device_ns if host_ns is None else host_ns
-        self._write(host, device_ns, series.gyro, series.accel, series.temperature, zero, zero)
+        extra = [(name, values.tolist()) for name, values in series.extra.items()]
+        aux = [{name: v[i] for name, v in extra if v[i] == v[i]} for i in range(len(series))] if extra else None
+        self._write(host, device_ns, series.gyro, series.accel, series.temperature, zero, zero, aux)
 
     def _write(
         self,
@@ -72,6 +74,7 @@ class StepWriter:
         temperature: FloatArray,
         counter: list[int],
         status: list[int],
+        aux: list[dict[str, float]] | None = None,
     ) -> None:
         absent = [()] * len(device_ns)
         rows = zip(
@@ -82,12 +85,14 @@ class StepWriter:
             temperature.tolist(),
             counter,
             status,
+            [{}] * len(device_ns) if aux is None else aux,
             strict=True,
         )
-        for host, device, g, a, t, count, word in rows:
+        for host, device, g, a, t, count, word, more in rows:
             sample = self._sample(
-                device_ns=device, host_ns=host, gyro=g, accel=a, temperature_c=t, counter=count, status=word
-            )
+                device_ns=device, host_ns=host, gyro=g, accel=a, temperature_c=t, counter=count, status=word,
+                aux=more,
+            )  # fmt: skip
             self._writer.add_message(
                 self._counts, log_time=host, data=sample.SerializeToString(), publish_time=host, sequence=count
             )

@@ -47,19 +47,20 @@ class Results:
     calibration_file: Path
     report_file: Path
     tables: CampaignTable
-    diagnosis: Mapping[str, Any]
+    diagnosis: dict[str, Any]
     effects: tuple[Mapping[str, Any], ...]
 
 
 def make_results(
     folder: Path, database: Database, into: Path | None = None, *, truth: Mapping[str, float] | None = None
 ) -> Results:
-    """Solve and diagnose a recorded campaign; write solution, diagnosis and report to ``into``, else to its folder.
+    """Solve and diagnose a recorded campaign; write the results to ``into``, else to its folder.
 
     Nothing is stored. ``truth`` is a simulated unit's, keyed as `Solution.names`.
     """
     loaded = read_for_solve([folder])[0]
     from procedures.uncertainty.budget import budget  # scipy and kernels: not before the data are right
+    from station.diagnosis.loop import NAME as DIAGNOSIS
     from station.diagnosis.loop import close_loop
     from station.diagnosis.page import section_html
     from station.report.context import report_context
@@ -88,7 +89,7 @@ def make_results(
         loaded.tables, closed.document, closed.effects,
     )  # fmt: skip
     write_solution(results.solution_file, document)
-    write_solution(into / "diagnosis.json", closed.document)
+    write_solution(into / DIAGNOSIS, closed.document)
     write_report(results.report_file, context)
     return results
 

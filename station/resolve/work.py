@@ -19,10 +19,13 @@ from station.errors import DataRefused
 
 
 def _solution(loaded: LoadedCampaign) -> dict[str, Any]:
+    """Solve a campaign as its calibration was solved: where a diagnosis added effects, with them."""
     from procedures.calibration import solve
+    from station.diagnosis.loop import added_effects, close_loop
     from station.solution_json import solution_document
 
-    return solution_document(solve([loaded.campaign]), [loaded])
+    solution = close_loop([loaded]).solution if added_effects(loaded.folder) else solve([loaded.campaign])
+    return solution_document(solution, [loaded])
 
 
 PARTS: Mapping[str, Callable[[LoadedCampaign], dict[str, Any]]] = {"solution": _solution}

@@ -20,7 +20,8 @@ T = DRAW.uniform(5, 45, 40)
 def calibration(*effects: dict[str, Any]) -> dict[str, Any]:
     def triad(k: FloatArray, E: FloatArray, D: FloatArray) -> dict[str, Any]:
         return {
-            "scale_factor": {"value": k.tolist()}, "misalignment": {"value": E.tolist()}, "bias": {"value": D.tolist()},
+            "scale_factor": {"value": k.tolist()}, "misalignment": {"value": E.tolist()},
+            "bias": {"value": D.tolist()},
         }  # fmt: skip
 
     return {

@@ -102,6 +102,14 @@ def two_sites(truth: Truth, seed: int, also: Planted = ()) -> Made:
     return tuple(same)
 
 
+def two_temperatures(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """The same unit twice, the second time 20 K warmer."""
+    first = simulate_campaign(truth, seed, draw_stated=False, also=also)
+    warm = replace(truth, temperature_start_c=truth.temperature_start_c + 20.0)
+    second = simulate_campaign(warm, seed + 1_000_000, draw_stated=False, also=also)
+    return tuple(replace(c, fixture=replace(c.fixture, id="CUBE")) for c in (first, second))
+
+
 WARM = {
     "temperature_rise_k": 6.0,
     "temperature_tau_s": 900.0,
@@ -116,5 +124,6 @@ DESIGNS: dict[str, Design] = {
     "two speeds": Design(two_speeds, {}),
     "auxiliary": Design(with_auxiliary, {}),
     "two sites": Design(two_sites, {}),
+    "two temperatures": Design(two_temperatures, {}),
 }
 PLAIN_TURNS = turn_steps

@@ -1,4 +1,4 @@
-"""Effects that no catalogue holds: periodic in heading, a dead zone, a term in rate times temperature."""
+"""Effects of no catalogue: periodic in heading, a dead zone, a term in temperature rate times temperature."""
 
 import numpy as np
 
@@ -39,7 +39,7 @@ def _dead_zone(seen: Stimulus, felt: Felt, sizes: Sizes) -> np.ndarray:
 
 
 def _rate_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> np.ndarray:
-    found: np.ndarray = sizes["gyro"] / 3600 * (felt.raw * 240) ** 2 * (seen.temperature - 25)
+    found: np.ndarray = sizes["gyro"] / 3600 * seen.temperature_rate * (seen.temperature - 25)
     return found
 
 
@@ -49,6 +49,6 @@ def outside(name: str, size: float) -> Planted:
         "heading, accelerometers": Effect(name, "g", "", (), accel=_accel_heading),
         "heading, all": Effect(name, "g", "", (), accel=_accel_heading, gyro=_gyro_heading),
         "dead zone": Effect(name, "deg/h", "", (), gyro=_dead_zone),
-        "rate squared times temperature": Effect(name, "deg/h", "", (), gyro=_rate_temperature),
+        "temperature rate times temperature": Effect(name, "deg/h", "", (), gyro=_rate_temperature),
     }
     return ((kinds[name], {"accel": size, "gyro": size * 3e5}),)

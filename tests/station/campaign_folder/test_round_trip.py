@@ -42,8 +42,10 @@ def series(draw: st.DrawFn, first: int, counts: bool) -> Series:
     gyro = draw(st.one_of(st.none(), table))
     accel = draw(table if gyro is None else st.one_of(st.none(), table))
     temperature = np.array(draw(st.lists(st.floats(-80, 200) | st.just(np.nan), min_size=n, max_size=n)))
+    beside = st.lists(st.floats(-1e9, 1e9) | st.just(np.nan), min_size=n, max_size=n).map(np.array)
+    extra = draw(st.dictionaries(st.sampled_from(["aux_load", "utc_s"]), beside))
     kind = CountSeries if counts else RateSeries
-    return kind(t, gyro, accel, temperature, PERIOD, starts)
+    return kind(t, gyro, accel, temperature, PERIOD, starts, extra)
 
 
 @st.composite
@@ -79,7 +81,8 @@ def campaigns(draw: st.DrawFn) -> Campaign:
     axes_of_imu = np.roll(np.eye(3), draw(st.integers(0, 2)), axis=0) * np.array([sign, sign, 1.0])
     return Campaign(
         draw(names), draw(names), counts,
-        Site(draw(st.floats(-1.5, 1.5)), draw(st.floats(9.7, 9.9)), draw(st.floats(1e-9, 1e-3))),
+        Site(draw(st.floats(-1.5, 1.5)), draw(st.floats(9.7, 9.9)), draw(st.floats(1e-9, 1e-3)),
+             draw(st.none() | st.tuples(*[st.floats(-70, 70)] * 3))),
         dwells, turns,
         ProcedureSigma(draw(st.floats(1e-6, 0.1)), draw(st.floats(1e-6, 0.1))),
         Fixture(faces, axes_of_imu, draw(st.none() | names), measured),
@@ -93,6 +96,9 @@ def assert_same_series(found: Series, written: Series) -> None:
     assert np.array_equal(found.starts, written.starts)
     for a, b in ((found.gyro, written.gyro), (found.accel, written.accel)):
         assert (a is None and b is None) or (a is not None and b is not None and np.array_equal(a, b))
+    for name, values in written.extra.items():
+        nothing = np.full(len(values), np.nan)  # what an MCAP file has of a channel without a value
+        assert np.array_equal(found.extra.get(name, nothing), values, equal_nan=True)
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".mcap"])
@@ -105,6 +111,7 @@ def test_a_campaign_is_read_back_as_it_was_written(suffix: str, campaign: Campai
     assert (found.model, found.serial, found.counts) == (campaign.model, campaign.serial, campaign.counts)
     assert found.site.latitude == pytest.approx(campaign.site.latitude, rel=1e-15, abs=1e-300)
     assert (found.site.gravity, found.site.gravity_std) == (campaign.site.gravity, campaign.site.gravity_std)
+    assert found.site.magnetic == campaign.site.magnetic
     assert found.sigma.heading == pytest.approx(campaign.sigma.heading, rel=1e-14)
     assert (found.fixture.id, set(found.fixture.faces)) == (campaign.fixture.id, set(campaign.fixture.faces))
     assert np.array_equal(found.fixture.C_ib, campaign.fixture.C_ib)

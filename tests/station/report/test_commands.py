@@ -1,4 +1,4 @@
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -7,9 +7,10 @@ import pytest
 import typer
 from typer.testing import CliRunner, Result
 
-from procedures import calibration
 from procedures.uncertainty import budget
+from station.campaign_folder import LoadedCampaign
 from station.commands.report import report
+from station.diagnosis import loop
 from tests.station.report import factory
 
 CAMPAIGN = """format = "campaign/1"
@@ -29,6 +30,17 @@ file = "soak.csv"
 """
 
 
+CONSISTENT = {
+    "format": "diagnosis/1", "verdict": "consistent", "log10_p": -0.3, "findings": [], "error": [],
+    "parameters": [], "tried": [], "next_measurement": "",
+}  # fmt: skip
+
+
+def closed(loaded: Sequence[LoadedCampaign]) -> SimpleNamespace:
+    fits = SimpleNamespace(campaigns=tuple(one.campaign for one in loaded))
+    return SimpleNamespace(solution=factory.solution(), fits=fits, document=CONSISTENT, diagnosis=None)
+
+
 def _run(command: Callable[..., Any], *arguments: str | Path) -> Result:
     app = typer.Typer()
     app.command()(command)
@@ -43,8 +55,7 @@ def _rows(start: float) -> str:
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder whose solve is made up: here only the way from folder to file is looked at."""
-    monkeypatch.setattr(calibration, "fit", lambda campaigns: SimpleNamespace(campaigns=tuple(campaigns)))
-    monkeypatch.setattr(calibration, "report", lambda fits: factory.solution())
+    monkeypatch.setattr(loop, "close_loop", closed)
     monkeypatch.setattr(budget, "budget", lambda fits: factory.budgets())
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     (tmp_path / "dwell_01.csv").write_text(_rows(0.0))
@@ -61,6 +72,7 @@ def test_report_writes_one_file_with_the_folder_s_hashes_and_unused_steps(folder
     assert "soak" in text
     assert "dwell_01.csv" in text
     assert "NOT MEASURED" in text
+    assert "What the model lacks" in text
 
 
 def test_report_without_out_stands_in_the_folder(folder: Path) -> None:

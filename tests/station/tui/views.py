@@ -228,6 +228,7 @@ PASSED = running(
         status_reason="the certificate of CUBE-7 expired on 2026-02-01",
         worst_residual="position 7, accelerometer y: 2.1 sigma, limit 4.0",
         change="largest since 2026-08-03: accelerometer scale factor y, -1.1 ppm (1.4 sigma)",
+        diagnosis="The residual is what noise leaves (p 0.43): the model lacks nothing that this data can show.",
         rows=tuple(row for row in ROWS if row.verdict != "FAIL"), report=f"{FOLDER}/report.html",
         solution=f"{FOLDER}/solution.json",
     ),

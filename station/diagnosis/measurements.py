@@ -1,0 +1,183 @@
+"""The measurement that would tell an effect from what it is mistaken for: by effect, a line in the table each.
+
+Steps complement the campaign that was diagnosed: both are then diagnosed together, ``station diagnose FIRST
+SECOND``. What cannot be written as steps is said in words.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from procedures.frames import AXES, POSITIONS, face_of
+
+DWELL_S, LONG_S, SOAK_S = 100.0, 600.0, 3600.0
+SLOW_DEG_S, REVOLUTIONS = 12.0, 3  # a hand turns at about 35 deg/s unless told
+FREE = 12  # more than the K2 and the cross products of three axes
+MIXED = (1, 9, 6, 12, 4, 7, 2, 10, 5, 11, 3, 8)  # every flip between other faces than in 1..12
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """What to measure: in words, and its steps by kind as `plan/1` has them; ``imu_axes`` if re-mounted."""
+
+    name: str
+    say: str
+    steps: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
+    imu_axes: tuple[str, ...] = ()
+
+
+Make = Callable[[Mapping[str, Any], Sequence[str]], Measurement]  # of a finding of diagnosis/1, and imu_axes
+
+
+def remounted(about: str) -> Make:
+    """Return the twelve positions with the IMU turned by 90 deg about an axis of the cube.
+
+    One mounting leaves open what lies along its own axis; two, about two axes, leave nothing.
+    """
+
+    def make(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
+        axes = turned(imu_axes, about)
+        say = (
+            f"Mount the IMU turned by 90 deg about the cube's {about}, so that its x, y, z point along the "
+            f"cube's {', '.join(axes)}, and do the twelve positions: what is the cube's then shows in another "
+            f"channel. It takes two such mountings, about two axes. A certificate of the faces or free positions "
+            f"near 45 deg tell it too."
+        )
+        return Measurement(f"remounted_about_{about}", say, positions(range(1, 13)), axes)
+
+    return make
+
+
+def again(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
+    """Return the positions that stood out and their pair partners, once more."""
+    named = finding.get("where", {}).get("position", [])
+    found = [p for p in (named if isinstance(named, list) else [named]) if p in range(1, len(POSITIONS) + 1)]
+    wanted = dict.fromkeys(q for p in found for q in (p, partner(p)))
+    say = (
+        "Wipe slab and face and do these positions again, hands off: what was a seating, a label or a disturbance "
+        "does not come back."
+    )
+    return Measurement("again", say, positions(wanted or range(1, 13)))
+
+
+def channel_moved(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
+    """Return a rest in which the auxiliary channel is changed on purpose, and nothing else."""
+    name = finding.get("where", {}).get("channel", "the auxiliary channel")
+    say = f"Leave the cube at rest and change {name} on purpose, to and fro, with nothing else changing."
+    return Measurement("channel_moved", say, {"soak": [{"position": 9, "seconds": SOAK_S / 4}]})
+
+
+def always(name: str, say: str, **steps: Sequence[Mapping[str, Any]]) -> Make:
+    """Return a measurement that is the same whatever was found."""
+    return lambda finding, imu_axes: Measurement(name, say, steps)
+
+
+def positions(numbers: Iterable[int], seconds: float = DWELL_S) -> dict[str, list[dict[str, Any]]]:
+    """Return dwells in some positions."""
+    return {"dwell": [{"position": p, "seconds": seconds} for p in numbers]}
+
+
+def turned(imu_axes: Sequence[str], about: str) -> tuple[str, ...]:
+    """Return where the IMU's x, y, z point (``+x``: along the cube's x) after a turn of 90 deg in the cube."""
+    first, second = {"x": ("y", "z"), "y": ("z", "x"), "z": ("x", "y")}[about]
+    onward = {f"+{first}": f"+{second}", f"-{first}": f"-{second}",
+              f"+{second}": f"-{first}", f"-{second}": f"+{first}"}  # fmt: skip
+    return tuple(onward.get(axis, axis) for axis in imu_axes)
+
+
+def partner(position: int) -> int:
+    """Return the other position on the same face."""
+    return next(p for p in range(1, len(POSITIONS) + 1) if p != position and face_of(p) == face_of(position))
+
+
+def _turns(**more: Any) -> list[dict[str, Any]]:
+    return [{"axis": a, "direction": s, "revolutions": REVOLUTIONS, **more} for a in AXES for s in "+-"]
+
+
+FREE_POSITIONS = always(
+    "free_positions",
+    "Lay the cube on its edges and corners, near 45 deg, each time another way round: every rest in an attitude "
+    "of its own, which need not be known.",
+    dwell=[{"attitude": "free", "seconds": DWELL_S}] * FREE,
+)
+HEATING = always(
+    "heating",
+    "Leave the cube at rest and heat the unit by 15 K or more, then let it cool; in both positions: up and down, "
+    "so that time, temperature and its rate part.",
+    soak=[{"position": p, "seconds": SOAK_S} for p in (9, 11)],
+)
+OTHER_ORDER = always(
+    "other_order",
+    "Do the twelve positions in this order, on another day, with the room 5 K warmer or colder: what follows "
+    "time, what follows temperature and what follows the position before then part.",
+    **positions(MIXED),
+)
+OTHER_FIELD = always(
+    "other_field",
+    "Do the twelve positions again with the IMU shielded from the Earth's magnetic field, or elsewhere, and enter "
+    "the field there as magnetic_enu_ut.",
+    **positions(range(1, 13)),
+)
+TWO_SPEEDS = always(
+    "two_speeds",
+    f"Turn about each axis once more, slowly: about {SLOW_DEG_S:g} deg/s, {360 / SLOW_DEG_S:.0f} s a revolution. "
+    f"A rate table tells more.",
+    turn=_turns(speed_deg_s=SLOW_DEG_S),
+)
+AFTER_FLIPS = always(
+    "after_flips",
+    "Begin each of these long dwells right after the flip; the second of a pair follows a turn on the same face, "
+    "without a flip: what relaxes after a flip shows in the first only.",
+    **positions((1, 2, 5, 6, 9, 10), LONG_S),
+)
+REFERENCE_TIME = always(
+    "reference_time",
+    "Record an hour at rest with reference time beside the counts (column utc_s), as from a GNSS receiver.",
+    soak=[{"position": 9, "seconds": SOAK_S}],
+)
+CERTIFICATE = always(
+    "certificate",
+    "Have the cube's six faces measured and enter them as [[fixture.face]] of campaign.toml, or with `station "
+    "fixtures add certificate`; then diagnose the same campaign again. No step on the slab tells it.",
+)
+SURVEY = always(
+    "survey",
+    "Have the site surveyed: gravity (gravity_m_s2 with gravity_std_m_s2) or the slab's North mark, as the "
+    "finding says; then diagnose the same campaign again.",
+)
+REPEAT = always(
+    "repeat",
+    "Do the campaign again, in another order, on another day: what does not come back is no effect.",
+    **positions(MIXED),
+    turn=_turns(),
+)
+REMOUNTED = (remounted("z"), remounted("x"))
+MEASUREMENTS: Mapping[str, tuple[Make, ...]] = {
+    "accelerometer.quadratic": REMOUNTED,
+    "accelerometer.cubic": (FREE_POSITIONS,),
+    "accelerometer.scale_asymmetry": (FREE_POSITIONS,),
+    "accelerometer.cross_product": (FREE_POSITIONS,),
+    "accelerometer.bias_temperature": (OTHER_ORDER,),
+    "accelerometer.scale_temperature": (OTHER_ORDER,),
+    "accelerometer.bias_drift": (OTHER_ORDER,),
+    "accelerometer.relaxation": (AFTER_FLIPS,),
+    "gyroscope.g_sensitivity": (OTHER_FIELD,),
+    "gyroscope.bias_temperature": (OTHER_ORDER,),
+    "gyroscope.scale_temperature": (HEATING,),
+    "gyroscope.temperature_rate": (HEATING,),
+    "gyroscope.bias_drift": (OTHER_ORDER,),
+    "gyroscope.magnetic": (OTHER_FIELD,),
+    "gyroscope.scale_asymmetry": (TWO_SPEEDS,),
+    "gyroscope.scale_nonlinearity": (TWO_SPEEDS,),
+    "gyroscope.sagnac_sine": (TWO_SPEEDS,),
+    "slab.tilt": (again,),
+    "fixture.face_tilt": (CERTIFICATE,),
+    "fixture.parallelism": REMOUNTED,
+    "placement.dwell": (again,),
+    "placement.label": (again,),
+    "site.azimuth": (SURVEY,),
+    "site.gravity": (SURVEY,),
+    "clock.rate": (REFERENCE_TIME,),
+    "disturbance.dwell": (again,),
+    "auxiliary.channel": (channel_moved,),
+}
