@@ -16,7 +16,6 @@ from station.diagnosis.carried import SURE, carried_effects
 from station.diagnosis.document import diagnosis_document, reference_solution
 from station.errors import DataRefused
 
-
 NAME = "diagnosis.json"
 MOST = 2**26  # bytes
 

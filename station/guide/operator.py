@@ -61,6 +61,10 @@ class SimulatedOperator:
         except SimulatorError as error:
             raise HandsLost(str(error)) from error
 
+    def close(self) -> None:
+        """Let the hands go."""
+        self._hands.close()
+
     def _do(self, what: str, step: Step) -> None:
         if what == "place":
             self._hands.place(step.position or step.start_position, self._move_s)

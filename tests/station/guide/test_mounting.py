@@ -1,0 +1,41 @@
+"""A plan that wants the IMU mounted otherwise: the guide sees the faces through it and the folder says so."""
+
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from fixtures_db.database import open_db
+from station.campaign_folder import read_campaign
+from station.guide.headless import record
+from station.guide.operator import SimulatedOperator
+from station.guide.process import EngineOptions
+from station.guide.view import Setup
+
+PLAN = """format = "plan/1"
+[fixture]
+imu_axes = ["+y", "-x", "+z"]
+[[dwell]]
+position = 1
+seconds = 4
+[[dwell]]
+position = 7
+seconds = 4
+"""
+
+
+def test_a_remounted_imu_is_guided_and_recorded_as_mounted(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.toml"
+    plan.write_text(PLAN)
+    options = replace(
+        EngineOptions(root=tmp_path, plan=plan, warms_up=False, asks=False).engine(), is_patient=False
+    )
+    truth = replace(Truth.example(5), imu_axes=("+y", "-x", "+z"))
+    with SimulatedDevice(truth, 5, speed=100.0) as device, open_db(tmp_path / "s.db") as database:
+        setup = Setup(url=device.url, latitude_deg=31.17, folder=str(tmp_path / "c"), dwell_s=4.0)
+        with closing(SimulatedOperator(device.control, 5.0)) as operator:
+            record(setup, options, database, operator, lambda view: None)
+    found = read_campaign(tmp_path / "c")
+    assert found.tables.fixture.imu_axes == ["+y", "-x", "+z"]
+    assert [dwell.position for dwell in found.campaign.dwells] == [1, 7]
