@@ -18,6 +18,7 @@ from procedures.diagnosis.model import LinearFit, Term, fit_linear
 from procedures.effects.effect import Columns, Effect
 
 TIED = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")
+GRADE = (1e-6, 0.5 / 3600)  # g, deg/s: 1 sigma of a dwell, up to which a unit is of the grade the ranges are for
 EXCITED = 0.1  # of a coefficient's plausible size that one sigma of it must at least come down to
 
 
@@ -84,11 +85,21 @@ def _ways(
         H = evidence.column(columns)
         if not np.all(np.isfinite(H)):
             continue
-        term = Term(H, effect.plausible_of(columns))
+        term = Term(H, effect.plausible_of(columns) * grade(evidence, effect))
         told = EXCITED * term.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
         if told.any():
             is_tried = effect.name != "fixture.face_tilt" or "fixture.parallelism" not in of_model
             yield Candidate(effect, columns, term, nothing, effect.name in TIED, is_tried)
+
+
+def grade(evidence: Evidence, effect: Effect) -> float:
+    """Return by how much an effect's plausible range is wider than for a unit of navigation grade; at least 1.
+
+    Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades.
+    """
+    triad = int(effect.name.startswith("gyroscope"))
+    rows = evidence.rows("mean", "norm") & (evidence.triad == triad)
+    return max(float(np.median(evidence.sigma[rows])) / GRADE[triad], 1.0) if rows.any() else 1.0
 
 
 def _of_model(fits: Fits, width: int) -> dict[str, tuple[Columns, IntArray]]:

@@ -16,6 +16,7 @@ from procedures.campaign import Campaign
 from procedures.diagnosis.aliases import takes_its_place
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.errors_made import errors_made
+from procedures.diagnosis.faces import faces_as_positions
 from procedures.diagnosis.groups import groups
 from procedures.diagnosis.model import Term, fit_linear, significance
 from procedures.diagnosis.preliminary import preliminary
@@ -69,7 +70,7 @@ def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS)
     NotObservable
         If neither triad can be solved.
     """
-    found_before = preliminary(campaigns)
+    found_before = preliminary([faces_as_positions(campaign) for campaign in campaigns])
     effects = [effect for effect in effects if effect.name not in found_before.settled]
     steps = reduce_steps(found_before.campaigns)
     base = fit_reduced(steps)

@@ -90,7 +90,7 @@ def _errors(errors: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         if method != said:
             said = method
             title = "fixed from here" if method.startswith("validation") else "held out"
-            yield f"   {'':<24} {'unit':<8} {'in the data':<20} {title:<20}"
+            yield f"   {'':<24} {'unit':<8} {'in the data':<20} {title}"
             yield from _fold(f"({method})", "   ")
         yield f"   {quantity:<24} {unit:<8} {inside:<20} {held_out:<20}".rstrip()
 
