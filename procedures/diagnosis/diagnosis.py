@@ -33,6 +33,7 @@ from procedures.diagnosis.selection import (
     next_effect,
     try_all,
 )
+from procedures.diagnosis.sign_flip import TOLD, sign_flip_p
 from procedures.diagnosis.unexplained import excess, log_p_of
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
@@ -93,6 +94,7 @@ def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS)
         _verdict(findings, left), findings, (*found_before.tests, *(_test(each) for each in tried)),
         errors_made(first.now.evidence, state.now, groups(first.now.evidence)), base, state.now.fits,
         state.now.evidence, solution_before, solution, left, _next(findings),
+        tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
     )  # fmt: skip
 
 
@@ -210,14 +212,14 @@ def _finding(state: _State, adopted: Adopted, tried: int) -> Finding:
     log_p = min(test.log_p + np.log(tried), 0.0)
     gain = gain_of(evidence, candidate, beside, groups(evidence))
     aliases = tuple(dict.fromkeys(each.effect.name for each in _others(state, candidate)))
-    confidence: Confidence = (
-        "ambiguous" if aliases else "established" if log_p < ESTABLISHED and gain > GAIN else "likely"
-    )
+    flipped = sign_flip_p(evidence, candidate, beside)
+    is_sure = log_p < ESTABLISHED and gain > GAIN and (flipped is None or flipped <= TOLD)
+    confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
     effect, columns = candidate.effect, candidate.columns
     value, std = (test.value, test.std) if effect.shown is None else effect.shown(test.value, test.std)
     return Finding(
         effect.name, effect.kind, columns.coefficients, value, std, columns.unit or effect.unit,
-        _where(state, candidate), confidence, aliases, effect.separate_by, log_p, gain, columns.shape,
+        _where(state, candidate), confidence, aliases, effect.separate_by, log_p, gain, columns.shape, flipped,
     )  # fmt: skip
 
 

@@ -21,3 +21,11 @@ def groups(evidence: Evidence) -> list[IntArray]:
         elif not evidence.is_range[row]:
             keys[row,] = [row]
     return [np.array(rows) for rows in keys.values()]
+
+
+def campaign_groups(evidence: Evidence) -> list[IntArray]:
+    """Return the measured rows of each campaign, where there are several."""
+    of_step = np.array([step.campaign for step in evidence.seen.steps])
+    of_row = np.where(evidence.is_data, of_step[evidence.step], -1)
+    found = [np.flatnonzero(of_row == number) for number in np.unique(of_step)]
+    return found if len(found) > 1 else []

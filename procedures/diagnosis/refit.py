@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.calibration import Fits, Reduced, fit_reduced
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.evidence import KINDS, Evidence, evidence_of
@@ -20,6 +20,7 @@ from procedures.least_squares import Fit
 from procedures.twelve_position import JointFit
 
 ROUNDS = 6
+GIVEN_ROUNDS = 3  # what an effect adds hangs on the fit by its misalignment alone
 SMALL = 1e-3  # sigma by which the last round still moved a coefficient
 
 
@@ -58,6 +59,21 @@ def refit(steps: Reduced, base: Fits, added: Sequence[Candidate]) -> Refit:
         fits = fit_reduced(_without(steps, fits, evidence, added, values))
     covariances = tuple(C for _, C in found)
     return Refit(_with_covariance(fits, evidence, linear), evidence, linear, tuple(values), covariances)
+
+
+def refit_with(
+    steps: Reduced, base: Fits, added: Sequence[Candidate], values: Sequence[FloatArray]
+) -> Refit:
+    """Solve everything but the coefficients: they are ``values``, of effects found elsewhere."""
+    fits = base
+    for _ in range(GIVEN_ROUNDS if added else 0):
+        fits = fit_reduced(_without(steps, fits, evidence_of(fits), added, values))
+    evidence = evidence_of(fits)
+    terms, beyond = _terms(evidence, added, values)
+    left = _corrected(evidence, terms, values, beyond)
+    off = sum((term.H @ c for term, c in zip(terms, values, strict=True)), np.zeros(len(left.residual)))
+    left = replace(left, residual=left.residual - off)
+    return Refit(fits, left, fit_linear(left, []), (), ())
 
 
 def same_way(candidate: Candidate, evidence: Evidence) -> Columns:
@@ -151,18 +167,28 @@ def _scale(joint: JointFit | None) -> FloatArray:
 
 
 def _with_covariance(fits: Fits, evidence: Evidence, linear: LinearFit) -> Fits:
-    """Return the fits with the covariance that the whole model gives their parameters."""
+    """Return the fits with what the coefficients leave open added to their parameters' covariance.
+
+    With C the coefficients' covariance and S the change of the parameters with them, it is ``S C S'``.
+    """
     if not linear.sizes:
         return fits
     accel, gyro = fits.accelerometer, fits.gyroscope
     first, second = evidence.columns_of
     if accel is not None:
-        accel = replace(accel, fit=_covered(accel.fit, linear.covariance[np.ix_(first, first)]))
+        accel = replace(accel, fit=_covered(accel.fit, _left_open(linear, first)))
     if gyro is not None:
-        covered = _covered(gyro.joint.fit, linear.covariance[np.ix_(second, second)])
+        covered = _covered(gyro.joint.fit, _left_open(linear, second))
         gyro = replace(gyro, joint=replace(gyro.joint, fit=covered))
     return replace(fits, accelerometer=accel, gyroscope=gyro)
 
 
-def _covered(fit: Fit, covariance: FloatArray) -> Fit:
-    return replace(fit, covariance=covariance)
+def _left_open(linear: LinearFit, columns: IntArray) -> FloatArray:
+    coefficients = slice(len(linear.theta) - sum(linear.sizes), None)
+    common = linear.covariance[columns][:, coefficients]
+    added: FloatArray = common @ np.linalg.solve(linear.covariance[coefficients, coefficients], common.T)
+    return added
+
+
+def _covered(fit: Fit, added: FloatArray) -> Fit:
+    return replace(fit, covariance=fit.covariance + added)

@@ -6,6 +6,7 @@ from typing import Literal
 
 from procedures.arrays import FloatArray
 from procedures.calibration import Fits
+from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.evidence import Evidence
 from procedures.effects.effect import Kind
 from procedures.solution import Solution
@@ -19,7 +20,8 @@ class Finding:
     """An effect found: its coefficients by key with 1 sigma, in ``unit``, and how sure its name is.
 
     ``aliases`` could take its place; ``separate_by`` is the measurement that would tell. ``log_p`` is adjusted for
-    all that was tried; ``gain`` is what rows left out gained by it (ln predictive density).
+    all that was tried; ``gain`` is what rows left out gained by it (ln predictive density); ``sign_flip_p`` checks
+    it without a distribution (`procedures.diagnosis.sign_flip`), None where signs could not tell.
     """
 
     effect: str
@@ -35,6 +37,7 @@ class Finding:
     log_p: float
     gain: float
     shape: str = ""
+    sign_flip_p: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +66,8 @@ class Errors:
 class Diagnosis:
     """The whole: ``before`` and ``after`` are the fits without and with the effects, with the evidence of each.
 
-    ``log_p`` is the global test's after all accepted effects.
+    ``log_p`` is the global test's after all accepted effects. ``added`` are the effects in the model, ``values``
+    their coefficients (k,) each as they were fitted.
     """
 
     verdict: Verdict
@@ -77,3 +81,5 @@ class Diagnosis:
     solution: Solution
     log_p: float
     next_measurement: str
+    added: tuple[Candidate, ...] = ()
+    values: tuple[FloatArray, ...] = ()

@@ -2,7 +2,7 @@
 
 In every round each candidate is tested beside what was adopted before; the smallest p counts as one of as many as
 were tried (Holm 1979). The winner must improve the rows that were left out in turn, its size must be plausible,
-and no single step may carry it alone. After each adoption those before are tested again, and dropped if the
+no single step may carry it alone, and no other campaign of the unit may speak against it. After each adoption those before are tested again, and dropped if the
 newcomer explains what they did.
 """
 
@@ -14,12 +14,14 @@ import numpy as np
 from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate, usable
 from procedures.diagnosis.evidence import Evidence
+from procedures.diagnosis.groups import campaign_groups
 from procedures.diagnosis.model import LinearFit, Significance, Term, held_out, significance
 
 ESTABLISHED, LIKELY = np.log(0.01), np.log(0.05)  # of the adjusted p
 BEYOND = 5.0  # times its plausible size a coefficient is not believed
 ALONE = np.log(0.05)  # p that must stay whichever step is left out
 GAIN = 0.5  # of log predictive density, below which the left-out rows say neither yes nor no
+AGAINST = -1.0  # of it, below which a whole campaign left out speaks against an effect
 MOST = 8  # effects
 
 
@@ -83,7 +85,12 @@ def next_effect(
         if each.log_p_adjusted >= LIKELY:
             return None
         gain = gain_of(evidence, each.candidate, terms, left_out)
-        if is_plausible(each) and gain > 0 and stands_without_any(evidence, each.candidate, terms, left_out):
+        if (
+            is_plausible(each)
+            and gain > 0
+            and stands_without_any(evidence, each.candidate, terms, left_out)
+            and holds_in_every_campaign(evidence, each.candidate, terms)
+        ):
             return Adopted(each.candidate, each, gain)
     return None
 
@@ -115,6 +122,22 @@ def stands_without_any(
             continue
         without = _dropped(fit, rows)
         if significance(evidence, without).log_p > ALONE:
+            return False
+    return True
+
+
+def holds_in_every_campaign(evidence: Evidence, candidate: Candidate, others: Sequence[Term]) -> bool:
+    """Say whether no campaign speaks against an instrument's effect that the others see without it.
+
+    One that is seen only where the campaigns stand beside each other, as a coefficient of temperature that was
+    steady in each, cannot be foretold from the others, and is not held to that.
+    """
+    if candidate.effect.kind != "instrument":
+        return True
+    fit = candidate.fit(evidence, others)
+    for rows in campaign_groups(evidence):
+        is_seen = significance(evidence, _dropped(fit, rows)).log_p < ALONE
+        if is_seen and gain_of(evidence, candidate, others, [rows]) < AGAINST:
             return False
     return True
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.effect import Seen
-from procedures.frames import nominal_C_lb, vertical_rotation
+from procedures.frames import nominal_C_lb, rotation
 
 
 def slab_C_il(seen: Seen) -> FloatArray:
@@ -23,7 +23,9 @@ def slab_C_il(seen: Seen) -> FloatArray:
             rate = np.radians(seen.omega[nodes] @ C[:, 2])
             seconds = np.gradient(seen.rest_s[nodes])
             heading = np.cumsum(rate * seconds) - rate * seconds / 2
-            C_il[nodes] = C @ np.stack([vertical_rotation(-angle) for angle in heading])
+            about = np.zeros((len(nodes), 3))
+            about[:, 2] = -heading
+            C_il[nodes] = C @ rotation(about)
     return C_il
 
 

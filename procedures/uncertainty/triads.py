@@ -24,6 +24,9 @@ from procedures.uncertainty.temperature import (
 )
 
 
+ROUNDING = 1e-6  # of a variance: two ways to the same covariance differ by less
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Decomposition:
     """A triad's k (3), E (9), D (3) and, by cell, the part that each has in their variances (15,)."""
@@ -81,6 +84,7 @@ def _accelerometer(fits: Fits, joint: JointFit, chain: _Chain, inputs: Inputs) -
     variance = added(
         _spread(through, chain.shares),
         _after_fit(vector, joint, "accelerometer", 1.0),
+        _effects(vector, joint, through),
         {Cell(named.CLOCK): shift**2},
         _temperature("accelerometer", through, chain.temperature),
     )
@@ -109,6 +113,7 @@ def _gyroscope(fits: Fits, accelerometer: _Chain | None, inputs: Inputs) -> Deco
         _spread(through, added(gyroscope_shares(gyroscope, given), extra)),
         tilts,
         _after_fit(vector, joint, "gyroscope", DPH),
+        _effects(vector, joint, through),
         {Cell(named.LATITUDE): (through @ latitude_rows(gyroscope) * inputs.latitude) ** 2},
         {Cell(named.CLOCK): (through @ clock_rows(gyroscope, rate_output) * inputs.clock) ** 2},
         _temperature("gyroscope", through, effect),
@@ -166,6 +171,13 @@ def _after_fit(vector: TriadVector, joint: JointFit, triad: str, per: float) -> 
         Cell(named.WARM_UP, triad): of_bias[1],
         Cell(named.CUBE): skew,
     }
+
+
+def _effects(vector: TriadVector, joint: JointFit, through: FloatArray) -> Shares:
+    """Return what the coefficients of effects in the model leave open: the fit's covariance beyond its own rows'."""
+    fitted = np.einsum("ip,pq,iq->i", vector.jacobian, joint.fit.covariance, vector.jacobian)
+    own = np.sum(through**2, axis=1)
+    return {Cell(named.EFFECTS): np.where(fitted > own * (1 + ROUNDING), fitted - own, 0.0)}
 
 
 def excess_cell_or_none(joint: JointFit, triad: str) -> Cell:

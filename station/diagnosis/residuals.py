@@ -12,7 +12,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.evidence import KINDS, TRIADS, Evidence
-from procedures.diagnosis.model import LinearFit
+from procedures.diagnosis.model import Term
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects import EFFECTS
 from station.diagnosis.coordinates import Coordinate, coordinate_of
@@ -75,9 +75,9 @@ def _first(value: object) -> object:
     return value[0] if isinstance(value, Sequence) and not isinstance(value, str) else value
 
 
-def _panel(evidence: Evidence, finding: Finding, way: Candidate, others: Sequence[object]) -> ResidualPanel:
-    with_it: LinearFit = way.fit(evidence, others)  # type: ignore[arg-type]
-    without: LinearFit = way.without(evidence, others, with_it.factor)  # type: ignore[arg-type]
+def _panel(evidence: Evidence, finding: Finding, way: Candidate, others: Sequence[Term]) -> ResidualPanel:
+    with_it = way.fit(evidence, others)
+    without = way.without(evidence, others, with_it.factor)
     c, _ = with_it.coefficients()
     added = way.term.H @ c
     rows = _telling(evidence, added / evidence.sigma)

@@ -6,7 +6,7 @@ any is outside; else NOT_MEASURED if a limited parameter was not estimated or th
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from fixtures_db.limits import Limit
@@ -48,9 +48,16 @@ class Outcome:
         return int(self.word == "FAIL")
 
 
-def judge(document: Mapping[str, Any], limits: Sequence[Limit]) -> Outcome:
-    """Hold a `solution/1` or `calibration/1` document against limits, one for each axis."""
-    found = parameters(document)
+def judge(
+    document: Mapping[str, Any], limits: Sequence[Limit], std: Mapping[str, float] | None = None
+) -> Outcome:
+    """Hold a `solution/1` or `calibration/1` document against limits, one for each axis.
+
+    ``std`` are combined standard uncertainties by parameter; the document's 1 sigma stands where there is none.
+    """
+    found = {
+        name: replace(one, std=(std or {}).get(name, one.std)) for name, one in parameters(document).items()
+    }
     judged = tuple(_judged(limit, found.get(limit.parameter)) for limit in limits)
     words = [one.word for one in judged]
     word: Word = "FAIL" if "FAIL" in words else "NOT_MEASURED" if "NOT_MEASURED" in words or not words else "PASS"

@@ -73,10 +73,12 @@ def make_results(
     with database.read() as session:
         limits = limits_of(session, loaded.tables.imu.model)
         expired = expired_references(session, str(folder.resolve()))
-    outcome, status_reason = judge(document, limits), "; ".join(expired)
+    budgets = budget(closed.fits)
+    outcome = judge(document, limits, {one.name: one.std for one in budgets})
+    status_reason = "; ".join(expired)
     status: Literal["calibrated", "measured"] = "measured" if expired else "calibrated"
     context = replace(
-        report_context(closed.solution, [loaded.campaign], document, budget(closed.fits)),
+        report_context(closed.solution, [loaded.campaign], document, budgets),
         verdict=outcome.word,
         verdict_reason=outcome.reason,
         truth=truth or {},

@@ -10,6 +10,7 @@ from drivers.simulated.bench import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.calibration import Fits, fit, report
 from procedures.campaign import Campaign, RestRecord
+from procedures.diagnosis.diagnosis import diagnose
 from procedures.earth import DEG_PER_HOUR
 from procedures.frames import AXES
 from procedures.records import RateSeries
@@ -220,3 +221,15 @@ def test_every_axis_of_both_triads_has_a_budget_in_the_units_of_files() -> None:
     assert [units[f"accelerometer.{part}.x"] for part in ("scale_factor", "bias")] == ["count/(g s)", "g"]
     assert [units[f"gyroscope.{part}.{AXES[2]}"] for part in ("scale_factor", "bias")] == ["count/deg", "deg/h"]
     assert units["gyroscope.misalignment.xy"] == "1"
+
+
+def test_effects_in_the_model_are_a_line_of_their_own_and_the_budget_still_adds_up() -> None:
+    warm = {"temperature_rise_k": 6.0, "temperature_tau_s": 900.0, "temperature_swing_k": 2.0}
+    truth = replace(Truth.example(3), **warm, effects={"accelerometer.bias_temperature": {"x": 2e-5, "y": -2e-5}})
+    found = diagnose([simulate_campaign(truth, 3, dwell_s=30.0)])
+    solution = report(found.after)
+    std = dict(zip(solution.names, np.sqrt(np.diag(solution.covariance)), strict=True))
+    budgets = {one.name: one for one in budget(found.after, EXACT)}
+    bias = budgets["accelerometer.bias.x"]
+    assert "effects added" in [part.source for part in bias.contributions]
+    assert all(abs(one.std / std[name] - 1) < 1e-4 for name, one in budgets.items())

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from station import cli
-from tests.station.diagnosis.conftest import Diagnosed
+from tests.station.diagnosis.conftest import Diagnosed, simulated
 
 DATA = Path(os.environ.get("STATION_DATA", Path(__file__).parents[3] / "../shared/data")).resolve()
 
@@ -127,3 +127,18 @@ def test_campaigns_of_two_units_are_not_diagnosed_together(
     (other / "campaign.toml").write_text(text.replace('serial = "SIM-7"', 'serial = "SIM-8"'))
     assert cli.run(["diagnose", str(warmed.folder), "--validate", str(other)]) == 3
     assert "SIM-8" in capsys.readouterr().err
+
+
+def test_another_campaign_is_foretold_by_what_was_found(
+    warmed: Diagnosed, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    planted = {"accelerometer.bias_temperature": {"x": 8e-5, "y": -5e-5, "z": 9e-5}}
+    other = simulated(tmp_path / "other", planted, 13)
+    assert cli.run(["diagnose", str(warmed.folder), "--validate", str(other)]) == 0
+    assert "validation:" in capsys.readouterr().out
+    out = tmp_path / "out.json"
+    assert cli.run(["diagnose", str(warmed.folder), "--validate", str(other), "--json", str(out)]) == 0
+    rows = [row for row in json.loads(out.read_text())["error"] if row["method"] == f"validation: {other}"]
+    row = next(one for one in rows if one["quantity"] == "accelerometer dwells")
+    assert row["after"] < 0.1 * row["before"]
+    assert row["held_out_after"] < 0.1 * row["held_out_before"]
