@@ -107,6 +107,21 @@ class SequenceRecord:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class RateTable:
+    """A turntable's points, in the order they were taken; ``axis`` is the cube's that it turned about.
+
+    ``reference`` (n,) [deg/s], ``output`` (n, 3) of the gyroscopes, nan where absent, per second for counts;
+    ``temperature`` (n,) [degC], nan where unknown.
+    """
+
+    name: str
+    axis: str
+    reference: FloatArray
+    output: FloatArray
+    temperature: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Campaign:
     """One campaign of one unit. ``counts`` says whether the output is counts (else rates).
 
@@ -124,3 +139,4 @@ class Campaign:
     rests: tuple[RestRecord, ...] = ()
     sequences: tuple[SequenceRecord, ...] = ()
     nominal_period: float | None = None
+    rate_tables: tuple[RateTable, ...] = ()

@@ -144,8 +144,9 @@ def simulate_campaign(
     free: Iterable[FloatArray] = (),
     also: Planted = (),
 ) -> Campaign:
-    """Return a whole campaign: dwells, then turns (the six of `turn_steps` unless given), then rests in attitudes
-    ``free``, (3, 3) each, East-North-Up to the cube.
+    """Return a whole campaign: dwells, turns (the six of `turn_steps` unless given), rests in attitudes ``free``.
+
+    Those are (3, 3) each, East-North-Up to the cube.
 
     The campaign states the truth's gravity with ``gravity_std`` [m/s2], its operator sigmas, and, with
     ``certificate_sigma`` [rad], a certificate of all six faces. ``draw_stated``: true gravity is the stated one

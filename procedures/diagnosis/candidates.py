@@ -98,7 +98,7 @@ def grade(evidence: Evidence, effect: Effect) -> float:
     Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades.
     """
     triad = int(effect.name.startswith("gyroscope"))
-    rows = evidence.rows("mean", "norm") & (evidence.triad == triad)
+    rows = evidence.rows("mean", "norm", "rate") & (evidence.triad == triad)
     return max(float(np.median(evidence.sigma[rows])) / GRADE[triad], 1.0) if rows.any() else 1.0
 
 

@@ -11,16 +11,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.calibration import Fits, Reduced, fit_reduced, reduce_steps, report
+from procedures.calibration import fit_reduced, reduce_steps
 from procedures.campaign import Campaign
 from procedures.diagnosis.aliases import takes_its_place
 from procedures.diagnosis.candidates import Candidate, candidates
+from procedures.diagnosis.combined import combined
 from procedures.diagnosis.errors_made import errors_made
 from procedures.diagnosis.faces import faces_as_positions
 from procedures.diagnosis.groups import groups
 from procedures.diagnosis.model import Term, fit_linear, significance
 from procedures.diagnosis.preliminary import preliminary
-from procedures.diagnosis.refit import Refit, refit
+from procedures.diagnosis.rate_tables import RateTables
+from procedures.diagnosis.refit import Refit
 from procedures.diagnosis.result import Confidence, Diagnosis, Finding, Test, Verdict
 from procedures.diagnosis.selection import (
     ESTABLISHED,
@@ -34,9 +36,11 @@ from procedures.diagnosis.selection import (
     try_all,
 )
 from procedures.diagnosis.sign_flip import TOLD, sign_flip_p
+from procedures.diagnosis.subject import Bench, Subject
 from procedures.diagnosis.unexplained import excess, log_p_of
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
+from procedures.errors import NotObservable
 
 UNEXPLAINED = np.log(0.01)
 LEFT = np.log(
@@ -52,8 +56,7 @@ Pool = Mapping[str, Sequence[Candidate]]
 class _State:
     """Where the loop stands."""
 
-    steps: Reduced
-    base: Fits
+    subject: Subject
     adopted: tuple[Adopted, ...]
     now: Refit
     pool: Pool
@@ -69,13 +72,34 @@ def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS)
     Raises
     ------
     NotObservable
-        If neither triad can be solved.
+        If neither triad can be solved, and no rate table's sensor either.
     """
+    tables = RateTables.of(campaigns)
+    if tables is None:
+        return _of_steps(campaigns, effects)
+    of_tables = _closed(tables, effects)
+    try:
+        return combined(_of_steps(campaigns, effects), of_tables)
+    except NotObservable:
+        return of_tables
+
+
+def _of_steps(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagnosis:
+    """Diagnose dwells, turns and rests, put right first where that is no matter of a linear model."""
     found_before = preliminary([faces_as_positions(campaign) for campaign in campaigns])
     effects = [effect for effect in effects if effect.name not in found_before.settled]
     steps = reduce_steps(found_before.campaigns)
-    base = fit_reduced(steps)
-    state = first = _stand(steps, base, (), effects)
+    found = _closed(Bench(steps, fit_reduced(steps)), effects)
+    findings = (*found_before.findings, *found.findings)
+    return replace(
+        found, verdict=_verdict(findings, found.log_p), findings=findings,
+        tried=(*found_before.tests, *found.tried), next_measurement=_next(findings),
+    )  # fmt: skip
+
+
+def _closed(subject: Subject, effects: Sequence[Effect]) -> Diagnosis:
+    """Add effects to a base model, one at a time, until nothing is left that any of them would explain."""
+    state = first = _stand(subject, (), effects)
     tried = list[Tried]()
     for _ in range(MOST):
         found = try_all(state.now.evidence, state.pool, state.adopted)
@@ -83,26 +107,25 @@ def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS)
         new = next_effect(state.now.evidence, found, state.adopted, groups(state.now.evidence))
         if new is None:
             break
-        state = _stand(steps, base, (*state.adopted, new), effects)
+        both = (*state.adopted, new)
+        state = replace(state, adopted=both) if new.candidate.is_of_model else _stand(subject, both, effects)
         state = _dropped(state, effects)
     state = _honest(state, effects)
     state, findings = _named(state, len(first.pool), effects)
-    findings = (*found_before.findings, *findings)
     left = _left(state)
-    solution_before, solution = report(base), report(state.now.fits)
     return Diagnosis(
-        _verdict(findings, left), findings, (*found_before.tests, *(_test(each) for each in tried)),
-        errors_made(first.now.evidence, state.now, groups(first.now.evidence)), base, state.now.fits,
-        state.now.evidence, solution_before, solution, left, _next(findings),
+        _verdict(findings, left), findings, tuple(_test(each) for each in tried),
+        errors_made(first.now.evidence, state.now, groups(first.now.evidence)), first.now.fits,
+        state.now.fits, state.now.evidence, subject.report(first.now), subject.report(state.now), left, _next(findings),
         tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
     )  # fmt: skip
 
 
-def _stand(steps: Reduced, base: Fits, adopted: Sequence[Adopted], effects: Sequence[Effect]) -> _State:
+def _stand(subject: Subject, adopted: Sequence[Adopted], effects: Sequence[Effect]) -> _State:
     """Solve with what was adopted and look again at everything from there."""
-    now = refit(steps, base, [each.candidate for each in adopted])
+    now = subject.refit([each.candidate for each in adopted])
     pool = candidates(now.evidence, now.fits, effects)
-    return _State(steps, base, tuple(_found_again(each, pool) for each in adopted), now, pool)
+    return _State(subject, tuple(_found_again(each, pool) for each in adopted), now, pool)
 
 
 def _found_again(adopted: Adopted, pool: Pool) -> Adopted:
@@ -122,7 +145,7 @@ def _dropped(state: _State, effects: Sequence[Effect]) -> _State:
         )
         if test.log_p + np.log(len(state.pool)) > LIKELY:
             kept = [other for other in state.adopted if other is not each]
-            return _stand(state.steps, state.base, kept, effects)
+            return _stand(state.subject, kept, effects)
     return state
 
 
@@ -143,7 +166,7 @@ def _honest(state: _State, effects: Sequence[Effect]) -> _State:
         if not wanting:
             break
         worst = min(wanting, key=lambda each: each[0])[1]
-        state = _stand(state.steps, state.base, [each for each in state.adopted if each is not worst], effects)
+        state = _stand(state.subject, [each for each in state.adopted if each is not worst], effects)
     return state
 
 
@@ -159,7 +182,7 @@ def _named(state: _State, tried: int, effects: Sequence[Effect]) -> tuple[_State
     """Name every finding, or the group it cannot be told from."""
     renamed = tuple(_renamed(state, each) for each in state.adopted)
     if any(new.candidate is not old.candidate for new, old in zip(renamed, state.adopted, strict=True)):
-        state = _stand(state.steps, state.base, _once(renamed), effects)
+        state = _stand(state.subject, _once(renamed), effects)
     return state, tuple(_finding(state, each, tried) for each in state.adopted)
 
 
@@ -186,7 +209,7 @@ def _others(state: _State, finding: Candidate) -> list[Candidate]:
 
 
 def _holds(other: Candidate, finding: Candidate) -> bool:
-    """Say whether the model holds another effect at its prior already, so that it is beside the finding as it is."""
+    """Say whether the model holds another effect at its prior already: then it is beside the finding anyway."""
     return other.tied and finding.effect.kind != "bench"
 
 

@@ -25,7 +25,7 @@ from procedures.hand_turns import GyroscopeFit
 from procedures.twelve_position import JointFit, RestFit
 
 TRIADS = ("accelerometer", "gyroscope")
-KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior")
+KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,8 +1,8 @@
 """Rests on known faces at unknown headings, where a campaign has no positions, as the accelerometers see them.
 
-To accelerometers a heading matters only through the slab's tilt, which the model holds within its range anyway: each
-rest is taken at its face's first position. The gyroscopes' horizontal Earth rate does hang on the heading, so their
-outputs are left out.
+To accelerometers a heading matters only through the slab's tilt, which the model holds within its range anyway:
+each rest is taken at its face's first position. The gyroscopes' horizontal Earth rate does hang on the heading, so
+their outputs are left out.
 """
 
 from dataclasses import replace

@@ -171,7 +171,7 @@ class Places:
         C_in = campaign.fixture.C_ib @ C_bl @ rotation(about)
         samples = np.asarray(channel(series, "gyroscope"), dtype=np.float64)
         rate = bins.mean(samples) / (series.period if isinstance(series, CountSeries) else 1.0)
-        omega = np.linalg.solve(K, (rate - b).T).T
+        omega: FloatArray = np.linalg.solve(K, (rate - b).T).T.astype(np.float64)
         return self._part(campaign, step, bins, C_in @ up, omega, C_in @ magnetic)
 
     def _part(

@@ -45,8 +45,8 @@ def refit(steps: Reduced, base: Fits, added: Sequence[Candidate]) -> Refit:
     fits = base
     for _ in range(ROUNDS):
         evidence = evidence_of(fits)
-        terms, offsets = _terms(evidence, added, values)
-        evidence = _corrected(evidence, terms, values, offsets)
+        terms, offsets = terms_at(evidence, added, values)
+        evidence = beyond_linear(evidence, terms, values, offsets)
         linear = fit_linear(evidence, terms)
         found = [linear.coefficients(i) for i in range(len(terms))]
         moved = [
@@ -69,8 +69,8 @@ def refit_with(
     for _ in range(GIVEN_ROUNDS if added else 0):
         fits = fit_reduced(_without(steps, fits, evidence_of(fits), added, values))
     evidence = evidence_of(fits)
-    terms, beyond = _terms(evidence, added, values)
-    left = _corrected(evidence, terms, values, beyond)
+    terms, beyond = terms_at(evidence, added, values)
+    left = beyond_linear(evidence, terms, values, beyond)
     off = sum((term.H @ c for term, c in zip(terms, values, strict=True)), np.zeros(len(left.residual)))
     left = replace(left, residual=left.residual - off)
     return Refit(fits, left, fit_linear(left, []), (), ())
@@ -84,7 +84,7 @@ def same_way(candidate: Candidate, evidence: Evidence) -> Columns:
     raise LookupError(f"{candidate.effect.name} no longer acts as {candidate.columns.where}")
 
 
-def _terms(
+def terms_at(
     evidence: Evidence, added: Sequence[Candidate], values: Sequence[FloatArray]
 ) -> tuple[list[Term], list[FloatArray]]:
     """Return every effect's columns at its coefficients, and what it adds beyond these times them (n,)."""
@@ -111,7 +111,7 @@ def _bent(
     return Columns(("",), gyro=total[:, :, None]), replace(columns, gyro=change)
 
 
-def _corrected(
+def beyond_linear(
     evidence: Evidence, terms: Sequence[Term], values: Sequence[FloatArray], beyond: Sequence[FloatArray]
 ) -> Evidence:
     """Return the residual as if only what is beyond linear had been taken off.
@@ -119,7 +119,7 @@ def _corrected(
     Means, totals and norms come from a fit to rates less the whole effect; slopes and curvatures are as measured.
     """
     residual = evidence.residual.copy()
-    taken_off = evidence.rows("mean", "turn", "norm")
+    taken_off = evidence.rows("mean", "turn", "norm", "rate")
     for term, c, more in zip(terms, values, beyond, strict=True):
         residual += np.where(taken_off, term.H @ c, -more)
     return replace(evidence, residual=residual)
@@ -130,7 +130,7 @@ def _without(
 ) -> Reduced:
     """Return the steps less what the effects added to them."""
     off: dict[tuple[int, str], list[FloatArray]] = {}
-    parts = [_part(candidate, evidence, c) for candidate, c in zip(added, values, strict=True)]
+    parts = [part_of(candidate, evidence, c) for candidate, c in zip(added, values, strict=True)]
     for each in evidence.weights:
         kind = KINDS[evidence.kind[each.rows.start]]
         sums = [part[each.triad] for part in parts]
@@ -150,7 +150,7 @@ def _without(
     return replace(steps, accel=accel, gyro=gyro, rests=rests, turns=turns)
 
 
-def _part(candidate: Candidate, evidence: Evidence, c: FloatArray) -> tuple[FloatArray | None, FloatArray | None]:
+def part_of(candidate: Candidate, evidence: Evidence, c: FloatArray) -> tuple[FloatArray | None, FloatArray | None]:
     """Return what an effect adds at the nodes (n, 3) [g] and [deg/s]."""
     columns = same_way(candidate, evidence)
     exact, _ = _bent(candidate, columns, evidence, c)

@@ -22,6 +22,7 @@ BEYOND = 5.0  # times its plausible size a coefficient is not believed
 ALONE = np.log(0.05)  # p that must stay whichever step is left out
 GAIN = 0.5  # of log predictive density, below which the left-out rows say neither yes nor no
 AGAINST = -1.0  # of it, below which a whole campaign left out speaks against an effect
+UNUSED = 0.5 * np.log(2)  # of it, what a coefficient of nought costs where one of two equal campaigns is left out
 MOST = 8  # effects
 
 
@@ -134,10 +135,10 @@ def holds_in_every_campaign(evidence: Evidence, candidate: Candidate, others: Se
     """
     if candidate.effect.kind != "instrument":
         return True
-    fit = candidate.fit(evidence, others)
+    fit, against = candidate.fit(evidence, others), AGAINST - UNUSED * len(candidate.term.plausible)
     for rows in campaign_groups(evidence):
         is_seen = significance(evidence, _dropped(fit, rows)).log_p < ALONE
-        if is_seen and gain_of(evidence, candidate, others, [rows]) < AGAINST:
+        if is_seen and gain_of(evidence, candidate, others, [rows]) < against:
             return False
     return True
 

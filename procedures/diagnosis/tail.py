@@ -4,7 +4,7 @@ Large effects underflow to p = 0, and of several zeros the first in the alphabet
 """
 
 import numpy as np
-from scipy.special import betaln, gammaincc, gammaln, hyp2f1
+from scipy.special import betainc, betaln, gammaincc, gammaln, hyp2f1
 
 FAR = 1e-200  # below which the leading terms are used
 MANY = 1e6  # degrees of freedom beyond which a variance is known
@@ -26,12 +26,16 @@ def log_chi2_sf(chi2: float, k: float) -> float:
 def log_f_sf(f: float, k: int, dof: float) -> float:
     """Return ln P(F > f) for k and dof degrees of freedom; chi-square / k where dof is infinite.
 
-    P = I_x(dof/2, k/2) at x = dof / (dof + k f), by its hypergeometric series (Abramowitz and Stegun 26.5.23).
+    P = I_x(dof/2, k/2) at x = dof / (dof + k f), far out by its hypergeometric series (Abramowitz and Stegun
+    26.5.23).
     """
     if dof > MANY:
         return log_chi2_sf(k * f, k)
     if f <= 0:
         return 0.0
     a, b, x = dof / 2, k / 2, dof / (dof + k * f)
+    p = float(betainc(a, b, x))
+    if p > FAR:
+        return float(np.log(p))
     series = float(np.log(hyp2f1(a + b, 1.0, a + 1, x)))
     return float(min(a * np.log(x) + b * np.log1p(-x) - np.log(a) - betaln(a, b) + series, 0.0))

@@ -23,7 +23,6 @@ from procedures.uncertainty.temperature import (
     temperature_effect,
 )
 
-
 ROUNDING = 1e-6  # of a variance: two ways to the same covariance differ by less
 
 
@@ -174,7 +173,7 @@ def _after_fit(vector: TriadVector, joint: JointFit, triad: str, per: float) -> 
 
 
 def _effects(vector: TriadVector, joint: JointFit, through: FloatArray) -> Shares:
-    """Return what the coefficients of effects in the model leave open: the fit's covariance beyond its own rows'."""
+    """Return what the coefficients of effects leave open: the fit's covariance beyond that of its own rows."""
     fitted = np.einsum("ip,pq,iq->i", vector.jacobian, joint.fit.covariance, vector.jacobian)
     own = np.sum(through**2, axis=1)
     return {Cell(named.EFFECTS): np.where(fitted > own * (1 + ROUNDING), fitted - own, 0.0)}

@@ -46,7 +46,7 @@ def diagnosis_document(
 
 
 def finding_document(finding: Finding) -> dict[str, Any]:
-    """Return a finding; ``log10_p`` is adjusted for all that was tried."""
+    """Return a finding; ``log10_p`` is adjusted for all that was tried, ``sign_flip_p`` needs no distribution."""
     value, std = np.atleast_1d(finding.value), np.atleast_1d(finding.std)
     known = np.isfinite(value) & np.isfinite(std)
     return {
@@ -64,6 +64,7 @@ def finding_document(finding: Finding) -> dict[str, Any]:
         "separate_by": finding.separate_by,
         "log10_p": float(finding.log_p) / log(10),
         **({"shape": finding.shape} if finding.shape else {}),
+        **({} if finding.sign_flip_p is None else {"sign_flip_p": float(finding.sign_flip_p)}),
     }
 
 

@@ -56,6 +56,8 @@ def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
     lines = [f"{number}. {finding['effect']} ({finding['kind']}){f', {where}' if where else ''}"]
     p = f"; p {p_text(finding['log10_p'])} over all that was tried" if "log10_p" in finding else ""
     lines += _fold(f"{SURE[finding['confidence']]}{p}", "   ")
+    if (p_flip := finding.get("sign_flip_p")) is not None:
+        lines.append(f"   with signs flipped at random as large in {p_flip:.2g} of all draws")
     if (angle := finding.get("levelling_deg")) is not None:
         along = [f"{degrees(c['value']):.2f} along {n[-1]}" for n, c in finding["coefficients"].items()]
         lines.append(f"   the vertical stands {angle:.2f} deg off the face: {', '.join(along)}")

@@ -1,0 +1,110 @@
+"""The points of turntables: what was turned, what each sensor put out, in blocks, and the noise of a point.
+
+A sensor is taken in where a table turns about its own axis: elsewhere its scale factor is unknown. Noise is judged
+by second differences of points of equal rate in three neighbouring sweeps, in which what goes evenly with time
+cancels, and by their median, which a few jumps do not move; of a table that repeats no rate, by those of three
+neighbours' residual.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.campaign import Campaign
+from procedures.frames import AXES
+
+BLOCKS = 9
+LEAST_POINTS = 4 * BLOCKS  # of a table worth cutting into blocks
+LEAST_TRIPLES = 8  # second differences that a median is taken of
+SAME_RATE = 1e-4  # of the largest, within which two points have the same
+MAD = 1.482602  # 1 sigma over the median of absolute deviations, of a normal distribution
+EXACT = 1e-9  # of the largest output: noise that no table is below
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Points:
+    """All tables' n points, and the r outputs read there.
+
+    ``omega`` (n, 3) [deg/s] in IMU axes, ``temperature`` (n,) [degC], ``block`` (n,); ``blocks`` holds of each its
+    table's name, number in the table and campaign. ``at`` (r,) is an output's point, ``sensor`` (r,) its sensor,
+    ``output`` (r,) what was read. ``parameters`` (p, 2): sensor, and the axis turned about or -1 for the bias.
+    """
+
+    omega: FloatArray
+    temperature: FloatArray
+    block: IntArray
+    blocks: tuple[tuple[str, int, int], ...]
+    at: IntArray
+    sensor: IntArray
+    output: FloatArray
+    parameters: IntArray
+
+    def design(self) -> FloatArray:
+        """Return (r, p): what a unit of each parameter adds to each output."""
+        found = np.zeros((len(self.output), len(self.parameters)))
+        for i, (sensor, axis) in enumerate(self.parameters):
+            rows = self.sensor == sensor
+            found[rows, i] = 1.0 if axis < 0 else self.omega[self.at[rows], axis]
+        return found
+
+    def scale(self, x: FloatArray) -> FloatArray:
+        """Return the scale factor (3,) [output/(deg/s)] of the sensors for parameters x; nan of one not taken in."""
+        k = np.full(3, np.nan)
+        for sensor in np.unique(self.sensor):
+            rates = (self.parameters[:, 0] == sensor) & (self.parameters[:, 1] >= 0)
+            own = rates & (self.parameters[:, 1] == sensor)
+            k[sensor] = np.sign(x[own][0]) * np.linalg.norm(x[rates])
+        return k
+
+
+def read_points(campaigns: Sequence[Campaign]) -> Points | None:
+    """Return the points of one unit's tables; None if no sensor's own axis was turned about."""
+    tables = [(n, table) for n, each in enumerate(campaigns) for table in each.rate_tables]
+    tables = [(n, table) for n, table in tables if len(table.reference) >= LEAST_POINTS]
+    if not tables:
+        return None
+    axes = [campaigns[n].fixture.C_ib[:, AXES.index(table.axis)] for n, table in tables]
+    output = np.concatenate([table.output for _, table in tables])
+    omega = np.concatenate([table.reference[:, None] * axis for (_, table), axis in zip(tables, axes, strict=True)])
+    read = np.isfinite(output)
+    turned = np.abs(omega) > 0
+    own = np.sum(read & turned, axis=0) >= LEAST_POINTS // 2
+    at, sensor = np.nonzero(read & own)
+    if not len(at):
+        return None
+    named = [(q, p) for q in np.flatnonzero(own) for p in range(3) if (read[:, q] & turned[:, p]).any()]
+    named += [(q, -1) for q in np.flatnonzero(own)]
+    cut = [np.repeat(np.arange(BLOCKS), [len(b) for b in np.array_split(t.reference, BLOCKS)]) for _, t in tables]
+    block = np.concatenate([BLOCKS * i + part for i, part in enumerate(cut)])
+    blocks = tuple((table.name, i + 1, n) for n, table in tables for i in range(BLOCKS))
+    temperature = np.concatenate([table.temperature for _, table in tables])
+    return Points(omega, temperature, block, blocks, at, sensor, output[at, sensor], np.array(named))
+
+
+def noise_of(points: Points, residual: FloatArray) -> FloatArray:
+    """Return the noise (r,) [output] of an output, one a sensor; ``residual`` (r,) is what a line leaves."""
+    found = np.empty(len(residual))
+    for sensor in np.unique(points.sensor):
+        rows = np.flatnonzero(points.sensor == sensor)
+        differences = _of_equal_rates(points, rows)
+        if len(differences) < LEAST_TRIPLES:
+            differences = _second(residual[rows])
+        sigma = MAD * float(np.median(np.abs(differences))) or float(np.std(differences))
+        found[rows] = max(sigma, EXACT * float(np.max(np.abs(points.output[rows]))))
+    return found
+
+
+def _of_equal_rates(points: Points, rows: IntArray) -> FloatArray:
+    """Return second differences of one sensor's outputs (r,) at equal rates, in the order of the file."""
+    omega = points.omega[points.at[rows]]
+    same = np.round(omega / (SAME_RATE * np.max(np.abs(omega)))).astype(np.int64)
+    _, group = np.unique(same, axis=0, return_inverse=True)
+    parts = [_second(points.output[rows[group == number]]) for number in range(group.max() + 1)]
+    return np.concatenate(parts)
+
+
+def _second(values: FloatArray) -> FloatArray:
+    found: FloatArray = (values[:-2] - 2 * values[1:-1] + values[2:]) / np.sqrt(6)
+    return found

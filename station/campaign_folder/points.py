@@ -1,0 +1,23 @@
+"""A turntable's points in memory."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from procedures.campaign import RateTable
+from station.campaign_folder.loaded import LoadedStep
+from station.campaign_folder.schema import RateTable as RateStep
+
+GYROSCOPES = ("gx", "gy", "gz")
+
+
+def rate_tables(steps: Sequence[LoadedStep]) -> tuple[RateTable, ...]:
+    """Return the turntable steps."""
+    return tuple(_rate_table(step, step.table) for step in steps if isinstance(step.table, RateStep))
+
+
+def _rate_table(step: LoadedStep, table: RateStep) -> RateTable:
+    reference = step.points["rate_ref_deg_s"]
+    absent = np.full(len(reference), np.nan)
+    output = np.stack([step.points.get(name, absent) for name in GYROSCOPES], axis=1)
+    return RateTable(table.file, table.axis, reference, output, step.points.get("temp_c", absent))
