@@ -34,8 +34,12 @@ class Fit:
 
     @property
     def leverage(self) -> FloatArray:
-        """Share (n,) of each row's variance that the fit absorbs: the residual's variance is one less that."""
-        absorbed: FloatArray = np.einsum("ni,ij,nj->n", self.jacobian, self.covariance, self.jacobian)
+        """Share (n,) of each row's variance that the fit absorbs: the residual's variance is one less that.
+
+        By its own rows: the covariance may hold more, such as what effects beside the model leave open.
+        """
+        Q = np.linalg.qr(self.jacobian / np.linalg.norm(self.jacobian, axis=0))[0]
+        absorbed: FloatArray = np.sum(Q**2, axis=1)
         return absorbed
 
 
