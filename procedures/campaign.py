@@ -107,6 +107,19 @@ class SequenceRecord:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class SoakRecord:
+    """A long rest while temperature or an auxiliary channel moves.
+
+    In a position 1..12, or 0: then with the face ``up`` (``x_up`` ...), or None: at an attitude unknown.
+    """
+
+    name: str
+    position: int
+    up: str | None
+    series: Series
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class RateTable:
     """A turntable's points, in the order they were taken; ``axis`` is the cube's that it turned about.
 
@@ -140,3 +153,4 @@ class Campaign:
     sequences: tuple[SequenceRecord, ...] = ()
     nominal_period: float | None = None
     rate_tables: tuple[RateTable, ...] = ()
+    soaks: tuple[SoakRecord, ...] = ()

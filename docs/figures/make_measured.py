@@ -48,7 +48,7 @@ def draw_fog() -> Figure:
     for axes, (title, names) in zip(panels, STAGES, strict=True):
         residual, seen = left_by(campaign, names)
         dots = axes.scatter(seen.omega[:, 2], residual, c=seen.temperature, s=4, cmap="plasma", rasterized=True)
-        axes.set_title(f"{title}: {np.std(residual):.3g} deg/s rms", fontsize=8.5, loc="left")
+        axes.set_title(f"{title}\n{np.std(residual):.3g} deg/s rms", fontsize=8.5, loc="left")
         axes.set_xlabel("rate [deg/s]")
     panels[0].set_ylabel("residual [deg/s]")
     figure.colorbar(dots, ax=panels[-1], label="temperature [degC]")

@@ -14,7 +14,7 @@ WEAKEST_LAST: tuple[Verdict, ...] = ("consistent", "established", "likely", "amb
 
 def combined(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
     """Return the bench's diagnosis with what the tables found; fits and evidence are the bench's."""
-    findings = _told_once(bench.findings, [_of_table(each, tables) for each in tables.findings])
+    findings = _told_once(bench.findings, tables.findings)
     verdict = max((bench.verdict, tables.verdict), key=WEAKEST_LAST.index)
     next_measurement = "; ".join(filter(None, (bench.next_measurement, tables.next_measurement)))
     return replace(
@@ -24,9 +24,13 @@ def combined(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
     )  # fmt: skip
 
 
-def _of_table(finding: Finding, tables: Diagnosis) -> Finding:
+def with_files(tables: Diagnosis) -> Diagnosis:
+    """Return a diagnosis of rate tables whose findings say which files they are of."""
     names = [table.name for each in tables.before.campaigns for table in each.rate_tables]
-    return replace(finding, where={**finding.where, "file": names[0] if len(names) == 1 else names})
+    where = {"file": names[0] if len(names) == 1 else names}
+    return replace(
+        tables, findings=tuple(replace(each, where={**each.where, **where}) for each in tables.findings)
+    )
 
 
 def _told_once(bench: Sequence[Finding], tables: Sequence[Finding]) -> tuple[Finding, ...]:

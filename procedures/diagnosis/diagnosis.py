@@ -6,7 +6,7 @@ until nothing significant, plausible and foretelling is left; then every finding
 its place, and the whole against noise.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,14 +15,15 @@ from procedures.calibration import fit_reduced, reduce_steps
 from procedures.campaign import Campaign
 from procedures.diagnosis.aliases import takes_its_place
 from procedures.diagnosis.candidates import Candidate, candidates
-from procedures.diagnosis.combined import combined
+from procedures.diagnosis.combined import combined, with_files
 from procedures.diagnosis.errors_made import errors_made
 from procedures.diagnosis.faces import faces_as_positions
 from procedures.diagnosis.groups import groups
-from procedures.diagnosis.model import Term, fit_linear, significance
+from procedures.diagnosis.model import Term, fit_linear, held_out, significance
 from procedures.diagnosis.preliminary import preliminary
 from procedures.diagnosis.rate_tables import RateTables
-from procedures.diagnosis.refit import Refit
+from procedures.diagnosis.refit import Refit, terms_at
+from procedures.diagnosis.repeats import std_of_repeats
 from procedures.diagnosis.result import Confidence, Diagnosis, Finding, Test, Verdict
 from procedures.diagnosis.selection import (
     ESTABLISHED,
@@ -77,7 +78,7 @@ def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS)
     tables = RateTables.of(campaigns)
     if tables is None:
         return _of_steps(campaigns, effects)
-    of_tables = _closed(tables, effects)
+    of_tables = with_files(_closed(tables, effects))
     try:
         return combined(_of_steps(campaigns, effects), of_tables)
     except NotObservable:
@@ -109,14 +110,15 @@ def _closed(subject: Subject, effects: Sequence[Effect]) -> Diagnosis:
             break
         both = (*state.adopted, new)
         state = replace(state, adopted=both) if new.candidate.is_of_model else _stand(subject, both, effects)
-        state = _dropped(state, effects)
+        state = _dropped(_best_bent(state, effects), effects)
     state = _honest(state, effects)
     state, findings = _named(state, len(first.pool), effects)
     left = _left(state)
     return Diagnosis(
         _verdict(findings, left), findings, tuple(_test(each) for each in tried),
         errors_made(first.now.evidence, state.now, groups(first.now.evidence)), first.now.fits,
-        state.now.fits, state.now.evidence, subject.report(first.now), subject.report(state.now), left, _next(findings),
+        state.now.fits, state.now.evidence, subject.report(first.now), subject.report(state.now), left,
+        _next(findings),
         tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
     )  # fmt: skip
 
@@ -125,7 +127,20 @@ def _stand(subject: Subject, adopted: Sequence[Adopted], effects: Sequence[Effec
     """Solve with what was adopted and look again at everything from there."""
     now = subject.refit([each.candidate for each in adopted])
     pool = candidates(now.evidence, now.fits, effects)
-    return _State(subject, tuple(_found_again(each, pool) for each in adopted), now, pool)
+    found = [_found_again(each, pool) for each in adopted]
+    return _State(subject, tuple(_bent(found, now)), now, pool)
+
+
+def _bent(adopted: Sequence[Adopted], now: Refit) -> Iterator[Adopted]:
+    """Yield effects that are not linear with their columns at the coefficients found."""
+    values = iter(now.values)
+    for each in adopted:
+        candidate = each.candidate
+        value = None if candidate.is_of_model else next(values)
+        if value is not None and candidate.effect.added is not None:
+            (term,), _ = terms_at(now.evidence, [candidate], [value])
+            each = replace(each, candidate=replace(candidate, term=term))
+        yield each
 
 
 def _found_again(adopted: Adopted, pool: Pool) -> Adopted:
@@ -180,7 +195,7 @@ def _explained(state: _State, candidate: Candidate) -> float:
 
 def _named(state: _State, tried: int, effects: Sequence[Effect]) -> tuple[_State, tuple[Finding, ...]]:
     """Name every finding, or the group it cannot be told from."""
-    renamed = tuple(_renamed(state, each) for each in state.adopted)
+    renamed = tuple(_renamed(state, each, effects) for each in state.adopted)
     if any(new.candidate is not old.candidate for new, old in zip(renamed, state.adopted, strict=True)):
         state = _stand(state.subject, _once(renamed), effects)
     return state, tuple(_finding(state, each, tried) for each in state.adopted)
@@ -213,35 +228,63 @@ def _holds(other: Candidate, finding: Candidate) -> bool:
     return other.tied and finding.effect.kind != "bench"
 
 
-def _renamed(state: _State, adopted: Adopted) -> Adopted:
+def _renamed(state: _State, adopted: Adopted, effects: Sequence[Effect]) -> Adopted:
     """Return a finding under its group's name: the bench's, the procedure's, or what foretells best."""
     group = [adopted.candidate, *_others(state, adopted.candidate)]
     evidence, beside, left_out = state.now.evidence, state.beside(adopted.candidate), groups(state.now.evidence)
     rank = min(RANK[each.effect.kind] for each in group)
     if RANK[adopted.candidate.effect.kind] == rank and rank != RANK["instrument"]:
         return adopted
-    gains = [gain_of(evidence, each, beside, left_out) for each in group]
-    ranked = [each for each in zip(group, gains, strict=True) if RANK[each[0].effect.kind] == rank]
+    group = [each for each in group if RANK[each.effect.kind] == rank]
+    if any(each.effect.added for each in group):
+        gains = [_exact_gain(state, adopted, each, effects) for each in group]
+    else:
+        gains = [gain_of(evidence, each, beside, left_out) for each in group]
+    ranked = list(zip(group, gains, strict=True))
     best, order = max(gain for _, gain in ranked), list(state.pool)
     close = (each for each in ranked if each[1] > best - GAIN)
     named = min(close, key=lambda each: order.index(each[0].effect.name))
     return replace(adopted, candidate=named[0], gain=named[1]) if named[0] is not adopted.candidate else adopted
 
 
+def _exact_gain(state: _State, adopted: Adopted, instead: Candidate, effects: Sequence[Effect]) -> float:
+    """Return how well the left-out rows are foretold with another effect in the place of one, bent as it is."""
+    others = [each for each in state.adopted if each is not adopted]
+    there = _stand(state.subject, [*others, replace(adopted, candidate=instead)], effects)
+    fit = fit_linear(there.now.evidence, there.beside(), factor=state.now.linear.factor)
+    return held_out(there.now.evidence, fit, groups(there.now.evidence))[0]
+
+
+def _best_bent(state: _State, effects: Sequence[Effect]) -> _State:
+    """Settle at once which of a group it is, where one is not linear: they leave different residuals."""
+    if not state.adopted:
+        return state
+    last = state.adopted[-1]
+    group = [last.candidate, *_others(state, last.candidate)]
+    if not any(each.effect.added for each in group):
+        return state
+    renamed = _renamed(state, last, effects)
+    return state if renamed is last else _stand(state.subject, (*state.adopted[:-1], renamed), effects)
+
+
 def _finding(state: _State, adopted: Adopted, tried: int) -> Finding:
     candidate, evidence = adopted.candidate, state.now.evidence
     beside = state.beside(candidate)
-    test = significance(evidence, candidate.fit(evidence, beside))
+    fit, left_out = candidate.fit(evidence, beside), groups(evidence)
+    test = significance(evidence, fit)
     log_p = min(test.log_p + np.log(tried), 0.0)
-    gain = gain_of(evidence, candidate, beside, groups(evidence))
+    gain = gain_of(evidence, candidate, beside, left_out)
     aliases = tuple(dict.fromkeys(each.effect.name for each in _others(state, candidate)))
     flipped = sign_flip_p(evidence, candidate, beside)
     is_sure = log_p < ESTABLISHED and gain > GAIN and (flipped is None or flipped <= TOLD)
     confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
     effect, columns = candidate.effect, candidate.columns
-    value, std = (test.value, test.std) if effect.shown is None else effect.shown(test.value, test.std)
+    told = candidate.term.H.any(axis=0)
+    value, std = test.value, np.maximum(test.std, std_of_repeats(evidence, fit, left_out))
+    value, std = (value, std) if effect.shown is None else effect.shown(value, std)
+    names = tuple(np.array(columns.coefficients)[told].tolist())
     return Finding(
-        effect.name, effect.kind, columns.coefficients, value, std, columns.unit or effect.unit,
+        effect.name, effect.kind, names, value[told], std[told], columns.unit or effect.unit,
         _where(state, candidate), confidence, aliases, effect.separate_by, log_p, gain, columns.shape, flipped,
     )  # fmt: skip
 

@@ -14,6 +14,7 @@ SHOWN = (
     ("mean", "dwells", "g", 1.0, "deg/h", 3600.0),
     ("turn", "turns", "", 0.0, "deg", 1.0),
     ("norm", "rests", "g", 1.0, "", 0.0),
+    ("soak", "soaks", "g", 1.0, "deg/h", 3600.0),
     ("rate", "rate points", "", 0.0, "deg/s", 1.0),
 )
 

@@ -12,6 +12,7 @@ Within a dwell the rate's slope and curvature are rows as well: the model says t
 drift and temperature show nowhere better.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -20,12 +21,13 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration import Fits
 from procedures.diagnosis.nodes import Part, Places, iterate_dwells, joined, on_face
+from procedures.diagnosis.soaks import SoakBlock, soaks_seen
 from procedures.effects.effect import Columns, Seen, SeenStep
 from procedures.hand_turns import GyroscopeFit
 from procedures.twelve_position import JointFit, RestFit
 
 TRIADS = ("accelerometer", "gyroscope")
-KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate")
+KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate", "soak")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,6 +52,7 @@ class Evidence:
     ``triad`` is 0 or 1 (`TRIADS`), ``kind`` the number in `KINDS`, ``step`` that of ``seen.steps``, -1 of priors,
     ``axis`` the sensor. ``is_range`` marks priors that only keep a parameter in bounds. ``x`` (p,) is where the
     model was linearised; ``columns_of`` says for each triad which columns of A its fit's parameters are.
+    ``noise_dof`` are the degrees of freedom behind sigma, infinite where it is as good as known.
     """
 
     residual: FloatArray
@@ -64,6 +67,7 @@ class Evidence:
     columns_of: tuple[IntArray, IntArray]
     weights: tuple[Weights, ...]
     seen: Seen
+    noise_dof: float = np.inf
 
     def column(self, columns: Columns) -> FloatArray:
         """Return H (n, k): what a unit of each coefficient adds to every row."""
@@ -87,11 +91,15 @@ class Evidence:
 
 
 class _Builder:
-    """Collects rows and nodes of both triads; ``columns_of`` each are the columns of A of a triad's parameters."""
+    """Collects rows and nodes of both triads; ``columns_of`` each are the columns of A of a triad's parameters.
 
-    def __init__(self, columns_of: tuple[IntArray, IntArray]) -> None:
+    ``own`` columns more follow, for what belongs to single steps.
+    """
+
+    def __init__(self, columns_of: tuple[IntArray, IntArray], own: int) -> None:
         self.columns_of = columns_of
-        self.width = 1 + max((int(c.max()) for c in columns_of if len(c)), default=-1)
+        self.first_own = 1 + max((int(c.max()) for c in columns_of if len(c)), default=-1)
+        self.width = self.first_own + own
         self.parts: list[Part] = []
         self.numbers: dict[SeenStep, int] = {}
         self.blocks: list[_Block] = []
@@ -108,10 +116,12 @@ class _Builder:
         return number, slice(begin, begin + len(self.parts[number].t))
 
     def add(self, residual: FloatArray, sigma: FloatArray, jacobian: FloatArray, triad: int, kind: str,
-            step: int = -1, is_range: BoolArray | None = None) -> slice:  # fmt: skip
-        """Take in rows; return where they stand."""
+            step: int = -1, is_range: BoolArray | None = None, own: int | None = None) -> slice:  # fmt: skip
+        """Take in rows; return where they stand. ``own`` is the first of three own columns, a constant each."""
         A = np.zeros((len(residual), self.width))
         np.add.at(A.T, self.columns_of[triad][: jacobian.shape[1]], jacobian.T)
+        if own is not None:
+            A[:, self.first_own + own : self.first_own + own + 3] = -np.eye(3)
         is_range = np.zeros(len(residual), dtype=bool) if is_range is None else is_range
         self.blocks.append(_Block(residual, sigma, A, triad, KINDS.index(kind), step, is_range))
         self.count += len(residual)
@@ -182,7 +192,9 @@ def _columns(fits: Fits) -> tuple[tuple[IntArray, IntArray], FloatArray]:
 def evidence_of(fits: Fits) -> Evidence:
     """Return the rows of both triads, of those that are solved."""
     columns_of, x = _columns(fits)
-    builder, places = _Builder(columns_of), Places(fits)
+    places = Places(fits)
+    soaks = soaks_seen(fits, places)
+    builder = _Builder(columns_of, 3 * len(soaks))
     if fits.accelerometer is not None:
         _dwells(builder, fits, places, fits.accelerometer, 0)
         if fits.accelerometer.rests is not None:
@@ -192,7 +204,8 @@ def evidence_of(fits: Fits) -> Evidence:
         _dwells(builder, fits, places, fits.gyroscope.joint, 1)
         _turns(builder, places, fits.gyroscope)
         _priors(builder, fits.gyroscope.joint, 1, 3 * len(fits.gyroscope.turns))
-    found = builder.evidence(x)
+    _soaks(builder, soaks)
+    found = builder.evidence(np.concatenate((x, np.zeros(builder.width - builder.first_own))))
     return _at_one_bench(found, fits)
 
 
@@ -261,6 +274,16 @@ def _rests(builder: _Builder, fits: Fits, places: Places, joint: JointFit, found
         )  # fmt: skip
         size = nodes.stop - nodes.start
         builder.weigh(nodes, np.full(size, 1 / size), at, 0, (found.up[i] @ inverse)[None])
+
+
+def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) -> None:
+    """Take in every block of each soak and triad, beside a constant of its own."""
+    for number, (triad, blocks) in enumerate(soaks):
+        for block in blocks:
+            step, nodes = builder.nodes(block.part)
+            size, which = nodes.stop - nodes.start, TRIADS.index(triad)
+            at = builder.add(block.residual, block.sigma, np.zeros((3, 1)), which, "soak", step, own=3 * number)
+            builder.weigh(nodes, np.full(size, 1 / size), at, which)
 
 
 def _turns(builder: _Builder, places: Places, gyroscope: GyroscopeFit) -> None:

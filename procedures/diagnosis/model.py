@@ -6,7 +6,7 @@ a variance of its own: that of counting noise, unless the rows scatter by more t
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -188,3 +188,19 @@ def held_out(evidence: Evidence, fit: LinearFit, groups: Sequence[IntArray]) -> 
         spread = np.sum(vectors**2 / values, axis=1)
         errors[rows] = np.where(spread < 100, vectors @ (turned / values), np.nan)
     return total, errors
+
+
+def without_rows(fit: LinearFit, rows: IntArray) -> LinearFit:
+    """Return a fit without some rows: its normal equations less theirs."""
+    keep = np.ones(len(fit.Q), dtype=bool)
+    keep[rows] = False
+    design = fit.Q[keep]
+    Q, R = np.linalg.qr(design)
+    step = np.linalg.solve(R @ fit.R, Q.T @ fit.whole[keep])
+    return replace(fit, Q=_spread(Q, keep), R=R @ fit.R, theta=fit.theta - step)
+
+
+def _spread(Q: FloatArray, keep: BoolArray) -> FloatArray:
+    wide = np.zeros((len(keep), Q.shape[1]))
+    wide[keep] = Q
+    return wide

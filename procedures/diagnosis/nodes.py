@@ -141,13 +141,19 @@ class Places:
         self.gyro = fits.gyroscope.joint if fits.gyroscope is not None else None
 
     def rest(
-        self, number: int, step: SeenStep, series: Series, C_in: FloatArray | None, f: FloatArray | None = None
+        self,
+        number: int,
+        step: SeenStep,
+        series: Series,
+        C_in: FloatArray | None,
+        f: FloatArray | None = None,
+        nodes: int = DWELL_NODES,
     ) -> Part:
         """Return a step at rest; ``C_in`` (3, 3) takes East-North-Up to the IMU's axes, where that is known.
 
         ``f`` (3,) [g] is the specific force in IMU axes where the attitude is not.
         """
-        campaign, bins = self.campaigns[number], Bins.equal(series, DWELL_NODES)
+        campaign, bins = self.campaigns[number], Bins.equal(series, nodes)
         n = len(bins.edges) - 1
         up, earth, magnetic = _site_vectors(campaign)
         unknown = np.full(3, np.nan)

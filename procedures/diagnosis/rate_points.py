@@ -20,6 +20,7 @@ LEAST_POINTS = 4 * BLOCKS  # of a table worth cutting into blocks
 LEAST_TRIPLES = 8  # second differences that a median is taken of
 SAME_RATE = 1e-4  # of the largest, within which two points have the same
 MAD = 1.482602  # 1 sigma over the median of absolute deviations, of a normal distribution
+DOF = 0.37 / 1.94  # a difference: the efficiency of that median over what neighbours have in common (2/3, 1/6)
 EXACT = 1e-9  # of the largest output: noise that no table is below
 
 
@@ -50,7 +51,7 @@ class Points:
         return found
 
     def scale(self, x: FloatArray) -> FloatArray:
-        """Return the scale factor (3,) [output/(deg/s)] of the sensors for parameters x; nan of one not taken in."""
+        """Return the scale factor (3,) [output/(deg/s)] for parameters x; nan of a sensor not taken in."""
         k = np.full(3, np.nan)
         for sensor in np.unique(self.sensor):
             rates = (self.parameters[:, 0] == sensor) & (self.parameters[:, 1] >= 0)
@@ -67,7 +68,9 @@ def read_points(campaigns: Sequence[Campaign]) -> Points | None:
         return None
     axes = [campaigns[n].fixture.C_ib[:, AXES.index(table.axis)] for n, table in tables]
     output = np.concatenate([table.output for _, table in tables])
-    omega = np.concatenate([table.reference[:, None] * axis for (_, table), axis in zip(tables, axes, strict=True)])
+    omega = np.concatenate(
+        [table.reference[:, None] * axis for (_, table), axis in zip(tables, axes, strict=True)]
+    )
     read = np.isfinite(output)
     turned = np.abs(omega) > 0
     own = np.sum(read & turned, axis=0) >= LEAST_POINTS // 2
@@ -83,9 +86,12 @@ def read_points(campaigns: Sequence[Campaign]) -> Points | None:
     return Points(omega, temperature, block, blocks, at, sensor, output[at, sensor], np.array(named))
 
 
-def noise_of(points: Points, residual: FloatArray) -> FloatArray:
-    """Return the noise (r,) [output] of an output, one a sensor; ``residual`` (r,) is what a line leaves."""
-    found = np.empty(len(residual))
+def noise_of(points: Points, residual: FloatArray) -> tuple[FloatArray, float]:
+    """Return the noise (r,) [output] of an output, one a sensor, and its degrees of freedom.
+
+    ``residual`` (r,) is what a line leaves.
+    """
+    found, dof = np.empty(len(residual)), np.inf
     for sensor in np.unique(points.sensor):
         rows = np.flatnonzero(points.sensor == sensor)
         differences = _of_equal_rates(points, rows)
@@ -93,7 +99,8 @@ def noise_of(points: Points, residual: FloatArray) -> FloatArray:
             differences = _second(residual[rows])
         sigma = MAD * float(np.median(np.abs(differences))) or float(np.std(differences))
         found[rows] = max(sigma, EXACT * float(np.max(np.abs(points.output[rows]))))
-    return found
+        dof = min(dof, DOF * len(differences))
+    return found, dof
 
 
 def _of_equal_rates(points: Points, rows: IntArray) -> FloatArray:

@@ -38,6 +38,7 @@ class RateTables:
     campaigns: tuple[Campaign, ...]
     points: Points
     noise: FloatArray
+    noise_dof: float
     x: FloatArray
     added: FloatArray
     inside: FloatArray
@@ -49,15 +50,16 @@ class RateTables:
         if points is None:
             return None
         design = points.design()
-        x = np.linalg.lstsq(design, points.output, rcond=None)[0]
+        x = np.asarray(np.linalg.lstsq(design, points.output, rcond=None)[0], dtype=np.float64)
         nothing = np.zeros_like(points.omega)
-        return cls(tuple(campaigns), points, noise_of(points, points.output - design @ x), x, nothing, nothing)
+        return cls(tuple(campaigns), points, *noise_of(points, points.output - design @ x), x, nothing, nothing)
 
     def fitted(self, added: FloatArray, inside: FloatArray) -> Self:
         """Return the linear model fitted to the outputs less what effects ``added`` (n, 3)."""
         p, scale = self.points, self.points.scale(self.x)
         less = p.output - added[p.at, p.sensor] * scale[p.sensor]
-        x = np.linalg.lstsq(p.design() / self.noise[:, None], less / self.noise, rcond=None)[0]
+        white = p.design() / self.noise[:, None]
+        x = np.asarray(np.linalg.lstsq(white, less / self.noise, rcond=None)[0], dtype=np.float64)
         return replace(self, x=x, added=added, inside=inside)
 
     def evidence(self) -> Evidence:
@@ -74,6 +76,7 @@ class RateTables:
         return Evidence(
             residual, self.noise / abs(k), -design / k[:, None], GYROSCOPE * whole, KINDS.index("rate") * whole,
             p.block[p.at], p.sensor, np.zeros(r, dtype=bool), self.x, columns, weights, self._seen(),
+            self.noise_dof,
         )  # fmt: skip
 
     def _seen(self) -> Seen:

@@ -61,9 +61,7 @@ def refit(steps: Reduced, base: Fits, added: Sequence[Candidate]) -> Refit:
     return Refit(_with_covariance(fits, evidence, linear), evidence, linear, tuple(values), covariances)
 
 
-def refit_with(
-    steps: Reduced, base: Fits, added: Sequence[Candidate], values: Sequence[FloatArray]
-) -> Refit:
+def refit_with(steps: Reduced, base: Fits, added: Sequence[Candidate], values: Sequence[FloatArray]) -> Refit:
     """Solve everything but the coefficients: they are ``values``, of effects found elsewhere."""
     fits = base
     for _ in range(GIVEN_ROUNDS if added else 0):
@@ -150,7 +148,9 @@ def _without(
     return replace(steps, accel=accel, gyro=gyro, rests=rests, turns=turns)
 
 
-def part_of(candidate: Candidate, evidence: Evidence, c: FloatArray) -> tuple[FloatArray | None, FloatArray | None]:
+def part_of(
+    candidate: Candidate, evidence: Evidence, c: FloatArray
+) -> tuple[FloatArray | None, FloatArray | None]:
     """Return what an effect adds at the nodes (n, 3) [g] and [deg/s]."""
     columns = same_way(candidate, evidence)
     exact, _ = _bent(candidate, columns, evidence, c)

@@ -2,8 +2,9 @@
 
 In every round each candidate is tested beside what was adopted before; the smallest p counts as one of as many as
 were tried (Holm 1979). The winner must improve the rows that were left out in turn, its size must be plausible,
-no single step may carry it alone, and no other campaign of the unit may speak against it. After each adoption those before are tested again, and dropped if the
-newcomer explains what they did.
+no single step may carry it alone, the sweeps of a rate table must repeat it, and no other campaign of the unit may
+speak against it. After each adoption those before are tested again, and dropped if the newcomer explains what they
+did.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,11 +12,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.arrays import FloatArray, IntArray
+from procedures.arrays import IntArray
 from procedures.diagnosis.candidates import Candidate, usable
 from procedures.diagnosis.evidence import Evidence
 from procedures.diagnosis.groups import campaign_groups
-from procedures.diagnosis.model import LinearFit, Significance, Term, held_out, significance
+from procedures.diagnosis.model import Significance, Term, held_out, significance, without_rows
+from procedures.diagnosis.repeats import log_p_of_repeats
 
 ESTABLISHED, LIKELY = np.log(0.01), np.log(0.05)  # of the adjusted p
 BEYOND = 5.0  # times its plausible size a coefficient is not believed
@@ -65,10 +67,10 @@ def try_all(
             best = int(np.argmin([test.log_p for test in tests]))
             found.append(Tried(free[best], tests[best], min(tests[best].log_p + np.log(len(tests)), 0.0)))
     found.sort(key=lambda each: each.log_p)
-    return _adjusted(found)
+    return holm(found)
 
 
-def _adjusted(found: Sequence[Tried]) -> list[Tried]:
+def holm(found: Sequence[Tried]) -> list[Tried]:
     """Return Holm's adjusted p of a sorted list."""
     worst, adjusted = -np.inf, list[Tried]()
     for i, each in enumerate(found):
@@ -89,6 +91,7 @@ def next_effect(
         if (
             is_plausible(each)
             and gain > 0
+            and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < LIKELY
             and stands_without_any(evidence, each.candidate, terms, left_out)
             and holds_in_every_campaign(evidence, each.candidate, terms)
         ):
@@ -121,7 +124,7 @@ def stands_without_any(
     for rows in left_out:
         if not evidence.is_data[rows[0]]:
             continue
-        without = _dropped(fit, rows)
+        without = without_rows(fit, rows)
         if significance(evidence, without).log_p > ALONE:
             return False
     return True
@@ -137,23 +140,7 @@ def holds_in_every_campaign(evidence: Evidence, candidate: Candidate, others: Se
         return True
     fit, against = candidate.fit(evidence, others), AGAINST - UNUSED * len(candidate.term.plausible)
     for rows in campaign_groups(evidence):
-        is_seen = significance(evidence, _dropped(fit, rows)).log_p < ALONE
+        is_seen = significance(evidence, without_rows(fit, rows)).log_p < ALONE
         if is_seen and gain_of(evidence, candidate, others, [rows]) < against:
             return False
     return True
-
-
-def _dropped(fit: LinearFit, rows: IntArray) -> LinearFit:
-    """Return a fit without some rows: its normal equations less theirs."""
-    keep = np.ones(len(fit.Q), dtype=bool)
-    keep[rows] = False
-    design = fit.Q[keep]
-    Q, R = np.linalg.qr(design)
-    step = np.linalg.solve(R @ fit.R, Q.T @ fit.whole[keep])
-    return replace(fit, Q=_spread(Q, keep), R=R @ fit.R, theta=fit.theta - step)
-
-
-def _spread(Q: FloatArray, keep: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> FloatArray:
-    wide = np.zeros((len(keep), Q.shape[1]))
-    wide[keep] = Q
-    return wide

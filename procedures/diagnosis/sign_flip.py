@@ -1,17 +1,19 @@
-"""A check of a finding that assumes no distribution: what signs of whole steps' residuals turned at random make of it.
+"""A check of a finding that assumes no distribution: the signs of whole steps' residuals are turned at random.
 
-Without the effect a step's residual would as soon have had the other sign. Each step's rows, and each thing stated,
-keep or change their sign together, so that whatever noise the rows of a step share stays shared. The statistic is
-the score of the effect's columns as far as the model leaves them (Hemerik, Goeman, Finos 2020, effective scores),
+Without the effect a step's residual would as soon have had the other sign. The rows of a step keep or change their
+sign together, and each thing stated by itself, so that whatever noise a step's rows share stays shared. The
+statistic is the score of the effect's columns as far as the model leaves them (Hemerik, Goeman and Finos 2020,
+effective scores),
 
     T = H' G r,    V = H' G (1 - P) G H,    T' V^-1 T
 
-with r = (1 - P) y the whitened residual without the effect, H = (1 - P) H too, G the signs. V is what T scatters by
-under G: a fit with few rows to spare makes them dependent, and without V turned signs would look too quiet.
+with r = (1 - P) y the whitened residual without the effect, H = (1 - P) H too, G the signs. V is what T scatters
+by under G: a fit with few rows to spare makes them dependent, and without V turned signs would look too quiet.
 
-An effect that acts in a few steps only, or of which the model leaves little, looks much the same whatever the signs.
-So the same is done to noise of the known size with the effect as found in it: where that is not told from its
-flips either, they say nothing.
+An effect that acts in a few steps only, or of which the model leaves little, looks much the same whatever the
+signs. So the same is done to noise of the known size with the effect as found in it: where that is not told from
+its flips either, they say nothing. Where they could tell and do not (p > 0.05), the finding rests on the noise
+being what was assumed, or on a few steps: it stays, as the other tests bear it out, but as likely at best.
 """
 
 from collections.abc import Sequence

@@ -4,9 +4,10 @@ Large effects underflow to p = 0, and of several zeros the first in the alphabet
 """
 
 import numpy as np
-from scipy.special import betainc, betaln, gammaincc, gammaln, hyp2f1
+from scipy.special import betainc, betaln, gammaincc, gammaln
 
 FAR = 1e-200  # below which the leading terms are used
+ENOUGH = 40  # -ln of the last term of a series
 MANY = 1e6  # degrees of freedom beyond which a variance is known
 
 
@@ -37,5 +38,6 @@ def log_f_sf(f: float, k: int, dof: float) -> float:
     p = float(betainc(a, b, x))
     if p > FAR:
         return float(np.log(p))
-    series = float(np.log(hyp2f1(a + b, 1.0, a + 1, x)))
-    return float(min(a * np.log(x) + b * np.log1p(-x) - np.log(a) - betaln(a, b) + series, 0.0))
+    i = np.arange(int(ENOUGH / (1 - x)))
+    series = 1 + float(np.sum(np.cumprod((a + b + i) / (a + 1 + i) * x)))
+    return float(a * np.log(x) + b * np.log1p(-x) - np.log(a) - betaln(a, b) + np.log(series))

@@ -10,7 +10,7 @@ import numpy as np
 
 from procedures.diagnosis.evidence import KINDS, Evidence
 from procedures.diagnosis.model import LinearFit, Term, classes, fit_linear
-from procedures.diagnosis.tail import log_chi2_sf
+from procedures.diagnosis.tail import log_f_sf
 
 ABSORBED = 0.02  # a row of which the fit leaves less is the fit's, not the data's
 LEAST = 2.0  # degrees of freedom of a class worth testing
@@ -33,9 +33,10 @@ def log_p_of(evidence: Evidence, fit: LinearFit) -> float:
         clear = rows & (free > ABSORBED)
         if dof < LEAST or not clear.any():
             continue
-        found.append(log_chi2_sf(float(np.sum(fit.white[rows] ** 2)), max(round(dof), 1)))
+        k = max(round(dof), 1)
+        found.append(log_f_sf(float(np.sum(fit.white[rows] ** 2)) / k, k, evidence.noise_dof))
         worst = float(np.max(fit.white[clear] ** 2 / free[clear]))
-        found.append(log_chi2_sf(worst, 1) + np.log(clear.sum()))
+        found.append(log_f_sf(worst, 1, evidence.noise_dof) + np.log(clear.sum()))
     return min(min(found) + np.log(len(found)), 0.0) if found else 0.0
 
 

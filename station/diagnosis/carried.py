@@ -12,7 +12,12 @@ SURE = ("established", "likely")
 
 def carried_effects(findings: Sequence[Finding]) -> tuple[Mapping[str, Any], ...]:
     """Return ``effects`` of `calibration/1`: name, coefficients, unit and, where they vanish at one, reference."""
-    return tuple(_carried(each) for each in findings if each.kind == "instrument" and each.confidence in SURE)
+    return tuple(_carried(each) for each in findings if is_of_unit(each) and each.confidence in SURE)
+
+
+def is_of_unit(finding: Finding) -> bool:
+    """Say whether a finding is one of the instrument in the solution; one of a rate table's file is beside it."""
+    return finding.kind == "instrument" and "file" not in finding.where
 
 
 def _carried(finding: Finding) -> Mapping[str, Any]:

@@ -12,7 +12,7 @@ from procedures.diagnosis.result import Diagnosis
 from procedures.solution import Solution
 from station.campaign_folder import LoadedCampaign
 from station.campaign_folder.toml_text import read_text_file
-from station.diagnosis.carried import SURE, carried_effects
+from station.diagnosis.carried import SURE, carried_effects, is_of_unit
 from station.diagnosis.document import diagnosis_document, reference_solution
 from station.errors import DataRefused
 
@@ -52,7 +52,7 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     """
     found = diagnose([one.campaign for one in campaigns])
     document = diagnosis_document(found, campaigns)
-    if any(each.kind == "instrument" and each.confidence not in SURE for each in found.findings):
+    if any(is_of_unit(each) and each.confidence not in SURE for each in found.findings):
         return ClosedLoop(found, document, found.before, found.solution_before, ())
     reference = reference_solution(found.solution, found.findings)
     solution = replace(found.solution, reference_temperature=reference)

@@ -137,6 +137,11 @@ file = "rates.csv"
     assert [(rest.name, rest.up) for rest in loaded.campaign.rests] == [("a.csv", "x_up"), ("b.csv", None)]
     assert [sequence.name for sequence in loaded.campaign.sequences] == ["c.csv"]
     assert loaded.steps[-2].points["gz"].tolist() == [-100.25, 99.0]
+    (table,), (soak,) = loaded.campaign.rate_tables, loaded.campaign.soaks
+    assert (table.name, table.axis, table.reference.tolist()) == ("rates.csv", "z", [1.5, -1.5])
+    assert table.output[:, 2].tolist() == [-100.25, 99.0]
+    assert np.isnan(table.output[:, :2]).all()
+    assert (soak.name, soak.position, soak.up, len(soak.series)) == ("d.csv", 3, None, 1)
 
 
 def test_a_period_off_its_nominal_warns_and_then_is_refused_by_solve(folder: Path) -> None:

@@ -1,0 +1,149 @@
+"""Turntables in the diagnosis: simulated tables with effects planted, and the measured one of a real FOG."""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.campaign import Campaign, Fixture, RateTable, Site
+from procedures.diagnosis.diagnosis import diagnose
+from procedures.diagnosis.result import Diagnosis, Finding
+from procedures.errors import NotObservable
+from tests.procedures.diagnosis.planted import planted
+
+DATA = Path(os.environ.get("STATION_DATA", Path(__file__).parents[3] / "../shared/data")).resolve()
+SITE = Site(0.7, 9.8, 1e-3)
+RATES = np.concatenate((np.arange(0, 101, 5), -np.arange(0, 101, 5)))
+SWEEPS, NOISE = 9, 2e-3  # deg/s
+NONLINEAR = {"gyroscope.scale_nonlinearity", "gyroscope.sagnac_sine"}
+
+
+def table(seed: int, cubic: float = 0.0, warm: float = 0.0, axis: str = "z", k: float = -2e4) -> RateTable:
+    """Return a table of one sensor: cubic [ppm/(deg/s)^2] and scale factor by temperature [ppm/K]."""
+    rng = np.random.default_rng(seed)
+    u = np.tile(RATES, SWEEPS)
+    T = 40 + 10 * np.linspace(0, 1, len(u)) ** 0.7
+    rate = (u + 0.01 + 1e-6 * cubic * u**3) * (1 + 1e-6 * warm * (T - 25)) + NOISE * rng.standard_normal(len(u))
+    output = np.full((len(u), 3), np.nan)
+    output[:, "xyz".index(axis)] = k * rate
+    return RateTable(f"rates_{axis}.csv", axis, u, output, T)
+
+
+def campaign(*tables: RateTable) -> Campaign:
+    return Campaign("A", "1", False, SITE, (), (), rate_tables=tables)
+
+
+def found(diagnosis: Diagnosis, *names: str) -> Finding:
+    return next(each for each in diagnosis.findings if each.effect in names)
+
+
+@pytest.mark.parametrize("k", [-2e4, 5.0])
+def test_nonlinearity_then_temperature_come_out_within_their_own_sigma(k: float) -> None:
+    errors = list[float]()
+    for seed in range(4):
+        diagnosis = diagnose([campaign(table(seed, cubic=-2.0, warm=-400.0, k=k))])
+        assert [each.effect for each in diagnosis.findings][1:] == ["gyroscope.scale_temperature"]
+        first, warm = found(diagnosis, *NONLINEAR), found(diagnosis, "gyroscope.scale_temperature")
+        assert {first.effect, *first.aliases} == NONLINEAR
+        assert (first.coefficients, warm.coefficients) == (("z",), ("z",))
+        assert warm.confidence == "established"
+        assert diagnosis.log_p > np.log(1e-3)
+        errors.append(float((warm.value[0] + 400) / warm.std[0]))
+        if first.effect == "gyroscope.scale_nonlinearity":
+            errors.append(float((first.value[0] + 2.0) / first.std[0]))
+    assert 0.3 < np.std(errors) < 1.6
+    assert np.max(np.abs(errors)) < 4
+
+
+def test_a_sine_far_along_its_arc_is_no_cubic() -> None:
+    plain, s = table(3), 5e-3  # rad/(deg/s): half a radian at the highest rate
+    bent = np.sin(s * plain.reference) / s - plain.reference
+    output = plain.output - 2e4 * bent[:, None]
+    diagnosis = diagnose([campaign(replace(plain, output=output))])
+    (sine,) = diagnosis.findings
+    assert (sine.effect, sine.aliases, sine.confidence) == ("gyroscope.sagnac_sine", (), "established")
+    assert abs(sine.value[0] - s) < 4 * sine.std[0]
+    assert diagnosis.log_p > np.log(1e-3)
+
+
+def test_before_the_nonlinearity_is_in_temperature_shows_nothing_but_after_it_does() -> None:
+    diagnosis = diagnose([campaign(table(3, cubic=-2.0, warm=-10.0))])
+    tried = {each.effect: each for each in diagnosis.tried}  # those of the first round
+    assert tried["gyroscope.scale_temperature"].log_p_adjusted > np.log(0.05)
+    assert "gyroscope.scale_temperature" in [each.effect for each in diagnosis.findings]
+
+
+def test_tables_with_nothing_in_them_name_nothing() -> None:
+    named = [diagnose([campaign(table(seed))]) for seed in range(30)]
+    assert sum(bool(each.findings) for each in named) <= 2
+    assert sum(each.verdict == "unexplained" for each in named) <= 2
+
+
+def test_what_the_sweeps_do_not_repeat_is_no_structure() -> None:
+    claimed = 0
+    for seed in range(12):
+        rng = np.random.default_rng(100 + seed)
+        plain = table(seed)
+        sweep = np.repeat(np.arange(SWEEPS), len(RATES))
+        own = 1e-4 * rng.standard_normal((SWEEPS, 1, 3))[sweep, 0]  # an error of each sweep by itself, to |u|
+        clean = replace(plain, output=plain.output * (1 + own * np.sign(plain.reference)[:, None]))
+        claimed += bool(diagnose([campaign(clean)]).findings)
+    assert claimed <= 2
+
+
+def test_three_axes_and_a_turned_mounting_keep_their_sensors_apart() -> None:
+    tables = [table(i, cubic=-2.0 if axis == "x" else 0.0, axis=axis) for i, axis in enumerate("xyz")]
+    diagnosis = diagnose([campaign(*tables)])
+    first = found(diagnosis, *NONLINEAR)
+    assert first.coefficients == ("x", "y", "z")
+    size, std = np.abs(first.value), first.std
+    if first.effect == "gyroscope.sagnac_sine":  # what is fitted is its square
+        size, std = size**2, (size + std) ** 2 - size**2
+    assert size[0] > 20 * std[0]
+    assert np.all(size[1:] < 4 * std[1:])
+    turned = Fixture(C_ib=np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]))
+    mounted = replace(campaign(replace(table(5, cubic=-2.0, axis="x"), axis="z")), fixture=turned)
+    assert found(diagnose([mounted]), *NONLINEAR).coefficients == ("x",)
+
+
+def test_a_table_that_moves_no_sensor_about_its_own_axis_is_not_diagnosed() -> None:
+    with pytest.raises(NotObservable):
+        diagnose([campaign(replace(table(1), axis="x"))])
+
+
+def test_beside_dwells_both_are_told_and_the_table_by_its_file() -> None:
+    bench = planted(4, {"fixture.face_tilt": {"x_up.y": 1e-3}})
+    alone, diagnosis = (diagnose([replace(bench, rate_tables=t)]) for t in ((), (table(2, cubic=-2.0),)))
+    names = [each.effect for each in diagnosis.findings]
+    assert names[:-1] == [each.effect for each in alone.findings] != []
+    assert found(diagnosis, *NONLINEAR).where == {"file": "rates_z.csv"}
+    assert {"accelerometer dwells", "gyroscope rate points"} <= {each.quantity for each in diagnosis.errors}
+    assert diagnosis.solution.accelerometer is not None
+
+
+def measured() -> Diagnosis:
+    """Return the diagnosis of a real FOG's table, heated while it was turned."""
+    folder = DATA / "measured/fog_rate_temperature"
+    if not folder.is_dir():
+        pytest.skip(f"no shared data at {DATA}: set STATION_DATA")
+    points = np.genfromtxt(folder / "rates.csv", delimiter=",", names=True)
+    output = np.full((len(points), 3), np.nan)
+    output[:, 2] = points["gz"]
+    return diagnose([campaign(RateTable("rates.csv", "z", points["rate_ref_deg_s"], output, points["temp_c"]))])
+
+
+def test_the_measured_fog_is_nonlinear_then_warm_and_nothing_more() -> None:
+    diagnosis = measured()
+    assert [each.effect for each in diagnosis.findings][1:] == ["gyroscope.scale_temperature"]
+    first, warm = diagnosis.findings
+    assert {first.effect, *first.aliases} == NONLINEAR
+    assert (first.confidence, warm.confidence, diagnosis.verdict) == ("ambiguous", "established", "ambiguous")
+    (error,) = diagnosis.errors
+    ppm = 1e6 / np.degrees(2.639)
+    assert 11_800 < error.before * ppm < 11_880
+    assert 150 < error.after * ppm < 171
+    assert error.held_out_after is not None
+    assert 175 < error.held_out_after * ppm < 195
+    assert np.radians(error.held_out_after) <= 4.8e-4

@@ -1,0 +1,79 @@
+import numpy as np
+
+from drivers.simulated.bench import simulate_campaign
+from procedures.calibration import Fits, Reduced, fit_reduced, reduce_steps
+from procedures.diagnosis.candidates import Candidate, candidates
+from procedures.diagnosis.evidence import evidence_of
+from procedures.diagnosis.refit import Refit, refit, refit_with
+from procedures.effects import EFFECTS
+from tests.benchmarks.diagnosing.designs import unit
+
+SIZES = {"accelerometer.quadratic": {"x": 8e-5, "z": -5e-5}, "gyroscope.g_sensitivity": {"xy": 0.8, "zz": -0.5}}
+SMALL = 0.1  # sigma: noise is the same draw with the effects in and without
+
+
+def prepared(effects: dict[str, dict[str, float]]) -> tuple[Reduced, Fits, list[Candidate]]:
+    """A unit on a cube whose faces are stated; equal but for the effects, to the last draw."""
+    steps = reduce_steps(
+        [simulate_campaign(unit(2, effects=effects), 2, certificate_sigma=5e-6, draw_stated=False)]
+    )
+    base = fit_reduced(steps)
+    pool = candidates(evidence_of(base), base, EFFECTS)
+    return steps, base, [pool[name][0] for name in SIZES]
+
+
+def both(fits: Fits) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """The parameters of each triad and their sigma."""
+    assert fits.accelerometer
+    assert fits.gyroscope
+    joints = (fits.accelerometer, fits.gyroscope.joint)
+    return tuple((joint.fit.x, np.sqrt(np.diag(joint.fit.covariance))) for joint in joints)
+
+
+def solved(effects: dict[str, dict[str, float]]) -> Refit:
+    return refit(*prepared(effects))
+
+
+def test_an_effect_that_was_planted_is_returned_and_the_parameters_are_the_clean_units() -> None:
+    found, clean = solved(SIZES), solved({})
+    for i, name in enumerate(SIZES):
+        value, std = found.values[i] - clean.values[i], np.sqrt(np.diag(found.covariances[i]))
+        keys = "xyz" if len(value) == 3 else [a + b for a in "xyz" for b in "xyz"]
+        expected = np.array([SIZES[name].get(key, 0.0) for key in keys])
+        assert np.max(np.abs(expected) / std) > 20
+        assert np.max(np.abs(value - expected) / std) < 3 * SMALL, name
+    for (now, std), (then, _) in zip(both(found.fits), both(clean.fits), strict=True):
+        k, b = slice(0, 9), slice(9, 12)
+        assert np.max(np.abs(now - then)[k] / std[k]) < 3 * SMALL
+        assert np.max(np.abs(now - then)[b] / std[b]) < 3 * SMALL
+
+
+def test_the_base_fit_alone_is_many_sigma_off() -> None:
+    """What the test above would not see is not there to be seen."""
+    (_, planted, _), (_, clean, _) = prepared(SIZES), prepared({})
+    for (now, std), (then, _) in zip(both(planted), both(clean), strict=True):
+        assert np.max(np.abs(now - then)[:12] / std[:12]) > 5
+
+
+def test_the_parameters_sigma_grows_by_what_the_coefficients_leave_open() -> None:
+    steps, base, added = prepared({})
+    for (_, wide), (_, narrow) in zip(both(refit(steps, base, added).fits), both(base), strict=True):
+        assert np.min(wide / narrow) > 0.95  # a class that is widened in one only
+        assert np.max(wide / narrow) > 1.2
+
+
+def test_without_effects_it_is_the_base_fit_to_the_last_bit() -> None:
+    steps, base, _ = prepared(SIZES)
+    assert refit(steps, base, []).fits is base
+    assert refit_with(steps, base, [], []).fits is base
+
+
+def test_given_coefficients_take_off_what_fitted_ones_do() -> None:
+    steps, base, added = prepared(SIZES)
+    free = refit(steps, base, added)
+    given = refit_with(steps, base, added, free.values)
+    for (now, std), (then, _) in zip(both(given.fits), both(free.fits), strict=True):
+        assert np.max(np.abs(now - then) / std) < SMALL
+    data = given.evidence.is_data
+    off = given.linear.white * given.linear.factor - free.linear.white * free.linear.factor
+    assert np.max(np.abs(off[data])) < SMALL
