@@ -27,6 +27,8 @@ FREE_FRAME = (
     "rotation of the frame (no face known; E of the accelerometers is lower triangular: x along sensor x, "
     "y in the plane of sensors x and y)"
 )
+ROOM = (1.0, 0.999, 0.99, 0.97, 0.9, 0.7, 0.0)  # of what the triads have in common, tried in turn
+ROUNDING = 1e-9  # of a correlation matrix's least eigenvalue
 DOUBTFUL = 0.01  # p-value of the global test below which the sigmas are said to be in doubt
 
 
@@ -168,8 +170,22 @@ def joint_covariance(
     if fits.accelerometer is not None and fits.accelerometer.bench.skew_known():  # gyroscopes may see it
         given = fits.accelerometer.fit.covariance[shared, shared]
     regression = gyro.jacobian @ own[:, shared] @ np.linalg.pinv(given, hermitian=True)
-    common = regression @ tilts
-    return (*names, *gyro.names), np.block([[blocks, common.T], [common, gyro.covariance]])
+    return (*names, *gyro.names), _joined(blocks, regression @ tilts, gyro.covariance)
+
+
+def _joined(first: FloatArray, common: FloatArray, second: FloatArray) -> FloatArray:
+    """Return both covariances in one; ``common`` (n2, n1) gives way where they do not leave room for all of it.
+
+    The tilts' covariance is not to the last digit the same in both fits, and the second holds more than came
+    through them: taken as it is, a correlation could come out a thousandth beyond one.
+    """
+    size = np.sqrt(np.concatenate((np.diag(first), np.diag(second))))
+    for share in ROOM:
+        whole: FloatArray = np.block([[first, share * common.T], [share * common, second]])
+        correlation = whole / np.where(size > 0, size, 1.0) / np.where(size > 0, size, 1.0)[:, None]
+        if np.linalg.eigvalsh(correlation)[0] > -ROUNDING:
+            break
+    return whole
 
 
 def _bench_index(joint: JointFit) -> tuple[IntArray, tuple[str, ...]]:

@@ -2,8 +2,9 @@
 
 An effect is an alias where, fitted beside the finding and held to its own plausible range, it brings some
 combination of the finding's coefficients that stood above three sigma below it. The combinations looked at are
-each coefficient, the best one, and those of which the other takes most and least (the eigenvectors of the one
-covariance in the other's metric).
+each coefficient, the best one, and those whose sigma the other widens most (eigenvectors of the one covariance in
+the other's metric). A true finding keeps its value beside another effect, only its sigma grows; a false one's value
+goes to nought beside the true cause.
 """
 
 from collections.abc import Sequence
@@ -17,7 +18,8 @@ from procedures.diagnosis.evidence import Evidence
 from procedures.diagnosis.model import Term
 
 STANDS = 3.0  # sigmas
-LOST = 0.75  # of a combination's sigmas, left at most: less is noise about the threshold, not another explanation
+LOST = 0.5  # of a combination's sigmas, left at most: less is noise about the threshold, not another explanation
+WIDENED = 3.0  # times, by the other, that a mixed combination's sigma must be to be worth looking at
 
 
 def takes_its_place(evidence: Evidence, finding: Candidate, other: Term, beside: Sequence[Term]) -> bool:
@@ -37,7 +39,7 @@ def _combinations(c: FloatArray, C: FloatArray, wider: FloatArray) -> FloatArray
     """Return combinations (m, k) of k coefficients worth looking at."""
     size = np.sqrt(np.diag(C))
     scaled, wide = C / np.outer(size, size), wider / np.outer(size, size)
-    _, vectors = eigh(wide, scaled)
+    ratio, vectors = eigh(wide, scaled)
     best = np.linalg.solve(scaled, c / size)
-    found: FloatArray = np.vstack((np.eye(len(c)), best, vectors.T)) / size
+    found: FloatArray = np.vstack((np.eye(len(c)), best, vectors.T[ratio > WIDENED**2])) / size
     return found

@@ -18,6 +18,8 @@ from station.live.stillness import Block
 from station.recorder.tape import Run
 
 TOUCHED = "touched just after it was set down"
+OTHERWISE = "the cube stands otherwise than when the dwell began"
+OTHERWISE_BLOCKS = 5  # still ones in a row, away from what was kept: then what was kept was not at rest
 MOVED_DEG = 0.05
 CALM_BLOCKS = 1  # still ones after a disturbance that are not used
 FEW_BLOCKS = 3
@@ -39,6 +41,8 @@ class Dwelling:
         self._newest: list[Block] = []  # still, and not followed by a still one yet
         self._away: list[Block] = []  # since it was last at rest
         self._calm = 0
+        self._otherwise = 0  # still blocks in a row that are off what was kept
+        self._sigma: FloatArray = np.full(6, np.inf)
 
     @property
     def accepted_s(self) -> float:
@@ -74,7 +78,12 @@ class Dwelling:
 
         A block counts once the next one is still as well: what disturbs may have begun in it.
         """
-        is_calm = not look.hindrance and not self._is_off(block, look)
+        is_off = self._is_off(block, look)
+        is_calm = not look.hindrance and not is_off
+        self._otherwise = self._otherwise + 1 if is_off and not look.hindrance else 0
+        if self._otherwise >= OTHERWISE_BLOCKS:
+            return OTHERWISE
+        self._sigma = look.sigma
         if is_calm and not self._away:
             self.kept += self._newest
             self._newest = [block]
@@ -94,8 +103,17 @@ class Dwelling:
         return reason
 
     def forget_restless(self, is_still: Callable[[Block], bool]) -> None:
-        """Drop the blocks that are not still by the noise as it is known now."""
-        self.kept = [block for block in self.kept if is_still(block)]
+        """Drop the blocks that are not still by the noise as it is known now, or off all the others.
+
+        A cube that is being set down smoothly trembles less than a coarse count shows: the first seconds are
+        judged by those that followed.
+        """
+        usual = np.median([block.rate for block in self.kept], axis=0)
+        self.kept = [
+            block
+            for block in self.kept
+            if is_still(block) and bool(np.all(np.abs(block.rate - usual) <= OFF_SIGMA * self._sigma))
+        ]
 
     def _is_off(self, block: Block, look: Look) -> bool:
         """Say whether a channel is far off its median so far: an even motion makes nothing tremble."""
