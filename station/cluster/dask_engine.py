@@ -6,6 +6,7 @@ them are two cores (Dask's own setting of ``OMP_NUM_THREADS`` and ``OPENBLAS_NUM
 """
 
 import logging
+import multiprocessing
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -30,7 +31,9 @@ ANSWER_S = 15.0  # how long a scheduler may take to answer
 PATIENCE_S = 60.0  # how long a cluster may be without any worker
 LOOK_S = 5.0
 AHEAD = 4  # items a worker has waiting: enough that it never waits for us, few enough to hold no memory
+PRELOAD = ("distributed", "procedures.diagnosis.diagnosis", "station.campaign_folder")
 SETTINGS = {  # of local workers
+    "distributed.worker.multiprocessing-method": "forkserver",
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,  # Dask's 64 KiB costs a solve 12 %
     "distributed.worker.profile.enabled": False,  # samples our stack every 10 ms
     "distributed.admin.tick.interval": "1s",
@@ -99,7 +102,11 @@ def _answer(future: Future) -> Answer[Any]:
 
 @contextmanager
 def local(workers: int) -> Iterator[DaskEngine]:
-    """Yield an engine of ``workers`` processes of this machine."""
+    """Yield an engine of ``workers`` processes of this machine.
+
+    They are forked from one process that has imported what a solve needs: each importing it would cost two seconds.
+    """
+    multiprocessing.get_context("forkserver").set_forkserver_preload(list(PRELOAD))
     with (
         config.set(SETTINGS),
         dask.LocalCluster(

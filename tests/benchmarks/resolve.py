@@ -1,13 +1,11 @@
 """Print how much sooner two workers re-solve a fleet than one: `python -m tests.benchmarks.resolve`.
 
 Simulated campaigns, each of another unit, solved again by the whole command `station resolve`, as one process and
-as two local Dask workers in turn. Beside the time on the clock stands the time of all cores together: what two
-workers spend beyond one is the cost of Dask, and on a machine with other work the clock alone says little.
+as two local Dask workers in turn. On a machine with other work (see the load) the clock says little.
 """
 
 import argparse
 import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -44,18 +42,13 @@ def fleet(root: Path, campaigns: int, dwell_s: float) -> list[str]:
     return [folder for folder, _, _ in items]
 
 
-def seconds(folders: list[str], workers: int) -> tuple[float, float]:
-    """Return the time that the command takes [s], on the clock and of all cores."""
+def seconds(folders: list[str], workers: int) -> float:
+    """Return the time that the command takes [s]."""
     with tempfile.TemporaryDirectory() as out:
         command = [STATION, "resolve", *folders, "--workers", str(workers), "--out", out, "--db", f"{out}/s.db"]
-        began, used = time.perf_counter(), _used()
+        began = time.perf_counter()
         subprocess.run(command, check=True, capture_output=True)
-        return time.perf_counter() - began, _used() - used
-
-
-def _used() -> float:
-    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return spent.ru_utime + spent.ru_stime
+        return time.perf_counter() - began
 
 
 def main() -> None:
@@ -65,20 +58,16 @@ def main() -> None:
     parser.add_argument("--dwell-s", type=float, default=100.0)
     parser.add_argument("--repeats", type=int, default=2)
     options = parser.parse_args()
-    best: dict[int, tuple[float, float]] = {}
+    best: dict[int, float] = {}
     with tempfile.TemporaryDirectory() as root:
         folders = fleet(Path(root), options.campaigns, options.dwell_s)
         for _ in range(options.repeats):
             for workers in (1, 2):
-                clock, cores = seconds(folders, workers)
-                load = os.getloadavg()[0]
-                print(f"{workers} workers: {clock:6.2f} s, {cores:6.2f} s of cores, load {load:.1f}", flush=True)
-                best[workers] = min(best.get(workers, (clock, cores)), (clock, cores))
-    clock, cores = (best[1][i] / best[2][i] for i in (0, 1))
-    print(
-        f"{options.campaigns} campaigns: two workers {clock:.2f} times as fast as one (asked {ASKED}); "
-        f"by the time of cores at most {2 * cores:.2f}"
-    )
+                clock = seconds(folders, workers)
+                print(f"{workers} workers: {clock:6.2f} s, load {os.getloadavg()[0]:.1f}", flush=True)
+                best[workers] = min(best.get(workers, clock), clock)
+    ratio = best[1] / best[2]
+    print(f"{options.campaigns} campaigns: two workers {ratio:.2f} times as fast as one (asked {ASKED})")
 
 
 if __name__ == "__main__":
