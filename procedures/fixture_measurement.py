@@ -37,6 +37,7 @@ OPEN = 1.0  # rad: no range is assumed of parallelism, which would pull two meas
 TURN_RANGE = 1e-4  # rad, 1 sigma: how far the cube's mean normals turn as a whole from the axes of its drawing
 WEAK = 0.1  # of a plausible range: what a unit knows no better is left to the range
 SEEN = FACE_RANGE / 3  # rad: a skew known no better than this comes from its plausible range
+KNOWN = FACE_RANGE * np.sqrt(2)  # rad: a parallelism known no better than this says nothing: a pair has two faces
 CUBE, T, K2, OWN = slice(0, 12), slice(12, 15), slice(15, 18), 18  # where a unit's parameters stand
 EACH = 11  # per campaign beside headings: k (relative), R, D, 3 each, slab 2
 
@@ -47,7 +48,7 @@ def measure_cube(campaigns: Sequence[Campaign], quadratic_std: float = QUADRATIC
     Raises
     ------
     NotObservable
-        If a campaign's dwells do not determine its accelerometers.
+        If a campaign's dwells do not determine its accelerometers, or no value of the cube is determined.
     WrongFace, FitsNoFace, WrongMounting
         If they contradict a dwell's position, or the way the IMU sits in the cube.
     """
@@ -87,6 +88,8 @@ def _joined(
     x = np.asarray(np.linalg.lstsq(A, z, rcond=None)[0], dtype=np.float64)
     G = np.hstack((from_tilts(), np.zeros((len(NAMES), size - 12))))
     kept = _seen(G @ covariance @ G.T)
+    if not kept.any():
+        raise NotObservable("the cube", ["dwells on both faces of a pair"])
     G = G[kept]
     shares = tuple(_share(name, i, G, covariance, quadratic_std) for i, name in enumerate(names))
     total: FloatArray = G @ covariance @ G.T
@@ -115,9 +118,10 @@ def _plausible(units: int, quadratic_std: float) -> FloatArray:
 
 
 def _seen(covariance: FloatArray) -> FloatArray:
-    """Mark the values (9,) that are measured: parallelism always, a skew if known better than is plausible."""
+    """Mark the values (9,) that are measured: those known better than is plausible."""
     std = np.sqrt(np.diag(covariance))
-    return np.array([name not in SKEW or sigma < SEEN for name, sigma in zip(NAMES, std, strict=True)])
+    most = np.array([SEEN if name in SKEW else KNOWN for name in NAMES])
+    return np.asarray(std < most)
 
 
 def _share(name: str, i: int, G: FloatArray, covariance: FloatArray, quadratic_std: float) -> UnitShare:

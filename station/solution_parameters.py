@@ -61,8 +61,8 @@ def shown(parameter: Parameter, value: float | None = None) -> tuple[str, str]:
     scale, unit = shown_scale(parameter.name, parameter.unit)
     number = (parameter.value if value is None else value) * scale
     if parameter.std is None:
-        return f"{number:.3g}", unit
-    return f"{number:.{min(max(decimals(parameter.std * scale), 0), 7)}f}", unit
+        return f"{number:z.3g}", unit
+    return f"{number:z.{min(max(decimals(parameter.std * scale), 0), 7)}f}", unit
 
 
 def shown_sigma(parameter: Parameter) -> str:

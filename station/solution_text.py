@@ -29,12 +29,12 @@ def solution_text(document: Mapping[str, Any]) -> str:
 def measured(value: float, std: float, unit: str = "") -> str:
     """Return ``value +- std unit`` with two digits of the sigma."""
     if not std > 0:
-        return f"{value:.9g} {unit}".rstrip()
+        return f"{value:z.9g} {unit}".rstrip()
     decimals = 1 - floor(log10(std))
     if decimals > 7:
-        return f"{value:.{max(0, decimals + floor(log10(abs(value) or std)))}e} +- {std:.1e} {unit}".rstrip()
+        return f"{value:z.{max(0, decimals + floor(log10(abs(value) or std)))}e} +- {std:.1e} {unit}".rstrip()
     digits = max(0, decimals)
-    return f"{value:.{digits}f} +- {std:.{digits}f} {unit}".rstrip()
+    return f"{value:z.{digits}f} +- {std:.{digits}f} {unit}".rstrip()
 
 
 def _triad(name: str, part: Mapping[str, Any] | None) -> list[str]:

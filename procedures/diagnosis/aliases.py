@@ -3,8 +3,8 @@
 An effect is an alias where, fitted beside the finding and held to its own plausible range, it brings some
 combination of the finding's coefficients that stood above three sigma below it. The combinations looked at are
 each coefficient, the best one, and those whose sigma the other widens most (eigenvectors of the one covariance in
-the other's metric). A true finding keeps its value beside another effect, only its sigma grows; a false one's value
-goes to nought beside the true cause.
+the other's metric). A true finding keeps its value beside another effect, only its sigma grows; a false one's
+value goes to nought beside the true cause.
 """
 
 from collections.abc import Sequence

@@ -8,11 +8,14 @@ limit (ILAC-G24 / OIML D 10, 2007, 5: intervals from the history of the same ins
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from procedures.arrays import FloatArray
 from procedures.history.process import Filter, Mixture, filtered, hypotheses
+from procedures.history.repeatability import clusters
 from procedures.history.series import Series
 
 LEAST = 3  # calibrations: from two, a trend and a scatter cannot be told apart at all
 TAIL = 0.025
+FARTHEST = 3.0  # times the span of the data: farther ahead nothing seen says how it walks
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +67,16 @@ class Forecast:
             yield mixture.below(self.low)
         if self.high is not None:
             yield mixture.above(self.high)
+
+
+def farthest(day: FloatArray) -> float | None:
+    """Return the last day that calibrations at ``day`` (n,), rising, let predict.
+
+    None with fewer than `LEAST` clusters of turn-ons: those of one week say nothing of a year.
+    """
+    if len(clusters(day)) < LEAST:
+        return None
+    return float(day[-1] + FARTHEST * (day[-1] - day[0]))
 
 
 def forecast(series: Series, low: float | None = None, high: float | None = None) -> Forecast | None:

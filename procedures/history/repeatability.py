@@ -37,25 +37,26 @@ class Repeatability:
 
 def turn_on_repeatability(series: Series) -> Repeatability | None:
     """Return the repeatability, None where no two calibrations lie within `TOGETHER_DAYS`."""
-    clusters = [(series.value[one], series.std[one]) for one in _clusters(series.day) if len(one) > 1]
-    runs = sum(len(values) for values, _ in clusters)
-    if (dof := runs - len(clusters)) == 0:
+    together = [(series.value[one], series.std[one]) for one in clusters(series.day) if len(one) > 1]
+    runs = sum(len(values) for values, _ in together)
+    if (dof := runs - len(together)) == 0:
         return None
-    low, high = (_variance(clusters, float(chi2.ppf(q, dof))) for q in (0.975, 0.025))
-    found = _variance(clusters, float(dof))
+    low, high = (_variance(together, float(chi2.ppf(q, dof))) for q in (0.975, 0.025))
+    found = _variance(together, float(dof))
     value = float(np.sqrt(found))
-    std = float(np.sqrt(2.0 / _information(clusters, found)) / (2.0 * value)) if value > 0 else None
+    std = float(np.sqrt(2.0 / _information(together, found)) / (2.0 * value)) if value > 0 else None
     return Repeatability(value, std, float(np.sqrt(low)), float(np.sqrt(high)), runs, dof)
 
 
-def _clusters(day: FloatArray) -> list[list[int]]:
-    clusters = list[list[int]]()
+def clusters(day: FloatArray) -> list[list[int]]:
+    """Return the indices of the calibrations of each cluster; ``day`` (n,) rises."""
+    found = list[list[int]]()
     for i, at in enumerate(day):
-        if clusters and at - day[clusters[-1][0]] <= TOGETHER_DAYS:
-            clusters[-1].append(i)
+        if found and at - day[found[-1][0]] <= TOGETHER_DAYS:
+            found[-1].append(i)
         else:
-            clusters.append([i])
-    return clusters
+            found.append([i])
+    return found
 
 
 def _excess(clusters: list[tuple[FloatArray, FloatArray]], variance: float) -> float:

@@ -104,7 +104,7 @@ def _answer(future: Future) -> Answer[Any]:
 def local(workers: int) -> Iterator[DaskEngine]:
     """Yield an engine of ``workers`` processes of this machine.
 
-    They are forked from one process that has imported what a solve needs: each importing it would cost two seconds.
+    They are forked from one process that has imported what a solve needs, which costs each two seconds.
     """
     multiprocessing.get_context("forkserver").set_forkserver_preload(list(PRELOAD))
     with (

@@ -86,12 +86,18 @@ def _hand_out(
         typer.echo(diagnosis_text(document))
     else:
         write_solution(json, document)
+        typer.echo(f"{json}: diagnosis of {_unit(loaded)}, diagnosis/1")
     if html is not None:
         from station.diagnosis.page import write_page
 
         write_page(html, document, found)
+        typer.echo(f"{html}: diagnosis of {_unit(loaded)}")
     if plan is not None:
         from station.diagnosis.plans import next_measurements, write_plans
 
         for file in write_plans(plan, next_measurements(document["findings"], loaded[0].tables.fixture.imu_axes)):
             typer.echo(f"{file}: what to measure next, for `station calibrate --plan {file}`")
+
+
+def _unit(loaded: Sequence["LoadedCampaign"]) -> str:
+    return f"{loaded[0].campaign.model} {loaded[0].campaign.serial}"

@@ -53,10 +53,12 @@ def history(
         from station.solution_json import write_solution
 
         write_solution(json, document)
+        typer.echo(f"{json}: {document['format']} of {serial or population}")
     if html is not None:
         from station.history.page import write_page
 
         write_page(html, document)
+        typer.echo(f"{html}: history of {serial or population}")
     if json is None and html is None:
         typer.echo(_text(document))
 

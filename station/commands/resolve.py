@@ -80,4 +80,5 @@ def _say(document: dict[str, object], json: Path | None) -> int:
         typer.echo(resolve_text(document))
     else:
         write_solution(json, document)
+        typer.echo(f"{json}: what changed, resolve/1")
     return exit_code(document)

@@ -1,5 +1,6 @@
 """What is known of a cube: a certificate of its faces, its measurements, and whether it moved between them."""
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -18,15 +19,29 @@ DAYS_PER_MONTH = 365.25 / 12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Known:
-    """What the database says of a cube: its faces' certificate, and its measurements with their moments."""
+    """What the database says of a cube: its faces' certificate, and its measurements with their moments.
+
+    ``sources`` has the SHA-256 of each measurement's campaigns.
+    """
 
     certificate: MeasuredCube | None
     measured: tuple[tuple[datetime, CubeMeasurement], ...]
+    sources: tuple[frozenset[str], ...]
 
     @property
     def drift(self) -> CubeDrift | None:
-        """How the cube moved over its measurements; None of fewer than two."""
-        return drift_of(self.measured)
+        """How the cube moved over its `independent` measurements; None of fewer than two."""
+        return drift_of(self.independent)
+
+    @property
+    def independent(self) -> tuple[tuple[datetime, CubeMeasurement], ...]:
+        """The measurements that share no campaign with an earlier one of them."""
+        used, found = frozenset[str](), list[tuple[datetime, CubeMeasurement]]()
+        for one, sources in zip(self.measured, self.sources, strict=True):
+            if not used & sources:
+                found.append(one)
+                used |= sources
+        return tuple(found)
 
     @property
     def comparison(self) -> Comparison | None:
@@ -48,15 +63,34 @@ class Study:
     @property
     def with_this(self) -> Known:
         """What is known when this is stored."""
-        every = sorted([*self.known.measured, (self.measured_utc, self.measured)], key=lambda each: each[0])
-        return Known(self.known.certificate, tuple(every))
+        stored = zip(self.known.measured, self.known.sources, strict=True)
+        this = ((self.measured_utc, self.measured), self.sources)
+        measured, sources = zip(*sorted([*stored, this], key=lambda each: each[0][0]), strict=True)
+        return Known(self.known.certificate, measured, sources)
+
+    @property
+    def sources(self) -> frozenset[str]:
+        """The SHA-256 of each campaign."""
+        return frozenset(sha256 for each in self.campaigns.values() for sha256 in each.values())
+
+    @property
+    def stored_before(self) -> datetime | None:
+        """When the same campaigns were stored as a measurement of this cube; None if they never were."""
+        stored = zip(self.known.measured, self.known.sources, strict=True)
+        return next((at for (at, _), sources in stored if sources == self.sources), None)
 
 
 def known_of(session: Session, cube_id: str) -> Known:
     """Return what the database says of a cube; raise `NotInDatabase` if it has none of that name."""
     row = cube_row(session, cube_id)
-    measured = tuple((one.measured_utc, measurement(one)) for one in measurements(row))
-    return Known(from_certificate(cube(session, cube_id).faces), measured)
+    rows = measurements(row)
+    measured = tuple((one.measured_utc, measurement(one)) for one in rows)
+    sources = tuple(_sources(json.loads(one.sources)) for one in rows)
+    return Known(from_certificate(cube(session, cube_id).faces), measured, sources)
+
+
+def _sources(units: Sequence[Mapping[str, Mapping[str, str]]]) -> frozenset[str]:
+    return frozenset(sha256 for unit in units for sha256 in unit["campaigns"].values())
 
 
 def drift_of(measured: Sequence[tuple[datetime, CubeMeasurement]]) -> CubeDrift | None:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from procedures.frames import AXES
-from procedures.measured_cube import SKEW, CubeMeasurement, common_and_difference
+from procedures.measured_cube import PARALLELISM, SKEW, CubeMeasurement, common_and_difference
 
 TURNING = (
     "how the cube is turned as a whole (half the difference of perpendicularity q_ac and q_ca): "
@@ -26,7 +26,11 @@ def by_quadratic(measured: CubeMeasurement) -> list[str]:
 
 def not_observable(measured: CubeMeasurement) -> list[str]:
     """Return what was left open, each with what would separate it."""
-    found = [] if any(name in SKEW for name in measured.cube.names) else [NO_SKEW]
+    found = [_no_parallelism(name) for name in PARALLELISM if name not in measured.cube.names]
+    missing = [name for name in SKEW if name not in measured.cube.names]
+    found += (
+        [NO_SKEW] if len(missing) == len(SKEW) else [f"{name}, known no better than plausible" for name in missing]
+    )
     for axis in by_quadratic(measured):
         others = " or ".join(other for other in AXES if other != axis)
         found.append(
@@ -34,3 +38,8 @@ def not_observable(measured: CubeMeasurement) -> list[str]:
             f"separated by a campaign with the IMU re-mounted, turned by 90 deg about {others}, or by more units"
         )
     return [*found, TURNING]
+
+
+def _no_parallelism(name: str) -> str:
+    pair = name.split(".")[1]
+    return f"{name}, known no better than plausible: needs dwells with {pair} up and with {pair} down"

@@ -9,6 +9,8 @@ from sqlalchemy.orm import Session
 from fixtures_db.campaigns import known_campaign, last_accepted
 from fixtures_db.chain import canonical, digest
 from procedures.fixture_measurement import measure_cube
+from procedures.frames import face_of
+from procedures.measured_cube import PARALLELISM
 from station.campaign_folder import LoadedCampaign, check_for_solve, check_one_unit, read_campaign
 from station.campaign_folder.toml_text import NAME
 from station.cube_measurement.known import Study, known_of
@@ -47,12 +49,22 @@ def study(
     moments = [last_accepted(row) for one in loaded if (row := known_campaign(session, str(one.folder.resolve())))]
     unused = [f"{one.folder}: {step} is not used" for one in loaded for step in _unused(one)]
     moment = on or max(moments, default=datetime.now(UTC))
-    return Study(cube_id, found, moment, campaigns, (*found.warnings, *unused), known)
+    lacking = (
+        [] if set(PARALLELISM) <= set(found.cube.names) else [said for one in loaded for said in _lacking(one)]
+    )
+    return Study(cube_id, found, moment, campaigns, (*found.warnings, *lacking, *unused), known)
 
 
 def unit_of(loaded: LoadedCampaign) -> str:
     """Return model and serial number."""
     return f"{loaded.campaign.model} {loaded.campaign.serial}"
+
+
+def _lacking(loaded: LoadedCampaign) -> list[str]:
+    """Say which of the twelve positions a campaign lacks, with the face that each has up."""
+    there = {dwell.position for dwell in loaded.campaign.dwells}
+    lacks = [f"{p} ({face_of(p)})" for p in range(1, 13) if p not in there]
+    return [f"{loaded.folder}: no dwell in position {', '.join(lacks)}"] if lacks else []
 
 
 def _unused(loaded: LoadedCampaign) -> list[str]:

@@ -6,13 +6,14 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.cube_drift import CubeDrift
-from procedures.measured_cube import CubeMeasurement, common_and_difference
+from procedures.measured_cube import NAMES, CubeMeasurement, common_and_difference
 from station.cube_measurement.known import Known, Study, drift_of
 from station.cube_measurement.observable import not_observable
 from station.solution_text import ARCSEC, measured
 
 URAD = 1e-6
 WIDE = 43  # columns of a value's name
+LEAST_CHI2 = 1e-6  # below it, what is left is rounding
 
 
 def study_text(found: Study) -> str:
@@ -22,8 +23,8 @@ def study_text(found: Study) -> str:
     lines += values(found.measured)
     if (m := found.measured).dof:
         lines.append(
-            f"units, and K2 with its range, against each other: chi-square {m.chi2:.4g} at {m.dof} degrees of "
-            f"freedom, p {m.p_value:.2g}"
+            f"units, and K2 with its range, against each other: chi-square {_chi2(m.chi2, 4)} at {m.dof} "
+            f"degrees of freedom, p {m.p_value:.2g}"
         )
     lines += [f"not observable: {each}" for each in not_observable(found.measured)]
     lines += [f"warning: {each}" for each in found.warnings]
@@ -37,6 +38,7 @@ def values(found: CubeMeasurement) -> list[str]:
     less = [" less " in name for name in names]
     G, those = H[less], [name for name in names if " less " in name]
     lines = _table(found.cube.names, found.cube.value, found.cube.covariance)
+    lines += [f"  {name:<{WIDE}} not determined" for name in NAMES if name not in found.cube.names]
     return lines + _table(those, G @ found.cube.value, G @ found.cube.covariance @ G.T)
 
 
@@ -52,16 +54,19 @@ def known_lines(known: Known) -> list[str]:
     lines = list[str]()
     if (found := known.comparison) is not None:
         lines.append(
-            f"against the certificate of its faces: chi-square {found.chi2:.4g} of {len(found.names)} values, "
-            f"p {found.p_value:.2g}"
+            f"against the certificate of its faces: chi-square {_chi2(found.chi2, 4)} of {len(found.names)} "
+            f"values, p {found.p_value:.2g}"
         )
         lines += _shifts(found.names, found.difference, found.std)
-    for at, earlier in known.measured[:-1]:
-        said = _since(drift_of([(at, earlier), known.measured[-1]]))
+    for (at, earlier), sources in zip(known.measured[:-1], known.sources[:-1], strict=True):
+        if shared := len(sources & known.sources[-1]):
+            said = f"{shared} of {len(sources)} campaigns are the same: not independent, left out of the drift"
+        else:
+            said = _since(drift_of([(at, earlier), known.measured[-1]]))
         lines.append(f"against the measurement of {at:%Y-%m-%d}: {said}")
     if (moved := known.drift) is not None:
-        first, last = (known.measured[i][0] for i in (0, -1))
-        lines.append(f"drift over {len(known.measured)} measurements, {first:%Y-%m-%d} to {last:%Y-%m-%d}")
+        first, last = (known.independent[i][0] for i in (0, -1))
+        lines.append(f"drift over {len(known.independent)} measurements, {first:%Y-%m-%d} to {last:%Y-%m-%d}")
         lines += _trends(moved)
     return lines
 
@@ -75,17 +80,21 @@ def verdict(moved: CubeDrift) -> str:
     return f"the cube has changed: {', '.join(moved.changed)} (p {moved.p_adjusted.min():.2g}, Holm)"
 
 
+def _chi2(value: float, digits: int) -> str:
+    return f"{value if value >= LEAST_CHI2 else 0.0:.{digits}g}"
+
+
 def _since(moved: CubeDrift | None) -> str:
     if moved is None:
         return "no value in common"
     sigmas = moved.shift / moved.shift_std
     most = int(np.argmax(np.abs(sigmas)))
-    return f"{verdict(moved)}; most {moved.names[most]} by {sigmas[most]:+.1f} sigma"
+    return f"{verdict(moved)}; most {moved.names[most]} by {sigmas[most]:+z.1f} sigma"
 
 
 def _shifts(names: Sequence[str], shift: FloatArray, std: FloatArray) -> Iterator[str]:
     for name, v, s in zip(names, shift, std, strict=True):
-        yield f"  {name:<{WIDE}} {measured(v / URAD, s / URAD, 'urad'):<26} {v / s:+.1f} sigma"
+        yield f"  {name:<{WIDE}} {measured(v / URAD, s / URAD, 'urad'):<26} {v / s:+z.1f} sigma"
 
 
 def _trends(moved: CubeDrift) -> Iterator[str]:
@@ -93,6 +102,6 @@ def _trends(moved: CubeDrift) -> Iterator[str]:
     columns = zip(shifts, moved.trend, moved.trend_std, moved.chi2, moved.chi2_of_trend, strict=True)
     for shift, slope, std, constant, line in columns:
         trend = f", {measured(slope / URAD, std / URAD, 'urad/month')}" if np.isfinite(std) else ""
-        of_line = f", {line:.3g} of a line ({moved.dof - 1})" if moved.dof > 1 else ""
-        yield f"{shift}{trend}, chi-square {constant:.3g} of a constant ({moved.dof}){of_line}"
+        of_line = f", {_chi2(line, 3)} of a line ({moved.dof - 1})" if moved.dof > 1 else ""
+        yield f"{shift}{trend}, chi-square {_chi2(constant, 3)} of a constant ({moved.dof}){of_line}"
     yield f"  {verdict(moved)}"

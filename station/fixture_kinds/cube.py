@@ -12,7 +12,8 @@ from station.solution_text import ARCSEC
 def lines(session: Session) -> list[str]:
     """Return a line for each cube."""
     return [
-        f"{row.id}: {row.side_mm:g} mm, {len(faces_in_force(row))} of 6 faces certified, {due_text(row)}"
+        f"{row.id}: {row.side_mm:g} mm, {len(faces_in_force(row))} of 6 faces certified, "
+        f"{_by_imus(row)}{due_text(row)}"
         for row in cubes(session)
     ]
 
@@ -23,12 +24,18 @@ def description(session: Session, name: str) -> str:
     Raise `NotInDatabase` if there is no cube of that name.
     """
     row = cube_row(session, name)
-    said = [f"{row.id}: side {row.side_mm:g} mm, certificate {row.certificate_date or 'none'}, {due_text(row)}"]
+    of = _by_imus(row) or f"certificate {row.certificate_date or 'none'}, "
+    said = [f"{row.id}: side {row.side_mm:g} mm, {of}{due_text(row)}"]
     said += _drawing(row)
     said += [f"  {resting}: {_face(face)}" for resting, face in faces_in_force(row).items()]
     earlier = len(row.certificates) - len(faces_in_force(row))
     said += [f"  and {earlier} earlier certificates of a face"] if earlier else []
     return "\n".join([*said, *(_measured(session, row) if row.measurements else [])])
+
+
+def _by_imus(row: CubeRow) -> str:
+    """Say when IMUs measured the cube, where its dates are theirs: no face has a certificate."""
+    return "" if row.certificates or not row.measurements else f"measured by IMUs {row.certificate_date}, "
 
 
 def _measured(session: Session, row: CubeRow) -> list[str]:
@@ -50,5 +57,5 @@ def _drawing(row: CubeRow) -> list[str]:
 
 def _face(row: FaceCertificateRow) -> str:
     tilts = (row.up_tilt_1_rad, row.covariance_11_rad2), (row.up_tilt_2_rad, row.covariance_22_rad2)
-    said = ", ".join(f"{tilt / ARCSEC:+.2f} +- {np.sqrt(variance) / ARCSEC:.2f}" for tilt, variance in tilts)
+    said = ", ".join(f"{tilt / ARCSEC:+z.2f} +- {np.sqrt(variance) / ARCSEC:.2f}" for tilt, variance in tilts)
     return f"up tilt {said} arcsec ({row.source}, {row.measured_utc:%Y-%m-%d})"

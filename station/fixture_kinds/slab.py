@@ -26,5 +26,5 @@ def _level(row: SlabLevelRow | None) -> str:
     if row is None:
         return "level never measured"
     tilts = ("east", row.tilt_east_rad, row.std_east_rad), ("north", row.tilt_north_rad, row.std_north_rad)
-    said = ", ".join(f"{way} {tilt / ARCSEC:+.2f} +- {std / ARCSEC:.2f}" for way, tilt, std in tilts)
+    said = ", ".join(f"{way} {tilt / ARCSEC:+z.2f} +- {std / ARCSEC:.2f}" for way, tilt, std in tilts)
     return f"{said} arcsec ({row.source}, {row.measured_utc:%Y-%m-%d})"

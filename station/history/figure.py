@@ -13,6 +13,7 @@ from station.report.svg import INK, PALE, RULE, draw_svg
 from station.solution_parameters import shown_scale, title_of
 
 COLUMNS = 3
+FAN_ROOM = 2.0  # times the range of the values, above and below: a wider prediction is cut off
 VALUE, AHEAD, ALARM, LIMIT = "#0b5fa5", "#8fb4d6", "#a3231b", "#b8480f"
 
 
@@ -40,18 +41,26 @@ def _values(axes: Axes, name: str, track: dict[str, Any]) -> None:
     scale, unit = shown_scale(name, track["unit"])
     value, std = (np.array(track[key]) * scale for key in ("value", "std"))
     when = _days(track["measured_utc"])
+    axes.errorbar(when, value, NORMAL_95 * std, fmt="o", ms=3, lw=0, elinewidth=1, capsize=2, color=VALUE)
     if "prediction" in track:
+        low, high = axes.get_ylim()
         fan = track["prediction"]["fan"]
         ahead = np.array([row[1:] for row in fan]) * scale
         axes.fill_between(
             _days([row[0] for row in fan]), ahead[:, 1], ahead[:, 2], color=PALE, edgecolor=AHEAD, lw=0.7
         )
         axes.plot(_days([row[0] for row in fan]), ahead[:, 0], "--", color=AHEAD, lw=1)
-    axes.errorbar(when, value, NORMAL_95 * std, fmt="o", ms=3, lw=0, elinewidth=1, capsize=2, color=VALUE)
+        _scale(axes, low, high)
     _limits(axes, track.get("limits", {}), scale)
     axes.set_title(f"{name.rpartition('.')[2]} [{unit}]", fontsize=8.5, loc="left")
     axes.ticklabel_format(axis="y", useOffset=False)
     _dates(axes)
+
+
+def _scale(axes: Axes, low: float, high: float) -> None:
+    """Let the prediction widen what the values take, ``low`` to ``high``, but not beyond where they are a line."""
+    now, room = axes.get_ylim(), FAN_ROOM * (high - low)
+    axes.set_ylim(max(now[0], low - room), min(now[1], high + room))
 
 
 def _limits(axes: Axes, ends: dict[str, float], scale: float) -> None:

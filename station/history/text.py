@@ -1,6 +1,7 @@
 """history/1 as lines of at most 80 columns for the terminal."""
 
 from collections.abc import Iterator
+from textwrap import wrap
 from typing import Any
 
 from station.report.rounding import decimals
@@ -8,6 +9,7 @@ from station.solution_parameters import Parameter, Shift, largest, shown, shown_
 
 SIGNIFICANT = 0.05  # a drift's p-value, adjusted for the number of parameters
 ALARMS = 10  # dates shown
+WIDTH = 80
 MAIN = ("scale_factor", "bias")  # shown in the list; the file holds misalignment too
 
 
@@ -28,7 +30,7 @@ def _entry(entry: dict[str, Any]) -> Iterator[str]:
     for name, one in found.items():
         if name.split(".")[1] in MAIN:
             value, unit = shown(one)
-            drift = f"  {moved[name].sigmas:+.1f} sigma" if name in moved else ""
+            drift = f"  {moved[name].sigmas:+z.1f} sigma" if name in moved else ""
             yield f"  {one.title:<28}{value:>13} +- {shown_sigma(one)} {unit}{drift}"
     if (most := largest(moved)) is not None:
         many = sum(one["p_adjusted"] < SIGNIFICANT for one in entry["drift"].values())
@@ -39,7 +41,8 @@ def _entry(entry: dict[str, Any]) -> Iterator[str]:
 def _analysis(one: dict[str, Any]) -> Iterator[str]:
     span = f"{one['first_utc'][:10]} to {one['last_utc'][:10]}"
     yield f"{one['model']}, turn-ons: {one['turn_ons']}, {span}"
-    yield f"  predicted for {one['predicted_utc'][:10]}: {one['predicted_because']}"
+    if any("prediction" in track for track in one["parameters"].values()):
+        yield f"  predicted for {one['predicted_utc'][:10]}: {one['predicted_because']}"
     yield f"  control limit {one['control_limit']:.2f} sigma on z and on their moving average, A: beyond it"
     yield from (f"  left out: {text}" for text in one["left_out"])
     kind = ""
@@ -50,7 +53,12 @@ def _analysis(one: dict[str, Any]) -> Iterator[str]:
             yield f"    {'':<4}{'newest':>11} {'turn-on':>9} {'last z':>8}   {'predicted, 95 %':<27}{'outside':>8}"
         yield f"    {name.rpartition('.')[2]:<4}{_cells(name, track)}".rstrip()
     needs = {text for track in one["parameters"].values() for text in track["needs"]}
-    yield from (f"  too few for {text}" for text in sorted(needs))
+    for text in sorted(needs):
+        word, _, said = text.partition(": ")
+        yield from wrap(
+            f"too short a history to predict: {said}" if word == "prediction" else f"too few for {text}",
+            width=WIDTH, initial_indent="  ", subsequent_indent="    ",
+        )  # fmt: skip
     yield from _alarms(one)
     yield from _touches(one)
 
@@ -69,7 +77,7 @@ def _cells(name: str, track: dict[str, Any]) -> str:
     cells = f"{shown(parameter)[0]:>11} "
     cells += f"{_scatter(name, track, scatter):>9} " if scatter else f"{'-':>9} "
     mark = " A " if chart and track["calibrations"][-1] in chart["alarms"] else "   "
-    cells += f"{chart['z'][-1]:>+8.1f}{mark}" if chart else f"{'-':>8}   "
+    cells += f"{chart['z'][-1]:>+z8.1f}{mark}" if chart else f"{'-':>8}   "
     if ahead is None:
         return cells
     low, high = (_number(name, track, end) for end in ahead["interval_95"])

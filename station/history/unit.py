@@ -4,13 +4,16 @@ from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
+import numpy as np
+
 from fixtures_db.calibration import utc_text
 from fixtures_db.limits import Limit
 from fixtures_db.runs import Run, turn_ons
 from procedures.history.adjusted import holm, two_sided
 from procedures.history.chart import BEFORE, Chart, control_chart, control_limit
-from procedures.history.prediction import LEAST, Forecast, forecast
+from procedures.history.prediction import FARTHEST, LEAST, Forecast, farthest, forecast
 from procedures.history.repeatability import TOGETHER_DAYS, Repeatability, turn_on_repeatability
+from procedures.history.series import Series
 from station.history.tracks import DAY_S, Track, tracks
 from station.solution_parameters import applied, parameters, shifts
 
@@ -54,7 +57,7 @@ def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | Non
     which the newest calibration is valid, else a year after it.
     """
     distinct = turn_ons(runs)
-    until, because = _due(distinct[-1], asked)
+    until, because = _within(distinct, *_due(distinct[-1], asked))
     found = tracks(distinct)
     control = control_limit(max(len(found.by_name), 1))
     limit_of = {limit.parameter: limit for limit in limits}
@@ -74,6 +77,15 @@ def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | Non
             name: _parameter(track, limit_of.get(name), control, until) for name, track in found.by_name.items()
         },
     }
+
+
+def _within(runs: Sequence[Run], until: datetime, because: str) -> tuple[datetime, str]:
+    """Return the date of the prediction, no later than the history lets it be; as it is where none is made."""
+    first = runs[0].ended
+    last = farthest(np.array([(run.ended - first).total_seconds() / DAY_S for run in runs]))
+    if last is None or until <= (end := first + timedelta(days=last)):
+        return until, because
+    return end, f"{FARTHEST:g} times its history, not {until:%Y-%m-%d}"
 
 
 def _due(newest: Run, asked: datetime | None) -> tuple[datetime, str]:
@@ -98,8 +110,11 @@ def _parameter(track: Track, limit: Limit | None, control: float, until: datetim
         made["limits"] = {key: one for key in ("low", "high") if (one := getattr(limit, key)) is not None}
     repeatability = turn_on_repeatability(series)
     chart = control_chart(series, control)
-    ahead = forecast(series, made.get("limits", {}).get("low"), made.get("limits", {}).get("high"))
-    made["needs"] = list(_needs(repeatability, chart, ahead, len(series)))
+    day, last = (until - track.runs[0].ended).total_seconds() / DAY_S, farthest(series.day)
+    is_near = last is not None and day <= last + 1e-3
+    ends = made.get("limits", {})
+    ahead = forecast(series, ends.get("low"), ends.get("high")) if is_near else None
+    made["needs"] = list(_needs(repeatability, chart, ahead, series))
     if repeatability is not None:
         made["repeatability"] = _repeatability(repeatability)
     if chart is not None:
@@ -110,15 +125,17 @@ def _parameter(track: Track, limit: Limit | None, control: float, until: datetim
 
 
 def _needs(
-    repeatability: Repeatability | None, chart: Chart | None, ahead: Forecast | None, calibrations: int
+    repeatability: Repeatability | None, chart: Chart | None, ahead: Forecast | None, series: Series
 ) -> list[str]:
     needs = []
     if repeatability is None:
         needs.append(f"turn-on repeatability: two within {TOGETHER_DAYS:g} days")
     if chart is None:
-        needs.append(f"control chart: {BEFORE + 1} turn-ons, {calibrations} there")
+        needs.append(f"control chart: {BEFORE + 1} turn-ons, {len(series)} there")
     if ahead is None:
-        needs.append(f"prediction: {LEAST} turn-ons, {calibrations} there")
+        there = f"{len(series)} turn-ons over {series.day[-1] - series.day[0]:.3g} days"
+        further = f"{LEAST} more than {TOGETHER_DAYS:g} days apart, over a third of the days ahead"
+        needs.append(f"prediction: {there}; needs {further}")
     return needs
 
 
@@ -150,7 +167,8 @@ def _prediction(ahead: Forecast, track: Track, until: datetime) -> dict[str, Any
     }
     if found.outside is not None:
         made["probability_outside"] = found.outside
-        touch = ahead.first_touch([last + HORIZON_DAYS * (i / 40) ** 2 for i in range(41)])
+        horizon = min(float(HORIZON_DAYS), FARTHEST * (last - float(track.series.day[0])))
+        touch = ahead.first_touch([last + horizon * (i / 40) ** 2 for i in range(41)])
         if touch is not None:
             made["interval_reaches_limit_utc"] = _date(first, touch)
     return made

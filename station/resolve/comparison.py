@@ -11,6 +11,7 @@ from station.resolve.before import Before, Known
 from station.solution_parameters import Parameter, Shift, applied, parameters
 
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+_FOLDER = re.compile(r"\S*/(?=[^\s/])")  # what stands before a file's name: as it was typed
 
 
 def altered(known: Known, seen: Mapping[str, Any]) -> list[dict[str, str]]:
@@ -53,9 +54,14 @@ def compare(now: Mapping[str, Any], before: Before | None, limits: Sequence[Limi
         "gained": [name for name in new if name not in old],
     }
     if before.warnings is not None:
-        then = {_NUMBER.sub("#", text) for text in before.warnings}  # a digit that moved is no new warning
-        said["new_warnings"] = [text for text in now["warnings"] if _NUMBER.sub("#", text) not in then]
+        then = {_alike(text) for text in before.warnings}
+        said["new_warnings"] = [text for text in now["warnings"] if _alike(text) not in then]
     return said
+
+
+def _alike(warning: str) -> str:
+    """Return a warning without digits and folders: one that moved or was typed otherwise is not new."""
+    return _NUMBER.sub("#", _FOLDER.sub("", warning))
 
 
 def own_shifts(now: Mapping[str, Parameter], before: Mapping[str, Parameter]) -> dict[str, Shift]:

@@ -1,4 +1,5 @@
 import json
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -8,8 +9,12 @@ import pytest
 
 from drivers.simulated.bench import simulate_campaign
 from drivers.simulated.truth import Truth
+from fixtures_db.cube_measurements import measurements
+from fixtures_db.cubes import cube_row
 from fixtures_db.database import open_db
+from fixtures_db.measured_rows import measurement
 from procedures.campaign import Fixture
+from procedures.frames import face_of
 from station import cli
 from station.campaign_folder import read_campaign, write_campaign
 from station.guide.fixture import cube_fixture
@@ -63,7 +68,7 @@ def measured(folders: Path) -> Path:
     """A database that holds the cube as the three mountings show it; beside it the JSON."""
     db = folders / "measured.db"
     days = [str(folders / name) for name in AXES]
-    given = ("--store", "--on", "2026-05-01", "--due", "2027-05-01", "--json", str(folders / "cube.json"))
+    given = ("--store", "--on", "2025-05-01", "--due", "2027-05-01", "--json", str(folders / "cube.json"))
     assert cli.run(["fixtures", "add", "cube", "CUBE-7", "--side-mm", "400", "--db", str(db)]) == 0
     assert cli.run(["fixtures", "measure", "CUBE-7", *days, *given, "--db", str(db)]) == 0
     return db
@@ -85,8 +90,8 @@ def test_three_mountings_give_the_cube_within_its_sigma(measured: Path) -> None:
 
 def test_what_was_stored_is_shown_with_its_dates(measured: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shown = Station(measured, capsys)("show", "cube", "CUBE-7")[1]
-    assert "certificate 2026-05-01, due 2027-05-01" in shown
-    assert "measured by SIM-FOG3 SIM-3, 2026-05-01" in shown
+    assert "400 mm, measured by IMUs 2025-05-01, due 2027-05-01" in shown
+    assert "measured by SIM-FOG3 SIM-3, 2025-05-01" in shown
     assert "skew.x.y" in shown
 
 
@@ -100,17 +105,17 @@ def test_one_mounting_says_what_is_open_and_what_would_close_it(station: Station
 
 
 def test_a_cube_that_bent_is_seen_and_one_that_did_not_is_not(station: Station, folders: Path) -> None:
-    station.measure(folders, "day1", more=("--store", "--on", "2026-05-01"))
+    station.measure(folders, "day1", more=("--store", "--on", "2025-05-01"))
     same = simulate_campaign(TRUTH, 77, dwell_s=5.0, turns=())
     write_campaign(station.db.parent / "same", replace(same, fixture=replace(same.fixture, id="CUBE-7")), 0.02)
-    said = station.measure(station.db.parent, "same", more=("--store", "--on", "2026-08-01"))
+    said = station.measure(station.db.parent, "same", more=("--store", "--on", "2025-08-01"))
     assert "no change beyond chance" in said
     assert "has changed" not in station("show", "cube", "CUBE-7")[1]
-    bent = station.measure(folders, "bent", more=("--store", "--on", "2026-09-01"))
+    bent = station.measure(folders, "bent", more=("--store", "--on", "2025-09-01"))
     assert "the cube has changed: " in bent
     assert "parallelism.x.y less parallelism.z.y" in bent
     shown = station("show", "cube", "CUBE-7")[1]
-    assert "drift over 3 measurements, 2026-05-01 to 2026-09-01" in shown
+    assert "drift over 3 measurements, 2025-05-01 to 2025-09-01" in shown
     assert "urad/month" in shown
     assert "the cube has changed" in shown
 
@@ -126,7 +131,7 @@ def test_a_certificate_of_the_faces_is_compared_and_wins_as_prior(
     assert table.measured.names == list(fixture.measured.names)
     for i, face in enumerate(("x_up", "x_down", "y_up", "y_down", "z_up", "z_down")):
         tilt = [f"{v:.4f}" for v in np.degrees(TRUTH.faces_rad[i]) * 3600]
-        by = ("--sigma-arcsec", "0.2", "0.2", "--on", "2026-04-01", "--by", "CMM")
+        by = ("--sigma-arcsec", "0.2", "0.2", "--on", "2025-04-01", "--by", "CMM")
         assert station("add", "certificate", "CUBE-7", face, "--tilt-arcsec", *tilt, *by)[0] == 0
     with open_db(station.db) as database:
         fixture, table = cube_fixture(database, "CUBE-7")
@@ -164,3 +169,55 @@ def test_what_does_not_belong_is_refused_in_one_line(station: Station, folders: 
     assert code == 3
     assert "the same bytes" in said
     assert station("measure", "CUBE-7", str(folders / "day1"), "--due", "2027-01-01")[0] == 2
+
+
+def test_what_the_dwells_do_not_determine_is_named_and_not_stored(
+    station: Station, folders: Path, tmp_path: Path
+) -> None:
+    whole = read_campaign(folders / "day1").campaign
+    some = [dwell for dwell in whole.dwells if face_of(dwell.position) != "x_down"]
+    write_campaign(tmp_path / "part", replace(whole, dwells=tuple(some)), 0.02)
+    said = station.measure(tmp_path, "part", more=("--store", "--on", "2025-05-01"))
+    assert re.search(r"parallelism\.x\.y +not determined", said)
+    assert (
+        "not observable: parallelism.x.y, known no better than plausible: needs dwells with x up and with" in said
+    )
+    assert "part: no dwell in position " in said
+    with open_db(station.db) as database, database.read() as session:
+        (row,) = measurements(cube_row(session, "CUBE-7"))
+        found = measurement(row).cube
+    assert "parallelism.x.y" not in found.names
+    assert np.sqrt(np.diag(found.covariance)).max() < 1e-3
+
+
+def test_the_same_campaigns_are_refused_and_those_that_overlap_are_no_drift(
+    station: Station, folders: Path
+) -> None:
+    station.measure(folders, "day1", more=("--store", "--on", "2025-05-01"))
+    code, said = station("measure", "CUBE-7", str(folders / "day1"), "--store", "--on", "2025-06-01")
+    assert code == 3
+    assert "found the same campaigns stored as its measurement of 2025-05-01" in said
+    assert "drift over" not in station.measure(folders, "day1")
+    said = station.measure(folders, "day1", "day2", more=("--store", "--on", "2025-06-01"))
+    assert "2025-05-01: 1 of 1 campaigns are the same: not independent, left out of the drift" in said
+    assert "drift over" not in said
+    assert "not independent" in station("show", "cube", "CUBE-7")[1]
+
+
+def test_dates_that_cannot_be_and_a_sigma_of_zero_are_wrong_usage(station: Station, folders: Path) -> None:
+    station("add", "slab", "SLAB-2")
+    tilt = ("--tilt-arcsec", "1", "1", "--by", "CMM", "--sigma-arcsec", "1")
+    cases = [
+        ("measure", "CUBE-7", str(folders / "day1"), "--store"),
+        ("add", "level", "SLAB-2", *tilt, "1"),
+        ("add", "certificate", "CUBE-7", "x_up", *tilt, "1"),
+    ]
+    for case in cases:
+        code, said = station(*case, "--on", "2999-01-01")
+        assert (code, "found a day to come" in said) == (2, True)
+        code, said = station(*case, "--on", "2025-05-02", "--due", "2025-05-01")
+        assert (code, "found before the day of measuring" in said) == (2, True)
+    for kind in (("level", "SLAB-2"), ("certificate", "CUBE-7", "x_up")):
+        code, said = station("add", *kind, *tilt, "0", "--on", "2025-05-02")
+        assert (code, "expected both above 0" in said) == (2, True)
+    assert "measured by" not in station("show", "cube", "CUBE-7")[1]

@@ -124,9 +124,12 @@ def test_a_page_is_written_of_a_unit_and_of_a_population(
                 session, solution(1e-3 + 1e-6 * i), replace(facts(), inputs={"dwell_01.csv": str(i)})
             )
     page, out = tmp_path / "h.html", tmp_path / "p.json"
-    assert run(capsys, "history", "S1", "--html", str(page), "--at", "2027-05-06", *db) == (0, "")
-    assert "predicted for 2027-05-06: as asked" in page.read_text()
-    assert run(capsys, "history", "--population", "FOG-3", "--html", str(page), "--json", str(out), *db) == (0, "")
+    written = f"{page}: history of S1\n"
+    assert run(capsys, "history", "S1", "--html", str(page), "--at", "2027-05-06", *db) == (0, written)
+    assert "too short a history to predict: 4 turn-ons over 0 days" in page.read_text()
+    written = f"{out}: population/1 of FOG-3\n{page}: history of FOG-3\n"
+    many = ("--population", "FOG-3", "--html", str(page), "--json", str(out))
+    assert run(capsys, "history", *many, *db) == (0, written)
     assert "<h1>All units of FOG-3</h1>" in page.read_text()
     assert json.loads(out.read_text())["turn_ons"] == 4
 

@@ -6,9 +6,12 @@ from datetime import timedelta
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
+from fixtures_db.calibration import utc_text
 from fixtures_db.limits import Limit, each_axis
 from fixtures_db.runs import Run, turn_ons
+from station.history.figure import _values
 from station.history.text import history_text
 from station.history.unit import analysis, entries
 from tests.station.history.fleets import BEGIN, fleet, run, solution
@@ -33,7 +36,7 @@ def test_any_number_of_calibrations_gives_text_of_80_columns_and_json_without_na
     json.dumps(found, allow_nan=False)
     lines = history_text(found).splitlines()
     assert max(map(len, lines)) <= 80
-    assert ("  too few for prediction: 3 turn-ons, 1 there" in lines) == (each == 1)
+    assert any("too short a history to predict" in line for line in lines) == (each < 3)
     assert sum(line.startswith("  moved significantly") for line in lines) == each - 1
 
 
@@ -102,3 +105,41 @@ def test_a_triad_that_was_not_solved_is_absent_there_only() -> None:
     assert len(found["analysis"][0]["parameters"]["gyroscope.bias.x"]["value"]) == 3  # type: ignore[index]
     assert "gyroscope.bias.x" not in found["calibrations"][-1]["parameters"]  # type: ignore[index]
     history_text(found)
+
+
+def near(minutes: int, each: int = 3) -> list[Run]:
+    rng = np.random.default_rng(5)
+    return [
+        run("S0", BEGIN + timedelta(minutes=minutes * i), str(i), "CUBE-1", solution(rng, rng.standard_normal(3)))
+        for i in range(each)
+    ]
+
+
+def test_turn_ons_of_one_day_predict_nothing_and_say_why() -> None:
+    found = document(near(10))
+    assert not any("prediction" in one for one in found["analysis"][0]["parameters"].values())  # type: ignore[index]
+    text = history_text(found)
+    assert "too short a history to predict: 3 turn-ons over 0.0139 days; needs 3 more than\n    7 days apart" in text
+    assert "predicted for" not in text
+    assert "first reaches a limit" not in text
+
+
+def test_it_is_predicted_no_farther_than_three_times_the_history() -> None:
+    runs = near(10 * 24 * 60)  # 0, 10, 20 days
+    found = analysis(runs, each_axis(Limit("accelerometer.bias", -1e-5, 1e-5, "g")), None)
+    last = runs[-1].ended + timedelta(days=60)
+    assert found["predicted_utc"] == utc_text(last)
+    assert found["predicted_because"].startswith("3 times its history, not 20")
+    for one in found["parameters"].values():
+        assert one["prediction"]["fan"][-1][0] <= utc_text(last)
+        assert one["prediction"].get("interval_reaches_limit_utc", "") <= utc_text(last)
+
+
+def test_a_wide_prediction_leaves_the_values_of_a_chart_to_be_seen() -> None:
+    track = analysis(unit(4), (), None)["parameters"]["accelerometer.bias.x"]
+    for row in track["prediction"]["fan"]:
+        row[2:] = [-1.0, 1.0]
+    axes = Figure().subplots()
+    _values(axes, "accelerometer.bias.x", track)
+    low, high = axes.get_ylim()
+    assert high - low < 8e6 * np.ptp(track["value"])

@@ -36,3 +36,11 @@ def test_small_and_large_numbers_take_a_power_of_ten() -> None:
     assert significant(12345.0) == "12000"
     assert significant(0.0) == "0"
     assert fixed(float("nan"), 2) == "\u2013"
+
+
+def test_no_number_that_is_printed_is_minus_zero() -> None:
+    assert measured(-0.2, 100.0, "urad") == "0 +- 100 urad"
+    assert measured(-0.001, 0.5, "arcsec") == "0.00 +- 0.50 arcsec"
+    assert shown(Parameter("accelerometer.bias.x", -1e-9, 1e-6, "g"))[0] == "0.0"
+    assert _chi2(3e-18, 4) == "0"
+    assert _chi2(0.25, 3) == "0.25"
