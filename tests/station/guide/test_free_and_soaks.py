@@ -82,6 +82,8 @@ def test_faces_and_free_attitudes_are_taken_as_they_come(rig: Make) -> None:
     guided = rig([*dwells(1), *free(1), *dwells(5)])
     guided.hands("lean 0 1 1 8")
     guided.run(guided.done(1))
+    guided.hands("lean 1 0 1 8")  # another that nobody asked for
+    assert guided.rest(40).step("free_01").attempts == 1
     guided.hands("place 5 8")
     guided.run(guided.done(2))
     guided.hands("place 1 8")
@@ -90,12 +92,11 @@ def test_faces_and_free_attitudes_are_taken_as_they_come(rig: Make) -> None:
 
 
 def test_a_leaning_cube_that_slips_is_not_taken(rig: Make) -> None:
-    guided = rig(free(1, 60.0))
+    guided = rig(free(1, 100.0))
     guided.hands("lean 1 1 0 8")
-    guided.run(lambda v: v.accepted_s > 5)
-    guided.hands("creep 200 0 0 0.2")
+    guided.hands("creep 300 0 0 0.15")  # 2 arcsec a second
     guided.run(lambda v: any(event.sound == "rejected" for event in v.events))
-    assert "the cube crept by" in guided.texts[-1] or "moved by" in guided.texts[-1]
+    assert "the cube crept by" in guided.texts[-1]
     assert guided.view.done == 0
 
 
