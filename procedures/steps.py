@@ -6,6 +6,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
+from procedures.frames import face_of
 from procedures.records import RateSeries, Series
 
 R = TypeVar("R")
@@ -45,7 +46,43 @@ class Turn:
         return f"turn_{self.axis}_{'plus' if self.direction == '+' else 'minus'}"
 
 
-Step = Dwell | Turn
+@dataclass(frozen=True, slots=True)
+class FreePosition:
+    """Rest the cube for ``seconds`` in an attitude between its faces; nobody sets the ``number``-th exactly."""
+
+    number: int
+    seconds: float
+
+    @property
+    def name(self) -> str:
+        """The step's name, also the stem of its file."""
+        return f"free_{self.number:02d}"
+
+
+@dataclass(frozen=True, slots=True)
+class Soak:
+    """Rest the cube for ``seconds`` while temperature or an auxiliary channel moves, the ``number``-th such rest.
+
+    In ``position`` (1..12), or with the face ``up`` (``x_up`` ..) up, or, without either, in a free attitude.
+    """
+
+    number: int
+    seconds: float
+    position: int = 0
+    up: str = ""
+
+    @property
+    def name(self) -> str:
+        """The step's name, also the stem of its file."""
+        return f"soak_{self.number:02d}"
+
+    @property
+    def face(self) -> str:
+        """The face that is up; empty in a free attitude."""
+        return face_of(self.position) if self.position else self.up
+
+
+Step = Dwell | Turn | FreePosition | Soak
 Plan = Generator[Step, Series, R]
 
 

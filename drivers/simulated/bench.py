@@ -25,9 +25,10 @@ from procedures.campaign import (
     Site,
     TurnRecord,
 )
-from procedures.frames import AXES, FACES, TURN_START
+from procedures.frames import AXES, FACES, TURN_START, face_of
+from procedures.leaning import LEANS, leaned, way_up
 from procedures.records import CountSeries
-from procedures.steps import Dwell, Step, Turn
+from procedures.steps import Dwell, Soak, Step, Turn
 
 WAIT_S = 5.0  # of every move, the last seconds are a wait for the cube to settle
 MOST_REVOLUTIONS = 100
@@ -44,7 +45,7 @@ def stand(truth: Truth) -> World:
 
 
 class SimulatedBench:
-    """Performs dwells and turns on a simulated unit; ``truth`` and ``world`` say what was true.
+    """Performs steps on a simulated unit; ``truth`` and ``world`` say what was true.
 
     Headings and closures are drawn per step from the truth's sigmas. Equal seeds give equal counts.
     ``seed`` None: no noise and no scatter. ``also`` are effects that no catalogue holds.
@@ -68,22 +69,32 @@ class SimulatedBench:
     def perform(self, step: Step) -> CountSeries:
         """Do one step and return its counts; device time runs on through the move before it."""
         self._move_on()
-        return self._dwell(step) if isinstance(step, Dwell) else self._turn(step)
+        match step:
+            case Turn():
+                return self._turn(step)
+            case Dwell() | Soak(position=1 | 2 | 3 | 4 | 5 | 6 | 7 | 8 | 9 | 10 | 11 | 12):
+                return self._dwell(step.position, step.seconds)
+            case Soak(up=up) if up:
+                return self._dwell(next(p for p in ALL_POSITIONS if face_of(p) == up), step.seconds)
+        up_b = way_up(LEANS[(step.number - 1) % len(LEANS)])
+        return self._rest(leaned(up_b, self._hands.uniform(0, 2 * np.pi)), step.seconds)
 
     def free(self, C_bn: FloatArray, seconds: float) -> CountSeries:
         """Rest in an attitude (3, 3), East-North-Up to the cube, that is none of the twelve positions."""
         self._move_on()
+        return self._rest(C_bn, seconds)
+
+    def _rest(self, C_bn: FloatArray, seconds: float, position: int = 0) -> CountSeries:
         samples = round(seconds / self.truth.sample_period_s)
-        return self._record(rest(C_bn, samples, 0, self._wait), samples)
+        return self._record(rest(C_bn, samples, position, self._wait), samples)
 
     def _move_on(self) -> None:
         self._index += self._move
         self.sensor.skip()
 
-    def _dwell(self, step: Dwell) -> CountSeries:
-        samples = round(step.seconds / self.truth.sample_period_s)
-        C_bn = self.world.attitude(step.position, self._draw(self.truth.heading_std_deg))
-        return self._record(rest(C_bn, samples, step.position, self._wait), samples)
+    def _dwell(self, position: int, seconds: float) -> CountSeries:
+        C_bn = self.world.attitude(position, self._draw(self.truth.heading_std_deg))
+        return self._rest(C_bn, seconds, position)
 
     def _turn(self, step: Turn) -> CountSeries:
         truth = self.truth

@@ -64,6 +64,12 @@ class ByteDevice:
                 imu.place(int(position), float(move_s))
             case ["place", position, move_s, *off_deg] if len(off_deg) == 3:
                 imu.place(int(position), float(move_s), _rad(off_deg))
+            case ["lean", x, y, z]:
+                imu.lean(np.array([float(x), float(y), float(z)]))
+            case ["lean", x, y, z, move_s]:
+                imu.lean(np.array([float(x), float(y), float(z)]), float(move_s))
+            case ["heat", kelvin, tau_s]:
+                imu.heat(float(kelvin), float(tau_s))
             case ["knock", seconds, size_g]:
                 imu.knock(float(seconds), float(size_g))
             case ["creep", seconds, *turn_deg] if len(turn_deg) == 3:
@@ -82,7 +88,8 @@ class ByteDevice:
             case _:
                 raise ValueError(
                     f"unknown command {' '.join(words)!r}; expected place POSITION [MOVE_S "
-                    "[X_DEG Y_DEG Z_DEG]], turn AXIS + or - REVOLUTIONS [REST_S], rest SECONDS, "
+                    "[X_DEG Y_DEG Z_DEG]], lean X Y Z [MOVE_S], turn AXIS + or - REVOLUTIONS [REST_S], "
+                    "rest SECONDS, heat KELVIN TAU_S, "
                     "knock SECONDS SIZE_G, creep SECONDS X_DEG Y_DEG Z_DEG, status, time or go"
                 )
         return f"time {imu.time:.6f} done {imu.done:.6f}"

@@ -28,6 +28,14 @@ class SimulatedHands:
         """Put the cube into ``position`` 1..12; return when it will have settled."""
         return self._moved(f"place {position} {move_s}")
 
+    def lean(self, up: tuple[int, int, int], move_s: float = 45.0) -> float:
+        """Prop the cube so that ``up``, in its own axes, about points up; return when it will have settled."""
+        return self._moved(f"lean {up[0]} {up[1]} {up[2]} {move_s}")
+
+    def heat(self, kelvin: float, tau_s: float) -> None:
+        """Warm the unit by ``kelvin`` from now on, exponentially in ``tau_s`` [s]; negative cools it."""
+        self.say(f"heat {kelvin} {tau_s}")
+
     def turn(self, axis: str, direction: str, revolutions: int, rest_s: float = 5.0) -> float:
         """Turn the cube about its vertical ``axis``, at rest for ``rest_s`` before and after."""
         return self._moved(f"turn {axis} {direction} {revolutions} {rest_s}")

@@ -15,8 +15,11 @@ from drivers.simulated.sensor import Sensor
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
 from procedures.frames import rotation
+from procedures.leaning import leaned
 from procedures.records import CountBlock
 from procedures.steps import Turn
+
+LEAN_STD_DEG = 3.0  # how far off a free attitude is set by hand
 
 
 class SimulatedImu:
@@ -69,6 +72,23 @@ class SimulatedImu:
                           truth.settle_tau_s, truth.settle_hz)  # fmt: skip
         self._append(move, settling, rest(C_bn, None, position, settling.samples or 0))
         self.position = position
+
+    def lean(self, up_b: FloatArray, move_s: float = 45.0) -> None:
+        """Prop the cube so that ``up_b`` (3,), its own axes, about points up, as well as hands do it."""
+        if not np.isfinite(up_b).all() or not np.linalg.norm(up_b):
+            raise ValueError(f"lean {up_b}: expected a way that can point up")
+        missed = np.radians(LEAN_STD_DEG) * self._scatter * self._hands.standard_normal(3)
+        heading = self._hands.uniform(0, 2 * np.pi)
+        C_bn = rotation(missed) @ leaned(up_b, heading)
+        move = flip(self._last_C_bn(), C_bn, self._samples(move_s), self.truth.sample_period_s, self._hands)
+        self._append(move, rest(C_bn, None, 0, 0))
+        self.position = 0
+
+    def heat(self, kelvin: float, tau_s: float) -> None:
+        """Warm the unit by ``kelvin`` from now on (cool it if negative), exponentially in ``tau_s`` [s]."""
+        if not abs(kelvin) <= 100 or not 0 < tau_s < 1e6:
+            raise ValueError(f"heat by {kelvin} K in {tau_s} s: expected up to 100 K and 0 to 1e6 s")
+        self._sensor.heat(self.time, kelvin, tau_s)
 
     def knock(self, seconds: float, size_g: float) -> None:
         """Knock or shake the cube where it stands."""

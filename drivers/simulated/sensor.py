@@ -75,20 +75,29 @@ class Sensor:
         self._noise = np.concatenate((np.full(3, truth.accel_noise_g), np.full(3, arw)))
         self._k = np.concatenate((truth.accel_k, truth.gyro_k))
         self._sum = np.zeros(6)
+        self._heats: list[
+            tuple[float, float, float]
+        ] = []  # from when [s], by how much [K], with what constant [s]
+
+    def heat(self, t: float, kelvin: float, tau_s: float) -> None:
+        """Have the temperature rise by ``kelvin`` from ``t`` [s] on, exponentially in ``tau_s`` [s]."""
+        self._heats.append((t, kelvin, tau_s))
 
     def temperature(self, t: FloatArray) -> FloatArray:
         """Return the temperature [degC] at ``t`` [s]."""
         truth = self._truth
         warm = truth.temperature_rise_k * -np.expm1(-t / truth.temperature_tau_s)
         swing = truth.temperature_swing_k * np.sin(2 * np.pi * t / truth.temperature_swing_period_s)
-        return truth.temperature_start_c + warm + swing
+        heated = [k * -np.expm1(-np.maximum(t - since, 0.0) / tau) for since, k, tau in self._heats]
+        return truth.temperature_start_c + warm + swing + sum(heated)
 
     def temperature_rate(self, t: FloatArray) -> FloatArray:
         """Return the rate of temperature [K/min] at ``t`` [s]."""
         truth = self._truth
         warm = truth.temperature_rise_k / truth.temperature_tau_s * np.exp(-t / truth.temperature_tau_s)
         omega = 2 * np.pi / truth.temperature_swing_period_s
-        return 60 * (warm + truth.temperature_swing_k * omega * np.cos(omega * t))
+        heated = [k / tau * np.exp(-np.maximum(t - s, 0) / tau) * (t >= s) for s, k, tau in self._heats]
+        return 60 * (warm + truth.temperature_swing_k * omega * np.cos(omega * t) + sum(heated))
 
     def output(self, segment: Segment, index: int, first: int, last: int) -> FloatArray:
         """Return the noise-free output (n or 1, 6): accelerometers [g], gyros [deg/s].

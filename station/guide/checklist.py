@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from procedures.frames import face_of
-from procedures.steps import Dwell, Step, Turn
+from procedures.steps import Dwell, FreePosition, Soak, Step, Turn
 from station.guide import view
 
 MOVE_S = 45.0  # what a person takes to place the cube
@@ -53,6 +53,17 @@ class Checklist:
         """Return the open dwells with a face up, the wanted one first."""
         here = [s for s in self.steps if isinstance(s, Dwell) and self.is_open(s) and face_of(s.position) == face]
         return sorted(here, key=lambda step: step != self.wanted)
+
+    def open_soak(self, face: str) -> Soak | None:
+        """Return the open soak with a face up, the wanted one first."""
+        here = [s for s in self.steps if isinstance(s, Soak) and self.is_open(s) and s.face == face]
+        return min(here, key=lambda step: step != self.wanted, default=None)
+
+    def open_free(self) -> FreePosition | Soak | None:
+        """Return what is to be done next in a free attitude, the wanted step first."""
+        here = [s for s in self.steps if is_free(s) and self.is_open(s)]
+        first = min(here, key=lambda step: step != self.wanted, default=None)
+        return first if isinstance(first, FreePosition | Soak) else None
 
     def accept(self, step: Step, seconds: float, note: str) -> None:
         """Take a step as done."""
@@ -105,8 +116,18 @@ class Checklist:
         )  # fmt: skip
         if isinstance(step, Dwell):
             return shown.model_copy(update={"position": step.position})
+        if isinstance(step, FreePosition):
+            return shown.model_copy(update={"number": step.number, "is_free": True})
+        if isinstance(step, Soak):
+            where = {"position": step.position, "up": step.up, "is_free": is_free(step)}
+            return shown.model_copy(update={"number": step.number, "is_soak": True, **where})
         own = ("axis", "direction", "revolutions", "start_position")
         return shown.model_copy(update={name: getattr(step, name) for name in own})
+
+
+def is_free(step: Step) -> bool:
+    """Say whether a step is done in a free attitude."""
+    return isinstance(step, FreePosition) or (isinstance(step, Soak) and not step.face)
 
 
 def duration(step: Step) -> float:

@@ -10,7 +10,7 @@ from procedures.arrays import FloatArray
 from procedures.campaign import Fixture
 from procedures.earth import EARTH_RATE
 from procedures.gyrocompass import Heading, Known, find_heading, scale
-from procedures.steps import Dwell, Step
+from procedures.steps import Dwell, Soak, Step
 from station.guide.checklist import Checklist
 from station.guide.judge import Judge
 from station.guide.rested import Rested, rested
@@ -70,11 +70,13 @@ class Desk:
         recorder: Recorder,
         before: Sequence[Rested] = (),
         turns: Mapping[str, float] | None = None,
+        leaned: Mapping[str, FloatArray] | None = None,
     ) -> None:
         self.feed, self.checklist, self.facts, self._recorder = feed, checklist, facts, recorder
         self.story, self.judge = Story(), Judge(facts.fixture.C_ib)
         self.rested: dict[int, Rested] = {}
         self.turns: dict[str, float] = dict(turns or {})  # counts per revolution, by step
+        self.leaned: dict[str, FloatArray] = dict(leaned or {})  # accelerometer count rates (3,), by step
         self.position = 0
         self.seats: dict[int, FloatArray] = {}  # how the cube sat when it was found off, by position
         self.kept_seats: set[int] = set()  # positions in which the operator takes the cube as it sits
@@ -116,10 +118,18 @@ class Desk:
                 rate = np.concatenate((found.gyro, found.accel))
                 self._recorder.keep_first_rest(rate, self.judge.stillness.noise)
             self._learn(found)
+        elif isinstance(step, Soak):
+            self.position = step.position
         count = sum(n > 0 for n in self.checklist.attempts.values())
         of = len(self.checklist.steps)
         told = [f"accepted: {title(step)}", note, f"{count} of {of} done"]
         self.story.say("accepted", ", ".join(filter(None, told)))
+
+    def leans_taken(self) -> list[FloatArray]:
+        """Return which way (3,) of the cube was up in each free position that is done and stays so."""
+        open_steps = {step.name for step in self.checklist.steps if self.checklist.is_open(step)}
+        taken = [rate for name, rate in self.leaned.items() if name not in open_steps]
+        return [self.judge.way_up(rate) for rate in taken]
 
     def skip_warm_up(self, gyro_deg_h: float, accelerometer_g: float) -> None:
         """Record that the unit was not settled."""

@@ -23,6 +23,7 @@ OTHERWISE_BLOCKS = 5  # still ones in a row, away from what was kept: then what 
 MOVED_DEG = 0.05
 CALM_BLOCKS = 1  # still ones after a disturbance that are not used
 FEW_BLOCKS = 3
+RECENT_BLOCKS = 20  # while rates drift
 OFF_SIGMA = 6.0
 EARLY_BLOCKS = 5  # a cube that is disturbed as early as this was not let go yet
 CREEP_CHI2 = 20.0  # of two level axes: chance passes it once in 20000 dwells
@@ -33,10 +34,13 @@ class Dwelling:
     """Collects ``samples`` samples of ``period`` [s].
 
     ``gyro_k`` returns the gyros' scale factor [count/rad], roughly, for their count rate (3,) at rest.
+    ``drifts``: the rates move on purpose, as in a soak, and what is usual is what they were just before.
     """
 
-    def __init__(self, samples: int, period: float, gyro_k: Callable[[FloatArray], float]) -> None:
-        self._wanted, self._period, self._k = samples, period, gyro_k
+    def __init__(
+        self, samples: int, period: float, gyro_k: Callable[[FloatArray], float], *, drifts: bool = False
+    ) -> None:
+        self._wanted, self._period, self._k, self._drifts = samples, period, gyro_k, drifts
         self.kept: list[Block] = []
         self._newest: list[Block] = []  # still, and not followed by a still one yet
         self._away: list[Block] = []  # since it was last at rest
@@ -117,7 +121,7 @@ class Dwelling:
 
     def _is_off(self, block: Block, look: Look) -> bool:
         """Say whether a channel is far off its median so far: an even motion makes nothing tremble."""
-        if len(self.kept) < FEW_BLOCKS:
+        if self._drifts or len(self.kept) < FEW_BLOCKS:
             return False
         usual = np.median([each.rate for each in self.kept], axis=0)
         return bool(np.any(np.abs(block.rate - usual) > OFF_SIGMA * look.sigma))
@@ -127,7 +131,7 @@ class Dwelling:
         away = self._away
         if any(a.last != b.first or b.is_broken for a, b in pairwise([self.kept[-1], *away])):
             return "samples were lost while it was disturbed"
-        rest = self.rate()[:3]
+        rest = np.mean([block.rate[:3] for block in self.kept[-RECENT_BLOCKS if self._drifts else 0 :]], axis=0)
         k = self._k(rest)
         counts = np.sum([(b.rate[:3] - rest) * (b.last - b.first) * self._period for b in away], axis=0)
         noise = float(np.max(look.sigma[:3])) * len(away) ** 0.5
@@ -137,17 +141,17 @@ class Dwelling:
         return ""
 
 
-def crept(found: Sequence[RateEstimate], seconds: float, C_ib: FloatArray, normal: FloatArray) -> str:
+def crept(found: Sequence[RateEstimate], seconds: float, up: FloatArray) -> str:
     """Say how far the cube crept in a dwell of ``seconds``, empty if it did not.
 
-    ``found`` are the accelerometers' rates with their slopes; ``C_ib`` (3, 3) takes the cube's axes to the IMU's,
-    ``normal`` (3,) is the cube axis that points up. A level accelerometer's slope over what 1 g counts is the
-    rate of a tilt.
+    ``found`` are the accelerometers' rates with their slopes; ``up`` (3,) is the unit vector that points up, in
+    the IMU's axes. The slope along a level direction over what 1 g counts is the rate of a tilt.
     """
     rate, slope, std = (np.array([getattr(one, name) for one in found]) for name in ("rate", "slope", "slope_std"))
-    level = np.abs(C_ib @ normal) < 0.5
-    tilt = seconds / float(rate @ C_ib @ normal)
-    moved, chi2 = np.abs(slope * tilt)[level], float(np.sum((slope / std)[level] ** 2))
+    level = np.linalg.svd(up[None])[2][1:]  # (2, 3): the level accelerometers themselves where one is upright
+    tilt = seconds / float(rate @ up)
+    moved = np.abs(level @ slope * tilt)
+    chi2 = float(np.sum((level @ slope) ** 2 / (level**2 @ std**2)))
     if moved.max() > CREEP_RAD and chi2 > CREEP_CHI2:
         return f"the cube crept by {np.degrees(moved.max()) * 3600:.0f} arcsec"
     return ""

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from station.recorder.results import Results
 
 REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
+WHOLE = "all is recorded: leave, and diagnose it together with the campaign that it complements"
 OVER = frozenset({"cancelled", "left", "failed"})
 
 
@@ -41,6 +42,7 @@ class Engine:
         self._aside = ThreadPoolExecutor(1, "check")
         self._check: Future[Check] | None = None
         self._outcome = _Outcome()
+        self._refused = ""  # why what is complete could not be solved
         self.view = View(stage="start", start=start_view(database, options.setup))
 
     def round(self) -> None:
@@ -54,7 +56,9 @@ class Engine:
         try:
             campaign.round()
             self._show(campaign)
-            if campaign.guide.is_complete and self._outcome.verdict is None:
+            if not campaign.guide.is_complete:
+                self._refused = ""
+            elif self._outcome.verdict is None and not self._refused:
                 self._finish(campaign)
         except (CannotWrite, DatabaseError) as error:
             self._fail(error)
@@ -129,6 +133,8 @@ class Engine:
         view = campaign.view(View())
         if self._outcome.verdict is not None:
             view = view.model_copy(update=self._outcome.shown())
+        elif self._refused and campaign.guide.is_complete:
+            view = view.model_copy(update={"line": WHOLE, "hint": self._refused})
         self.view = view
 
     def _show_start(self, **changes: object) -> None:
@@ -145,7 +151,8 @@ class Engine:
         except REFUSALS as error:
             if isinstance(error, CannotWrite) or not self._options.is_patient:
                 raise
-            campaign.guide.desk.story.say("rejected", f"it cannot be solved yet: {error}")
+            self._refused = f"it cannot be solved by itself: {error}"
+            campaign.guide.desk.story.say("rejected", self._refused)
         self._show(campaign)
 
     def _store(self) -> None:

@@ -7,11 +7,16 @@ from raw counts and any order is taken; what is wrong is said and never counted 
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from drivers.errors import DriverError
+from procedures.arrays import FloatArray
+from procedures.leaning import APART_DEG, nearest_deg
 from station.guide.command import Command
 from station.guide.desk import Desk
 from station.guide.identity import UnitRecord
 from station.guide.judge import Look
+from station.guide.leaning import Leaning
 from station.guide.placing import Placing
 from station.guide.recognising import Recognising
 from station.guide.resting import Resting
@@ -37,6 +42,7 @@ class Guide:
         first = _warming if warms_up else _placing
         self._stage: Stage = first(desk) if unsure is None else Recognising(desk, unsure, first)
         self._look: Look | None = None
+        self._accel: FloatArray = np.zeros(3)
         self._is_paused = False
         self.trouble = ""  # with the stream, in words
 
@@ -49,6 +55,7 @@ class Guide:
         """Take a second of the stream."""
         desk = self.desk
         desk.judge.learn(block)
+        self._accel = block.rate[3:]
         look = self._look = desk.judge.look(block)
         if block.is_anew:
             self._stage = self._stage.interrupted()
@@ -62,7 +69,7 @@ class Guide:
     def glance(self, block: Block | None) -> None:
         """Take the newest second for show only."""
         if block is not None:
-            self._look = self.desk.judge.look(block)
+            self._look, self._accel = self.desk.judge.look(block), block.rate[3:]
 
     def stream_failed(self, error: DriverError) -> None:
         """Take what is wrong with the stream; a dwell or turn under way is not accepted."""
@@ -92,7 +99,11 @@ class Guide:
         """Return ``base`` with everything filled in that the guide knows."""
         desk = self.desk
         shown = {"hint": "", "live": ""} | self._stage.shown()
-        extras = {key: shown.pop(key) for key in ("position", "heading", "seating", "is_seated") if key in shown}
+        extras = {
+            key: shown.pop(key)
+            for key in ("position", "heading", "seating", "is_seated", "is_free")
+            if key in shown
+        }
         if self._is_paused:
             shown |= {"stage": "paused", "hint": "paused: nothing is recorded"}
         if self.trouble:
@@ -112,7 +123,7 @@ class Guide:
 
     @property
     def _is_recording(self) -> bool:
-        return isinstance(self._stage, Resting | Turning)
+        return isinstance(self._stage, Resting | Turning | Leaning)
 
     def _gates(self, extras: dict[str, object]) -> Gates | None:
         if (look := self._look) is None or (isinstance(self._stage, Turning) and self._stage.is_moving):
@@ -124,13 +135,16 @@ class Guide:
             still=look.still * limit, still_limit=limit, still_channel=look.channel, is_still=look.is_still,
             position=self.desk.position,
         )  # fmt: skip
+        if extras.get("is_free"):
+            is_apart = nearest_deg(self.desk.judge.way_up(self._accel), self.desk.leans_taken()) >= APART_DEG
+            extras = extras | {"is_right_face": look.off_deg >= APART_DEG and is_apart, "limit_deg": APART_DEG}
         return gates.model_copy(update=extras)
 
     def _has_work(self, face: str) -> bool:
         checklist = self.desk.checklist
         wanted = checklist.wanted
         turns_here = getattr(wanted, "axis", None) is not None and face == f"{getattr(wanted, 'axis', '')}_up"
-        return bool(checklist.open_dwells(face)) or turns_here
+        return bool(checklist.open_dwells(face) or checklist.open_soak(face)) or turns_here
 
     def _link(self) -> Link:
         feed = self.desk.feed
@@ -176,7 +190,7 @@ class Guide:
             self.desk.story.say("", "going on")
 
     def _answer(self, command: Command) -> None:
-        if isinstance(self._stage, Resting | Turning | Recognising):
+        if isinstance(self._stage, Resting | Turning | Recognising | Leaning):
             self._stage.answer(command.key)
 
     def _keep_seating(self, _: Command) -> None:

@@ -106,6 +106,12 @@ class Judge:
         level = float(np.linalg.norm(in_cube - upright * face_normal(face)))
         return face, float(np.degrees(np.arctan2(level, upright)))
 
+    def way_up(self, accel: FloatArray) -> FloatArray:
+        """Return the unit vector (3,), cube axes, that points up, from count rates (3,) in IMU axes."""
+        in_cube = self._C_ib.T @ (accel - self._bias)
+        up: FloatArray = in_cube / max(float(np.linalg.norm(in_cube)), 1e-9)
+        return up
+
     def _is_turning(self, block: Block) -> bool:
         """Say whether a gyro shows far more than it did at rest: an even rotation makes nothing tremble."""
         if self._rest is None:

@@ -14,12 +14,8 @@ from pydantic import BaseModel, ValidationError
 from drivers.errors import DriverError, LinkLost
 from fixtures_db.database import Database
 from procedures import hand_turns, twelve_position
-from procedures.arrays import FloatArray
-from procedures.campaign import Fixture, TurnRecord
-from procedures.frames import AXES
-from procedures.records import CountSeries
-from procedures.steps import Dwell, Step, Turn, steps_of
-from station.campaign_folder import read_campaign
+from procedures.campaign import Fixture
+from procedures.steps import Step, steps_of
 from station.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
 from station.errors import DataRefused
 from station.guide.checklist import Checklist
@@ -32,7 +28,7 @@ from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
 from station.guide.identity import UnitRecord
 from station.guide.options import Options
-from station.guide.rested import Rested, rested
+from station.guide.so_far import so_far
 from station.guide.unfinished import FolderLock, reopen
 from station.guide.view import Setup, View
 from station.live.live_feed import LiveFeed, open_feed
@@ -171,10 +167,10 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         imu = recorder.tables.imu
         unit = feed.identify(imu.model, imu.serial)
         fixture, _ = cube_fixture(database, recorder.tables.fixture.id, recorder.tables.fixture.imu_axes)
-        before, turns, seconds = _so_far(folder) if recorder.accepted else ([], {}, {})
+        before, turns, seconds, leaned = so_far(folder) if recorder.accepted else ([], {}, {}, {})
         checklist = Checklist(steps, recorder.accepted, seconds)
         facts = _facts(recorder.tables, fixture, setup, options)
-        desk = Desk(feed, checklist, facts, FolderRecorder(recorder), before, turns)
+        desk = Desk(feed, checklist, facts, FolderRecorder(recorder), before, turns, leaned)
         record = read_unit(folder)
         unsure = record if record is not None and not record.serial_from_wire else None
         guide = Guide(desk, warms_up=options.warms_up, unsure=unsure)
@@ -232,24 +228,3 @@ def _facts(tables: CampaignTable, fixture: Fixture, setup: Setup, options: Optio
 
 def _folder(setup: Setup, root: Path) -> Path:
     return Path(setup.folder) if setup.folder else root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
-
-
-def _so_far(folder: Path) -> tuple[list[Rested], dict[str, float], dict[str, float]]:
-    """Return what the accepted dwells and turns leave for those after them, and how long each step is [s]."""
-    loaded = read_campaign(folder).campaign
-    before = [rested(d.position, d.series) for d in loaded.dwells if isinstance(d.series, CountSeries)]
-    turns = {_name(turn): _counts_per_revolution(turn, loaded.fixture.C_ib) for turn in loaded.turns}
-    seconds = {Dwell(d.position, 0.0).name: len(d.series) * d.series.period for d in loaded.dwells}
-    return before, turns, seconds | {_name(t): len(t.series) * t.series.period for t in loaded.turns}
-
-
-def _name(turn: TurnRecord) -> str:
-    return Turn(turn.axis, turn.direction, turn.revolutions, turn.start_position, REST_S).name
-
-
-def _counts_per_revolution(turn: TurnRecord, C_ib: FloatArray) -> float:
-    """Return it as `station.live.turning.TurnWatch` saw it: less the rate of the first seconds, at rest."""
-    series = turn.series
-    samples = np.asarray(series.gyro) @ C_ib[:, AXES.index(turn.axis)]
-    rest = samples[: max(round(2.0 / series.period), 1)].mean()
-    return abs(float(np.sum(samples - rest))) / turn.revolutions

@@ -5,9 +5,12 @@ from typing import Protocol
 from drivers.errors import DriverError
 from drivers.simulated.errors import SimulatorError
 from drivers.simulated.hands import SimulatedHands
+from procedures.frames import face_of
+from procedures.leaning import LEANS, Lean
 from procedures.steps import Turn
 from station.guide.view import Step, View
 
+SOAK_K = 15.0
 REST_MARGIN_S = 2.0  # the guide judges rest in blocks of 1 s that begin anywhere
 
 
@@ -37,15 +40,18 @@ class Nobody:
 class SimulatedOperator:
     """Moves the cube of a simulated device with its hands at ``address``; a move takes ``move_s`` of its time.
 
-    Each thing asked for is done once; what was rejected is done again.
+    Each thing asked for is done once; what was rejected is done again. In a soak it warms the unit, and lets it
+    cool from the middle on.
     """
 
     def __init__(self, address: str, move_s: float) -> None:
         self._hands, self._move_s = SimulatedHands(address), move_s
         self._done: tuple[str, str, int] | None = None
+        self._heated = 0.0  # by how much the unit is warmer than it was
 
     def look(self, view: View) -> None:
         """Place the cube, or turn it once it has rested, if that is what is wanted now."""
+        self._heat(view)
         step = view.step(view.wanted)
         if step is None or view.stage not in {"place", "turn"} or view.question is not None:
             return
@@ -57,7 +63,7 @@ class SimulatedOperator:
             return
         self._done = task
         try:
-            self._do(what, step)
+            self._do(what, step, view.lean)
         except SimulatorError as error:
             raise HandsLost(str(error)) from error
 
@@ -65,9 +71,24 @@ class SimulatedOperator:
         """Let the hands go."""
         self._hands.close()
 
-    def _do(self, what: str, step: Step) -> None:
-        if what == "place":
-            self._hands.place(step.position or step.start_position, self._move_s)
+    def _heat(self, view: View) -> None:
+        """Warm the unit in the first half of a soak, let it cool in the second and after it."""
+        is_first = view.soak is not None and view.soak.left_s > view.wanted_s / 2
+        wanted = SOAK_K if is_first else 0.0
+        if wanted == self._heated:
+            return
+        try:
+            self._hands.heat(wanted - self._heated, max(view.wanted_s, 1.0) / 8)
+        except SimulatorError as error:
+            raise HandsLost(str(error)) from error
+        self._heated = wanted
+
+    def _do(self, what: str, step: Step, lean: Lean | None) -> None:
+        if what == "place" and step.is_free:
+            self._hands.lean(lean or LEANS[0], self._move_s)
+        elif what == "place":
+            face = next((p for p in range(1, 13) if face_of(p) == step.up), 0)
+            self._hands.place(step.position or step.start_position or face, self._move_s)
         else:
             turn = Turn(step.axis, step.direction, step.revolutions, step.start_position, 0.0)
             self._hands.turn(turn.axis, turn.direction, turn.revolutions, REST_MARGIN_S)

@@ -3,9 +3,12 @@
 from typing import Any
 
 from procedures.frames import face_of
-from procedures.steps import Turn
+from procedures.leaning import APART_DEG, wanted
+from procedures.steps import Soak, Turn
+from station.guide.checklist import is_free
 from station.guide.desk import Desk
 from station.guide.judge import Look
+from station.guide.leaning import Leaning, free_look
 from station.guide.resting import Resting
 from station.guide.stage import Stage
 from station.guide.turning import Turning
@@ -28,6 +31,7 @@ class Placing:
         self._desk, self._must_move = desk, must_move
         self._why = why
         self._face, self._calm, self._hint = "", 0, ""
+        self._is_free = False
 
     def take(self, block: Block, look: Look) -> Stage:
         """Take a second of the stream."""
@@ -37,14 +41,17 @@ class Placing:
         if judge.stillness.is_known and not look.is_still:
             self._must_move = False
             self._desk.moved()
+        self._is_free = self._wants_free(look)
+        look = free_look(self._desk, block, look) if self._is_free else look
         if self._must_move and not self._begins_here(look):
             return self
-        is_calm = not look.hindrance and look.is_calm and look.face == self._face
+        is_calm = not look.hindrance and look.is_calm and (self._is_free or look.face == self._face)
         self._calm = self._calm + 1 if is_calm else 0
         self._face, self._hint = look.face, look.hindrance
         if self._calm < SETTLE_BLOCKS:
             return self
-        return self._arrived(look.face)
+        step = self._desk.checklist.open_free() if self._is_free else None
+        return Leaning(self._desk, step, _again) if step else self._arrived(look.face)
 
     def interrupted(self) -> Stage:
         """Wait anew; the cube may have been moved meanwhile."""
@@ -52,26 +59,46 @@ class Placing:
 
     def shown(self) -> dict[str, Any]:
         """Return where the cube is to go, and what hinders."""
-        wanted, position = self._desk.checklist.wanted, self._desk.position
-        is_there = isinstance(wanted, Turn) and wanted.start_position == position
-        what = task(wanted, is_there=is_there) if wanted else "all steps are done"
+        step, position = self._desk.checklist.wanted, self._desk.position
+        is_there = isinstance(step, Turn) and step.start_position == position
+        lean = wanted(self._desk.leans_taken()) if step is not None and is_free(step) else None
+        what = task(step, is_there=is_there, way=lean or (1, 1, 0)) if step else "all steps are done"
         hint = self._why or (self._hint if not self._must_move else "")
-        shown = {"stage": "settle" if self._calm else "place", "line": what, "hint": hint}
+        shown: dict[str, Any] = {"stage": "settle" if self._calm else "place", "line": what, "hint": hint}
+        shown |= {"lean": lean, "is_free": self._is_free}
         return shown | ({"is_seated": False, "seating": self._why} if self._desk.off_seat else {})
 
     def _begins_here(self, look: Look) -> bool:
         """Say whether the wanted step begins where the cube stands, so that it need not be moved."""
-        wanted, position = self._desk.checklist.wanted, self._desk.position
-        if look.hindrance or not position or self._why:
+        step, position = self._desk.checklist.wanted, self._desk.position
+        if look.hindrance or self._why:
             return False
-        return (wanted.start_position if isinstance(wanted, Turn) else getattr(wanted, "position", 0)) == position
+        if self._is_free or not position:  # leaning as it is wanted: taken before it is only to do it again
+            return self._is_free
+        if isinstance(step, Soak):
+            return look.face == step.face and step.position in {0, position}
+        return (step.start_position if isinstance(step, Turn) else getattr(step, "position", 0)) == position
+
+    def _wants_free(self, look: Look) -> bool:
+        """Say whether the cube is to be judged by the gate of a free attitude as it leans now."""
+        checklist = self._desk.checklist
+        if checklist.open_free() is None:
+            return False
+        if look.off_deg >= APART_DEG:
+            return True
+        step = checklist.wanted
+        has_work = checklist.open_dwells(look.face) or checklist.open_soak(look.face)
+        return step is not None and is_free(step) and not (look.is_upright and has_work)
 
     def _arrived(self, face: str) -> Stage:
         desk = self._desk
-        wanted = desk.checklist.wanted
-        if isinstance(wanted, Turn) and face_of(wanted.start_position) == face:
-            return Turning(desk, wanted, _again)
-        if dwells := desk.checklist.open_dwells(face):
+        step, soak = desk.checklist.wanted, desk.checklist.open_soak(face)
+        if isinstance(step, Turn) and face_of(step.start_position) == face:
+            return Turning(desk, step, _again)
+        dwells = desk.checklist.open_dwells(face)
+        if soak and (soak == step or not dwells):
+            return Resting(desk, face, [soak], _again)
+        if dwells:
             return Resting(desk, face, dwells, _again)
         return self._wrong(face)
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 
 from station.guide.command import Command
 from station.guide.session import Session
+from station.guide.soaking import in_words
 from station.guide.view import Event, Sound, Verdict, View
 
 OVER = frozenset({"cancelled", "left", "failed"})
@@ -81,7 +82,8 @@ class PlainScreen:
 
     def _progress(self, view: View) -> None:
         if view.stage == "dwell" and view.accepted_s >= EVERY_S:
-            self._once("seconds", f"{view.live} {EVERY_S * (view.accepted_s // EVERY_S):.0f} s accepted")
+            said = f"{view.live} {EVERY_S * (view.accepted_s // EVERY_S):.0f} s accepted"
+            self._once("seconds", f"{said}, {in_words(view.soak)}" if view.soak else said)
         elif view.stage == "warm_up" and view.warm_up is not None:
             seconds = EVERY_S * (view.warm_up.seconds // EVERY_S)
             left = "" if view.warm_up.left_s is None else f", about {view.warm_up.left_s:.0f} s left"

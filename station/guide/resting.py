@@ -4,12 +4,13 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 from procedures.frames import face_normal
-from procedures.steps import Dwell
+from procedures.steps import Dwell, Soak
 from station.guide.desk import Desk
 from station.guide.dwelling import TOUCHED, Dwelling, crept
 from station.guide.judge import Look
 from station.guide.rested import estimates
 from station.guide.seat import Seat
+from station.guide.soaking import Thermometer, in_words
 from station.guide.stage import Stage
 from station.guide.view import Question
 from station.guide.which_way import NEITHER, which_way
@@ -19,6 +20,7 @@ from station.live.stillness import Block
 
 ASK_AFTER_S = 10.0  # of accepted seconds without a sure heading
 BY_EARTH, AS_SAID, AS_ASKED = "by the Earth rate", "as said", "as asked for, not checked"
+ANY = "any will do"
 
 
 class Again(Protocol):
@@ -30,15 +32,23 @@ class Again(Protocol):
 
 
 class Resting:
-    """One attempt at a dwell on ``face``, for one of ``dwells``, the likeliest first."""
+    """One attempt at a dwell or soak on ``face``, for one of ``dwells``, the likeliest first.
 
-    def __init__(self, desk: Desk, face: str, dwells: Sequence[Dwell], again: Again) -> None:
+    A soak is judged by face, heading and stillness alone: what its counts drift by is what it is for.
+    """
+
+    def __init__(self, desk: Desk, face: str, dwells: Sequence[Dwell | Soak], again: Again) -> None:
         self._desk, self._face, self._dwells, self._again = desk, face, dwells, again
         period = desk.feed.period
-        self._dwelling = Dwelling(round(dwells[0].seconds / period), period, desk.rough_gyro_k)
+        self._is_soak = isinstance(dwells[0], Soak)
+        samples = round(dwells[0].seconds / period)
+        self._dwelling = Dwelling(samples, period, desk.rough_gyro_k, drifts=self._is_soak)
+        self._thermometer = Thermometer()
         self._seat = Seat(desk, face)
         self._is_neither = False
         self._position, self._how = desk.position, AS_SAID if desk.position else ""
+        if not dwells[0].position:  # a soak that wants the face only
+            self._how = ANY
         desk.story.say("start", "recording: keep your hands off")
 
     @property
@@ -47,13 +57,14 @@ class Resting:
         return self._dwelling.oldest
 
     @property
-    def _step(self) -> Dwell:
+    def _step(self) -> Dwell | Soak:
         """The dwell that this is, as far as it is known."""
         return next((each for each in self._dwells if each.position == self._position), self._dwells[0])
 
     def take(self, block: Block, look: Look) -> Stage:
         """Take a second of the stream."""
         was_disturbed = self._dwelling.is_disturbed
+        self._thermometer.take(block)
         if self._is_neither:
             return self._again(self._desk, "set the cube down along the marks on the slab", must_move=True)
         if why := self._dwelling.take(block, look):
@@ -64,7 +75,7 @@ class Resting:
         self._tell(was_disturbed)
         if self._dwelling.is_disturbed or not self._dwelling.kept:
             return self
-        if why := self._wrong_heading() or self._seat.fault(self._dwelling, self._position):
+        if why := self._wrong_heading() or self._seat_fault():
             return self._again(self._desk, why, must_move=True)
         return self._completed() if self._dwelling.is_complete else self
 
@@ -83,24 +94,34 @@ class Resting:
         """Return how far the dwell is."""
         wanted_s = self._step.seconds
         accepted_s = min(self._dwelling.accepted_s, wanted_s)
-        where = title(self._step) if self._position else f"{title(self._step)}?"
+        where = title(self._step) if self._is_known else f"{title(self._step)}?"
+        soak = self._thermometer.view(wanted_s - accepted_s) if self._is_soak else None
+        line = f"{where}: {accepted_s:.0f} of {wanted_s:.0f} s, hands off"
         hint = "disturbed: those seconds are left out; keep still" if self._dwelling.is_disturbed else ""
         if self._question and self._dwelling.is_complete:
             hint = "recorded; it is accepted once it is known which way the cube points"
         return {
             "stage": "dwell", "live": self._step.name, "hint": hint,
             "accepted_s": accepted_s, "wanted_s": wanted_s,
-            "line": f"{where}: {accepted_s:.0f} of {wanted_s:.0f} s, hands off", "question": self._question,
+            "line": f"{line}; {in_words(soak)}" if soak else line, "soak": soak, "question": self._question,
             "position": self._position, "heading": self._how or "reading the Earth rate",
             "seating": self._seat.words, "is_seated": not self._seat.is_off,
         }  # fmt: skip
 
     @property
+    def _is_known(self) -> bool:
+        """Whether it is known which way the cube points, as far as that matters."""
+        return bool(self._position) or self._how == ANY
+
+    @property
     def _question(self) -> Question | None:
-        if self._position or not self._desk.facts.asks:
+        if self._is_known or not self._desk.facts.asks:
             return None
         is_time = self._dwelling.accepted_s >= ASK_AFTER_S or self._dwelling.is_complete
         return which_way(self._face) if is_time else None
+
+    def _seat_fault(self) -> str:
+        return "" if self._is_soak else self._seat.fault(self._dwelling, self._position)
 
     def _tell(self, was_disturbed: bool) -> None:
         if self._dwelling.is_disturbed and not was_disturbed:
@@ -108,7 +129,7 @@ class Resting:
 
     def _wrong_heading(self) -> str:
         """Read the heading; say what is wrong with it."""
-        if self._how == BY_EARTH:
+        if self._how in {BY_EARTH, ANY}:
             return ""
         desk, seconds = self._desk, self._dwelling.accepted_s
         found = desk.heading(self._dwelling.rate()[:3], seconds, self._face)
@@ -133,17 +154,24 @@ class Resting:
         dwelling.forget_restless(desk.judge.stillness.is_still)
         if not dwelling.is_complete:
             return self
-        recorded = series(desk.feed.tape, dwelling.runs(), desk.feed.period)
-        found = estimates(recorded.accel, recorded)
-        if why := crept(found, dwelling.accepted_s, desk.C_ib, face_normal(self._face)):
+        if why := self._crept():
             return self._again(desk, f"{why}; it begins again", must_move=False)
-        if not self._position and not desk.facts.asks:
+        if not self._is_known and not desk.facts.asks:
             self._position, self._how = self._dwells[0].position, AS_ASKED
-        if not self._position:
+        if not self._is_known:
             return self
-        if why := self._seat.last_fault(self._dwelling, self._position):
+        if why := "" if self._is_soak else self._seat.last_fault(self._dwelling, self._position):
             return self._again(desk, why, must_move=True)
-        if why := self._nothing_left():
+        if why := "" if self._how == ANY else self._nothing_left():
             return self._again(desk, why, must_move=True)
         desk.accept(self._step, dwelling.runs())
         return self._again(desk, "", must_move=True)
+
+    def _crept(self) -> str:
+        """Say how far the cube crept; in a soak a slope is what is looked for."""
+        if self._is_soak:
+            return ""
+        desk, dwelling = self._desk, self._dwelling
+        recorded = series(desk.feed.tape, dwelling.runs(), desk.feed.period)
+        up = desk.C_ib @ face_normal(self._face)
+        return crept(estimates(recorded.accel, recorded), dwelling.accepted_s, up)

@@ -19,7 +19,7 @@ from fixtures_db.schema import CampaignRow, StepRow
 from station.campaign_folder import read_hashes
 from station.campaign_folder.files import open_inside
 from station.campaign_folder.manifest import NAME as SUMS
-from station.campaign_folder.schema import CampaignTable, DwellTable, TurnTable
+from station.campaign_folder.schema import CampaignTable
 from station.campaign_folder.toml_text import NAME as TOML
 from station.campaign_folder.toml_text import read_toml
 from station.errors import DataRefused
@@ -130,8 +130,7 @@ def _planned(folder: Path) -> int:
 
 def _named(tables: CampaignTable) -> dict[str, str]:
     """Return the files that ``campaign.toml`` names, by step."""
-    recorded: list[DwellTable | TurnTable] = [*tables.dwell, *tables.turn]
-    return {step.name: table.file for table in recorded if (step := step_of(table)) is not None}
+    return {step.name: table.file for table in tables.steps() if (step := step_of(table)) is not None}
 
 
 def _hashes(folder: Path) -> dict[str, str]:

@@ -108,12 +108,19 @@ class Start(_Value):
 class Step(_Value):
     """A step of the campaign, in the order suggested. ``position`` is 0 for a turn, ``axis`` empty for a dwell.
 
+    Free positions and soaks have a ``number`` of their own; ``is_free``: in a free attitude; ``up``: the face of a
+    soak that has no position.
+
     ``attempts`` counts accepted recordings, of which all but the last are superseded.
     """
 
     name: str
     state: StepState
     position: int = 0
+    number: int = 0
+    is_free: bool = False
+    is_soak: bool = False
+    up: str = ""
     axis: str = ""
     direction: str = ""
     revolutions: int = 0
@@ -133,13 +140,15 @@ class Gates(_Value):
 
     ``face`` is the face that is up (``x_up`` ...), ``off_deg`` the angle it seems off the vertical against
     ``limit_deg``; ``still`` the live sigma over this unit's own noise, in ``still_channel``, against
-    ``still_limit``. ``position`` 0: the heading is not known (yet); ``heading`` says how it was found.
+    ``still_limit``. ``is_free``: the gate is that of a free attitude, far from faces. ``position`` 0: the heading
+    is not known (yet); ``heading`` says how it was found.
     """
 
     face: str = ""
     off_deg: float = 0.0
     limit_deg: float = 3.0
     is_right_face: bool = False
+    is_free: bool = False
     still: float = 0.0
     still_limit: float = 4.0
     still_channel: str = ""
@@ -162,6 +171,15 @@ class TurnView(_Value):
     came_back_std_deg: float | None = None
     rest_s: float = 0.0
     rest_wanted_s: float = 5.0
+
+
+class SoakView(_Value):
+    """A soak: the temperature now and its range so far [degC], None where the device says none; time left [s]."""
+
+    temperature_c: float | None = None
+    low_c: float | None = None
+    high_c: float | None = None
+    left_s: float = 0.0
 
 
 class WarmUp(_Value):
@@ -238,7 +256,8 @@ class View(_Value):
 
     ``line`` is the state as one plain sentence. ``hint`` says what hinders or what comes next. ``wanted`` and
     ``live`` name steps; ``live`` is empty while none is being recorded. ``remaining_s`` is the time still needed
-    with no break. ``can_redo`` names the step that "redo" would do again.
+    with no break. ``can_redo`` names the step that "redo" would do again. ``lean`` is which way of the cube, in
+    its axes, is to be up where a free attitude is wanted.
     """
 
     stage: Stage = "start"
@@ -256,6 +275,8 @@ class View(_Value):
     remaining_s: float = 0.0
     gates: Gates | None = None
     turn: TurnView | None = None
+    soak: SoakView | None = None
+    lean: tuple[int, int, int] | None = None
     warm_up: WarmUp | None = None
     link: Link = Link()
     question: Question | None = None

@@ -1,7 +1,8 @@
 """Positions, faces and turns in words."""
 
 from procedures.frames import POSITIONS, face_of
-from procedures.steps import Dwell, Step, Turn
+from procedures.leaning import Lean
+from procedures.steps import Dwell, FreePosition, Soak, Step, Turn
 
 _WORDS = {"U": "up", "D": "down", "E": "east", "W": "west", "N": "north", "S": "south"}
 
@@ -15,6 +16,13 @@ def axes(position: int) -> str:
 def face(name: str) -> str:
     """Return a face such as ``x_up`` in words."""
     return f"{name[0].upper()} points {name[2:]}"
+
+
+def lean(way: Lean) -> str:
+    """Return how the cube is to lean: ``on an edge, X half up, Y half down``."""
+    half = {sign: [axis for axis, one in zip("XYZ", way, strict=True) if one == sign] for sign in (1, -1)}
+    said = [f"{' and '.join(axes)} half {word}" for axes, word in ((half[1], "up"), (half[-1], "down")) if axes]
+    return f"on {'an edge' if 0 in way else 'a corner'}, {', '.join(said)}"
 
 
 def sense(turn: Turn) -> str:
@@ -32,13 +40,22 @@ def title(step: Step) -> str:
     """Return a step's name for people."""
     if isinstance(step, Dwell):
         return f"position {step.position}"
+    if isinstance(step, FreePosition):
+        return f"free position {step.number}"
+    if isinstance(step, Soak):
+        return f"soak {step.number}"
     return f"turn {step.axis.upper()}{step.direction}"
 
 
-def task(step: Step, *, is_there: bool = False) -> str:
-    """Return what is to be done; ``is_there``: the cube stands where a turn begins."""
-    if isinstance(step, Dwell):
-        return f"put the cube in position {step.position}: {axes(step.position)}"
+def task(step: Step, *, is_there: bool = False, way: Lean = (1, 1, 0)) -> str:
+    """Return what is to be done; ``is_there``: the cube stands where a turn begins; ``way``: how it is to lean."""
+    after = f"; then leave it for {step.seconds:.0f} s" if isinstance(step, Soak) else ""
+    if isinstance(step, Dwell) or (isinstance(step, Soak) and step.position):
+        return f"put the cube in position {step.position}: {axes(step.position)}{after}"
+    if isinstance(step, Soak) and step.up:
+        return f"put the cube down so that {face(step.up)}{after}"
+    if isinstance(step, FreePosition | Soak):
+        return f"lean the cube {lean(way)}, near 45 deg; prop it{after}"
     if is_there:
         speed = "" if step.speed_deg_s is None else f" at about {step.speed_deg_s:g} deg/s"
         return f"turn {times(step)} {sense(step)} from above{speed}, flat, back to where it stood"

@@ -6,6 +6,7 @@ before.
 """
 
 import os
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
@@ -17,7 +18,7 @@ from fixtures_db.campaigns import accept_step, set_state, start_campaign
 from fixtures_db.database import Database
 from fixtures_db.sites import surveyed_site
 from procedures.frames import TURN_START
-from procedures.steps import Dwell, Step, Turn
+from procedures.steps import Dwell, FreePosition, Soak, Step, Turn
 from station.campaign_folder import append_hash, write_tables
 from station.campaign_folder.atomic import sync_folder
 from station.campaign_folder.schema import (
@@ -27,6 +28,8 @@ from station.campaign_folder.schema import (
     ImuTable,
     ProcedureTable,
     SiteTable,
+    SoakTable,
+    StepTable,
     TurnTable,
 )
 from station.errors import CannotWrite
@@ -35,6 +38,7 @@ from station.recorder.tape import Run, Tape
 from station.recorder.unit import Unit
 
 TOML = "campaign.toml"
+_NUMBERED = re.compile(r"(free|soak)_(\d+)")
 
 
 class CampaignRecorder:
@@ -123,12 +127,23 @@ def open_campaign(
     return CampaignRecorder(folder, tables, database)
 
 
-def step_of(table: DwellTable | TurnTable) -> Step | None:
-    """Return the step that a table of ``campaign.toml`` records, its duration 0; None if it is no guided one."""
+def step_of(table: StepTable) -> Step | None:
+    """Return the step that a table of ``campaign.toml`` records, its duration 0; None if it is no guided one.
+
+    What a free position or a soak is called stands in its file's name.
+    """
     if isinstance(table, TurnTable):
         start = table.start_position or TURN_START[table.axis]
         return Turn(table.axis, table.direction, table.revolutions, start, 0.0)
-    return None if table.position is None else Dwell(table.position, 0.0)
+    numbered = _NUMBERED.match(table.file)
+    match table:
+        case DwellTable(position=int(position)):
+            return Dwell(position, 0.0)
+        case DwellTable(attitude="free") if numbered and numbered[1] == "free":
+            return FreePosition(int(numbered[2]), 0.0)
+        case SoakTable(position=position, up=up) if numbered and numbered[1] == "soak":
+            return Soak(int(numbered[2]), 0.0, position or 0, up or "")
+    return None
 
 
 def _site_id(session: Session, site: SiteTable) -> str | None:
@@ -157,17 +172,21 @@ def _write(path: Path, tape: Tape, runs: Sequence[Run]) -> str:
 
 
 def _with_step(tables: CampaignTable, step: Step, file: str) -> CampaignTable:
-    if isinstance(step, Dwell):
-        kept = [d for d in tables.dwell if d.position != step.position]
-        return tables.model_copy(update={"dwell": [*kept, DwellTable(position=step.position, file=file)]})
-    others = [t for t in tables.turn if (t.axis, t.direction) != (step.axis, step.direction)]
-    turn = TurnTable.model_validate(
-        {
-            "axis": step.axis,
-            "direction": step.direction,
-            "revolutions": step.revolutions,
-            "start_position": step.start_position,
-            "file": file,
-        }
-    )
-    return tables.model_copy(update={"turn": [*others, turn]})
+    """Return the tables with ``step`` in ``file``, the recording before of the same step left out."""
+    kind, table = _table(step, file)
+    kept = [one for one in getattr(tables, kind) if (known := step_of(one)) is None or known.name != step.name]
+    return tables.model_copy(update={kind: [*kept, table]})
+
+
+def _table(step: Step, file: str) -> tuple[str, StepTable]:
+    match step:
+        case Dwell(position=position):
+            return "dwell", DwellTable(position=position, file=file)
+        case FreePosition():
+            return "dwell", DwellTable(attitude="free", file=file)
+        case Soak(position=position, up=up):
+            where = {"position": position} if position else {"up": up} if up else {"attitude": "free"}
+            return "soak", SoakTable.model_validate({**where, "file": file})
+        case Turn():
+            own = {name: getattr(step, name) for name in ("axis", "direction", "revolutions", "start_position")}
+            return "turn", TurnTable.model_validate({**own, "file": file})

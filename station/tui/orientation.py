@@ -1,6 +1,6 @@
 """Which way the cube's faces look in each position, in letters and in words."""
 
-from procedures.frames import POSITIONS, TURN_START
+from procedures.frames import POSITIONS, TURN_START, face_of
 from station.guide.view import Step
 
 DIRECTIONS = {"U": "up", "D": "down", "N": "north", "S": "south", "E": "east", "W": "west"}
@@ -23,7 +23,8 @@ def in_words(position: int) -> str:
 
 def start_of(step: Step) -> int:
     """Return the position, 1..12, in which a step stands or begins."""
-    return step.position or step.start_position or TURN_START[step.axis]
+    with_it_up = next((p for p in range(1, len(POSITIONS) + 1) if face_of(p) == step.up), 0)
+    return step.position or step.start_position or with_it_up or TURN_START[step.axis]
 
 
 def is_counter_clockwise(step: Step) -> bool:
@@ -40,11 +41,17 @@ def sense(step: Step) -> str:
 
 def title(step: Step) -> str:
     """Return a step's short name: ``position 3``, ``turn X +``."""
+    if step.is_soak or step.is_free:
+        return f"{'soak' if step.is_soak else 'free position'} {step.number}"
     return f"position {step.position}" if step.position else f"turn {step.axis.upper()} {step.direction}"
 
 
 def instruction(step: Step) -> str:
     """Return what is to be done with the cube, in words."""
+    if step.is_free:
+        return f"{title(step)}: lean it as told below, and prop it"
+    if step.up:
+        return f"{title(step)}: {step.up.replace('_', ' ').upper()}, any heading"
     if step.position:
-        return f"position {step.position}: {in_words(step.position)}"
+        return f"{title(step)}: {in_words(step.position)}"
     return f"{title(step)}: {sense(step)}"

@@ -16,6 +16,7 @@ from station.tui.widgets.banner import Now
 from station.tui.widgets.cube import Cube
 from station.tui.widgets.gates_panel import GatesPanel
 from station.tui.widgets.seating import Seating
+from station.tui.widgets.soak_lines import SoakLines
 from station.tui.widgets.step_grid import Grid, StepGrid
 from station.tui.widgets.turn_gauge import TurnGauge
 
@@ -34,7 +35,8 @@ class CampaignScreen(FramedScreen):
     """Where the cube goes, what it does there, and what is done already."""
 
     HELPS = {
-        "place": f"Put the cube on the slab as it is drawn, North mark to North. No key is needed. {GRID}",
+        "place": f"Put the cube on the slab as it is drawn, North mark to North; a free position leans between "
+        f"faces, far from those taken. No key is needed. {GRID}",
         "settle": "The cube is on the right face and comes to rest. Take your hands off. Both gates must be open.",
         "dwell": "Accepted seconds are counted. Do not touch the bench: a knock costs the disturbed seconds only.",
         "turn": "Turn the cube flat on the slab as the arrow says, whole turns, back to the mark, then let it "
@@ -69,7 +71,8 @@ class CampaignScreen(FramedScreen):
         super().__init__(send)
         self.cube, self.grid, self.gates = Cube(), StepGrid(), GatesPanel()
         self.seating, self.turn, self.accepted = Seating(), TurnGauge(), AcceptedBar()
-        self.lower = ContentSwitcher(self.seating, self.turn, initial="seating")
+        self.soak = SoakLines()
+        self.lower = ContentSwitcher(self.seating, self.turn, self.soak, initial="seating")
         self._cursor = ""  # empty: on the step wanted
 
     def inner(self) -> ComposeResult:
@@ -98,7 +101,8 @@ class CampaignScreen(FramedScreen):
         self.gates.show(view.gates)
         self.seating.show(view.gates)
         self.turn.show(view.turn)
-        self.lower.current = "turn" if view.turn else "seating"
+        self.soak.show(view.soak)
+        self.lower.current = "turn" if view.turn else "soak" if view.soak else "seating"
         self.accepted.show((view.accepted_s, view.wanted_s))
 
     def keys_depend_on(self, view: View) -> object:

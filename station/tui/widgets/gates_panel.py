@@ -10,6 +10,7 @@ from station.tui.spoken import against
 from station.tui.widgets.drawn import Drawn
 
 NEARER = 45.0  # deg, beyond which another face is the one that is up
+FARTHEST = 54.74  # deg a corner's way is from three faces
 NUMBERS = 22  # columns of the numbers on the right
 
 
@@ -33,13 +34,17 @@ class GatesPanel(Drawn[Gates | None]):
         channel = gates.still_channel.replace("accelerometer", "accel").replace("gyroscope", "gyro")
         is_tilted = gates.limit_deg < gates.off_deg < NEARER
         word = "right" if gates.is_right_face else "tilted" if is_tilted else "wrong"
+        if gates.is_free:
+            word = "apart" if gates.is_right_face else "near"
+            far = f"{gates.off_deg:.0f} deg from {gates.face.replace('_', ' ')}"
+            return Content("\n").join(
+                (_Gate("FREE", word, gates.is_right_face, gates.off_deg / FARTHEST, far).drawn(room),
+                 _still(gates, channel).drawn(room))
+            )  # fmt: skip
         face = _Gate("FACE", word, gates.is_right_face,
                      gates.off_deg / gates.limit_deg if gates.is_right_face else 1.0,
                      up + against(gates.off_deg, gates.limit_deg, "deg"))  # fmt: skip
-        still = _Gate("STILL", "still" if gates.is_still else "moving", gates.is_still,
-                      gates.still / gates.still_limit,
-                      against(min(gates.still, 9999.0), gates.still_limit, f"noise {channel}"))  # fmt: skip
-        return Content("\n").join((face.drawn(room), still.drawn(room)))
+        return Content("\n").join((face.drawn(room), _still(gates, channel).drawn(room)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +62,12 @@ class _Gate:
             (f" {self.name:6}", "bold"), (f"{'✓' if self.is_open else '✗'} {self.word:7}", f"bold {colour}"),
             (filled, colour), (empty, "on $foreground 12%"), f"{self.numbers:>{NUMBERS - 1}} ",
         )  # fmt: skip
+
+
+def _still(gates: Gates, channel: str) -> _Gate:
+    return _Gate("STILL", "still" if gates.is_still else "moving", gates.is_still,
+                 gates.still / gates.still_limit,
+                 against(min(gates.still, 9999.0), gates.still_limit, f"noise {channel}"))  # fmt: skip
 
 
 def _unknown(name: str) -> Content:

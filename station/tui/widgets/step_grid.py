@@ -28,16 +28,35 @@ class Grid:
     wanted: str = ""
     cursor: str = ""
 
+    @property
+    def places(self) -> dict[str, Place]:
+        """The cell of each step: free positions and soaks stand in rows of their own below the faces'."""
+        by_face = {step.name: place_of(step) for step in self.steps if not step.number}
+        others = [step.name for step in self.steps if step.number]
+        first = ROWS if by_face else 0
+        below = {name: (first + i // len(COLUMNS), i % len(COLUMNS)) for i, name in enumerate(others)}
+        return by_face | below
+
+    @property
+    def rows(self) -> int:
+        """How many rows there are, those that are not in sight too."""
+        return max(ROWS, 1 + max((row for row, _ in self.places.values()), default=0))
+
+    @property
+    def top(self) -> int:
+        """The first row in sight: the cursor's is."""
+        return max(self.places.get(self.cursor, (0, 0))[0] - ROWS + 1, 0)
+
     def at(self, place: Place) -> Step | None:
         """Return the step in a cell."""
-        return next((step for step in self.steps if place_of(step) == place), None)
+        places = self.places
+        return next((step for step in self.steps if places[step.name] == place), None)
 
     def neighbour(self, down: int, right: int) -> str:
         """Return the name of the next step in a direction; the cursor's own where there is none."""
-        here = next((step for step in self.steps if step.name == self.cursor), None)
-        row, column = place_of(here) if here else (0, 0)
-        for _ in range(len(COLUMNS)):
-            row, column = (row + down) % ROWS, (column + right) % len(COLUMNS)
+        row, column = self.places.get(self.cursor, (0, 0))
+        for _ in range(max(len(COLUMNS), self.rows)):
+            row, column = (row + down) % self.rows, (column + right) % len(COLUMNS)
             if found := self.at((row, column)):
                 return found.name
         return self.cursor
@@ -62,8 +81,10 @@ class StepGrid(Drawn[Grid]):
     def render(self) -> Content:
         """Draw the header, the cells, and the cursor's step in words."""
         width = max(self.size.width // len(COLUMNS), 7)
-        lines = [Content("".join(f" {name}".ljust(width) for name in COLUMNS)).stylize("$muted")]
-        for row in range(ROWS):
+        has_faces = any(not step.number for step in self.value.steps) or not self.value.steps
+        names = COLUMNS if has_faces and self.value.top < ROWS else ("free positions, s: soaks",)
+        lines = [Content("".join(f" {name}".ljust(width) for name in names)).stylize("$muted")]
+        for row in range(self.value.top, self.value.top + ROWS):
             cells = [self._cell((row, column), width) for column in range(len(COLUMNS))]
             lines += [Content("").join(cell[line] for cell in cells) for line in (0, 1)]
         return Content("\n").join([*lines, self._words()])
@@ -100,6 +121,8 @@ def place_of(step: Step) -> Place:
 
 
 def _short(step: Step) -> str:
+    if step.number:
+        return f"{'s' if step.is_soak else ''}{step.number}"
     if step.position:
         return str(step.position)
     return f"{'↺' if is_counter_clockwise(step) else '↻'} {step.axis.upper()}{step.direction}"

@@ -9,7 +9,7 @@ from drivers.simulated.truth import Truth, paper_truth
 from procedures.arrays import FloatArray
 from procedures.earth import STANDARD_GRAVITY
 from procedures.frames import face_of
-from procedures.steps import Dwell, Turn
+from procedures.steps import Dwell, FreePosition, Soak, Turn
 
 QUIET = {"accel_noise_g": 0.0, "gyro_arw_deg_rt_s": 0.0, "gyro_instability_dph": 0.0}
 
@@ -34,6 +34,17 @@ def test_the_paper_cube_gives_the_papers_bias_errors(counting: bool, margin_g: f
     # DESIGN 4: checked without noise, printed to 5 and 3 digits
     assert np.max(np.abs(twelve - [1.6704e-4, 0.6711e-4, 1.0065e-4])) < 0.06e-7 + margin_g
     assert np.max(np.abs(np.array(two) - [5.21e-7, 6.90e-7, 10.91e-7])) < 0.06e-8 + margin_g
+
+
+def test_free_positions_and_soaks_are_performed_each_in_its_attitude() -> None:
+    truth = replace(paper_truth(), **QUIET)
+    bench = SimulatedBench(truth, None)
+    steps = (FreePosition(1, 2.0), Soak(1, 2.0), Soak(2, 2.0, 9), Soak(3, 2.0, up="z_up"))
+    up = [bench.perform(step).accel.mean(0) / truth.accel_k for step in steps]
+    half = np.sqrt(0.5) * np.array([1, 1, 0])
+    for found, wanted in zip(up, (half, half, [0, 0, 1], [0, 0, 1]), strict=True):
+        direction = found / np.linalg.norm(found)
+        assert np.allclose(direction, wanted, atol=0.02)
 
 
 @pytest.mark.parametrize("seed", range(3))

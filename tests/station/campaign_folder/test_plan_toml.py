@@ -4,11 +4,15 @@ from pathlib import Path
 
 import pytest
 
-from procedures.steps import Dwell, Turn
+from procedures.steps import Dwell, FreePosition, Soak, Turn
 from station.campaign_folder import read_plan, write_plan
 from station.errors import DataRefused
 
-STEPS = (Dwell(3, 100.0), Dwell(1, 20.5), Turn("x", "+", 3, 1, 5.0), Turn("z", "-", 2, 9, 4.0))
+STEPS = (
+    Dwell(3, 100.0), FreePosition(1, 60.0), Dwell(1, 20.5), FreePosition(2, 50.0),
+    Turn("x", "+", 3, 1, 5.0), Turn("z", "-", 2, 9, 4.0),
+    Soak(1, 3600.0, 9), Soak(2, 1800.0, up="x_down"), Soak(3, 900.0),
+)  # fmt: skip
 
 
 def refused(path: Path, text: str) -> str:
@@ -42,8 +46,6 @@ revolutions = 3
     ("text", "said"),
     [
         ('[[dwell]]\nup = "x_up"\nseconds = 9\n', "plan.toml:2: found a [[dwell]] with up = 'x_up'"),
-        ('[[dwell]]\nattitude = "free"\nseconds = 9\n', "with attitude = 'free'"),
-        ('[[soak]]\nposition = 1\nseconds = 9\n', "plan.toml:2: found a [[soak]]"),
         ("[[sequence]]\nseconds = 9\n", "a [[sequence]]"),
         ('[[rate]]\naxis = "x"\n', "a [[rate]]"),
     ],
@@ -64,6 +66,11 @@ def test_a_step_that_cannot_be_guided_yet_is_refused(tmp_path: Path, text: str, 
         ("[[dwell]]\nposition = 1\nseconds = -9\n", "dwell.seconds = -9"),
         ('[[dwell]]\nposition = 1\nseconds = 9\nfile = "x"\n', "unknown key 'dwell.file'"),
         ("[[dwell]]\nposition = 1\nseconds = 9\n" * 2, "plan.toml:5: found a second dwell_01"),
+        (
+            '[[soak]]\nposition = 1\nup = "x_up"\nseconds = 9\n',
+            "plan.toml:2: found a [[soak]] with position and up",
+        ),
+        ('[[dwell]]\nattitude = "flat"\nseconds = 9\n', "dwell.attitude"),
         ('[[turn]]\naxis = "x"\ndirection = "+"\nrevolutions = 3\nstart_position = 5\n', "one with x up"),
         ("format = 3\n", "no TOML"),
         ("[[", "no TOML"),

@@ -86,6 +86,16 @@ def test_every_step_has_a_cell_of_its_own() -> None:
     assert len({place_of(step) for step in views.steps(0)}) == 18
 
 
+def test_the_cursor_goes_down_to_free_positions_and_soaks_and_they_come_into_sight() -> None:
+    grid = Grid((*views.steps(0), *views.ONES), cursor="turn_x_plus")
+    assert grid.top == 0
+    grid = Grid(grid.steps, cursor=grid.neighbour(1, 0))
+    assert (grid.cursor, grid.top) == ("free_01", 1)
+    assert len(set(grid.places.values())) == 18 + 14
+    alone = Grid(views.ONES, cursor="free_01")
+    assert (alone.neighbour(-1, 0), alone.top) == ("soak_01", 0)
+
+
 def test_a_plan_of_a_few_steps_can_be_walked() -> None:
     grid = Grid(views.steps(0)[2:5:2], cursor="dwell_03")
     assert grid.neighbour(0, 1) == "dwell_05"

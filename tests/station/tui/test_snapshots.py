@@ -17,6 +17,8 @@ LOOKS = [
     ("holding", SMALL, ""),
     ("silent", SMALL, ""),
     ("turning", SMALL, ""),
+    ("leaning", SMALL, ""),
+    ("soaking", SMALL, ""),
     ("asking", SMALL, ""),
     ("holding", SMALL, "question_mark"),
     ("turning", SMALL, "c"),

@@ -10,6 +10,7 @@ from station.guide.view import (
     Question,
     Row,
     Setup,
+    SoakView,
     Stage,
     Start,
     Step,
@@ -168,6 +169,35 @@ CAME_BACK = TURNING.model_copy(
         "turn": TurnView(revolutions=-3.0, came_back_deg=0.012, came_back_std_deg=0.004, rest_s=3.0),
     }
 )
+ONES = (
+    *(Step(name=f"free_{n:02d}", state="done" if n < 3 else "todo", number=n, is_free=True, attempts=n < 3,
+           seconds=100.0 * (n < 3)) for n in range(1, 13)),
+    Step(name="soak_01", state="todo", number=1, is_soak=True, position=9),
+    Step(name="soak_02", state="todo", number=2, is_soak=True, position=11),
+)  # fmt: skip
+LEANING = running(
+    "place",
+    steps=ONES,
+    wanted="free_03",
+    can_redo="free_02",
+    events=EVENTS[:1],
+    lean=(1, 0, -1),
+    line="lean the cube on an edge, X half up, Z half down, near 45 deg; prop it",
+    hint="12 deg from an attitude taken already, at least 20: lean it another way",
+    gates=Gates(
+        face="y_up", off_deg=38.0, limit_deg=20.0, is_free=True, still=1.1, still_channel="gz", is_still=True
+    ),
+)
+SOAKING = running(
+    "dwell",
+    steps=tuple(step.model_copy(update={"state": "live" if step.name == "soak_01" else "done"}) for step in ONES),
+    live="soak_01", wanted="soak_01", can_redo="free_12", events=EVENTS[:1], accepted_s=1325.0, wanted_s=3600.0,
+    remaining_s=5900.0,
+    line="soak 1: 1325 of 3600 s, hands off; 31.4 degC (23.0 to 31.4 so far), 38 min left",
+    soak=SoakView(temperature_c=31.4, low_c=23.0, high_c=31.4, left_s=2275.0),
+    gates=Gates(face="z_up", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gz", is_still=True,
+                position=9, heading="by the Earth rate"),
+)  # fmt: skip
 PAUSED = running("paused", line="Paused after position 2.", hint="p goes on.")
 SILENT = HOLDING.model_copy(
     update={

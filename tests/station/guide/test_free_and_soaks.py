@@ -1,0 +1,165 @@
+"""Rests between faces, and long ones while temperature moves."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivers.simulated.truth import Truth
+from procedures.leaning import LEANS, angle_deg, way_up
+from procedures.steps import Dwell, FreePosition, Soak
+from station.campaign_folder import read_campaign, verify_folder
+from station.guide.so_far import so_far
+from station.guide.unfinished import reopen
+from station.guide.view import View
+from tests.station.guide.rig import GuideRig, dwells
+
+Make = Callable[..., GuideRig]
+
+
+def free(count: int, seconds: float = 10.0) -> list[FreePosition]:
+    return [FreePosition(number, seconds) for number in range(1, count + 1)]
+
+
+def up_of(rig: GuideRig, name: str) -> np.ndarray:
+    return rig.desk.judge.way_up(rig.desk.leaned[name])
+
+
+def test_leaning_cubes_are_recorded_each_where_it_is_asked_for(rig: Make) -> None:
+    guided = rig(free(3))
+    for count in (1, 2, 3):
+        lean = guided.rest(2).lean
+        guided.hands("lean {} {} {} 8".format(*lean))
+        guided.run(guided.done(count))
+        assert angle_deg(up_of(guided, f"free_{count:02d}"), way_up(lean)) < 15  # 3 deg an axis, and biases
+    loaded = read_campaign(guided.folder)
+    assert [(table.attitude, table.file) for table in loaded.tables.dwell] == [
+        ("free", "free_01.mcap"), ("free", "free_02.mcap"), ("free", "free_03.mcap"),
+    ]  # fmt: skip
+    assert [len(one.series) for one in loaded.campaign.rests] == [500] * 3
+    assert not any(text.startswith("rejected") for text in guided.texts)
+
+
+def test_a_face_is_no_free_position_and_says_how_to_lean(rig: Make) -> None:
+    guided = rig(free(1))
+    view = guided.rest(30)
+    assert view.line.startswith("lean the cube on an edge, X and Y half up, near 45 deg")
+    assert view.hint.endswith("deg from the nearest face, at least 20: lean it further")
+    assert view.gates.is_free
+    assert not view.gates.is_right_face
+    assert view.done == 0
+    guided.hands("place 1 8 0 15 0")
+    assert guided.rest(60).done == 0
+    assert re.match("1[4-6] deg from the nearest face", guided.view.hint)  # the biases are not known
+
+
+def test_an_attitude_taken_already_is_said_and_not_taken_twice(rig: Make) -> None:
+    guided = rig(free(2))
+    guided.hands("lean 1 1 0 8")
+    guided.run(guided.done(1))
+    guided.hands("lean 1 1 0.1 8")
+    view = guided.rest(60)
+    assert view.done == 1
+    assert view.hint.endswith("deg from an attitude taken already, at least 20: lean it another way")
+    assert view.line.startswith("lean the cube on an edge, X and Z half up")
+    guided.hands("lean -1 -1 1 8")  # not the one asked for: any other will do
+    guided.run(guided.done(2))
+
+
+def test_a_free_position_is_done_again_in_the_same_attitude(rig: Make) -> None:
+    guided = rig(free(2))
+    guided.hands("lean 1 1 0 8")
+    guided.run(guided.done(1))
+    guided.obey("redo")
+    guided.run(lambda v: v.step("free_01").attempts == 2)
+    assert [table.file for table in read_campaign(guided.folder).tables.dwell] == ["free_01_2.mcap"]
+    assert verify_folder(guided.folder) == ["free_01.mcap", "free_01_2.mcap"]
+
+
+def test_faces_and_free_attitudes_are_taken_as_they_come(rig: Make) -> None:
+    guided = rig([*dwells(1), *free(1), *dwells(5)])
+    guided.hands("lean 0 1 1 8")
+    guided.run(guided.done(1))
+    guided.hands("lean 1 0 1 8")  # another that nobody asked for
+    assert guided.rest(40).step("free_01").attempts == 1
+    guided.hands("place 5 8")
+    guided.run(guided.done(2))
+    guided.hands("place 1 8")
+    guided.run(guided.done(3))
+    assert not any(text.startswith("rejected") for text in guided.texts)
+
+
+def test_a_leaning_cube_that_slips_is_not_taken(rig: Make) -> None:
+    guided = rig(free(1, 100.0))
+    guided.hands("lean 1 1 0 8")
+    guided.hands("creep 300 0 0 0.15")  # 2 arcsec a second
+    guided.run(lambda v: any(event.sound == "rejected" for event in v.events))
+    assert "the cube crept by" in guided.texts[-1]
+    assert guided.view.done == 0
+
+
+def heats(rig: GuideRig) -> Callable[[View], None]:
+    told = list[bool]()
+
+    def watch(view: View) -> None:
+        if view.soak and not told:
+            told.append(True)
+            rig.hands("heat 20 10")
+
+    return watch
+
+
+def warming_biases() -> Truth:
+    drift = {"gyroscope.bias_temperature": dict.fromkeys("xyz", 0.5)}
+    drift |= {"accelerometer.bias_temperature": dict.fromkeys("xyz", 1e-3)}
+    return replace(Truth.example(3), effects=drift)
+
+
+@pytest.mark.parametrize("soak", [Soak(1, 60.0, 1), Soak(1, 60.0, up="x_up"), Soak(1, 60.0)], ids=str)
+def test_a_soak_records_whatever_temperature_does(rig: Make, soak: Soak) -> None:
+    guided = rig([soak], warming_biases())
+    if not soak.face:
+        guided.hands("lean 0 1 1 8")
+    view = guided.run(lambda v: v.soak is not None and v.soak.left_s < 5, heats(guided))
+    assert 18 < view.soak.high_c - view.soak.low_c < 20
+    assert "so far), " in view.line
+    guided.run(guided.done(1))
+    [one] = read_campaign(guided.folder).steps
+    assert (one.kind, len(one.data.series)) == ("soak", 3000)
+    assert (one.table.position, one.table.up) == (soak.position or None, soak.up or None)
+    assert np.ptp(one.data.series.temperature) > 18
+    assert not any(text.startswith(("rejected", "still")) for text in guided.texts)
+
+
+def test_a_dwell_under_the_same_heat_is_not_taken(rig: Make) -> None:
+    guided = rig([Dwell(1, 60.0)], warming_biases())
+    guided.run(lambda v: v.accepted_s > 5)
+    guided.hands("heat 20 10")
+    assert guided.rest(70).done == 0
+
+
+def test_a_soak_begins_where_the_dwell_before_it_ended(rig: Make) -> None:
+    guided = rig([Dwell(1, 10.0), Soak(1, 15.0, 1)])
+    guided.run(guided.done(2))
+
+
+def test_what_is_gone_on_with_knows_the_attitudes_taken_and_the_soaks(rig: Make) -> None:
+    guided = rig([*free(1), Soak(1, 10.0, 1), *free(2)[1:]])
+    guided.hands("lean 1 1 0 8")
+    guided.run(guided.done(1))
+    guided.hands("place 1 8")
+    guided.run(guided.done(2))
+    assert reopen(guided.folder, guided.database).accepted == {"free_01": 1, "soak_01": 1}
+    *_, seconds, leaned = so_far(guided.folder)
+    assert seconds == pytest.approx({"free_01": 10.0, "soak_01": 10.0}, rel=1e-6)
+    assert list(leaned) == ["free_01"]
+    assert angle_deg(guided.desk.judge.way_up(leaned["free_01"]), up_of(guided, "free_01")) < 0.01
+
+
+def test_the_ways_wanted_are_far_from_faces_and_from_each_other() -> None:
+    ups = [way_up(lean) for lean in LEANS]
+    assert len(ups) == 20
+    assert min(angle_deg(up, face * sign) for up in ups for face in np.eye(3) for sign in (1, -1)) > 44
+    assert min(angle_deg(one, other) for i, one in enumerate(ups) for other in ups[:i]) > 35
