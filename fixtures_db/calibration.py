@@ -22,7 +22,7 @@ class CalibrationFacts:
     ``limits``, the model's as they were then; None where nobody judged. ``judged`` holds what each limit was held
     against. What a certificate needs and only the station knew is there too: ``residual`` as in solution/1, how it
     was measured (``procedure``), where (``site``) and with what (``references``), and ``uncertainty``, a budget/1
-    of its parameters; all JSON-ready.
+    of its parameters; ``diagnosis`` is the verdict on the residual with its findings; all JSON-ready.
     """
 
     model: str
@@ -45,6 +45,7 @@ class CalibrationFacts:
     references: tuple[Mapping[str, Any], ...] = ()
     uncertainty: Mapping[str, Any] = field(default_factory=dict)
     effects: tuple[Mapping[str, Any], ...] = field(default=())
+    diagnosis: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.status not in STATUSES:
@@ -75,7 +76,7 @@ def calibration_document(solution: Solution, facts: CalibrationFacts, previous: 
         document["limits"] = [
             {key: value for key, value in asdict(limit).items() if value is not None} for limit in facts.limits
         ]
-    for name in ("residual", "procedure", "site", "uncertainty"):
+    for name in ("residual", "procedure", "site", "uncertainty", "diagnosis"):
         if part := getattr(facts, name):
             document[name] = dict(part)
     for name in ("judged", "references"):

@@ -12,11 +12,15 @@ from station.certificate.laboratory import Laboratory
 
 @dataclass(frozen=True, slots=True)
 class Replaced:
-    """The certificate whose place a new one takes (ISO/IEC 17025:2017, 7.8.8), and why."""
+    """The certificate whose place a new one takes (ISO/IEC 17025:2017, 7.8.8), and why.
+
+    ``changed`` are the labels of the printed fields that differ, None where they were not compared.
+    """
 
     number: str
     issued_utc: datetime
     reason: str
+    changed: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)

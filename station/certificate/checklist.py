@@ -3,10 +3,11 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Any
 
 from station.certificate.laboratory import Laboratory
-from station.errors import Incomplete
+from station.errors import DataRefused, Incomplete
 from station.solution_parameters import applied, parameters
 
 COMMIT = re.compile(r"\((?P<commit>[0-9a-f]{7,40})(?P<dirty>-dirty)?\)")
@@ -93,6 +94,17 @@ def check(what: str, document: Mapping[str, Any], laboratory: Laboratory) -> Non
     """Raise `Incomplete`, naming all that is missing of the certificate of ``what``."""
     if lacking := missing(document, laboratory):
         raise Incomplete(what, lacking)
+
+
+def check_received(document: Mapping[str, Any], laboratory: Laboratory, now: datetime) -> None:
+    """Raise `DataRefused` if the unit was received after ``now`` or after it was measured, by days of ``now``."""
+    received = laboratory.item.received
+    started = datetime.fromisoformat(document["procedure"]["started_utc"]).astimezone(now.tzinfo)
+    remedy = "give the day on which the unit came in with --received or [item] received"
+    for latest, what in ((now, "today"), (started, "when its measurement began")):
+        if received is not None and received > latest.date():
+            expected = f"no day after {latest.date()}, {what}"
+            raise DataRefused("--received", None, received.isoformat(), expected, remedy)
 
 
 def fields_of(document: Mapping[str, Any]) -> dict[str, Any]:

@@ -6,7 +6,7 @@ kill after it a certificate that was issued and can be handed out again (`copy_o
 
 import json
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -27,7 +27,8 @@ from fixtures_db.issued import issued_of, next_number, record_issue
 from fixtures_db.schema import CalibrationRow, IssuedCertificateRow
 from station.campaign_folder.manifest import sha256_of
 from station.certificate.certificate import Certificate, Heads, Replaced
-from station.certificate.checklist import check, missing
+from station.certificate.changes import changed_fields
+from station.certificate.checklist import check, check_received, missing
 from station.certificate.laboratory import Laboratory
 from station.certificate.rendering import render
 from station.errors import Incomplete
@@ -68,6 +69,8 @@ def issue(database: Database, request: Request) -> IssuedCertificateRow:
 
     Raises
     ------
+    DataRefused
+        If the unit was received after it was measured, or in the future.
     Incomplete
         Naming all that is missing; a reason where a certificate of this calibration was issued before.
     NotInDatabase
@@ -78,6 +81,7 @@ def issue(database: Database, request: Request) -> IssuedCertificateRow:
     with database.write() as session:
         row = find_calibration(session, request.calibration)
         made = _certificate(session, row, request)
+        html = _said(session, made, row.sha256)
         return record_issue(
             session,
             number=made.number,
@@ -85,8 +89,17 @@ def issue(database: Database, request: Request) -> IssuedCertificateRow:
             calibration_sha256=row.sha256,
             issued_utc=made.issued_utc,
             laboratory=str(request.laboratory.laboratory.name),
-            html=render(made),
+            html=html,
         )
+
+
+def _said(session: Session, made: Certificate, calibration_sha256: str) -> str:
+    """Return a certificate's HTML; one that replaces another names the fields that differ."""
+    html = render(made)
+    if made.replaced is None:
+        return html
+    changed = changed_fields(issued_of(session, calibration_sha256)[-1].html, html)
+    return render(replace(made, replaced=replace(made.replaced, changed=tuple(changed))))
 
 
 def copy_of(database: Database, name: str) -> IssuedCertificateRow:
@@ -109,6 +122,7 @@ def _certificate(session: Session, row: CalibrationRow, request: Request) -> Cer
         )
         raise Incomplete(what, [*missing(document, lab), reason])
     check(what, document, lab)
+    check_received(document, lab, datetime.now().astimezone())
     now, before, heads = (
         datetime.now(UTC).replace(microsecond=0),
         calibration_before(session, row),

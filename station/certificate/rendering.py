@@ -5,7 +5,7 @@ from functools import cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from station.certificate import wording
+from station.certificate import model_said, wording
 from station.certificate.as_found import AsFound, as_found
 from station.certificate.certificate import Certificate
 from station.certificate.conformity import ConformityRow, conformity, printed
@@ -37,6 +37,10 @@ def render(certificate: Certificate) -> str:
             conditions=wording.conditions(certificate),
             references=wording.references(certificate),
             deviations=wording.deviations(document),
+            diagnosis=model_said.diagnosis_said(document),
+            taken_as_zero=model_said.taken_as_zero(document),
+            stated=model_said.stated(document),
+            simulated=model_said.is_simulated(document),
             day=wording.day,
             minute=wording.minute,
             files=sorted(document["inputs"].items()),

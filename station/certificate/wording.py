@@ -7,6 +7,7 @@ from typing import Any
 from station.certificate.certificate import Certificate
 from station.certificate.checklist import COMMIT
 from station.certificate.conformity import Conformity, greatest_risk
+from station.certificate.model_said import residual_said
 from station.report.rounding import decimals, fixed, significant
 
 METRE_PER_S2 = "m/s\u00b2"
@@ -22,7 +23,8 @@ def greatest_risks(found: Conformity) -> str:
 def deviations(document: Mapping[str, Any]) -> list[str]:
     """Return what was done otherwise than the procedure says, or stood out."""
     procedure = document["procedure"]
-    said = [*procedure.get("deviations", ()), *procedure.get("warnings", ())]
+    said = list(procedure.get("deviations", ()))
+    said += [residual_said(document, text) for text in procedure.get("warnings", ())]
     if (found := COMMIT.search(document["software"])) and found["dirty"]:
         said.append("the software had changes that its commit does not hold")
     return said
@@ -31,7 +33,7 @@ def deviations(document: Mapping[str, Any]) -> list[str]:
 def conditions(certificate: Certificate) -> list[tuple[str, str]]:
     """Return label and text of the conditions of measurement."""
     document, lab = certificate.document, certificate.laboratory
-    site, procedure = document["site"], document["procedure"]
+    site = document["site"]
     where = f"latitude {site['latitude_deg']:.4f}\u00b0"
     if "height_m" in site:
         where += f", height {site['height_m']:g}{NB}m"
@@ -44,9 +46,6 @@ def conditions(certificate: Certificate) -> list[tuple[str, str]]:
         lines.append(("Temperature of the laboratory", span_text(span, "\u00b0C")))
     if span := lab.environment.humidity_percent:
         lines.append(("Relative humidity", span_text(span, "%")))
-    for label, key in (("Heading of a position", "heading_std_deg"), ("Closure of a turn", "closure_std_deg")):
-        if key in procedure:
-            lines.append((label, f"1\u03c3 {procedure[key]:g}\u00b0"))
     return lines
 
 
@@ -69,6 +68,8 @@ def references(certificate: Certificate) -> list[dict[str, str]]:
     survey = known.get("site", {})
     source = site.get("gravity_source") or lab.traceability.gravity_source
     lines.append(_reference("Gravity", {**survey, "source": source}, f"g at {survey.get('id', 'the slab')}"))
+    if not str(source).startswith("normal gravity"):  # a formula has no date
+        lines[-1]["measured"] = lines[-1]["measured"] or "date of survey not stated"
     lines.append(_reference("Time", {"source": lab.traceability.time_base}, "second"))
     return lines
 

@@ -28,7 +28,9 @@ def verify(
     ] = None,
     head: Annotated[
         str | None,
-        typer.Option(metavar="SHA256", help="Expect a row of this hash, from a report or certificate."),
+        typer.Option(
+            metavar="SHA256", help="Expect a row of this hash (6 digits or more), from a report or certificate."
+        ),
     ] = None,
     to: Annotated[
         Path | None, typer.Option("--write-anchor", metavar="FILE", help="Keep the heads in an anchor file.")
@@ -79,12 +81,17 @@ def _file(file: Path, db: str | None) -> str:
 
 
 def _stored(session: "Session", kind: str, sha256: str) -> str:
-    from fixtures_db.history import calibration
-    from fixtures_db.issued import issued_as, issued_of
+    from fixtures_db.history import calibration, verify_chain
+    from fixtures_db.issued import issued_as, issued_of, verify_issued
 
     if kind == "calibration":
-        return f"calibration {calibration(session, sha256).id}"
+        number = calibration(session, sha256).id
+        _refuse([one for one in verify_chain(session) if one.row == f"calibration {number}"])
+        return f"calibration {number}"
     row = issued_as(session, sha256)
+    _refuse([one for one in verify_issued(session) if one.row == f"issued certificate {row.id}"])
+    certified = calibration(session, row.calibration_sha256).id
+    _refuse([one for one in verify_chain(session) if one.row == f"calibration {certified}"])
     newest = issued_of(session, row.calibration_sha256)[-1]
     is_replaced = "" if newest.id == row.id else f"; replaced since by No. {newest.number}"
     return f"certificate No. {row.number} of {row.issued_utc:%Y-%m-%d}{is_replaced}"
@@ -115,12 +122,31 @@ def _database(db: str | None, anchor: Path | None, head: str | None, to: Path | 
         for kept in [read_anchor(file) for file in files] or [Anchor()]:
             _refuse(alterations(session, kept))
         if head is not None:
-            _refuse(missing_head(session, head))
+            _refuse(missing_head(session, _whole(session, head)))
         now = take_anchor(session)
         if to is not None:
             write_anchor(to, now)
         against = f" and as in {anchor}" if anchor is not None else ""
         return f"{database.url}: as stored{against}; newest calibration {now.calibration}"
+
+
+def _whole(session: "Session", head: str) -> str:
+    """Return the one stored hash that begins so; ``head`` itself if none does."""
+    from sqlalchemy import select
+
+    from fixtures_db.verification import CHAINED
+
+    digits = head.lower()
+    if not 6 <= len(digits) <= 64 or not set(digits) <= set("0123456789abcdef"):
+        raise typer.BadParameter(f"--head {head!r}: expected 6 to 64 digits of a SHA-256, as printed")
+    if len(digits) == 64:
+        return digits
+    found = set[str]()
+    for table in CHAINED:
+        found |= set(session.scalars(select(table.sha256).where(table.sha256.startswith(digits))))
+    if len(found) > 1:
+        raise typer.BadParameter(f"--head {head}: {len(found)} rows begin so, expected one; give more digits")
+    return found.pop() if found else digits
 
 
 def _rows(database: "OpenDatabase", folder: Path) -> str:

@@ -23,7 +23,7 @@ def study_text(found: Study) -> str:
     lines += values(found.measured)
     if (m := found.measured).dof:
         lines.append(
-            f"units, and K2 with its range, against each other: chi-square {_chi2(m.chi2, 4)} at {m.dof} "
+            f"units, and K2 with its range, against each other: chi-square {chi2_text(m.chi2, 4)} at {m.dof} "
             f"degrees of freedom, p {m.p_value:.2g}"
         )
     lines += [f"not observable: {each}" for each in not_observable(found.measured)]
@@ -54,7 +54,7 @@ def known_lines(known: Known) -> list[str]:
     lines = list[str]()
     if (found := known.comparison) is not None:
         lines.append(
-            f"against the certificate of its faces: chi-square {_chi2(found.chi2, 4)} of {len(found.names)} "
+            f"against the certificate of its faces: chi-square {chi2_text(found.chi2, 4)} of {len(found.names)} "
             f"values, p {found.p_value:.2g}"
         )
         lines += _shifts(found.names, found.difference, found.std)
@@ -80,7 +80,8 @@ def verdict(moved: CubeDrift) -> str:
     return f"the cube has changed: {', '.join(moved.changed)} (p {moved.p_adjusted.min():.2g}, Holm)"
 
 
-def _chi2(value: float, digits: int) -> str:
+def chi2_text(value: float, digits: int) -> str:
+    """Return a chi-square with so many significant digits, 0 where it is rounding."""
     return f"{value if value >= LEAST_CHI2 else 0.0:.{digits}g}"
 
 
@@ -102,6 +103,6 @@ def _trends(moved: CubeDrift) -> Iterator[str]:
     columns = zip(shifts, moved.trend, moved.trend_std, moved.chi2, moved.chi2_of_trend, strict=True)
     for shift, slope, std, constant, line in columns:
         trend = f", {measured(slope / URAD, std / URAD, 'urad/month')}" if np.isfinite(std) else ""
-        of_line = f", {_chi2(line, 3)} of a line ({moved.dof - 1})" if moved.dof > 1 else ""
-        yield f"{shift}{trend}, chi-square {_chi2(constant, 3)} of a constant ({moved.dof}){of_line}"
+        of_line = f", {chi2_text(line, 3)} of a line ({moved.dof - 1})" if moved.dof > 1 else ""
+        yield f"{shift}{trend}, chi-square {chi2_text(constant, 3)} of a constant ({moved.dof}){of_line}"
     yield f"  {verdict(moved)}"

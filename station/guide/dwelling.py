@@ -112,12 +112,11 @@ class Dwelling:
         A cube that is being set down smoothly trembles less than a coarse count shows: the first seconds are
         judged by those that followed.
         """
-        usual = np.median([block.rate for block in self.kept], axis=0)
-        self.kept = [
-            block
-            for block in self.kept
-            if is_still(block) and bool(np.all(np.abs(block.rate - usual) <= OFF_SIGMA * self._sigma))
-        ]
+        self.kept = [block for block in self.kept if is_still(block)]
+        if self._drifts or not self.kept:
+            return
+        usual, limit = np.median([block.rate for block in self.kept], axis=0), OFF_SIGMA * self._sigma
+        self.kept = [block for block in self.kept if bool(np.all(np.abs(block.rate - usual) <= limit))]
 
     def _is_off(self, block: Block, look: Look) -> bool:
         """Say whether a channel is far off its median so far: an even motion makes nothing tremble."""

@@ -24,7 +24,7 @@ def history_svg(kind: str, found: Mapping[str, dict[str, Any]], control: float) 
         axes = figure.subplots(2 * rows, COLUMNS, squeeze=False, sharex=True, height_ratios=[1.7, 1] * rows)
         for i, (name, track) in enumerate(found.items()):
             row, column = divmod(i, COLUMNS)
-            _values(axes[2 * row, column], name, track)
+            draw_values(axes[2 * row, column], name, track)
             _control(axes[2 * row + 1, column], track, control)
         for row in range(rows):
             axes[2 * row, 0].set_ylabel("value")
@@ -37,7 +37,8 @@ def history_svg(kind: str, found: Mapping[str, dict[str, Any]], control: float) 
     return draw_svg(kind.replace(".", "-").replace("_", "-"), said, (8.6, 3.7 * rows), draw)
 
 
-def _values(axes: Axes, name: str, track: dict[str, Any]) -> None:
+def draw_values(axes: Axes, name: str, track: dict[str, Any]) -> None:
+    """Draw a parameter's values in its own unit for people, with limits and prediction."""
     scale, unit = shown_scale(name, track["unit"])
     value, std = (np.array(track[key]) * scale for key in ("value", "std"))
     when = _days(track["measured_utc"])

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.calibration import utc_text
 from fixtures_db.campaigns import campaign, last_accepted
 from fixtures_db.references import references
-from fixtures_db.schema import CampaignRow
+from fixtures_db.schema import CampaignRow, SiteRow
 from procedures.campaign import Campaign
 from procedures.frames import POSITIONS
 from station.campaign_folder.schema import CampaignTable, ProcedureTable
@@ -38,7 +38,7 @@ def circumstances(
     survey = next((one.get("source") for one in used if one["kind"] == "site"), None)
     return {
         "procedure": _procedure(row, measured, tables.procedure, document),
-        "site": _site(row, measured, tables, survey),
+        "site": _site(session, row, measured, tables, survey),
         "references": used,
     }
 
@@ -54,6 +54,12 @@ def judged_values(judged: tuple[Judged, ...]) -> tuple[dict[str, Any], ...]:
         }
         for one in judged
     )
+
+
+def diagnosis_kept(diagnosis: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a calibration keeps of a `diagnosis/1`: verdict, findings, what each could be instead."""
+    findings = [{name: one[name] for name in ("effect", "confidence", "aliases")} for one in diagnosis["findings"]]
+    return {"verdict": diagnosis["verdict"], "findings": findings}
 
 
 def procedure_name(measured: Campaign) -> str:
@@ -100,12 +106,16 @@ def _deviations(row: CampaignRow, table: ProcedureTable, document: Mapping[str, 
     return said
 
 
-def _site(row: CampaignRow, measured: Campaign, tables: CampaignTable, survey: str | None) -> dict[str, Any]:
+def _site(
+    session: Session, row: CampaignRow, measured: Campaign, tables: CampaignTable, survey: str | None
+) -> dict[str, Any]:
+    known = None if row.site_id is None else session.get(SiteRow, row.site_id)
+    surveyed = None if known is None else known.height_m
     source = survey if tables.site.gravity_m_s2 is not None else NORMAL_GRAVITY
     return {
         **({} if row.site_id is None else {"id": row.site_id}),
         "latitude_deg": float(np.degrees(measured.site.latitude)),
-        "height_m": tables.site.height_m,
+        "height_m": tables.site.height_m if surveyed is None else surveyed,
         "gravity_m_s2": measured.site.gravity,
         "gravity_std_m_s2": measured.site.gravity_std,
         **({} if source is None else {"gravity_source": source}),

@@ -19,7 +19,7 @@ from station.campaign_folder.schema import CampaignTable
 from station.errors import Altered
 from station.guide.folder_notes import read_setup
 from station.guide.judgement import Outcome, judge
-from station.recorder.circumstances import circumstances, judged_values
+from station.recorder.circumstances import circumstances, diagnosis_kept, judged_values
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
@@ -155,5 +155,6 @@ def _facts(results: Results, session: "Session") -> CalibrationFacts:
         judged=judged_values(results.outcome.judged),
         residual=results.document.get("residual", {}),
         effects=results.effects,
+        diagnosis=diagnosis_kept(results.diagnosis),
         **circumstances(session, key, measured, results.tables, results.document),
     )

@@ -195,7 +195,16 @@ def test_a_calibration_stored_as_measured_stays_so_and_says_its_reason_once(docu
     references = [REFERENCES[0], {**REFERENCES[1], "due_date": "2026-02-01"}, REFERENCES[2]]
     document = {**document, "status": "measured", "status_reason": reason, "references": references}
     assert made(document).reasons == [reason]
+    assert 'class="statement NOT"' in render(made(document))
+    assert 'class="word PASS"' not in render(made(document))
     assert made({**document, "references": list(REFERENCES)}).title == "Measurement report"
+
+
+def test_a_survey_without_a_date_says_so(document: dict[str, Any]) -> None:
+    survey = {key: value for key, value in REFERENCES[2].items() if key != "measured_utc"}
+    undated = {**document, "references": [*REFERENCES[:2], survey]}
+    assert "date of survey not stated" in seen(render(made(undated)))
+    assert "date of survey not stated" not in seen(render(made(document)))
 
 
 def test_an_amendment_names_what_it_replaces_and_why(document: dict[str, Any]) -> None:

@@ -89,9 +89,12 @@ def test_issuing_again_wants_a_reason_and_replaces_what_was_issued(db: Database,
     assert code == 0
     assert re.search(r"No\. EX-\d{4}-0002, replaces No\. EX-\d{4}-0001", out)
     assert "the address was wrong" in Path("second.html").read_text()
+    assert "Fields printed otherwise: none." in Path("second.html").read_text()
+    assert certify(station, "--amend", "it was broken", "--condition", "cracked", "--out", "third.html")[0] == 0
+    assert "Fields printed otherwise: Condition." in Path("third.html").read_text()
     code, out, _ = station("verify", "first.html")
     assert code == 0
-    assert re.search(r"replaced since by No\. EX-\d{4}-0002", out)
+    assert re.search(r"replaced since by No\. EX-\d{4}-0003", out)
 
 
 def test_a_copy_is_the_same_bytes(db: Database, station: Run) -> None:
@@ -217,3 +220,36 @@ def test_without_the_extra_the_html_is_written_and_pdf_refused(
     assert "extra `pdf`" in error
     assert station("verify", "a.html")[0] == 0
     assert not Path("a.pdf").exists()
+
+
+@pytest.mark.parametrize("day", ["2026-03-05", "2999-01-01"])
+def test_a_unit_received_too_late_is_refused(db: Database, station: Run, day: str) -> None:
+    code, _, error = certify(station, "--received", day, "--out", "a.html")
+    assert (code, f"--received: found {day}, expected no day after" in error) == (3, True)
+    assert not Path("a.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("table", "change"), [("certificates", "html = 'x'"), ("calibrations", "document = '{}'")]
+)
+def test_a_file_is_not_as_stored_where_its_row_is_broken(
+    db: Database, station: Run, table: str, change: str
+) -> None:
+    certify(station, "--out", "a.html")
+    assert station("verify", "a.html")[0] == 0
+    with db.write() as session:
+        unprotect(session, table)
+        session.execute(text(f"UPDATE {table} SET {change}"))
+    code, out, _ = station("verify", "a.html")
+    assert (code, "as stored" in out) == (1, False)
+
+
+def test_the_begin_of_a_printed_head_will_do(db: Database, station: Run) -> None:
+    with db.read() as session:
+        whole = find_calibration(session, "S0101").sha256
+    assert station("verify", "--head", whole[:6])[0] == 0
+    assert station("verify", "--head", whole[:16].upper())[0] == 0
+    assert station("verify", "--head", whole[:5])[0] == 2
+    assert station("verify", "--head", "nothing")[0] == 2
+    other = "0" if whole[5] != "0" else "1"
+    assert station("verify", "--head", whole[:5] + other)[0] == 1

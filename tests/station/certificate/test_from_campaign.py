@@ -59,6 +59,7 @@ def test_a_campaign_comes_to_a_certificate(tmp_path: Path, expired: bool) -> Non
         sha256 = store(make_results(folder, database), database)
         with database.read() as session:
             document = json.loads(calibration(session, sha256).document)
+        assert document["diagnosis"]["verdict"]
         cube = next(one for one in document["references"] if one["kind"] == "cube")
         assert (cube["source"], cube["side_mm"]) == ("CMM 12", 400.0)  # not the one measured after the campaign
         assert document["procedure"]["name"].startswith("twelve-position calibration")
@@ -71,6 +72,8 @@ def test_a_campaign_comes_to_a_certificate(tmp_path: Path, expired: bool) -> Non
         text = seen(issue(database, Request(sha256, lab)).html)
     assert ("Measurement report" if expired else "Calibration certificate") in text
     assert ("cube CUBE-7 expired on 2021-01-01; the certificate of slab SLAB-2" in text) == expired
+    assert ("For information only" in text) == expired
+    assert "simulated device" in text
     assert "within all" not in text
     assert "1 limited parameters" not in text
 
@@ -123,3 +126,15 @@ def test_gravity_entered_by_hand_is_known_by_its_survey(
     else:
         said = {"source": SURVEY.source, "measured_utc": "2024-05-01", "due_date": "2090-05-01"}
         assert found == [{"kind": "site", "id": site, **said}]
+
+
+def test_the_height_is_that_of_the_surveyed_site(tmp_path: Path) -> None:
+    with open_db(tmp_path / "station.db") as database:
+        with database.write() as session:
+            add_site(session, "LAB-1", latitude_deg=48.1374, height_m=519.0, survey=SURVEY)
+        folder = recorded(tmp_path / "c", database)
+        with database.write() as session:
+            campaign(session, str(folder)).site_id = "LAB-1"
+        sha256 = store(make_results(folder, database), database)
+        with database.read() as session:
+            assert json.loads(calibration(session, sha256).document)["site"]["height_m"] == 519.0

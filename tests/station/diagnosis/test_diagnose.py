@@ -105,13 +105,19 @@ def test_two_faces_alone_are_exit_5_and_partial_says_how_level_they_stood(
     assert "0.35" in said
 
 
-def test_a_period_that_solve_refuses_is_diagnosed(warmed: Diagnosed, tmp_path: Path) -> None:
+def test_a_period_that_solve_refuses_is_diagnosed(
+    warmed: Diagnosed, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     folder = Path(shutil.copytree(warmed.folder, tmp_path / "c"))
     text = (folder / "campaign.toml").read_text()
     (folder / "campaign.toml").write_text(text.replace("sample_period_s = 0.05", "sample_period_s = 0.051"))
     assert cli.run(["solve", str(folder)]) == 3
-    assert cli.run(["diagnose", str(folder), "--json", str(tmp_path / "out.json")]) == 0
+    page = tmp_path / "out.html"
+    assert cli.run(["diagnose", str(folder), "--json", str(tmp_path / "out.json"), "--html", str(page)]) == 0
     assert json.loads((tmp_path / "out.json").read_text())["format"] == "diagnosis/1"
+    said = capsys.readouterr().out
+    assert f"{tmp_path / 'out.json'}: diagnosis of " in said
+    assert f"{page}: diagnosis of " in said
 
 
 def test_a_folder_that_is_none_is_exit_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

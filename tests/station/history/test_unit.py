@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from fixtures_db.calibration import utc_text
 from fixtures_db.limits import Limit, each_axis
 from fixtures_db.runs import Run, turn_ons
-from station.history.figure import _values
+from station.history.figure import draw_values
 from station.history.text import history_text
 from station.history.unit import analysis, entries
 from tests.station.history.fleets import BEGIN, fleet, run, solution
@@ -119,7 +119,9 @@ def test_turn_ons_of_one_day_predict_nothing_and_say_why() -> None:
     found = document(near(10))
     assert not any("prediction" in one for one in found["analysis"][0]["parameters"].values())  # type: ignore[index]
     text = history_text(found)
-    assert "too short a history to predict: 3 turn-ons over 0.0139 days; needs 3 more than\n    7 days apart" in text
+    assert (
+        "too short a history to predict: 3 turn-ons over 0.0139 days; needs 3 more than\n    7 days apart" in text
+    )
     assert "predicted for" not in text
     assert "first reaches a limit" not in text
 
@@ -140,6 +142,6 @@ def test_a_wide_prediction_leaves_the_values_of_a_chart_to_be_seen() -> None:
     for row in track["prediction"]["fan"]:
         row[2:] = [-1.0, 1.0]
     axes = Figure().subplots()
-    _values(axes, "accelerometer.bias.x", track)
+    draw_values(axes, "accelerometer.bias.x", track)
     low, high = axes.get_ylim()
     assert high - low < 8e6 * np.ptp(track["value"])

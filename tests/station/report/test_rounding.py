@@ -2,7 +2,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from station.cube_measurement.text import chi2_text
 from station.report.rounding import aligned, decimals, fixed, significant
+from station.solution_parameters import Parameter
+from station.solution_parameters import shown as shown_parameter
+from station.solution_text import measured
 
 
 @pytest.mark.parametrize(
@@ -41,6 +45,6 @@ def test_small_and_large_numbers_take_a_power_of_ten() -> None:
 def test_no_number_that_is_printed_is_minus_zero() -> None:
     assert measured(-0.2, 100.0, "urad") == "0 +- 100 urad"
     assert measured(-0.001, 0.5, "arcsec") == "0.00 +- 0.50 arcsec"
-    assert shown(Parameter("accelerometer.bias.x", -1e-9, 1e-6, "g"))[0] == "0.0"
-    assert _chi2(3e-18, 4) == "0"
-    assert _chi2(0.25, 3) == "0.25"
+    assert shown_parameter(Parameter("accelerometer.bias.x", -1e-9, 1e-6, "g"))[0] == "0.0"
+    assert chi2_text(3e-18, 4) == "0"
+    assert chi2_text(0.25, 3) == "0.25"

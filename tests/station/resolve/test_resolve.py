@@ -23,6 +23,8 @@ from station import cli
 from station.campaign_folder import append_hash, read_for_solve, write_campaign
 from station.cluster.code_hash import code_hash
 from station.cluster.engine import open_engine
+from station.resolve.before import Before
+from station.resolve.comparison import compare
 from station.solution_json import solution_document, write_solution
 from tests.fixtures_db.factory import NOON
 
@@ -187,6 +189,21 @@ def test_the_summary_names_only_what_asks_for_a_person(
     assert "(3.0 sigma)" in said.out
     assert str(fleet / "S3") not in said.out
     assert all(len(line) <= 80 for line in said.out.splitlines() if "/" not in line)
+
+
+def test_a_warning_whose_folder_was_typed_otherwise_is_not_new(resolve: Resolve, fleet: Path) -> None:
+    said = resolve("--all")[1]["S2"]["new_warnings"]
+    file = fleet / "S2" / "solution.json"
+    document = json.loads(file.read_text())
+    given = [f"{fleet / 'S2'}/dwell_01.csv:17: a gap of 0.5 s", *said]
+    document["warnings"] = [text.replace(str(fleet / "S2"), "fleet/S2") for text in given]
+    file.write_text(json.dumps(document))
+    assert resolve("--all")[1]["S2"]["new_warnings"] == []
+    now = {"warnings": given, **{key: document[key] for key in document if key != "warnings"}}
+    before = Before("solution", "solution.json", document, tuple(document["warnings"]))
+    assert compare(now, before, ())["new_warnings"] == []
+    other = {**now, "warnings": [*given, f"{fleet / 'S2'}/dwell_02.csv:17: a gap of 0.5 s and more"]}
+    assert len(compare(other, before, ())["new_warnings"]) == 1
 
 
 def test_wrong_usage_is_said(resolve: Resolve, fleet: Path) -> None:
