@@ -48,16 +48,12 @@ class Outcome:
         return int(self.word == "FAIL")
 
 
-def judge(
-    document: Mapping[str, Any], limits: Sequence[Limit], std: Mapping[str, float] | None = None
-) -> Outcome:
+def judge(document: Mapping[str, Any], limits: Sequence[Limit], std: Mapping[str, float] | None = None) -> Outcome:
     """Hold a `solution/1` or `calibration/1` document against limits, one for each axis.
 
     ``std`` are combined standard uncertainties by parameter; the document's 1 sigma stands where there is none.
     """
-    found = {
-        name: replace(one, std=(std or {}).get(name, one.std)) for name, one in parameters(document).items()
-    }
+    found = {name: replace(one, std=(std or {}).get(name, one.std)) for name, one in parameters(document).items()}
     judged = tuple(_judged(limit, found.get(limit.parameter)) for limit in limits)
     words = [one.word for one in judged]
     word: Word = "FAIL" if "FAIL" in words else "NOT_MEASURED" if "NOT_MEASURED" in words or not words else "PASS"
