@@ -20,7 +20,6 @@ from procedures.frames import AXES
 ROUNDS = 100
 STILL = 1e-13  # relative
 DEG_H = 1 / 3600  # deg/s
-_FITTED = {"gyroscope.sagnac_sine": lambda s: s * abs(s)}  # what is fitted is the square of what is shown
 TRANSIENT = ("accelerometer.bias_drift", "gyroscope.bias_drift", "accelerometer.relaxation")
 
 
@@ -128,7 +127,8 @@ def _added(effect: Effect, entry: Mapping[str, Any], seen: Seen) -> dict[str, Fl
         return {"accelerometer": np.full(seen.f.shape, np.nan)}
     way = ways[0]
     values = [entry["coefficients"].get(key, {"value": 0.0})["value"] for key in way.coefficients]
-    c = _FITTED.get(effect.name, lambda s: s)(np.array(values, dtype=float))
+    c = np.array(values, dtype=float)
+    c = c if effect.fitted is None else effect.fitted(c)
     if effect.added is not None:
         return {effect.name.split(".")[0]: effect.added(seen, c)[0]}
     parts = {"accelerometer": way.accel, "gyroscope": way.gyro}

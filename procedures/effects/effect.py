@@ -86,7 +86,7 @@ class Effect:
     it may have acted in a campaign, none where nothing excites it. ``separate_by`` is the measurement that would
     tell it from what looks alike. ``added`` returns, for coefficients (k,) of the first of ``columns``, what is
     added (n, 3) and its change with them (n, 3, k), where the effect is not linear. ``shown`` returns coefficients
-    (k,) in ``unit`` and their 1 sigma for those that are fitted, where the two differ.
+    (k,) in ``unit`` and their 1 sigma for those that are fitted, where the two differ, and ``fitted`` its inverse.
     """
 
     name: str
@@ -98,6 +98,7 @@ class Effect:
     separate_by: str
     added: Callable[[Seen, FloatArray], tuple[FloatArray, FloatArray]] | None = None
     shown: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
+    fitted: Callable[[FloatArray], FloatArray] | None = None
 
     def plausible_of(self, columns: Columns) -> FloatArray:
         """Return 1 sigma (k,) of what the fitted coefficients of one of its ways may be."""

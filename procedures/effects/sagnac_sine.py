@@ -47,6 +47,11 @@ def shown(q: FloatArray, std: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.sign(q) * s, np.sqrt(abs(q) + std) - s
 
 
+def fitted(s: FloatArray) -> FloatArray:
+    """Return q for s: the inverse of `shown`."""
+    return s * abs(s)
+
+
 EFFECT = Effect(
     name="gyroscope.sagnac_sine",
     unit="rad/(deg/s)",
@@ -57,4 +62,5 @@ EFFECT = Effect(
     separate_by="a rate table up to rates where s u is near 1, where sine and cubic part",
     added=added,
     shown=shown,
+    fitted=fitted,
 )

@@ -299,3 +299,11 @@ def test_relaxation_may_go_by_the_change_of_specific_force() -> None:
     assert by_change.unit == "g/g"
     assert np.allclose(by_change.accel[at], expected, rtol=1e-9)
     assert not np.any(by_change.accel[seen.step == 0])
+
+
+@pytest.mark.parametrize("effect", [e for e in EFFECTS if e.shown], ids=lambda effect: effect.name)
+def test_what_is_shown_leads_back_to_what_was_fitted(effect: Effect) -> None:
+    assert effect.shown is not None
+    assert effect.fitted is not None
+    c = np.array([4e-6, -9e-6, 0.0])
+    assert effect.fitted(effect.shown(c, np.full(3, 1e-7))[0]) == pytest.approx(c)
