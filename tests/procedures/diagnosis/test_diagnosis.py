@@ -101,7 +101,7 @@ FEW = [e for e in EFFECTS if e.name in {"slab.tilt", "fixture.face_tilt", "gyros
 
 
 def test_flips_that_contradict_keep_a_finding_from_being_established(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("procedures.diagnosis.diagnosis.sign_flip_p", lambda *_: 0.5)
+    monkeypatch.setattr("procedures.diagnosis.naming.sign_flip_p", lambda *_: 0.5)
     campaigns = certified(unit(6, effects={"gyroscope.magnetic": {"xy": 0.02, "yx": 0.02}}), 6)
     assert finding_of(diagnose(campaigns, FEW), "gyroscope.magnetic").confidence == "likely"
 
