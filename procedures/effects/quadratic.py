@@ -20,4 +20,5 @@ EFFECT = Effect(
     plausible=1e-4,
     columns=columns,
     separate_by="free positions near 45 deg, the IMU re-mounted by 90 deg in the cube, or a face certificate",
+    separate_by_certified="free positions near 45 deg, or the IMU re-mounted by 90 deg in the cube",
 )
