@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from station.campaign_folder.atomic import replace_file
 from station.diagnosis.text import coefficient_rows, error_rows, moved_rows, tried_rows
-from station.diagnosis.wording import SURE, p_text, verdict_sentence, where_text
+from station.diagnosis.wording import P_OF, SURE, TRIED_HOW, p_text, verdict_sentence, where_text
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
@@ -40,7 +40,7 @@ def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> 
     return _environment().get_template("section.html").render(
         document=document, sentence=verdict_sentence(document), findings=findings,
         errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
-        tried=tried_rows(document["tried"]),
+        tried=tried_rows(document["tried"]), p_of=P_OF, tried_how=TRIED_HOW,
     )  # fmt: skip
 
 

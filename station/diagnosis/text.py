@@ -6,7 +6,7 @@ from textwrap import wrap
 from typing import Any
 
 from station.diagnosis.units import shown_unit
-from station.diagnosis.wording import SURE, p_text, size_in_sigmas, verdict_sentence, where_text
+from station.diagnosis.wording import P_OF, SURE, TRIED_HOW, p_text, size_in_sigmas, verdict_sentence, where_text
 from station.solution_parameters import Parameter, shown, shown_sigma, title_of
 from station.solution_text import measured
 
@@ -24,14 +24,20 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
     for number, finding in enumerate(document["findings"], 1):
         lines += ["", *_finding(number, finding)]
     for title, part in (
+        (
+            "on the rate table, its axis' share of the Earth's rate in the bias",
+            list(_on_table(document["solution"])),
+        ),
         ("error, rms, before -> after the findings", list(_errors(document["error"]))),
         ("parameters that moved most", list(_moved(document["parameters"]))),
-        ("what was tried, p after Holm", list(_tried(document["tried"]))),
+        (f"tried first, {TRIED_HOW}", list(_tried(document["tried"]))),
     ):
         if part:
             lines += ["", title, *part]
     if document["next_measurement"]:
         lines += ["", *_fold(f"measure next: {document['next_measurement']}", ""), _PLAN]
+    if warnings := document["solution"]["warnings"]:
+        lines += ["", *(line for text in warnings for line in _fold(f"warning: {text}", ""))]
     return "\n".join(lines)
 
 
@@ -54,7 +60,7 @@ def coefficient_rows(finding: Mapping[str, Any]) -> list[tuple[str, str, str]]:
 def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
     where = where_text(finding["where"])
     lines = [f"{number}. {finding['effect']} ({finding['kind']}){f', {where}' if where else ''}"]
-    p = f"; p {p_text(finding['log10_p'])} over all that was tried" if "log10_p" in finding else ""
+    p = f"; p {p_text(finding['log10_p'])} {P_OF}" if "log10_p" in finding else ""
     lines += _fold(f"{SURE[finding['confidence']]}{p}", "   ")
     if (p_flip := finding.get("sign_flip_p")) is not None:
         lines.append(f"   with signs flipped at random as large in {p_flip:.2g} of all draws")
@@ -107,8 +113,20 @@ def moved_rows(parameters: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, 
         after, unit = shown(one)
         before, _ = shown(one, row["before"])
         found.append((title_of(row["name"]), before, f"{after} +- {shown_sigma(one)}", unit,
-                      f"{row['shift_sigma']:+.1f}"))  # fmt: skip
+                      _sigmas(row["shift_sigma"])))  # fmt: skip
     return found
+
+
+def _sigmas(shift: float) -> str:
+    return f"{shift:+.1f}" if abs(shift) < 999.5 else f"{shift:+.0f}" if abs(shift) < 99999 else f"{shift:+.0e}"
+
+
+def _on_table(solution: Mapping[str, Any]) -> Iterator[str]:
+    found = solution.get("rate_tables", {"gyroscope": {}, "unit": {}})
+    for name, sensors in found["gyroscope"].items():
+        for axis, one in sensors.items():
+            value = measured(one["value"], one["std"], found["unit"][name])
+            yield f"   gyroscope {name.replace('_', ' ')} {axis}".ljust(30) + value
 
 
 def _moved(parameters: Sequence[Mapping[str, Any]]) -> Iterator[str]:

@@ -1,13 +1,19 @@
 """What a diagnosis says, in words."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from procedures.uncertainty.budget import ParameterBudget
 
 SURE = {
     "established": "established: it repeats on what was left out, and nothing else looks like it",
     "likely": "likely: nothing else looks like it, but the evidence is thinner",
     "ambiguous": "ambiguous: this data cannot tell it from what is named below",
 }
+UNEXPLAINED = "unexplained"  # as `procedures.uncertainty.sources` names it
+P_OF = "beside all other findings, counting all that was tried"  # of a finding; not that of its first trial
+TRIED_HOW = "each by itself on the model without findings, p after Holm"
 LEAST_P = -300  # log10 below which a p-value is only said to be below
 
 
@@ -31,8 +37,18 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
             found = f", also with {both(names)} in the model" if names else ""
             return (
                 f"The residual is more than noise (p {p}){found}, and no effect of the catalogue accounts for it: "
-                f"what the model lacks is unexplained."
+                f"what the model lacks is unexplained. The sigmas here hold no more of it than the scatter that "
+                f"the fit found; the uncertainty of a report or a calibration holds the rest."
             )
+
+
+def left_said(document: Mapping[str, Any], budgets: Sequence["ParameterBudget"]) -> str:
+    """Return what a verdict on limits must say of a residual that is unexplained; nothing of any other."""
+    if document["verdict"] != "unexplained":
+        return ""
+    is_in = any(part.source == UNEXPLAINED for one in budgets for part in one.contributions)
+    held = "what is left is in the uncertainty" if is_in else "the uncertainty holds the scatter the fit found"
+    return f"the diagnosis is unexplained, the residual is more than noise: {held}"
 
 
 def p_text(log10_p: float) -> str:

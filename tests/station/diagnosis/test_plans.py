@@ -77,6 +77,14 @@ def test_what_has_no_steps_gives_way_to_an_alias_that_has() -> None:
     assert one.name == "remounted_about_z"
 
 
+def test_no_certificate_is_asked_for_where_there_is_one() -> None:
+    doubted = [ambiguous("fixture.face_tilt")]
+    assert [one.name for one in next_measurements(doubted, AS_IT_IS)] == ["certificate"]
+    assert [one.name for one in next_measurements(doubted, AS_IT_IS, is_certified=True)] == [
+        "remounted_about_z", "remounted_about_x",
+    ]  # fmt: skip
+
+
 def test_with_nothing_found_the_campaign_is_repeated_in_another_order() -> None:
     (repeat,) = next_measurements([], AS_IT_IS)
     assert sorted(step["position"] for step in repeat.steps["dwell"]) == list(range(1, 13))
