@@ -1,6 +1,7 @@
 """Where a device is: one URL, read into a frozen record.
 
 ``serial:///dev/ttyUSB0?baud=921600&format=rawimusx`` · ``tcp://host:port?format=counts`` · ``replay:FILE``
+``mavlink:LINK:WHERE`` is read by `drivers.mavlink.address`.
 """
 
 from collections.abc import Collection
@@ -42,9 +43,13 @@ class DeviceUrl:
 def parse_device_url(text: str) -> DeviceUrl:
     """Return the address in a URL; raise `BadDeviceUrl` naming what was found and what would be accepted."""
     scheme, colon, rest = text.partition(":")
+    if scheme == "mavlink":
+        from drivers.mavlink.address import parse_mavlink_url
+
+        return parse_mavlink_url(text)
     if not colon or scheme not in ACCEPTED:
         found = f"scheme {scheme!r}" if colon else "no scheme"
-        raise BadDeviceUrl(text, found, "serial:///dev/NAME, tcp://HOST:PORT or replay:FILE")
+        raise BadDeviceUrl(text, found, "serial:///dev/NAME, tcp://HOST:PORT, replay:FILE or mavlink:LINK:WHERE")
     if "%00" in text or not text.isprintable():
         raise BadDeviceUrl(text, "a character that cannot be printed", "printable text")
     if scheme == "replay":

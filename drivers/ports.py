@@ -1,4 +1,4 @@
-"""Open a device's URL as a port of bytes: serial line, TCP connection or replayed file."""
+"""Open a device's URL as a port of bytes: serial line, TCP connection, replayed file or MAVLink link."""
 
 from typing import Protocol
 
@@ -38,6 +38,12 @@ def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
         Each says what was found, what was expected and what to do.
     """
     address = parse_device_url(url) if isinstance(url, str) else url
+    if address.scheme == "mavlink":
+        from drivers.mavlink.address import MavlinkUrl
+        from drivers.mavlink.port import open_mavlink  # pymavlink: only where it is wanted
+
+        assert isinstance(address, MavlinkUrl)
+        return open_mavlink(address, timeout_s)
     if address.scheme == "tcp":
         return open_tcp(address.host, address.port, timeout_s)
     if address.scheme == "replay":
