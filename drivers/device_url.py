@@ -49,7 +49,7 @@ def parse_device_url(text: str) -> DeviceUrl:
         return parse_mavlink_url(text)
     if not colon or scheme not in ACCEPTED:
         found = f"scheme {scheme!r}" if colon else "no scheme"
-        raise BadDeviceUrl(text, found, "serial:///dev/NAME, tcp://HOST:PORT, replay:FILE or mavlink:LINK:WHERE")
+        raise BadDeviceUrl(text, found, "serial:///dev/NAME, tcp://HOST:PORT or replay:FILE")
     if "%00" in text or not text.isprintable():
         raise BadDeviceUrl(text, "a character that cannot be printed", "printable text")
     if scheme == "replay":

@@ -78,6 +78,13 @@ class SimulatedDevice:
         self._control: _ControlServer | None = None
         self._threads: list[Thread] = []
         self.failure: Exception | None = None
+        self._true_period = self.truth.sample_period_s / (1 + 1e-6 * self.device.imu.world.clock_ppm)
+        self._sent = 0  # samples
+
+    @property
+    def true_time(self) -> float:
+        """True time [s] of the last sample sent; device time is off it by what is planted as ``clock.rate``."""
+        return self._sent * self._true_period
 
     @property
     def url(self) -> str:
@@ -139,12 +146,13 @@ class SimulatedDevice:
             self._stop.set()
 
     def _send_all(self) -> None:
-        pace = Pace(self._speed, self.truth.sample_period_s)
+        pace = Pace(self._speed, self._true_period)
         while not self._stop.is_set():
             sent = self.device.chunk(pace.samples)
             self._stop.wait(pace.delay(self.device.samples))
             for part in sent:
                 self._send(part)
+            self._sent = self.device.samples
 
     def _send(self, part: Sent) -> None:
         if not isinstance(part, Silence):
