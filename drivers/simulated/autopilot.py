@@ -48,7 +48,7 @@ class Autopilot:
         seed: int | None = 1,
     ) -> None:
         self.truth = autopilot or AutopilotTruth()
-        self._faults = tuple(faults)
+        self.faults = tuple(faults)
         self._receiver = Receiver(truth, self.truth, track, seed)
         self._rng = np.random.default_rng([seed or 0, 0xA9])
         self._mav = dialect.MAVLink(None, srcSystem=self.truth.system, srcComponent=self.truth.component)
@@ -113,7 +113,7 @@ class Autopilot:
         self._next[number] = now + seconds if seconds < NEVER else NEVER
 
     def _active(self, now: float, kind: str) -> list[GnssFault]:
-        return active(self._faults, now, kind)
+        return active(self.faults, now, kind)
 
     def _message(self, number: int, now: float) -> "dialect.MAVLink_message":
         if number == HEARTBEAT:

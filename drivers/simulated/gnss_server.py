@@ -73,6 +73,11 @@ class SimulatedGnss:
         """True time [s]."""
         return self._beside.true_time if self._beside else (time.monotonic() - self._began) * self._speed
 
+    def plant(self, kind: str, seconds: float, size: float = 0.0) -> None:
+        """Have a fault act from now on, see `drivers.simulated.gnss_faults.KINDS`."""
+        self._faults = (*self._faults, GnssFault(kind, self.now, seconds, size))
+        self.autopilot.faults = self._faults
+
     def __enter__(self) -> Self:
         self._line.plug()
         self._began = time.monotonic()
