@@ -29,6 +29,7 @@ from station.reader import Chunk, GapMark, Reader
 
 KEPT = 6000  # fixes: 20 minutes at 5 Hz
 AROUND_NS = 30 * 10**9  # of a moment: the marks its time is taken from
+REFIT_NS = 10**9  # how old the newest line may be
 RATE_S = 5.0
 EXPECTED = "a GNSS source: mavlink:LINK:WHERE"
 
@@ -107,7 +108,7 @@ class GnssFeed:
     def time_line(self, host_ns: int) -> TimeLine | None:
         """Return the line between the station's clock and UTC around a moment [ns]."""
         host, utc = self._marks
-        key = host_ns // (AROUND_NS // 3), len(host)
+        key = host_ns // (AROUND_NS // 3), host[-1] // REFIT_NS if host else 0
         if self._line[0] != key:
             middle = key[0] * (AROUND_NS // 3)
             begin, end = bisect_left(host, middle - AROUND_NS), bisect_left(host, middle + 2 * AROUND_NS)

@@ -49,6 +49,7 @@ class LiveFeed:
         self._silent_s = self._frameless_s = 0.0
         self._is_open = self._is_anew = True
         self._pieces: list[Piece] = []  # the last ones taken
+        self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
         for chunk in held:
             self._take(chunk)
         self._at = self._begin = self.tape.begin
@@ -155,7 +156,9 @@ class LiveFeed:
         self._watch(waited, is_idle=not items, has_frames=self.stream.decoder.counters.frames > frames)
 
     def _take(self, chunk: Chunk) -> None:
-        self._pieces.append(self.stream.take(chunk))
+        self._pieces.append(piece := self.stream.take(chunk))
+        if len(piece.block):
+            self.stamp = chunk.host_ns, float(piece.block.device_time[-1])
         self.tape.append(self._pieces[-1])
 
     def replace_source(self, source: Source) -> None:

@@ -46,14 +46,25 @@ class StepWriter:
         content = self._raw(data=data, host_ns=host_ns).SerializeToString()
         self._writer.add_message(self._bytes, log_time=host_ns, data=content, publish_time=host_ns)
 
-    def write_block(self, host_ns: int, block: CountBlock) -> None:
-        """Write decoded frames, a message each; the device's time must be known [s]."""
+    def write_block(self, host_ns: int, block: CountBlock, utc_s: float | None = None) -> None:
+        """Write decoded frames, a message each; the device's time must be known [s].
+
+        ``utc_s`` [s since 1970] is reference time at ``host_ns``: of the last frame, the one that came then.
+        """
         if not np.isfinite(block.device_time).all():
             raise ValueError("CountBlock.device_time is nan: give each frame its time before it is recorded")
         device_ns = np.rint(block.device_time * 1e9).astype(np.int64)
         counter, status = ((a & _WORD).tolist() for a in (np.maximum(block.counter, 0), block.status))
+        aux = None if utc_s is None else [*[dict[str, float]()] * (len(block) - 1), {"utc_s": utc_s}]
         self._write(
-            np.full(len(block), host_ns), device_ns, block.gyro, block.accel, block.temperature, counter, status
+            np.full(len(block), host_ns),
+            device_ns,
+            block.gyro,
+            block.accel,
+            block.temperature,
+            counter,
+            status,
+            aux,
         )
 
     def write_series(self, series: Series, host_ns: IntArray | None = None) -> None:

@@ -34,6 +34,7 @@ from station.campaign_folder.schema import (
 )
 from station.errors import CannotWrite
 from station.mcap_files import StepWriter
+from station.recorder.row_times import RowTimes, Utc
 from station.recorder.tape import Run, Tape
 from station.recorder.unit import Unit
 
@@ -44,7 +45,8 @@ _NUMBERED = re.compile(r"(free|soak)_(\d+)")
 class CampaignRecorder:
     """Writes the accepted steps of one campaign; made by `open_campaign` and `station.guide.unfinished.reopen`.
 
-    ``accepted`` counts by step name how often it was accepted; all but the last are superseded.
+    ``accepted`` counts by step name how often it was accepted; all but the last are superseded. ``utc``, where a
+    reference is read beside the device, says what UTC [s] a moment of the station's clock [ns] was.
     """
 
     def __init__(
@@ -52,6 +54,7 @@ class CampaignRecorder:
     ) -> None:
         self.folder, self.tables = folder, tables
         self.accepted = Counter(accepted or {})
+        self.utc: Utc | None = None
         self._database = database
         self._key = str(folder.resolve())
 
@@ -63,7 +66,7 @@ class CampaignRecorder:
         path = self._free_name(step.name)
         part = path.with_name(f".{path.name}.part")
         part.unlink(missing_ok=True)
-        sha256 = _write(part, tape, runs)
+        sha256 = _write(part, tape, runs, self.utc)
         try:
             os.rename(part, path)
             sync_folder(self.folder)
@@ -103,8 +106,12 @@ def open_campaign(
     procedure: ProcedureTable | None = None,
     cube_id: str | None = None,
     slab_id: str | None = None,
+    started_utc: datetime | None = None,
 ) -> CampaignRecorder:
-    """Begin a campaign in ``folder``: its ``campaign.toml`` without steps, then its row in the database."""
+    """Begin a campaign in ``folder``: its ``campaign.toml`` without steps, then its row in the database.
+
+    ``started_utc`` is the wall clock's unless a better one is known.
+    """
     tables = CampaignTable(
         format="campaign/1",
         imu=ImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output="increments"),
@@ -118,7 +125,7 @@ def open_campaign(
             str(folder.resolve()),
             model=unit.model,
             serial=unit.serial,
-            started_utc=datetime.now(UTC),
+            started_utc=started_utc or datetime.now(UTC),
             cube_id=cube_id,
             slab_id=slab_id,
             site_id=_site_id(session, site),
@@ -158,13 +165,13 @@ def _site_id(session: Session, site: SiteTable) -> str | None:
     return None if found is None else found.id
 
 
-def _write(path: Path, tape: Tape, runs: Sequence[Run]) -> str:
-    writer = StepWriter(path)
+def _write(path: Path, tape: Tape, runs: Sequence[Run], utc: Utc | None) -> str:
+    writer, times = StepWriter(path), RowTimes(utc)
     try:
         for chunk, block in tape.recording(runs):
             writer.write_raw(chunk.host_ns, chunk.data)
             if len(block):
-                writer.write_block(chunk.host_ns, block)
+                writer.write_block(chunk.host_ns, block, times.of(chunk.host_ns))
         return writer.close()
     except OSError as error:
         writer.abandon()

@@ -1,0 +1,88 @@
+"""Whole programs with a GNSS receiver beside the IMU, both simulated, on one truth and one clock."""
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.simulated.autopilot_truth import EPOCH_UTC
+from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from station import cli
+from station.campaign_folder import read_campaign
+from station.mcap_files import read_step
+from tests.station.commands.program import Program
+
+SPEED = 60.0
+PPM = 6000.0
+
+
+def truth(ppm: float) -> Truth:
+    base = Truth.example(5)
+    return replace(base, effects={"clock.rate": {"value": ppm}}, height_m=77.0, latitude_deg=31.17)
+
+
+@contextmanager
+def bench(ppm: float, speed: float) -> Iterator[tuple[SimulatedDevice, SimulatedGnss]]:
+    with SimulatedDevice(truth(ppm), 5, speed=speed) as device:
+        with SimulatedGnss(device.truth, beside=device) as gnss:
+            yield device, gnss
+
+
+def calibrate(device: SimulatedDevice, gnss: SimulatedGnss, folder: Path) -> tuple[str, ...]:
+    short = ("--dwell-s", "10", "--turns", "1", "--move-s", "5", "--gravity", "9.80665")
+    where = ("--out", str(folder / "c"), "--db", str(folder / "s.db"))
+    devices = ("--device", device.url, "--hands", device.control, "--gnss", f"{gnss.url}?rate=1")
+    return ("calibrate", "--headless", *devices, *short, *where)
+
+
+def test_a_clock_that_is_off_is_warned_of_and_found_by_diagnose(tmp_path: Path) -> None:
+    with bench(PPM, SPEED) as (device, gnss), Program(*calibrate(device, gnss, tmp_path)) as program:
+        code, said, error = program.end()
+    assert (code, error) == (0, "")
+    assert "clock.rate: by reference time a sample lasts" in said
+    folder = tmp_path / "c"
+    loaded = read_campaign(folder)
+    assert any("clock.rate" in warning for warning in loaded.warnings)
+    site, noted = loaded.tables.site, json.loads((folder / "gnss.json").read_text())
+    assert site.latitude_deg == pytest.approx(31.17, abs=4 * noted["horizontal_std_m"] / 111e3)
+    assert site.height_m == pytest.approx(77.0, abs=4 * noted["vertical_std_m"])
+    assert noted["utc"].startswith("2026-05-28T")
+    assert noted["utc"] >= np.datetime64(int(EPOCH_UTC), "s").astype(str)
+    assert cli.run(["diagnose", str(folder), "--json", str(tmp_path / "d.json")]) == 0
+    found = {one["effect"]: one for one in json.loads((tmp_path / "d.json").read_text())["findings"]}
+    value = found["clock.rate"]["coefficients"]["value"]
+    assert found["clock.rate"]["confidence"] == "established"
+    assert abs(value["value"] - PPM) < 5 * value["std"]
+    assert value["std"] < PPM / 10
+
+
+def test_a_rate_that_is_far_off_ends_the_campaign_before_it_is_wasted(tmp_path: Path) -> None:
+    with bench(39_000.0, SPEED) as (device, gnss), Program(*calibrate(device, gnss, tmp_path)) as program:
+        code, _, error = program.end()
+    assert code == 3
+    assert "sync line" in error
+    assert error.count("\n") == 1
+
+
+def test_a_recording_holds_device_host_and_gnss_time_side_by_side(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with bench(0.0, 40.0) as (device, gnss):
+        out = str(tmp_path / "r")
+        assert cli.run(["record", device.url, "--gnss", gnss.url, "--seconds", "200", "--out", out]) == 0
+    said = capsys.readouterr().out
+    assert "system 1" in said
+    assert "31.17" in said
+    step = read_step(tmp_path / "r" / "recording.mcap")
+    utc = step.aux["utc_s"]
+    known = np.isfinite(utc)
+    assert known.sum() > 20
+    behind = (utc - EPOCH_UTC - step.device_ns / 1e9)[known]
+    assert abs(np.median(behind)) < 40.0 * 0.05  # 50 ms of the host, 40 times as fast
+    assert {path.name.split("_2")[0] for path in (tmp_path / "r").glob("gnss*")} == {"gnss", "gnss_session"}
