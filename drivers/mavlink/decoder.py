@@ -1,9 +1,8 @@
 """One link's bytes to records: the fixes of one system, and what it says beside them."""
 
+import math
 from collections import Counter
 from dataclasses import dataclass
-
-import numpy as np
 
 from drivers.mavlink.fixes import filtered_fix, input_fix, raw_fix
 from drivers.mavlink.framing import MavlinkFramer
@@ -83,9 +82,9 @@ class MavlinkDecoder:
                 utc = values["time_unix_usec"] * 1000 or None
                 return self.clock.mark(host_ns, values["time_boot_ms"] * 10**6, utc)
             case n if n == VFR_HUD:
-                return AirData(host_ns, values["airspeed"]) if np.isfinite(values["airspeed"]) else None
+                return AirData(host_ns, values["airspeed"]) if math.isfinite(values["airspeed"]) else None
             case n if n == HIGHRES_IMU:
-                known = values["fields_updated"] & TEMPERATURE and np.isfinite(values["temperature"])
+                known = values["fields_updated"] & TEMPERATURE and math.isfinite(values["temperature"])
                 return Ambient(host_ns, values["temperature"]) if known else None
             case n if n == COMMAND_ACK:
                 return Answer(host_ns, values["command"], values["result"])

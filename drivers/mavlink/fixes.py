@@ -4,9 +4,8 @@ Source: common.xml. Unknown are: DOP, speed, course 65535; satellites 255; accur
 north); a height above the ellipsoid of 0 beside accuracies of 0 (extension fields that were not filled).
 """
 
+import math
 from typing import Any
-
-import numpy as np
 
 from drivers.mavlink.messages import NAMES, Frame
 from drivers.mavlink.sender_clock import SenderClock
@@ -45,7 +44,7 @@ def raw_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClo
         horizontal_std=_positive(values["h_acc"], 1e-3),
         vertical_std=_positive(values["v_acc"], 1e-3),
         speed_std=_positive(values["vel_acc"], 1e-3),
-        heading_std=_positive(np.radians(values["hdg_acc"]), 1e-5),
+        heading_std=_positive(math.radians(values["hdg_acc"]), 1e-5),
         hdop=None if values["eph"] in {0, U16} else values["eph"] / 100,
         vdop=None if values["epv"] in {0, U16} else values["epv"] / 100,
         satellites=None if values["satellites_visible"] == U8 else values["satellites_visible"],
@@ -68,8 +67,8 @@ def filtered_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: Send
         latitude=_radians(values["lat"], 1e-7) if there else None,
         longitude=_radians(values["lon"], 1e-7) if there else None,
         altitude=values["alt"] / 1e3 if there else None,
-        speed=float(np.hypot(north, east)),
-        course=float(np.arctan2(east, north) % (2 * np.pi)),
+        speed=math.hypot(north, east),
+        course=math.atan2(east, north) % math.tau,
         v_up=-down,
         heading=None if values["hdg"] == U16 else _radians(values["hdg"], 0.01),
         is_filtered=True,
@@ -95,8 +94,8 @@ def input_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderC
         latitude=_radians(values["lat"], 1e-7) if there else None,
         longitude=_radians(values["lon"], 1e-7) if there else None,
         altitude=_finite(values["alt"]) if fix >= FixType.FIX_3D and not flags & NO_ALT else None,
-        speed=_finite(np.hypot(north, east)) if there and moves else None,
-        course=_finite(np.arctan2(east, north) % (2 * np.pi)) if there and moves else None,
+        speed=_finite(math.hypot(north, east)) if there and moves else None,
+        course=_finite(math.atan2(east, north) % math.tau) if there and moves else None,
         v_up=_finite(-values["vd"]) if there and not flags & NO_V_UP else None,
         heading=None if values["yaw"] == 0 else _radians(values["yaw"] % 36000, 0.01),
         horizontal_std=None if flags & NO_STD_H else _positive(values["horiz_accuracy"], 1.0),
@@ -114,12 +113,12 @@ def _fix_type(value: int) -> FixType:
 
 
 def _radians(value: float, degrees: float) -> float:
-    return float(np.radians(value * degrees))
+    return math.radians(value * degrees)
 
 
 def _positive(value: float, unit: float) -> float | None:
-    return float(value * unit) if np.isfinite(value) and value > 0 else None
+    return float(value * unit) if math.isfinite(value) and value > 0 else None
 
 
 def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+    return float(value) if math.isfinite(value) else None

@@ -7,7 +7,7 @@ not know without a check, and remembers a time stamp before it has checked the s
 from typing import Any, NamedTuple
 
 from pymavlink.dialects.v20 import all as dialect  # none has more messages
-from pymavlink.generator.mavcrc import x25crc
+from pymavlink.generator import mavcrc
 
 HEARTBEAT, SYSTEM_TIME, GPS_RAW_INT, GLOBAL_POSITION_INT, REQUEST_DATA_STREAM = 0, 2, 24, 33, 66
 VFR_HUD, COMMAND_LONG, COMMAND_ACK, HIGHRES_IMU, GPS2_RAW, GPS_INPUT = 74, 76, 77, 105, 124, 232
@@ -20,6 +20,7 @@ READ = frozenset(
 )  # fmt: skip
 KINDS: dict[int, Any] = dialect.mavlink_map
 CRC_EXTRA: dict[int, int] = {number: kind.crc_extra for number, kind in KINDS.items()}
+_BYTE = [bytes((value,)) for value in range(256)]
 NAMES: dict[int, str] = {number: str(kind.msgname) for number, kind in KINDS.items()}
 
 
@@ -43,7 +44,8 @@ def fields(frame: Frame) -> dict[str, Any]:
 
 def crc(body: bytes, extra: int) -> int:
     """Return the CRC-16/MCRF4XX of a frame from its length on, with the message's extra byte."""
-    return int(x25crc(body + bytes((extra,))).crc)
+    whole = body + _BYTE[extra]
+    return int(mavcrc.mcrf4xx(whole)) if mavcrc.mcrf4xx else int(mavcrc.x25crc(whole).crc)
 
 
 __all__ = [

@@ -67,7 +67,7 @@ class SimulatedDevice:
         if transport not in {"pty", "tcp"}:
             raise ValueError(f"transport {transport!r}: expected pty or tcp")
         self.device = ByteDevice(truth, seed, format, faults)
-        self.truth = self.device.truth
+        self.truth, self.seed = self.device.truth, seed
         self._format = format
         self._speed = speed if np.isfinite(speed) and speed > 0 else 0.0
         self._line: Line = PtyLine(link) if transport == "pty" else TcpLine(host, port)

@@ -1,6 +1,8 @@
 """``station simulate``: a simulated IMU on a real transport."""
 
 import signal
+from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,6 +11,7 @@ import typer
 from station.commands import Database
 
 if TYPE_CHECKING:
+    from drivers.simulated.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
 
 
@@ -34,13 +37,25 @@ def simulate(
     faults: Annotated[
         Path | None, typer.Option("--faults", metavar="TOML", help="[[fault]] tables: kind, at_s, every_s ...")
     ] = None,
+    gnss: Annotated[
+        str | None,
+        typer.Option(
+            "--gnss",
+            metavar="LINK",
+            help="Also an autopilot: udp[:PORT], udpto:HOST:PORT, tcp[:PORT], pty[:PATH].",
+        ),
+    ] = None,
+    track: Annotated[
+        Path | None, typer.Option("--track", metavar="CSV", help="Where it goes: t_s,e_m,n_m,u_m. Else it stands.")
+    ] = None,
     hold: Annotated[bool, typer.Option("--hold", help="Begin when the hands say go.")] = False,
     db: Database = None,
 ) -> None:
     """Serve a simulated IMU in its cube until Ctrl-C; prints its URL and the control address of its hands.
 
     Scale factors in a truth are in count/(g s) and count/deg, biases in g and deg/s, tilts in rad, times in s. The
-    hands take lines such as `place 3 45`, `turn x + 3 5`, `rest 10`, `time`, `status` over TCP.
+    hands take lines such as `place 3 45`, `turn x + 3 5`, `rest 10`, `time`, `status` over TCP. With --gnss an
+    autopilot with a GNSS receiver stands beside it, on the same truth and clock; its faults are [[gnss_fault]].
 
     Exit code 3 if the truth or the faults are wrong, 4 if the port cannot be made.
 
@@ -67,6 +82,7 @@ def simulate(
             load_truth(_text(truth)) if truth is not None else Truth.example(seed if example is None else example)
         )
         planted = load_faults(_text(faults)) if faults is not None else ()
+        beside = _autopilot(gnss, _text(track) if track else "", _text(faults) if faults else "")
         device = SimulatedDevice(
             unit, seed, format, speed,
             transport="pty" if tcp is None else "tcp", link=pty, port=tcp or 0, control_port=control,
@@ -77,13 +93,44 @@ def simulate(
     for ending in (signal.SIGINT, signal.SIGTERM):  # the first is ignored in a shell's background otherwise
         signal.signal(ending, signal.default_int_handler)
     try:
-        serve(device, _announce)
+        with ExitStack() as stack:
+            serve(
+                device, lambda served: _announce(served, stack.enter_context(beside(served)) if beside else None)
+            )
     except OSError as error:
         raise PortNotFound(str(pty or tcp or "pty"), str(error), "choose another path or port") from error
 
 
-def _announce(device: "SimulatedDevice") -> None:
+def _autopilot(where: str | None, track: str, faults: str) -> "Callable[[SimulatedDevice], SimulatedGnss] | None":
+    """Return what makes the autopilot once the IMU is served, None where none is wanted."""
+    from drivers.simulated.gnss_faults import load_gnss_faults
+    from drivers.simulated.gnss_server import SimulatedGnss
+    from drivers.simulated.track import load_track
+
+    if where is None:
+        return None
+    transport, _, rest = where.partition(":")
+    host, _, port = rest.rpartition(":")
+    if (
+        transport not in {"udp", "udpto", "tcp", "pty"}
+        or (transport != "pty" and rest and not port.isdigit())
+        or (transport == "udpto" and not host)
+    ):
+        raise typer.BadParameter(f"gnss {where!r}: expected udp[:PORT], udpto:HOST:PORT, tcp[:PORT] or pty[:PATH]")
+    number = int(port) if transport != "pty" and port else 0
+    planted, path = load_gnss_faults(faults), load_track(track) if track else None
+    return lambda device: SimulatedGnss(
+        device.truth, faults=planted, track=path, seed=device.seed, beside=device,
+        transport=transport.removesuffix("to"), port=number,
+        link=Path(rest) if transport == "pty" and rest else None,
+        to=(host, number) if transport == "udpto" else None,
+    )  # fmt: skip
+
+
+def _announce(device: "SimulatedDevice", gnss: "SimulatedGnss | None") -> None:
     typer.echo(f"url {device.url}")
+    if gnss is not None:
+        typer.echo(f"gnss {gnss.url}")
     typer.echo(f"control {device.control}")
     typer.echo(f"serving {device.truth.model} {device.truth.serial}; Ctrl-C ends it", err=True)
 

@@ -6,6 +6,7 @@ while all rates are wrong.
 
 import time
 from collections import deque
+from collections.abc import Callable
 
 import numpy as np
 
@@ -29,6 +30,7 @@ class SampleRate:
         self._feed, self._times = feed, RowTimes(utc)
         self._stamps: deque[tuple[float, float]] = deque(maxlen=KEPT)
         self._next = 0.0
+        self.clock: Callable[[], float] = time.monotonic
         self.rate: ClockRate | None = None
         self.warning = ""
 
@@ -41,7 +43,7 @@ class SampleRate:
             If the rate is surely more than 1 % off.
         """
         self._take()
-        now = time.monotonic()
+        now = self.clock()
         if len(self._stamps) < LEAST or now < self._next:
             return
         self._next = now + EVERY_S

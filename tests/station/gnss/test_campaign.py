@@ -1,6 +1,7 @@
 """Whole programs with a GNSS receiver beside the IMU, both simulated, on one truth and one clock."""
 
 import json
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -62,14 +63,6 @@ def test_a_clock_that_is_off_is_warned_of_and_found_by_diagnose(tmp_path: Path) 
     assert value["std"] < PPM / 10
 
 
-def test_a_rate_that_is_far_off_ends_the_campaign_before_it_is_wasted(tmp_path: Path) -> None:
-    with bench(39_000.0, SPEED) as (device, gnss), Program(*calibrate(device, gnss, tmp_path)) as program:
-        code, _, error = program.end()
-    assert code == 3
-    assert "sync line" in error
-    assert error.count("\n") == 1
-
-
 def test_a_recording_holds_device_host_and_gnss_time_side_by_side(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -78,7 +71,7 @@ def test_a_recording_holds_device_host_and_gnss_time_side_by_side(
         assert cli.run(["record", device.url, "--gnss", gnss.url, "--seconds", "200", "--out", out]) == 0
     said = capsys.readouterr().out
     assert "system 1" in said
-    assert "31.17" in said
+    assert re.search(r"31\.(169|170)\d+, 121\.(399|400)\d+ deg, \d+\.\d m, 1 sigma 1\.\d m", said)
     step = read_step(tmp_path / "r" / "recording.mcap")
     utc = step.aux["utc_s"]
     known = np.isfinite(utc)
