@@ -29,6 +29,7 @@ HEARTBEAT_S = 1.0
 ANSWER_S = 1.0
 TRIES = 3
 SILENT_S = 5.0  # without a heartbeat: gone, to be asked anew
+STALE_S = 10.0  # of heartbeats alone: it has forgotten what it was asked
 SET_MESSAGE_INTERVAL = 511
 ACCEPTED, IN_PROGRESS = 0, 5
 RESULTS = ("accepted", "temporarily rejected", "denied", "unsupported", "failed", "in progress", "cancelled")
@@ -61,6 +62,7 @@ class Session:
         self._next_heartbeat = 0.0
         self._heard = -SILENT_S  # when the last heartbeat came
         self._known_reboots = 0
+        self._told_at = 0.0  # when the last record came
         self._to_ask: deque[int] = deque()
         self._tries = 0
         self._until: float | None = None  # an answer is waited for
@@ -70,10 +72,12 @@ class Session:
         """Take what has come."""
         heartbeats = self._decoder.heartbeats
         for record in self._decoder.feed(data, round(now * 1e9)):
+            self._told_at = now
             if isinstance(record, Answer) and record.command == SET_MESSAGE_INTERVAL:
                 self._answered(record.result, now)
         if self._decoder.heartbeats > heartbeats:
-            if now - self._heard >= SILENT_S or self._decoder.clock.reboots != self._known_reboots:
+            is_anew = now - self._heard >= SILENT_S or self._decoder.clock.reboots != self._known_reboots
+            if is_anew or (self._until is None and now - self._told_at >= STALE_S):
                 self._begin(now)
             self._heard = now
 
@@ -92,7 +96,7 @@ class Session:
         return out
 
     def _begin(self, now: float) -> None:
-        self._known_reboots = self._decoder.clock.reboots
+        self._known_reboots, self._told_at = self._decoder.clock.reboots, now
         self._to_ask, self._tries = deque(WANTED), 0
         self.asked.clear()
         self._ask(now)

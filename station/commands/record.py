@@ -31,6 +31,7 @@ def record(
     Example: station record serial:///dev/ttyUSB0?format=counts --seconds 60 --out r1
     """
     from station.gnss import open_gnss
+    from station.gnss.sample_rate import Timed
     from station.gnss.summary import summary
     from station.guide.folder import journal_path, new_folder
     from station.live.live_feed import open_feed
@@ -42,8 +43,9 @@ def record(
         reader = stack.enter_context(Reader(url, journal_path(folder)))
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
         feed = open_feed(reader)
+        timed = Timed(receiver, feed) if receiver else None
         try:
-            done = recording.record(feed, folder, seconds, receiver)
+            done = recording.record(feed, folder, seconds, timed)
         finally:
             counters, framing = feed.stream.counters, feed.stream.decoder.counters
             typer.echo(
@@ -52,6 +54,8 @@ def record(
                 f"{counters.repeated} repeated, {counters.restarts} restarts, "
                 f"{framing.bad_crc} bad check, {framing.skipped_bytes} bytes in no frame"
             )
-            if receiver is not None:
+            if receiver is not None and timed is not None:
                 typer.echo(summary(receiver))
+                if timed.said:
+                    typer.echo(f"warning: {timed.said}", err=True)
     typer.echo(f"{done.seconds:.3f} s of device time, {done.samples} samples")

@@ -14,6 +14,7 @@ from procedures.diagnosis.clock import ClockRate, fit_clock
 from station.campaign_folder.loaded import REFUSE_PERIOD, clock_sentence, off_period
 from station.campaign_folder.series import WARN_PERIOD
 from station.errors import DataRefused
+from station.gnss.feed import GnssFeed
 from station.live.live_feed import LiveFeed
 from station.recorder.row_times import RowTimes, Utc
 
@@ -69,3 +70,24 @@ class SampleRate:
             return
         if (utc := self._times.of(host_ns)) is not None:
             self._stamps.append((device_s, utc))
+
+
+class Timed:
+    """A receiver beside a plain recording: UTC for its rows; what its rate's check says stands in ``said``."""
+
+    def __init__(self, gnss: GnssFeed, feed: LiveFeed) -> None:
+        self._gnss, self._rate = gnss, SampleRate(feed, gnss.utc)
+        self.said = ""
+
+    def advance(self) -> None:
+        """Take what has come; a rate that is off is evidence here, so that the recording goes on."""
+        self._gnss.advance()
+        try:
+            self._rate.look()
+            self.said = self._rate.warning
+        except DataRefused as error:
+            self.said = str(error)
+
+    def utc(self, host_ns: int) -> float | None:
+        """Return UTC [s] at a moment of the station's clock [ns]."""
+        return self._gnss.utc(host_ns)

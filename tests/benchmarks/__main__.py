@@ -14,6 +14,8 @@ RUNS = (
     ("coverage", "--campaigns", "60"),
     ("budget", "--campaigns", "60"),
     ("hostile_frames", "--frames", "100000"),
+    ("hostile_mavlink", "--frames", "100000"),
+    ("mavlink_rate",),
     ("replug", "--times", "20"),
     ("frozen_screen",),
     ("two_writers",),

@@ -1,7 +1,7 @@
 """Print how fast MAVLink is decoded beside bare pymavlink: `python -m tests.benchmarks.mavlink_rate`.
 
-Both read the same stream of autopilot messages in reads of 4 KiB, one core, in one run. The second line has garbage
-between the frames, where pymavlink loses some; the third goes on to records in SI, which pymavlink does not make.
+Both read the same stream of autopilot messages in reads of 4 KiB, one core, in one run. The second line has
+garbage between the frames, where pymavlink loses some; the third goes on to records in SI, which it does not make.
 """
 
 import random
