@@ -17,6 +17,8 @@ def devices(
 ) -> None:
     """List the serial ports, or look at one device: format, frames/s, errors, model and serial number.
 
+    Of a MAVLink link: who is on it, what each message's rate is, and where its receiver stands.
+
     Exit code 4 if the port cannot be opened, is silent, or sends no frame of any known format.
 
     Example: station devices --url serial:///dev/ttyUSB0?baud=921600
@@ -30,6 +32,12 @@ def devices(
             typer.echo(f"serial://{port.device}  {port.description}{number}")
         if not ports:
             typer.echo("no serial port is present")
+        return
+    if url.startswith("mavlink:"):
+        from station.gnss.listening import listen
+
+        for line in listen(url, seconds):
+            typer.echo(line)
         return
     from station.reader.look import look
 

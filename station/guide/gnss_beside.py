@@ -2,6 +2,7 @@
 
 import json
 import time
+from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import numpy as np
 from drivers.errors import DriverError
 from procedures.gnss import AveragedSite
 from station.campaign_folder.atomic import replace_file
-from station.gnss import GnssFeed
+from station.gnss import GnssFeed, open_gnss
 from station.gnss.sample_rate import SampleRate
 from station.guide.story import Story
 from station.guide.view import Setup
@@ -19,6 +20,7 @@ from station.live.live_feed import LiveFeed
 NAME = "gnss.json"
 FIXES = 20  # to average before a campaign begins
 WAIT_S = 60.0
+SHORT_WAIT_S = 15.0  # where the site is stated and only to be compared
 POLL_S = 0.05
 FAR_DEG = 0.01  # a kilometre: the stated site is not this one
 
@@ -59,7 +61,7 @@ def sited(setup: Setup, gnss: GnssFeed, folder: Path) -> Setup:
     NoFix
         If the site is needed and the receiver has none within a minute.
     """
-    deadline = time.monotonic() + WAIT_S
+    deadline = time.monotonic() + (WAIT_S if setup.latitude_deg is None else SHORT_WAIT_S)
     while ((site := gnss.site()) is None or site.fixes < FIXES) and time.monotonic() < deadline:
         gnss.advance(POLL_S)
     if site is None or site.fixes < FIXES:
@@ -75,6 +77,16 @@ def sited(setup: Setup, gnss: GnssFeed, folder: Path) -> Setup:
     _write(folder, gnss, site, {**seen}, stated)
     new = {name: value for name, value in seen.items() if name not in stated and value is not None}
     return setup.model_copy(update=new)
+
+
+def reopened(stack: ExitStack, setup: Setup, folder: Path) -> tuple[GnssFeed | None, str]:
+    """Open the receiver of a campaign that is gone on with; the site is known, so that it goes on without, too."""
+    if not setup.gnss:
+        return None, ""
+    try:
+        return stack.enter_context(open_gnss(setup.gnss, folder)), ""
+    except DriverError as error:
+        return None, f"going on without GNSS: {error}"
 
 
 def utc_now(gnss: GnssFeed) -> datetime | None:

@@ -26,7 +26,7 @@ from station.guide.fixture import cube_fixture
 from station.guide.folder import journal_path, new_folder
 from station.guide.folder_notes import keep_plan, kept_plan, read_setup, read_unit, write_setup, write_unit
 from station.guide.folder_recorder import FolderRecorder
-from station.guide.gnss_beside import GnssBeside, sited, utc_now
+from station.guide.gnss_beside import GnssBeside, reopened, sited, utc_now
 from station.guide.guide import Guide
 from station.guide.identity import UnitRecord
 from station.guide.options import Options
@@ -175,7 +175,7 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         steps = kept_plan(folder) or usual_steps(setup)
         reader = stack.enter_context(Reader(options.setup.url or setup.url, journal_path(folder)))
         feed = open_feed(reader)
-        gnss = stack.enter_context(open_gnss(setup.gnss, folder)) if setup.gnss else None
+        gnss, missed = reopened(stack, setup, folder)
         imu = recorder.tables.imu
         unit = feed.identify(imu.model, imu.serial)
         fixture, _ = cube_fixture(database, recorder.tables.fixture.id, recorder.tables.fixture.imu_axes)
@@ -186,6 +186,8 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         record = read_unit(folder)
         unsure = record if record is not None and not record.serial_from_wire else None
         guide = Guide(desk, warms_up=options.warms_up, unsure=unsure)
+        if missed:
+            desk.story.say("rejected", missed)
         return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all(), gnss)
     raise AssertionError("unreachable")
 

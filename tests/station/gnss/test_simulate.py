@@ -7,7 +7,11 @@ from pathlib import Path
 import pytest
 
 from drivers.mavlink.decoder import MavlinkDecoder
+from drivers.mavlink.messages import GPS2_RAW
 from drivers.ports import open_port
+from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.truth import Truth
 from procedures.gnss import GnssFix
 from station import cli
 from tests.station.commands.program import Program
@@ -47,3 +51,15 @@ def test_an_autopilot_is_served_beside_the_imu_with_its_own_faults(tmp_path: Pat
 def test_a_link_that_there_is_not_is_refused(link: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["simulate", "--example", "7", "--gnss", link]) == 2
     assert "udp[:PORT]" in capsys.readouterr().err
+
+
+def test_devices_says_who_is_on_a_link_and_what_was_answered(capsys: pytest.CaptureFixture[str]) -> None:
+    autopilot = AutopilotTruth(system=5, denies=frozenset({GPS2_RAW}))
+    with SimulatedGnss(Truth(), autopilot, speed=10.0) as gnss:
+        assert cli.run(["devices", "--url", f"{gnss.url}?rate=2", "--seconds", "1.5"]) == 0
+    said = capsys.readouterr().out
+    assert re.search(r"system 5: \d\d+ frames", said)
+    assert "GPS_RAW_INT at 2 Hz: accepted" in said
+    assert "GPS2_RAW at 2 Hz: denied" in said
+    assert cli.run(["devices", "--url", "mavlink:udpin:127.0.0.1:0x"]) == 2
+    assert "udpin" in capsys.readouterr().err
