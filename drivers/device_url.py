@@ -69,7 +69,7 @@ def parse_device_url(text: str) -> DeviceUrl:
         path=unquote(parts.path),
         format=format_name,
         baud=_baud(text, options, format_name),
-        parity=_one_of(text, "parity", options.get("parity", "N").upper(), PARITIES),
+        parity=_parity(text, options, format_name),
     )
 
 
@@ -103,6 +103,11 @@ def _baud(text: str, options: dict[str, str], format_name: str | None) -> int:
     if not (value.isascii() and value.isdigit() and len(value) < 10 and int(value) in BAUDS):
         raise BadDeviceUrl(text, f"baud {value!r}", f"a whole number from {BAUDS[0]} to {BAUDS[-1]}")
     return int(value)
+
+
+def _parity(text: str, options: dict[str, str], format_name: str | None) -> str:
+    usual = FORMATS[format_name].parity if format_name else "N"
+    return _one_of(text, "parity", options.get("parity", usual).upper(), PARITIES)
 
 
 def _host_and_port(text: str) -> tuple[str, int]:

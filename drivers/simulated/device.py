@@ -28,6 +28,7 @@ class ByteDevice:
         wire = FORMATS[format_name]
         period = truth.sample_period_s
         self._faulty = FaultyLine(wire, faults, period, seed or 0)
+        self._sends_rates = wire.output == "rate"
         self._identity = b""
         if wire.encode_identity is not None:
             self._identity = wire.encode_identity(Identity(truth.model, truth.serial, period))
@@ -43,7 +44,8 @@ class ByteDevice:
         """Take up to ``most`` samples and return what goes over the line for them."""
         with self._lock:
             since = self.imu.index % self._every
-            block = self.imu.read(min(most, self._every - since))
+            samples = min(most, self._every - since)
+            block = self.imu.read_rates(samples) if self._sends_rates else self.imu.read(samples)
         sent = self._faulty.send(block)
         return [self._identity, *sent] if since == 0 and self._identity else sent
 

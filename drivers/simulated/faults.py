@@ -13,7 +13,7 @@ import numpy as np
 
 from drivers.simulated.errors import TruthRefused
 from drivers.wire import WireFormat
-from procedures.records import CountBlock
+from procedures.records import SampleBlock, block_rows
 
 KINDS = {
     "bad_crc": "`count` frames with one bit flipped",
@@ -81,7 +81,7 @@ class FaultyLine:
         self._rng = np.random.default_rng([seed, 0xFA17])
         self._losing = self._spoiling = self._restarted = 0
 
-    def send(self, block: CountBlock) -> list[Sent]:
+    def send(self, block: SampleBlock) -> list[Sent]:
         """Return what goes over the line for a block whose counters are sample numbers since power-on."""
         due = [self._due(int(index)) for index in block.counter] if self._faults else []
         if not any(due) and not self._losing and not self._spoiling:
@@ -94,10 +94,10 @@ class FaultyLine:
     def _due(self, index: int) -> list[Fault]:
         return [fault for fault in self._faults if _acts(fault, index, self._period)]
 
-    def _recounted(self, block: CountBlock) -> CountBlock:
+    def _recounted(self, block: SampleBlock) -> SampleBlock:
         return replace(block, counter=block.counter - self._restarted) if self._restarted else block
 
-    def _frame(self, block: CountBlock, row: int, faults: list[Fault]) -> list[Sent]:
+    def _frame(self, block: SampleBlock, row: int, faults: list[Fault]) -> list[Sent]:
         before: list[Sent] = []
         repeats = 1
         for fault in faults:
@@ -118,15 +118,15 @@ class FaultyLine:
         if self._losing > 0:
             self._losing -= 1
             return before
-        frame = self._wire.encode(self._recounted(_row(block, row)))
+        frame = self._wire.encode(self._recounted(block_rows(block, slice(row, row + 1))))
         if self._spoiling > 0:
             self._spoiling -= 1
             frame = self._spoilt(frame)
         return [*before, frame * repeats]
 
     def _spoilt(self, frame: bytes) -> bytes:
-        # not in the prefix: there it would be a lost sync, not a bad check
-        at = int(self._rng.integers(len(self._wire.imu.prefix), len(frame)))
+        # not in the prefix: there it would be a lost sync, not a bad check; nor in what may follow a frame
+        at = int(self._rng.integers(len(self._wire.imu.prefix), len(frame.removesuffix(self._wire.trailer))))
         bit = 1 << int(self._rng.integers(8))
         return frame[:at] + bytes([frame[at] ^ bit]) + frame[at + 1 :]
 
@@ -135,7 +135,3 @@ def _acts(fault: Fault, index: int, period: float) -> bool:
     since = index - round(fault.at_s / period)
     every = round(fault.every_s / period)
     return since == 0 or (since > 0 and every > 0 and since % every == 0)
-
-
-def _row(block: CountBlock, row: int) -> CountBlock:
-    return CountBlock(**{f.name: getattr(block, f.name)[row : row + 1] for f in fields(CountBlock)})

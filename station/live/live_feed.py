@@ -22,6 +22,7 @@ REPLUG_S = 30.0  # how long a lost port may stay away
 IDENTITY_S = 3.0  # how long to wait for the device to say who it is
 SNIFFED = 16384  # bytes
 SURE_FRAMES = 3
+TEMPERATURES = 8  # the newest samples; some formats send a temperature with every fourth only
 
 
 class Source(Protocol):
@@ -71,8 +72,9 @@ class LiveFeed:
         end = self.tape.end
         if end <= self.tape.first:
             return None
-        value = float(self.tape.block(end - 1, end).temperature[0])
-        return value if np.isfinite(value) else None
+        values = self.tape.block(max(self.tape.first, end - TEMPERATURES), end).temperature
+        known = values[np.isfinite(values)]
+        return float(known[-1]) if len(known) else None
 
     def identify(self, model: str | None = None, serial: str | None = None) -> Unit:
         """Wait until it is known which unit this is; see `unit_of` for what it raises."""

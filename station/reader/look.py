@@ -9,7 +9,7 @@ from drivers.errors import LinkSilent, ReplayEnded, WrongFormat
 from drivers.framing import Decoder, FrameCounters, sniff
 from drivers.ports import open_port, parse_device_url
 from drivers.wire import FORMATS
-from procedures.records import CountBlock
+from procedures.records import SampleBlock
 
 READ_BYTES = 65536
 
@@ -26,7 +26,7 @@ class Seen:
     frames: int
     rate_hz: float | None
     counters: FrameCounters
-    samples: CountBlock
+    samples: SampleBlock
 
 
 def look(url: str, seconds: float) -> Seen:

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Literal
 
 from sqlalchemy.orm import Session
 
@@ -33,7 +34,7 @@ from station.campaign_folder.schema import (
     TurnTable,
 )
 from station.errors import CannotWrite
-from station.mcap_files import StepWriter
+from station.mcap_files import BY_OUTPUT, StepWriter
 from station.recorder.tape import Run, Tape
 from station.recorder.unit import Unit
 
@@ -99,6 +100,7 @@ def open_campaign(
     site: SiteTable,
     database: Database,
     *,
+    output: Literal["increments", "rate"] = "increments",
     fixture: FixtureTable | None = None,
     procedure: ProcedureTable | None = None,
     cube_id: str | None = None,
@@ -107,7 +109,7 @@ def open_campaign(
     """Begin a campaign in ``folder``: its ``campaign.toml`` without steps, then its row in the database."""
     tables = CampaignTable(
         format="campaign/1",
-        imu=ImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output="increments"),
+        imu=ImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output=output),
         site=site,
         procedure=procedure or ProcedureTable(),
         fixture=fixture or FixtureTable(),
@@ -159,12 +161,12 @@ def _site_id(session: Session, site: SiteTable) -> str | None:
 
 
 def _write(path: Path, tape: Tape, runs: Sequence[Run]) -> str:
-    writer = StepWriter(path)
+    writer = StepWriter(path, BY_OUTPUT[tape.wire.output])
     try:
         for chunk, block in tape.recording(runs):
             writer.write_raw(chunk.host_ns, chunk.data)
             if len(block):
-                writer.write_block(chunk.host_ns, block)
+                writer.write_block(chunk.host_ns, block, tape.wire.imu.triads)
         return writer.close()
     except OSError as error:
         writer.abandon()

@@ -10,7 +10,7 @@ from typing import Protocol
 from drivers.errors import ReplayEnded
 from station.campaign_folder import append_hash
 from station.errors import CannotWrite
-from station.mcap_files import StepWriter
+from station.mcap_files import BY_OUTPUT, StepWriter
 from station.recorder.stream import Piece, SampleStream
 
 NAME = "recording.mcap"
@@ -46,14 +46,15 @@ def record(feed: Pieces, folder: Path, seconds: float) -> Recorded:
     CannotWrite
         If the disk refuses; what it took stays.
     """
-    writer, flushed = StepWriter(folder / NAME), time.monotonic()
+    decoder = feed.stream.decoder
+    writer, flushed = StepWriter(folder / NAME, BY_OUTPUT[decoder.wire.output]), time.monotonic()
     period, samples = 0.0, 0
     with _the_disk_refusing(writer.path):
         try:
             for piece in feed.pieces():
                 writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
                 if len(piece.block):
-                    writer.write_block(piece.chunk.host_ns, piece.block)
+                    writer.write_block(piece.chunk.host_ns, piece.block, decoder.kind.triads)
                     samples += len(piece.block)
                 if time.monotonic() - flushed >= FLUSH_S:
                     writer.flush()

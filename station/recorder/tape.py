@@ -2,19 +2,17 @@
 
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import fields
 
 import numpy as np
 
 from drivers.wire import WireFormat
 from procedures.arrays import IntArray
-from procedures.records import CountBlock
+from procedures.records import CountBlock, SampleBlock, block_rows, joined_blocks
 from station.reader import Chunk
 from station.recorder.raw_cut import frame_edges, longest_frame
 from station.recorder.stream import Piece
 
 Run = tuple[int, int]  # first sample, one beyond the last: consecutive, no break in between
-_NAMES = tuple(f.name for f in fields(CountBlock))
 
 
 class Tape:
@@ -28,7 +26,7 @@ class Tape:
         self.wire = wire
         self.begin = self.end = 0
         self.first = 0  # the oldest sample kept
-        self._blocks: list[CountBlock] = []
+        self._blocks: list[SampleBlock] = []
         self._frames: list[IntArray] = []  # of each sample, which of its chunk's frames it is
         self._breaks: list[int] = []
         self._bytes = bytearray()
@@ -66,7 +64,7 @@ class Tape:
         if drop <= 0:
             return
         self.first += drop
-        self._blocks = [_rows(rows, drop, len(rows))]
+        self._blocks = [block_rows(rows, slice(drop, None))]
         self._frames = [frames[drop:]]
         self._breaks = [b for b in self._breaks if b >= self.first]
         self._forget_chunks(bisect_right(self._sample_ends, self.first))
@@ -75,11 +73,11 @@ class Tape:
         """Return the last sample after ``first`` and before ``last`` before which something is missing."""
         return next((b for b in reversed(self._breaks) if first < b < last), None)
 
-    def block(self, first: int, last: int) -> CountBlock:
+    def block(self, first: int, last: int) -> SampleBlock:
         """Return the samples from ``first`` up to before ``last``."""
-        return _rows(self._compact()[0], first - self.first, last - self.first)
+        return block_rows(self._compact()[0], slice(first - self.first, last - self.first))
 
-    def recording(self, runs: Sequence[Run]) -> Iterator[tuple[Chunk, CountBlock]]:
+    def recording(self, runs: Sequence[Run]) -> Iterator[tuple[Chunk, SampleBlock]]:
         """Yield the bytes of the runs' samples, cut at frames, and the samples that each chunk completed."""
         for first, last in runs:
             at, end = self._frame_edges(first)[0], self._frame_edges(last - 1)[1]
@@ -110,18 +108,13 @@ class Tape:
         del self._stamps[:count], self._byte_ends[:count], self._sample_ends[:count]
         self._offset = keep
 
-    def _compact(self) -> tuple[CountBlock, IntArray]:
+    def _compact(self) -> tuple[SampleBlock, IntArray]:
         if len(self._blocks) != 1:
             parts = self._blocks
             if not parts:
                 return _EMPTY, np.arange(0)
-            joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _NAMES}
-            self._blocks, self._frames = [CountBlock(**joined)], [np.concatenate(self._frames)]
+            self._blocks, self._frames = [joined_blocks(parts)], [np.concatenate(self._frames)]
         return self._blocks[0], self._frames[0]
-
-
-def _rows(block: CountBlock, first: int, last: int) -> CountBlock:
-    return CountBlock(**{name: getattr(block, name)[first:last] for name in _NAMES})
 
 
 _NONE = np.zeros(0)
