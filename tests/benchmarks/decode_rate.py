@@ -1,8 +1,8 @@
 """Print how fast bytes become samples, on one core: `python -m tests.benchmarks.decode_rate`.
 
 Framing, check and samples together, in reads of 64 KiB as from a port or a file. Where the package novatel_edie
-(NovAtel's own decoder, C++; `pip install novatel_edie`) is installed, its rate on the same streams stands beside. For
-the other formats no decoder is published as a package.
+(NovAtel's own decoder, C++; `pip install novatel_edie`) is installed, its rate on the same streams stands
+beside. For the other formats no decoder is published as a package.
 """
 
 import argparse
