@@ -12,6 +12,7 @@ import numpy as np
 
 from drivers.continuity import CounterWatch, TimeWatch
 from drivers.wire import FORMATS, Identity, WireFormat
+from procedures.arrays import IntArray
 from procedures.records import CountBlock
 
 
@@ -22,7 +23,9 @@ class FrameCounters:
     ``frames`` IMU frames accepted, ``identities`` frames of identity alone, ``skipped_bytes`` in no accepted
     frame, ``bad_crc`` frames whose check failed, ``bad_length`` known kinds with another length than
     their own, ``counter_jumps`` breaks of the sample sequence (see `drivers.continuity`), ``bad_status`` accepted
-    frames that the format reads as unhealthy.
+    frames that the format reads as unhealthy. Where a sample takes several frames, ``frames`` are samples,
+    ``incomplete`` those given up, ``late`` frames repeated or come after their sample, ``foreign`` those of
+    somebody else, ``bus_errors`` what the bus reported of itself.
     """
 
     frames: int = 0
@@ -32,12 +35,18 @@ class FrameCounters:
     bad_length: int = 0
     counter_jumps: int = 0
     bad_status: int = 0
+    incomplete: int = 0
+    late: int = 0
+    foreign: int = 0
+    bus_errors: int = 0
 
 
 class Decoder:
     """Turns a stream of bytes into `CountBlock`s, as they come.
 
     ``counters`` says what was met; ``identity``, ``model`` and ``serial`` who the device last said it is.
+    ``edges`` (n, 2) says where the bytes of each sample of the last block begin and end, counted from the first
+    byte that was then fed: a begin is negative where they began before.
     """
 
     def __init__(self, wire: WireFormat) -> None:
@@ -48,6 +57,10 @@ class Decoder:
         self._head = len(wire.imu.prefix)
         self._maimed = {_without_length(prefix, wire.length_at) for prefix in self._kinds}
         self._pending = b""
+        self._runs: list[tuple[int, int]] = []  # where accepted frames stand in what is scanned
+        self._joiner = wire.joiner(self.counters) if wire.joiner is not None else None
+        self._fed = self._scanned = 0  # bytes of the stream so far, and of those what is decided
+        self.edges: IntArray = np.zeros((0, 2), np.int64)
         self._watch = TimeWatch() if wire.counter_modulus is None else CounterWatch(wire.counter_modulus)
 
     @property
@@ -62,21 +75,25 @@ class Decoder:
 
     def feed(self, data: bytes) -> CountBlock:
         """Return the frames that ``data`` completes, possibly none."""
-        return self._decode(self._scan(self._pending + data, at_end=False))
+        origin, self._fed = self._fed, self._fed + len(data)
+        return self._decode(self._scan(self._pending + data, at_end=False), origin)
 
     def finish(self) -> CountBlock:
         """Return what the bytes still waiting hold when no more will come; the rest of them is skipped."""
-        return self._decode(self._scan(self._pending, at_end=True))
+        return self._decode(self._scan(self._pending, at_end=True), self._fed)
 
     def _scan(self, buffer: bytes, *, at_end: bool) -> bytes:
         """Take the IMU frames out of ``buffer``, end to end, and keep its undecided tail."""
         sync, head, size, total = self.wire.sync, self._head, self.wire.imu.size, len(buffer)
         view, runs = memoryview(buffer), list[memoryview]()
+        self._runs.clear()
+        start = self._scanned
         at = kept = 0  # where the search stands; bytes in accepted frames
         while (at := _next_sync(buffer, sync, at, at_end=at_end)) + head <= total:
             end = self._run(buffer, view, at)
             if end > at:
                 runs.append(view[at:end])
+                self._runs.append((at + start, end + start))
             else:
                 end = self._other(buffer, at)
                 if end > total and not at_end:
@@ -90,6 +107,7 @@ class Decoder:
             at = total
         self.counters.skipped_bytes += at - kept
         self._pending = buffer[at:]
+        self._scanned += at
         if runs and self.wire.identity is self.wire.imu:
             self._identify(runs[-1][-size:].tobytes())
         return b"".join(runs)
@@ -123,8 +141,14 @@ class Decoder:
         if self.wire.identify is not None:
             self.identity = self.wire.identify(frame)
 
-    def _decode(self, frames: bytes) -> CountBlock:
-        block = self.wire.decode(np.frombuffer(frames, self.wire.frame))
+    def _decode(self, frames: bytes, origin: int) -> CountBlock:
+        rows, size = np.frombuffer(frames, self.wire.frame), self.wire.imu.size
+        begins = np.concatenate([np.arange(at, end, size) for at, end in self._runs] or [np.arange(0)])
+        if self._joiner is None:
+            block, edges = self.wire.decode(rows), np.stack((begins, begins + size), axis=1)
+        else:
+            block, edges = self._joiner.take(rows, begins)
+        self.edges = edges - origin
         if len(block):
             self.counters.frames += len(block)
             self.counters.bad_status += int(np.count_nonzero(~block.healthy))

@@ -1,7 +1,7 @@
 """The wire formats: to add one, write its file and name it in `FORMATS`; the family tests pick it up."""
 
 from drivers.wire import counts, rawimus, rawimusx
-from drivers.wire._format import FrameKind, Identity, NominalScale, WireFormat
+from drivers.wire._format import FrameKind, Identity, JoinCounters, Joiner, NominalScale, WireFormat
 
 FORMATS: dict[str, WireFormat] = {
     wire.name: wire
@@ -12,4 +12,4 @@ FORMATS: dict[str, WireFormat] = {
     )
 }
 
-__all__ = ["FORMATS", "FrameKind", "Identity", "NominalScale", "WireFormat"]
+__all__ = ["FORMATS", "FrameKind", "Identity", "JoinCounters", "Joiner", "NominalScale", "WireFormat"]

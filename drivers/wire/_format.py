@@ -6,7 +6,7 @@ One file per format defines one `WireFormat`; the family tests hold every one to
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +54,28 @@ class FrameKind:
         return self.dtype.itemsize
 
 
+class JoinCounters(Protocol):
+    """What a `Joiner` counts: see `drivers.framing.FrameCounters`."""
+
+    bad_crc: int
+    bad_length: int
+    foreign: int
+    incomplete: int
+    late: int
+    bus_errors: int
+
+
+class Joiner(Protocol):
+    """Makes samples of frames where one sample takes several; it remembers what is not yet whole."""
+
+    def take(self, frames: Frames, at: IntArray) -> tuple[CountBlock, IntArray]:
+        """Return the samples that (n,) frames at (n,) places [bytes into the stream] complete.
+
+        Beside them stands (m, 2) where the bytes that a sample needs begin and end.
+        """
+        ...
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class WireFormat:
     """A device's bytes.
@@ -64,6 +86,7 @@ class WireFormat:
     ValueError on what the format cannot hold. ``carries`` names the `CountBlock` fields that survive the
     trip besides ``gyro`` and ``accel``. ``counter_modulus`` is None where there is no frame counter.
     ``identity`` is the kind of frame that says who the device is; it may be ``imu`` itself.
+    ``joiner`` makes the `Joiner` of a format whose samples take several frames; it decodes instead of ``decode``.
     ``baud`` is the usual one, 8N1. ``scales`` holds the makers' nominal scale factors by model, where known.
     """
 
@@ -85,6 +108,7 @@ class WireFormat:
     identity: FrameKind | None = None
     identify: Callable[[bytes], Identity] | None = None
     encode_identity: Callable[[Identity], bytes] | None = None
+    joiner: Callable[[JoinCounters], Joiner] | None = None
     scales: Mapping[str, NominalScale] = field(default_factory=lambda: MappingProxyType({}))
 
     @property

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from drivers.wire import WireFormat
+from procedures.arrays import FloatArray, IntArray
 from procedures.records import CountBlock
 from station.errors import Altered
 from station.mcap_files import read_step
@@ -12,6 +13,7 @@ from station.reader import Chunk
 from station.recorder.stream import SampleStream
 
 _WORD = 0xFFFFFFFF
+_ROUNDING_NS = 1
 
 
 def decoded(wire: WireFormat, chunks: list[Chunk]) -> CountBlock:
@@ -33,11 +35,12 @@ def check_raw_bytes(path: Path, wire: WireFormat) -> int:
     again = decoded(wire, [Chunk(host_ns, data) for host_ns, data in recorded.raw])
     if recorded.gyro is None or recorded.accel is None or len(again) != len(recorded):
         raise Altered(path, f"{len(recorded)} samples", f"{len(again)} in the raw bytes beside them")
+    modulus = wire.counter_modulus or _WORD + 1
     pairs = {
         "gyro": (recorded.gyro, again.gyro),
         "accel": (recorded.accel, again.accel),
-        "counter": (recorded.counter, np.maximum(again.counter, 0) & _WORD),
-        "device time": (recorded.device_ns, np.rint(again.device_time * 1e9).astype(np.int64)),
+        "counter": (recorded.counter % modulus, np.maximum(again.counter, 0) % modulus),
+        "device time": (recorded.device_ns, _as_counted(wire, recorded.device_ns, again.device_time)),
         "status": (recorded.status, again.status & _WORD),
         "temperature": (np.nan_to_num(recorded.temperature), np.nan_to_num(again.temperature)),
     }
@@ -46,3 +49,12 @@ def check_raw_bytes(path: Path, wire: WireFormat) -> int:
             row = tuple(int(i) for i in rows[0])
             raise Altered(path, f"{name} {found[row]} in sample {row[0]}", f"{expected[row]} in the raw bytes")
     return len(recorded)
+
+
+def _as_counted(wire: WireFormat, recorded: IntArray, again: FloatArray) -> IntArray:
+    """Return times [ns]; where they are counted from a wrapping counter, from the same beginning as recorded."""
+    times = np.rint(again * 1e9).astype(np.int64)
+    if wire.joiner is None or not len(times):
+        return times
+    shifted = times + (recorded[0] - times[0])
+    return np.where(np.abs(shifted - recorded) <= _ROUNDING_NS, recorded, shifted)

@@ -23,14 +23,14 @@ LEARNING = 33  # samples from which the period is taken where the device does no
 class Piece:
     """A chunk and the samples that it completed.
 
-    ``block`` holds the samples, counters unwrapped; ``frame`` (n,) says which of the chunk's frames each one is;
-    ``breaks`` the samples before which something is missing. ``anew`` is the sample from which device or port
+    ``block`` holds the samples, counters unwrapped; ``edges`` (n, 2) says where the bytes of each begin and end,
+    counted from the chunk's first; ``breaks`` the samples before which something is missing. ``anew`` is the sample from which device or port
     have begun anew, so that nothing before it has a relation in time to it; None if they have not.
     """
 
     chunk: Chunk
     block: CountBlock
-    frame: IntArray
+    edges: IntArray
     breaks: IntArray
     anew: int | None
 
@@ -78,7 +78,7 @@ class SampleStream:
         block = self.decoder.feed(chunk.data)
         n = len(block)
         if not n:
-            return Piece(chunk, block, np.arange(0), np.arange(0), None)
+            return Piece(chunk, block, self.decoder.edges, np.arange(0), None)
         if self._is_anew:
             self._counter, self._time = None, np.nan
         steps, seconds = self._steps(block), np.diff(block.device_time, prepend=self._time)
@@ -97,7 +97,8 @@ class SampleStream:
         kept = np.flatnonzero(~repeat)
         rows = {f.name: getattr(block, f.name)[kept] for f in fields(CountBlock)}
         breaks, begins = np.flatnonzero((back | missing)[kept]), np.flatnonzero(back[kept])
-        return Piece(chunk, CountBlock(**rows), kept, breaks, int(begins[-1]) if len(begins) else None)
+        anew = int(begins[-1]) if len(begins) else None
+        return Piece(chunk, CountBlock(**rows), self.decoder.edges[kept], breaks, anew)
 
     def _steps(self, block: CountBlock) -> IntArray:
         """Return by how many samples the sequence goes on at each frame; all ones where nothing counts them."""
