@@ -24,8 +24,9 @@ class Piece:
     """A chunk and the samples that it completed.
 
     ``block`` holds the samples, counters unwrapped; ``edges`` (n, 2) says where the bytes of each begin and end,
-    counted from the chunk's first; ``breaks`` the samples before which something is missing. ``anew`` is the sample from which device or port
-    have begun anew, so that nothing before it has a relation in time to it; None if they have not.
+    counted from the chunk's first; ``breaks`` the samples before which something is missing. ``anew`` is the
+    sample from which device or port have begun anew, so that nothing before it has a relation in time to it; None
+    if they have not.
     """
 
     chunk: Chunk
