@@ -67,9 +67,8 @@ def parse_device_url(text: str) -> DeviceUrl:
     scheme, colon, rest = text.partition(":")
     if not colon or scheme not in {*ACCEPTED, CAN}:
         found = f"scheme {scheme!r}" if colon else "no scheme"
-        raise BadDeviceUrl(
-            text, found, "serial:///dev/NAME, tcp://HOST:PORT, can://INTERFACE/CHANNEL or replay:FILE"
-        )
+        accepted = "can://INTERFACE/CHANNEL, serial:///dev/NAME, tcp://HOST:PORT or replay:FILE"
+        raise BadDeviceUrl(text, found, accepted)
     if "%00" in text or not text.isprintable():
         raise BadDeviceUrl(text, "a character that cannot be printed", "printable text")
     if scheme == "replay":

@@ -7,9 +7,9 @@ import cantools.database
 from cantools.database.can import Database, Message
 from cantools.database.can.signal import Signal
 
-from drivers.can.errors import BadCanFile
 from drivers.can.layout import Field
 from drivers.can.record import EXTENDED
+from drivers.errors import BadCanFile
 
 _AT_LINE = re.compile(r"line (\d+)")
 CLASSIC = 8  # bytes of a CAN 2.0 payload
@@ -18,15 +18,9 @@ CLASSIC = 8  # bytes of a CAN 2.0 payload
 def load_dbc(path: str) -> Database:
     """Return the database of a DBC in UTF-8 or ISO-8859-1; raise `BadCanFile` naming its line."""
     try:
-        content = Path(path).read_bytes()
-    except OSError as error:
-        raise BadCanFile(path, None, error.strerror or str(error), "a readable DBC file") from error
-    try:
-        text = content.decode("utf-8")
-    except UnicodeDecodeError:  # what most editors write; a degree sign would come out as U+FFFD otherwise
-        text = content.decode("iso-8859-1")
-    try:
-        database = cantools.database.load_string(text, database_format="dbc")
+        database = cantools.database.load_string(text_of(path), database_format="dbc")
+    except BadCanFile:
+        raise
     except Exception as error:  # the edge to a library whose parser raises what it likes
         found = " ".join(str(error).removeprefix("DBC: ").strip('"').split())
         line = _AT_LINE.search(found)
@@ -34,6 +28,18 @@ def load_dbc(path: str) -> Database:
     if not isinstance(database, Database):
         raise BadCanFile(path, None, "no CAN database", "a DBC")
     return database
+
+
+def text_of(path: str) -> str:
+    """Return a file's text, in UTF-8 or ISO-8859-1; raise `BadCanFile` where it cannot be read."""
+    try:
+        content = Path(path).read_bytes()
+    except OSError as error:
+        raise BadCanFile(path, None, error.strerror or str(error), "a readable file") from error
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:  # what most editors of DBCs write; a degree sign would come out as U+FFFD otherwise
+        return content.decode("iso-8859-1")
 
 
 def identifier_of(message: Message) -> int:

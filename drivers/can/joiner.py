@@ -20,6 +20,7 @@ from procedures.records import CountBlock
 
 LATE = 2  # samples: how far the bus may have gone on before a frame is given up
 BACK = 8  # samples: what lies further back, or ahead, is of a device that began anew, or of another one
+ASIDE = 16  # frames that come now and then which may wait for their sample
 NEAR = 64 * RECORD.itemsize  # bytes: a frame that comes now and then is this near to its sample
 FRAME = np.dtype(
     [("slot", "i8"), ("u", "i8"), ("at", "i8"), ("host_ns", "i8"), ("little", "u8"), ("big", "u8"), ("raw", "i8")]
@@ -66,7 +67,7 @@ class Joiner:
             return EMPTY, np.zeros((0, 2), np.int64)
         frames = self._numbered(self._known(records, at))
         is_needed = frames["slot"] < self._map.needed
-        self._aside = np.concatenate((self._aside, frames[~is_needed]))[-4 * len(self._map.slots) :]
+        self._aside = np.concatenate((self._aside, frames[~is_needed]))
         waiting = np.concatenate((self._waiting, frames[is_needed]))
         rows, ends = self._whole_turns(waiting)
         if rows is None:
@@ -241,8 +242,8 @@ class Joiner:
                 field = self._map.slots[frame["slot"]].temperature
                 if field is not None:
                     temperature[row] = field.value((frame["little"][None], frame["big"][None]))[0]
-        if len(numbers):
-            self._aside = self._aside[self._aside["u"] > numbers[-1]]
+        newer = self._aside["u"] > (numbers[-1] if len(numbers) else -(2**62))
+        self._aside = self._aside[newer][-ASIDE:]
         return begins
 
     def _unwrapped(self, field: Field, raw: IntArray) -> IntArray:

@@ -14,8 +14,8 @@ from cantools.database.can import Database, Message
 
 from drivers.can.checks import CHECKS
 from drivers.can.database import field_of, identifier_of, load_dbc
-from drivers.can.errors import BadCanFile
 from drivers.can.layout import Field
+from drivers.errors import BadCanFile
 
 FORMAT = "can-map/1"
 OUTPUTS = ("increments", "cumulative", "rate")

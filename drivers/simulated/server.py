@@ -26,6 +26,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import WireFormat
 
 CAN_TRANSPORTS = ("slcan", "udp_multicast")
+TRANSPORTS = ("pty", "tcp", *CAN_TRANSPORTS)
 LONGEST_COMMAND = 256  # bytes
 POLL_S = 0.05  # how long the control port takes to close
 
@@ -184,7 +185,7 @@ def _line(transport: str, link: Path | None, host: str, port: int) -> Line:
             return SlcanAdapter(link)
         case "udp_multicast":
             return UdpMulticastLine()
-    raise ValueError(f"transport {transport!r}: expected pty or tcp, slcan or udp_multicast")
+    raise ValueError(f"transport {transport!r}: expected pty or tcp, or one of {', '.join(CAN_TRANSPORTS)}")
 
 
 def serve(device: SimulatedDevice, announce: Callable[[SimulatedDevice], None]) -> None:

@@ -9,9 +9,9 @@ import pytest
 
 from drivers.can import record
 from drivers.can.database import field_of, identifier_of, load_dbc
-from drivers.can.errors import BadCanFile
 from drivers.can.format import OWN_DBC, OWN_MAP, can_format
 from drivers.can.layout import words_of
+from drivers.errors import BadCanFile
 from drivers.framing import Decoder
 from tests.drivers.can.frames import DBC, needs_captures, samples
 
