@@ -15,6 +15,7 @@ import numpy as np
 
 from drivers.continuity import StepGate, watch_of
 from drivers.wire import FORMATS, FrameKind, Identity, WireFormat
+from procedures.arrays import IntArray
 from procedures.records import SampleBlock, joined_blocks
 
 STRONG_BITS = 16  # a check of fewer also passes in other formats' bytes
@@ -37,6 +38,10 @@ class FrameCounters:
     bad_length: int = 0
     counter_jumps: int = 0
     bad_status: int = 0
+    incomplete: int = 0
+    late: int = 0
+    foreign: int = 0
+    bus_errors: int = 0
 
 
 class Run(NamedTuple):
@@ -51,8 +56,10 @@ class Run(NamedTuple):
 class Decoder:
     """Turns a stream of bytes into blocks, as they come.
 
-    ``counters`` says what was met; ``identity``, ``model`` and ``serial`` who the device last said it is; ``kind``
-    which kind of frame held the last sample.
+    ``counters`` says what was met; ``identity``, ``model`` and ``serial`` who the device last said it is;
+    ``kind`` which kind of frame held the last sample. ``edges`` (n, 2) says where the bytes of each sample of
+    the last block begin and end, counted from the first byte that was then fed: a begin is negative where they
+    began before.
     """
 
     def __init__(self, wire: WireFormat) -> None:
@@ -66,6 +73,9 @@ class Decoder:
         self._maimed = {_without_length(prefix, wire.length_at) for prefix in self._kinds}
         self._next_start = _search_of(wire)
         self._pending = b""
+        self._joiner = wire.joiner(self.counters) if wire.joiner is not None else None
+        self._fed = 0  # bytes of the stream so far
+        self.edges: IntArray = np.zeros((0, 2), np.int64)
         self._is_after_frame = False  # so that a trailer may come
         self._watch = watch_of(wire)
         self._gate = None if wire.max_step is None else StepGate(wire.max_step)
@@ -82,16 +92,23 @@ class Decoder:
 
     def feed(self, data: bytes) -> SampleBlock:
         """Return the frames that ``data`` completes, possibly none."""
-        return self._take(self._pending + data, at_end=False)
+        return self._take(self._pending + data, len(data), at_end=False)
 
     def finish(self) -> SampleBlock:
         """Return what the bytes still waiting hold when no more will come; the rest of them is skipped."""
-        return self._take(self._pending, at_end=True)
+        return self._take(self._pending, 0, at_end=True)
 
-    def _take(self, buffer: bytes, *, at_end: bool) -> SampleBlock:
-        runs, at = self.runs(buffer, at_end=at_end)
+    def _take(self, buffer: bytes, new: int, *, at_end: bool) -> SampleBlock:
+        runs, at = self._runs(buffer, at_end=at_end)
         self._pending = buffer[at:]
-        block = self._decode(buffer, runs)
+        before = len(buffer) - new  # of these bytes were fed before
+        if self._joiner is None:
+            block, self.edges = self._decode(buffer, runs), _edges(runs) - before
+        else:
+            begins = _edges(runs)[:, 0] + self._fed - before
+            block, edges = self._joiner.take(np.frombuffer(_rows(buffer, runs), self.wire.frame), begins)
+            self.edges = edges - self._fed
+        self._fed += new
         if len(block):
             self.counters.frames += len(block)
             if self._gate is not None:
@@ -100,7 +117,7 @@ class Decoder:
             self.counters.counter_jumps += self._watch.jumps(block) if self._watch else 0
         return block
 
-    def runs(self, buffer: bytes, *, at_end: bool) -> tuple[list[Run], int]:
+    def _runs(self, buffer: bytes, *, at_end: bool) -> tuple[list[Run], int]:
         """Return the IMU frames in ``buffer`` and how far it is decided."""
         head, total, trailer = self._head, len(buffer), self.wire.trailer
         view, runs = memoryview(buffer), list[Run]()
@@ -175,20 +192,25 @@ class Decoder:
         for kind_id, same in groupby(runs, key=lambda run: id(run.kind)):
             together = list(same)
             self.kind = together[-1].kind
-            rows = b"".join(buffer[run.begin : run.end] if run.row is None else run.row for run in together)
+            rows = _rows(buffer, together)
             if self.wire.identity is not None and id(self.wire.identity) == kind_id:
                 self._identify(rows[-self.kind.dtype.itemsize :])
             blocks.append(self.wire.decode(np.frombuffer(rows, self.kind.dtype)))
         return joined_blocks(blocks) if blocks else self.wire.decode(np.frombuffer(b"", self.wire.frame))
 
 
-def frame_edges(wire: WireFormat, data: bytes) -> list[tuple[int, int]]:
-    """Return begin and end of the intact IMU frames in ``data``."""
-    edges = list[tuple[int, int]]()
-    for run in Decoder(wire).runs(data, at_end=True)[0]:
-        size = run.kind.size if run.row is None else run.end - run.begin
-        edges += [(at, at + size) for at in range(run.begin, run.end, size)]
-    return edges
+def _rows(buffer: bytes, runs: Sequence[Run]) -> bytes:
+    return b"".join(buffer[run.begin : run.end] if run.row is None else run.row for run in runs)
+
+
+def _edges(runs: Sequence[Run]) -> IntArray:
+    """Return where each frame begins and ends in the buffer."""
+    table = [(begin, end, end - begin if row is not None else kind.size) for kind, begin, end, row in runs]
+    begin, end, size = np.array(table, dtype=np.int64).reshape(-1, 3).T
+    count = (end - begin) // size
+    nth = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    at = np.repeat(begin, count) + nth * np.repeat(size, count)
+    return np.stack((at, at + np.repeat(size, count)), axis=1)
 
 
 def _search_of(wire: WireFormat) -> Callable[[bytes, int, bool], int]:

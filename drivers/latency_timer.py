@@ -1,7 +1,7 @@
-"""How long a USB adapter holds bytes back before it sends a packet that is not full: FTDI's 16 ms, asked down to 1.
+"""How long a USB adapter holds bytes back before it sends a packet that is not full: 16 ms, asked down to 1.
 
-At 100 Hz frames come up to 30 ms late else, in clumps (pyserial issue 287; a KVH 1750 driver sets the same file). The
-serial line's low-latency flag asks the kernel for the same, but not every kernel's driver heeds it.
+At 100 Hz frames come up to 30 ms late else, in clumps (pyserial issue 287; a KVH 1750 driver sets the same file).
+The serial line's low-latency flag asks the kernel for the same, but not every kernel's driver heeds it.
 """
 
 import contextlib

@@ -6,7 +6,7 @@ One file per format defines one `WireFormat`; the family tests hold every one to
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,6 +84,28 @@ class FrameKind:
         return frozenset({"gyro" if channel[0] == "g" else "accel" for channel in self.channels})
 
 
+class JoinCounters(Protocol):
+    """What a `Joiner` counts: see `drivers.framing.FrameCounters`."""
+
+    bad_crc: int
+    bad_length: int
+    foreign: int
+    incomplete: int
+    late: int
+    bus_errors: int
+
+
+class Joiner(Protocol):
+    """Makes samples of frames where one sample takes several; it remembers what is not yet whole."""
+
+    def take(self, frames: Frames, at: IntArray) -> tuple[SampleBlock, IntArray]:
+        """Return the samples that (n,) frames at (n,) places [bytes into the stream] complete.
+
+        Beside them stands (m, 2) where the bytes that a sample needs begin and end.
+        """
+        ...
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class WireFormat:
     """A device's bytes.
@@ -102,7 +124,8 @@ class WireFormat:
     block's fields that survive the trip besides gyro and accel: temperature to ``temperature_step`` [K], device
     time modulo ``time_modulus`` [s] where that is not None. ``counter_modulus`` is None where there is no frame
     counter. ``baud`` and ``parity`` are the usual ones, 8 data bits, 1 stop bit. ``scales`` holds the makers'
-    nominal scale factors by model, where known.
+    nominal scale factors by model, where known. ``joiner`` makes the `Joiner` of a format whose samples take several
+    frames; it decodes instead of ``decode``.
     """
 
     name: str
@@ -131,6 +154,7 @@ class WireFormat:
     identity: FrameKind | None = None
     identify: Callable[[bytes], Identity] | None = None
     encode_identity: Callable[[Identity], bytes] | None = None
+    joiner: Callable[[JoinCounters], Joiner] | None = None
     scales: Mapping[str, NominalScale] = field(default_factory=lambda: MappingProxyType({}))
 
     @property

@@ -8,6 +8,7 @@ import numpy as np
 
 from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost, LinkSilent, WrongFormat
+from drivers.formats import wire_of
 from drivers.framing import sniff
 from drivers.wire import FORMATS, WireFormat
 from station.live.stillness import TICKS, Block, block_of
@@ -45,7 +46,7 @@ class LiveFeed:
         self._source, self.wire = source, wire
         self.address = source.address
         self.unit: Unit | None = None
-        self.stream, self.tape = SampleStream(wire), Tape(wire)
+        self.stream, self.tape = SampleStream(wire), Tape()
         self._recent = b""
         self._silent_s = self._frameless_s = 0.0
         self._is_open = self._is_anew = True
@@ -199,8 +200,8 @@ def open_feed(source: Source) -> LiveFeed:
         If the format must be found and no byte comes for 2 s, or no frame of any.
     """
     address = source.address
-    if address.format is not None:
-        return LiveFeed(source, FORMATS[address.format])
+    if (wire := wire_of(address)) is not None:
+        return LiveFeed(source, wire)
     held, deadline = list[Chunk](), time.monotonic() + SILENT_S
     while time.monotonic() < deadline:
         held += [item for item in source.poll(POLL_S) if isinstance(item, Chunk)]

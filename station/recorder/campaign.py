@@ -64,7 +64,7 @@ class CampaignRecorder:
         path = self._free_name(step.name)
         part = path.with_name(f".{path.name}.part")
         part.unlink(missing_ok=True)
-        sha256 = _write(part, tape, runs)
+        sha256 = _write(part, tape, runs, BY_OUTPUT[self.tables.imu.output])
         try:
             os.rename(part, path)
             sync_folder(self.folder)
@@ -160,13 +160,13 @@ def _site_id(session: Session, site: SiteTable) -> str | None:
     return None if found is None else found.id
 
 
-def _write(path: Path, tape: Tape, runs: Sequence[Run]) -> str:
-    writer = StepWriter(path, BY_OUTPUT[tape.wire.output])
+def _write(path: Path, tape: Tape, runs: Sequence[Run], output: str) -> str:
+    writer = StepWriter(path, output)
     try:
         for chunk, block in tape.recording(runs):
             writer.write_raw(chunk.host_ns, chunk.data)
             if len(block):
-                writer.write_block(chunk.host_ns, block, tape.wire.imu.triads)
+                writer.write_block(chunk.host_ns, block)
         return writer.close()
     except OSError as error:
         writer.abandon()

@@ -13,6 +13,7 @@ from station.reader import Chunk
 from station.recorder.stream import SampleStream
 
 _WORD = 0xFFFFFFFF
+_ROUNDING_NS = 1
 
 
 def decoded(wire: WireFormat, chunks: list[Chunk]) -> SampleBlock:
@@ -57,5 +58,8 @@ def _times(wire: WireFormat, device_ns: IntArray, again: SampleBlock) -> tuple[I
     """Return recorded time and time decoded again [ns]; nothing where the host's clock stood in."""
     if "device_time" not in wire.carries:
         return device_ns[:0], device_ns[:0]
-    turn = None if wire.time_modulus is None else round(wire.time_modulus * 1e9)
-    return _same_turn(device_ns, np.rint(again.device_time * 1e9).astype(np.int64), turn)
+    times = np.rint(again.device_time * 1e9).astype(np.int64)
+    if wire.joiner is not None and len(times):  # counted from a counter that wraps: from the beginning as recorded
+        shifted = times + (device_ns[0] - times[0])
+        return device_ns, np.where(np.abs(shifted - device_ns) <= _ROUNDING_NS, device_ns, shifted)
+    return _same_turn(device_ns, times, None if wire.time_modulus is None else round(wire.time_modulus * 1e9))

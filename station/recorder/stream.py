@@ -24,15 +24,15 @@ LEARNING = 33  # samples from which the period is taken where the device does no
 class Piece:
     """A chunk and the samples that it completed.
 
-    ``block`` holds the samples, counters and device time unwrapped; ``frame`` (n,) says which of the chunk's
-    frames each one is; ``breaks`` the samples before which something is missing. ``anew`` is the sample from
-    which device or port have begun anew, so that nothing before it has a relation in time to it; None if they
-    have not.
+    ``block`` holds the samples, counters and device time unwrapped; ``edges`` (n, 2) says where the bytes of
+    each begin and end, counted from the chunk's first; ``breaks`` the samples before which something is missing.
+    ``anew`` is the sample from which device or port have begun anew, so that nothing before it has a relation in
+    time to it; None if they have not.
     """
 
     chunk: Chunk
     block: SampleBlock
-    frame: IntArray
+    edges: IntArray
     breaks: IntArray
     anew: int | None
 
@@ -84,7 +84,7 @@ class SampleStream:
         block = self.decoder.feed(chunk.data)
         n = len(block)
         if not n:
-            return Piece(chunk, block, np.arange(0), np.arange(0), None)
+            return Piece(chunk, block, self.decoder.edges, np.arange(0), None)
         if self._is_anew:
             self._counter, self._time = None, np.nan
             self._host.begin_anew()
@@ -104,7 +104,8 @@ class SampleStream:
         self._is_anew = False
         kept = np.flatnonzero(~repeat)
         breaks, begins = np.flatnonzero((back | missing)[kept]), np.flatnonzero(back[kept])
-        return Piece(chunk, block_rows(block, kept), kept, breaks, int(begins[-1]) if len(begins) else None)
+        anew = int(begins[-1]) if len(begins) else None
+        return Piece(chunk, block_rows(block, kept), self.decoder.edges[kept], breaks, anew)
 
     def _times(self, chunk: Chunk, block: SampleBlock, steps: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return each sample's time [s] and how far it is from the one before."""

@@ -1,4 +1,4 @@
-"""An FTDI adapter's latency timer is asked down to 1 ms; ports without one are left alone. On a folder like sysfs."""
+"""An FTDI adapter's latency timer is asked down to 1 ms; ports without one are left alone."""
 
 import os
 from pathlib import Path
