@@ -2,6 +2,7 @@
 
 DriverError
 ├── BadDeviceUrl (ValueError)          the address cannot be read
+├── BadCanFile (ValueError)            a DBC or a mapping file breaks a rule
 ├── PortNotFound (FileNotFoundError)   there is no such port, or nothing listens there
 ├── PortBusy                           another program holds the port
 ├── PortDenied (PermissionError)       the user may not open the port
@@ -22,6 +23,15 @@ class BadDeviceUrl(DriverError, ValueError):
     def __init__(self, url: str, found: str, expected: str) -> None:
         self.url, self.found, self.expected = url, found, expected
         super().__init__(f"device {url!r}: {found}; expected {expected}")
+
+
+class BadCanFile(DriverError, ValueError):
+    """A DBC or a mapping file breaks a rule; ``line`` is None where no line can be named."""
+
+    def __init__(self, path: str, line: int | None, found: str, expected: str) -> None:
+        self.path, self.line, self.found, self.expected = path, line, found, expected
+        where = path if line is None else f"{path}, line {line}"
+        super().__init__(f"{where}: found {found}; expected {expected}")
 
 
 class PortNotFound(DriverError, FileNotFoundError):

@@ -1,4 +1,4 @@
-"""Open a device's URL as a port of bytes: serial line, TCP connection, replayed file or MAVLink link."""
+"""Open a device's URL as a port of bytes: serial line, TCP, CAN bus, replayed file or MAVLink link."""
 
 from typing import Protocol
 
@@ -46,6 +46,10 @@ def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
         return open_mavlink(address, timeout_s)
     if address.scheme == "tcp":
         return open_tcp(address.host, address.port, timeout_s)
+    if address.scheme == "can":
+        from drivers.can.can_port import open_can  # python-can takes 0.1 s to import
+
+        return open_can(address.interface, address.path, dict(address.options), timeout_s)
     if address.scheme == "replay":
         return open_replay(address.path)
     return open_serial(address.path, address.baud or 0, address.parity, timeout_s)

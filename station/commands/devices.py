@@ -29,7 +29,8 @@ def devices(
         ports = list_ports()
         for port in ports:
             number = f", serial number {port.serial_number}" if port.serial_number else ""
-            typer.echo(f"serial://{port.device}  {port.description}{number}")
+            timer = "" if port.latency_ms is None else f", holds bytes for {port.latency_ms} ms"
+            typer.echo(f"serial://{port.device}  {port.description}{number}{timer}")
         if not ports:
             typer.echo("no serial port is present")
         return

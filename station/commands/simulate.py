@@ -29,6 +29,12 @@ def simulate(
     tcp: Annotated[
         int | None, typer.Option("--tcp", metavar="PORT", help="Serve on this loopback port instead; 0: any.")
     ] = None,
+    transport: Annotated[
+        str | None,
+        typer.Option("--transport", help="pty, tcp, or CAN: slcan (an adapter on a pty), udp_multicast."),
+    ] = None,
+    dbc: Annotated[str, typer.Option("--dbc", metavar="DBC", help="Frames on CAN; the station's own else.")] = "",
+    mapping: Annotated[str, typer.Option("--map", metavar="TOML", help="What the DBC's signals are.")] = "",
     control: Annotated[int, typer.Option("--control", metavar="PORT", help="Port of the hands; 0: any.")] = 0,
     speed: Annotated[
         float, typer.Option("--speed", metavar="N", help="Device seconds per second; 0: as fast as read.")
@@ -57,6 +63,8 @@ def simulate(
     hands take lines such as `place 3 45`, `turn x + 3 5`, `rest 10`, `time`, `status` over TCP. With --gnss an
     autopilot with a GNSS receiver stands beside it, on the same truth and clock; its faults are [[gnss_fault]].
 
+    On CAN the URL has the sample period in it; `--transport slcan --pty LINK` keeps a link to the adapter.
+
     Exit code 3 if the truth or the faults are wrong, 4 if the port cannot be made.
 
     Example: station simulate --example 7 --pty /tmp/imu --speed 20
@@ -64,7 +72,7 @@ def simulate(
     from drivers.errors import PortNotFound
     from drivers.simulated.errors import SimulatorError
     from drivers.simulated.faults import load_faults
-    from drivers.simulated.server import SimulatedDevice, serve
+    from drivers.simulated.server import TRANSPORTS, SimulatedDevice, serve
     from drivers.simulated.truth import Truth, load_truth
     from drivers.wire import FORMATS
     from station.errors import DataRefused
@@ -73,6 +81,11 @@ def simulate(
         raise typer.BadParameter("--truth and --example are two truths; expected one of them")
     if pty is not None and tcp is not None:
         raise typer.BadParameter("--pty and --tcp are two transports; expected one of them")
+    transport = transport or ("pty" if tcp is None else "tcp")
+    if transport not in TRANSPORTS or (tcp is not None) != (transport == "tcp"):
+        raise typer.BadParameter(
+            f"transport {transport!r}: expected one of {', '.join(TRANSPORTS)}, tcp with --tcp"
+        )
     if format not in FORMATS:
         raise typer.BadParameter(f"format {format!r}: expected one of {', '.join(FORMATS)}")
     if not speed >= 0:
@@ -85,8 +98,8 @@ def simulate(
         beside = _autopilot(gnss, _text(track) if track else "", _text(faults) if faults else "")
         device = SimulatedDevice(
             unit, seed, format, speed,
-            transport="pty" if tcp is None else "tcp", link=pty, port=tcp or 0, control_port=control,
-            faults=planted, hold=hold,
+            transport=transport, link=pty, port=tcp or 0, control_port=control,
+            faults=planted, hold=hold, dbc=dbc, mapping=mapping,
         )  # fmt: skip
     except SimulatorError as error:
         raise DataRefused(truth or faults or "truth", None, str(error), "a truth as described") from error

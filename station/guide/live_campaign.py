@@ -146,8 +146,8 @@ def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
         write_unit(folder, _record(feed, unit))
         keep_plan(folder, steps)
         recorder = open_campaign(
-            folder, unit, site_table(setup), database, fixture=table, procedure=procedure_table(setup),
-            cube_id=setup.cube or None, slab_id=setup.slab or None,
+            folder, unit, site_table(setup), database, output=feed.wire.output, fixture=table,
+            procedure=procedure_table(setup), cube_id=setup.cube or None, slab_id=setup.slab or None,
             started_utc=None if gnss is None else utc_now(gnss),
         )  # fmt: skip
         desk = Desk(

@@ -8,6 +8,7 @@ import numpy as np
 
 from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost, LinkSilent, WrongFormat
+from drivers.formats import wire_of
 from drivers.framing import sniff
 from drivers.wire import FORMATS, WireFormat
 from station.live.stillness import TICKS, Block, block_of
@@ -22,6 +23,7 @@ REPLUG_S = 30.0  # how long a lost port may stay away
 IDENTITY_S = 3.0  # how long to wait for the device to say who it is
 SNIFFED = 16384  # bytes
 SURE_FRAMES = 3
+TEMPERATURES = 8  # the newest samples; some formats send a temperature with every fourth only
 
 
 class Source(Protocol):
@@ -44,7 +46,7 @@ class LiveFeed:
         self._source, self.wire = source, wire
         self.address = source.address
         self.unit: Unit | None = None
-        self.stream, self.tape = SampleStream(wire), Tape(wire)
+        self.stream, self.tape = SampleStream(wire), Tape()
         self._recent = b""
         self._silent_s = self._frameless_s = 0.0
         self._is_open = self._is_anew = True
@@ -72,8 +74,9 @@ class LiveFeed:
         end = self.tape.end
         if end <= self.tape.first:
             return None
-        value = float(self.tape.block(end - 1, end).temperature[0])
-        return value if np.isfinite(value) else None
+        values = self.tape.block(max(self.tape.first, end - TEMPERATURES), end).temperature
+        known = values[np.isfinite(values)]
+        return float(known[-1]) if len(known) else None
 
     def identify(self, model: str | None = None, serial: str | None = None) -> Unit:
         """Wait until it is known which unit this is; see `unit_of` for what it raises."""
@@ -200,8 +203,8 @@ def open_feed(source: Source) -> LiveFeed:
         If the format must be found and no byte comes for 2 s, or no frame of any.
     """
     address = source.address
-    if address.format is not None:
-        return LiveFeed(source, FORMATS[address.format])
+    if (wire := wire_of(address)) is not None:
+        return LiveFeed(source, wire)
     held, deadline = list[Chunk](), time.monotonic() + SILENT_S
     while time.monotonic() < deadline:
         held += [item for item in source.poll(POLL_S) if isinstance(item, Chunk)]

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Literal
 
 from sqlalchemy.orm import Session
 
@@ -33,7 +34,7 @@ from station.campaign_folder.schema import (
     TurnTable,
 )
 from station.errors import CannotWrite
-from station.mcap_files import StepWriter
+from station.mcap_files import BY_OUTPUT, StepWriter
 from station.recorder.row_times import RowTimes, Utc
 from station.recorder.tape import Run, Tape
 from station.recorder.unit import Unit
@@ -66,7 +67,7 @@ class CampaignRecorder:
         path = self._free_name(step.name)
         part = path.with_name(f".{path.name}.part")
         part.unlink(missing_ok=True)
-        sha256 = _write(part, tape, runs, self.utc)
+        sha256 = _write(part, tape, runs, BY_OUTPUT[self.tables.imu.output], self.utc)
         try:
             os.rename(part, path)
             sync_folder(self.folder)
@@ -102,6 +103,7 @@ def open_campaign(
     site: SiteTable,
     database: Database,
     *,
+    output: Literal["increments", "rate"] = "increments",
     fixture: FixtureTable | None = None,
     procedure: ProcedureTable | None = None,
     cube_id: str | None = None,
@@ -114,7 +116,7 @@ def open_campaign(
     """
     tables = CampaignTable(
         format="campaign/1",
-        imu=ImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output="increments"),
+        imu=ImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output=output),
         site=site,
         procedure=procedure or ProcedureTable(),
         fixture=fixture or FixtureTable(),
@@ -165,13 +167,13 @@ def _site_id(session: Session, site: SiteTable) -> str | None:
     return None if found is None else found.id
 
 
-def _write(path: Path, tape: Tape, runs: Sequence[Run], utc: Utc | None) -> str:
-    writer, times = StepWriter(path), RowTimes(utc)
+def _write(path: Path, tape: Tape, runs: Sequence[Run], output: str, utc: Utc | None) -> str:
+    writer, times = StepWriter(path, output), RowTimes(utc)
     try:
         for chunk, block in tape.recording(runs):
             writer.write_raw(chunk.host_ns, chunk.data)
             if len(block):
-                writer.write_block(chunk.host_ns, block, times.of(chunk.host_ns))
+                writer.write_block(chunk.host_ns, block, utc_s=times.of(chunk.host_ns))
         return writer.close()
     except OSError as error:
         writer.abandon()

@@ -10,7 +10,7 @@ from typing import Protocol
 from drivers.errors import ReplayEnded
 from station.campaign_folder import append_hash
 from station.errors import CannotWrite
-from station.mcap_files import StepWriter
+from station.mcap_files import BY_OUTPUT, StepWriter
 from station.recorder.row_times import RowTimes
 from station.recorder.stream import Piece, SampleStream
 
@@ -61,8 +61,9 @@ def record(feed: Pieces, folder: Path, seconds: float, gnss: Beside | None = Non
     CannotWrite
         If the disk refuses; what it took stays.
     """
-    writer, flushed = StepWriter(folder / NAME), time.monotonic()
-    period, samples, times = 0.0, 0, RowTimes(gnss.utc if gnss else None)
+    decoder, times = feed.stream.decoder, RowTimes(gnss.utc if gnss else None)
+    writer, flushed = StepWriter(folder / NAME, BY_OUTPUT[decoder.wire.output]), time.monotonic()
+    period, samples = 0.0, 0
     with _the_disk_refusing(writer.path):
         try:
             for piece in feed.pieces():
@@ -70,7 +71,8 @@ def record(feed: Pieces, folder: Path, seconds: float, gnss: Beside | None = Non
                     gnss.advance()
                 writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
                 if len(piece.block):
-                    writer.write_block(piece.chunk.host_ns, piece.block, times.of(piece.chunk.host_ns))
+                    utc_s = times.of(piece.chunk.host_ns)
+                    writer.write_block(piece.chunk.host_ns, piece.block, decoder.kind.triads, utc_s)
                     samples += len(piece.block)
                 if time.monotonic() - flushed >= FLUSH_S:
                     writer.flush()

@@ -1,0 +1,103 @@
+"""Whole programs on a simulated IMU behind an slcan adapter."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+
+from drivers.device_url import parse_device_url
+from drivers.formats import wire_of
+from drivers.ports import open_port
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from drivers.wire import WireFormat
+from station import cli
+from station.campaign_folder import read_campaign, verify_folder
+from station.recorder import check_raw_bytes
+from tests.station.commands.program import Program
+
+SPEED = 50.0
+UNIT = ("--model", "FOG", "--serial", "CAN-5")
+
+
+@pytest.fixture
+def device() -> Iterator[SimulatedDevice]:
+    with SimulatedDevice(Truth.example(5), 5, speed=SPEED, transport="slcan") as served:
+        yield served
+
+
+def wire(device: SimulatedDevice) -> WireFormat:
+    found = wire_of(parse_device_url(device.url))
+    assert found is not None
+    return found
+
+
+def test_a_campaign_over_can_becomes_a_calibration_and_its_bytes_give_its_counts(
+    device: SimulatedDevice, tmp_path: Path
+) -> None:
+    short = ("--dwell-s", "10", "--turns", "1", "--move-s", "5", "--latitude", "31.17", *UNIT)
+    where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
+    live = ("--headless", "--device", device.url, "--hands", device.control)
+    with Program("calibrate", *live, *short, *where) as program:
+        code, said, error = program.end()
+    assert (code, error) == (0, "")
+    assert "NOT MEASURED" in said
+    loaded = read_campaign(tmp_path / "c")
+    assert (loaded.tables.imu.serial, loaded.tables.imu.sample_period_s) == ("CAN-5", 0.02)
+    names = verify_folder(tmp_path / "c")
+    assert len(names) == 18
+    assert all(check_raw_bytes(tmp_path / "c" / name, wire(device)) > 0 for name in names)
+
+
+def test_a_recording_over_can_keeps_its_dbc_and_replays(
+    device: SimulatedDevice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["record", device.url, "--seconds", "20", "--out", str(tmp_path / "r")]) == 0
+    said = capsys.readouterr().out
+    assert "samples of fog-counts" in said
+    assert "0 frames lost" in said
+    path = tmp_path / "r" / "recording.mcap"
+    assert check_raw_bytes(path, wire(device)) >= 1000
+    session = next((tmp_path / "r").glob("session_*.mcap"))
+    with session.open("rb") as file:
+        [about] = [each for each in make_reader(file).iter_metadata() if each.name == "station.session"]
+        raw = b"".join(message.data for _, _, message in make_reader(file).iter_messages())
+    assert "BO_ 416 FOG_GYRO_X" in about.metadata["dbc"]
+    assert "can-map/1" in about.metadata["map"]
+    assert raw
+
+
+def test_devices_tells_what_comes_from_a_bus(device: SimulatedDevice, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["devices", "--url", device.url, "--seconds", "0.5"]) == 0
+    said = capsys.readouterr().out
+    assert all(text in said for text in ("format    fog-counts", "50 Hz", "0 bad check", "0 breaks"))
+
+
+def test_a_wrong_mapping_is_exit_3_also_from_the_reader(
+    device: SimulatedDevice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "m.toml").write_text('format = "can-map/2"')
+    url = f"{device.url}&map={tmp_path / 'm.toml'}"
+    for command in (["devices", "--url", url], ["record", url, "--out", str(tmp_path / "r")]):
+        assert cli.run(command) == 3
+        error = capsys.readouterr().err
+        assert "expected 'can-map/1'" in error
+        assert error.count("\n") == 1
+
+
+def test_simulate_serves_an_adapter_whose_address_can_be_opened(tmp_path: Path) -> None:
+    link = str(tmp_path / "can")
+    with Program("simulate", "--example", "3", "--transport", "slcan", "--pty", link, "--speed", "20") as program:
+        url = program.until("url ")[-1].removeprefix("url ").strip()
+        assert url.startswith(f"can://slcan{os.path.abspath(link)}?period_s=0.02")
+        port = open_port(url)
+        while not port.read(1000):
+            pass
+        port.close()
+
+
+def test_a_transport_that_is_none_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["simulate", "--transport", "pigeon"]) == 2
+    assert "slcan" in capsys.readouterr().err
