@@ -173,8 +173,9 @@ class Decoder:
             self.counters.bad_crc += 1
             return at
         if kind.text is None:
-            self.counters.identities += 1
-            self._identify(frame)
+            if kind is self.wire.identity:
+                self.counters.identities += 1
+                self._identify(frame)
             return end
         try:
             runs.append(Run(kind, at, end, kind.text.row(frame)))
