@@ -75,7 +75,8 @@ class Decoder:
         self._pending = b""
         self._joiner = wire.joiner(self.counters) if wire.joiner is not None else None
         self._fed = 0  # bytes of the stream so far
-        self.edges: IntArray = np.zeros((0, 2), np.int64)
+        self._found: tuple[list[Run], int] = ([], 0)  # of the last block, and where in them the fed bytes began
+        self._joined_edges: IntArray = np.zeros((0, 2), np.int64)
         self._is_after_frame = False  # so that a trailer may come
         self._watch = watch_of(wire)
         self._gate = None if wire.max_step is None else StepGate(wire.max_step)
@@ -90,6 +91,12 @@ class Decoder:
         """The serial number that the device says it has, None while it has not said."""
         return (self.identity.serial or None) if self.identity else None
 
+    @property
+    def edges(self) -> IntArray:
+        """Where the bytes of each sample of the last block stand; see the class."""
+        runs, before = self._found
+        return _edges(runs) - before if self._joiner is None else self._joined_edges
+
     def feed(self, data: bytes) -> SampleBlock:
         """Return the frames that ``data`` completes, possibly none."""
         return self._take(self._pending + data, len(data), at_end=False)
@@ -103,11 +110,11 @@ class Decoder:
         self._pending = buffer[at:]
         before = len(buffer) - new  # of these bytes were fed before
         if self._joiner is None:
-            block, self.edges = self._decode(buffer, runs), _edges(runs) - before
+            block, self._found = self._decode(buffer, runs), (runs, before)
         else:
             begins = _edges(runs)[:, 0] + self._fed - before
             block, edges = self._joiner.take(np.frombuffer(_rows(buffer, runs), self.wire.frame), begins)
-            self.edges = edges - self._fed
+            self._joined_edges = edges - self._fed
         self._fed += new
         if len(block):
             self.counters.frames += len(block)

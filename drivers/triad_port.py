@@ -44,7 +44,7 @@ class AxisPort(Protocol):
 
 
 class Part(NamedTuple):
-    """One axis' share of a sample: its count ``value``, ``time`` [s] on the host's clock, ``temperature`` [degC]."""
+    """One axis' share of a sample: a count, ``time`` [s] on the host's clock, ``temperature`` [degC]."""
 
     time: float
     value: int
