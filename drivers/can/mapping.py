@@ -162,8 +162,9 @@ class _Reading:
             raise self._refused(f"{key} = {names!r}", "three names MESSAGE.SIGNAL, those of x, y, z")
         found = [self._signal(each) for each in names]
         for name, (_, field) in zip(names, found, strict=True):
-            if field.is_float or (field.bits == 64 and not field.is_signed):
-                raise self._refused(f"{key} {name}, which is no integer of up to 64 bits", "whole numbers")
+            is_whole = not field.is_float and (field.bits < 64 or field.is_signed)
+            if not is_whole and self._text("output") != "rate":
+                raise self._refused(f"{key} {name}, which is no whole number of up to 64 bits", "a count")
         return found
 
     def _signal(self, name: str) -> tuple[Message, Field]:
