@@ -23,7 +23,7 @@ REPLUG_S = 30.0  # how long a lost port may stay away
 IDENTITY_S = 3.0  # how long to wait for the device to say who it is
 SNIFFED = 16384  # bytes
 SURE_FRAMES = 3
-TEMPERATURES = 8  # the newest samples; some formats send a temperature with every fourth only
+TEMPERATURES = 1000  # the newest samples; some devices send a temperature twice a second only
 
 
 class Source(Protocol):
