@@ -28,7 +28,9 @@ class FrameCounters:
     ``frames`` IMU frames accepted, ``identities`` frames of identity alone, ``skipped_bytes`` in no accepted
     frame, ``bad_crc`` frames whose check failed, ``bad_length`` known kinds with another length or number of
     fields than their own, ``counter_jumps`` breaks of the sample sequence (see `drivers.continuity`),
-    ``bad_status`` accepted frames that the format reads as unhealthy or that step by more than it can.
+    ``bad_status`` accepted frames that the format reads as unhealthy or that step by more than it can. Where a
+    sample takes several frames, ``frames`` are samples, ``incomplete`` those given up, ``late`` frames repeated or
+    come after their sample, ``foreign`` those of somebody else, ``bus_errors`` what the bus reported of itself.
     """
 
     frames: int = 0
