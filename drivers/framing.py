@@ -252,6 +252,23 @@ def _without_length(prefix: bytes, length_at: int | None) -> bytes:
     return prefix if length_at is None else prefix[:length_at] + prefix[length_at + 1 :]
 
 
+def seen_instead(wire: WireFormat, data: bytes) -> str:
+    """Return what came where samples of several frames never become whole; empty where that is not known."""
+    decoder = Decoder(wire)
+    decoder.feed(data)
+    counters = decoder.counters
+    if counters.incomplete > counters.frames:
+        return (
+            f"{counters.incomplete} samples miss frames; check that one device alone sends and that its frames "
+            f"are those of dbc and map"
+        )
+    if counters.foreign > counters.frames:
+        return f"{counters.foreign} frames have other identifiers; check dbc and map"
+    if counters.bus_errors > counters.frames:
+        return f"{counters.bus_errors} bus errors or garbled lines; check bit rate, tty_baudrate and termination"
+    return ""
+
+
 class Likeness(NamedTuple):
     """How much of some bytes is frames of a format."""
 

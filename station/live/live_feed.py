@@ -9,7 +9,7 @@ import numpy as np
 from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost, LinkSilent, WrongFormat
 from drivers.formats import wire_of
-from drivers.framing import sniff
+from drivers.framing import seen_instead, sniff
 from drivers.wire import FORMATS, WireFormat
 from station.live.stillness import TICKS, Block, block_of
 from station.reader import Chunk, GapMark
@@ -188,7 +188,8 @@ class LiveFeed:
             raise LinkSilent(name, SILENT_S, baud)
         elif self._frameless_s >= SILENT_S:
             likely = next((found.format for found in sniff(self._recent) if found.format != self.wire.name), None)
-            raise WrongFormat(name, self.wire.name, len(self._recent), baud, likely)
+            seen = seen_instead(self.wire, self._recent)
+            raise WrongFormat(name, self.wire.name, len(self._recent), baud, likely, seen)
 
 
 def open_feed(source: Source) -> LiveFeed:

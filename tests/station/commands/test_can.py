@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
+from drivers.can.format import OWN_DBC
 from drivers.device_url import parse_device_url
 from drivers.formats import wire_of
+from drivers.framing import seen_instead
 from drivers.ports import open_port
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
@@ -73,6 +75,22 @@ def test_devices_tells_what_comes_from_a_bus(device: SimulatedDevice, capsys: py
     assert cli.run(["devices", "--url", device.url, "--seconds", "0.5"]) == 0
     said = capsys.readouterr().out
     assert all(text in said for text in ("format    fog-counts", "20 Hz", "0 bad check", "0 breaks"))
+
+
+def test_what_comes_instead_of_samples_is_told(device: SimulatedDevice, tmp_path: Path) -> None:
+    """Another device's frames by our DBC, and two devices at once."""
+    (tmp_path / "other.dbc").write_text(Path(OWN_DBC).read_text().replace("BO_ 4", "BO_ 5"))
+    port = open_port(device.url)
+    data = b"".join(port.read(65536) for _ in range(20))
+    port.close()
+    other = wire_of(parse_device_url(f"{device.url}&dbc={tmp_path / 'other.dbc'}"))
+    assert other is not None
+    assert "other identifiers; check dbc and map" in seen_instead(other, data)
+    records = [data[at : at + 32] for at in range(0, len(data) - 31, 32)]
+    half = len(records) // 2
+    both = b"".join(each for pair in zip(records, records[half:], strict=False) for each in pair)
+    assert "check that one device alone sends" in seen_instead(wire(device), both)
+    assert seen_instead(wire(device), data) == ""
 
 
 def test_a_wrong_mapping_is_exit_3_also_from_the_reader(
