@@ -70,6 +70,7 @@ def format_of(can_map: CanMap) -> WireFormat:
         example=_example(can_map),
         baud=0,
         output="rate" if can_map.output == "rate" else "increments",
+        max_step=can_map.max_step,
         counter_modulus=None if can_map.counter is None else 1 << can_map.counter.bits,
         joiner=partial(Joiner, can_map),
     )

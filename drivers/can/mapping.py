@@ -23,6 +23,7 @@ CHANNELS = 6  # gyro x, y, z, then accelerometer x, y, z
 _KEYS = {
     "format", "name", "output", "sample_period_s", "gyro", "accel", "counter", "status", "fault_bits", "good_bits",
     "check", "check_kind", "time", "time_unit_s", "temperature", "first", "padded",
+    "max_step",
 }  # fmt: skip
 
 
@@ -52,7 +53,7 @@ class CanMap:
     ``counts_every_frame``: frames are joined by the counter in each; else by their order, a sample beginning with
     slot ``first``. ``period`` [s] is the nominal one. A status is healthy with none of ``fault_bits`` and all
     of ``good_bits`` set. ``time_unit`` [s] is that of the time signal. ``is_padded``: longer payloads
-    are taken too.
+    are taken too. ``max_step``: a healthy value differs by no more from the last healthy one; None: by anything.
     """
 
     name: str
@@ -67,6 +68,7 @@ class CanMap:
     check_kind: str
     time_unit: float
     is_padded: bool
+    max_step: int | None
 
     @property
     def needed(self) -> int:
@@ -122,6 +124,7 @@ class _Reading:
             check_kind=self._one_of("check_kind", CHECKS) if self._text("check") else "",
             time_unit=self._number("time_unit_s", 1e-12, 1.0) if self._text("time") else 1.0,
             is_padded=self._tables.get("padded", False) is True,
+            max_step=self._whole("max_step") or None,
         )
 
     def _refuse_unknown(self) -> None:

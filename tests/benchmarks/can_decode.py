@@ -24,7 +24,7 @@ def a_block(n: int) -> CountBlock:
     return CountBlock(
         counter=counter,
         device_time=(counter + 1) * 0.002,
-        gyro=rng.integers(-(2**20), 2**20, (n, 3)),
+        gyro=rng.integers(-(2**18), 2**18, (n, 3)),
         accel=rng.integers(-100, 100, (n, 3)),
         temperature=np.full(n, 25.0),
         status=np.zeros(n, np.int64),
