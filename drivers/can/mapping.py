@@ -20,7 +20,7 @@ from drivers.errors import BadCanFile
 FORMAT = "can-map/1"
 OUTPUTS = ("increments", "cumulative", "rate")
 CHANNELS = 6  # gyro x, y, z, then accelerometer x, y, z
-_KEYS = {
+KEYS = {
     "format", "name", "output", "sample_period_s", "gyro", "accel", "counter", "status", "fault_bits", "good_bits",
     "check", "check_kind", "time", "time_unit_s", "temperature", "first", "padded",
     "max_step",
@@ -130,8 +130,8 @@ class _Reading:
     def _refuse_unknown(self) -> None:
         if self._tables.get("format") != FORMAT:
             raise self._refused(f"format = {self._tables.get('format')!r}", repr(FORMAT))
-        if unknown := sorted(set(self._tables) - _KEYS):
-            raise self._refused(f"key {unknown[0]!r}", ", ".join(sorted(_KEYS)))
+        if unknown := sorted(set(self._tables) - KEYS):
+            raise self._refused(f"key {unknown[0]!r}", ", ".join(sorted(KEYS)))
 
     def _refused(self, found: str, expected: str) -> BadCanFile:
         return BadCanFile(self._path, None, found, expected)
