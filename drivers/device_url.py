@@ -1,15 +1,16 @@
 """Where a device is: one URL, read into a frozen record.
 
 ``serial:///dev/ttyUSB0?baud=921600&format=rawimusx`` · ``tcp://host:port?format=counts`` · ``replay:FILE`` ·
-``can://slcan/dev/ttyACM0?bitrate=1000000&dbc=FILE&map=FILE``; ``mavlink:LINK:WHERE`` is read by
-`drivers.mavlink.address`.
+``can://slcan/dev/ttyACM0?bitrate=1000000&dbc=FILE&map=FILE`` ·
+``triad:?x=serial:///dev/ttyUSB0&y=serial:///dev/ttyUSB1&z=serial:///dev/ttyUSB2&format=ch70`` ·
+``mavlink:LINK:WHERE``, read by `drivers.mavlink.address`.
 """
 
 import contextlib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import TypedDict
-from urllib.parse import parse_qsl, unquote, urlsplit
+from urllib.parse import parse_qsl, unquote, urlencode, urlsplit
 
 from drivers.errors import BadDeviceUrl
 from drivers.wire import FORMATS
@@ -21,7 +22,9 @@ ACCEPTED = {
     "serial": ("baud", "format", "parity"),
     "tcp": ("format",),
     "replay": ("format", "dbc", "map", "period_s"),
+    "triad": ("x", "y", "z", "format", "baud", "parity"),
 }
+TRIAD = "triad"  # three single-axis gyros; also the format of what their port gives
 CAN_OPTIONS = ("dbc", "map", "period_s")  # the others are those of python-can's interface, see docs/can.md
 CAN = "can"  # the format of a CAN bus, as `dbc` and `map` describe it
 DEVICE_FILES = {"slcan", "serial", "robotell", "seeedstudio"}  # interfaces whose channel is a file
@@ -37,10 +40,11 @@ class _Described(TypedDict):
 class DeviceUrl:
     """A device's address.
 
-    ``path`` is the serial device or the replayed file; ``host`` and ``port`` are for TCP. ``format`` names a wire
-    format, None where the address does not say. ``baud`` [bit/s] and ``parity`` are for serial lines.
-    ``interface`` is python-can's name of a CAN adapter, ``path`` then its channel and ``options`` what else it is
-    told; ``dbc`` and ``map`` are the files that describe the frames, ``period`` [s] stands before theirs.
+    ``path`` is the serial device or the replayed file; ``host`` and ``port`` are for TCP. ``format`` names a
+    wire format, None where the address does not say. ``baud`` [bit/s] and ``parity`` are for serial lines.
+    ``interface`` is python-can's name of a CAN adapter, ``path`` then its channel and ``options`` what else it
+    is told; ``axes`` are the addresses of a triad's x, y and z; ``dbc`` and ``map`` are the files that describe
+    the frames, ``period`` [s] stands before theirs.
     """
 
     text: str
@@ -56,6 +60,7 @@ class DeviceUrl:
     map: str = ""
     period: float | None = None
     options: tuple[tuple[str, str], ...] = ()
+    axes: tuple["DeviceUrl", ...] = ()
 
     @property
     def name(self) -> str:
@@ -72,12 +77,14 @@ def parse_device_url(text: str) -> DeviceUrl:
         return parse_mavlink_url(text)
     if not colon or scheme not in {*ACCEPTED, CAN}:
         found = f"scheme {scheme!r}" if colon else "no scheme"
-        accepted = "can://INTERFACE/CHANNEL, serial:///dev/NAME, tcp://HOST:PORT or replay:FILE"
+        accepted = "can://INTERFACE/CHANNEL, triad:?x=..., serial:///dev/NAME, tcp://HOST:PORT or replay:FILE"
         raise BadDeviceUrl(text, found, accepted)
     if "%00" in text or not text.isprintable():
         raise BadDeviceUrl(text, "a character that cannot be printed", "printable text")
     if scheme == "replay":
         return _replay(text, rest)
+    if scheme == TRIAD:
+        return _triad(text, rest)
     try:
         parts = urlsplit(text)
     except ValueError as error:
@@ -108,6 +115,28 @@ def _replay(text: str, rest: str) -> DeviceUrl:
     options = _options(text, "replay", query)
     name = CAN if options.get("format") == CAN or "dbc" in options or "map" in options else _format(text, options)
     return DeviceUrl(text, "replay", path=unquote(path), format=name, **_described(text, options))
+
+
+def _triad(text: str, rest: str) -> DeviceUrl:
+    """Return three addresses as one; format, baud and parity are those of each."""
+    options = _options(text, TRIAD, rest.removeprefix("?"))
+    single = [name for name, wire in FORMATS.items() if len(wire.imu.channels) == 1]
+    options["format"] = _one_of(text, "format", options.get("format", single[0]), single)
+    axes = list[DeviceUrl]()
+    for axis in "xyz":
+        if axis not in options:
+            raise BadDeviceUrl(text, f"no {axis}", "triad:?x=URL&y=URL&z=URL")
+        own = options[axis]
+        names = ("format",) if own.startswith("tcp:") else ("format", "baud", "parity")
+        more = {name: options[name] for name in names if name in options and f"{name}=" not in own}
+        address = parse_device_url(f"{own}{'&' if '?' in own else '?'}{urlencode(more)}")
+        if address.scheme not in {"serial", "tcp"}:
+            raise BadDeviceUrl(text, f"{axis} {own!r}", "a serial line or a TCP connection")
+        axes.append(address)
+    ports = [address.name for address in axes]
+    if len(set(ports)) < len(ports):
+        raise BadDeviceUrl(text, f"ports {', '.join(ports)}", "three different ones")
+    return DeviceUrl(text, TRIAD, path=", ".join(ports), format=TRIAD, baud=axes[0].baud, axes=tuple(axes))
 
 
 def _can(text: str, interface: str, path: str, query: str) -> DeviceUrl:

@@ -76,15 +76,26 @@ class LinkSilent(DriverError, TimeoutError):
 
 
 class WrongFormat(DriverError):
-    """Bytes arrive but no frame of the expected format; ``likely`` names the format they look like, if any."""
+    """Bytes arrive but no frame of the expected format; ``likely`` names the format they look like, if any.
+
+    ``seen`` says what was among them instead, if that is known.
+    """
 
     def __init__(
-        self, port: str, format_name: str, bytes_seen: int, baud: int | None = None, likely: str | None = None
+        self,
+        port: str,
+        format_name: str,
+        bytes_seen: int,
+        baud: int | None = None,
+        likely: str | None = None,
+        seen: str = "",
     ) -> None:
         self.port, self.format_name, self.bytes_seen = port, format_name, bytes_seen
-        self.baud, self.likely = baud, likely
+        self.baud, self.likely, self.seen = baud, likely, seen
         at = "" if baud is None else f" at {baud} baud"
-        advice = f"they look like {likely}: say format={likely}" if likely else "check baud rate and format"
+        advice = (
+            f"they look like {likely}: say format={likely}" if likely else seen or "check baud rate and format"
+        )
         super().__init__(f"{port}: {bytes_seen} bytes{at} hold no {format_name} frame; {advice}")
 
 

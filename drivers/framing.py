@@ -28,7 +28,9 @@ class FrameCounters:
     ``frames`` IMU frames accepted, ``identities`` frames of identity alone, ``skipped_bytes`` in no accepted
     frame, ``bad_crc`` frames whose check failed, ``bad_length`` known kinds with another length or number of
     fields than their own, ``counter_jumps`` breaks of the sample sequence (see `drivers.continuity`),
-    ``bad_status`` accepted frames that the format reads as unhealthy or that step by more than it can.
+    ``bad_status`` accepted frames that the format reads as unhealthy or that step by more than it can. Where a
+    sample takes several frames, ``frames`` are samples, ``incomplete`` those given up, ``late`` frames repeated or
+    come after their sample, ``foreign`` those of somebody else, ``bus_errors`` what the bus reported of itself.
     """
 
     frames: int = 0
@@ -75,7 +77,8 @@ class Decoder:
         self._pending = b""
         self._joiner = wire.joiner(self.counters) if wire.joiner is not None else None
         self._fed = 0  # bytes of the stream so far
-        self.edges: IntArray = np.zeros((0, 2), np.int64)
+        self._found: tuple[list[Run], int] = ([], 0)  # of the last block, and where in them the fed bytes began
+        self._joined_edges: IntArray = np.zeros((0, 2), np.int64)
         self._is_after_frame = False  # so that a trailer may come
         self._watch = watch_of(wire)
         self._gate = None if wire.max_step is None else StepGate(wire.max_step)
@@ -90,6 +93,12 @@ class Decoder:
         """The serial number that the device says it has, None while it has not said."""
         return (self.identity.serial or None) if self.identity else None
 
+    @property
+    def edges(self) -> IntArray:
+        """Where the bytes of each sample of the last block stand; see the class."""
+        runs, before = self._found
+        return _edges(runs) - before if self._joiner is None else self._joined_edges
+
     def feed(self, data: bytes) -> SampleBlock:
         """Return the frames that ``data`` completes, possibly none."""
         return self._take(self._pending + data, len(data), at_end=False)
@@ -103,11 +112,11 @@ class Decoder:
         self._pending = buffer[at:]
         before = len(buffer) - new  # of these bytes were fed before
         if self._joiner is None:
-            block, self.edges = self._decode(buffer, runs), _edges(runs) - before
+            block, self._found = self._decode(buffer, runs), (runs, before)
         else:
             begins = _edges(runs)[:, 0] + self._fed - before
             block, edges = self._joiner.take(np.frombuffer(_rows(buffer, runs), self.wire.frame), begins)
-            self.edges = edges - self._fed
+            self._joined_edges = edges - self._fed
         self._fed += new
         if len(block):
             self.counters.frames += len(block)
@@ -173,8 +182,9 @@ class Decoder:
             self.counters.bad_crc += 1
             return at
         if kind.text is None:
-            self.counters.identities += 1
-            self._identify(frame)
+            if kind is self.wire.identity:
+                self.counters.identities += 1
+                self._identify(frame)
             return end
         try:
             runs.append(Run(kind, at, end, kind.text.row(frame)))
@@ -240,6 +250,23 @@ def _next_sync(buffer: bytes, sync: bytes, at: int, *, at_end: bool) -> int:
 
 def _without_length(prefix: bytes, length_at: int | None) -> bytes:
     return prefix if length_at is None else prefix[:length_at] + prefix[length_at + 1 :]
+
+
+def seen_instead(wire: WireFormat, data: bytes) -> str:
+    """Return what came where samples of several frames never become whole; empty where that is not known."""
+    decoder = Decoder(wire)
+    decoder.feed(data)
+    counters = decoder.counters
+    if counters.incomplete > counters.frames:
+        return (
+            f"{counters.incomplete} samples miss frames; check that one device alone sends and that its frames "
+            f"are those of dbc and map"
+        )
+    if counters.foreign > counters.frames:
+        return f"{counters.foreign} frames have other identifiers; check dbc and map"
+    if counters.bus_errors > counters.frames:
+        return f"{counters.bus_errors} bus errors or garbled lines; check bit rate, tty_baudrate and termination"
+    return ""
 
 
 class Likeness(NamedTuple):

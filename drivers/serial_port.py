@@ -34,6 +34,11 @@ class SerialPort:
         except LINK_ERRORS as error:
             raise LinkLost(self.device, str(error)) from error
 
+    def fileno(self) -> int:
+        """Return what `select` takes."""
+        number: int = self._serial.fileno()
+        return number
+
     def write(self, data: bytes) -> None:
         """Send ``data`` whole."""
         try:

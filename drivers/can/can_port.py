@@ -15,7 +15,7 @@ from importlib import import_module
 import can
 from can.interfaces import BACKENDS
 
-from drivers.can.record import ERROR, EXTENDED, RECORD, REMOTE, pack
+from drivers.can.record import ERROR, EXTENDED, RECORD, REMOTE, STANDARD, WIDE, pack
 from drivers.can.slcan_line import SlcanLine
 from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound
 
@@ -87,6 +87,8 @@ class CanPort:
             return pack(ERROR, time.monotonic_ns(), b"")
         if message is None:
             return b""
+        if not 0 <= message.arbitration_id <= (WIDE if message.is_extended_id else STANDARD):
+            return pack(ERROR, time.monotonic_ns(), b"")  # slcan reads -1A and FFFFFFFF too
         if message.is_error_frame and message.arbitration_id & BUS_OFF:
             raise can.CanOperationError(f"bus-off: too many errors; {REMEDY}")
         flags = EXTENDED * message.is_extended_id | REMOTE * message.is_remote_frame

@@ -18,7 +18,7 @@ from drivers.can.mapping import CanMap, Slot, load_map
 from drivers.wire import WireFormat
 from drivers.wire._format import Frames, fits
 from procedures.arrays import IntArray
-from procedures.records import CountBlock
+from procedures.records import CountBlock, SampleBlock
 
 OWN_DBC = str(Path(__file__).with_name("fog_counts.dbc"))
 OWN_MAP = str(Path(__file__).with_name("fog_counts.toml"))
@@ -69,6 +69,8 @@ def format_of(can_map: CanMap) -> WireFormat:
         carries=frozenset({"device_time"} | {name for name, has in optional.items() if has}),
         example=_example(can_map),
         baud=0,
+        output="rate" if can_map.output == "rate" else "increments",
+        max_step=can_map.max_step,
         counter_modulus=None if can_map.counter is None else 1 << can_map.counter.bits,
         joiner=partial(Joiner, can_map),
     )
@@ -78,12 +80,12 @@ def _has_status(can_map: CanMap) -> bool:
     return any(slot.status for slot in can_map.slots)
 
 
-def _decode(can_map: CanMap, frames: Frames) -> CountBlock:
+def _decode(can_map: CanMap, frames: Frames) -> SampleBlock:
     return Joiner(can_map, Unread()).take(frames, record.RECORD.itemsize * np.arange(len(frames)))[0]
 
 
 def _example(can_map: CanMap) -> bytes:
-    if can_map.output == "cumulative":
+    if can_map.output != "increments":
         return b""
     counts = np.array([[1, -2, 3]])
     return encode(
@@ -93,7 +95,7 @@ def _example(can_map: CanMap) -> bytes:
     )  # fmt: skip
 
 
-def encode(can_map: CanMap, block: CountBlock) -> bytes:
+def encode(can_map: CanMap, block: SampleBlock) -> bytes:
     """Return the records of a block's frames, handed over at device time; counters and times wrap.
 
     Raises
@@ -113,7 +115,7 @@ def encode(can_map: CanMap, block: CountBlock) -> bytes:
     return _in_order(parts, np.concatenate(places), block)
 
 
-def _in_order(parts: list[tuple[Slot, NDArray[np.uint8]]], places: IntArray, block: CountBlock) -> bytes:
+def _in_order(parts: list[tuple[Slot, NDArray[np.uint8]]], places: IntArray, block: SampleBlock) -> bytes:
     order = np.lexsort((places[:, 1], places[:, 0]))
     slots = places[order, 2]
     ids, sizes = (np.array([getattr(slot, name) for slot, _ in parts]) for name in ("identifier", "size"))
@@ -122,13 +124,16 @@ def _in_order(parts: list[tuple[Slot, NDArray[np.uint8]]], places: IntArray, blo
     return record.pack_all(ids[slots], host, data, sizes[slots])
 
 
-def _payloads(can_map: CanMap, slot: Slot, block: CountBlock, rows: IntArray) -> NDArray[np.uint8]:
+def _payloads(can_map: CanMap, slot: Slot, block: SampleBlock, rows: IntArray) -> NDArray[np.uint8]:
     words = np.zeros(len(rows), np.uint64), np.zeros(len(rows), np.uint64)
     counts = np.hstack((block.gyro, block.accel))[rows]
     for channel, field in slot.channels:
+        values = counts[:, channel]
+        if can_map.output == "rate":
+            values = np.rint((values - field.offset) / field.scale)
         half = 1 << (field.bits - 1)
         low, high = (-half, half - 1) if field.is_signed else (0, 2 * half - 1)
-        field.put(words, fits(counts[:, channel], low, high, f"channel {channel}"))
+        field.put(words, fits(values, low, high, f"channel {channel}"))
     for value, unwrapped in ((slot.counter, block.counter), (slot.time, _ticks(can_map, block))):
         if value is not None:
             value.put(words, unwrapped[rows])
@@ -143,11 +148,11 @@ def _payloads(can_map: CanMap, slot: Slot, block: CountBlock, rows: IntArray) ->
     return octets
 
 
-def _ticks(can_map: CanMap, block: CountBlock) -> IntArray:
+def _ticks(can_map: CanMap, block: SampleBlock) -> IntArray:
     return np.rint(block.device_time / can_map.time_unit).astype(np.int64)
 
 
-def _status(can_map: CanMap, field: Field, block: CountBlock) -> IntArray:
+def _status(can_map: CanMap, field: Field, block: SampleBlock) -> IntArray:
     mask = (1 << field.bits) - 1
     faults = can_map.fault_bits & mask
     good: IntArray = (block.status & mask) | np.where(block.healthy, can_map.good_bits & mask, 0)
@@ -155,7 +160,7 @@ def _status(can_map: CanMap, field: Field, block: CountBlock) -> IntArray:
     return good | np.where(silent, 1 << max(faults.bit_length() - 1, 0) if faults else 0, 0)
 
 
-def _put_temperature(field: Field | None, words: Words, block: CountBlock, rows: IntArray) -> None:
+def _put_temperature(field: Field | None, words: Words, block: SampleBlock, rows: IntArray) -> None:
     if field is not None and not field.is_float:
         known = np.nan_to_num(block.temperature[rows])
         field.put(words, np.rint((known - field.offset) / field.scale).astype(np.int64))

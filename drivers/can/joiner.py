@@ -6,6 +6,7 @@ unwrapped with the help of the host's clock, so that neither a long silence nor 
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from drivers.can.mapping import CanMap, Slot
 from drivers.can.record import NO_DATA_FRAME, RECORD
 from drivers.wire import JoinCounters
 from procedures.arrays import FloatArray, IntArray
-from procedures.records import CountBlock
+from procedures.records import CountBlock, RateBlock, SampleBlock
 
 LATE = 2  # samples: how far the bus may have gone on before a frame is given up
 BACK = 8  # samples: what lies further back, or ahead, is of a device that began anew, or of another one
@@ -26,11 +27,6 @@ FRAME = np.dtype(
     [("slot", "i8"), ("u", "i8"), ("at", "i8"), ("host_ns", "i8"), ("little", "u8"), ("big", "u8"), ("raw", "i8")]
 )
 Frames = NDArray[np.void]  # (n,) of FRAME: slot, sample number, place in the stream, host time, payload, counter
-
-_NONE = np.zeros(0)
-EMPTY = CountBlock(
-    np.arange(0), _NONE, np.zeros((0, 3), np.int64), np.zeros((0, 3), np.int64), _NONE, np.arange(0), _NONE > 0
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +56,12 @@ class Joiner:
         self._last: int | None = None  # the newest sample given out
         self._base: tuple[int, int, IntArray] | None = None  # number, begin and running totals of the last sample
         self._time: tuple[int, int] | None = None  # as sent, unwrapped
+        self._nothing = self._samples(self._waiting, np.zeros((0, can_map.needed), np.int64), np.arange(0))[0]
 
-    def take(self, records: NDArray[np.void], at: IntArray) -> tuple[CountBlock, IntArray]:
+    def take(self, records: NDArray[np.void], at: IntArray) -> tuple[SampleBlock, IntArray]:
         """Return the samples that records complete, and where the bytes of each begin and end in the stream."""
         if not len(records):
-            return EMPTY, np.zeros((0, 2), np.int64)
+            return self._nothing, np.zeros((0, 2), np.int64)
         frames = self._numbered(self._known(records, at))
         is_needed = frames["slot"] < self._map.needed
         self._aside = np.concatenate((self._aside, frames[~is_needed]))
@@ -199,17 +196,18 @@ class Joiner:
     def _give_up(self) -> None:
         self._counters.incomplete += 1
 
-    def _samples(self, waiting: Frames, rows: IntArray, ends: IntArray) -> tuple[CountBlock, IntArray]:
+    def _samples(self, waiting: Frames, rows: IntArray, ends: IntArray) -> tuple[SampleBlock, IntArray]:
         found = waiting[rows]
         numbers = found["u"][:, 0]
-        channels = np.zeros((len(rows), 6), np.int64)
+        is_rate = self._map.output == "rate"
+        channels: NDArray[Any] = np.zeros((len(rows), 6), np.float64 if is_rate else np.int64)
         status = np.zeros(len(rows), np.int64)
         temperature, time = np.full(len(rows), np.nan), np.float64(self._map.period) * numbers.astype(np.float64)
         counter = np.full(len(rows), -1, np.int64)
         for i, slot in enumerate(self._map.slots[: self._map.needed]):
             words: Words = (found["little"][:, i], found["big"][:, i])
             for channel, field in slot.channels:
-                channels[:, channel] = field.raw(words)
+                channels[:, channel] = field.value(words) if is_rate else field.raw(words)
             if slot.status is not None:
                 status |= slot.status.raw(words)
             if slot.temperature is not None:
@@ -226,7 +224,7 @@ class Joiner:
         kept = np.arange(len(rows))
         if self._map.output == "cumulative":
             channels, begins, kept = self._increments(numbers, begins, channels)
-        block = CountBlock(
+        block = (RateBlock if is_rate else CountBlock)(
             counter[kept], time[kept], channels[kept, :3], channels[kept, 3:], temperature[kept], status[kept],
             healthy[kept],
         )  # fmt: skip

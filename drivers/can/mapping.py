@@ -20,9 +20,10 @@ from drivers.errors import BadCanFile
 FORMAT = "can-map/1"
 OUTPUTS = ("increments", "cumulative", "rate")
 CHANNELS = 6  # gyro x, y, z, then accelerometer x, y, z
-_KEYS = {
+KEYS = {
     "format", "name", "output", "sample_period_s", "gyro", "accel", "counter", "status", "fault_bits", "good_bits",
     "check", "check_kind", "time", "time_unit_s", "temperature", "first", "padded",
+    "max_step",
 }  # fmt: skip
 
 
@@ -52,7 +53,7 @@ class CanMap:
     ``counts_every_frame``: frames are joined by the counter in each; else by their order, a sample beginning with
     slot ``first``. ``period`` [s] is the nominal one. A status is healthy with none of ``fault_bits`` and all
     of ``good_bits`` set. ``time_unit`` [s] is that of the time signal. ``is_padded``: longer payloads
-    are taken too.
+    are taken too. ``max_step``: a healthy value differs by no more from the last healthy one; None: by anything.
     """
 
     name: str
@@ -67,6 +68,7 @@ class CanMap:
     check_kind: str
     time_unit: float
     is_padded: bool
+    max_step: int | None
 
     @property
     def needed(self) -> int:
@@ -122,13 +124,14 @@ class _Reading:
             check_kind=self._one_of("check_kind", CHECKS) if self._text("check") else "",
             time_unit=self._number("time_unit_s", 1e-12, 1.0) if self._text("time") else 1.0,
             is_padded=self._tables.get("padded", False) is True,
+            max_step=self._whole("max_step") or None,
         )
 
     def _refuse_unknown(self) -> None:
         if self._tables.get("format") != FORMAT:
             raise self._refused(f"format = {self._tables.get('format')!r}", repr(FORMAT))
-        if unknown := sorted(set(self._tables) - _KEYS):
-            raise self._refused(f"key {unknown[0]!r}", ", ".join(sorted(_KEYS)))
+        if unknown := sorted(set(self._tables) - KEYS):
+            raise self._refused(f"key {unknown[0]!r}", ", ".join(sorted(KEYS)))
 
     def _refused(self, found: str, expected: str) -> BadCanFile:
         return BadCanFile(self._path, None, found, expected)
@@ -162,8 +165,9 @@ class _Reading:
             raise self._refused(f"{key} = {names!r}", "three names MESSAGE.SIGNAL, those of x, y, z")
         found = [self._signal(each) for each in names]
         for name, (_, field) in zip(names, found, strict=True):
-            if field.is_float or (field.bits == 64 and not field.is_signed):
-                raise self._refused(f"{key} {name}, which is no integer of up to 64 bits", "whole numbers")
+            is_whole = not field.is_float and (field.bits < 64 or field.is_signed)
+            if not is_whole and self._text("output") != "rate":
+                raise self._refused(f"{key} {name}, which is no whole number of up to 64 bits", "a count")
         return found
 
     def _signal(self, name: str) -> tuple[Message, Field]:

@@ -45,7 +45,11 @@ class SlcanLine:
         """Wait for bytes and take all that have come; say whether any did."""
         if not select.select([self._line.fileno()], [], [], timeout_s)[0]:
             return False
-        data = self._line.read(max(1, self._line.in_waiting)).translate(ASCII)
+        return self.took(self._line.read(max(1, self._line.in_waiting)))
+
+    def took(self, data: bytes) -> bool:
+        """Take bytes that have come; say whether there are any."""
+        data = data.translate(ASCII)
         if (told := FLAGS.search(self._tail + data)) is not None:
             self.flags = int(told[1], 16)
         self._tail = (self._tail + data)[-4:]

@@ -1,6 +1,6 @@
 """The wire formats: to add one, write its file and name it in `FORMATS`; the family tests pick it up."""
 
-from drivers.wire import ch70, counts, kvh1750, rawimu, rawimus, rawimusx, rawimux, stim300
+from drivers.wire import ch70, counts, kvh1750, rawimu, rawimus, rawimusx, rawimux, stim300, triad
 from drivers.wire._format import FrameKind, Identity, JoinCounters, Joiner, NominalScale, WireFormat
 
 FORMATS: dict[str, WireFormat] = {
@@ -18,6 +18,7 @@ FORMATS: dict[str, WireFormat] = {
         stim300.FORMAT,
         kvh1750.FORMAT,
         ch70.FORMAT,
+        triad.FORMAT,
     )
 }
 

@@ -111,10 +111,10 @@ class WireFormat:
     """A device's bytes.
 
     ``imu`` is the kind of frame that `encode` sends and ``example`` is one of; ``others`` are further kinds that
-    hold a sample; ``identity`` is the kind that says who the device is, it may be ``imu`` itself. All kinds'
-    prefixes are of one length. ``sync`` is what they all begin with, empty where they share nothing;
-    ``length_at`` is where in the prefix the length byte stands, None where there is none. ``trailer`` may follow
-    a frame, or not.
+    hold a sample, ``passed_over`` some that hold none; ``identity`` is the kind that says who the device is, it
+    may be ``imu`` itself. All kinds' prefixes are of one length. ``sync`` is what they all begin with, empty
+    where they share nothing; ``length_at`` is where in the prefix the length byte stands, None where there is
+    none. ``trailer`` may follow a frame, or not.
 
     ``is_intact`` says whether a whole frame passes its check, ``check`` describes that check and ``check_bits``
     is its width. ``max_step`` is for a weak check: a healthy value differs by no more from the last healthy one.
@@ -124,8 +124,8 @@ class WireFormat:
     block's fields that survive the trip besides gyro and accel: temperature to ``temperature_step`` [K], device
     time modulo ``time_modulus`` [s] where that is not None. ``counter_modulus`` is None where there is no frame
     counter. ``baud`` and ``parity`` are the usual ones, 8 data bits, 1 stop bit. ``scales`` holds the makers'
-    nominal scale factors by model, where known. ``joiner`` makes the `Joiner` of a format whose samples take several
-    frames; it decodes instead of ``decode``.
+    nominal scale factors by model, where known. ``joiner`` makes the `Joiner` of a format whose samples take
+    several frames; it decodes instead of ``decode``.
     """
 
     name: str
@@ -145,6 +145,7 @@ class WireFormat:
     parity: str = "N"
     output: Literal["increments", "rate"] = "increments"
     others: tuple[FrameKind, ...] = ()
+    passed_over: tuple[FrameKind, ...] = ()
     trailer: bytes = b""
     count_bits: int = 32
     temperature_step: float = 0.01
@@ -160,8 +161,8 @@ class WireFormat:
     @property
     def kinds(self) -> dict[bytes, FrameKind]:
         """The kinds of frame by their prefix."""
-        kinds = (self.imu, *self.others) if self.identity is None else (self.imu, *self.others, self.identity)
-        return {kind.prefix: kind for kind in kinds}
+        identity = () if self.identity is None else (self.identity,)
+        return {kind.prefix: kind for kind in (self.imu, *self.others, *self.passed_over, *identity)}
 
     @property
     def frame(self) -> np.dtype[np.void]:

@@ -54,3 +54,8 @@ def devices(
         f"{counters.counter_jumps} breaks, {counters.bad_status} unhealthy, "
         f"{counters.skipped_bytes} bytes in no frame"
     )
+    if counters.incomplete or counters.late or counters.foreign or counters.bus_errors:
+        typer.echo(
+            f"bus       {counters.incomplete} samples missing frames, {counters.late} frames late or repeated, "
+            f"{counters.foreign} of others, {counters.bus_errors} bus errors"
+        )

@@ -9,7 +9,7 @@ import numpy as np
 from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost, LinkSilent, WrongFormat
 from drivers.formats import wire_of
-from drivers.framing import sniff
+from drivers.framing import seen_instead, sniff
 from drivers.wire import FORMATS, WireFormat
 from station.live.stillness import TICKS, Block, block_of
 from station.reader import Chunk, GapMark
@@ -23,7 +23,7 @@ REPLUG_S = 30.0  # how long a lost port may stay away
 IDENTITY_S = 3.0  # how long to wait for the device to say who it is
 SNIFFED = 16384  # bytes
 SURE_FRAMES = 3
-TEMPERATURES = 8  # the newest samples; some formats send a temperature with every fourth only
+TEMPERATURES = 1000  # the newest samples; some devices send a temperature twice a second only
 
 
 class Source(Protocol):
@@ -191,7 +191,8 @@ class LiveFeed:
             raise LinkSilent(name, SILENT_S, baud)
         elif self._frameless_s >= SILENT_S:
             likely = next((found.format for found in sniff(self._recent) if found.format != self.wire.name), None)
-            raise WrongFormat(name, self.wire.name, len(self._recent), baud, likely)
+            seen = seen_instead(self.wire, self._recent)
+            raise WrongFormat(name, self.wire.name, len(self._recent), baud, likely, seen)
 
 
 def open_feed(source: Source) -> LiveFeed:

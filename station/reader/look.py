@@ -7,7 +7,7 @@ import numpy as np
 
 from drivers.errors import LinkSilent, ReplayEnded, WrongFormat
 from drivers.formats import wire_of
-from drivers.framing import Decoder, FrameCounters, sniff
+from drivers.framing import Decoder, FrameCounters, seen_instead, sniff
 from drivers.ports import open_port, parse_device_url
 from drivers.wire import FORMATS
 from procedures.records import SampleBlock
@@ -50,7 +50,10 @@ def look(url: str, seconds: float) -> Seen:
     block = decoder.feed(data) if decoder else None
     if wire is None or decoder is None or block is None or not len(block):
         wanted = wire.name if wire else " or ".join(FORMATS)
-        raise WrongFormat(address.name, wanted, len(data), address.baud, likely[0].format if likely else None)
+        seen = seen_instead(wire, data) if wire else ""
+        raise WrongFormat(
+            address.name, wanted, len(data), address.baud, likely[0].format if likely else None, seen
+        )
     steps = np.diff(block.device_time)
     steps = steps[np.isfinite(steps) & (steps > 0)]
     rate = float(1 / np.median(steps)) if len(steps) else None

@@ -10,11 +10,11 @@ import numpy as np
 
 from drivers.continuity import onward, unwrap
 from drivers.framing import Decoder
+from drivers.host_times import HostTimes
 from drivers.wire import WireFormat
 from procedures.arrays import FloatArray, IntArray
 from procedures.records import SampleBlock, block_rows
 from station.reader import Chunk
-from station.recorder.host_times import HostTimes
 
 GAP = 1.5  # sample periods, as in campaign folders
 LEARNING = 33  # samples from which the period is taken where the device does not state it

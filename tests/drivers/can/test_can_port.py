@@ -101,11 +101,12 @@ def test_a_time_stamping_adapter_and_its_noise_do_no_harm(adapter: SlcanAdapter)
         b"\rt1A02ABX\r",
         b"\r\xff\xfe\r",
         b"\rz\rt9\r",
+        b"\rt-1A0\rTFFFFFFFF0\r",
         b"\rt1A08" + b"\xc3" * 16 + b"\r",
     ]
     assert adapter.write(b"".join(good + each for each in noise) + good + b"\r", NEVER)
     got, until = list[tuple[int, bytes]](), time.monotonic() + 5.0
-    while len([each for each in got if each == (0x1A0, b"\xab\xcd")]) < 7:
+    while len([each for each in got if each == (0x1A0, b"\xab\xcd")]) < 8:
         assert time.monotonic() < until, got
         got += record.unpack(port.read(65536))
     assert {identifier for identifier, data in got if data != b"\xab\xcd"} <= {record.ERROR}

@@ -13,6 +13,7 @@ from drivers.can.format import OWN_DBC, OWN_MAP, can_format
 from drivers.can.layout import words_of
 from drivers.errors import BadCanFile
 from drivers.framing import Decoder
+from procedures.records import RateBlock
 from tests.drivers.can.frames import DBC, needs_captures, samples
 
 SBG_MAP = """
@@ -68,7 +69,9 @@ def test_a_foreign_device_is_joined_by_the_order_of_its_frames(tmp_path: Path) -
     ]
     decoder = Decoder(wire)
     block = decoder.feed(b"".join(records))
-    assert (block.gyro.tolist(), block.accel.tolist()) == ([[-1234, 567, 32767]], [[981, -32768, 1]])
+    assert (wire.output, type(block)) == ("rate", RateBlock)
+    np.testing.assert_allclose(block.gyro, [[-1.234, 0.567, 32.767]])  # rad/s, as the DBC says
+    np.testing.assert_allclose(block.accel, [[9.81, -327.68, 0.01]])
     assert (block.device_time[0], block.temperature[0], block.status[0]) == (123.456789, 25.43, 32767)
     later = [records[0], records[2]]  # its accelerometer frame is lost
     assert len(decoder.feed(b"".join([*later, *records]))) == 0

@@ -1,5 +1,7 @@
 """Frames to samples: whatever is lost, late, doubled or foreign, no sample is made of frames of two."""
 
+from dataclasses import replace
+
 import hypothesis.strategies as st
 import numpy as np
 import pytest
@@ -106,6 +108,16 @@ def test_a_wrong_check_is_counted_and_its_sample_missing() -> None:
     decoder = Decoder(WIRE)
     block = fed(b"".join([*FRAMES[:33], frame, *FRAMES[34:]]), decoder)
     assert (len(block), decoder.counters.bad_crc, decoder.counters.incomplete) == (N - 1, 1, 1)
+
+
+def test_a_wrong_frame_that_passes_its_check_is_marked_by_its_step() -> None:
+    """Eight bits let one in 256 through; a count far from the one before is then not believed."""
+    still = replace(BLOCK, gyro=np.zeros((N, 3), np.int64), accel=np.zeros((N, 3), np.int64))
+    jumped = replace(still, gyro=np.where(np.arange(N)[:, None] == 20, 2**28, still.gyro))
+    decoder = Decoder(WIRE)
+    block = fed(b"".join(frames_of(jumped)), decoder)
+    assert np.flatnonzero(~block.healthy).tolist() == [20]
+    assert decoder.counters.bad_status == 1
 
 
 def test_a_restarted_device_begins_anew() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from station.recorder.host_times import HostTimes
+from drivers.host_times import HostTimes
 
 PERIOD = 0.0025
 
