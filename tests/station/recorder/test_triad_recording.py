@@ -1,4 +1,4 @@
-"""Three simulated CH-70 on three ptys, through the reader process, to one recording whose bytes give its counts."""
+"""Three simulated CH-70 on three ptys, through the reader process, to one recording that its bytes confirm."""
 
 from contextlib import ExitStack
 from pathlib import Path
