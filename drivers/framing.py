@@ -133,10 +133,11 @@ class Decoder:
         at = kept = 0  # where the search stands; bytes in accepted frames
         while True:
             if self._is_after_frame:
-                if not buffer.startswith(trailer, at) and trailer.startswith(buffer[at:]) and not at_end:
+                follows = buffer[at : at + len(trailer)]
+                if follows != trailer and trailer.startswith(follows) and not at_end:
                     break
                 self._is_after_frame = False
-                if buffer.startswith(trailer, at):
+                if follows == trailer:
                     at, kept = at + len(trailer), kept + len(trailer)
             if (at := self._next_start(buffer, at, at_end)) + head > total:
                 break

@@ -20,6 +20,14 @@ def _check(owner: object, n: int, name: str, columns: int | None) -> None:
         raise ValueError(f"{type(owner).__name__}.{name} has shape {value.shape}, expected {expected}")
 
 
+def _check_block(block: "SampleBlock") -> None:
+    n = len(block.counter)
+    for name in ("device_time", "temperature", "status", "healthy"):
+        _check(block, n, name, None)
+    for name in ("gyro", "accel"):
+        _check(block, n, name, 3)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class CountBlock:
     """Consecutive IMU frames in device counts, as decoded, before any scale factor.
@@ -40,11 +48,7 @@ class CountBlock:
     healthy: np.ndarray[tuple[int], np.dtype[np.bool_]]
 
     def __post_init__(self) -> None:
-        n = len(self.counter)
-        for name in ("device_time", "temperature", "status", "healthy"):
-            _check(self, n, name, None)
-        for name in ("gyro", "accel"):
-            _check(self, n, name, 3)
+        _check_block(self)
 
     def __len__(self) -> int:
         return len(self.counter)
@@ -66,11 +70,7 @@ class RateBlock:
     healthy: np.ndarray[tuple[int], np.dtype[np.bool_]]
 
     def __post_init__(self) -> None:
-        n = len(self.counter)
-        for name in ("device_time", "temperature", "status", "healthy"):
-            _check(self, n, name, None)
-        for name in ("gyro", "accel"):
-            _check(self, n, name, 3)
+        _check_block(self)
 
     def __len__(self) -> int:
         return len(self.counter)

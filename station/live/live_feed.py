@@ -19,6 +19,7 @@ from station.recorder.unit import refuse_other, unit_of
 BLOCK_S = 1.0
 POLL_S = 0.1
 SILENT_S = 2.0  # of the station's time, without a byte or without a frame
+JOINING_S = 6.0  # the same until the first sample of what must learn its period to join samples
 REPLUG_S = 30.0  # how long a lost port may stay away
 IDENTITY_S = 3.0  # how long to wait for the device to say who it is
 SNIFFED = 16384  # bytes
@@ -179,6 +180,10 @@ class LiveFeed:
         self._is_open, self._silent_s, self._frameless_s = mark.is_open, 0.0, 0.0
         self.stream.begin_anew()
 
+    @property
+    def _patience_s(self) -> float:
+        return JOINING_S if self.wire.passed_over and not self.stream.counters.samples else SILENT_S
+
     def _watch(self, waited_s: float, *, is_idle: bool, has_frames: bool) -> None:
         """Add up the time waited in vain; a station that was itself held up did not wait."""
         self._silent_s += waited_s if is_idle else 0.0
@@ -189,7 +194,7 @@ class LiveFeed:
                 raise LinkLost(name, f"not back within {REPLUG_S:g} s")
         elif self._silent_s >= SILENT_S:
             raise LinkSilent(name, SILENT_S, baud)
-        elif self._frameless_s >= SILENT_S:
+        elif self._frameless_s >= self._patience_s:
             likely = next((found.format for found in sniff(self._recent) if found.format != self.wire.name), None)
             seen = seen_instead(self.wire, self._recent)
             raise WrongFormat(name, self.wire.name, len(self._recent), baud, likely, seen)
