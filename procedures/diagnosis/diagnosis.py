@@ -24,7 +24,7 @@ from procedures.diagnosis.preliminary import preliminary
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import Diagnosis, Finding, Test, Verdict
 from procedures.diagnosis.selection import (
-    LIKELY,
+    CLAIMED,
     MOST,
     Adopted,
     Tried,
@@ -119,7 +119,7 @@ def _lasting(state: State, effects: Sequence[Effect]) -> State:
 def _has_gone(state: State, candidate: Candidate) -> bool:
     """Say whether an adopted effect is no longer significant over all that was tried."""
     test = significance(state.now.evidence, candidate.fit(state.now.evidence, state.beside(candidate)))
-    return bool(test.log_p + np.log(len(state.pool)) > LIKELY)
+    return bool(test.log_p + np.log(len(state.pool)) > CLAIMED)
 
 
 def _without(state: State, gone: Adopted, effects: Sequence[Effect]) -> State:

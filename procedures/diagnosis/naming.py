@@ -11,7 +11,7 @@ from procedures.diagnosis.groups import groups
 from procedures.diagnosis.model import fit_linear, held_out, significance
 from procedures.diagnosis.repeats import std_of_repeats
 from procedures.diagnosis.result import Confidence, Finding
-from procedures.diagnosis.selection import ESTABLISHED, GAIN, Adopted, gain_of
+from procedures.diagnosis.selection import CLAIMED, GAIN, Adopted, gain_of
 from procedures.diagnosis.sign_flip import TOLD, sign_flip_p
 from procedures.diagnosis.state import State, stand
 from procedures.effects.effect import Effect
@@ -105,7 +105,7 @@ def _finding(state: State, adopted: Adopted, tried: int) -> Finding:
     gain = gain_of(evidence, candidate, beside, left_out)
     aliases = tuple(dict.fromkeys(each.effect.name for each in _others(state, candidate)))
     flipped = sign_flip_p(evidence, candidate, beside)
-    is_sure = log_p < ESTABLISHED and gain > GAIN and (flipped is None or flipped <= TOLD)
+    is_sure = log_p < CLAIMED and gain > GAIN and (flipped is None or flipped <= TOLD)
     confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
     effect, columns = candidate.effect, candidate.columns
     told = candidate.term.H.any(axis=0)

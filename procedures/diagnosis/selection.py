@@ -27,8 +27,8 @@ from procedures.diagnosis.model import (
 )
 from procedures.diagnosis.repeats import log_p_of_repeats
 
-# Of the adjusted p. The words would allow 0.05 for likely; that claims what is not there in more than 3 %.
-ESTABLISHED, LIKELY = np.log(0.01), np.log(0.02)
+# Of the adjusted p. The words would allow 0.05 for likely; that names what is not there in more than 1 %.
+CLAIMED = np.log(0.01)
 BEYOND = 5.0  # times its plausible size a coefficient is not believed
 ALONE = np.log(0.05)  # p that must stay whichever step is left out
 GAIN = 0.5  # of log predictive density, below which the left-out rows say neither yes nor no
@@ -94,13 +94,13 @@ def next_effect(
     """Return the best of those tried that is significant, plausible, foretells, and hangs on no single step."""
     terms = [each.term for each in adopted if not each.candidate.is_of_model]
     for each in tried:
-        if each.log_p_adjusted >= LIKELY:
+        if each.log_p_adjusted >= CLAIMED:
             return None
         gain = gain_of(evidence, each.candidate, terms, left_out)
         if (
             is_plausible(each)
             and gain > 0
-            and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < LIKELY
+            and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < CLAIMED
             and stands_without_any(evidence, each.candidate, terms, left_out)
             and holds_in_every_campaign(evidence, each.candidate, terms)
         ):
