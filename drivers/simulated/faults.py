@@ -95,8 +95,19 @@ class FaultyLine:
         self._losing = self._spoiling = self._restarted = self._holding = 0
         self._held: list[bytes] = []
         self._late = b""
-        if wire.joiner is None and (alien := [each.kind for each in self._faults if each.kind in CAN_KINDS]):
-            raise TruthRefused(f"fault kind {alien[0]!r} of a device that is not on CAN", ", ".join(KINDS))
+        for fault in self._faults:
+            self._check(fault)
+
+    def plant(self, fault: Fault) -> None:
+        """Add a fault."""
+        self._check(fault)
+        self._faults = (*self._faults, fault)
+
+    def _check(self, fault: Fault) -> None:
+        accepted = KINDS if self._wire.joiner is None else {**KINDS, **CAN_KINDS}
+        if fault.kind not in accepted:
+            where = " of a device that is not on CAN" if fault.kind in CAN_KINDS else ""
+            raise TruthRefused(f"fault kind {fault.kind!r}{where}", ", ".join(accepted))
 
     def send(self, block: SampleBlock) -> list[Sent]:
         """Return what goes over the line for a block whose counters are sample numbers since power-on."""
