@@ -27,7 +27,8 @@ def test_the_shipped_examples_can_be_served_and_stand_on_the_page(path: Path) ->
 
 
 def test_moves_follow_each_other_and_happen_to_the_sample(tmp_path: Path) -> None:
-    text = '[[hands]]\ndo="rest 3"\n[[hands]]\ndo="place 3 5"\n[[hands]]\ndo="rest 1"\n[[hands]]\ndo="place 1"\nat_s=30'
+    hands = (("rest 3", ""), ("place 3 5", ""), ("rest 1", ""), ("place 1", "at_s = 30"))
+    text = "".join(f"[[hands]]\ndo = {do!r}\n{at}\n" for do, at in hands)
     (tmp_path / "s.toml").write_text(SMALLEST + text)
     scenario = read_scenario(tmp_path / "s.toml")
     settling_s = 12 * scenario.truth.settle_tau_s
