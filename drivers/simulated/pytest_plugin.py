@@ -1,7 +1,7 @@
 """A pytest plugin: simulated devices on real transports as fixtures. How to use it: docs/testing.md.
 
-It is loaded by every pytest of its environment, so it imports nothing until a fixture is asked for. What a device is
-like is said by a marker of the fixture's name, its keyword arguments those of `drivers.simulated.server`.
+It is loaded by every pytest of its environment, so it imports nothing until a fixture is asked for. What a device
+is like is said by a marker of the fixture's name, its keyword arguments those of `drivers.simulated.server`.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def _settings(request: pytest.FixtureRequest, name: str) -> dict[str, Any]:
 
 
 def _truth(settings: dict[str, Any], beside: Truth | None = None) -> Truth:
-    """Take ``truth`` out of the settings: a `Truth`, or keys of the truth file that differ from the usual unit's."""
+    """Take ``truth`` out of the settings: a `Truth`, or keys of a truth file that differ from the usual."""
     from drivers.simulated.truth import Truth, truth_from
 
     given = settings.pop("truth", {})

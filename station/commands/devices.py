@@ -26,9 +26,9 @@ def devices(
 ) -> None:
     """List serial ports, CAN interfaces and MAVLink systems with what each sends, or look at one device closely.
 
-    Every port is read for --seconds: the format that its bytes look like, frames/s, samples/s, errors. Nothing is sent
-    to a port that is only listed. Of a MAVLink link with --url: who is on it, what each message's rate is, and
-    where its receiver stands.
+    Every port is read for --seconds: the format that its bytes look like, frames/s, samples/s, errors. Nothing is
+    sent to a port that is only listed. Of a MAVLink link with --url: who is on it, what each message's rate is,
+    and where its receiver stands.
 
     Exit code 4 if a port given with --url cannot be opened, is silent, or sends no frame of any known format.
 

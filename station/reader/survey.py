@@ -31,8 +31,8 @@ class Found:
     """A port and what came out of it.
 
     ``url`` opens it, ``about`` is what it says of itself, ``looks_like`` the format of its bytes, ``mavlink`` or
-    ``slcan``, empty if none. Rates are per second; ``rate_hz`` is by the device's own time. ``errors`` are what the
-    framing counted, ``systems`` and ``messages`` MAVLink's frames per second. ``trouble`` says why there is nothing.
+    ``slcan``, empty if none. Rates are per second; ``rate_hz`` is by the device's own time. ``errors`` are what
+    the framing counted, ``systems`` and ``messages`` MAVLink's frames per second. ``trouble`` says what is wrong.
     """
 
     url: str
