@@ -11,7 +11,8 @@ from station.report.svg import AXIS_STYLE, INK, RULE, draw_svg
 SIZE_IN = (7.0, 2.6)
 _SPREAD = 0.2  # of a step, by which the three sensors stand apart
 _ROWS = {"mean": "dwells", "turn": "turns", "norm": "rests", "slope": "slopes within dwells",
-         "curvature": "curvatures within dwells", "rate": "points of a rate table", "soak": "blocks of a soak"}  # fmt: skip
+         "curvature": "curvatures within dwells", "rate": "points of a rate table",
+         "soak": "blocks of a soak"}  # fmt: skip
 
 
 def residual_svg(number: int, panel: ResidualPanel) -> str:

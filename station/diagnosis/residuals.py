@@ -62,10 +62,9 @@ def residual_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
 
 
 def _way(diagnosis: Diagnosis, finding: Finding) -> Candidate | None:
-    """Return the columns by which a finding acts; None of what a rate table showed, where the evidence is a bench's."""
+    """Return the columns by which a finding acts; None of what a table showed, where the evidence is a bench's."""
     tables = {table.name for each in diagnosis.after.campaigns for table in each.rate_tables}
-    files = finding.where.get("file", ())
-    if tables & {*([files] if isinstance(files, str) else files)} and not diagnosis.evidence.rows("rate").any():
+    if _first(finding.where.get("file")) in tables and not diagnosis.evidence.rows("rate").any():
         return None
     effect = [each for each in EFFECTS if each.name == finding.effect]
     ways = candidates(diagnosis.evidence, diagnosis.after, effect).get(finding.effect, [])

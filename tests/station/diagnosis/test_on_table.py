@@ -9,7 +9,9 @@ import pytest
 from procedures.diagnosis.diagnosis import diagnose
 from station import cli
 from station.campaign_folder import read_campaign
+from station.diagnosis.document import diagnosis_document
 from station.diagnosis.figure import caption
+from station.diagnosis.page import section_html
 from station.diagnosis.residuals import residual_panels
 from tests.procedures.diagnosis.test_rate_tables import table
 
@@ -73,7 +75,12 @@ def test_points_of_a_table_are_drawn_at_their_own_rate_and_temperature_in_deg_s(
     rows = np.column_stack((points.reference, points.output[:, 2], points.temperature))
     np.savetxt(tmp_path / "rates.csv", rows, "%.9g", ",", header="rate_ref_deg_s,gz,temp_c", comments="")
     (tmp_path / "campaign.toml").write_text(TOML.replace("OUTPUT", "rate"))
-    panels = residual_panels(diagnose([read_campaign(tmp_path).campaign]))
+    loaded = read_campaign(tmp_path)
+    found = diagnose([loaded.campaign])
+    page = section_html(diagnosis_document(found, [loaded]), None)
+    assert "gyroscope scale factor z" in page  # what the summary says the page says
+    assert "Shape: u^3" in page
+    panels = residual_panels(found)
     assert len(panels) == 2
     for panel, along in zip(panels, (points.reference, points.temperature), strict=True):
         assert np.allclose(panel.coordinate.values, along)  # not the mean of its block
