@@ -51,8 +51,8 @@ _PLAN = "(--plan FILE writes its steps for `station calibrate --plan FILE`)"
 
 
 def warnings_of(document: Mapping[str, Any]) -> list[str]:
-    """Return a diagnosis' warnings, without the advice to run a diagnosis."""
-    return [text.removesuffix(_ADVICE) for text in document["solution"]["warnings"]]
+    """Return a diagnosis' warnings, without the advice to run one; none where the solution stands apart."""
+    return [text.removesuffix(_ADVICE) for text in document.get("solution", {}).get("warnings", [])]
 
 
 _ADVICE = "; run `station diagnose`"
