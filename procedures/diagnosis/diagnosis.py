@@ -39,6 +39,7 @@ from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.errors import NotObservable
 
+AGAIN = "the same campaign in another order, on another day: what does not come back is no effect"
 UNEXPLAINED = np.log(0.01)
 # Of what is left: below it an effect must have explained nearly all that it was brought in for.
 LEFT = np.log(1e-3)
@@ -70,9 +71,10 @@ def _of_steps(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagn
     steps = reduce_steps(found_before.campaigns)
     found = _closed(Bench(steps, fit_reduced(steps)), effects)
     findings = (*found_before.findings, *found.findings)
+    verdict = _verdict(findings, found.log_p)
     return replace(
-        found, verdict=_verdict(findings, found.log_p), findings=findings,
-        tried=(*found_before.tests, *found.tried), next_measurement=_next(findings),
+        found, verdict=verdict, findings=findings,
+        tried=(*found_before.tests, *found.tried), next_measurement=_next(findings, verdict),
     )  # fmt: skip
 
 
@@ -93,11 +95,12 @@ def _closed(subject: Subject, effects: Sequence[Effect]) -> Diagnosis:
     state, findings = named(state, len(first.pool), effects)
     left = _left(state)
     unexplained = within_dwells(state.now.evidence, _unwidened(state)) if left < UNEXPLAINED else None
+    verdict = _verdict(findings, left)
     return Diagnosis(
-        _verdict(findings, left), findings, tuple(_test(each) for each in tried),
+        verdict, findings, tuple(_test(each) for each in tried),
         errors_made(first.now.evidence, state.now, groups(first.now.evidence)), first.now.fits,
         state.now.fits, state.now.evidence, subject.report(first.now), subject.report(state.now), left,
-        _next(findings),
+        _next(findings, verdict),
         tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
         unexplained, subject.on_table(state.now),
     )  # fmt: skip
@@ -171,6 +174,7 @@ def _test(tried: Tried) -> Test:
     return Test(tried.candidate.effect.name, tried.test.statistic, tried.log_p, tried.log_p_adjusted)
 
 
-def _next(findings: Sequence[Finding]) -> str:
+def _next(findings: Sequence[Finding], verdict: Verdict) -> str:
     """Say what to measure next."""
-    return "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "ambiguous"))
+    told = "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "ambiguous"))
+    return AGAIN if verdict == "unexplained" and not told else told

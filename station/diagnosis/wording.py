@@ -1,6 +1,7 @@
 """What a diagnosis says, in words."""
 
 from collections.abc import Mapping, Sequence
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -57,6 +58,26 @@ def p_text(log10_p: float) -> str:
         return f"< 1e{LEAST_P}"
     exponent = int(log10_p // 1)
     return f"{10**log10_p:.2g}" if log10_p > -3 else f"{min(10 ** (log10_p - exponent), 9):.0f}e{exponent}"
+
+
+def notes(finding: Mapping[str, Any]) -> list[str]:
+    """Return what else is to be said of a finding, a sentence each."""
+    found = list[str]()
+    if (p := finding.get("sign_flip_p")) is not None:
+        draws = f"{1000 * p:.0f} of 1000 draws come out as large, the finding itself counted"
+        found.append(f"with the signs of the residual flipped at random {draws}")
+    if (angle := finding.get("levelling_deg")) is not None:
+        along = [f"{degrees(c['value']):.2f} along {n[-1]}" for n, c in finding["coefficients"].items()]
+        found.append(f"the vertical stands {angle:.2f} deg off the face: {', '.join(along)}")
+    if shape := finding.get("shape"):
+        found.append(f"shape: {shape}")
+    position = finding["where"].get("position")
+    if isinstance(position, list):
+        found.append(
+            f"which of these positions it was this data cannot tell: it is solved as position {position[0]}, and "
+            f"face parallelism and misalignments would be others if it was another"
+        )
+    return found
 
 
 def both(names: Sequence[str]) -> str:
