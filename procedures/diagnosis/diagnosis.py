@@ -15,11 +15,12 @@ from procedures.calibration import fit_reduced, reduce_steps
 from procedures.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.combined import combined, with_files
+from procedures.diagnosis.either import either
 from procedures.diagnosis.errors_made import errors_made
 from procedures.diagnosis.faces import faces_as_positions
 from procedures.diagnosis.groups import groups
 from procedures.diagnosis.model import LinearFit, fit_linear, significance
-from procedures.diagnosis.naming import named, settled
+from procedures.diagnosis.naming import named, other_seatings, settled
 from procedures.diagnosis.preliminary import preliminary
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import Diagnosis, Finding, Test, Verdict
@@ -38,6 +39,7 @@ from procedures.diagnosis.within_dwells import within_dwells
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.errors import NotObservable
+from procedures.solution import Solution
 
 AGAIN = "the same campaign in another order, on another day: what does not come back is no effect"
 UNEXPLAINED = np.log(0.01)
@@ -99,11 +101,21 @@ def _closed(subject: Subject, effects: Sequence[Effect]) -> Diagnosis:
     return Diagnosis(
         verdict, findings, tuple(_test(each) for each in tried),
         errors_made(first.now.evidence, state.now, groups(first.now.evidence)), first.now.fits,
-        state.now.fits, state.now.evidence, subject.report(first.now), subject.report(state.now), left,
+        state.now.fits, state.now.evidence, subject.report(first.now), _reported(state, effects), left,
         _next(findings, verdict),
         tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
         unexplained, subject.on_table(state.now),
     )  # fmt: skip
+
+
+def _reported(state: State, effects: Sequence[Effect]) -> Solution:
+    """Return what was solved, its sigmas holding the seatings that could be in the place of one."""
+    found = state.subject.report(state.now)
+    for each in state.adopted:
+        for way in other_seatings(state, each.candidate):
+            instead = [replace(a, candidate=way) if a is each else a for a in state.adopted]
+            found = either(found, state.subject.report(stand(state.subject, instead, effects).now))
+    return found
 
 
 def _dropped(state: State, effects: Sequence[Effect]) -> State:
