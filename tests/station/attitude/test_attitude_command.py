@@ -1,0 +1,96 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from station.cli import run
+
+G = 9.80665
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    """Ten seconds of rolling at constant speed, with truth, an airspeed and a gap."""
+    t = np.concatenate([np.arange(0, 5, 0.01), np.arange(5.5, 10, 0.01)])
+    roll = 0.5 * np.sin(t)
+    columns = [
+        t,
+        0.5 * np.cos(t),
+        0 * t,
+        0 * t,
+        0 * t,
+        -G * np.sin(roll),
+        -G * np.cos(roll),
+        30 + 0 * t,
+        roll,
+        0 * t,
+    ]
+    path = tmp_path / "log.csv"
+    header = "t_s,p_rad_s,q_rad_s,r_rad_s,fx_m_s2,fy_m_s2,fz_m_s2,airspeed_m_s,roll_rad,pitch_rad"
+    np.savetxt(path, np.stack(columns, axis=1), "%.9g", ",", header=header, comments="")
+    return path
+
+
+@pytest.mark.parametrize("aid", ["none", "airspeed", "airspeed-filter", "paper-airspeed", "paper-filter"])
+def test_every_aid_writes_the_contract(log: Path, tmp_path: Path, aid: str) -> None:
+    out, said = tmp_path / "out.csv", tmp_path / "out.json"
+    assert run(["attitude", str(log), "--aid", aid, "--out", str(out), "--json", str(said)]) == 0
+    table = np.genfromtxt(out, delimiter=",", names=True)
+    assert table.dtype.names == ("t_s", "roll_rad", "pitch_rad", "down_x", "down_y", "down_z")
+    assert len(table) == 950
+    down = np.stack([table["down_x"], table["down_y"], table["down_z"]], axis=1)
+    assert np.abs(np.linalg.norm(down, axis=1) - 1).max() < 1e-6
+    assert np.allclose(np.arctan2(table["down_y"], table["down_z"]), table["roll_rad"], atol=1e-6)
+    document = json.loads(said.read_text())
+    assert document["format"] == "attitude/1"
+    assert document["aid"] == aid
+    assert document["rows"] == 950
+    assert document["gaps"] == [[pytest.approx(4.99), pytest.approx(5.5)]]
+    assert len(document["gyro_bias_rad_s"]["value"]) == 3
+    assert set(document["rms_deg"]) == {"roll", "pitch", "inclination"}
+    assert document["rms_deg"]["inclination"] < 8
+    assert any("1 gaps" in warning for warning in document["warnings"])
+
+
+def test_without_an_aid_the_best_is_taken(log: Path, tmp_path: Path) -> None:
+    said = tmp_path / "out.json"
+    assert run(["attitude", str(log), "--json", str(said)]) == 0
+    assert json.loads(said.read_text())["aid"] == "airspeed-filter"
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ["--aid", "gnss"],
+        ["--aid", "compass"],
+        ["--tau", "-1"],
+        ["--k1", "0.1"],
+        ["--tau", "5", "--k1", "0.1", "--k2", "0.1"],
+        ["--aid", "airspeed-filter", "--tau", "5"],
+    ],
+)
+def test_wrong_usage_is_2_and_one_line(log: Path, wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["attitude", str(log), *wrong]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_upside_down_is_legal_and_said(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = log.read_text().splitlines()
+    turned = [text[0]]
+    for line in text[1:]:
+        cells = line.split(",")
+        cells[6] = str(-float(cells[6]))
+        cells[5], cells[8], cells[1] = str(-float(cells[5])), "", "0"
+        cells[9] = ""
+        turned.append(",".join(cells))
+    log.write_text("\n".join(turned) + "\n")
+    assert run(["attitude", str(log), "--aid", "none"]) == 0
+    said = capsys.readouterr().out
+    assert "starts upside down; if it stood level, these axes are not forward-right-down" in said
+
+
+def test_gains_alone_ask_for_the_mixing_law(log: Path, tmp_path: Path) -> None:
+    said = tmp_path / "out.json"
+    assert run(["attitude", str(log), "--aid", "none", "--tau", "10", "--json", str(said)]) == 0
+    assert json.loads(said.read_text())["parameters"]["k1"] == pytest.approx(0.2)
