@@ -34,7 +34,7 @@ class Settings(NamedTuple):
     gyro_noise: float = 1e-4  # rad/sqrt(s)
     gyro_noise_per_rate: float = 1.5e-3  # of the rate, 1/sqrt(1/s): scale and axes while turning
     gyro_bias_walk: float = 1e-5  # rad/s/sqrt(s)
-    gyro_bias_std: float = 0.02  # rad/s, 1.1 deg/s: of a MEMS gyro switched on
+    gyro_bias_std: float = 0.03  # rad/s, 1.7 deg/s: of a MEMS gyro switched on
     gyro_scale_std: float = 2e-3
     force_noise: float = 0.1  # m/s/sqrt(s): vibration, lever arm, gusts as felt
     force_bias_std: float = 0.05  # m/s2, 5 mg
@@ -60,6 +60,8 @@ class Settings(NamedTuple):
     rest_speed: float = 1.0  # m/s, above which an aid denies rest
     rest_s: float = 1.5  # for so long
     rest_velocity_noise: float = 0.01  # m/s*sqrt(s)
+    rest_force_noise: float = 0.03  # m/s/sqrt(s), of accelerometers that nothing shakes
+    rest_bias_walk: float = 1e-4  # rad/s/sqrt(s), of gyros that nothing moves
     rest_rate_noise: float = 2.5e-4  # rad/s*sqrt(s); a minute of it is half the Earth rate
     rate_limit: float = math.inf  # rad/s: the gyros' range; at it they are saturated
     force_limit: float = math.inf  # m/s2

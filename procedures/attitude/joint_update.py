@@ -10,6 +10,7 @@ from numba import njit
 
 from procedures.attitude.joint_state import (
     ALPHA,
+    AT_REST,
     BETA,
     DV,
     LOST_ANGLE,
@@ -69,11 +70,14 @@ def _grow(s: State, c: Settings) -> None:
     P, block = s.P, s.block
     T = block[TIME]
     angle = c.gyro_noise**2 * T + c.gyro_noise_per_rate**2 * block[TURNED2] + block[LOST_ANGLE] ** 2
-    speed = c.force_noise**2 * T + block[LOST_SPEED] ** 2
+    at_rest = block[AT_REST] > 0.0
+    force_noise = c.rest_force_noise if at_rest else c.force_noise
+    bias_walk = min(c.rest_bias_walk, c.gyro_bias_walk) if at_rest else c.gyro_bias_walk
+    speed = force_noise**2 * T + block[LOST_SPEED] ** 2
     for i in range(3):
         P[i, i] += angle
         P[3 + i, 3 + i] += speed
-        P[6 + i, 6 + i] += c.gyro_bias_walk**2 * T
+        P[6 + i, 6 + i] += bias_walk**2 * T
         P[12 + i, 12 + i] += c.force_bias_walk**2 * T
     if len(s.dx) > 15:
         _fade(s, 15, ALPHA, math.exp(-T / c.attack_s), c.attack_std)
