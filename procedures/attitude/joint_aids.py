@@ -2,9 +2,8 @@
 
 import math
 
-from numba import njit
-
 from procedures.arrays import FloatArray
+from procedures.attitude.compiled import inlined
 from procedures.attitude.joint_state import (
     AIR,
     AIR_ROWS,
@@ -30,14 +29,14 @@ REST_MEAN_S = 0.5  # over which rest's means are taken
 MEAN_SPEED_S = 1.0
 
 
-@njit(cache=True)
+@inlined
 def level_velocity(s: State, c: Settings, i: int, measured: float, variance: float) -> None:
     """Measure component ``i`` of the velocity in north-east-down."""
     s.at[0], s.H[0] = 3 + i, 1.0
     measure(s, 1, s.v_n[i] - measured, variance, c.believed_sigma)
 
 
-@njit(cache=True)
+@inlined
 def body_velocity(s: State, c: Settings, axis: int, along: float, slow: int, noise: float) -> None:
     """Measure a body component of the velocity: ``along``, or that times a slow angle."""
     C, v, H, at = s.C_nb, s.v_n, s.H, s.at
@@ -55,7 +54,7 @@ def body_velocity(s: State, c: Settings, axis: int, along: float, slow: int, noi
         measure(s, 7, error - along * s.slow[slow], variance, c.believed_sigma)
 
 
-@njit(cache=True)
+@inlined
 def airspeed(s: State, c: Settings) -> None:
     """Take in the airspeed since the last update, angle of attack, sideslip, and a weak word on climbing."""
     V = s.block[AIR] / s.block[AIR_ROWS]
@@ -66,7 +65,7 @@ def airspeed(s: State, c: Settings) -> None:
     level_velocity(s, c, 2, 0.0, climb * climb / s.block[TIME])
 
 
-@njit(cache=True)
+@inlined
 def velocity_fix(s: State, c: Settings, vel: FloatArray) -> None:
     """Take in a GNSS velocity (3,) [m/s]; the first fast enough gives the heading where none was given.
 
@@ -92,13 +91,13 @@ def velocity_fix(s: State, c: Settings, vel: FloatArray) -> None:
         level_velocity(s, c, 2, vel[2], c.velocity_fix_std**2)
 
 
-@njit(cache=True)
+@inlined
 def heading_of(s: State) -> float:
     """Return the heading [rad] of body x in the filter's level frame."""
     return math.atan2(s.C_nb[1, 0], s.C_nb[0, 0])
 
 
-@njit(cache=True)
+@inlined
 def turn_level_frame(s: State, angle: float, std: float) -> None:
     """Turn north by ``angle`` [rad], so that it is true within ``std``: attitude, velocity, covariance."""
     cos, sin = math.cos(angle), math.sin(angle)
@@ -121,7 +120,7 @@ def turn_level_frame(s: State, angle: float, std: float) -> None:
     s.block[HEADING_KNOWN] = 1.0
 
 
-@njit(cache=True)
+@inlined
 def true_heading(s: State, c: Settings, heading: float) -> None:
     """Take in a true heading [rad]; where body x stands near the vertical it says nothing."""
     if abs(s.C_nb[2, 0]) > 0.98:
@@ -139,7 +138,7 @@ def true_heading(s: State, c: Settings, heading: float) -> None:
     measure(s, 3, error, c.heading_std**2, c.believed_sigma)
 
 
-@njit(cache=True)
+@inlined
 def rest(s: State, c: Settings, aided: bool) -> bool:
     """Say whether the unit rests, and if so measure it: no velocity and, where an aid says so too, no rate.
 

@@ -2,9 +2,8 @@
 
 import math
 
-from numba import njit
-
 from procedures.arrays import FloatArray
+from procedures.attitude.compiled import inlined, kernel
 from procedures.attitude.joint_aids import airspeed, level_velocity, rest, true_heading, velocity_fix
 from procedures.attitude.joint_state import AIR_ROWS, DV, STARTED, TIME, Settings, State
 from procedures.attitude.joint_strapdown import LONG_GAP_S, correct, start, take
@@ -13,24 +12,26 @@ from procedures.attitude.joint_update import propagate
 NO_AID, AIRSPEED, GNSS = 0, 1, 2
 
 
-@njit(cache=True)
+@inlined
 def advance(
     s: State, c: Settings, aid: int, dt: float, p: float, q: float, r: float, x: float, y: float, z: float,
     air: float, vel: FloatArray, heading: float,
 ) -> None:  # fmt: skip
     """Advance by one sample: rates [rad/s], specific force [m/s2], and the aids, nan where there is none."""
+    if aid != AIRSPEED:
+        air = math.nan  # an aid that was not asked for is not used at all
     if s.block[STARTED] == 0.0 or dt > LONG_GAP_S:
         start(s, c, x, y, z, air)
         if heading == heading:
             true_heading(s, c, heading)
         return
-    take(s, c, dt, p, q, r, x, y, z, air)
+    take(s.C_nb, s.v_n, s.slow, s.sums, s.block, c, dt, p, q, r, x, y, z, air)
     fixed = aid == GNSS and vel[0] == vel[0] and vel[1] == vel[1] and vel[2] == vel[2]
     if s.block[TIME] >= c.update_s - 1e-9 or fixed or heading == heading:
         update(s, c, aid, fixed, vel, heading)
 
 
-@njit(cache=True)
+@inlined
 def update(s: State, c: Settings, aid: int, fixed: bool, vel: FloatArray, heading: float) -> None:
     """Carry the covariance to now, take in what is measured, and correct the state."""
     propagate(s, c)
@@ -51,7 +52,7 @@ def update(s: State, c: Settings, aid: int, fixed: bool, vel: FloatArray, headin
     s.block[AIR_ROWS + 1 : AIR_ROWS + 9] = 0.0
 
 
-@njit(cache=True)
+@kernel
 def filter_log(
     s: State, c: Settings, aid: int, dt: FloatArray, rate: FloatArray, force: FloatArray, air: FloatArray,
     vel: FloatArray, heading: FloatArray, out: FloatArray,

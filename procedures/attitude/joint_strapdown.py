@@ -2,8 +2,8 @@
 
 import math
 
-from numba import njit
-
+from procedures.arrays import FloatArray
+from procedures.attitude.compiled import inlined
 from procedures.attitude.joint_state import (
     AIR,
     AIR_ROWS,
@@ -33,7 +33,7 @@ GAP_RATE, GAP_FORCE = 0.2, 2.0  # rad/s, m/s2: 1 sigma of what it may have been
 LONG_GAP_S = 5.0  # after which attitude and velocity begin anew; the biases are kept
 
 
-@njit(cache=True)
+@inlined
 def start(s: State, c: Settings, x: float, y: float, z: float, air: float) -> None:
     """Align to the first specific force (x, y, z) [m/s2]; the heading is body x's, called north."""
     norm = math.sqrt(x * x + y * y + z * z)
@@ -73,15 +73,15 @@ def start(s: State, c: Settings, x: float, y: float, z: float, air: float) -> No
     s.block[SPEED] = math.nan
 
 
-@njit(cache=True)
+@inlined
 def take(
-    s: State, c: Settings, dt: float, p: float, q: float, r: float, x: float, y: float, z: float, air: float
-) -> None:
+    C: FloatArray, v: FloatArray, slow: FloatArray, sums: FloatArray, block: FloatArray, c: Settings, dt: float,
+    p: float, q: float, r: float, x: float, y: float, z: float, air: float,
+) -> None:  # fmt: skip
     """Integrate attitude and velocity over one sample and add up what the update needs.
 
     Rates and specific force are means over ``dt`` [s]; the force acts at half of the turn.
     """
-    C, v, slow, sums, block = s.C_nb, s.v_n, s.slow, s.sums, s.block
     if dt > GAP * c.nominal_s:
         block[LOST_ANGLE] += (GAP_RATE + 0.5 * math.sqrt(p * p + q * q + r * r)) * (dt - c.nominal_s)
         block[LOST_SPEED] += GAP_FORCE * (dt - c.nominal_s)
@@ -140,7 +140,7 @@ def take(
         block[AIR_ROWS] += 1.0
 
 
-@njit(cache=True)
+@inlined
 def correct(s: State) -> None:
     """Take the errors ``dx`` (n,) off the state, and square C_nb up."""
     C, dx, slow = s.C_nb, s.dx, s.slow

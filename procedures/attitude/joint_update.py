@@ -6,8 +6,7 @@ update is the unit matrix and six sparse rows, made of the sums of `joint_strapd
 
 import math
 
-from numba import njit
-
+from procedures.attitude.compiled import inlined
 from procedures.attitude.joint_state import (
     ALPHA,
     AT_REST,
@@ -22,7 +21,7 @@ from procedures.attitude.joint_state import (
 )  # fmt: skip
 
 
-@njit(cache=True)
+@inlined
 def propagate(s: State, c: Settings) -> None:
     """Carry the covariance over the time since the last update."""
     P, A, AP, sums, block = s.P, s.A, s.AP, s.sums, s.block
@@ -64,7 +63,7 @@ def propagate(s: State, c: Settings) -> None:
     _grow(s, c)
 
 
-@njit(cache=True)
+@inlined
 def _grow(s: State, c: Settings) -> None:
     """Add what went on unseen, and let the angle of attack and the sideslip go back to nought."""
     P, block = s.P, s.block
@@ -84,7 +83,7 @@ def _grow(s: State, c: Settings) -> None:
         _fade(s, 16, BETA, math.exp(-T / c.slip_s), c.slip_std)
 
 
-@njit(cache=True)
+@inlined
 def _fade(s: State, i: int, slow: int, left: float, std: float) -> None:
     """Let a first-order Gauss-Markov state go on; ``left`` is what remains of it."""
     s.slow[slow] *= left
@@ -94,7 +93,7 @@ def _fade(s: State, i: int, slow: int, left: float, std: float) -> None:
     s.P[i, i] = left * s.P[i, i] + std * std * (1.0 - left * left)
 
 
-@njit(cache=True)
+@inlined
 def measure(s: State, terms: int, error: float, variance: float, believed: float) -> None:
     """Take in a scalar: ``error`` = what the state says minus what was measured.
 
@@ -113,10 +112,9 @@ def measure(s: State, terms: int, error: float, variance: float, believed: float
     own = 0.0
     for k in range(terms):
         own += H[k] * PH[at[k]]
-    total = max(own + variance, error * error / (believed * believed))
+    inverse = 1.0 / max(own + variance, error * error / (believed * believed))
     for i in range(n):
-        gain = PH[i] / total
-        dx[i] += gain * error
-        for j in range(i + 1):
-            P[i, j] -= gain * PH[j]
-            P[j, i] = P[i, j]
+        row = PH[i]
+        dx[i] += row * inverse * error
+        for j in range(n):  # the whole square: it stays symmetric to the last bit, and runs in vectors
+            P[i, j] -= (row * PH[j]) * inverse
