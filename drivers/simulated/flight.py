@@ -53,7 +53,7 @@ def paper_flight(seed: int, turn_s: float = 50.0, speed: float = 200.0, attack_d
 def paper_bench(seed: int, position: int, seconds: float = 120.0) -> AttitudeLog:
     """Return a rest in position 1..12 with the errors of table 1, cube x forward, y left, z up."""
     down = -FRD_OF_CUBE @ nominal_C_lb(position)[2]
-    t = np.arange(1, round(seconds / PERIOD_S) + 1) * PERIOD_S
+    t: FloatArray = np.arange(1.0, round(seconds / PERIOD_S) + 1) * PERIOD_S
     gyro_error, force_error = sensor_errors(np.random.default_rng([seed, position]), len(t))
     roll, pitch = (np.full(len(t), angle) for angle in roll_pitch_of(down))
     return AttitudeLog(

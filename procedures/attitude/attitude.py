@@ -70,22 +70,19 @@ def estimate(
     settings
         Of the joint filter; what depends on the log (interval, noise, ranges) is filled in.
     """
-    noise = gyro_noise(log)
     if aid in AID_CODE and gains is None:
-        track = _joint(log, aid, settings or (FREE if aid == "none" else DEFAULT), gravity, latitude, noise)
+        track = _joint(log, aid, settings or (FREE if aid == "none" else DEFAULT), gravity, latitude)
     else:
-        track = _mixed(log, aid, gains or PAPER, gravity, gate_of(noise))
+        track = _mixed(log, aid, gains or PAPER, gravity, gate_of(gyro_noise(log)))
     return replace(track, warnings=(*_said_of(log), *track.warnings))
 
 
-def _joint(
-    log: AttitudeLog, aid: str, settings: Settings, gravity: float, latitude: float | None, noise: float
-) -> Track:
+def _joint(log: AttitudeLog, aid: str, settings: Settings, gravity: float, latitude: float | None) -> Track:
     earth = np.zeros(3) if latitude is None else earth_rate_ned(latitude)
     rate_limit, force_limit, _ = clipped_rows(log)
     unknown = EARTH_RATE if latitude is None else 0.0
     settings = settings._replace(
-        gravity=gravity, nominal_s=log.nominal, gyro_noise=max(settings.gyro_noise, noise),
+        gravity=gravity, nominal_s=log.nominal,
         earth_north=float(earth[0]), earth_down=float(earth[2]), rate_limit=rate_limit, force_limit=force_limit,
         gyro_bias_std=float(np.hypot(settings.gyro_bias_std, unknown)),
     )  # fmt: skip

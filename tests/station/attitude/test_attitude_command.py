@@ -94,3 +94,16 @@ def test_gains_alone_ask_for_the_mixing_law(log: Path, tmp_path: Path) -> None:
     said = tmp_path / "out.json"
     assert run(["attitude", str(log), "--aid", "none", "--tau", "10", "--json", str(said)]) == 0
     assert json.loads(said.read_text())["parameters"]["k1"] == pytest.approx(0.2)
+
+
+def test_tune_shows_the_curve_and_writes_it(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["tune", str(log), "--aid", "airspeed"]) == 0
+    shown = capsys.readouterr().out
+    assert "<- least" in shown
+    assert "chosen: --tau" in shown
+    said = tmp_path / "out.json"
+    assert run(["tune", str(log), "--gains", "--json", str(said)]) == 0
+    document = json.loads(said.read_text())
+    assert document["format"] == "tuning/1"
+    assert len(document["curve"]) == 63
+    assert run(["tune", str(log), "--aid", "gnss"]) == 2
