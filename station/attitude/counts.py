@@ -10,12 +10,13 @@ from procedures.attitude.log import GAP, AttitudeLog
 from procedures.earth import STANDARD_GRAVITY
 from station.calibrated_inputs import Surroundings, calibrated_inputs
 
+UNKNOWN = Surroundings()
 FORWARD_LEFT_UP = np.diag([1.0, -1.0, -1.0])  # IMU x forward, y left, z up: what forward-right-down sees of it
 
 
 def log_of_counts(
     calibration: Mapping[str, Any], t: FloatArray, gyro: FloatArray, accel: FloatArray,
-    around: Surroundings = Surroundings(), C_frd: FloatArray = FORWARD_LEFT_UP,
+    around: Surroundings = UNKNOWN, C_frd: FloatArray = FORWARD_LEFT_UP,
 ) -> tuple[AttitudeLog, tuple[str, ...]]:  # fmt: skip
     """Return increments of counts as an attitude log, and what is said of effects that were left in.
 
