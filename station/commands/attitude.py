@@ -39,6 +39,9 @@ def attitude(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="OUT.csv", help="Write roll, pitch and down vector here.")
     ] = None,
+    diagnose: Annotated[
+        bool, typer.Option("--diagnose", help="Trace the residual to what the model lacks, and add it.")
+    ] = False,
     json: Annotated[
         Path | None, typer.Option("--json", metavar="OUT", help="Write attitude/1 here instead of a summary.")
     ] = None,
@@ -50,6 +53,10 @@ def attitude(
     or with --tau or --k1 and --k2 the mixing law. airspeed is the law with forward speed and remembered angle of
     attack; paper-airspeed and paper-filter are the law as printed (K1 0.08, K2 0.0125), for reproduction. Errors
     are given in deg where the log has truth.
+
+    --diagnose finds, in the first 60 % of the log, what the residual between mixer and truth (or, without truth,
+    between gyros and accelerometers) says the model lacks; OUT.csv then is the attitude with it taken off, and the
+    error before and after is that of the other 40 %.
 
     Exit code 2 if the log lacks what the aid needs, 3 if it breaks a rule of attitude-log/1.
 
@@ -78,13 +85,23 @@ def attitude(
         given = np.full(len(read.t), np.nan)
         given[0] = np.radians(heading)
         read = replace(read, heading=given)
-    track = estimate(read, chosen, gains, gravity, None if latitude is None else float(np.radians(latitude)))
-    document = attitude_document(read, track)
+    if diagnose:
+        from procedures.attitude.tracing.trace import trace
+        from station.attitude.tracing import trace_document, trace_text
+
+        traced = trace(read, chosen, gains, gravity)
+        track = traced.track
+        document = attitude_document(read, track) | {"diagnosis": trace_document(traced)}
+        text = f"{trace_text(document['diagnosis'])}\n\nwith that taken off:\n{attitude_text(read, document)}"
+    else:
+        track = estimate(read, chosen, gains, gravity, None if latitude is None else float(np.radians(latitude)))
+        document = attitude_document(read, track)
+        text = attitude_text(read, document)
     if out is not None:
         write_track(out, read, track)
     if json is not None:
         write_solution(json, document)
-    typer.echo(attitude_text(read, document) if json is None else f"{json}: attitude of {log}, attitude/1")
+    typer.echo(text if json is None else f"{json}: attitude of {log}, attitude/1")
 
 
 def _gains(tau: float | None, k1: float | None, k2: float | None) -> "Gains | None":

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from station.cli import run
+from tests.procedures.attitude.driving import with_truth
 
 G = 9.80665
 
@@ -107,3 +108,32 @@ def test_tune_shows_the_curve_and_writes_it(log: Path, tmp_path: Path, capsys: p
     assert document["format"] == "tuning/1"
     assert len(document["curve"]) == 63
     assert run(["tune", str(log), "--aid", "gnss"]) == 2
+
+
+def test_diagnose_names_what_the_model_lacks_in_the_words_of_the_calibrations_loop(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = with_truth()
+    assert log.airspeed is not None
+    assert log.roll is not None
+    assert log.pitch is not None
+    path, said = tmp_path / "drive.csv", tmp_path / "out.json"
+    table = np.column_stack(
+        [log.t, log.rate, log.force + np.array([0.05, 0, 0]), log.airspeed, log.roll, log.pitch]
+    )
+    header = "t_s,p_rad_s,q_rad_s,r_rad_s,fx_m_s2,fy_m_s2,fz_m_s2,airspeed_m_s,roll_rad,pitch_rad"
+    np.savetxt(path, table, "%.9g", ",", header=header, comments="")
+    assert run(["attitude", str(path), "--diagnose", "--json", str(said)]) == 0
+    document = json.loads(said.read_text())
+    found = document["diagnosis"]
+    assert found["format"] == "diagnosis/1"
+    assert found["verdict"] == "established"
+    assert found["findings"][0]["effect"] == "accelerometer.bias"
+    assert found["findings"][0]["kind"] == "instrument"
+    assert found["findings"][0]["coefficients"]["x"]["value"] == pytest.approx(0.05, abs=0.01)
+    assert found["error"][0]["held_out_after"] < found["error"][0]["held_out_before"]
+    capsys.readouterr()
+    assert run(["attitude", str(path), "--diagnose"]) == 0
+    shown = capsys.readouterr().out
+    assert "ESTABLISHED. The model lacks accelerometer.bias." in shown
+    assert "which had no say" in shown
