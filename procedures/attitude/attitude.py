@@ -12,6 +12,7 @@ from procedures.attitude.joint import AID_CODE, JointFilter
 from procedures.attitude.joint_state import DEFAULT, FREE, Settings
 from procedures.attitude.log import AttitudeLog
 from procedures.attitude.mixer import NEAR_VERTICAL, mix, mix_as_printed
+from procedures.attitude.north import heading_at_rest
 from procedures.attitude.observability import Observability, observability
 from procedures.attitude.sensor_noise import clipped_rows, gate_of, gyro_noise
 from procedures.earth import EARTH_RATE, STANDARD_GRAVITY
@@ -54,7 +55,7 @@ def takes_gains(aid: str) -> bool:
 
 def estimate(
     log: AttitudeLog, aid: str, gains: Gains | None = None, gravity: float = STANDARD_GRAVITY,
-    latitude: float | None = None, settings: Settings | None = None,
+    latitude: float | None = None, settings: Settings | None = None, gyro_bias_std: float | None = None,
 ) -> Track:  # fmt: skip
     """Return roll and pitch along a log.
 
@@ -67,11 +68,19 @@ def estimate(
     latitude
         rad; takes the Earth's rate off, its horizontal part once the heading is known. Without it the Earth's
         rate is part of the biases and of their sigma.
+    gyro_bias_std
+        rad/s, 1 sigma of the gyros' biases where it is known, as after a calibration. With a latitude, and small
+        enough, it lets a rest at the start tell the heading.
     settings
         Of the joint filter; what depends on the log (interval, noise, ranges) is filled in.
     """
     if aid in AID_CODE and gains is None:
-        track = _joint(log, aid, settings or (FREE if aid == "none" else DEFAULT), gravity, latitude)
+        settings = settings or (FREE if aid == "none" else DEFAULT)
+        if gyro_bias_std is not None:
+            settings = settings._replace(gyro_bias_std=gyro_bias_std)
+        if latitude is not None and log.heading is None:
+            log, settings = _compassed(log, settings, latitude)
+        track = _joint(log, aid, settings, gravity, latitude)
     else:
         track = _mixed(log, aid, gains or PAPER, gravity, gate_of(gyro_noise(log)))
     return replace(track, warnings=(*_said_of(log), *track.warnings))
@@ -91,6 +100,16 @@ def _joint(log: AttitudeLog, aid: str, settings: Settings, gravity: float, latit
     bias, std = kept.gyro_bias
     finite = {name: value for name, value in settings._asdict().items() if np.isfinite(value)}
     return Track(aid, out[:, :3].copy(), out[:, 3].copy(), bias, std, finite)
+
+
+def _compassed(log: AttitudeLog, settings: Settings, latitude: float) -> tuple[AttitudeLog, Settings]:
+    """Give a log the heading of the rest that it begins with, if its gyros are good enough to see it."""
+    found = heading_at_rest(log, latitude, settings.gyro_bias_std)
+    if found is None:
+        return log, settings
+    heading = np.full(len(log.t), np.nan)
+    heading[0], std = found
+    return replace(log, heading=heading), settings._replace(heading_std=std)
 
 
 def _mixed(log: AttitudeLog, aid: str, gains: Gains, gravity: float, gate: float) -> Track:

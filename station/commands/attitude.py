@@ -36,6 +36,10 @@ def attitude(
         float | None,
         typer.Option("--heading", metavar="DEG", min=-360, max=360, help="True heading at the start."),
     ] = None,
+    gyro_bias_std: Annotated[
+        float | None,
+        typer.Option("--gyro-bias-std", metavar="DEG_H", min=1e-6, help="1 sigma of the gyros' biases, if known."),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="OUT.csv", help="Write roll, pitch and down vector here.")
     ] = None,
@@ -71,6 +75,7 @@ def attitude(
     import numpy as np
 
     from procedures.attitude.attitude import AIDS, NEEDS, default_aid, estimate, takes_gains
+    from procedures.earth import DEG_PER_HOUR
     from station.attitude.document import attitude_document, attitude_text, write_track
     from station.solution_json import write_solution
 
@@ -94,7 +99,9 @@ def attitude(
         document = attitude_document(read, track) | {"diagnosis": trace_document(traced)}
         text = f"{trace_text(document['diagnosis'])}\n\nwith that taken off:\n{attitude_text(read, document)}"
     else:
-        track = estimate(read, chosen, gains, gravity, None if latitude is None else float(np.radians(latitude)))
+        here = None if latitude is None else float(np.radians(latitude))
+        known = None if gyro_bias_std is None else gyro_bias_std * DEG_PER_HOUR
+        track = estimate(read, chosen, gains, gravity, here, gyro_bias_std=known)
         document = attitude_document(read, track)
         text = attitude_text(read, document)
     if out is not None:
