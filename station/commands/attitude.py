@@ -97,7 +97,8 @@ def attitude(
         traced = trace(read, chosen, gains, gravity)
         track = traced.track
         document = attitude_document(read, track) | {"diagnosis": trace_document(traced)}
-        text = f"{trace_text(document['diagnosis'])}\n\nwith that taken off:\n{attitude_text(read, document)}"
+        taken = "nothing was taken off" if traced.corrected is read else "with that taken off"
+        text = f"{trace_text(document['diagnosis'])}\n\n{taken}:\n{attitude_text(read, document)}"
     else:
         here = None if latitude is None else float(np.radians(latitude))
         known = None if gyro_bias_std is None else gyro_bias_std * DEG_PER_HOUR

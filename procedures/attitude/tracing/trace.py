@@ -35,7 +35,7 @@ ORDER: tuple[Confidence, ...] = ("ambiguous", "likely", "established")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trace:
-    """What was found; ``corrected`` is the log with it taken off and ``track`` the mixer's attitude on that."""
+    """What was found; ``corrected`` is the log with it taken off, ``track`` the attitude on that."""
 
     verdict: Verdict
     findings: tuple[Finding, ...]
@@ -85,7 +85,8 @@ def trace(log: AttitudeLog, aid: str, gains: Gains | None, gravity: float) -> Tr
     findings, corrected, after, errors = best
     verdict: Verdict = min((f.confidence for f in findings), key=ORDER.index) if findings else "consistent"
     if (errors.held_out_after or 0.0) > WORSE * (errors.held_out_before or 0.0):
-        verdict = "unexplained"  # it does not foretell the rows that had no say
+        verdict = "unexplained"  # it does not foretell the rows that had no say: nothing is taken off
+        corrected, after = log, first
     tests = tuple(Test(t.candidate.effect.name, t.test.statistic, t.log_p, t.log_p_adjusted) for t in tried)
     return Trace(verdict, findings, (errors,), tests, corrected, after)
 
