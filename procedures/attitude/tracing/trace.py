@@ -23,7 +23,7 @@ from procedures.diagnosis.evidence import Evidence
 from procedures.diagnosis.model import significance
 from procedures.diagnosis.repeats import std_of_repeats
 from procedures.diagnosis.result import Confidence, Errors, Finding, Test, Verdict
-from procedures.diagnosis.selection import ESTABLISHED, GAIN, MOST, Adopted, Tried, gain_of, next_effect, try_all
+from procedures.diagnosis.selection import CLAIMED, GAIN, MOST, Adopted, Tried, gain_of, next_effect, try_all
 from procedures.errors import NotObservable
 
 USED = 0.6  # of the rows, in time; the rest judges
@@ -170,10 +170,10 @@ def _finding(
     test, gain = significance(evidence, fit), gain_of(evidence, candidate, beside, left_out)
     aliases = tuple(
         name for name, (way,) in pool.items()
-        if name not in inside and takes_its_place(evidence, candidate, way.term, beside)
+        if name not in inside and takes_its_place(evidence, fit, way.term)
     )  # fmt: skip
     log_p = min(test.log_p + np.log(len(pool)), 0.0)
-    is_sure = log_p < ESTABLISHED and gain > GAIN
+    is_sure = log_p < CLAIMED and gain > GAIN
     confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
     std = np.maximum(test.std, std_of_repeats(evidence, fit, left_out))
     effect = candidate.effect
