@@ -22,6 +22,7 @@ from procedures.diagnosis.groups import groups
 from procedures.diagnosis.model import LinearFit, fit_linear, significance
 from procedures.diagnosis.naming import named, other_seatings, settled
 from procedures.diagnosis.preliminary import preliminary
+from procedures.diagnosis.pure_fixture import with_channels
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import Diagnosis, Finding, Test, Verdict
 from procedures.diagnosis.selection import (
@@ -72,7 +73,7 @@ def _of_steps(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagn
     effects = [effect for effect in effects if effect.name not in found_before.settled]
     steps = reduce_steps(found_before.campaigns)
     found = _closed(Bench(steps, fit_reduced(steps)), effects)
-    findings = (*found_before.findings, *found.findings)
+    findings = with_channels((*found_before.findings, *found.findings), found.solution_before)
     verdict = _verdict(findings, found.log_p)
     return replace(
         found, verdict=verdict, findings=findings,

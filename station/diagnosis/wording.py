@@ -38,8 +38,8 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
             found = f", also with {both(names)} in the model" if names else ""
             return (
                 f"The residual is more than noise (p {p}){found}, and no effect of the catalogue accounts for it: "
-                f"what the model lacks is unexplained. The sigmas here hold no more of it than the scatter that "
-                f"the fit found; the uncertainty of a report or a calibration holds the rest."
+                f"it is unexplained. The sigmas here cover only the scatter that the fit found; the uncertainty "
+                f"of a report or a calibration holds the rest."
             )
 
 
@@ -75,7 +75,12 @@ def notes(finding: Mapping[str, Any]) -> list[str]:
     if isinstance(position, list):
         found.append(
             f"which of these positions it was this data cannot tell: it is solved as position {position[0]}, and "
-            f"face parallelism and misalignments would be others if it was another"
+            f"face parallelism and misalignments would be others if it was another, and their sigmas hold both"
+        )
+    if finding.get("effect") == "fixture.parallelism" and (channels := finding["where"].get("channel")):
+        found.append(
+            f"part of it is fixture, or a seating, for certain: along {', '.join(channels)} the two pairs of "
+            f"faces differ, which no term of the sensor does"
         )
     return found
 
@@ -90,7 +95,8 @@ def where_text(where: Mapping[str, Any]) -> str:
     """Return what a finding is about: ``position 3 or 4, dwell_03.csv``."""
     said = []
     for name, value in where.items():
-        text = " or ".join(map(str, value)) if isinstance(value, list) else str(value)
+        joined = " or " if name == "position" else ", "  # one position of several, but all channels
+        text = joined.join(map(str, value)) if isinstance(value, list) else str(value)
         said.append(text if name == "file" else f"{name} {text}")
     return ", ".join(said)
 

@@ -24,7 +24,7 @@ def test_it_is_not_said_to_be_in_an_uncertainty_that_has_no_such_part() -> None:
 
 def test_a_diagnosis_says_what_its_own_sigmas_leave_out() -> None:
     document = {"verdict": "unexplained", "log10_p": -9.0, "findings": []}
-    assert "The sigmas here hold no more of it than the scatter" in verdict_sentence(document)
+    assert "The sigmas here cover only the scatter" in verdict_sentence(document)
 
 
 def test_where_a_seating_could_be_one_of_two_positions_what_hangs_on_it_is_said() -> None:
