@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from drivers.framing import Decoder, sniff
 from drivers.wire import FORMATS, Identity, WireFormat
 from tests.drivers.wire import blocks
-from tests.drivers.wire.blocks import a_block, bare, gyro_of
+from tests.drivers.wire.blocks import a_block, bare, each_format, gyro_of
 
-every_format = pytest.mark.parametrize("wire", FORMATS.values(), ids=FORMATS)
+every_format = each_format()
 
 
 def frames_of(wire: WireFormat, n: int) -> list[bytes]:
@@ -96,10 +96,8 @@ def test_a_frame_with_a_wrong_check_is_never_decoded(wire: WireFormat) -> None:
         assert decoder.counters.bad_crc == (0 if is_cut else 1) or not wire.sync
 
 
-@every_format
+@each_format(lambda wire: wire.length_at is not None)
 def test_a_known_kind_with_another_length_is_counted(wire: WireFormat) -> None:
-    if wire.length_at is None:
-        pytest.skip(f"{wire.name} does not say its length")
     first, second = frames_of(wire, 2)
     wrong = first[: wire.length_at] + bytes((first[wire.length_at] + 1,)) + first[wire.length_at + 1 :]
     decoder, got = fed(wire, wrong + second)
@@ -116,20 +114,16 @@ def test_endless_garbage_takes_no_memory(wire: WireFormat) -> None:
     assert decoder.counters.frames == 0
 
 
-@every_format
+@each_format(lambda wire: "healthy" in wire.carries)
 def test_bad_status_is_counted(wire: WireFormat) -> None:
-    if "healthy" not in wire.carries:
-        pytest.skip(f"{wire.name} has no error bit")
     block = a_block(wire, 5)
     block.healthy[1:3] = False
     decoder, _ = fed(wire, wire.encode(block))
     assert decoder.counters.bad_status == 2
 
 
-@every_format
+@each_format(lambda wire: wire.carries & {"counter", "device_time"})
 def test_lost_and_repeated_frames_are_counted_however_the_stream_is_cut(wire: WireFormat) -> None:
-    if not wire.carries & {"counter", "device_time"}:
-        pytest.skip(f"{wire.name} has neither counter nor time: what is lost is seen by the rate alone")
     sent = frames_of(wire, 200)
     stream = b"".join(sent[:50] + sent[51:100] + [sent[99]] + sent[100:150] + sent[160:])
     for size in (1, 56, 1000, len(stream)):

@@ -1,17 +1,24 @@
 """Samples that a wire format can hold, and their frames."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+import pytest
 
 from drivers.framing import Decoder
-from drivers.wire import WireFormat
+from drivers.wire import FORMATS, WireFormat
 from procedures.records import CountBlock, RateBlock, SampleBlock, block_rows
 
 PERIOD = 0.005
 CHANNELS = {"gyro": ("gx", "gy", "gz"), "accel": ("ax", "ay", "az")}
 FORWARD = 60.0  # s: device time that begins again sooner than this is compared modulo that
+
+
+def each_format(has: Callable[[WireFormat], object] = lambda wire: True) -> pytest.MarkDecorator:
+    """Run a test with every format of the table, or with those that have what it is about."""
+    those = {name: wire for name, wire in FORMATS.items() if has(wire)}
+    return pytest.mark.parametrize("wire", those.values(), ids=those)
 
 
 def of_format(wire: WireFormat, n: int, gyro: Any, accel: Any, **columns: Any) -> SampleBlock:

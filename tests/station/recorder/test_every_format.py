@@ -17,9 +17,10 @@ from station.mcap_files import COUNTS, RATES, read_step
 from station.reader import Chunk
 from station.recorder import check_raw_bytes, recording
 from station.recorder.stream import SampleStream
+from tests.drivers.wire.blocks import each_format
 from tests.station.live.bench_in_memory import Source
 
-every_format = pytest.mark.parametrize("wire", FORMATS.values(), ids=FORMATS)
+every_format = each_format()
 TRUTH = Truth.example(3)
 PERIOD = TRUTH.sample_period_s
 
