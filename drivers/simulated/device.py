@@ -48,8 +48,8 @@ class ByteDevice:
             since = self.imu.index % self._every
             samples = min(most, self._every - since)
             block = self.imu.read_rates(samples) if self._sends_rates else self.imu.read(samples)
-        sent = self._faulty.send(block)
-        return [self._identity, *sent] if since == 0 and self._identity else sent
+        said = self._faulty.announce(self._identity) if since == 0 else []
+        return [*said, *self._faulty.send(block)]
 
     def obey(self, command: str) -> str:
         """Do what a line says and return the answer, ``ok ...`` or ``error ...``; never raises."""
