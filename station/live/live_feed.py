@@ -1,7 +1,7 @@
 """A live stream cut into blocks of a second, with everything watched that may go wrong with it."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -42,10 +42,17 @@ class Source(Protocol):
 class LiveFeed:
     """A device's samples on a `Tape`, and its blocks.
 
-    ``unit`` is set by `identify`; from then on another unit's serial number is refused.
+    ``unit`` is set by `identify`; from then on another unit's serial number is refused. ``clock`` [s] is the
+    station's, by which it waits.
     """
 
-    def __init__(self, source: Source, wire: WireFormat, held: Sequence[Chunk] = ()) -> None:
+    def __init__(
+        self,
+        source: Source,
+        wire: WireFormat,
+        held: Sequence[Chunk] = (),
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._source, self.wire = source, wire
         self.address = source.address
         self.unit: Unit | None = None
@@ -53,7 +60,7 @@ class LiveFeed:
         self._recent = b""
         self._silent_s = self._frameless_s = 0.0
         self._lost, self._is_anew = "", True
-        self._trouble = Trouble()
+        self._clock, self._trouble = clock, Trouble(clock)
         self._pieces: list[Piece] = []  # the last ones taken
         self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
         for chunk in held:
@@ -156,14 +163,15 @@ class LiveFeed:
         UnitChanged
             If another unit answers than the one identified.
         """
-        began = time.monotonic()
+        began = self._clock()
         items = self._source.poll(POLL_S)
-        waited = time.monotonic() - began
+        waited = self._clock() - began
         self._pieces.clear()
         frames = self.stream.decoder.counters.frames
         for item in items:
             if isinstance(item, GapMark):
                 self._mark(item)
+                waited = 0.0  # it was not for this port
             else:
                 self._silent_s = 0.0
                 self._recent = (self._recent + item.data)[-SNIFFED:]

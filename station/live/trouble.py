@@ -17,17 +17,17 @@ LOAD = "check baud rate, adapter and the load of this machine"
 DEVICE = "check its power and its sync line"
 # What is counted, what it is called, what to do; what weighs most stands first.
 AMISS = (
-    ("contradicted", "samples came twice and differ", ALONE),
+    ("contradicted", "samples that came twice and differ", ALONE),
     ("clock_jumps", "jumps of the device's clock", DEVICE),
     ("restarts", "new beginnings of the device's counter or clock", DEVICE),
     ("bad_crc", "frames with a wrong check", LINE),
     ("bad_length", "frames of a wrong length", LINE),
     ("bus_errors", "bus errors or garbled lines", "check bit rate, tty_baudrate and termination"),
     ("skipped_bytes", "bytes in no frame", LINE),
-    ("incomplete", "samples of which frames are missing", LOAD),
+    ("incomplete", "samples that miss frames", LOAD),
     ("lost", "samples lost", LOAD),
     ("breaks", "breaks", LOAD),
-    ("repeated", "samples came twice", ALONE),
+    ("repeated", "samples that came twice", ALONE),
     ("late", "frames late or twice", ALONE),
     ("bad_status", "samples that the device itself doubts", "see what its status says"),
 )
@@ -54,10 +54,10 @@ class Trouble:
 
 
 def _said(new: dict[str, int]) -> str:
-    breaks = new["breaks"] + new["restarts"]
+    breaks = min(new["samples"], new["breaks"] + new["restarts"])
     if new["samples"] >= LEAST and breaks > OFTEN * new["samples"]:
         return f"samples do not follow each other: {breaks} breaks in {new['samples']} samples; {ALONE}"
-    found = [(f"{new[name]} {words}", remedy) for name, words, remedy in AMISS if new[name]]
+    found = [(f"{words}: {new[name]}", remedy) for name, words, remedy in AMISS if new[name]]
     if not found:
         return ""
     return f"within {WITHIN_S:g} s {', '.join(words for words, _ in found[:3])}; {found[0][1]}"
