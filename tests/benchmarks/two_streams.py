@@ -94,9 +94,13 @@ def measure(seconds: float, folder: Path) -> bool:
         devices.wait()
     p50, p99 = np.percentile(timed.latency, (50, 99))
     print(f"load       {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
-    print(f"samples    {done.samples} in {took:.1f} s, {done.samples / took:.0f}/s; recorded {done.path.stat().st_size} bytes")
+    print(
+        f"samples    {done.samples} in {took:.1f} s, {done.samples / took:.0f}/s; recorded {done.path.stat().st_size} bytes"
+    )
     print(f"lost       {lost}, breaks {breaks}   asked 0")
-    print(f"reader     {100 * share:.1f} % of a core   asked {100 * ASKED_CORE:.0f}; decoding and recording {100 * own:.1f} %")
+    print(
+        f"reader     {100 * share:.1f} % of a core   asked {100 * ASKED_CORE:.0f}; decoding and recording {100 * own:.1f} %"
+    )
     print(f"latency    p50 {1e3 * p50:.2f} ms, p99 {1e3 * p99:.2f} ms   asked {1e3 * ASKED_LATENCY_S:.0f}")
     print(f"GNSS       {told}")
     return lost == breaks == 0 and share < ASKED_CORE and p99 <= ASKED_LATENCY_S
