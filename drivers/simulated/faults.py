@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from drivers.simulated import can_faults
-from drivers.simulated.garbled import half_of, misread, other_unit
 from drivers.simulated.errors import TruthRefused
+from drivers.simulated.garbled import half_of, misread, other_unit
 from drivers.wire import WireFormat
 from procedures.records import SampleBlock, block_rows
 

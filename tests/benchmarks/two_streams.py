@@ -1,4 +1,4 @@
-"""An IMU of 2 kHz on a pty, GNSS of 10 Hz and their recording: `python -m tests.benchmarks.two_streams --seconds 600`.
+"""An IMU of 2 kHz on a pty, GNSS of 10 Hz, recorded: `python -m tests.benchmarks.two_streams --seconds 600`.
 
 Both devices run in a process of their own. Two reader processes take and journal their bytes; this process decodes
 every sample, writes it beside the fixes' time as `station record --gnss` does, and flushes every 0.2 s. Printed:
@@ -95,12 +95,10 @@ def measure(seconds: float, folder: Path) -> bool:
     p50, p99 = np.percentile(timed.latency, (50, 99))
     print(f"load       {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
     print(
-        f"samples    {done.samples} in {took:.1f} s, {done.samples / took:.0f}/s; recorded {done.path.stat().st_size} bytes"
+        f"samples    {done.samples} in {took:.1f} s, {done.samples / took:.0f}/s; {done.path.stat().st_size} bytes"
     )
     print(f"lost       {lost}, breaks {breaks}   asked 0")
-    print(
-        f"reader     {100 * share:.1f} % of a core   asked {100 * ASKED_CORE:.0f}; decoding and recording {100 * own:.1f} %"
-    )
+    print(f"reader     {100 * share:.1f} % of a core   asked {100 * ASKED_CORE:.0f}; recording {100 * own:.1f} %")
     print(f"latency    p50 {1e3 * p50:.2f} ms, p99 {1e3 * p99:.2f} ms   asked {1e3 * ASKED_LATENCY_S:.0f}")
     print(f"GNSS       {told}")
     return lost == breaks == 0 and share < ASKED_CORE and p99 <= ASKED_LATENCY_S

@@ -53,22 +53,26 @@ class Case:
 
 
 SILENT = "no bytes for 2.0 s"
+NOISE = {"*": "frame; ", "udp_multicast": SILENT}  # which has no place for it
+GONE = {"*": "was lost", "udp_multicast": SILENT}
+KERNEL = {"*": 0, "udp_multicast": -1}  # what it has no room for is lost, and marked
+NO_CLOCK = {"*": "jumps of the device's clock", "slcan": "", "udp_multicast": ""}  # in the frames
 LASTING = round(LASTS_S / PERIOD)
 CASES = (
     Case("counter wrap", Fault("counter_wrap", 0.0, count=100), {"*": ""}, gone={"*": 0}),
     Case("silent", Fault("stall", 0.0, seconds=LASTS_S), {"*": SILENT}, gone={"*": LASTING}),
-    Case("babbling", Fault("noise", 0.0, seconds=LASTS_S), {"*": "frame; ", "udp_multicast": SILENT}, gone={"*": LASTING}),
-    Case("wrong baud", Fault("wrong_baud", 0.0, seconds=LASTS_S), {"*": "frame; ", "udp_multicast": SILENT}, gone={"*": LASTING}),
-    Case("half frames", Fault("half", 0.0, count=5), {"*": "in no frame|wrong check|missing|lost"}, 0.1, {"*": 5}),
+    Case("babbling", Fault("noise", 0.0, seconds=LASTS_S), NOISE, gone={"*": LASTING}),
+    Case("wrong baud", Fault("wrong_baud", 0.0, seconds=LASTS_S), NOISE, gone={"*": LASTING}),
+    Case("half frames", Fault("half", 0.0, count=5), {"*": "in no frame|wrong check|lost"}, 0.1, {"*": 5}),
     Case("duplicates", Fault("repeated", 0.0, count=3), {"*": "twice"}, 0.1, {"*": 0}),
-    Case("backlog", Fault("backlog", 0.0, seconds=BACKLOG_S), {"*": SILENT}, BACKLOG_S, {"*": 0, "udp_multicast": -1}),
+    Case("backlog", Fault("backlog", 0.0, seconds=BACKLOG_S), {"*": SILENT}, BACKLOG_S, KERNEL),
     Case("two devices", Fault("two_devices", 0.0, seconds=LASTS_S, count=300), {"*": "one device alone"}),
     Case("its twin", Fault("two_devices", 0.0, seconds=LASTS_S, count=0), {"*": "one device alone"}),
     Case("restart", Fault("restart", 0.0, seconds=1.0), {"*": "new beginning"}, 1.0, {"*": 50}),
     Case("lost", Fault("lost", 0.0, count=3), {"*": "samples lost: 3"}, 0.1, {"*": 3}),
     Case("wrong check", Fault("bad_crc", 0.0, count=2), {"*": "wrong check"}, 0.1, {"*": 2}),
-    Case("clock jump", Fault("clock_jump", 0.0, seconds=9.0), {"*": "jumps of the device's clock", "slcan": "", "udp_multicast": ""}, 0.0, {"*": 0}),
-    Case("unplug", Fault("unplug", 0.0, seconds=LASTS_S), {"*": "was lost", "udp_multicast": SILENT}, gone={"*": LASTING}),
+    Case("clock jump", Fault("clock_jump", 0.0, seconds=9.0), NO_CLOCK, 0.0, {"*": 0}),
+    Case("unplug", Fault("unplug", 0.0, seconds=LASTS_S), GONE, gone={"*": LASTING}),
 )  # fmt: skip
 
 
@@ -95,7 +99,7 @@ class WatchedFeed(LiveFeed):
 
 
 class Run:
-    """What a station saw of a device on a transport; ``index`` (n,) says which sample of the truth each is, -1 none."""
+    """What a station saw on a transport; ``index`` (n,): which sample of the truth each is, -1 none."""
 
     def __init__(self, transport: str, folder: Path) -> None:
         self.transport = transport
