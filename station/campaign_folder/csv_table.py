@@ -13,7 +13,7 @@ from typing import BinaryIO
 import numpy as np
 
 from procedures.arrays import FloatArray
-from station.campaign_folder.csv_header import TableKind, read_header
+from station.campaign_folder.csv_header import Columns, read_header
 from station.campaign_folder.files import MAX_LINE
 from station.campaign_folder.table import EXACT, Table
 from station.errors import DataRefused
@@ -37,7 +37,7 @@ class _Numbers(dict[bytes, float]):
         return number
 
 
-def read_csv(stream: BinaryIO, file: Path, kind: TableKind) -> Table:
+def read_csv(stream: BinaryIO, file: Path, kind: Columns) -> Table:
     """Read a step's CSV file.
 
     Raises

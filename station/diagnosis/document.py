@@ -32,9 +32,9 @@ def diagnosis_document(
     if diagnosis.on_table:
         counts = campaigns[0].tables.imu.output != "rate"
         after["rate_tables"] = _on_table(diagnosis.on_table, "count/deg" if counts else "output/(deg/s)")
-    errors = [_error(each, LEFT_OUT) for each in diagnosis.errors]
+    errors = [error_document(each, LEFT_OUT) for each in diagnosis.errors]
     for folder, found in (validated or {}).items():
-        errors += [_error(each, f"validation: {folder}") for each in found]
+        errors += [error_document(each, f"validation: {folder}") for each in found]
     return {
         "format": FORMAT,
         "verdict": diagnosis.verdict,
@@ -43,7 +43,7 @@ def diagnosis_document(
         "error": errors,
         "parameters": moved(before, after),
         "solution": after,
-        "tried": [_tried(each) for each in diagnosis.tried],
+        "tried": [tried_document(each) for each in diagnosis.tried],
         "next_measurement": diagnosis.next_measurement,
     }
 
@@ -114,7 +114,8 @@ def plain(value: object) -> Any:
     return value
 
 
-def _tried(test: Test) -> dict[str, Any]:
+def tried_document(test: Test) -> dict[str, Any]:
+    """Return an effect that was tried, with its p before and after Holm."""
     return {
         "effect": test.effect,
         "statistic": float(test.statistic),
@@ -130,7 +131,8 @@ def _p_value(name: str, log_p: float) -> dict[str, float]:
     return {name: p, short: float(log_p) / log(10)}
 
 
-def _error(error: Errors, method: str) -> dict[str, Any]:
+def error_document(error: Errors, method: str) -> dict[str, Any]:
+    """Return an error before and after, as far as it is known; ``method`` says how rows were held out."""
     values = {
         "before": error.before,
         "after": error.after,

@@ -28,6 +28,7 @@ RUNS = (
     ("screen_cpu",),
     ("kills", "--kills", "12"),
     ("false_accept", "--trials", "140"),
+    ("attitude", "--parts", "speed", "bench", "paper", "--seeds", "5"),
     ("guiding", "heading", "--trials", "100"),
     ("guiding", "seating", "--trials", "5"),
 )
