@@ -88,7 +88,7 @@ def monitor(
         raise typer.BadParameter(str(error), param_hint="--axes") from error
     wanted = Wanted(
         url=url, aid=aid, calibration=calibration, C=C, latitude_deg=latitude, heading_deg=heading,
-        gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds, speed=speed, model=model, serial=serial,
-        database=db,
+        gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds, speed=speed,
+        model=model, serial=serial, database=db,
     )  # fmt: skip
     run(wanted, "json" if json else "plain" if plain else "screen", slow=slow, quiet=quiet)
