@@ -26,8 +26,8 @@ from station.tui.widgets.event_lines import EventLines
 
 HELP = (
     "Roll and pitch of forward-right-down axes. Residual is the angle between what the accelerometers say is down "
-    "and the attitude. At rest on a slab the table shows what the calibration bought: what is left of level, drift "
-    "and g, with it and without. The zero is taken off what is shown and off nothing else: recordings, JSON "
+    "and the attitude. At rest on a slab the table shows what the calibration bought: what is left of level, "
+    "drift and g, with it and without. The zero is taken off what is shown and off nothing else: recordings, JSON "
     "and MAVLink have absolute angles."
 )
 LEAVE = "The recording is finished and complete; everything stays in its folder."
