@@ -54,7 +54,7 @@ class AttitudeTrack:
 
     def __init__(self, aid: str, settings: Callable[[AttitudeLog], Settings], heading: float = np.nan) -> None:
         self._aid, self._settings, self._heading = aid, settings, heading
-        self._first: list[AttitudeLog] = []
+        self._first: list[AttitudeLog] = []  # seconds to learn the noise from
         self._filter: JointFilter | None = None
         self._shift = 0.0  # of the device's time, so that it goes on
         self._last: float | None = None
@@ -88,7 +88,21 @@ class AttitudeTrack:
             self._filter = JointFilter(self._aid, self._settings(log))
             self._first.clear()
         self._filter.run(log)
+        self._learn_noise(self._filter, log)
         return self._found(self._filter, inputs)
+
+    def _learn_noise(self, kept: JointFilter, log: AttitudeLog) -> None:
+        """Take the noise of a rest if it is less than what was seen so far, as when the unit was set down first."""
+        if not kept.at_rest:
+            self._first.clear()
+            return
+        self._first.append(log)
+        if log.t[-1] - self._first[0].t[0] < ALIGN_S:
+            return
+        seen, now = self._settings(_joined(self._first)), kept.settings
+        self._first.clear()
+        names = ("gyro_noise", "rest_force_noise")
+        kept.settings = now._replace(**{name: min(getattr(now, name), getattr(seen, name)) for name in names})
 
     def _log(self, t: FloatArray, inputs: Inputs, aiding: Aiding) -> AttitudeLog:
         n = len(t)

@@ -23,7 +23,7 @@ EARTH_WALK = 1e-5  # ... where the Earth's rate is part of it, which turns with 
 FORCE_WALK = 1e-6  # m/s2/sqrt(s)
 RESTING_VELOCITY = 1e-3  # m/s*sqrt(s)
 STEP = 0.5  # sqrt(s): a count's worth of velocity is uncertain for about a second
-COUNTED = 20 / 12 / 6
+COUNTED = 4 / 6  # quanta^2: second differences of counts that step up and down by one, as they show as noise
 RESTING_FORCE = 2e-4  # m/s/sqrt(s): a bench is never quite quiet
 
 
@@ -73,7 +73,7 @@ def _relative(part: Mapping[str, Any]) -> float:
 def _noise(samples: FloatArray, nominal: float, quantum: float) -> float:
     """Return the white noise per root of a second of samples (n, 3), from second differences.
 
-    Counting adds to them what does not add up: the third differences of an error of quantum^2 / 12.
+    Counting shows there as noise, at most as much as counts that step up and down by one; it does not add up.
     """
     if len(samples) < 3:
         return 0.0
