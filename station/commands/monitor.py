@@ -7,12 +7,19 @@ import typer
 
 from station.commands import Database
 
+AIDS = ("none", "gnss", "airspeed-filter")
+
 
 def monitor(
     url: Annotated[
         str, typer.Argument(metavar="URL", help="The IMU, as in serial:///dev/ttyUSB0; or replay:FILE.mcap.")
     ],
-    aid: Annotated[str, typer.Option("--aid", metavar="AID", help="none.")] = "",
+    gnss: Annotated[
+        str, typer.Option("--gnss", metavar="URL", help="A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")
+    ] = "",
+    aid: Annotated[
+        str, typer.Option("--aid", metavar="AID", help="none, gnss or airspeed-filter; gnss with --gnss.")
+    ] = "",
     calibration: Annotated[
         Path | None,
         typer.Option(
@@ -46,6 +53,9 @@ def monitor(
     ] = True,
     plain: Annotated[bool, typer.Option("--plain", help="Lines of text instead of a screen.")] = False,
     json: Annotated[bool, typer.Option("--json", help="A line of monitor/1 for each tenth of a second.")] = False,
+    mavlink_out: Annotated[
+        str, typer.Option("--mavlink-out", metavar="LINK", help="Sends ATTITUDE, as to udpout:127.0.0.1:14551.")
+    ] = "",
     seconds: Annotated[
         float, typer.Option("--seconds", metavar="S", min=0.0, help="Device time after which it ends.")
     ] = float("inf"),
@@ -78,6 +88,11 @@ def monitor(
         raise typer.BadParameter("--json and --plain are two outputs; expected one of them")
     if not (json or plain) and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise typer.BadParameter("the screen needs a terminal; --plain writes lines of text, --json lines of JSON")
+    aid = aid or ("gnss" if gnss else "none")
+    if aid not in AIDS:
+        raise typer.BadParameter(f"found {aid!r}, expected one of {', '.join(AIDS)}", param_hint="--aid")
+    if aid != "none" and not gnss:
+        raise typer.BadParameter(f"{aid} needs a source: give --gnss URL", param_hint="--aid")
     try:
         alarms = tuple(parse_alarm(text) for text in alarm or ())
     except ValueError as error:
@@ -87,8 +102,8 @@ def monitor(
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--axes") from error
     wanted = Wanted(
-        url=url, aid=aid, calibration=calibration, C=C, latitude_deg=latitude, heading_deg=heading,
-        gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds, speed=speed,
-        model=model, serial=serial, database=db,
+        url=url, C=C, aid=aid, gnss=gnss, mavlink_out=mavlink_out, calibration=calibration, latitude_deg=latitude,
+        heading_deg=heading, gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds,
+        speed=speed, model=model, serial=serial, database=db,
     )  # fmt: skip
     run(wanted, "json" if json else "plain" if plain else "screen", slow=slow, quiet=quiet)

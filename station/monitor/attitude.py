@@ -11,7 +11,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.frd import inclination, roll_pitch_of
 from procedures.attitude.joint import JointFilter
-from procedures.attitude.joint_state import Settings
+from procedures.attitude.joint_state import HEADING_KNOWN, Settings
 from procedures.attitude.log import AttitudeLog
 from station.monitor.sensors import Inputs
 
@@ -36,7 +36,7 @@ NO_AID = Aiding()
 class Attitude:
     """Where the unit stands: angles [rad], ``down`` (3,), mean ``rate`` (3,) [rad/s], gyro ``bias`` (3,) [rad/s].
 
-    ``sigma`` and ``residual`` are angles of the vertical [rad].
+    ``sigma`` and ``residual`` are angles of the vertical [rad]; ``heading`` [rad] is nan where not known.
     """
 
     roll: float
@@ -47,6 +47,7 @@ class Attitude:
     bias: FloatArray
     residual: float
     at_rest: bool
+    heading: float
 
 
 class AttitudeTrack:
@@ -92,7 +93,7 @@ class AttitudeTrack:
         return self._found(self._filter, inputs)
 
     def _learn_noise(self, kept: JointFilter, log: AttitudeLog) -> None:
-        """Take the noise of a rest if it is less than what was seen so far, as when the unit was set down first."""
+        """Take the noise of a rest if it is less than what was seen so far: the first seconds may have moved."""
         if not kept.at_rest:
             self._first.clear()
             return
@@ -115,9 +116,11 @@ class AttitudeTrack:
     def _found(self, kept: JointFilter, inputs: Inputs) -> Attitude:
         down, force = kept.down, self._smoothed(inputs.force)
         roll, pitch = roll_pitch_of(down)
+        C, knows = kept.state.C_nb, kept.state.block[HEADING_KNOWN] > 0
+        heading = float(np.arctan2(C[1, 0], C[0, 0])) if knows else np.nan
         return Attitude(
             float(roll), float(pitch), down, kept.sigma, inputs.rate.mean(axis=0), kept.gyro_bias[0],
-            float(inclination(-force, down)), kept.at_rest,
+            float(inclination(-force, down)), kept.at_rest, heading,
         )  # fmt: skip
 
     def _smoothed(self, force: FloatArray) -> FloatArray:

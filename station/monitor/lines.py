@@ -24,6 +24,8 @@ def json_line(view: View) -> str:
         "gyro_bias_deg_h": list(reading.bias), "residual_deg": reading.residual, "mode": reading.mode,
         "aid": view.aid,
     }  # fmt: skip
+    if reading.heading is not None:
+        told["heading_deg"] = reading.heading
     if reading.speed is not None:
         told["speed_m_s"] = reading.speed
     if reading.temperature is not None:

@@ -43,6 +43,10 @@ class Aid(Protocol):
         """Return its health."""
         ...
 
+    def utc(self, host_ns: int) -> float | None:
+        """Return UTC [s] at a moment of the station's clock [ns]."""
+        ...
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Options:
@@ -209,7 +213,7 @@ class Monitor:
         temperature = tick.temperature if np.isfinite(tick.temperature) else None
         return Reading(
             float(tick.t[-1]), self._at - 1, roll, pitch, sigma, (p, q, r), (x, y, z), residual, mode,
-            self._speed, temperature,
+            None if np.isnan(found.heading) else float(np.degrees(found.heading)), self._speed, temperature,
         )  # fmt: skip
 
     def _point(self, reading: Reading) -> Point:

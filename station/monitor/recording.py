@@ -12,6 +12,7 @@ from drivers.wire import FrameKind, WireFormat
 from station.campaign_folder import append_hash
 from station.errors import CannotWrite
 from station.mcap_files import BY_OUTPUT, StepWriter
+from station.recorder.row_times import RowTimes, Utc
 from station.recorder.tape import Tape
 
 FLUSH_S = 0.2
@@ -20,10 +21,13 @@ COLUMNS = ("utc", "device_s", "sample", "event", "text")
 
 
 class Recording:
-    """Writes into a folder; ``name`` is the file being written, empty while none is."""
+    """Writes into a folder, with reference time beside the rows where ``utc`` tells it.
 
-    def __init__(self, folder: Path, wire: WireFormat) -> None:
-        self._folder, self._wire = folder, wire
+    ``name`` is the file being written, empty while none is.
+    """
+
+    def __init__(self, folder: Path, wire: WireFormat, utc: Utc | None = None) -> None:
+        self._folder, self._wire, self._times = folder, wire, RowTimes(utc)
         self._writer: StepWriter | None = None
         self._flushed = 0.0
         self.name = ""
@@ -53,7 +57,7 @@ class Recording:
             for chunk, block in tape.recording([(first, last)]):
                 writer.write_raw(chunk.host_ns, chunk.data)
                 if len(block):
-                    writer.write_block(chunk.host_ns, block, kind.triads)
+                    writer.write_block(chunk.host_ns, block, kind.triads, self._times.of(chunk.host_ns))
             if time.monotonic() - self._flushed >= FLUSH_S:
                 writer.flush()
                 self._flushed = time.monotonic()

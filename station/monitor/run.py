@@ -42,7 +42,9 @@ class Wanted:
 
     url: str
     C: FloatArray
-    aid: str = ""
+    aid: str = "none"
+    gnss: str = ""
+    mavlink_out: str = ""
     calibration: Path | None = None
     latitude_deg: float | None = None
     heading_deg: float | None = None
@@ -92,7 +94,16 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
         unknown = UNKNOWN if feed.wire.identity is None else None
         unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
         applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
-        recording = None if folder is None else Recording(folder, feed.wire)
+        aid = None
+        if wanted.gnss:
+            from station.gnss import open_gnss
+            from station.monitor.gnss_aid import GnssAid
+
+            beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+            aid = GnssAid(stack.enter_context(open_gnss(wanted.gnss, beside)), wanted.aid)
+        if wanted.mavlink_out:
+            sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
+        recording = None if folder is None else Recording(folder, feed.wire, aid.utc if aid else None)
         if recording is not None:
             recording.note("begin", wanted.url, float("nan"), 0)
             if wanted.records:
@@ -101,12 +112,12 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
         yield Monitor(
             feed, applied,
             Options(
-                aid=wanted.aid or "none", C=wanted.C, latitude=latitude,
+                aid=wanted.aid, C=wanted.C, latitude=latitude,
                 heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
                 gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
                 alarms=wanted.alarms, revive=revive,
             ),
-            recording, None, sinks, "" if folder is None else str(folder),
+            recording, aid, sinks, "" if folder is None else str(folder),
         )  # fmt: skip
 
 
@@ -152,6 +163,23 @@ class _Revival:
 
     def close(self) -> None:
         self.reader.close()
+
+
+def _mavlink_out(where: str, stack: ExitStack) -> Callable[[View], None]:
+    """Return a sink that tells each attitude by MAVLink."""
+    from drivers.mavlink.attitude_out import open_attitude_out
+
+    out = open_attitude_out(where)
+    stack.callback(out.close)
+
+    def send(view: View) -> None:
+        reading = view.reading
+        assert reading is not None
+        p, q, r = np.radians(reading.rate).tolist()
+        yaw = np.nan if reading.heading is None else np.radians(reading.heading)
+        out.send(reading.t, np.radians(reading.roll), np.radians(reading.pitch), (p, q, r), float(yaw))
+
+    return send
 
 
 def _write_json(view: View) -> None:

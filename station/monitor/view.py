@@ -42,6 +42,7 @@ class Reading:
     bias: tuple[float, float, float]
     residual: float
     mode: Mode
+    heading: float | None = None  # true, where given or learnt
     speed: float | None = None  # of the aid [m/s]
     temperature: float | None = None  # degC
 

@@ -20,7 +20,7 @@ class MonitorRig:
     """``hands`` moves the cube; `run` lets device time pass. ``lines`` are the views that a sink was told."""
 
     def __init__(
-        self, truth: Truth | None = None, options: Options = Options(), folder: Path | None = None, *,
+        self, truth: Truth | None = None, options: Options | None = None, folder: Path | None = None, *,
         position: int = 9, faults: Iterable[Fault] = (), calibration: dict[str, Any] | None = None,
     ) -> None:  # fmt: skip
         self.truth = Truth.example(5) if truth is None else truth
@@ -31,7 +31,7 @@ class MonitorRig:
         recording = None if folder is None else Recording(folder, self.feed.wire)
         self.lines: list[View] = []
         applied = Applied(calibration or calibration_of(self.truth), None, InUse("by hand", 1.0))
-        self.monitor = Monitor(self.feed, applied, options, recording, None, (self.lines.append,))
+        self.monitor = Monitor(self.feed, applied, options or Options(), recording, None, (self.lines.append,))
 
     def hands(self, command: str) -> None:
         answer = self.source.device.obey(command)
