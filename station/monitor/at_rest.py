@@ -83,9 +83,9 @@ class Rest:
 
     def _known(self) -> str:
         if self._latitude is None:
-            return "the Earth's rate, 15 deg/h, is still in the drift: give --latitude"
+            return "drift holds the Earth's rate: no --latitude"
         if self._heading is None:
-            return "Earth's rate off; across the vertical by its size, without --heading"
+            return "Earth's rate off, its level part by size"
         return "the Earth's rate is taken off"
 
     def _has_moved(self, inputs: Inputs) -> bool:
