@@ -16,6 +16,7 @@ from procedures.attitude.log import AttitudeLog
 from station.monitor.sensors import Inputs
 
 ALIGN_S = 2.0
+NORTH_S = 31.0  # of rest, from which north is told: a little more than `procedures.attitude.north` asks for
 RESIDUAL_SHARE = 0.1  # of each tick: a second
 ANEW_S = 10.0  # put between what has no relation in time: the filter then begins anew with the biases learnt
 
@@ -30,6 +31,7 @@ class Aiding:
 
 
 NO_AID = Aiding()
+Compass = Callable[[AttitudeLog], tuple[float, float] | None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,10 +53,20 @@ class Attitude:
 
 
 class AttitudeTrack:
-    """One unit's attitude; ``settings`` makes the filter's of the first seconds."""
+    """One unit's attitude.
 
-    def __init__(self, aid: str, settings: Callable[[AttitudeLog], Settings], heading: float = np.nan) -> None:
-        self._aid, self._settings, self._heading = aid, settings, heading
+    ``settings`` makes the filter's of some seconds and of whether the heading is known. Where it is not,
+    ``compass`` may tell heading and 1 sigma [rad] of half a minute's rest; the filter then goes through that rest
+    again, knowing it, and ``north`` holds what was found.
+    """
+
+    def __init__(
+        self, aid: str, settings: Callable[[AttitudeLog, bool], Settings], heading: float = np.nan,
+        compass: Compass | None = None,
+    ) -> None:  # fmt: skip
+        self._aid, self._settings, self._heading, self._compass = aid, settings, heading, compass
+        self.north: tuple[float, float] | None = None
+        self._rest: list[AttitudeLog] = []
         self._first: list[AttitudeLog] = []  # seconds to learn the noise from
         self._filter: JointFilter | None = None
         self._shift = 0.0  # of the device's time, so that it goes on
@@ -72,6 +84,7 @@ class AttitudeTrack:
         if self._filter is None:
             self._last = None
         else:
+            self._rest.clear()
             self._shift = np.nan
 
     def take(self, t: FloatArray, inputs: Inputs, aiding: Aiding = NO_AID) -> Attitude | None:
@@ -86,11 +99,11 @@ class AttitudeTrack:
             if self._last - self._first[0].t[0] < ALIGN_S:
                 return None
             log = _joined(self._first)
-            self._filter = JointFilter(self._aid, self._settings(log))
+            self._filter = JointFilter(self._aid, self._settings(log, bool(np.isfinite(self._heading))))
             self._first.clear()
         self._filter.run(log)
         self._learn_noise(self._filter, log)
-        return self._found(self._filter, inputs)
+        return self._found(self._find_north(self._filter, log), inputs)
 
     def _learn_noise(self, kept: JointFilter, log: AttitudeLog) -> None:
         """Take the noise of a rest if it is less than what was seen so far: the first seconds may have moved."""
@@ -100,10 +113,26 @@ class AttitudeTrack:
         self._first.append(log)
         if log.t[-1] - self._first[0].t[0] < ALIGN_S:
             return
-        seen, now = self._settings(_joined(self._first)), kept.settings
+        seen, now = self._settings(_joined(self._first), False), kept.settings
         self._first.clear()
         names = ("gyro_noise", "rest_force_noise")
         kept.settings = now._replace(**{name: min(getattr(now, name), getattr(seen, name)) for name in names})
+
+    def _find_north(self, kept: JointFilter, log: AttitudeLog) -> JointFilter:
+        """Return the filter to go on with: one that knows north where this rest has told it."""
+        if self._compass is None or kept.state.block[HEADING_KNOWN] > 0:
+            return kept
+        self._rest = [*self._rest, log] if kept.at_rest else []
+        if not self._rest or log.t[-1] - self._rest[0].t[0] < NORTH_S:
+            return kept
+        whole, self._rest = _joined(self._rest), []
+        if (found := self._compass(whole)) is None:
+            return kept
+        assert whole.heading is not None
+        whole.heading[0], std = self.north = found
+        self._filter = JointFilter(self._aid, self._settings(whole, True)._replace(heading_std=std))
+        self._filter.run(whole)
+        return self._filter
 
     def _log(self, t: FloatArray, inputs: Inputs, aiding: Aiding) -> AttitudeLog:
         n = len(t)
@@ -134,7 +163,7 @@ def prepare() -> None:
     """Have the filter compiled: kept on the disk, so that only a first run of all takes its minute."""
     t: FloatArray = np.arange(10.0)
     still = Inputs(np.zeros((10, 3)), np.tile([0.0, 0.0, -9.8], (10, 1)))
-    track = AttitudeTrack("none", lambda log: Settings())
+    track = AttitudeTrack("none", lambda log, knows: Settings())
     track.take(t, still)
 
 

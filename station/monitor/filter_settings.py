@@ -17,7 +17,7 @@ from procedures.attitude.sensor_noise import gyro_noise
 from procedures.earth import EARTH_RATE, STANDARD_GRAVITY
 
 LEAST_NOISE = 1e-7  # rad/sqrt(s)
-TURN_ON = np.radians(3.0) / 3600  # rad/s: what a FOG's bias differs by from its calibration, 1 sigma
+TURN_ON = np.radians(1.0) / 3600  # rad/s: what a FOG's bias differs by from its calibration, 1 sigma
 WALK = 1e-6  # rad/s/sqrt(s), of a FOG's bias
 EARTH_WALK = 1e-5  # ... where the Earth's rate is part of it, which turns with the unit
 FORCE_WALK = 1e-6  # m/s2/sqrt(s)
@@ -50,15 +50,20 @@ def settings_of(
     force = STANDARD_GRAVITY * (
         _largest(accel["bias"]) + _relative(accel["scale_factor"]) + _largest(accel["misalignment"])
     )
-    bias = np.radians(_largest(gyro["bias"])) / 3600
+    bias = gyro_bias_std(calibration)
     return base._replace(
-        gyro_bias_std=float(np.sqrt(bias**2 + TURN_ON**2 + (0.0 if knows_earth else EARTH_RATE) ** 2)),
+        gyro_bias_std=float(np.hypot(bias, 0.0 if knows_earth else EARTH_RATE)),
         gyro_bias_walk=WALK if knows_earth else EARTH_WALK, rest_bias_walk=WALK if knows_earth else EARTH_WALK,
         gyro_scale_std=max(scale, 1e-5), gyro_noise_per_rate=max(scale, 1e-4),
         force_bias_std=max(force, 1e-5), force_bias_walk=FORCE_WALK,
         rest_force_noise=max(_noise(log.force, log.nominal, quantum), RESTING_FORCE),
         rest_velocity_noise=max(RESTING_VELOCITY, STEP * quantum * log.nominal),
     )  # fmt: skip
+
+
+def gyro_bias_std(calibration: Mapping[str, Any]) -> float:
+    """Return 1 sigma [rad/s] of a calibrated gyro's bias on another day."""
+    return float(np.hypot(np.radians(_largest(calibration["gyroscope"]["bias"])) / 3600, TURN_ON))
 
 
 def _largest(part: Mapping[str, Any]) -> float:

@@ -9,6 +9,9 @@ import numpy as np
 
 from drivers.errors import DriverError, LinkLost, ReplayEnded
 from procedures.arrays import FloatArray
+from procedures.attitude.joint_state import Settings
+from procedures.attitude.log import AttitudeLog
+from procedures.attitude.north import heading_at_rest
 from procedures.earth import STANDARD_GRAVITY
 from station.guide.view import Event, Sound
 from station.live.live_feed import LiveFeed
@@ -16,7 +19,7 @@ from station.monitor.alarms import Alarm, Watch
 from station.monitor.at_rest import DEG_H, Rest
 from station.monitor.attitude import NO_AID, Aiding, Attitude, AttitudeTrack
 from station.monitor.calibration import Applied
-from station.monitor.filter_settings import settings_of
+from station.monitor.filter_settings import gyro_bias_std, settings_of
 from station.monitor.recording import Recording
 from station.monitor.sensors import Sensors, Tick
 from station.monitor.session import Verb
@@ -77,14 +80,9 @@ class Monitor:
         C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
         counts = feed.wire.output == "increments"
         self._sensors = Sensors(applied.document, applied.nominal, C, feed.period, counts=counts)
-        self._track = AttitudeTrack(
-            options.aid,
-            lambda log: settings_of(
-                applied.document, options.aid, log, options.gravity, options.latitude,
-                options.heading is not None or options.aid == "gnss", self._sensors.quantum(feed.period),
-            ),
-            heading,
-        )  # fmt: skip
+        self._applied, self._told_north = applied, False
+        can_compass = options.latitude is not None and options.heading is None and applied.document is not None
+        self._track = AttitudeTrack(options.aid, self._settings, heading, self._compass if can_compass else None)
         self._rest = Rest(options.gravity, options.latitude, options.heading, self._sensors.quantum(TICK_S))
         self._watch, self._health = Watch(options.alarms), StreamHealth(feed)
         self._size = max(1, round(TICK_S / feed.period))
@@ -150,6 +148,25 @@ class Monitor:
             self._recording.end()
         self._change(is_over=True, recording="", line="ended")
 
+    def _settings(self, log: AttitudeLog, knows_heading: bool) -> Settings:
+        options, document = self._options, self._applied.document
+        quantum = self._sensors.quantum(self._feed.period)
+        return settings_of(document, options.aid, log, options.gravity, options.latitude, knows_heading, quantum)
+
+    def _compass(self, log: AttitudeLog) -> tuple[float, float] | None:
+        """Return what a rest's gyros say of the heading [rad]."""
+        assert self._options.latitude is not None
+        assert self._applied.document is not None
+        return heading_at_rest(log, self._options.latitude, gyro_bias_std(self._applied.document))
+
+    def _say_north(self) -> None:
+        if self._track.north is not None and not self._told_north:
+            self._told_north = True
+            heading, std = np.degrees(self._track.north)
+            self._say(
+                "accepted", "north", f"north by the Earth's rate: heading {heading % 360:.1f} deg, sigma {std:.1f}"
+            )
+
     def _zero(self) -> None:
         reading = self.view.reading
         if self.view.zero is not None:
@@ -201,6 +218,7 @@ class Monitor:
         reading = self._reading(tick, found)
         self._change(reading=reading, bought=self._rest.bought, line="")
         self._history.append(self._point(reading))
+        self._say_north()
         self._ring(reading)
         for sink in self._sinks:
             sink(self.view)

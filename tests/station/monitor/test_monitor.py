@@ -73,6 +73,22 @@ def test_with_a_heading_the_whole_of_the_earths_rate_is_taken_off() -> None:
     assert wrong.with_it.drift > 15.0
 
 
+def test_half_a_minute_of_rest_tells_north_and_what_was_learnt_no_longer_holds_the_earths_rate() -> None:
+    rig = MonitorRig(QUIET, Options(latitude=LATITUDE), position=10)  # SEU: x, which is forward, points south
+    before = rig.run(30.0).reading
+    assert before.heading is None
+    assert max(map(abs, before.bias)) > 8.0
+    after = rig.run(40.0).reading
+    heading, std = np.degrees(rig.monitor._track.north)  # noqa: SLF001
+    assert abs((heading - 180.0 + 180.0) % 360.0 - 180.0) < 3 * std
+    assert after.heading == pytest.approx(180.0, abs=3 * std) or after.heading == pytest.approx(
+        -180.0, abs=3 * std
+    )
+    assert max(map(abs, after.bias)) < 3.0
+    assert any("north by the Earth's rate" in text for text in rig.texts)
+    assert np.degrees(np.arccos(np.clip(down_of(rig.view) @ true_down(10), -1, 1))) < 3 * after.sigma
+
+
 def test_moving_begins_the_comparison_anew() -> None:
     rig = MonitorRig(FLAT)
     assert rig.run(30.0).bought.seconds > 20
