@@ -13,6 +13,7 @@ from numba import njit
 from procedures.arrays import FloatArray
 from procedures.attitude.mixing_kernels import mix_euler, mix_vector
 
+COMPILED_IN = "8463a664ea57"  # of `mixing_kernels`; see `joint_kernels`
 SMOOTH_S = 0.5  # of the rates that open the gate
 LEARN_S = 20.0  # over which the angle of attack is remembered
 Q, R, P0 = 2.0e-9, 100.0, 100.0  # P2, section 4: variances per sample; P0 is not printed, 100 does best

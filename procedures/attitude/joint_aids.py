@@ -20,6 +20,7 @@ from procedures.attitude.joint_state import (
     SPEED,
     STILL,
     TIME,
+    VELOCITY_KNOWN,
     Settings,
     State,
 )  # fmt: skip
@@ -27,6 +28,7 @@ from procedures.attitude.joint_update import measure
 
 REST_MEAN_S = 0.5  # over which rest's means are taken
 MEAN_SPEED_S = 1.0
+REST_NORM = 0.05  # of gravity: accelerometers are no better, and braking at a steady 0.4 g is no rest
 
 
 @inlined
@@ -55,9 +57,38 @@ def body_velocity(s: State, c: Settings, axis: int, along: float, slow: int, noi
 
 
 @inlined
+def doubt(s: State, c: Settings) -> None:
+    """Believe vertical and biases no more than at the start: without its aid the filter took motion for none."""
+    for i in range(3):
+        s.slow[BIAS + i] = 0.0
+    for i in range(9):
+        if i != 2:  # the heading is as good as it was
+            for j in range(len(s.dx)):
+                s.P[i, j] = s.P[j, i] = 0.0
+            s.P[i, i] = c.tilt_std**2 if i < 3 else c.velocity_std**2 if i < 6 else c.gyro_bias_std**2
+
+
+@inlined
+def set_velocity(s: State, north: float, east: float, down: float, std: float) -> None:
+    """Begin the velocity anew [m/s], the same 1 sigma each way: what an aid first says is no outlier."""
+    for i in range(3):
+        for j in range(len(s.dx)):
+            s.P[3 + i, j] = s.P[j, 3 + i] = 0.0
+        s.P[3 + i, 3 + i] = std * std
+    s.v_n[0], s.v_n[1], s.v_n[2] = north, east, down
+    s.block[VELOCITY_KNOWN] = 1.0
+
+
+@inlined
 def airspeed(s: State, c: Settings) -> None:
     """Take in the airspeed since the last update, angle of attack, sideslip, and a weak word on climbing."""
     V = s.block[AIR] / s.block[AIR_ROWS]
+    if s.block[VELOCITY_KNOWN] == 0.0:
+        C, std = s.C_nb, c.velocity_std + c.velocity_std_per_speed * abs(V)
+        if abs(V) > c.rest_speed:
+            doubt(s, c)
+        set_velocity(s, C[0, 0] * V, C[1, 0] * V, C[2, 0] * V, std)
+        return
     body_velocity(s, c, 0, V, 0, c.airspeed_noise)
     body_velocity(s, c, 1, V, BETA, c.gust_noise)
     body_velocity(s, c, 2, V, ALPHA, c.gust_noise)
@@ -73,16 +104,16 @@ def velocity_fix(s: State, c: Settings, vel: FloatArray) -> None:
     increments, not accelerations at a point.
     """
     speed = math.hypot(vel[0], vel[1])
+    if math.isnan(s.block[SPEED]) and speed > c.rest_speed:
+        doubt(s, c)
     s.block[SPEED] = speed
     if s.block[HEADING_KNOWN] == 0.0 and speed > c.course_speed:
         turn_level_frame(s, math.atan2(vel[1], vel[0]) - heading_of(s), c.course_std)
-        for i in range(3):
-            for j in range(len(s.dx)):
-                s.P[3 + i, j] = s.P[j, 3 + i] = 0.0
-            s.v_n[i] = vel[i]
-            s.P[3 + i, 3 + i] = 4 * c.velocity_fix_std**2
+        set_velocity(s, vel[0], vel[1], vel[2], 2 * c.velocity_fix_std)
         return
-    if s.block[HEADING_KNOWN] > 0.0:
+    if s.block[HEADING_KNOWN] > 0.0 and s.block[VELOCITY_KNOWN] == 0.0:
+        set_velocity(s, vel[0], vel[1], vel[2], 2 * c.velocity_fix_std)
+    elif s.block[HEADING_KNOWN] > 0.0:
         for i in range(3):
             level_velocity(s, c, i, vel[i], c.velocity_fix_std**2)
     else:  # as far as the speed goes in some direction
@@ -148,14 +179,20 @@ def rest(s: State, c: Settings, aided: bool) -> bool:
     block = s.block
     T = block[TIME]
     share = min(T / REST_MEAN_S, 1.0)
-    off_rate = off_force = 0.0
+    off_rate = off_force = norm2 = 0.0
+    turns = False  # beyond what the gyros' biases may be
     for i in range(3):
-        a, b = block[RATE + i] / T - block[MEAN_RATE + i], block[FORCE + i] / T - block[MEAN_FORCE + i]
+        rate, force = block[RATE + i] / T, block[FORCE + i] / T
+        norm2 += force * force
+        a, b = rate - block[MEAN_RATE + i], force - block[MEAN_FORCE + i]
         off_rate += a * a
         off_force += b * b
         block[MEAN_RATE + i] += share * a
         block[MEAN_FORCE + i] += share * b
-    still = off_rate < c.rest_rate**2 and off_force < c.rest_force**2
+        limit = c.rest_rate + 3.0 * math.sqrt(s.P[6 + i, 6 + i])
+        turns = turns or abs(block[MEAN_RATE + i] - s.slow[BIAS + i]) > limit
+    still = off_rate < c.rest_rate**2 and off_force < c.rest_force**2 and not turns
+    still = still and abs(math.sqrt(norm2) - c.gravity) < REST_NORM * c.gravity
     block[STILL] = block[STILL] + T if still else 0.0
     if block[AIR_ROWS] > 0:
         V, share = block[AIR] / block[AIR_ROWS], min(T / MEAN_SPEED_S, 1.0)

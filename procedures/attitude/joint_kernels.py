@@ -5,11 +5,15 @@ import math
 from procedures.arrays import FloatArray
 from procedures.attitude.compiled import inlined, kernel
 from procedures.attitude.joint_aids import airspeed, level_velocity, rest, true_heading, velocity_fix
-from procedures.attitude.joint_state import AIR_ROWS, DV, STARTED, TIME, Settings, State
+from procedures.attitude.joint_state import AIR_ROWS, DV, SPEED, STARTED, TIME, VELOCITY_KNOWN, Settings, State
 from procedures.attitude.joint_strapdown import LONG_GAP_S, correct, start, take
 from procedures.attitude.joint_update import propagate
 
 NO_AID, AIRSPEED, GNSS = 0, 1, 2
+
+# Of the files that are compiled into these kernels. numba keeps compiled code until this file changes, whatever
+# those do: `test_compiled.py` asks for a new line here when one of them changed.
+COMPILED_IN = "794ec1dae972"
 
 
 @inlined
@@ -43,7 +47,7 @@ def update(s: State, c: Settings, aid: int, fixed: bool, vel: FloatArray, headin
         airspeed(s, c)
     elif fixed:
         velocity_fix(s, c, vel)
-    elif aid == NO_AID and not resting:
+    elif (aid == NO_AID or (s.block[VELOCITY_KNOWN] == 0.0 and math.isnan(s.block[SPEED]))) and not resting:
         for i in range(3):
             level_velocity(s, c, i, 0.0, c.speed_noise**2 / s.block[TIME])
     correct(s)

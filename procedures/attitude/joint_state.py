@@ -19,7 +19,8 @@ BIAS, SCALE, FORCE_BIAS, ALPHA, BETA = 0, 3, 6, 9, 10
 # Places in `State.block`: sums since the last update, and what is known of rest and heading.
 DV, TIME, TURNED2, AIR, AIR_ROWS, LOST_ANGLE, LOST_SPEED, RATE, FORCE = 0, 3, 4, 5, 6, 7, 8, 9, 12
 MEAN_RATE, MEAN_FORCE, STILL, SPEED, HEADING_KNOWN, STARTED, LAST_RATE, AT_REST = 15, 18, 21, 22, 23, 24, 25, 28
-BLOCK = 29
+VELOCITY_KNOWN = 29
+BLOCK = 30
 
 
 class Settings(NamedTuple):
@@ -82,7 +83,7 @@ class State(NamedTuple):
     """The filter's memory; arrays are changed in place.
 
     ``C_nb`` (3, 3); ``v_n`` (3,) [m/s]; ``slow`` (11,); ``P`` (n, n); ``sums`` (3, 6), the integrals of C_nb and
-    of C_nb diag(rate); ``block`` (29,). The others are scratch.
+    of C_nb diag(rate); ``block`` (30,). The others are scratch.
     """
 
     C_nb: FloatArray

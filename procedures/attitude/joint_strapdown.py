@@ -24,6 +24,7 @@ from procedures.attitude.joint_state import (
     STARTED,
     TIME,
     TURNED2,
+    VELOCITY_KNOWN,
     Settings,
     State,
 )  # fmt: skip
@@ -71,6 +72,7 @@ def start(s: State, c: Settings, x: float, y: float, z: float, air: float) -> No
     s.sums[:] = 0.0
     s.block[STARTED] = 1.0
     s.block[SPEED] = math.nan
+    s.block[VELOCITY_KNOWN] = 1.0 if air == air else 0.0
 
 
 @inlined

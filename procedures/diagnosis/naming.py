@@ -128,15 +128,16 @@ def _what_would_tell(state: State, effect: Effect) -> str:
 def _where(state: State, finding: Candidate) -> Mapping[str, object]:
     """Return what a finding is about; of a seating that its pair's other could be instead, both positions."""
     where = dict(finding.columns.where)
-    if "position" not in where:
-        return where
-    evidence = state.now.evidence
-    fit = finding.fit(evidence, state.beside(finding))
-    also = [
-        way.columns.where["position"]
-        for way in state.pool[finding.effect.name]
-        if way is not finding and takes_its_place(evidence, fit, way.term)
-    ]
-    if also:
+    if also := [way.columns.where["position"] for way in other_seatings(state, finding)]:
         where["position"] = [where["position"], *also]
     return where
+
+
+def other_seatings(state: State, finding: Candidate) -> list[Candidate]:
+    """Return the other positions that could have been seated so instead of a finding's."""
+    if "position" not in finding.columns.where:
+        return []
+    evidence = state.now.evidence
+    fit = finding.fit(evidence, state.beside(finding))
+    ways = state.pool[finding.effect.name]
+    return [way for way in ways if way is not finding and takes_its_place(evidence, fit, way.term)]

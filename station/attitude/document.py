@@ -27,7 +27,7 @@ def attitude_document(log: AttitudeLog, track: Track) -> dict[str, Any]:
     if (rms := rms_deg(log, track.down)) is not None:
         document["rms_deg"] = rms
     if track.sigma is not None:
-        document["sigma_deg"] = float(np.degrees(np.sqrt(np.mean(track.sigma**2))))
+        document["sigma_deg"] = float(np.degrees(np.median(track.sigma)))
     if track.observability is not None:
         seen = track.observability
         document["observability"] = {
@@ -80,7 +80,7 @@ def attitude_text(log: AttitudeLog, document: dict[str, Any]) -> str:
     if "rms_deg" in document:
         lines.append("error rms " + ", ".join(f"{name} {v:.3f} deg" for name, v in document["rms_deg"].items()))
     if "sigma_deg" in document:
-        lines.append(f"1 sigma of the vertical, rms {document['sigma_deg']:.3f} deg")
+        lines.append(f"1 sigma of the vertical, median {document['sigma_deg']:.3f} deg")
     if "observability" in document:
         seen = document["observability"]
         lines.append(

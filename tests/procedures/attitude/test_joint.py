@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drivers.simulated.flight import FRD_OF_CUBE, paper_bench, paper_flight
-from procedures.attitude import joint_update
+from procedures.attitude import joint_strapdown, joint_update
 from procedures.attitude.attitude import estimate
 from procedures.attitude.frd import earth_rate_ned, inclination
 from procedures.attitude.joint import JointFilter
@@ -151,3 +151,34 @@ def test_a_reversed_log_smooths() -> None:
 def test_settings_are_plain_numbers() -> None:
     assert all(isinstance(value, float) for value in (*DEFAULT, *FREE))
     assert FRD_OF_CUBE @ nominal_C_lb(9)[2] == pytest.approx([0, 0, -1])
+
+
+@pytest.mark.parametrize(("aid", "from_row"), [("airspeed-filter", 1700), ("gnss", 1700)])
+def test_an_aid_that_begins_under_way_is_no_outlier(aid: str, from_row: int) -> None:
+    log, down = driving()
+    assert log.airspeed is not None
+    assert log.velocity is not None
+    speed, velocity, heading = log.airspeed.copy(), log.velocity.copy(), np.full(len(log.t), np.nan)
+    speed[:from_row] = velocity[:from_row] = np.nan
+    heading[0] = 1.0
+    late = replace(log, airspeed=speed, velocity=velocity, heading=heading if aid == "gnss" else None)
+    error = np.degrees(inclination(estimate(late, aid).down, down))
+    assert error[1500:1700].max() > 5  # what was taken for rest was 3 m/s2 of starting
+    assert np.sqrt(np.mean(error[log.t > 60] ** 2)) < 0.5
+
+
+def test_kernels_equal_their_plain_form() -> None:
+    log, _ = driving(seconds=2.0)
+    plain, compiled = JointFilter(), JointFilter()
+    for kept, take, propagate in (
+        (plain, joint_strapdown.take.py_func, joint_update.propagate.py_func),  # type: ignore[attr-defined]
+        (compiled, joint_strapdown.take, joint_update.propagate),
+    ):
+        s, c = kept.state, kept.settings
+        joint_strapdown.start(s, c, 0.1, 0.2, -9.8, 3.0)
+        for w, f in zip(log.rate[:20], log.force[:20], strict=True):
+            take(s.C_nb, s.v_n, s.slow, s.sums, s.block, c, 0.01, *w, *f, 3.0)
+        propagate(s, c)
+    assert plain.state.C_nb == pytest.approx(compiled.state.C_nb, abs=1e-13)
+    assert plain.state.P == pytest.approx(compiled.state.P, abs=1e-13)
+    assert np.linalg.eigvalsh(plain.state.P).min() > -1e-12

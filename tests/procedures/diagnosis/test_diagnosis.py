@@ -77,7 +77,7 @@ def test_the_advice_names_a_certificate_only_where_there_is_none() -> None:
     without = finding_of(diagnose(plain(truth, 4), FACES), "fixture.parallelism")
     beside = finding_of(diagnose(certified(truth, 4), FACES), "accelerometer.quadratic")
     assert "certificate" in without.separate_by
-    assert "re-mounted" in beside.separate_by
+    assert "free positions" in beside.separate_by
     assert "certificate" not in beside.separate_by
 
 
