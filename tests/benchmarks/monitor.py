@@ -1,7 +1,7 @@
 """Print how well the monitor reads a simulated FOG, and what it costs: `python -m tests.benchmarks.monitor`.
 
 Parts: ``rest`` (12 positions, level error and its ratio to 1 sigma after a minute), ``move`` (hand moves of 20 s
-from face to face, error at their end by the monitor's settings and by the filter's own), ``cpu`` (the whole program
+from face to face, error at their end by the monitor's settings and the filter's own), ``cpu`` (the whole program
 on a pty of 80x24, IMU at 100 Hz).
 """
 

@@ -156,7 +156,8 @@ def test_what_is_wrong_is_said_in_a_line_and_leaves_nothing_behind(
     given = [calibration if word == "C" else word for word in arguments]
     where = ["--json", "--folder", str(tmp_path / "r"), "--db", str(tmp_path / "s.db")]
     with device() as served:
-        assert cli.run(["monitor", served.url, *where, *given]) == code
+        url = served.url if code == 3 or "C" in arguments else "serial:///dev/ttyNONE"  # usage is looked at first
+        assert cli.run(["monitor", url, *where, *given]) == code
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
