@@ -138,6 +138,8 @@ def _added(effect: Effect, entry: Mapping[str, Any], seen: Seen) -> dict[str, Fl
 def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Surroundings, n: int) -> Seen:
     """Return the samples as an effect's columns take them; what is not known is nan."""
     one, three = np.full(n, np.nan), np.full((n, 3), np.nan)
+    frames = {name: np.broadcast_to(triad.E, (n, 3, 3)) for name, triad in triads.items()}
+    unit = np.broadcast_to(np.eye(len(AXES)), (n, 3, 3))
     output = {name: u[name] @ triad.E.T + triad.D for name, triad in triads.items()}
     temperature = one if around.temperature is None else around.temperature
     rate = one if around.temperature_rate is None else around.temperature_rate
@@ -147,6 +149,7 @@ def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Sur
         accel_output=output.get("accelerometer", three), gyro_output=output.get("gyroscope", three),
         change=three, t=one, rest_s=one, temperature=temperature, temperature_rate=rate,
         auxiliary=around.auxiliary,
-        step=np.zeros(n, dtype=np.int64), C_ib=np.broadcast_to(np.eye(len(AXES)), (n, 3, 3)),
+        step=np.zeros(n, dtype=np.int64), C_ib=unit,
+        E_accel=frames.get("accelerometer", unit), E_gyro=frames.get("gyroscope", unit),
         steps=(SeenStep("", "sample", 0, 0, ""),),
     )  # fmt: skip

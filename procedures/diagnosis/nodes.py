@@ -42,7 +42,12 @@ class Part:
     temperature_rate: FloatArray
     auxiliary: dict[str, FloatArray]
     C_ib: FloatArray
+    E_accel: FloatArray
+    E_gyro: FloatArray
     seconds: FloatArray  # (n,) that a node stands for
+
+
+PER_PART = ("C_ib", "E_accel", "E_gyro")
 
 
 def joined(parts: Sequence[Part]) -> Seen:
@@ -51,7 +56,7 @@ def joined(parts: Sequence[Part]) -> Seen:
     number = np.repeat(np.arange(len(parts)), sizes)
     names = sorted({name for part in parts for name in part.auxiliary})
     missing = [np.full(size, np.nan) for size in sizes]
-    shared = {f.name for f in fields(Seen)} & {f.name for f in fields(Part)} - {"step", "auxiliary", "C_ib"}
+    shared = {f.name for f in fields(Seen)} & {f.name for f in fields(Part)} - {"step", "auxiliary", *PER_PART}
     return Seen(
         **{name: np.concatenate([getattr(part, name) for part in parts]) for name in shared},
         change=_changes(parts, number),
@@ -60,7 +65,7 @@ def joined(parts: Sequence[Part]) -> Seen:
             for name in names
         },
         step=number.astype(np.int64),
-        C_ib=np.stack([part.C_ib for part in parts])[number],
+        **{name: np.stack([getattr(part, name) for part in parts])[number] for name in PER_PART},
         steps=tuple(part.step for part in parts),
     )
 
@@ -187,7 +192,7 @@ class Places:
         return Part(
             step, f, omega, field, _output(self.accel, f), _output(self.gyro, omega), bins.middle,
             bins.middle - (bins.series.t[0] - bins.series.period), temperature, warming, bins.auxiliary(),
-            campaign.fixture.C_ib, bins.seconds,
+            campaign.fixture.C_ib, _misalignment(self.accel), _misalignment(self.gyro), bins.seconds,
         )  # fmt: skip
 
 
@@ -197,6 +202,12 @@ def _output(fit: JointFit | None, u: FloatArray) -> FloatArray:
         return u
     output: FloatArray = (u @ fit.K.T + fit.b) / np.linalg.norm(fit.K, axis=1)
     return output
+
+
+def _misalignment(fit: JointFit | None) -> FloatArray:
+    """Return E (3, 3), unit where the triad is not solved."""
+    E: FloatArray = np.eye(3) if fit is None else fit.K / np.linalg.norm(fit.K, axis=1)[:, None]
+    return E
 
 
 def _site_vectors(campaign: Campaign) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -92,7 +92,7 @@ class RateTables:
         return Seen(
             f=unknown, omega=p.omega, magnetic=unknown, accel_output=unknown, gyro_output=output, change=unknown,
             t=none, rest_s=none, temperature=p.temperature, temperature_rate=none, auxiliary={}, step=p.block,
-            C_ib=C_ib, steps=steps,
+            C_ib=C_ib, E_accel=np.tile(np.eye(3), (n, 1, 1)), E_gyro=np.tile(np.eye(3), (n, 1, 1)), steps=steps,
         )  # fmt: skip
 
     def refit(self, added: Sequence[Candidate]) -> Refit:

@@ -38,8 +38,8 @@ def turned_world(seen: Seen, rotation_l: FloatArray) -> tuple[FloatArray, FloatA
     C_il = slab_C_il(seen)
     rotation = C_il @ rotation_l
     earth = np.einsum("nil,nl->ni", C_il, _earth_l(seen, C_il))
-    accel = np.cross(rotation, seen.f[:, :, None], axis=1)
-    gyro = np.cross(rotation, earth[:, :, None], axis=1)
+    accel = seen.E_accel @ np.cross(rotation, seen.f[:, :, None], axis=1)
+    gyro = seen.E_gyro @ np.cross(rotation, earth[:, :, None], axis=1)
     away = np.array([not step.position for step in seen.steps])[seen.step]
     accel[away], gyro[away] = 0.0, 0.0
     return accel, gyro

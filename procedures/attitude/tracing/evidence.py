@@ -122,10 +122,10 @@ def stretches(evidence: Evidence) -> list[IntArray]:
 
 def _evidence(residual: FloatArray, A: FloatArray, triad: IntArray, stretch: IntArray) -> Evidence:
     n = len(residual)
-    none, nothing = np.zeros(0), np.zeros((0, 3))
+    none, nothing, none_3x3 = np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3, 3))
     steps = tuple(SeenStep(f"stretch {i + 1}", "rate", 0, 0, "") for i in range(STRETCHES))
     seen = Seen(nothing, nothing, nothing, nothing, nothing, nothing, none, none, none, none, {},
-                np.zeros(0, np.int64), np.zeros((0, 3, 3)), steps)  # fmt: skip
+                np.zeros(0, np.int64), none_3x3, none_3x3, none_3x3, steps)  # fmt: skip
     return Evidence(
         residual=residual, sigma=np.full(n, SIGMA), A=A, triad=triad, kind=np.full(n, KINDS.index("rate")),
         step=stretch, axis=np.arange(n) % 3, is_range=np.zeros(n, bool), x=np.zeros(A.shape[1]),

@@ -36,7 +36,7 @@ def small(rng: np.random.Generator, parameters: int = 9) -> Evidence:
     nothing, vectors = np.zeros(0), np.zeros((0, 3))
     seen = Seen(
         vectors, vectors, vectors, vectors, vectors, vectors, nothing, nothing, nothing, nothing, {},
-        np.zeros(0, dtype=np.int64), np.zeros((0, 3, 3)), steps,
+        np.zeros(0, dtype=np.int64), *np.zeros((3, 0, 3, 3)), steps,
     )  # fmt: skip
     zeros = np.zeros(n, dtype=np.int64)
     return Evidence(

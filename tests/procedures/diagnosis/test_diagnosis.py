@@ -72,6 +72,13 @@ def test_a_bad_dwell_is_no_effect_of_the_instrument(seed: int) -> None:
     assert found.verdict != "consistent"
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_large_seating_leaves_nothing_unexplained(seed: int) -> None:
+    seated = {"placement.dwell": {"position": 2.0 + seed, "x": 4e-4, "y": -4e-4, "z": 4e-4}}
+    found = diagnose(certified(unit(seed, effects=seated), seed))
+    assert found.verdict == "established"  # misalignment times it is seven sigma of a dwell
+
+
 def test_the_advice_names_a_certificate_only_where_there_is_none() -> None:
     truth = unit(4, effects={"accelerometer.quadratic": {"x": 3e-5, "y": -3e-5}})
     without = finding_of(diagnose(plain(truth, 4), FACES), "fixture.parallelism")
