@@ -6,7 +6,7 @@ converted at once; only a block that does not match is looked at line by line.
 
 import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
@@ -38,7 +38,12 @@ class _Numbers(dict[bytes, float]):
 
 
 def read_csv(stream: BinaryIO, file: Path, kind: TableKind) -> Table:
-    """Read a step's CSV file.
+    """Read a step's CSV file; `DataRefused` as in `read_columns`."""
+    return read_columns(stream, file, lambda header: read_header(header, file, kind))
+
+
+def read_columns(stream: BinaryIO, file: Path, header_cells: Callable[[bytes], dict[str, str]]) -> Table:
+    """Read any CSV file; ``header_cells`` turns its first line into column names and what their cells hold.
 
     Raises
     ------
@@ -49,7 +54,7 @@ def read_csv(stream: BinaryIO, file: Path, kind: TableKind) -> Table:
     lines = _whole_lines(stream, file, digest)
     first = next(lines, b"")
     header, _, block = first.partition(b"\n")
-    cells = read_header(header, file, kind)
+    cells = header_cells(header)
     row = re.compile(b"(?:" + b",".join(_CELL[c].pattern for c in cells.values()) + rb"\r?+\n)*+")
     numbers = _Numbers()
     parts = [_rows(block, file, 2, cells, row, numbers)]
