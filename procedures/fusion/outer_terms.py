@@ -8,7 +8,7 @@ are the odometry's. A correction, no Euler yaw, is carried, because an IMU's x a
     fix     p_k + Rz(d_k) (a + C_of l + v_o (tau - tau0)) - z      a: from node k to the fix, C_of: attitude there
     course  (GNSS course - course of the odometry's velocity) - d_k
 
-Huber's loss weights fix and course, by the length of the whitened residual (P3 IV.B; its eq. 9 is not in the text).
+Huber's loss weights fix and course, by the length of the whitened residual (P3 IV.B, whose eq. 9 is lost).
 """
 
 from dataclasses import dataclass

@@ -2,8 +2,8 @@
 
 Horizontal positions and velocities are complex numbers, East + i North. With ``q`` the odometry's and ``z``
 GNSS's, both about their means, ``z = exp(i yaw) q`` gives ``yaw = arg sum conj(q) z``; so do velocities. P3
-aligns positions only. It waits for displacement, which is what makes the sigma small, and for nothing else. Outliers are weighted
-down (Huber).
+aligns positions only. It waits for displacement, which is what makes the sigma small, and for nothing else.
+Outliers are weighted down (Huber).
 """
 
 from dataclasses import dataclass

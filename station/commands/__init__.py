@@ -42,6 +42,7 @@ COMMANDS = (
     Command("history", "List the stored calibrations of a unit and its drift.", "station.commands.history"),
     Command("resolve", "Solve recordings again with today's code; what changed?", "station.commands.resolve"),
     Command("export", "Write a calibration for a flight stack or Kalibr.", "station.commands.export"),
+    Command("locate", "Locate a recording: IMU, GNSS and odometry to a trajectory.", "station.commands.locate"),
     Command("fixtures", "Cubes, slabs, sites, IMUs and their limits.", "station.commands.fixtures"),
     Command("verify", "Find what was altered since it was accepted.", "station.commands.verify"),
 )
