@@ -6,9 +6,7 @@ Times [s] are those of one clock. Quaternions are x, y, z, w, and take b to n (b
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +31,7 @@ class ImuNoise:
     accel: float
     accel_walk: float
     gyro_bias: float = 0.1
-    accel_bias: float = 0.3
+    accel_bias: float = 0.15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,6 +57,13 @@ class GnssFixes:
             if (got := getattr(self, name).shape) != shape:
                 raise ValueError(f"GnssFixes.{name} has shape {got}, expected {shape}")
 
+    def part(self, which: slice | BoolArray) -> "GnssFixes":
+        """Return some of the fixes."""
+        return GnssFixes(
+            self.t[which], self.p_n[which], self.v_n[which], self.course[which],
+            self.position_std[which], self.velocity_std[which],
+        )  # fmt: skip
+
     def shifted(self, offset: float) -> "GnssFixes":
         """Return the fixes with ``offset`` [s] added to their time stamps."""
         return GnssFixes(self.t + offset, self.p_n, self.v_n, self.course, self.position_std, self.velocity_std)
@@ -74,8 +79,3 @@ class Trajectory:
 
     def __len__(self) -> int:
         return len(self.t)
-
-
-def no_velocity(n: int) -> FloatArray:
-    """Return the velocities (n, 3) of a receiver that gives none."""
-    return np.full((n, 3), np.nan)

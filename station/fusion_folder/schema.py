@@ -46,7 +46,7 @@ class ImuTable(_Table):
     accel_noise_m_s2_rthz: Density
     accel_walk_m_s3_rthz: Density
     gyro_bias_std_rad_s: Annotated[float, Field(gt=0, le=1)] = 0.1
-    accel_bias_std_m_s2: Annotated[float, Field(gt=0, le=5)] = 0.3
+    accel_bias_std_m_s2: Annotated[float, Field(gt=0, le=5)] = 0.15
 
 
 class GnssTable(_Table):

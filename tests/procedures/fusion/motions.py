@@ -7,10 +7,14 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.fusion.odometry import Drift, RecordedOdometry
-from procedures.fusion.records import GnssFixes, Trajectory
+from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 
 RATE = 20.0  # Hz
 NO_LEVER = np.zeros(3)
+GRAVITY = 9.81
+NOISE = ImuNoise(gyro=3e-4, gyro_walk=4e-5, accel=8e-3, accel_walk=3e-3)
+GYRO_BIAS = np.array([-0.01, 0.02, 0.07])
+ACCEL_BIAS = np.array([0.05, -0.1, 0.08])
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,20 @@ class Eight:
         s = np.maximum(t - self.still, 0.0)
         rocking = np.stack([0.2 * np.sin(s), 0.2 * np.cos(0.7 * s) - 0.2, 0.8 * np.sin(0.3 * s)], axis=-1)
         return Rotation.from_rotvec(rocking) * Rotation.from_rotvec([0.0, -np.pi / 2, 0.0])
+
+    def imu(self, rng: np.random.Generator, earth_n: FloatArray, rate: float = 200.0) -> ImuSeries:
+        """Return samples with constant biases and the white noise of `NOISE`."""
+        t, h = np.arange(0.0, self.seconds, 1 / rate), 1e-3
+        C = self.attitude(t)
+        omega = (self.attitude(t - h).inv() * self.attitude(t + h)).as_rotvec() / (2 * h)
+        a = (self.p(t + h) - 2 * self.p(t) + self.p(t - h)) / h**2
+        f = (
+            C.inv().apply(a + np.array([0.0, 0.0, GRAVITY]))
+            + ACCEL_BIAS
+            + rng.normal(size=a.shape) * NOISE.accel * rate**0.5
+        )
+        omega = omega + C.inv().apply(np.tile(earth_n, (len(t), 1))) + GYRO_BIAS
+        return ImuSeries(t, omega + rng.normal(size=a.shape) * NOISE.gyro * rate**0.5, f)
 
     def fixes(
         self, rng: np.random.Generator, lever: FloatArray = NO_LEVER, late: float = 0.0, std: float = 0.2
