@@ -98,12 +98,13 @@ class OuterGraph:
         if self.alignment is None:
             return Trajectory(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 4))), 0
         self.hanging.hang_again(self.constants[1])
-        x, size = self._polished()
+        x, size = self.polished()
         C = rz(x[:, 3])[0] @ self.hanging.C_ob
         trajectory = Trajectory(self.hanging.t, x[:, :3], Rotation.from_matrix(C).as_quat())
         return trajectory, int(np.count_nonzero(size > REJECTED))
 
-    def _polished(self) -> tuple[FloatArray, FloatArray]:
+    def polished(self) -> tuple[FloatArray, FloatArray]:
+        """Return the states (n, d) of the whole chain at its minimum, and the whitened length of each fix."""
         x = self._x.copy()
         nodes, terms = self.hanging.window(0)
         prior = self._weak_prior(x[0])

@@ -13,7 +13,6 @@ class Source(StrEnum):
     """What moved between the fixes."""
 
     inertial = "inertial"
-    vision = "vision"
     odometry = "odometry"
 
 

@@ -8,6 +8,7 @@ from procedures.arrays import FloatArray
 from procedures.earth import earth_rate_n
 from procedures.fusion.aligner import align_when_possible
 from procedures.fusion.alignment import Aligned, Waiting
+from procedures.fusion.differenced import with_differenced_velocity
 from procedures.fusion.extra import gtsam
 from procedures.fusion.inertial_window import InertialWindow, State, WindowSettings
 from procedures.fusion.moving_aligner import MovingAligner
@@ -20,6 +21,7 @@ from station.locate.through_graph import outer_settings, through_graph, timed, t
 
 STILL = 1e-3  # m/s, of a bench
 BENCH_SPACING = 1.0  # s
+ENOUGH = 7  # fixes, to difference
 
 
 def by_imu(log: FusionLog, layers: int = 2) -> Located:
@@ -30,11 +32,15 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
     given = outer_settings(log)
     earth_n = earth_rate_n(log.latitude)
     fixes = log.fixes.shifted(given.time_offset)
-    aligned = align_when_possible(MovingAligner(log.noise, log.gravity, earth_n, given.arm), log.imu, fixes)
+    has_velocity = bool(np.isfinite(fixes.v_n[:, :2]).all(axis=1).any())
+    seen = fixes if has_velocity or len(fixes.t) < ENOUGH else with_differenced_velocity(fixes)
+    aligned = align_when_possible(MovingAligner(log.noise, log.gravity, earth_n, given.arm), log.imu, seen)
     if isinstance(aligned, Waiting):
         return never(aligned.why)
+    still = is_still(log.imu, log.noise)
+    layers = layers if has_velocity or still else 1  # nothing else would hold the velocity
     settings = WindowSettings(log.noise, log.gravity, earth_n, given.arm, layers)
-    if is_still(log.imu, log.noise):
+    if still:
         settings = replace(settings, still_std=STILL, spacing=BENCH_SPACING)
     window = InertialWindow(settings, log.imu, fixes, aligned)
     located = _one_layer(window, aligned) if layers == 1 else through_graph(log, window, after=aligned.t)
