@@ -16,13 +16,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.frames import rotation, vertical_rotation
 from procedures.fusion.alignment import SETTLED_TILT, SETTLED_YAW, Aligned, Waiting
 from procedures.fusion.inertial_increments import Grid, Increments, grid, integrate, products
 from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
 
 ROUNDS = 15
+FASTEST = 300.0  # m/s, 1 sigma of a velocity of which nothing is measured
 SMALL = 1e-3  # of a sigma, by which a last step may move
 FEWEST = 5
 DIFFERENT = np.radians(10.0)  # between two minima that are not one
@@ -79,12 +80,14 @@ class _Problem:
         longer = np.maximum.outer(self.elapsed, self.elapsed)
         walk = (SHAKEN * noise.accel) ** 2 * s
         tilt = (owner.gravity * noise.gyro) ** 2 * s**2 * (3 * longer - s) / 6  # of a horizontal axis
-        self.white = []
+        self.white = list[tuple[int, IntArray, FloatArray]]()
         for axis in range(3):
             rows = np.flatnonzero(np.isfinite(v[:, axis]))
+            if not len(rows):
+                continue  # a receiver without vertical velocity
             R = np.diag(std**2) + walk + (tilt if axis < 2 else 0.0)
-            self.white.append((rows, cholesky(R[np.ix_(rows, rows)], lower=True)))
-        self.prior = np.r_[np.full(3, noise.gyro_bias), np.full(3, noise.accel_bias)]
+            self.white.append((axis, rows, cholesky(R[np.ix_(rows, rows)], lower=True)))
+        self.prior = np.r_[np.full(3, FASTEST), np.full(3, noise.gyro_bias), np.full(3, noise.accel_bias)]
 
     def wahba(self) -> FloatArray:
         """Return the rotation for biases of zero that fits the changes of velocity best."""
@@ -123,13 +126,13 @@ class _Problem:
         J[:, range(3), range(3, 6)] = 1.0
         J[:, :, 6:9], J[:, :, 9:] = C @ made.by_gyro, C @ made.by_accel
         parts, rows = [], []
-        for axis, (known, L) in enumerate(self.white):
+        for axis, known, L in self.white:
             both = np.column_stack((said[known, axis] - self.v[known, axis], J[known, axis]))
             both = solve_triangular(L, both, lower=True, check_finite=False)
             parts.append(both[:, 0])
             rows.append(both[:, 1:])
-        prior = np.hstack((np.zeros((6, 6)), np.diag(1 / self.prior)))
-        return np.concatenate((*parts, bias / self.prior)), np.vstack((*rows, prior)), made
+        prior = np.hstack((np.zeros((9, 3)), np.diag(1 / self.prior)))
+        return np.concatenate((*parts, np.r_[v, bias] / self.prior)), np.vstack((*rows, prior)), made
 
     def _earth_b(self, C: FloatArray, bias: FloatArray) -> FloatArray:
         """Return the Earth's rate in b over the grid, by the attitudes so far; 1e-4 rad/s needs no iteration."""

@@ -17,7 +17,7 @@ from procedures.fusion.records import GnssFixes, ImuSeries
 def align_as_printed(imu: ImuSeries, fixes: GnssFixes, gravity: float, gyro_bias: FloatArray) -> FloatArray:
     """Return C_nb (3, 3) at the last fix; every fix has a velocity and lies within the IMU's data."""
     made = integrate(grid(imu, fixes.t), gyro_bias, np.zeros(3))
-    a_n = np.gradient(fixes.v_n, fixes.t, axis=0) + [0.0, 0.0, gravity]
+    a_n = np.gradient(fixes.v_n, fixes.t, axis=0) + np.array([0.0, 0.0, gravity])
     f_b = np.stack([np.interp(fixes.t, imu.t, imu.f_b[:, i]) for i in range(3)], axis=1)
     felt = np.einsum("nij,nj->ni", made.C, f_b)
     U, _, Vt = np.linalg.svd(a_n.T @ felt)

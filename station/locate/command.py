@@ -22,7 +22,7 @@ def locate_folder(
     """
     source = source or default_source(log)
     located = locate(log, source, layers)
-    document = location_document(located, source, layers, log.truth)
+    document = location_document(located, source, log.truth)
     if json is not None:
         write_solution(json, document)
     if located.begun_at is None:

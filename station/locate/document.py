@@ -11,12 +11,12 @@ from station.locate.scoring import errors
 FORMAT = "location/1"
 
 
-def location_document(located: Located, source: str, layers: int, truth: Trajectory | None) -> dict[str, Any]:
+def location_document(located: Located, source: str, truth: Trajectory | None) -> dict[str, Any]:
     """Return ``location/1``; ``error_m`` are over all poses from the moment of initialisation."""
     document = {
         "format": FORMAT,
         "source": source,
-        "layers": layers,
+        "layers": located.layers,
         "initialised_at_s": located.begun_at,
         "why_not": located.why_not or None,
         "alignment": located.alignment and _alignment(located.alignment),

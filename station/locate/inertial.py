@@ -20,7 +20,7 @@ from station.locate.result import Alignment, Located
 from station.locate.through_graph import outer_settings, through_graph, timed, trajectory_of
 
 STILL = 1e-3  # m/s, of a bench
-BENCH_SPACING = 1.0  # s
+BENCH_SPACING = 0.1  # s: poses at 10 Hz are promised
 ENOUGH = 7  # fixes, to difference
 
 
@@ -65,7 +65,7 @@ def _one_layer(window: InertialWindow, aligned: Aligned) -> Located:
     found = window.smoothed()
     smoothed = trajectory_of([State(t, C, p, p, p, p, has_velocity=True) for t, p, C in found])
     poses: Trajectory = trajectory_of([states[k] for k in online])
-    return Located(poses, smoothed, states[online[0]].t, "", 0, seconds[online])
+    return Located(poses, smoothed, states[online[0]].t, "", 0, seconds[online], layers=1)
 
 
 def _alignment(aligned: Aligned) -> Alignment:

@@ -1,6 +1,6 @@
 """What locating a folder gives."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from procedures.arrays import FloatArray
 from procedures.fusion.records import Trajectory
@@ -21,7 +21,8 @@ class Located:
     """``online``: each pose uses nothing later; ``smoothed``: all poses by all fixes.
 
     ``begun_at`` [s] is None where it never could, and ``why_not`` says why. ``seconds`` (n,): how long each online
-    pose took. Biases and ``time_offset`` are the last; what was neither given nor estimated is None.
+    pose took. ``layers`` is what was used. Biases and ``time_offset`` are the last; what was neither given nor
+    estimated is None.
     """
 
     online: Trajectory
@@ -35,4 +36,5 @@ class Located:
     accel_bias: FloatArray | None = None
     lever_arm: FloatArray | None = None
     time_offset: float | None = None
-    warnings: tuple[str, ...] = field(default=())
+    warnings: tuple[str, ...] = ()
+    layers: int = 2

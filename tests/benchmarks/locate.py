@@ -1,7 +1,7 @@
 """Print what locating reaches: `python -m tests.benchmarks.locate DATA [PART ...] --seeds 10`.
 
-DATA holds fusion/1 folders with truth. GNSS is drawn anew from each truth for every seed: white, 0.2 m per axis and
-0.05 m/s at 20 Hz, as P3 and the folders' SOURCE.txt have it. Errors are position errors of the IMU without any
+DATA holds fusion/1 folders with truth. GNSS is drawn anew from each truth for every seed: white, 0.2 m per axis
+and 0.05 m/s at 20 Hz, as P3 and the folders' SOURCE.txt have it. Errors are position errors of the IMU without any
 alignment, over the poses later than `WARM_UP`; of each figure median and worst over the seeds.
 """
 

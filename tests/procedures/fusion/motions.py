@@ -6,12 +6,15 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
+from procedures.earth import DEG_PER_HOUR, earth_rate_n
+from procedures.frames import rotation
 from procedures.fusion.odometry import Drift, RecordedOdometry
 from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 
 RATE = 20.0  # Hz
 NO_LEVER = np.zeros(3)
 GRAVITY = 9.81
+EARTH = earth_rate_n(np.radians(55.0))
 NOISE = ImuNoise(gyro=3e-4, gyro_walk=4e-5, accel=8e-3, accel_walk=3e-3)
 GYRO_BIAS = np.array([-0.01, 0.02, 0.07])
 ACCEL_BIAS = np.array([0.05, -0.1, 0.08])
@@ -74,6 +77,15 @@ class Eight:
         moved = back[:-1].apply(step) + rng.normal(size=step.shape) * std[:, None]
         p = np.vstack((np.zeros(3), np.cumsum(moved, axis=0)))
         return RecordedOdometry(Trajectory(t, p, (back * self.attitude(t)).as_quat()), drift)
+
+
+def fog(rng: np.random.Generator, seconds: float, bias: FloatArray) -> tuple[ImuSeries, FloatArray, ImuNoise]:
+    """Return a FOG IMU on a bench: 0.003 deg/rt-h, ``bias`` [rad/s], and its attitude."""
+    noise = ImuNoise(0.003 * np.pi / 180 / 60, 1e-10, 5e-5, 1e-7, 0.05 * DEG_PER_HOUR, 5e-5)
+    t, C_nb = np.arange(0.0, seconds, 0.1), rotation(np.array([0.02, -0.03, 2.0]))
+    omega = C_nb.T @ EARTH + bias + rng.normal(size=(len(t), 3)) * noise.gyro * 10**0.5
+    f = C_nb.T @ [0, 0, GRAVITY] + rng.normal(size=(len(t), 3)) * noise.accel * 10**0.5
+    return ImuSeries(t, omega, f), C_nb, noise
 
 
 def only(fixes: GnssFixes, keep: FloatArray) -> GnssFixes:

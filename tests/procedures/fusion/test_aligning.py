@@ -5,16 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.earth import DEG_PER_HOUR, earth_rate_n
-from procedures.frames import rotation
+from procedures.earth import DEG_PER_HOUR
 from procedures.fusion.aligner import align_when_possible, fixes_between
 from procedures.fusion.alignment import Aligned, Waiting
 from procedures.fusion.moving_aligner import MovingAligner
-from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
+from procedures.fusion.records import GnssFixes
 from procedures.fusion.static_aligner import align_at_rest
-from tests.procedures.fusion.motions import ACCEL_BIAS, GRAVITY, GYRO_BIAS, NOISE, Eight
+from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
 
-EARTH = earth_rate_n(np.radians(55.0))
 LEVER = np.array([0.5, 0.2, -0.3])
 
 
@@ -87,15 +85,6 @@ def test_no_velocity_says_so() -> None:
     fixes.v_n[:] = np.nan
     assert isinstance(found := aligner().align(flight.imu(rng, EARTH), fixes), Waiting)
     assert "0 GNSS velocities" in found.why
-
-
-def fog(rng: np.random.Generator, seconds: float, bias: np.ndarray) -> tuple[ImuSeries, np.ndarray, ImuNoise]:
-    """Return a FOG IMU on a bench: 0.003 deg/rt-h, ``bias`` [rad/s], and its attitude."""
-    noise = ImuNoise(0.003 * np.pi / 180 / 60, 1e-10, 5e-5, 1e-7, 0.05 * DEG_PER_HOUR, 5e-5)
-    t, C_nb = np.arange(0.0, seconds, 0.1), rotation(np.array([0.02, -0.03, 2.0]))
-    omega = C_nb.T @ EARTH + bias + rng.normal(size=(len(t), 3)) * noise.gyro * 10**0.5
-    f = C_nb.T @ [0, 0, GRAVITY] + rng.normal(size=(len(t), 3)) * noise.accel * 10**0.5
-    return ImuSeries(t, omega, f), C_nb, noise
 
 
 def test_a_fog_at_rest_finds_north_by_the_earths_rate() -> None:

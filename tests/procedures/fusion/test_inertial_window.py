@@ -16,8 +16,7 @@ from procedures.fusion.moving_aligner import MovingAligner
 from procedures.fusion.outer_graph import OuterGraph
 from procedures.fusion.records import GnssFixes
 from procedures.fusion.static_aligner import align_at_rest
-from tests.procedures.fusion.motions import ACCEL_BIAS, GRAVITY, GYRO_BIAS, NOISE, Eight
-from tests.procedures.fusion.test_aligning import EARTH, fog
+from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
 
 REASON = "gtsam is not installed: `make locate`"
 ZERO = np.zeros(3)
