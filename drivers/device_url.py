@@ -1,11 +1,16 @@
 """Where a device is: one URL, read into a frozen record.
 
-``serial:///dev/ttyUSB0?baud=921600&format=rawimusx`` · ``tcp://host:port?format=counts`` · ``replay:FILE``
+``serial:///dev/ttyUSB0?baud=921600&format=rawimusx`` · ``tcp://host:port?format=counts`` · ``replay:FILE`` ·
+``can://slcan/dev/ttyACM0?bitrate=1000000&dbc=FILE&map=FILE`` ·
+``triad:?x=serial:///dev/ttyUSB0&y=serial:///dev/ttyUSB1&z=serial:///dev/ttyUSB2&format=ch70`` ·
+``mavlink:LINK:WHERE``, read by `drivers.mavlink.address`.
 """
 
-from collections.abc import Collection
+import contextlib
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from urllib.parse import parse_qsl, unquote, urlsplit
+from typing import TypedDict
+from urllib.parse import parse_qsl, unquote, urlencode, urlsplit
 
 from drivers.errors import BadDeviceUrl
 from drivers.wire import FORMATS
@@ -13,15 +18,33 @@ from drivers.wire import FORMATS
 DEFAULT_BAUD = 921600  # the usual one of FOG IMUs; a format's own stands before it
 BAUDS = range(50, 12_500_001)  # Linux takes any number; this is what the fastest USB adapters do
 PARITIES = ("N", "E", "O")
-ACCEPTED = {"serial": ("baud", "format", "parity"), "tcp": ("format",), "replay": ("format",)}
+ACCEPTED = {
+    "serial": ("baud", "format", "parity"),
+    "tcp": ("format",),
+    "replay": ("format", "dbc", "map", "period_s"),
+    "triad": ("x", "y", "z", "format", "baud", "parity"),
+}
+TRIAD = "triad"  # three single-axis gyros; also the format of what their port gives
+CAN_OPTIONS = ("dbc", "map", "period_s")  # the others are those of python-can's interface, see docs/can.md
+CAN = "can"  # the format of a CAN bus, as `dbc` and `map` describe it
+DEVICE_FILES = {"slcan", "serial", "robotell", "seeedstudio"}  # interfaces whose channel is a file
+
+
+class _Described(TypedDict):
+    dbc: str
+    map: str
+    period: float | None
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceUrl:
     """A device's address.
 
-    ``path`` is the serial device or the replayed file; ``host`` and ``port`` are for TCP. ``format`` names a wire
-    format, None where the address does not say. ``baud`` [bit/s] and ``parity`` are for serial lines.
+    ``path`` is the serial device or the replayed file; ``host`` and ``port`` are for TCP. ``format`` names a
+    wire format, None where the address does not say. ``baud`` [bit/s] and ``parity`` are for serial lines.
+    ``interface`` is python-can's name of a CAN adapter, ``path`` then its channel and ``options`` what else it
+    is told; ``axes`` are the addresses of a triad's x, y and z; ``dbc`` and ``map`` are the files that describe
+    the frames, ``period`` [s] stands before theirs.
     """
 
     text: str
@@ -32,30 +55,42 @@ class DeviceUrl:
     format: str | None = None
     baud: int | None = None
     parity: str = "N"
+    interface: str = ""
+    dbc: str = ""
+    map: str = ""
+    period: float | None = None
+    options: tuple[tuple[str, str], ...] = ()
+    axes: tuple["DeviceUrl", ...] = ()
 
     @property
     def name(self) -> str:
         """The port in a few characters, as messages name it."""
-        return f"{self.host}:{self.port}" if self.scheme == "tcp" else self.path
+        return f"{self.host}:{self.port}" if self.scheme == "tcp" else self.path or self.interface
 
 
 def parse_device_url(text: str) -> DeviceUrl:
     """Return the address in a URL; raise `BadDeviceUrl` naming what was found and what would be accepted."""
     scheme, colon, rest = text.partition(":")
-    if not colon or scheme not in ACCEPTED:
+    if scheme == "mavlink":
+        from drivers.mavlink.address import parse_mavlink_url
+
+        return parse_mavlink_url(text)
+    if not colon or scheme not in {*ACCEPTED, CAN}:
         found = f"scheme {scheme!r}" if colon else "no scheme"
-        raise BadDeviceUrl(text, found, "serial:///dev/NAME, tcp://HOST:PORT or replay:FILE")
+        accepted = "can://INTERFACE/CHANNEL, triad:?x=..., serial:///dev/NAME, tcp://HOST:PORT or replay:FILE"
+        raise BadDeviceUrl(text, found, accepted)
     if "%00" in text or not text.isprintable():
         raise BadDeviceUrl(text, "a character that cannot be printed", "printable text")
     if scheme == "replay":
-        path, _, query = rest.partition("?")
-        if not path:
-            raise BadDeviceUrl(text, "no file", "replay:FILE")
-        return DeviceUrl(text, scheme, path=unquote(path), format=_format(text, _options(text, scheme, query)))
+        return _replay(text, rest)
+    if scheme == TRIAD:
+        return _triad(text, rest)
     try:
         parts = urlsplit(text)
     except ValueError as error:
         raise BadDeviceUrl(text, str(error), "serial:///dev/NAME or tcp://HOST:PORT") from error
+    if scheme == CAN:
+        return _can(text, parts.netloc, parts.path, parts.query)
     options = _options(text, scheme, parts.query)
     format_name = _format(text, options)
     if scheme == "tcp":
@@ -69,20 +104,82 @@ def parse_device_url(text: str) -> DeviceUrl:
         path=unquote(parts.path),
         format=format_name,
         baud=_baud(text, options, format_name),
-        parity=_one_of(text, "parity", options.get("parity", "N").upper(), PARITIES),
+        parity=_parity(text, options, format_name),
     )
 
 
+def _replay(text: str, rest: str) -> DeviceUrl:
+    path, _, query = rest.partition("?")
+    if not path:
+        raise BadDeviceUrl(text, "no file", "replay:FILE")
+    options = _options(text, "replay", query)
+    name = CAN if options.get("format") == CAN or "dbc" in options or "map" in options else _format(text, options)
+    return DeviceUrl(text, "replay", path=unquote(path), format=name, **_described(text, options))
+
+
+def _triad(text: str, rest: str) -> DeviceUrl:
+    """Return three addresses as one; format, baud and parity are those of each."""
+    options = _options(text, TRIAD, rest.removeprefix("?"))
+    single = [name for name, wire in FORMATS.items() if len(wire.imu.channels) == 1]
+    options["format"] = _one_of(text, "format", options.get("format", single[0]), single)
+    axes = list[DeviceUrl]()
+    for axis in "xyz":
+        if axis not in options:
+            raise BadDeviceUrl(text, f"no {axis}", "triad:?x=URL&y=URL&z=URL")
+        own = options[axis]
+        names = ("format",) if own.startswith("tcp:") else ("format", "baud", "parity")
+        more = {name: options[name] for name in names if name in options and f"{name}=" not in own}
+        address = parse_device_url(f"{own}{'&' if '?' in own else '?'}{urlencode(more)}")
+        if address.scheme not in {"serial", "tcp"}:
+            raise BadDeviceUrl(text, f"{axis} {own!r}", "a serial line or a TCP connection")
+        axes.append(address)
+    ports = [address.name for address in axes]
+    if len(set(ports)) < len(ports):
+        raise BadDeviceUrl(text, f"ports {', '.join(ports)}", "three different ones")
+    return DeviceUrl(text, TRIAD, path=", ".join(ports), format=TRIAD, baud=axes[0].baud, axes=tuple(axes))
+
+
+def _can(text: str, interface: str, path: str, query: str) -> DeviceUrl:
+    if not interface:
+        raise BadDeviceUrl(text, "no interface", "can://INTERFACE/CHANNEL, as in can://slcan/dev/ttyACM0")
+    channel = unquote(path)
+    if interface not in DEVICE_FILES:
+        channel = channel.removeprefix("/")
+    elif channel in {"", "/"}:
+        raise BadDeviceUrl(text, "no device path", f"can://{interface}/dev/NAME")
+    options = _pairs(text, query)
+    described = _described(text, options)
+    others = tuple((name, value) for name, value in options.items() if name not in CAN_OPTIONS)
+    return DeviceUrl(text, CAN, path=channel, format=CAN, interface=interface, options=others, **described)
+
+
+def _described(text: str, options: Mapping[str, str]) -> "_Described":
+    """Return the options that say how frames are to be read."""
+    period = None
+    if "period_s" in options:
+        with contextlib.suppress(ValueError):
+            period = float(options["period_s"])
+        if period is None or not 1e-5 <= period <= 10:
+            raise BadDeviceUrl(text, f"period_s {options['period_s']!r}", "seconds from 1e-5 to 10")
+    return {"dbc": options.get("dbc", ""), "map": options.get("map", ""), "period": period}
+
+
 def _options(text: str, scheme: str, query: str) -> dict[str, str]:
-    options: dict[str, str] = {}
-    for name, value in parse_qsl(query, keep_blank_values=True):
+    options = _pairs(text, query)
+    for name in options:
         if name not in ACCEPTED[scheme]:
             raise BadDeviceUrl(text, f"option {name!r}", f"one of {', '.join(ACCEPTED[scheme])}")
+    return options
+
+
+def _pairs(text: str, query: str) -> dict[str, str]:
+    options: dict[str, str] = {}
+    for name, value in parse_qsl(query, keep_blank_values=True):
         if name in options:
             raise BadDeviceUrl(text, f"option {name!r} twice", "each option once")
         options[name] = value
     if query and not options:
-        raise BadDeviceUrl(text, f"options {query!r}", f"NAME=VALUE with {', '.join(ACCEPTED[scheme])}")
+        raise BadDeviceUrl(text, f"options {query!r}", "NAME=VALUE")
     return options
 
 
@@ -103,6 +200,11 @@ def _baud(text: str, options: dict[str, str], format_name: str | None) -> int:
     if not (value.isascii() and value.isdigit() and len(value) < 10 and int(value) in BAUDS):
         raise BadDeviceUrl(text, f"baud {value!r}", f"a whole number from {BAUDS[0]} to {BAUDS[-1]}")
     return int(value)
+
+
+def _parity(text: str, options: dict[str, str], format_name: str | None) -> str:
+    usual = FORMATS[format_name].parity if format_name else "N"
+    return _one_of(text, "parity", options.get("parity", usual).upper(), PARITIES)
 
 
 def _host_and_port(text: str) -> tuple[str, int]:

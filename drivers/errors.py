@@ -2,6 +2,7 @@
 
 DriverError
 ├── BadDeviceUrl (ValueError)          the address cannot be read
+├── BadCanFile (ValueError)            a DBC or a mapping file breaks a rule
 ├── PortNotFound (FileNotFoundError)   there is no such port, or nothing listens there
 ├── PortBusy                           another program holds the port
 ├── PortDenied (PermissionError)       the user may not open the port
@@ -22,6 +23,15 @@ class BadDeviceUrl(DriverError, ValueError):
     def __init__(self, url: str, found: str, expected: str) -> None:
         self.url, self.found, self.expected = url, found, expected
         super().__init__(f"device {url!r}: {found}; expected {expected}")
+
+
+class BadCanFile(DriverError, ValueError):
+    """A DBC or a mapping file breaks a rule; ``line`` is None where no line can be named."""
+
+    def __init__(self, path: str, line: int | None, found: str, expected: str) -> None:
+        self.path, self.line, self.found, self.expected = path, line, found, expected
+        where = path if line is None else f"{path}, line {line}"
+        super().__init__(f"{where}: found {found}; expected {expected}")
 
 
 class PortNotFound(DriverError, FileNotFoundError):
@@ -66,15 +76,26 @@ class LinkSilent(DriverError, TimeoutError):
 
 
 class WrongFormat(DriverError):
-    """Bytes arrive but no frame of the expected format; ``likely`` names the format they look like, if any."""
+    """Bytes arrive but no frame of the expected format; ``likely`` names the format they look like, if any.
+
+    ``seen`` says what was among them instead, if that is known.
+    """
 
     def __init__(
-        self, port: str, format_name: str, bytes_seen: int, baud: int | None = None, likely: str | None = None
+        self,
+        port: str,
+        format_name: str,
+        bytes_seen: int,
+        baud: int | None = None,
+        likely: str | None = None,
+        seen: str = "",
     ) -> None:
         self.port, self.format_name, self.bytes_seen = port, format_name, bytes_seen
-        self.baud, self.likely = baud, likely
+        self.baud, self.likely, self.seen = baud, likely, seen
         at = "" if baud is None else f" at {baud} baud"
-        advice = f"they look like {likely}: say format={likely}" if likely else "check baud rate and format"
+        advice = (
+            f"they look like {likely}: say format={likely}" if likely else seen or "check baud rate and format"
+        )
         super().__init__(f"{port}: {bytes_seen} bytes{at} hold no {format_name} frame; {advice}")
 
 

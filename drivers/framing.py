@@ -5,14 +5,20 @@ after that sync, so a frame that begins inside a falsely started one is still fo
 depends on the bytes alone, never on how the stream was cut.
 """
 
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
 
-from drivers.continuity import CounterWatch, TimeWatch
-from drivers.wire import FORMATS, Identity, WireFormat
-from procedures.records import CountBlock
+from drivers.continuity import StepGate, watch_of
+from drivers.wire import FORMATS, FrameKind, Identity, WireFormat
+from procedures.arrays import IntArray
+from procedures.records import SampleBlock, joined_blocks
+
+STRONG_BITS = 16  # a check of fewer also passes in other formats' bytes
 
 
 @dataclass(slots=True)
@@ -20,9 +26,11 @@ class FrameCounters:
     """What a decoder met since it was made.
 
     ``frames`` IMU frames accepted, ``identities`` frames of identity alone, ``skipped_bytes`` in no accepted
-    frame, ``bad_crc`` frames whose check failed, ``bad_length`` known kinds with another length than
-    their own, ``counter_jumps`` breaks of the sample sequence (see `drivers.continuity`), ``bad_status`` accepted
-    frames that the format reads as unhealthy.
+    frame, ``bad_crc`` frames whose check failed, ``bad_length`` known kinds with another length or number of
+    fields than their own, ``counter_jumps`` breaks of the sample sequence (see `drivers.continuity`),
+    ``bad_status`` accepted frames that the format reads as unhealthy or that step by more than it can. Where a
+    sample takes several frames, ``frames`` are samples, ``incomplete`` those given up, ``late`` frames repeated or
+    come after their sample, ``foreign`` those of somebody else, ``bus_errors`` what the bus reported of itself.
     """
 
     frames: int = 0
@@ -32,23 +40,48 @@ class FrameCounters:
     bad_length: int = 0
     counter_jumps: int = 0
     bad_status: int = 0
+    incomplete: int = 0
+    late: int = 0
+    foreign: int = 0
+    bus_errors: int = 0
+
+
+class Run(NamedTuple):
+    """Frames of one kind that stand end to end in a buffer; ``row`` is a text frame's row."""
+
+    kind: FrameKind
+    begin: int
+    end: int
+    row: bytes | None = None
 
 
 class Decoder:
-    """Turns a stream of bytes into `CountBlock`s, as they come.
+    """Turns a stream of bytes into blocks, as they come.
 
-    ``counters`` says what was met; ``identity``, ``model`` and ``serial`` who the device last said it is.
+    ``counters`` says what was met; ``identity``, ``model`` and ``serial`` who the device last said it is;
+    ``kind`` which kind of frame held the last sample. ``edges`` (n, 2) says where the bytes of each sample of
+    the last block begin and end, counted from the first byte that was then fed: a begin is negative where they
+    began before.
     """
 
     def __init__(self, wire: WireFormat) -> None:
         self.wire = wire
         self.counters = FrameCounters()
         self.identity: Identity | None = None
+        self.kind = wire.imu
         self._kinds = wire.kinds
+        self._fixed = {kind.prefix: kind for kind in (wire.imu, *wire.others) if kind.text is None}
         self._head = len(wire.imu.prefix)
         self._maimed = {_without_length(prefix, wire.length_at) for prefix in self._kinds}
+        self._next_start = _search_of(wire)
         self._pending = b""
-        self._watch = TimeWatch() if wire.counter_modulus is None else CounterWatch(wire.counter_modulus)
+        self._joiner = wire.joiner(self.counters) if wire.joiner is not None else None
+        self._fed = 0  # bytes of the stream so far
+        self._found: tuple[list[Run], int] = ([], 0)  # of the last block, and where in them the fed bytes began
+        self._joined_edges: IntArray = np.zeros((0, 2), np.int64)
+        self._is_after_frame = False  # so that a trailer may come
+        self._watch = watch_of(wire)
+        self._gate = None if wire.max_step is None else StepGate(wire.max_step)
 
     @property
     def model(self) -> str | None:
@@ -60,76 +93,148 @@ class Decoder:
         """The serial number that the device says it has, None while it has not said."""
         return (self.identity.serial or None) if self.identity else None
 
-    def feed(self, data: bytes) -> CountBlock:
+    @property
+    def edges(self) -> IntArray:
+        """Where the bytes of each sample of the last block stand; see the class."""
+        runs, before = self._found
+        return _edges(runs) - before if self._joiner is None else self._joined_edges
+
+    def feed(self, data: bytes) -> SampleBlock:
         """Return the frames that ``data`` completes, possibly none."""
-        return self._decode(self._scan(self._pending + data, at_end=False))
+        return self._take(self._pending + data, len(data), at_end=False)
 
-    def finish(self) -> CountBlock:
+    def finish(self) -> SampleBlock:
         """Return what the bytes still waiting hold when no more will come; the rest of them is skipped."""
-        return self._decode(self._scan(self._pending, at_end=True))
+        return self._take(self._pending, 0, at_end=True)
 
-    def _scan(self, buffer: bytes, *, at_end: bool) -> bytes:
-        """Take the IMU frames out of ``buffer``, end to end, and keep its undecided tail."""
-        sync, head, size, total = self.wire.sync, self._head, self.wire.imu.size, len(buffer)
-        view, runs = memoryview(buffer), list[memoryview]()
+    def _take(self, buffer: bytes, new: int, *, at_end: bool) -> SampleBlock:
+        runs, at = self._runs(buffer, at_end=at_end)
+        self._pending = buffer[at:]
+        before = len(buffer) - new  # of these bytes were fed before
+        if self._joiner is None:
+            block, self._found = self._decode(buffer, runs), (runs, before)
+        else:
+            begins = _edges(runs)[:, 0] + self._fed - before
+            block, edges = self._joiner.take(np.frombuffer(_rows(buffer, runs), self.wire.frame), begins)
+            self._joined_edges = edges - self._fed
+        self._fed += new
+        if len(block):
+            self.counters.frames += len(block)
+            if self._gate is not None:
+                self._gate.shut(block)
+            self.counters.bad_status += int(np.count_nonzero(~block.healthy))
+            self.counters.counter_jumps += self._watch.jumps(block) if self._watch else 0
+        return block
+
+    def _runs(self, buffer: bytes, *, at_end: bool) -> tuple[list[Run], int]:
+        """Return the IMU frames in ``buffer`` and how far it is decided."""
+        head, total, trailer = self._head, len(buffer), self.wire.trailer
+        view, runs = memoryview(buffer), list[Run]()
         at = kept = 0  # where the search stands; bytes in accepted frames
-        while (at := _next_sync(buffer, sync, at, at_end=at_end)) + head <= total:
-            end = self._run(buffer, view, at)
-            if end > at:
-                runs.append(view[at:end])
+        while True:
+            if self._is_after_frame:
+                follows = buffer[at : at + len(trailer)]
+                if follows != trailer and trailer.startswith(follows) and not at_end:
+                    break
+                self._is_after_frame = False
+                if follows == trailer:
+                    at, kept = at + len(trailer), kept + len(trailer)
+            if (at := self._next_start(buffer, at, at_end)) + head > total:
+                break
+            kind = self._fixed.get(buffer[at : at + head])
+            end = at if kind is None else self._end_of_run(kind, buffer, view, at)
+            if kind is not None and end > at:
+                runs.append(Run(kind, at, end))
             else:
-                end = self._other(buffer, at)
+                end = self._other(buffer, at, runs)
                 if end > total and not at_end:
                     break
             if at < end <= total:
                 kept += end - at
                 at = end
+                self._is_after_frame = bool(trailer)
             else:
                 at += 1
         if at_end:
             at = total
         self.counters.skipped_bytes += at - kept
-        self._pending = buffer[at:]
-        if runs and self.wire.identity is self.wire.imu:
-            self._identify(runs[-1][-size:].tobytes())
-        return b"".join(runs)
+        return runs, at
 
-    def _run(self, buffer: bytes, view: memoryview, at: int) -> int:
-        """Return where the intact IMU frames that stand end to end from ``at`` on stop."""
-        prefix, size, is_intact = self.wire.imu.prefix, self.wire.imu.size, self.wire.is_intact
+    def _end_of_run(self, kind: FrameKind, buffer: bytes, view: memoryview, at: int) -> int:
+        """Return where the intact frames of ``kind`` that stand end to end from ``at`` on stop."""
+        prefix, size, is_intact = kind.prefix, kind.size, self.wire.is_intact
         last = len(buffer) - size
         while at <= last and buffer.startswith(prefix, at) and is_intact(view[at : at + size]):
             at += size
         return at
 
-    def _other(self, buffer: bytes, at: int) -> int:
-        """Return the end of the frame at ``at`` that is not an intact IMU frame; ``at`` if it is none."""
+    def _other(self, buffer: bytes, at: int, runs: list[Run]) -> int:
+        """Return the end of what begins at ``at`` and is no frame of fixed size; ``at`` if nothing does."""
         head = buffer[at : at + self._head]
         kind = self._kinds.get(head)
         if kind is None:
             self.counters.bad_length += _without_length(head, self.wire.length_at) in self._maimed
             return at
-        end = at + kind.size
-        if end <= len(buffer):
-            frame = buffer[at:end]
-            if kind is self.wire.imu or not self.wire.is_intact(frame):
-                self.counters.bad_crc += 1
-                return at
-            self.counters.identities += 1
-            self._identify(frame)
+        end = at + kind.size if kind.text is None else kind.text.end(buffer, at)
+        if end > len(buffer):
+            return end
+        frame = buffer[at:end]
+        if head in self._fixed or end == at or not self.wire.is_intact(frame):
+            self.counters.bad_crc += 1
+            return at
+        if kind.text is None:
+            if kind is self.wire.identity:
+                self.counters.identities += 1
+                self._identify(frame)
+            return end
+        try:
+            runs.append(Run(kind, at, end, kind.text.row(frame)))
+        except ValueError:
+            self.counters.bad_length += 1
+            return at
         return end
 
     def _identify(self, frame: bytes) -> None:
         if self.wire.identify is not None:
             self.identity = self.wire.identify(frame)
 
-    def _decode(self, frames: bytes) -> CountBlock:
-        block = self.wire.decode(np.frombuffer(frames, self.wire.frame))
-        if len(block):
-            self.counters.frames += len(block)
-            self.counters.bad_status += int(np.count_nonzero(~block.healthy))
-            self.counters.counter_jumps += self._watch.jumps(block)
-        return block
+    def _decode(self, buffer: bytes, runs: Sequence[Run]) -> SampleBlock:
+        blocks = list[SampleBlock]()
+        for kind_id, same in groupby(runs, key=lambda run: id(run.kind)):
+            together = list(same)
+            self.kind = together[-1].kind
+            rows = _rows(buffer, together)
+            if self.wire.identity is not None and id(self.wire.identity) == kind_id:
+                self._identify(rows[-self.kind.dtype.itemsize :])
+            blocks.append(self.wire.decode(np.frombuffer(rows, self.kind.dtype)))
+        return joined_blocks(blocks) if blocks else self.wire.decode(np.frombuffer(b"", self.wire.frame))
+
+
+def _rows(buffer: bytes, runs: Sequence[Run]) -> bytes:
+    return b"".join(buffer[run.begin : run.end] if run.row is None else run.row for run in runs)
+
+
+def _edges(runs: Sequence[Run]) -> IntArray:
+    """Return where each frame begins and ends in the buffer."""
+    table = [(begin, end, end - begin if row is not None else kind.size) for kind, begin, end, row in runs]
+    begin, end, size = np.array(table, dtype=np.int64).reshape(-1, 3).T
+    count = (end - begin) // size
+    nth = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    at = np.repeat(begin, count) + nth * np.repeat(size, count)
+    return np.stack((at, at + np.repeat(size, count)), axis=1)
+
+
+def _search_of(wire: WireFormat) -> Callable[[bytes, int, bool], int]:
+    """Return the function that finds where, from a place on, a frame may begin; else the end of the buffer."""
+    if wire.sync:
+        return lambda buffer, at, at_end: _next_sync(buffer, wire.sync, at, at_end=at_end)
+    starts = re.compile(b"[" + b"".join(re.escape(prefix[:1]) for prefix in wire.kinds) + b"]")
+
+    def next_start(buffer: bytes, at: int, at_end: bool) -> int:
+        found = starts.search(buffer, at)
+        return len(buffer) if found is None else found.start()
+
+    return next_start
 
 
 def _next_sync(buffer: bytes, sync: bytes, at: int, *, at_end: bool) -> int:
@@ -144,8 +249,25 @@ def _next_sync(buffer: bytes, sync: bytes, at: int, *, at_end: bool) -> int:
     return len(buffer)
 
 
-def _without_length(prefix: bytes, length_at: int) -> bytes:
-    return prefix[:length_at] + prefix[length_at + 1 :]
+def _without_length(prefix: bytes, length_at: int | None) -> bytes:
+    return prefix if length_at is None else prefix[:length_at] + prefix[length_at + 1 :]
+
+
+def seen_instead(wire: WireFormat, data: bytes) -> str:
+    """Return what came where samples of several frames never become whole; empty where that is not known."""
+    decoder = Decoder(wire)
+    decoder.feed(data)
+    counters = decoder.counters
+    if counters.incomplete > counters.frames:
+        return (
+            f"{counters.incomplete} samples miss frames; check that one device alone sends and that its frames "
+            f"are those of dbc and map"
+        )
+    if counters.foreign > counters.frames:
+        return f"{counters.foreign} frames have other identifiers; check dbc and map"
+    if counters.bus_errors > counters.frames:
+        return f"{counters.bus_errors} bus errors or garbled lines; check bit rate, tty_baudrate and termination"
+    return ""
 
 
 class Likeness(NamedTuple):
@@ -157,11 +279,15 @@ class Likeness(NamedTuple):
 
 
 def sniff(data: bytes) -> list[Likeness]:
-    """Return every format of which ``data`` holds frames, the one that explains most bytes first."""
+    """Return every format of which ``data`` holds frames, the one that explains most bytes first.
+
+    A format with a weak check is named where it explains more than half of them: a few bytes pass it by chance.
+    """
     found = []
     for name, wire in FORMATS.items():
         decoder = Decoder(wire)
         frames = len(decoder.feed(data)) + len(decoder.finish())
-        if frames:
-            found.append(Likeness(name, frames, 1 - decoder.counters.skipped_bytes / len(data)))
+        share = 1 - decoder.counters.skipped_bytes / max(1, len(data))
+        if frames and (wire.check_bits >= STRONG_BITS or share > 0.5):
+            found.append(Likeness(name, frames, share))
     return sorted(found, key=lambda likeness: -likeness.share_of_bytes)

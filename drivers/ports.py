@@ -1,11 +1,13 @@
-"""Open a device's URL as a port of bytes: serial line, TCP connection or replayed file."""
+"""Open a device's URL as a port of bytes: serial line, TCP, CAN bus, replayed file or MAVLink link."""
 
+from contextlib import ExitStack
 from typing import Protocol
 
 from drivers.device_url import DeviceUrl, parse_device_url
 from drivers.replay_port import open_replay
-from drivers.serial_port import PortInfo, list_ports, open_serial
-from drivers.tcp_port import open_tcp
+from drivers.serial_port import PortInfo, SerialPort, list_ports, open_serial
+from drivers.tcp_port import TcpPort, open_tcp
+from drivers.wire import FORMATS
 
 
 class Port(Protocol):
@@ -38,11 +40,39 @@ def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
         Each says what was found, what was expected and what to do.
     """
     address = parse_device_url(url) if isinstance(url, str) else url
+    if address.scheme == "mavlink":
+        from drivers.mavlink.address import MavlinkUrl
+        from drivers.mavlink.port import open_mavlink  # pymavlink: only where it is wanted
+
+        assert isinstance(address, MavlinkUrl)
+        return open_mavlink(address, timeout_s)
     if address.scheme == "tcp":
         return open_tcp(address.host, address.port, timeout_s)
+    if address.scheme == "triad":
+        return _open_triad(address, timeout_s)
+    if address.scheme == "can":
+        from drivers.can.can_port import open_can  # python-can takes 0.1 s to import
+
+        return open_can(address.interface, address.path, dict(address.options), timeout_s)
     if address.scheme == "replay":
         return open_replay(address.path)
     return open_serial(address.path, address.baud or 0, address.parity, timeout_s)
+
+
+def _open_triad(address: DeviceUrl, timeout_s: float) -> Port:
+    from drivers.triad_port import TriadPort
+
+    with ExitStack() as opened:
+        ports = list[SerialPort | TcpPort]()
+        for axis in address.axes:
+            if axis.scheme == "tcp":
+                ports.append(open_tcp(axis.host, axis.port, timeout_s))
+            else:
+                ports.append(open_serial(axis.path, axis.baud or 0, axis.parity, timeout_s))
+            opened.callback(ports[-1].close)
+        opened.pop_all()  # all three are there: from now on they are the triad's
+        return TriadPort(ports, FORMATS[address.axes[0].format or ""], timeout_s)
+    raise AssertionError("unreachable")
 
 
 __all__ = ["DeviceUrl", "Port", "PortInfo", "list_ports", "open_port", "parse_device_url"]

@@ -10,8 +10,10 @@ import serial
 from serial.tools import list_ports as serial_list_ports
 
 from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound
+from drivers.latency_timer import latency_ms, shorten_latency
 
 WRITE_TIMEOUT_S = 1.0
+PTYS = "/dev/pts/"
 # pyserial lets some of the operating system's own errors through: EIO of an unplugged port, termios.error.
 LINK_ERRORS = (serial.SerialException, OSError, termios.error)
 
@@ -32,6 +34,11 @@ class SerialPort:
         except LINK_ERRORS as error:
             raise LinkLost(self.device, str(error)) from error
 
+    def fileno(self) -> int:
+        """Return what `select` takes."""
+        number: int = self._serial.fileno()
+        return number
+
     def write(self, data: bytes) -> None:
         """Send ``data`` whole."""
         try:
@@ -47,6 +54,8 @@ class SerialPort:
 
 def open_serial(device: str, baud: int, parity: str, timeout_s: float) -> SerialPort:
     """Open a serial line; raise `PortNotFound`, `PortBusy`, `PortDenied` or, for the baud rate, `BadDeviceUrl`."""
+    if os.path.realpath(device).startswith(PTYS):  # no line, so no parity: asked for one it says EINVAL
+        parity = "N"
     try:
         line = serial.Serial(
             device, baud, parity=parity, timeout=timeout_s, write_timeout=WRITE_TIMEOUT_S, exclusive=True
@@ -58,21 +67,29 @@ def open_serial(device: str, baud: int, parity: str, timeout_s: float) -> Serial
     # FTDI adapters hold bytes back for 16 ms otherwise (pyserial issue 287); ptys cannot and need not.
     with contextlib.suppress(ValueError, NotImplementedError):
         line.set_low_latency_mode(True)
+    shorten_latency(device)
     return SerialPort(line, device)
 
 
 @dataclass(frozen=True, slots=True)
 class PortInfo:
-    """A serial port of this machine: its device file, what the adapter says it is, the adapter's serial number."""
+    """A serial port of this machine: its device file, what the adapter says it is, the adapter's serial number.
+
+    ``latency_ms`` is how long the adapter holds bytes back [ms], None where it has no such timer.
+    """
 
     device: str
     description: str
     serial_number: str | None
+    latency_ms: int | None = None
 
 
 def list_ports() -> list[PortInfo]:
     """Return the serial ports present, by device name."""
-    found = [PortInfo(port.device, port.description, port.serial_number) for port in serial_list_ports.comports()]
+    found = [
+        PortInfo(port.device, port.description, port.serial_number, latency_ms(port.device))
+        for port in serial_list_ports.comports()
+    ]
     return sorted(found, key=lambda port: port.device)
 
 

@@ -28,6 +28,10 @@ class TcpPort:
             raise LinkLost(self.name, "closed by the other side")
         return data
 
+    def fileno(self) -> int:
+        """Return what `select` takes."""
+        return self._socket.fileno()
+
     def write(self, data: bytes) -> None:
         """Send ``data`` whole."""
         try:

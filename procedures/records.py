@@ -1,11 +1,12 @@
 """What the station knows of an IMU's output: the narrow waist everything meets in.
 
-`CountBlock` is what a wire format decodes to; `CountSeries` and `RateSeries` are what a step of a
-campaign holds, of an IMU that counts and of one that reports a rate.
+`CountBlock` and `RateBlock` are what a wire format decodes to; `CountSeries` and `RateSeries` are what a step of
+a campaign holds: of an IMU that counts and of one that reports a rate.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -17,6 +18,14 @@ def _check(owner: object, n: int, name: str, columns: int | None) -> None:
     expected = (n,) if columns is None else (n, columns)
     if value is not None and value.shape != expected:
         raise ValueError(f"{type(owner).__name__}.{name} has shape {value.shape}, expected {expected}")
+
+
+def _check_block(block: "SampleBlock") -> None:
+    n = len(block.counter)
+    for name in ("device_time", "temperature", "status", "healthy"):
+        _check(block, n, name, None)
+    for name in ("gyro", "accel"):
+        _check(block, n, name, 3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,14 +48,50 @@ class CountBlock:
     healthy: np.ndarray[tuple[int], np.dtype[np.bool_]]
 
     def __post_init__(self) -> None:
-        n = len(self.counter)
-        for name in ("device_time", "temperature", "status", "healthy"):
-            _check(self, n, name, None)
-        for name in ("gyro", "accel"):
-            _check(self, n, name, 3)
+        _check_block(self)
 
     def __len__(self) -> int:
         return len(self.counter)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RateBlock:
+    """Consecutive IMU frames of a device that sends a value per sample; fields as in `CountBlock`, but float64.
+
+    ``gyro`` and ``accel`` (n, 3) are in the linear unit that the device is set to.
+    """
+
+    counter: IntArray
+    device_time: FloatArray
+    gyro: FloatArray
+    accel: FloatArray
+    temperature: FloatArray
+    status: IntArray
+    healthy: np.ndarray[tuple[int], np.dtype[np.bool_]]
+
+    def __post_init__(self) -> None:
+        _check_block(self)
+
+    def __len__(self) -> int:
+        return len(self.counter)
+
+
+SampleBlock = CountBlock | RateBlock
+B = TypeVar("B", bound=SampleBlock)
+BLOCK_FIELDS = CountBlock.__slots__
+
+
+def block_rows(block: B, rows: Any) -> B:
+    """Return the frames of a block that ``rows``, a slice or an index array, picks."""
+    return type(block)(**{name: getattr(block, name)[rows] for name in BLOCK_FIELDS})
+
+
+def joined_blocks(blocks: Sequence[B]) -> B:
+    """Return at least one block, all of one kind, end to end."""
+    if len(blocks) == 1:
+        return blocks[0]
+    columns = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in BLOCK_FIELDS}
+    return type(blocks[0])(**columns)
 
 
 def _one_segment() -> IntArray:

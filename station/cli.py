@@ -32,6 +32,7 @@ EXIT_CODES = {  # by full name, so that no command's imports are paid for by ano
     "procedures.errors.WrongFace": 3,
     "procedures.errors.ProcedureError": 3,
     "drivers.errors.BadDeviceUrl": 2,
+    "drivers.errors.BadCanFile": 3,
     "drivers.errors.DriverError": 4,
     "fixtures_db.errors.NotADatabase": 2,
     "fixtures_db.errors.DatabaseError": 3,

@@ -7,6 +7,7 @@ from pathlib import Path
 import matplotlib as mpl
 
 mpl.use("Agg")
+import attitude  # beside this file
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
@@ -218,6 +219,7 @@ def draw_diagnosis() -> Figure:
 
 
 FIGURES: dict[str, Callable[[], Figure]] = {
+    **attitude.FIGURES,
     "diagnosis": draw_diagnosis,
     "dwell": draw_dwell,
     "efficiency": draw_efficiency,

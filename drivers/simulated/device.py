@@ -13,7 +13,7 @@ from drivers.simulated.faults import Fault, FaultyLine, Sent
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.pace import MOST_SAMPLES
 from drivers.simulated.truth import Truth
-from drivers.wire import FORMATS, Identity
+from drivers.wire import FORMATS, Identity, WireFormat
 from procedures.arrays import FloatArray
 
 IDENTITY_EVERY_S = 1.0
@@ -22,12 +22,15 @@ IDENTITY_EVERY_S = 1.0
 class ByteDevice:
     """What a device says, chunk by chunk, and the hands that move it."""
 
-    def __init__(self, truth: Truth, seed: int | None, format_name: str, faults: Iterable[Fault] = ()) -> None:
+    def __init__(
+        self, truth: Truth, seed: int | None, format: str | WireFormat, faults: Iterable[Fault] = ()
+    ) -> None:
         self.imu = SimulatedImu(truth, seed)
         self.truth = self.imu.truth
-        wire = FORMATS[format_name]
+        wire = FORMATS[format] if isinstance(format, str) else format
         period = truth.sample_period_s
         self._faulty = FaultyLine(wire, faults, period, seed or 0)
+        self._sends_rates = wire.output == "rate"
         self._identity = b""
         if wire.encode_identity is not None:
             self._identity = wire.encode_identity(Identity(truth.model, truth.serial, period))
@@ -43,7 +46,8 @@ class ByteDevice:
         """Take up to ``most`` samples and return what goes over the line for them."""
         with self._lock:
             since = self.imu.index % self._every
-            block = self.imu.read(min(most, self._every - since))
+            samples = min(most, self._every - since)
+            block = self.imu.read_rates(samples) if self._sends_rates else self.imu.read(samples)
         sent = self._faulty.send(block)
         return [self._identity, *sent] if since == 0 and self._identity else sent
 

@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from drivers.simulated import can_faults
 from drivers.simulated.errors import TruthRefused
 from drivers.wire import WireFormat
-from procedures.records import CountBlock
+from procedures.records import SampleBlock, block_rows
 
 KINDS = {
     "bad_crc": "`count` frames with one bit flipped",
@@ -23,6 +24,14 @@ KINDS = {
     "stall": "nothing sent for `seconds`; what was taken meanwhile is lost",
     "unplug": "the port is gone for `seconds`; what was taken meanwhile is lost",
     "counter_restart": "the frame counter begins at 0 again",
+    "backlog": "nothing sent for `seconds`, then all of it at once",
+}
+CAN_KINDS = {
+    "frame_lost": "of a sample, `count` CAN frames never sent",
+    "frame_late": "of a sample, a CAN frame sent after the next sample's",
+    "babble": "`count` CAN frames of another device before a sample",
+    "adapter_hangs": "the adapter neither answers nor forwards for `seconds`",
+    "bus_off": "the adapter is bus-off for `seconds` and says so when asked",
 }
 
 
@@ -39,10 +48,14 @@ class Fault:
 
 @dataclass(frozen=True, slots=True)
 class Silence:
-    """Send nothing for ``seconds`` of device time; ``unplugged``: the port is gone meanwhile."""
+    """Send nothing for ``seconds`` of device time; ``unplugged``: the port is gone meanwhile.
+
+    ``adapter`` is what ails a CAN adapter meanwhile, a kind of fault.
+    """
 
     seconds: float
     unplugged: bool
+    adapter: str = ""
 
 
 Sent = bytes | Silence
@@ -55,8 +68,8 @@ def faults_from(tables: Iterable[Mapping[str, Any]]) -> tuple[Fault, ...]:
     for table in tables:
         if unknown := sorted(set(table) - accepted):
             raise TruthRefused(f"fault key {unknown[0]!r}", ", ".join(sorted(accepted)))
-        if table.get("kind") not in KINDS:
-            raise TruthRefused(f"fault kind {table.get('kind')!r}", ", ".join(KINDS))
+        if table.get("kind") not in {**KINDS, **CAN_KINDS}:
+            raise TruthRefused(f"fault kind {table.get('kind')!r}", ", ".join([*KINDS, *CAN_KINDS]))
         numbers = {key: value for key, value in table.items() if key != "kind"}
         for key, value in {"at_s": None, **numbers}.items():
             if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < 1e9:
@@ -79,12 +92,16 @@ class FaultyLine:
     def __init__(self, wire: WireFormat, faults: Iterable[Fault], period: float, seed: int) -> None:
         self._wire, self._faults, self._period = wire, tuple(faults), period
         self._rng = np.random.default_rng([seed, 0xFA17])
-        self._losing = self._spoiling = self._restarted = 0
+        self._losing = self._spoiling = self._restarted = self._holding = 0
+        self._held: list[bytes] = []
+        self._late = b""
+        if wire.joiner is None and (alien := [each.kind for each in self._faults if each.kind in CAN_KINDS]):
+            raise TruthRefused(f"fault kind {alien[0]!r} of a device that is not on CAN", ", ".join(KINDS))
 
-    def send(self, block: CountBlock) -> list[Sent]:
+    def send(self, block: SampleBlock) -> list[Sent]:
         """Return what goes over the line for a block whose counters are sample numbers since power-on."""
         due = [self._due(int(index)) for index in block.counter] if self._faults else []
-        if not any(due) and not self._losing and not self._spoiling:
+        if not any(due) and not (self._losing or self._spoiling or self._holding or self._late):
             return [self._wire.encode(self._recounted(block))]
         sent: list[Sent] = []
         for row, faults in enumerate(due):
@@ -94,10 +111,10 @@ class FaultyLine:
     def _due(self, index: int) -> list[Fault]:
         return [fault for fault in self._faults if _acts(fault, index, self._period)]
 
-    def _recounted(self, block: CountBlock) -> CountBlock:
+    def _recounted(self, block: SampleBlock) -> SampleBlock:
         return replace(block, counter=block.counter - self._restarted) if self._restarted else block
 
-    def _frame(self, block: CountBlock, row: int, faults: list[Fault]) -> list[Sent]:
+    def _frame(self, block: SampleBlock, row: int, faults: list[Fault]) -> list[Sent]:
         before: list[Sent] = []
         repeats = 1
         for fault in faults:
@@ -112,21 +129,42 @@ class FaultyLine:
                     self._spoiling += fault.count
                 case "lost":
                     self._losing += fault.count
-                case "stall" | "unplug":
-                    before.append(Silence(fault.seconds, fault.kind == "unplug"))
+                case "stall" | "unplug" | "adapter_hangs" | "bus_off":
+                    adapter = fault.kind if fault.kind in CAN_KINDS else ""
+                    before.append(Silence(fault.seconds, fault.kind == "unplug", adapter))
                     self._losing += round(fault.seconds / self._period)
+                case "backlog":
+                    self._holding += round(fault.seconds / self._period)
+                case "babble":
+                    before += [can_faults.babble(self._rng) for _ in range(fault.count)]
         if self._losing > 0:
             self._losing -= 1
             return before
-        frame = self._wire.encode(self._recounted(_row(block, row)))
+        frame = self._wire.encode(self._recounted(block_rows(block, slice(row, row + 1))))
         if self._spoiling > 0:
             self._spoiling -= 1
             frame = self._spoilt(frame)
-        return [*before, frame * repeats]
+        frame, self._late = can_faults.without(frame, faults, self._rng) + self._late, b""
+        if any(fault.kind == "frame_late" for fault in faults):
+            frame, self._late = can_faults.parted(frame)
+        return self._unless_held([*before, frame * repeats])
+
+    def _unless_held(self, sent: list[Sent]) -> list[Sent]:
+        """Hold back what is sent while a backlog builds up; then let go of all of it."""
+        if not self._holding:
+            return sent
+        self._holding -= 1
+        self._held += [part for part in sent if isinstance(part, bytes)]
+        if self._holding:
+            return []
+        held, self._held = self._held, []
+        return [*held]
 
     def _spoilt(self, frame: bytes) -> bytes:
-        # not in the prefix: there it would be a lost sync, not a bad check
-        at = int(self._rng.integers(len(self._wire.imu.prefix), len(frame)))
+        if self._wire.joiner is not None:
+            return can_faults.spoilt(frame, self._rng)
+        # not in the prefix: there it would be a lost sync, not a bad check; nor in what may follow a frame
+        at = int(self._rng.integers(len(self._wire.imu.prefix), len(frame.removesuffix(self._wire.trailer))))
         bit = 1 << int(self._rng.integers(8))
         return frame[:at] + bytes([frame[at] ^ bit]) + frame[at + 1 :]
 
@@ -135,7 +173,3 @@ def _acts(fault: Fault, index: int, period: float) -> bool:
     since = index - round(fault.at_s / period)
     every = round(fault.every_s / period)
     return since == 0 or (since > 0 and every > 0 and since % every == 0)
-
-
-def _row(block: CountBlock, row: int) -> CountBlock:
-    return CountBlock(**{f.name: getattr(block, f.name)[row : row + 1] for f in fields(CountBlock)})

@@ -5,6 +5,8 @@ counts, however the samples are asked for.
 """
 
 from collections import deque
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,10 +18,13 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
 from procedures.frames import rotation
 from procedures.leaning import leaned
-from procedures.records import CountBlock
+from procedures.records import CountBlock, RateBlock
 from procedures.steps import Turn
 
 LEAN_STD_DEG = 3.0  # how far off a free attitude is set by hand
+COUNT_PER_RAD, COUNT_PER_G_S = np.degrees(36000.0), 1000.0  # usual scale factors, see `SimulatedImu.read_rates`
+A = TypeVar("A", IntArray, FloatArray)
+Sampled = Callable[[Segment, int, int, int], tuple[A, A]]
 
 
 class SimulatedImu:
@@ -125,31 +130,44 @@ class SimulatedImu:
 
     def read(self, n_samples: int) -> CountBlock:
         """Let ``n_samples`` sample periods pass and return their counts."""
-        gyro, accel = list[IntArray](), list[IntArray]()
-        begin, missing = self.index, n_samples
+        gyro, accel = self._take(n_samples, self._sensor.counts, np.zeros((0, 3), np.int64))
+        return CountBlock(**self._columns(n_samples), gyro=gyro, accel=accel)
+
+    def read_rates(self, n_samples: int) -> RateBlock:
+        """Let as much time pass as `read` and return rad/s and g, as a unit of usual scale factors says them.
+
+        A unit's scale factor errors are those of its truth to `COUNT_PER_RAD` and `COUNT_PER_G_S`.
+        """
+        gyro, accel = self._take(n_samples, self._sensor.rates, np.zeros((0, 3)))
+        return RateBlock(**self._columns(n_samples), gyro=gyro / COUNT_PER_RAD, accel=accel / COUNT_PER_G_S)
+
+    def _take(self, n_samples: int, sampled: Sampled[A], none: A) -> tuple[A, A]:
+        """Go on by ``n_samples``; return what ``sampled`` gives for them, gyros and accelerometers (n, 3)."""
+        parts, missing = [(none, none)], n_samples
         while missing > 0:
             segment = self._segments[0]
             left = missing if segment.samples is None else segment.samples - self._first
             take = min(missing, left)
             if take > 0:
-                increments = self._sensor.counts(segment, self.index, self._first, self._first + take)
-                gyro.append(increments[0])
-                accel.append(increments[1])
+                parts.append(sampled(segment, self.index, self._first, self._first + take))
             self._first, self.index, missing = self._first + take, self.index + take, missing - take
             if segment.samples is not None and self._first == segment.samples:
                 self._segments.popleft()
                 self._first = 0
-        counter = np.arange(begin, begin + n_samples, dtype=np.int64)
+        gyro, accel = zip(*parts, strict=True)
+        return np.concatenate(gyro), np.concatenate(accel)
+
+    def _columns(self, n_samples: int) -> dict[str, Any]:
+        """Return what stands beside the values of the last ``n_samples``."""
+        counter = np.arange(self.index - n_samples, self.index, dtype=np.int64)
         time: FloatArray = self.truth.sample_period_s * (counter + 1).astype(np.float64)
-        return CountBlock(
-            counter=counter,
-            device_time=time,
-            gyro=np.concatenate([np.zeros((0, 3), np.int64), *gyro]),
-            accel=np.concatenate([np.zeros((0, 3), np.int64), *accel]),
-            temperature=self._sensor.temperature(time),
-            status=np.zeros(n_samples, dtype=np.int64),
-            healthy=np.ones(n_samples, dtype=np.bool_),
-        )
+        return {
+            "counter": counter,
+            "device_time": time,
+            "temperature": self._sensor.temperature(time),
+            "status": np.zeros(n_samples, dtype=np.int64),
+            "healthy": np.ones(n_samples, dtype=np.bool_),
+        }
 
     def _append(self, *segments: Segment) -> None:
         self._segments.pop()  # the open rest, as long as it has lasted

@@ -119,6 +119,22 @@ class Sensor:
 
     def counts(self, segment: Segment, index: int, first: int, last: int) -> tuple[IntArray, IntArray]:
         """Return the increments (n, 3) of gyros and accelerometers; arguments as in `output`."""
+        total = np.empty((last - first + 1, 6))
+        total[0] = self._sum
+        np.multiply(self._noisy(segment, index, first, last), self._k * self.period, out=total[1:])
+        np.cumsum(total, axis=0, out=total)
+        self._sum = total[-1].copy()
+        floors = np.floor(total, out=total).astype(np.int64)
+        increments: IntArray = floors[1:] - floors[:-1]
+        return increments[:, 3:], increments[:, :3]
+
+    def rates(self, segment: Segment, index: int, first: int, last: int) -> tuple[FloatArray, FloatArray]:
+        """Return the output (n, 3) of gyros and accelerometers [count/s]; arguments as in `output`."""
+        rates = np.empty((last - first, 6))
+        np.multiply(self._noisy(segment, index, first, last), self._k, out=rates)
+        return rates[:, 3:], rates[:, :3]
+
+    def _noisy(self, segment: Segment, index: int, first: int, last: int) -> FloatArray:
         n = last - first
         u = self.output(segment, index, first, last)
         u = u + self._drift.at(self._middle(index, n))
@@ -126,14 +142,7 @@ class Sensor:
             noise = self._white.standard_normal((n, 6))
             noise *= self._noise
             u = np.add(noise, u, out=noise)
-        total = np.empty((n + 1, 6))
-        total[0] = self._sum
-        np.multiply(u, self._k * self.period, out=total[1:])
-        np.cumsum(total, axis=0, out=total)
-        self._sum = total[-1].copy()
-        floors = np.floor(total, out=total).astype(np.int64)
-        increments: IntArray = floors[1:] - floors[:-1]
-        return increments[:, 3:], increments[:, :3]
+        return u
 
     def skip(self) -> None:
         """Forget the remainders for random ones: counts passed unobserved."""

@@ -13,15 +13,20 @@ from pathlib import Path
 from threading import Event, Thread
 from types import TracebackType
 from typing import Self
+from urllib.parse import urlencode
 
 import numpy as np
 
+from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault, Sent, Silence
 from drivers.simulated.lines import Line, PtyLine, TcpLine
 from drivers.simulated.pace import Pace
 from drivers.simulated.truth import Truth
+from drivers.wire import WireFormat
 
+CAN_TRANSPORTS = ("slcan", "udp_multicast")
+TRANSPORTS = ("pty", "tcp", *CAN_TRANSPORTS)
 LONGEST_COMMAND = 256  # bytes
 POLL_S = 0.05  # how long the control port takes to close
 
@@ -38,7 +43,9 @@ class SimulatedDevice:
     speed
         Device seconds per second; 0 or inf: as fast as the reader takes.
     transport
-        ``pty`` or ``tcp``.
+        ``pty``, ``tcp``, or for CAN ``slcan`` (an adapter on a pty) or ``udp_multicast``.
+    dbc, mapping
+        The files that describe the frames on CAN; the station's own by default. ``format`` is for the others.
     link
         A path kept pointing at the pty, also after an unplug, when the kernel may give it another name.
     host, port
@@ -63,14 +70,21 @@ class SimulatedDevice:
         control_port: int = 0,
         faults: Iterable[Fault] = (),
         hold: bool = False,
+        dbc: str = "",
+        mapping: str = "",
     ) -> None:
-        if transport not in {"pty", "tcp"}:
-            raise ValueError(f"transport {transport!r}: expected pty or tcp")
-        self.device = ByteDevice(truth, seed, format, faults)
-        self.truth = self.device.truth
-        self._format = format
+        self._line = _line(transport, link, host, port)
+        wire: str | WireFormat = format
+        self._options = {"format": format}
+        if transport in CAN_TRANSPORTS:
+            from drivers.can.format import can_format  # cantools takes 0.15 s to import
+
+            wire = can_format(dbc, mapping, truth.sample_period_s)
+            told = {"period_s": f"{truth.sample_period_s:.9g}", "dbc": dbc, "map": mapping}
+            self._options = {name: value for name, value in told.items() if value}
+        self.device = ByteDevice(truth, seed, wire, faults)
+        self.truth, self.seed = self.device.truth, seed
         self._speed = speed if np.isfinite(speed) and speed > 0 else 0.0
-        self._line: Line = PtyLine(link) if transport == "pty" else TcpLine(host, port)
         self._control_port = control_port
         self._stop, self._go = Event(), Event()
         if not hold:
@@ -78,11 +92,18 @@ class SimulatedDevice:
         self._control: _ControlServer | None = None
         self._threads: list[Thread] = []
         self.failure: Exception | None = None
+        self._true_period = self.truth.sample_period_s / (1 + 1e-6 * self.device.imu.world.clock_ppm)
+        self._sent = 0  # samples
+
+    @property
+    def true_time(self) -> float:
+        """True time [s] of the last sample sent; device time is off it by what is planted as ``clock.rate``."""
+        return self._sent * self._true_period
 
     @property
     def url(self) -> str:
         """The device's URL, to be opened like any other."""
-        return f"{self._line.address}?format={self._format}"
+        return f"{self._line.address}?{urlencode(self._options, safe='/')}"
 
     @property
     def control(self) -> str:
@@ -139,12 +160,13 @@ class SimulatedDevice:
             self._stop.set()
 
     def _send_all(self) -> None:
-        pace = Pace(self._speed, self.truth.sample_period_s)
+        pace = Pace(self._speed, self._true_period)
         while not self._stop.is_set():
             sent = self.device.chunk(pace.samples)
             self._stop.wait(pace.delay(self.device.samples))
             for part in sent:
                 self._send(part)
+            self._sent = self.device.samples
 
     def _send(self, part: Sent) -> None:
         if not isinstance(part, Silence):
@@ -152,9 +174,26 @@ class SimulatedDevice:
             return
         if part.unplugged:
             self._line.unplug()
+        if isinstance(self._line, SlcanAdapter):
+            self._line.ails = part.adapter
         self._stop.wait(part.seconds / (self._speed or 1.0))
+        if isinstance(self._line, SlcanAdapter):
+            self._line.ails = ""
         if part.unplugged and not self._stop.is_set():
             self._line.plug()
+
+
+def _line(transport: str, link: Path | None, host: str, port: int) -> Line:
+    match transport:
+        case "pty":
+            return PtyLine(link)
+        case "tcp":
+            return TcpLine(host, port)
+        case "slcan":
+            return SlcanAdapter(link)
+        case "udp_multicast":
+            return UdpMulticastLine()
+    raise ValueError(f"transport {transport!r}: expected pty or tcp, or one of {', '.join(CAN_TRANSPORTS)}")
 
 
 def serve(device: SimulatedDevice, announce: Callable[[SimulatedDevice], None]) -> None:

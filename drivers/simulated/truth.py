@@ -36,6 +36,8 @@ class Truth:
     sample_period_s: float = 0.02
     latitude_deg: float = 31.17
     longitude_deg: float = 121.4
+    height_m: float = 0.0
+    """Above the ellipsoid; where a simulated GNSS receiver stands."""
     gravity_m_s2: float = 9.80665
     magnetic_enu_ut: FloatArray = field(default_factory=lambda: np.array([-3.0, 34.0, -36.0]))
 

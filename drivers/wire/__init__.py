@@ -1,15 +1,25 @@
 """The wire formats: to add one, write its file and name it in `FORMATS`; the family tests pick it up."""
 
-from drivers.wire import counts, rawimus, rawimusx
-from drivers.wire._format import FrameKind, Identity, NominalScale, WireFormat
+from drivers.wire import ch70, counts, kvh1750, rawimu, rawimus, rawimusx, rawimux, stim300, triad
+from drivers.wire._format import FrameKind, Identity, JoinCounters, Joiner, NominalScale, WireFormat
 
 FORMATS: dict[str, WireFormat] = {
     wire.name: wire
     for wire in (
         rawimusx.FORMAT,
         rawimus.FORMAT,
+        rawimux.FORMAT,
+        rawimu.FORMAT,
+        rawimusx.ASCII,
+        rawimus.ASCII,
+        rawimux.ASCII,
+        rawimu.ASCII,
         counts.FORMAT,
+        stim300.FORMAT,
+        kvh1750.FORMAT,
+        ch70.FORMAT,
+        triad.FORMAT,
     )
 }
 
-__all__ = ["FORMATS", "FrameKind", "Identity", "NominalScale", "WireFormat"]
+__all__ = ["FORMATS", "FrameKind", "Identity", "JoinCounters", "Joiner", "NominalScale", "WireFormat"]

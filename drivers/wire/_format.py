@@ -1,4 +1,4 @@
-"""What a wire format is: an interface document as data, with its bytes-to-`CountBlock` and back.
+"""What a wire format is: an interface document as data, with its bytes-to-block and back.
 
 One file per format defines one `WireFormat`; the family tests hold every one to the same contract.
 """
@@ -6,16 +6,17 @@ One file per format defines one `WireFormat`; the family tests hold every one to
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from procedures.arrays import IntArray
-from procedures.records import CountBlock
+from procedures.records import SampleBlock
 
 Frames = NDArray[np.void]  # (n,) of a format's frame dtype
 Octets = bytes | memoryview
+ALL_CHANNELS = frozenset({"gx", "gy", "gz", "ax", "ay", "az"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,56 +43,126 @@ class NominalScale:
 
 
 @dataclass(frozen=True, slots=True)
+class TextForm:
+    """How frames of varying size, such as lines of text, are found and read.
+
+    ``end`` (buffer, at) returns where the frame that begins at ``at`` ends, `UNDECIDED` while more bytes could
+    tell, ``at`` where it can be none. ``row`` returns a frame as one row of its kind's table; it raises ValueError
+    where the frame is none after all. No frame is longer than ``longest``.
+    """
+
+    end: Callable[[bytes, int], int]
+    row: Callable[[bytes], bytes]
+    longest: int
+
+
+UNDECIDED = 2**62
+
+
+@dataclass(frozen=True, slots=True)
 class FrameKind:
-    """One kind of frame: its table, and the constant bytes it opens with, sync and length included."""
+    """One kind of frame: its table, and the constant bytes it opens with, sync and length included.
+
+    ``channels`` are the ones that it measures (the others are 0 in its blocks); ``has_time`` says whether it sends
+    a device time. ``text`` is for frames that are not their table, byte for byte.
+    """
 
     prefix: bytes
     dtype: np.dtype[np.void]
+    channels: frozenset[str] = ALL_CHANNELS
+    has_time: bool = True
+    text: TextForm | None = None
 
     @property
     def size(self) -> int:
-        """Bytes in the frame, check included."""
-        return self.dtype.itemsize
+        """Bytes in the frame, check included; in the longest one where their size varies."""
+        return self.dtype.itemsize if self.text is None else self.text.longest
+
+    @property
+    def triads(self) -> frozenset[str]:
+        """The triads, ``gyro`` and ``accel``, of which it measures any axis."""
+        return frozenset({"gyro" if channel[0] == "g" else "accel" for channel in self.channels})
+
+
+class JoinCounters(Protocol):
+    """What a `Joiner` counts: see `drivers.framing.FrameCounters`."""
+
+    bad_crc: int
+    bad_length: int
+    foreign: int
+    incomplete: int
+    late: int
+    bus_errors: int
+
+
+class Joiner(Protocol):
+    """Makes samples of frames where one sample takes several; it remembers what is not yet whole."""
+
+    def take(self, frames: Frames, at: IntArray) -> tuple[SampleBlock, IntArray]:
+        """Return the samples that (n,) frames at (n,) places [bytes into the stream] complete.
+
+        Beside them stands (m, 2) where the bytes that a sample needs begin and end.
+        """
+        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WireFormat:
     """A device's bytes.
 
-    ``is_intact`` says whether a whole frame passes its check, ``check`` describes that check and
-    ``check_bits`` is its width. ``length_at`` is where in the prefix the length byte stands.
-    ``decode`` takes (n,) frames of ``imu.dtype``; ``encode`` gives the bytes of a block's frames and raises
-    ValueError on what the format cannot hold. ``carries`` names the `CountBlock` fields that survive the
-    trip besides ``gyro`` and ``accel``. ``counter_modulus`` is None where there is no frame counter.
-    ``identity`` is the kind of frame that says who the device is; it may be ``imu`` itself.
-    ``baud`` is the usual one, 8N1. ``scales`` holds the makers' nominal scale factors by model, where known.
+    ``imu`` is the kind of frame that `encode` sends and ``example`` is one of; ``others`` are further kinds that
+    hold a sample, ``passed_over`` some that hold none; ``identity`` is the kind that says who the device is, it
+    may be ``imu`` itself. All kinds' prefixes are of one length. ``sync`` is what they all begin with, empty
+    where they share nothing; ``length_at`` is where in the prefix the length byte stands, None where there is
+    none. ``trailer`` may follow a frame, or not.
+
+    ``is_intact`` says whether a whole frame passes its check, ``check`` describes that check and ``check_bits``
+    is its width. ``max_step`` is for a weak check: a healthy value differs by no more from the last healthy one.
+    ``decode`` takes (n,) frames of the ``dtype`` of any kind that holds a sample and gives a `CountBlock`, or
+    where ``output`` is ``rate`` a `RateBlock`; ``encode`` gives the bytes of a block's frames and raises
+    ValueError on what the format cannot hold, such as counts beyond ``count_bits``. ``carries`` names the
+    block's fields that survive the trip besides gyro and accel: temperature to ``temperature_step`` [K], device
+    time modulo ``time_modulus`` [s] where that is not None. ``counter_modulus`` is None where there is no frame
+    counter. ``baud`` and ``parity`` are the usual ones, 8 data bits, 1 stop bit. ``scales`` holds the makers'
+    nominal scale factors by model, where known. ``joiner`` makes the `Joiner` of a format whose samples take
+    several frames; it decodes instead of ``decode``.
     """
 
     name: str
     title: str
     source: str
     sync: bytes
-    length_at: int
+    length_at: int | None
     imu: FrameKind
     check: str
     check_bits: int
     is_intact: Callable[[Octets], bool]
-    decode: Callable[[Frames], CountBlock]
-    encode: Callable[[CountBlock], bytes]
+    decode: Callable[[Frames], SampleBlock]
+    encode: Callable[[Any], bytes]
     carries: frozenset[str]
     example: bytes
     baud: int
+    parity: str = "N"
+    output: Literal["increments", "rate"] = "increments"
+    others: tuple[FrameKind, ...] = ()
+    passed_over: tuple[FrameKind, ...] = ()
+    trailer: bytes = b""
+    count_bits: int = 32
+    temperature_step: float = 0.01
+    max_step: int | None = None
     counter_modulus: int | None = None
+    time_modulus: float | None = None
     identity: FrameKind | None = None
     identify: Callable[[bytes], Identity] | None = None
     encode_identity: Callable[[Identity], bytes] | None = None
+    joiner: Callable[[JoinCounters], Joiner] | None = None
     scales: Mapping[str, NominalScale] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def kinds(self) -> dict[bytes, FrameKind]:
         """The kinds of frame by their prefix."""
-        kinds = (self.imu,) if self.identity is None else (self.imu, self.identity)
-        return {kind.prefix: kind for kind in kinds}
+        identity = () if self.identity is None else (self.identity,)
+        return {kind.prefix: kind for kind in (self.imu, *self.others, *self.passed_over, *identity)}
 
     @property
     def frame(self) -> np.dtype[np.void]:

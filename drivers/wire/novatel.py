@@ -16,7 +16,7 @@ from procedures.earth import STANDARD_GRAVITY
 from procedures.records import CountBlock
 
 SYNC = b"\xaa\x44\x13"
-LENGTH_AT = 3
+LENGTH_AT = 3  # of the short header: the body's; of the long one: the header's own
 CHECK = "CRC-32, reflected polynomial EDB88320, initial 0, no final XOR, over everything before it"
 WEEK = 604800  # s
 INT32 = 2**31
@@ -62,13 +62,6 @@ def week_and_seconds(block: CountBlock) -> tuple[IntArray, FloatArray]:
         raise ValueError("device_time is not finite; this format sends a time with every frame")
     week = fits(np.floor_divide(block.device_time, WEEK), 0, 2**16 - 1, "GPS week")
     return week, block.device_time - week * float(WEEK)
-
-
-def header(frames: Frames, message: int, week: IntArray, seconds: FloatArray) -> None:
-    """Fill the short header: the week and millisecond of the log."""
-    frames["sync"] = np.frombuffer(SYNC, np.uint8)
-    frames["length"], frames["id"], frames["log_week"] = 40, message, week
-    frames["log_ms"] = (seconds * 1000).astype(np.uint32)
 
 
 def no_counter(frames: Frames) -> IntArray:

@@ -85,6 +85,11 @@ def clock_rate(campaign: Campaign) -> ClockRate | None:
     if not rows:
         return None
     t, utc = (np.concatenate(each) for each in zip(*rows, strict=True))
+    return fit_clock(t, utc)
+
+
+def fit_clock(t: FloatArray, utc: FloatArray) -> ClockRate | None:
+    """Fit reference time (n,) over device time (n,) [s], nan where it is not known; None where too few are."""
     known = np.isfinite(utc)
     order = np.argsort(t[known])
     t, utc = t[known][order], utc[known][order]

@@ -20,7 +20,7 @@ def combined(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
     return replace(
         bench, verdict=verdict, findings=findings, tried=(*bench.tried, *tables.tried),
         errors=(*bench.errors, *tables.errors), log_p=min(bench.log_p, tables.log_p),
-        next_measurement=next_measurement,
+        next_measurement=next_measurement, on_table=tables.on_table,
     )  # fmt: skip
 
 

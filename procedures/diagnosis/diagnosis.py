@@ -15,17 +15,20 @@ from procedures.calibration import fit_reduced, reduce_steps
 from procedures.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.combined import combined, with_files
+from procedures.diagnosis.either import either
 from procedures.diagnosis.errors_made import errors_made
 from procedures.diagnosis.faces import faces_as_positions
 from procedures.diagnosis.groups import groups
-from procedures.diagnosis.model import fit_linear, significance
-from procedures.diagnosis.naming import named, settled
+from procedures.diagnosis.model import LinearFit, fit_linear, significance
+from procedures.diagnosis.naming import named, other_seatings, settled
 from procedures.diagnosis.preliminary import preliminary
+from procedures.diagnosis.pure_fixture import with_channels
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import Diagnosis, Finding, Test, Verdict
 from procedures.diagnosis.selection import (
-    LIKELY,
+    CLAIMED,
     MOST,
+    Adopted,
     Tried,
     next_effect,
     try_all,
@@ -33,10 +36,13 @@ from procedures.diagnosis.selection import (
 from procedures.diagnosis.state import State, stand
 from procedures.diagnosis.subject import Bench, Subject
 from procedures.diagnosis.unexplained import excess, log_p_of
+from procedures.diagnosis.within_dwells import within_dwells
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.errors import NotObservable
+from procedures.solution import Solution
 
+AGAIN = "the same campaign in another order, on another day: what does not come back is no effect"
 UNEXPLAINED = np.log(0.01)
 # Of what is left: below it an effect must have explained nearly all that it was brought in for.
 LEFT = np.log(1e-3)
@@ -67,10 +73,11 @@ def _of_steps(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagn
     effects = [effect for effect in effects if effect.name not in found_before.settled]
     steps = reduce_steps(found_before.campaigns)
     found = _closed(Bench(steps, fit_reduced(steps)), effects)
-    findings = (*found_before.findings, *found.findings)
+    findings = with_channels((*found_before.findings, *found.findings), found.solution_before)
+    verdict = _verdict(findings, found.log_p)
     return replace(
-        found, verdict=_verdict(findings, found.log_p), findings=findings,
-        tried=(*found_before.tests, *found.tried), next_measurement=_next(findings),
+        found, verdict=verdict, findings=findings,
+        tried=(*found_before.tests, *found.tried), next_measurement=_next(findings, verdict),
     )  # fmt: skip
 
 
@@ -87,34 +94,62 @@ def _closed(subject: Subject, effects: Sequence[Effect]) -> Diagnosis:
         both = (*state.adopted, new)
         state = replace(state, adopted=both) if new.candidate.is_of_model else stand(subject, both, effects)
         state = _dropped(settled(state, effects), effects)
-    state = _honest(state, effects)
+    state = _lasting(_honest(state, effects), effects)
     state, findings = named(state, len(first.pool), effects)
     left = _left(state)
+    unexplained = within_dwells(state.now.evidence, _unwidened(state)) if left < UNEXPLAINED else None
+    verdict = _verdict(findings, left)
     return Diagnosis(
-        _verdict(findings, left), findings, tuple(_test(each) for each in tried),
+        verdict, findings, tuple(_test(each) for each in tried),
         errors_made(first.now.evidence, state.now, groups(first.now.evidence)), first.now.fits,
-        state.now.fits, state.now.evidence, subject.report(first.now), subject.report(state.now), left,
-        _next(findings),
+        state.now.fits, state.now.evidence, subject.report(first.now), _reported(state, effects), left,
+        _next(findings, verdict),
         tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
+        unexplained, subject.on_table(state.now),
     )  # fmt: skip
 
 
+def _reported(state: State, effects: Sequence[Effect]) -> Solution:
+    """Return what was solved, its sigmas holding the seatings that could be in the place of one."""
+    found = state.subject.report(state.now)
+    for each in state.adopted:
+        for way in other_seatings(state, each.candidate):
+            instead = [replace(a, candidate=way) if a is each else a for a in state.adopted]
+            found = either(found, state.subject.report(stand(state.subject, instead, effects).now))
+    return found
+
+
 def _dropped(state: State, effects: Sequence[Effect]) -> State:
-    """Drop effects that those adopted after them explain."""
-    for each in state.adopted[:-1]:
-        test = significance(
-            state.now.evidence, each.candidate.fit(state.now.evidence, state.beside(each.candidate))
-        )
-        if test.log_p + np.log(len(state.pool)) > LIKELY:
-            kept = [other for other in state.adopted if other is not each]
-            return stand(state.subject, kept, effects)
+    """Drop an effect that those adopted after it explain."""
+    gone = next((each for each in state.adopted[:-1] if _has_gone(state, each.candidate)), None)
+    return state if gone is None else _without(state, gone, effects)
+
+
+def _lasting(state: State, effects: Sequence[Effect]) -> State:
+    """Drop what is no longer seen in the model that it brought about itself, the last adopted first."""
+    while gone := next((each for each in reversed(state.adopted) if _has_gone(state, each.candidate)), None):
+        state = _without(state, gone, effects)
     return state
+
+
+def _has_gone(state: State, candidate: Candidate) -> bool:
+    """Say whether an adopted effect is no longer significant over all that was tried."""
+    test = significance(state.now.evidence, candidate.fit(state.now.evidence, state.beside(candidate)))
+    return bool(test.log_p + np.log(len(state.pool)) > CLAIMED)
+
+
+def _without(state: State, gone: Adopted, effects: Sequence[Effect]) -> State:
+    return stand(state.subject, [each for each in state.adopted if each is not gone], effects)
 
 
 def _left(state: State) -> float:
     """Return ln p of what the model with all its effects leaves."""
+    return log_p_of(state.now.evidence, _unwidened(state))
+
+
+def _unwidened(state: State) -> LinearFit:
     evidence = state.now.evidence
-    return log_p_of(evidence, fit_linear(evidence, state.beside(), factor=np.ones(len(evidence.residual))))
+    return fit_linear(evidence, state.beside(), factor=np.ones(len(evidence.residual)))
 
 
 def _honest(state: State, effects: Sequence[Effect]) -> State:
@@ -127,8 +162,7 @@ def _honest(state: State, effects: Sequence[Effect]) -> State:
         ]
         if not wanting:
             break
-        worst = min(wanting, key=lambda each: each[0])[1]
-        state = stand(state.subject, [each for each in state.adopted if each is not worst], effects)
+        state = _without(state, min(wanting, key=lambda each: each[0])[1], effects)
     return state
 
 
@@ -153,6 +187,7 @@ def _test(tried: Tried) -> Test:
     return Test(tried.candidate.effect.name, tried.test.statistic, tried.log_p, tried.log_p_adjusted)
 
 
-def _next(findings: Sequence[Finding]) -> str:
+def _next(findings: Sequence[Finding], verdict: Verdict) -> str:
     """Say what to measure next."""
-    return "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "ambiguous"))
+    told = "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "ambiguous"))
+    return AGAIN if verdict == "unexplained" and not told else told

@@ -18,7 +18,10 @@ from procedures.diagnosis.tail import MANY, log_chi2_sf, log_f_sf
 ROUNDS = 3  # of weighting anew
 SHARE = 0.1  # of a coefficient's information that a class must hold for its degrees of freedom to count
 SINGULAR = 1e-12
+SCARCE = 1.645  # sigmas by which a coefficient must be expected to stand for rows to say anything of it
 DOUBT = np.log(0.05)  # ln p of a class's scatter, below which counting noise is not all of it
+SURE = np.log(1e-3)  # of it, below which norms need no means to bear them out
+NORM, MEAN = 1 + KINDS.index("norm"), 1 + KINDS.index("mean")  # classes of the accelerometers
 
 
 def classes(evidence: Evidence) -> IntArray:
@@ -109,6 +112,8 @@ def fit_linear(
             break
         used = factor
         factor, dof = _widened(shared, white * factor, 1 - np.sum(Q[: len(A)] ** 2, axis=1))
+        if np.array_equal(factor, used):
+            break
     else:
         factor = used
     return LinearFit(theta, Q, R, whole, factor, dof, tuple(term.H.shape[1] for term in terms))
@@ -119,14 +124,41 @@ def _inverse_ranges(terms: Sequence[Term]) -> FloatArray:
 
 
 def _widened(shared: IntArray, white: FloatArray, free: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the factor on every row's sigma and the degrees of freedom behind it (infinite: noise is all)."""
+    """Return the factor on every row's sigma and the degrees of freedom behind it (infinite: noise is all).
+
+    Norms of a few rests leave few degrees of freedom: by chance one campaign in twenty would be blind to what they
+    alone show. What scatters them scatters the dwells' means as well, so between `DOUBT` and `SURE` both must.
+    """
     factor, dof = np.ones(len(white)), np.full(len(white), np.inf)
     for number in np.unique(shared[shared > 0]):
         rows = shared == number
-        squares, left = float(np.sum(white[rows] ** 2)), max(float(np.sum(free[rows])), 1.0)
-        if squares > left and log_chi2_sf(squares, max(round(left), 1)) < DOUBT:
+        squares, left, log_p = _scatter(rows, white, free)
+        if number == NORM and log_p > SURE:
+            log_p = max(log_p, _scatter(shared == MEAN, white, free)[2])
+        if squares > left and log_p < DOUBT:
             factor[rows], dof[rows] = np.sqrt(squares / left), left
     return factor, dof
+
+
+def _scatter(rows: BoolArray, white: FloatArray, free: FloatArray) -> tuple[float, float, float]:
+    """Return rows' sum of squares, their degrees of freedom, and ln p of the one by the other."""
+    squares, left = float(np.sum(white[rows] ** 2)), max(float(np.sum(free[rows])), 1.0)
+    return squares, left, log_chi2_sf(squares, max(round(left), 1))
+
+
+def coefficients_beside(evidence: Evidence, fit: LinearFit, other: Term) -> tuple[FloatArray, FloatArray]:
+    """Return what the last term's coefficients (k,) and their covariance would be with another term beside it.
+
+    The other's columns, as far as the fit leaves them, are all that it adds; the rows' sigmas stay.
+    """
+    W = np.zeros((len(fit.Q), other.H.shape[1]))
+    W[: len(fit.white)] = -other.H / (evidence.sigma * fit.factor)[:, None]
+    taken = fit.Q.T @ W
+    left = W - fit.Q @ taken
+    information = left.T @ left + np.diag(1 / other.plausible**2)
+    G = np.linalg.solve(fit.R, taken)[fit.span(-1)]
+    c, C = fit.coefficients()
+    return c + G @ np.linalg.solve(information, left.T @ fit.whole), C + G @ np.linalg.solve(information, G.T)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,6 +188,19 @@ def significance(evidence: Evidence, fit: LinearFit, term: int = -1) -> Signific
         single = log_f_sf(float(np.max((c / std) ** 2)), 1, dof) + np.log(k)
         log_p = min(log_p, single) + np.log(2)
     return Significance(min(log_p, 0.0), joint / k, c, std, dof)
+
+
+def borne_out(told: Significance, again: Significance) -> float:
+    """Return by how many sigmas the best coefficient, seen by fewer rows, exceeds what chance would leave of it.
+
+    Of a value c with 1 sigma s, fewer rows leave c' with s', and c' - c scatters by sqrt(s'^2 - s^2) [sigma]
+    (Hausman 1978); what they could not tell, c < `SCARCE` s', is borne out by nothing.
+    """
+    i = int(np.argmax(np.abs(told.value / told.std)))
+    c, left = float(abs(told.value[i])), float(again.value[i] * np.sign(told.value[i]))
+    if c < SCARCE * again.std[i]:
+        return -np.inf
+    return (left - c) / float(np.sqrt(max(again.std[i] ** 2 - told.std[i] ** 2, SINGULAR * c**2)))
 
 
 def _dof(evidence: Evidence, fit: LinearFit, term: int) -> float:

@@ -11,10 +11,11 @@ from procedures.diagnosis.groups import groups
 from procedures.diagnosis.model import fit_linear, held_out, significance
 from procedures.diagnosis.repeats import std_of_repeats
 from procedures.diagnosis.result import Confidence, Finding
-from procedures.diagnosis.selection import ESTABLISHED, GAIN, Adopted, gain_of
+from procedures.diagnosis.selection import CLAIMED, GAIN, Adopted, gain_of
 from procedures.diagnosis.sign_flip import TOLD, sign_flip_p
 from procedures.diagnosis.state import State, stand
 from procedures.effects.effect import Effect
+from procedures.frames import FACES
 
 RANK = {"bench": 0, "procedure": 1, "instrument": 2}
 
@@ -37,14 +38,15 @@ def _once(adopted: Sequence[Adopted]) -> list[Adopted]:
 
 def _others(state: State, finding: Candidate) -> list[Candidate]:
     """Return the effects that could take a finding's place, the best of the ways of each."""
-    evidence, beside = state.now.evidence, state.beside(finding)
+    evidence = state.now.evidence
+    fit = finding.fit(evidence, state.beside(finding))
     inside = {id(each.candidate) for each in state.adopted}
     found = list[Candidate]()
     for ways in state.pool.values():
         for way in ways:
             if way.effect is finding.effect or id(way) in inside or way.is_of_model or _holds(way, finding):
                 continue
-            if takes_its_place(evidence, finding, way.term, beside):
+            if takes_its_place(evidence, fit, way.term):
                 found.append(way)
     return found
 
@@ -103,7 +105,7 @@ def _finding(state: State, adopted: Adopted, tried: int) -> Finding:
     gain = gain_of(evidence, candidate, beside, left_out)
     aliases = tuple(dict.fromkeys(each.effect.name for each in _others(state, candidate)))
     flipped = sign_flip_p(evidence, candidate, beside)
-    is_sure = log_p < ESTABLISHED and gain > GAIN and (flipped is None or flipped <= TOLD)
+    is_sure = log_p < CLAIMED and gain > GAIN and (flipped is None or flipped <= TOLD)
     confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
     effect, columns = candidate.effect, candidate.columns
     told = candidate.term.H.any(axis=0)
@@ -112,21 +114,30 @@ def _finding(state: State, adopted: Adopted, tried: int) -> Finding:
     names = tuple(np.array(columns.coefficients)[told].tolist())
     return Finding(
         effect.name, effect.kind, names, value[told], std[told], columns.unit or effect.unit,
-        _where(state, candidate), confidence, aliases, effect.separate_by, log_p, gain, columns.shape, flipped,
+        _where(state, candidate), confidence, aliases, _what_would_tell(state, effect), log_p, gain,
+        columns.shape, flipped,
     )  # fmt: skip
+
+
+def _what_would_tell(state: State, effect: Effect) -> str:
+    """Return the measurement that would tell an effect from its aliases; not one that is there already."""
+    is_certified = all(len(each.fixture.faces) == len(FACES) for each in state.now.fits.campaigns)
+    return (is_certified and effect.separate_by_certified) or effect.separate_by
 
 
 def _where(state: State, finding: Candidate) -> Mapping[str, object]:
     """Return what a finding is about; of a seating that its pair's other could be instead, both positions."""
     where = dict(finding.columns.where)
-    if "position" not in where:
-        return where
-    evidence, beside = state.now.evidence, state.beside(finding)
-    also = [
-        way.columns.where["position"]
-        for way in state.pool[finding.effect.name]
-        if way is not finding and takes_its_place(evidence, finding, way.term, beside)
-    ]
-    if also:
+    if also := [way.columns.where["position"] for way in other_seatings(state, finding)]:
         where["position"] = [where["position"], *also]
     return where
+
+
+def other_seatings(state: State, finding: Candidate) -> list[Candidate]:
+    """Return the other positions that could have been seated so instead of a finding's."""
+    if "position" not in finding.columns.where:
+        return []
+    evidence = state.now.evidence
+    fit = finding.fit(evidence, state.beside(finding))
+    ways = state.pool[finding.effect.name]
+    return [way for way in ways if way is not finding and takes_its_place(evidence, fit, way.term)]

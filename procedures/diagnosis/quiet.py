@@ -22,6 +22,7 @@ LEAST = 12  # samples a block
 MOST_NODES = 128  # of a block's strip: denser counts say little more
 LEAST_NOISE, NOISE_MARGIN = 5e-4, 1.5  # counts per sqrt(sample): few edges leave a smaller one open; factor
 NOISIER = 1.3  # times the channel's variance, up to which a dwell's own is taken for its quiet
+CAUTION = 2.0  # sigmas by which the quiet variance may be larger than was found
 CANDIDATE = np.log(1e-3)  # ln p of a straight strip below which a bent one is tried
 
 
@@ -126,9 +127,20 @@ def _by_variance(traces: Sequence[Trace], counts: bool) -> list[Blocks]:
         quiet = _quiet_variance(variance, at, len(traces)) + rounding
         ratio = variance / quiet[at] if np.all(quiet > 0) else np.ones(len(at))
         dof = _degrees(ratio, samples.shape[1] - 1)
+        ratio = ratio / _at_most(dof, len(at) / len(traces))
         log_p = np.array([log_chi2_sf(dof * r, dof) if r > 1 else 0.0 for r in ratio])
         found.append(Blocks(at, first, end, log_p))
     return found
+
+
+def _at_most(dof: float, blocks: float) -> float:
+    """Return how much larger than the median of a trace's ``blocks`` variances their mean may be.
+
+    The median of chi-square over its mean is (1 - 2 / (9 dof))^3 (Wilson and Hilferty 1931); it is known to
+    sqrt(pi / 2) times sqrt(2 / dof) over the root of the blocks that do not overlap, half of all. Without both the
+    liveliest of thousands of blocks is a knock in one quiet campaign of fifty.
+    """
+    return float((1 + CAUTION * np.sqrt(2 * np.pi / (dof * blocks))) / (1 - 2 / (9 * dof)) ** 3)
 
 
 def _rounding(values: Sequence[FloatArray]) -> float:

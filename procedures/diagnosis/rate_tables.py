@@ -19,8 +19,10 @@ from procedures.diagnosis.evidence import KINDS, TRIADS, Evidence, Weights
 from procedures.diagnosis.model import LinearFit, fit_linear
 from procedures.diagnosis.rate_points import Points, noise_of, read_points
 from procedures.diagnosis.refit import ROUNDS, SMALL, Refit, beyond_linear, part_of, terms_at
+from procedures.diagnosis.result import TableSensor
 from procedures.diagnosis.tail import log_chi2_sf
 from procedures.effects.effect import Seen, SeenStep
+from procedures.frames import AXES
 from procedures.solution import FitQuality, Solution
 
 GYROSCOPE = TRIADS.index("gyroscope")
@@ -124,6 +126,23 @@ class RateTables:
         T = self.points.temperature
         mean = float(np.nanmean(T)) if np.isfinite(T).any() else None
         return Solution(None, None, None, None, _quality(found.linear), (), np.zeros((0, 0)), mean)
+
+    def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
+        """Return scale factor and bias of every sensor, the effects in."""
+        p, size = self.points, len(self.x)
+        x, C = found.evidence.x + found.linear.theta[:size], found.linear.covariance[:size, :size]
+        return tuple(_sensor(p, x, C, int(sensor)) for sensor in np.unique(p.sensor))
+
+
+def _sensor(points: Points, x: FloatArray, C: FloatArray, sensor: int) -> TableSensor:
+    k = float(points.scale(x)[sensor])
+    own = points.parameters[:, 0] == sensor
+    rate, bias = own & (points.parameters[:, 1] >= 0), own & (points.parameters[:, 1] < 0)
+    D = float(x[bias][0]) / k
+    of_k = np.where(rate, x / k, 0.0)
+    of_D = (bias - D * of_k) / k
+    std = [float(np.sqrt(g @ C @ g)) for g in (of_k, of_D)]
+    return TableSensor(AXES[sensor], k, std[0], 3600 * D, 3600 * std[1])
 
 
 def _quality(linear: LinearFit) -> FitQuality:

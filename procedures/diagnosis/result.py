@@ -62,12 +62,28 @@ class Errors:
     held_out_after: float | None
 
 
+@dataclass(frozen=True, slots=True)
+class TableSensor:
+    """A gyroscope on rate tables: scale factor [output/(deg/s)] and bias [deg/h] with 1 sigma.
+
+    The bias holds the Earth's rate along the table's axis.
+    """
+
+    axis: str
+    scale: float
+    scale_std: float
+    bias: float
+    bias_std: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Diagnosis:
     """The whole: ``before`` and ``after`` are the fits without and with the effects, with the evidence of each.
 
     ``log_p`` is the global test's after all accepted effects. ``added`` are the effects in the model, ``values``
-    their coefficients (k,) each as they were fitted.
+    their coefficients (k,) each as they were fitted. ``unexplained`` is what stays within the dwells by triad
+    (`procedures.diagnosis.within_dwells`), None where the global test leaves nothing. ``on_table``
+    are the gyroscopes that rate tables turned.
     """
 
     verdict: Verdict
@@ -83,3 +99,5 @@ class Diagnosis:
     next_measurement: str
     added: tuple[Candidate, ...] = ()
     values: tuple[FloatArray, ...] = ()
+    unexplained: Mapping[str, float] | None = None
+    on_table: tuple[TableSensor, ...] = ()

@@ -16,11 +16,19 @@ from procedures.arrays import IntArray
 from procedures.diagnosis.candidates import Candidate, usable
 from procedures.diagnosis.evidence import Evidence
 from procedures.diagnosis.groups import campaign_groups
-from procedures.diagnosis.model import Significance, Term, held_out, significance, without_rows
+from procedures.diagnosis.model import (
+    SCARCE,
+    Significance,
+    Term,
+    borne_out,
+    held_out,
+    significance,
+    without_rows,
+)
 from procedures.diagnosis.repeats import log_p_of_repeats
 
-# Of the adjusted p. The words would allow 0.05 for likely; that claims what is not there in more than 3 %.
-ESTABLISHED, LIKELY = np.log(0.01), np.log(0.02)
+# Of the adjusted p. The words would allow 0.05 for likely; that names what is not there in more than 1 %.
+CLAIMED = np.log(0.01)
 BEYOND = 5.0  # times its plausible size a coefficient is not believed
 ALONE = np.log(0.05)  # p that must stay whichever step is left out
 GAIN = 0.5  # of log predictive density, below which the left-out rows say neither yes nor no
@@ -86,13 +94,13 @@ def next_effect(
     """Return the best of those tried that is significant, plausible, foretells, and hangs on no single step."""
     terms = [each.term for each in adopted if not each.candidate.is_of_model]
     for each in tried:
-        if each.log_p_adjusted >= LIKELY:
+        if each.log_p_adjusted >= CLAIMED:
             return None
         gain = gain_of(evidence, each.candidate, terms, left_out)
         if (
             is_plausible(each)
             and gain > 0
-            and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < LIKELY
+            and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < CLAIMED
             and stands_without_any(evidence, each.candidate, terms, left_out)
             and holds_in_every_campaign(evidence, each.candidate, terms)
         ):
@@ -118,15 +126,20 @@ def gain_of(
 def stands_without_any(
     evidence: Evidence, candidate: Candidate, others: Sequence[Term], left_out: Sequence[IntArray]
 ) -> bool:
-    """Say whether an instrument's effect is seen whichever position is left out: one bad dwell is none."""
+    """Say whether an instrument's effect is seen whichever position is left out: one bad dwell is none.
+
+    Where a step tells so much of it that the others could hardly (the one fast turn among slow ones), these must
+    at least show of it what they would with 95 % probability.
+    """
     if candidate.effect.kind != "instrument":
         return True
     fit = candidate.fit(evidence, others)
+    told = significance(evidence, fit)
     for rows in left_out:
         if not evidence.is_data[rows[0]]:
             continue
-        without = without_rows(fit, rows)
-        if significance(evidence, without).log_p > ALONE:
+        again = significance(evidence, without_rows(fit, rows))
+        if again.log_p > ALONE and borne_out(told, again) < -SCARCE:
             return False
     return True
 

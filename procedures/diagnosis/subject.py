@@ -7,6 +7,7 @@ from typing import Protocol
 from procedures.calibration import Fits, Reduced, report
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.refit import Refit, refit
+from procedures.diagnosis.result import TableSensor
 from procedures.solution import Solution
 
 
@@ -19,6 +20,10 @@ class Subject(Protocol):
 
     def report(self, found: Refit) -> Solution:
         """Return what was solved."""
+        ...
+
+    def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
+        """Return the gyroscopes that rate tables turned."""
         ...
 
 
@@ -36,3 +41,7 @@ class Bench:
     def report(self, found: Refit) -> Solution:
         """Return both triads' solution."""
         return report(found.fits)
+
+    def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
+        """Return none: the bench is no table."""
+        return ()

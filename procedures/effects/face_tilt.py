@@ -39,4 +39,5 @@ EFFECT = Effect(
     plausible=1e-3,
     columns=columns,
     separate_by="a certificate of the faces, or the IMU re-mounted by 90 deg in the cube",
+    separate_by_certified="the IMU re-mounted by 90 deg in the cube",
 )

@@ -29,5 +29,6 @@ EFFECT = Effect(
     source="IEEE Std 952, scale-factor nonlinearity",
     plausible=100.0,
     columns=columns,
-    separate_by="turns at three speeds in each direction, or a rate table up to the highest rate",
+    separate_by="turns at three speeds in each direction or a rate table; from a Sagnac sine (sin(s u) / s) only "
+    "rates at which s u is near 1",
 )

@@ -1,5 +1,6 @@
 """What a fit takes as given: how well it is known."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,10 +14,13 @@ class Inputs:
     normal gravity's share of it, 9e-6 m/s2, is inside the 5e-4 m/s2 taken where no gravity is given.
     ``clock``, relative: the second of the recording's time column against the SI second; 1e-5 for a quartz
     that is good to 20 ppm (half width, a rectangular distribution has 0.58 of it as 1 sigma).
+    ``unexplained`` is what a diagnosis could not explain within the dwells, by triad, in squares of the counting
+    noise of their means; None where it left nothing, or there was none.
     """
 
     latitude: float = float(np.radians(0.01))
     clock: float = 1e-5
+    unexplained: Mapping[str, float] | None = None
 
 
 EXACT = Inputs(0.0, 0.0)

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.calibration import Fits
 from procedures.least_squares import Fit
 from procedures.triad import DPH, TriadVector, common_variance, moves_vector, triad_vector
 from procedures.twelve_position import JointFit
 from procedures.uncertainty import sources as named
-from procedures.uncertainty.excess import unexplained
+from procedures.uncertainty.excess import unexplained, unexplained_within
 from procedures.uncertainty.inputs import Inputs
 from procedures.uncertainty.moves import moves_shares
 from procedures.uncertainty.outside import clock_on_accelerometer, clock_on_moves, clock_rows, latitude_rows
@@ -56,7 +56,7 @@ def decompose(fits: Fits, inputs: Inputs) -> dict[str, Decomposition]:
     found = dict[str, Decomposition]()
     chain = None
     if fits.accelerometer is not None:
-        chain = _accelerometer_chain(fits.accelerometer)
+        chain = _accelerometer_chain(fits.accelerometer, inputs)
         found["accelerometer"] = _accelerometer(fits, fits.accelerometer, chain, inputs)
     if fits.gyroscope is not None:
         found["gyroscope"] = _gyroscope(fits, chain, inputs)
@@ -65,14 +65,14 @@ def decompose(fits: Fits, inputs: Inputs) -> dict[str, Decomposition]:
     return found
 
 
-def _accelerometer_chain(joint: JointFit) -> _Chain:
+def _accelerometer_chain(joint: JointFit, inputs: Inputs) -> _Chain:
     n = 3 * len(joint.seen.dwells)
     observed = np.zeros(len(joint.fit.residual), dtype=bool)
     observed[:n] = True
     if joint.rests is not None:
         observed[joint.rests.rows] = True
     effect = temperature_effect(joint.fit, accelerometer_columns(joint))
-    extra = unexplained("accelerometer", joint.fit.chi2, joint.dof, observed, effect)
+    extra = _unexplained("accelerometer", joint, observed, effect, inputs)
     return _Chain(gain_of(joint.fit), added(joint_shares(joint, "accelerometer"), extra), effect)
 
 
@@ -98,7 +98,7 @@ def _gyroscope(fits: Fits, accelerometer: _Chain | None, inputs: Inputs) -> Deco
     observations = 3 * (len(joint.seen.dwells) + len(gyroscope.turns))
     observed = np.arange(len(joint.fit.residual)) < observations
     effect = temperature_effect(joint.fit, gyroscope_columns(gyroscope))
-    extra = unexplained("gyroscope", joint.fit.chi2, joint.dof, observed, effect)
+    extra = _unexplained("gyroscope", joint, observed, effect, inputs)
     vector = triad_vector(joint, "gyroscope", fits.accelerometer)
     through = vector.jacobian @ gain_of(joint.fit)
     tilts: Shares = {}
@@ -120,6 +120,14 @@ def _gyroscope(fits: Fits, accelerometer: _Chain | None, inputs: Inputs) -> Deco
     return Decomposition(vector, variance)
 
 
+def _unexplained(
+    triad: str, joint: JointFit, observed: BoolArray, effect: TemperatureEffect | None, inputs: Inputs
+) -> Shares:
+    left = inputs.unexplained
+    among = unexplained(triad, joint.fit.chi2, joint.dof, observed, effect, left is not None)
+    return added(among, unexplained_within(triad, joint, joint.dof, (left or {}).get(triad, 0.0)))
+
+
 def _moves(fits: Fits, accelerometer: _Chain, inputs: Inputs) -> Decomposition:
     moves, joint = fits.moves, fits.accelerometer
     assert moves is not None
@@ -127,8 +135,9 @@ def _moves(fits: Fits, accelerometer: _Chain, inputs: Inputs) -> Decomposition:
     vector = moves_vector(moves, joint)
     shares, scatter = moves_shares(fits)
     extra = unexplained(
-        "gyroscope", moves.fit.chi2, moves.fit.dof, np.ones(len(moves.fit.residual), dtype=bool), None
-    )
+        "gyroscope", moves.fit.chi2, moves.fit.dof, np.ones(len(moves.fit.residual), dtype=bool), None,
+        inputs.unexplained is not None,
+    )  # fmt: skip
     through = vector.jacobian @ gain_of(moves.fit)[:12]
     onward = vector.jacobian @ moves.by_accelerometer @ accelerometer.gain[:12]
     own = np.sum(through**2, axis=1) + np.sum(onward**2, axis=1)

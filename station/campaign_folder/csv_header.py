@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from station.campaign_folder.table import OUTPUTS, TRIADS
 from station.errors import DataRefused
@@ -10,6 +11,20 @@ from station.errors import DataRefused
 _AUX = re.compile(r"aux_[A-Za-z0-9_]+")
 _SAMPLES = ("t_s", *OUTPUTS, "temp_c", "utc_s", "aux_NAME")
 _POINTS = ("rate_ref_deg_s", *TRIADS["gyro"], "temp_c")
+
+
+class Columns(Protocol):
+    """What the header of a CSV file is held to."""
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The columns that may be there; ``aux_NAME`` stands for all of that form."""
+
+    def cell(self, name: str) -> str:
+        """Return what a cell of a column holds, in words."""
+
+    def check(self, names: list[str], file: Path) -> None:
+        """Refuse a file whose columns, each known and single, do not belong together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +52,19 @@ class TableKind:
             return "an integer" if self.counts and not self.rate_table else "a number"
         return "a number or nothing"
 
+    def check(self, names: list[str], file: Path) -> None:
+        """Refuse a file that lacks its time or reference column, or has no triad or only a part of one."""
+        if self.time not in names:
+            raise DataRefused(file, 1, f"no column {self.time}", f"a column {self.time}")
+        for triad in TRIADS.values():
+            there = [name for name in triad if name in names]
+            if there and len(there) < 3 and not self.rate_table:
+                raise DataRefused(file, 1, f"only {','.join(there)}", f"all of {','.join(triad)} or none")
+        if not any(name in names for name in OUTPUTS):
+            raise DataRefused(file, 1, "no output column", "gx,gy,gz or ax,ay,az")
 
-def read_header(header: bytes, file: Path, kind: TableKind) -> dict[str, str]:
+
+def read_header(header: bytes, file: Path, kind: Columns) -> dict[str, str]:
     """Return the columns of a header line in their order, each with what its cells hold.
 
     Raises
@@ -58,17 +84,5 @@ def read_header(header: bytes, file: Path, kind: TableKind) -> dict[str, str]:
             raise DataRefused(file, 1, f"column {name[:40]!a}", expected)
         if name in names[:index]:
             raise DataRefused(file, 1, f"column {name} twice", "each column once")
-    check_columns(names, file, kind)
+    kind.check(names, file)
     return {name: kind.cell(name) for name in names}
-
-
-def check_columns(names: list[str], file: Path, kind: TableKind) -> None:
-    """Refuse a file that lacks its time or reference column, or has no triad or only a part of one."""
-    if kind.time not in names:
-        raise DataRefused(file, 1, f"no column {kind.time}", f"a column {kind.time}")
-    for triad in TRIADS.values():
-        there = [name for name in triad if name in names]
-        if there and len(there) < 3 and not kind.rate_table:
-            raise DataRefused(file, 1, f"only {','.join(there)}", f"all of {','.join(triad)} or none")
-    if not any(name in names for name in OUTPUTS):
-        raise DataRefused(file, 1, "no output column", "gx,gy,gz or ax,ay,az")

@@ -6,14 +6,14 @@ converted at once; only a block that does not match is looked at line by line.
 
 import hashlib
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from station.campaign_folder.csv_header import TableKind, read_header
+from station.campaign_folder.csv_header import Columns, read_header
 from station.campaign_folder.files import MAX_LINE
 from station.campaign_folder.table import EXACT, Table
 from station.errors import DataRefused
@@ -37,13 +37,8 @@ class _Numbers(dict[bytes, float]):
         return number
 
 
-def read_csv(stream: BinaryIO, file: Path, kind: TableKind) -> Table:
-    """Read a step's CSV file; `DataRefused` as in `read_columns`."""
-    return read_columns(stream, file, lambda header: read_header(header, file, kind))
-
-
-def read_columns(stream: BinaryIO, file: Path, header_cells: Callable[[bytes], dict[str, str]]) -> Table:
-    """Read any CSV file; ``header_cells`` turns its first line into column names and what their cells hold.
+def read_csv(stream: BinaryIO, file: Path, kind: Columns) -> Table:
+    """Read a step's CSV file.
 
     Raises
     ------
@@ -54,7 +49,7 @@ def read_columns(stream: BinaryIO, file: Path, header_cells: Callable[[bytes], d
     lines = _whole_lines(stream, file, digest)
     first = next(lines, b"")
     header, _, block = first.partition(b"\n")
-    cells = header_cells(header)
+    cells = read_header(header, file, kind)
     row = re.compile(b"(?:" + b",".join(_CELL[c].pattern for c in cells.values()) + rb"\r?+\n)*+")
     numbers = _Numbers()
     parts = [_rows(block, file, 2, cells, row, numbers)]

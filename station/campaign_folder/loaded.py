@@ -6,11 +6,13 @@ from pathlib import Path
 
 from procedures.arrays import FloatArray
 from procedures.campaign import Campaign
+from procedures.diagnosis.clock import PPM, ClockRate, clock_rate
 from station.campaign_folder.schema import CampaignTable, StepTable
-from station.campaign_folder.series import StepData
+from station.campaign_folder.series import WARN_PERIOD, StepData
 from station.errors import DataRefused
 
 REFUSE_PERIOD = 1e-2  # relative, DESIGN 5
+SIGMAS = 4.0  # by which reference time must show it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,14 +71,46 @@ def _unit(loaded: LoadedCampaign) -> str:
     return f"{imu.model} {imu.serial} with {'rates' if imu.output == 'rate' else 'counts'}"
 
 
+def off_period(rate: ClockRate) -> float:
+    """Return by how much of itself a sample lasts longer than the device says, from reference time."""
+    return 1 / (1 + rate.ppm / PPM) - 1
+
+
+def clock_sentence(period: float, off: float) -> str:
+    """Say a sample period [s] that reference time shows to be ``off`` (relative)."""
+    return (
+        f"clock.rate: by reference time a sample lasts {period * (1 + off):.9g} s, {off:+.2%} off "
+        f"sample_period_s = {period:.9g}"
+    )
+
+
+def clock_warnings(tables: CampaignTable, campaign: Campaign) -> list[str]:
+    """Return what reference time (``utc_s``) beside the rows says of the sample period, beyond 0.1 %."""
+    rate = clock_rate(campaign)
+    if rate is None or abs(off := off_period(rate)) - SIGMAS * rate.std / PPM <= WARN_PERIOD:
+        return []
+    return [clock_sentence(tables.imu.sample_period_s, off)]
+
+
 def check_for_solve(loaded: LoadedCampaign) -> None:
     """Refuse what only a diagnosis may still use: a mean sample period more than 1 % off its nominal.
+
+    It is looked at in the device's own time and, where rows hold it, in reference time.
 
     Raises
     ------
     DataRefused
         Naming the first such file and both periods.
     """
+    rate = clock_rate(loaded.campaign)
+    if rate is not None and abs(off := off_period(rate)) - SIGMAS * rate.std / PPM > REFUSE_PERIOD:
+        raise DataRefused(
+            loaded.folder / "campaign.toml",
+            None,
+            clock_sentence(loaded.tables.imu.sample_period_s, off),
+            "the sample period within 1 %",
+            "check the sync line and the declared rate, or run `station diagnose` (it names clock.rate)",
+        )
     nominal = loaded.tables.imu.sample_period_s
     for step in loaded.steps:
         if step.data is not None and abs(step.data.series.period / nominal - 1) > REFUSE_PERIOD:

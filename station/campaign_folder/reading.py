@@ -24,7 +24,13 @@ from procedures.frames import TURN_START
 from station.campaign_folder.csv_header import TableKind
 from station.campaign_folder.csv_table import read_csv
 from station.campaign_folder.files import open_inside
-from station.campaign_folder.loaded import LoadedCampaign, LoadedStep, check_for_solve, check_one_unit
+from station.campaign_folder.loaded import (
+    LoadedCampaign,
+    LoadedStep,
+    check_for_solve,
+    check_one_unit,
+    clock_warnings,
+)
 from station.campaign_folder.overlap import refuse_overlap
 from station.campaign_folder.points import rate_tables, soaks
 from station.campaign_folder.schema import (
@@ -77,6 +83,7 @@ def read_campaign(folder: Path) -> LoadedCampaign:
     ]
     used = [step for step in steps if _is_used(step)]
     campaign = replace(_campaign(tables, used), rate_tables=rate_tables(steps), soaks=soaks(steps))
+    warnings += clock_warnings(tables, campaign)
     unused = tuple(step.label for step in steps if step not in used)
     return LoadedCampaign(folder, tables, campaign, tuple(steps), files, tuple(warnings), unused)
 

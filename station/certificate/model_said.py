@@ -36,7 +36,8 @@ def diagnosis_said(document: Mapping[str, Any]) -> list[str]:
     if diagnosis["verdict"] == "consistent":
         said.append("The residual is what noise leaves: nothing more that this campaign can show.")
     elif diagnosis["verdict"] not in {"established", "likely", "ambiguous"}:
-        said.append("The residual is more than noise, and no known effect accounts for it.")
+        left = " What it leaves unexplained is part of U." if _shares(document, "unexplained") else ""
+        said.append(f"The residual is more than noise, and no known effect accounts for it.{left}")
     return [f"Diagnosis of the residual: {diagnosis['verdict']}.", *said]
 
 

@@ -41,6 +41,8 @@ COMMANDS = (
     Command("certificate", "Issue the certificate of a stored calibration.", "station.commands.certificate"),
     Command("history", "List the stored calibrations of a unit and its drift.", "station.commands.history"),
     Command("resolve", "Solve recordings again with today's code; what changed?", "station.commands.resolve"),
+    Command("attitude", "Roll and pitch along a log, by any aid.", "station.commands.attitude"),
+    Command("tune", "Choose the mixing law's gains from a log with truth.", "station.commands.tune"),
     Command("export", "Write a calibration for a flight stack or Kalibr.", "station.commands.export"),
     Command("locate", "Locate a recording: IMU, GNSS and odometry to a trajectory.", "station.commands.locate"),
     Command("fixtures", "Cubes, slabs, sites, IMUs and their limits.", "station.commands.fixtures"),

@@ -16,6 +16,9 @@ def calibrate(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FOLDER", help="A new folder for the campaign.")
     ] = None,
+    gnss: Annotated[
+        str, typer.Option("--gnss", metavar="URL", help="A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")
+    ] = "",
     latitude: Annotated[
         float | None, typer.Option("--latitude", metavar="DEG", help="Geodetic latitude of the slab.")
     ] = None,
@@ -69,9 +72,11 @@ def calibrate(
     say which face is up and whether the cube rests; every accepted step is on the disk and in the database
     before it is said to be. Killed or left, it is gone on with by `station resume`. In the folder: campaign.toml
     with a data file per step, the raw bytes, solution.json, report.html and, once stored, calibration.json.
-    Dwells are in seconds of device time, angles in deg.
+    Dwells are in seconds of device time, angles in deg. With --gnss latitude, longitude and height come from
+    averaged fixes where they are not given, rows hold UTC, and the sample rate is checked against it.
 
-    Exit code 1 if the verdict is FAIL, 2 if the disk refuses, 4 if port or device fail, 130 if cancelled.
+    Exit code 1 if the verdict is FAIL, 2 if the disk refuses, 3 if the sample rate is over 1 % off GNSS time,
+    4 if port or device fail, 130 if cancelled.
 
     Example: station calibrate --device serial:///dev/ttyUSB0?format=counts --latitude 48.1
     """
@@ -82,14 +87,15 @@ def calibrate(
     from station.guide.view import Setup
 
     given = {
-        "url": device, "folder": str(out) if out else "", "latitude_deg": latitude, "longitude_deg": longitude,
-        "height_m": height, "gravity_m_s2": gravity, "gravity_std_m_s2": gravity_std, "cube": cube, "slab": slab,
+        "url": device, "gnss": gnss, "folder": str(out) if out else "",
+        "latitude_deg": latitude, "longitude_deg": longitude, "height_m": height,
+        "gravity_m_s2": gravity, "gravity_std_m_s2": gravity_std, "cube": cube, "slab": slab,
         "operator": operator, "dwell_s": dwell_s, "bias_ug": bias_ug, "revolutions": turns,
         "heading_std_deg": heading_std, "closure_std_deg": closure_std, "model": model, "serial": serial,
     }  # fmt: skip
-    begins = bool(device) and latitude is not None
+    begins = bool(device) and (latitude is not None or bool(gnss))
     if (headless or plain) and not begins:
-        raise typer.BadParameter("without a screen, give at least --device and --latitude")
+        raise typer.BadParameter("without a screen, give at least --device and --latitude or --gnss")
     if store and not headless:
         raise typer.BadParameter("--store is for --headless; on a screen the operator stores with s")
     setup = set_up(Setup() if begins else load_setup(), given)

@@ -17,6 +17,8 @@ def devices(
 ) -> None:
     """List the serial ports, or look at one device: format, frames/s, errors, model and serial number.
 
+    Of a MAVLink link: who is on it, what each message's rate is, and where its receiver stands.
+
     Exit code 4 if the port cannot be opened, is silent, or sends no frame of any known format.
 
     Example: station devices --url serial:///dev/ttyUSB0?baud=921600
@@ -27,9 +29,16 @@ def devices(
         ports = list_ports()
         for port in ports:
             number = f", serial number {port.serial_number}" if port.serial_number else ""
-            typer.echo(f"serial://{port.device}  {port.description}{number}")
+            timer = "" if port.latency_ms is None else f", holds bytes for {port.latency_ms} ms"
+            typer.echo(f"serial://{port.device}  {port.description}{number}{timer}")
         if not ports:
             typer.echo("no serial port is present")
+        return
+    if url.startswith("mavlink:"):
+        from station.gnss.listening import listen
+
+        for line in listen(url, seconds):
+            typer.echo(line)
         return
     from station.reader.look import look
 
@@ -45,3 +54,8 @@ def devices(
         f"{counters.counter_jumps} breaks, {counters.bad_status} unhealthy, "
         f"{counters.skipped_bytes} bytes in no frame"
     )
+    if counters.incomplete or counters.late or counters.foreign or counters.bus_errors:
+        typer.echo(
+            f"bus       {counters.incomplete} samples missing frames, {counters.late} frames late or repeated, "
+            f"{counters.foreign} of others, {counters.bus_errors} bus errors"
+        )

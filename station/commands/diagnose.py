@@ -51,6 +51,9 @@ def diagnose(
     loaded, others = ([read_campaign(folder) for folder in folders] for folders in (campaigns, validate or []))
     check_one_unit([*loaded, *others])
     from procedures.diagnosis.diagnosis import diagnose as find  # scipy and kernels: not before the data are right
+    from station.diagnosis.magnetic_field import with_magnetic_field
+
+    loaded, others = ([with_magnetic_field(one) for one in several] for several in (loaded, others))
 
     try:
         found = find([one.campaign for one in loaded])
@@ -93,9 +96,12 @@ def _hand_out(
         write_page(html, document, found)
         typer.echo(f"{html}: diagnosis of {_unit(loaded)}")
     if plan is not None:
+        from procedures.frames import FACES
         from station.diagnosis.plans import next_measurements, write_plans
 
-        for file in write_plans(plan, next_measurements(document["findings"], loaded[0].tables.fixture.imu_axes)):
+        is_certified = all(len(one.campaign.fixture.faces) == len(FACES) for one in loaded)
+        axes = loaded[0].tables.fixture.imu_axes
+        for file in write_plans(plan, next_measurements(document["findings"], axes, is_certified)):
             typer.echo(f"{file}: what to measure next, for `station calibrate --plan {file}`")
 
 

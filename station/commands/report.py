@@ -32,8 +32,7 @@ def report(
     from station.solution_json import solution_document
 
     loaded = read_for_solve(campaigns)
-    from procedures.uncertainty.budget import budget  # scipy and kernels: not before the data are right
-    from station.diagnosis.loop import close_loop
+    from station.diagnosis.loop import close_loop  # scipy and kernels: not before the data are right
     from station.diagnosis.page import section_html
     from station.report.context import report_context
     from station.report.writing import write_report
@@ -42,6 +41,6 @@ def report(
     document = solution_document(closed.solution, loaded)
     origin = document["provenance"]
     target = campaigns[0] / "report.html" if out is None else out
-    context = report_context(closed.solution, closed.fits.campaigns, document, budget(closed.fits))
+    context = report_context(closed.solution, closed.fits.campaigns, document, closed.budgets())
     write_report(target, replace(context, diagnosis=section_html(closed.document, closed.diagnosis)))
     typer.echo(f"{target}: calibration report of {origin['model']} {origin['serial']}")

@@ -29,9 +29,10 @@ def resolve(
 ) -> None:
     """Solve campaigns again with today's code and report what changed; nothing that is stored is touched.
 
-    Each is solved by itself and compared with its newest stored calibration, else with its solution.json: shifts
-    in the sigma stated before (same counts), verdicts on the limits of today, new warnings, what is refused and
-    why, and files altered since they were recorded. Storing a new calibration stays the operator's act.
+    Each is solved and diagnosed by itself and compared with its newest stored calibration, else with its
+    solution.json: shifts in the sigma stated before (same counts), verdicts on the limits of today, what the
+    diagnosis finds now, new warnings, what is refused and why, and files altered since they were recorded.
+    Storing a new calibration stays the operator's act.
 
     A run that was ended goes on where it was; a second one computes only what has other files or other code.
     With --scheduler every worker needs this station and the folders under the same path. One worker needs no

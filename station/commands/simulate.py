@@ -1,6 +1,8 @@
 """``station simulate``: a simulated IMU on a real transport."""
 
 import signal
+from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,6 +11,7 @@ import typer
 from station.commands import Database
 
 if TYPE_CHECKING:
+    from drivers.simulated.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
 
 
@@ -26,6 +29,12 @@ def simulate(
     tcp: Annotated[
         int | None, typer.Option("--tcp", metavar="PORT", help="Serve on this loopback port instead; 0: any.")
     ] = None,
+    transport: Annotated[
+        str | None,
+        typer.Option("--transport", help="pty, tcp, or CAN: slcan (an adapter on a pty), udp_multicast."),
+    ] = None,
+    dbc: Annotated[str, typer.Option("--dbc", metavar="DBC", help="Frames on CAN; the station's own else.")] = "",
+    mapping: Annotated[str, typer.Option("--map", metavar="TOML", help="What the DBC's signals are.")] = "",
     control: Annotated[int, typer.Option("--control", metavar="PORT", help="Port of the hands; 0: any.")] = 0,
     speed: Annotated[
         float, typer.Option("--speed", metavar="N", help="Device seconds per second; 0: as fast as read.")
@@ -34,13 +43,27 @@ def simulate(
     faults: Annotated[
         Path | None, typer.Option("--faults", metavar="TOML", help="[[fault]] tables: kind, at_s, every_s ...")
     ] = None,
+    gnss: Annotated[
+        str | None,
+        typer.Option(
+            "--gnss",
+            metavar="LINK",
+            help="Also an autopilot: udp[:PORT], udpto:HOST:PORT, tcp[:PORT], pty[:PATH].",
+        ),
+    ] = None,
+    track: Annotated[
+        Path | None, typer.Option("--track", metavar="CSV", help="Where it goes: t_s,e_m,n_m,u_m. Else it stands.")
+    ] = None,
     hold: Annotated[bool, typer.Option("--hold", help="Begin when the hands say go.")] = False,
     db: Database = None,
 ) -> None:
     """Serve a simulated IMU in its cube until Ctrl-C; prints its URL and the control address of its hands.
 
     Scale factors in a truth are in count/(g s) and count/deg, biases in g and deg/s, tilts in rad, times in s. The
-    hands take lines such as `place 3 45`, `turn x + 3 5`, `rest 10`, `time`, `status` over TCP.
+    hands take lines such as `place 3 45`, `turn x + 3 5`, `rest 10`, `time`, `status` over TCP. With --gnss an
+    autopilot with a GNSS receiver stands beside it, on the same truth and clock; its faults are [[gnss_fault]].
+
+    On CAN the URL has the sample period in it; `--transport slcan --pty LINK` keeps a link to the adapter.
 
     Exit code 3 if the truth or the faults are wrong, 4 if the port cannot be made.
 
@@ -49,7 +72,7 @@ def simulate(
     from drivers.errors import PortNotFound
     from drivers.simulated.errors import SimulatorError
     from drivers.simulated.faults import load_faults
-    from drivers.simulated.server import SimulatedDevice, serve
+    from drivers.simulated.server import TRANSPORTS, SimulatedDevice, serve
     from drivers.simulated.truth import Truth, load_truth
     from drivers.wire import FORMATS
     from station.errors import DataRefused
@@ -58,6 +81,11 @@ def simulate(
         raise typer.BadParameter("--truth and --example are two truths; expected one of them")
     if pty is not None and tcp is not None:
         raise typer.BadParameter("--pty and --tcp are two transports; expected one of them")
+    transport = transport or ("pty" if tcp is None else "tcp")
+    if transport not in TRANSPORTS or (tcp is not None) != (transport == "tcp"):
+        raise typer.BadParameter(
+            f"transport {transport!r}: expected one of {', '.join(TRANSPORTS)}, tcp with --tcp"
+        )
     if format not in FORMATS:
         raise typer.BadParameter(f"format {format!r}: expected one of {', '.join(FORMATS)}")
     if not speed >= 0:
@@ -67,23 +95,55 @@ def simulate(
             load_truth(_text(truth)) if truth is not None else Truth.example(seed if example is None else example)
         )
         planted = load_faults(_text(faults)) if faults is not None else ()
+        beside = _autopilot(gnss, _text(track) if track else "", _text(faults) if faults else "")
         device = SimulatedDevice(
             unit, seed, format, speed,
-            transport="pty" if tcp is None else "tcp", link=pty, port=tcp or 0, control_port=control,
-            faults=planted, hold=hold,
+            transport=transport, link=pty, port=tcp or 0, control_port=control,
+            faults=planted, hold=hold, dbc=dbc, mapping=mapping,
         )  # fmt: skip
     except SimulatorError as error:
         raise DataRefused(truth or faults or "truth", None, str(error), "a truth as described") from error
     for ending in (signal.SIGINT, signal.SIGTERM):  # the first is ignored in a shell's background otherwise
         signal.signal(ending, signal.default_int_handler)
     try:
-        serve(device, _announce)
+        with ExitStack() as stack:
+            serve(
+                device, lambda served: _announce(served, stack.enter_context(beside(served)) if beside else None)
+            )
     except OSError as error:
         raise PortNotFound(str(pty or tcp or "pty"), str(error), "choose another path or port") from error
 
 
-def _announce(device: "SimulatedDevice") -> None:
+def _autopilot(where: str | None, track: str, faults: str) -> "Callable[[SimulatedDevice], SimulatedGnss] | None":
+    """Return what makes the autopilot once the IMU is served, None where none is wanted."""
+    from drivers.simulated.gnss_faults import load_gnss_faults
+    from drivers.simulated.gnss_server import SimulatedGnss
+    from drivers.simulated.track import load_track
+
+    if where is None:
+        return None
+    transport, _, rest = where.partition(":")
+    host, _, port = rest.rpartition(":")
+    if (
+        transport not in {"udp", "udpto", "tcp", "pty"}
+        or (transport != "pty" and rest and not port.isdigit())
+        or (transport == "udpto" and not host)
+    ):
+        raise typer.BadParameter(f"gnss {where!r}: expected udp[:PORT], udpto:HOST:PORT, tcp[:PORT] or pty[:PATH]")
+    number = int(port) if transport != "pty" and port else 0
+    planted, path = load_gnss_faults(faults), load_track(track) if track else None
+    return lambda device: SimulatedGnss(
+        device.truth, faults=planted, track=path, seed=device.seed, beside=device,
+        transport=transport.removesuffix("to"), port=number,
+        link=Path(rest) if transport == "pty" and rest else None,
+        to=(host, number) if transport == "udpto" else None,
+    )  # fmt: skip
+
+
+def _announce(device: "SimulatedDevice", gnss: "SimulatedGnss | None") -> None:
     typer.echo(f"url {device.url}")
+    if gnss is not None:
+        typer.echo(f"gnss {gnss.url}")
     typer.echo(f"control {device.control}")
     typer.echo(f"serving {device.truth.model} {device.truth.serial}; Ctrl-C ends it", err=True)
 

@@ -37,9 +37,8 @@ def coordinate_of(
     axis = evidence.axis[rows]
     if at_nodes.ndim == 2 and np.any(axis < 0):
         return Coordinate(f"what {finding.effect} adds [{unit}]", added[rows])
-    per_step = _means(evidence.seen, at_nodes)
-    step = evidence.step[rows]
-    found = per_step[step] if per_step.ndim == 1 else per_step[step, axis]
+    per_row = _means(evidence, at_nodes)[rows]
+    found = per_row if per_row.ndim == 1 else per_row[np.arange(len(axis)), axis]
     if not np.isfinite(found).any():
         return _steps(evidence, rows)
     return Coordinate(label.format(**{"channel": "channel", **finding.where}), found)
@@ -52,15 +51,15 @@ def _steps(evidence: Evidence, rows: BoolArray) -> Coordinate:
     return Coordinate("position, turn or rest", index.astype(float), names)
 
 
-def _means(seen: Seen, values: FloatArray) -> FloatArray:
-    """Return the mean of values at the nodes (n, ...) in every step."""
-    known = np.isfinite(values)
-    count = np.zeros((len(seen.steps), *values.shape[1:]))
-    total = np.zeros_like(count)
-    np.add.at(count, seen.step, known.astype(float))
-    np.add.at(total, seen.step, np.where(known, values, 0.0))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        means: FloatArray = np.where(count > 0, total / count, np.nan)
+def _means(evidence: Evidence, values: FloatArray) -> FloatArray:
+    """Return the mean of values at the nodes (n, ...) that every row is seen at: a step's, or a single point's."""
+    means = np.full((len(evidence.residual), *values.shape[1:]), np.nan)
+    for each in evidence.weights:
+        of_row = values[each.nodes]
+        known = np.isfinite(of_row)
+        count = np.sum(known, axis=0)
+        total = np.sum(np.where(known, of_row, 0.0), axis=0)
+        means[each.rows] = np.where(count > 0, total / np.maximum(count, 1), np.nan)
     return means
 
 

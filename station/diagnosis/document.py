@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from procedures.diagnosis.result import Diagnosis, Errors, Finding, Test
+from procedures.diagnosis.result import Diagnosis, Errors, Finding, TableSensor, Test
 from procedures.effects.effect import REFERENCE_C
 from procedures.solution import Solution
 from station.campaign_folder import LoadedCampaign
@@ -15,7 +15,7 @@ from station.solution_json import solution_document
 from station.solution_parameters import parameters
 
 FORMAT = "diagnosis/1"
-LEFT_OUT = "position, turn or rest left out in turn"
+LEFT_OUT = "position, turn, rest, or block of a rate table or soak, left out in turn"
 NOT_DETERMINED = "coefficients of a finding are not determined and were left out"
 
 
@@ -29,9 +29,12 @@ def diagnosis_document(
     after = solution_document(diagnosis.solution, campaigns)
     if any(temperature_effect(finding.effect) for finding in diagnosis.findings):
         after["reference_temperature_c"] = REFERENCE_C
-    errors = [_error(each, LEFT_OUT) for each in diagnosis.errors]
+    if diagnosis.on_table:
+        counts = campaigns[0].tables.imu.output != "rate"
+        after["rate_tables"] = _on_table(diagnosis.on_table, "count/deg" if counts else "output/(deg/s)")
+    errors = [error_document(each, LEFT_OUT) for each in diagnosis.errors]
     for folder, found in (validated or {}).items():
-        errors += [_error(each, f"validation: {folder}") for each in found]
+        errors += [error_document(each, f"validation: {folder}") for each in found]
     return {
         "format": FORMAT,
         "verdict": diagnosis.verdict,
@@ -40,7 +43,7 @@ def diagnosis_document(
         "error": errors,
         "parameters": moved(before, after),
         "solution": after,
-        "tried": [_tried(each) for each in diagnosis.tried],
+        "tried": [tried_document(each) for each in diagnosis.tried],
         "next_measurement": diagnosis.next_measurement,
     }
 
@@ -65,6 +68,17 @@ def finding_document(finding: Finding) -> dict[str, Any]:
         "log10_p": float(finding.log_p) / log(10),
         **({"shape": finding.shape} if finding.shape else {}),
         **({} if finding.sign_flip_p is None else {"sign_flip_p": float(finding.sign_flip_p)}),
+    }
+
+
+def _on_table(sensors: Sequence[TableSensor], unit: str) -> dict[str, Any]:
+    """Return what rate tables say of the gyroscopes they turned, by sensor: a triad's vectors need all three."""
+    return {
+        "gyroscope": {
+            "scale_factor": {each.axis: {"value": each.scale, "std": each.scale_std} for each in sensors},
+            "bias": {each.axis: {"value": each.bias, "std": each.bias_std} for each in sensors},
+        },
+        "unit": {"scale_factor": unit, "bias": "deg/h"},
     }
 
 
@@ -100,7 +114,8 @@ def plain(value: object) -> Any:
     return value
 
 
-def _tried(test: Test) -> dict[str, Any]:
+def tried_document(test: Test) -> dict[str, Any]:
+    """Return an effect that was tried, with its p before and after Holm."""
     return {
         "effect": test.effect,
         "statistic": float(test.statistic),
@@ -116,7 +131,8 @@ def _p_value(name: str, log_p: float) -> dict[str, float]:
     return {name: p, short: float(log_p) / log(10)}
 
 
-def _error(error: Errors, method: str) -> dict[str, Any]:
+def error_document(error: Errors, method: str) -> dict[str, Any]:
+    """Return an error before and after, as far as it is known; ``method`` says how rows were held out."""
     values = {
         "before": error.before,
         "after": error.after,

@@ -11,7 +11,8 @@ from station.report.svg import AXIS_STYLE, INK, RULE, draw_svg
 SIZE_IN = (7.0, 2.6)
 _SPREAD = 0.2  # of a step, by which the three sensors stand apart
 _ROWS = {"mean": "dwells", "turn": "turns", "norm": "rests", "slope": "slopes within dwells",
-         "curvature": "curvatures within dwells", "rate": "points"}  # fmt: skip
+         "curvature": "curvatures within dwells", "rate": "points of a rate table",
+         "soak": "blocks of a soak"}  # fmt: skip
 
 
 def residual_svg(number: int, panel: ResidualPanel) -> str:
@@ -37,7 +38,8 @@ def draw_panel(figure: Figure, panel: ResidualPanel) -> None:
 
 def caption(panel: ResidualPanel) -> str:
     """Return what a plot shows."""
-    return f"{panel.triad.capitalize()}, {_ROWS.get(panel.kind, panel.kind)}; bars: 1\u03c3 of counting noise."
+    noise = "a point's scatter" if panel.kind == "rate" else "counting noise"
+    return f"{panel.triad.capitalize()}, {_ROWS.get(panel.kind, panel.kind)}; bars: 1\u03c3 of {noise}."
 
 
 def _draw(axes: Axes, panel: ResidualPanel, values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:

@@ -10,10 +10,13 @@ from procedures.calibration import Fits
 from procedures.diagnosis.diagnosis import diagnose
 from procedures.diagnosis.result import Diagnosis
 from procedures.solution import Solution
+from procedures.uncertainty.budget import ParameterBudget, budget
+from procedures.uncertainty.inputs import Inputs
 from station.campaign_folder import LoadedCampaign
 from station.campaign_folder.toml_text import read_text_file
 from station.diagnosis.carried import SURE, carried_effects, is_of_unit
 from station.diagnosis.document import diagnosis_document, reference_solution
+from station.diagnosis.magnetic_field import with_magnetic_field
 from station.errors import DataRefused
 
 NAME = "diagnosis.json"
@@ -33,6 +36,10 @@ class ClosedLoop:
     solution: Solution
     effects: tuple[Mapping[str, Any], ...]
 
+    def budgets(self) -> tuple[ParameterBudget, ...]:
+        """Return the parameters' uncertainty; what the diagnosis leaves unexplained is in it."""
+        return budget(self.fits, Inputs(unexplained=self.diagnosis.unexplained))
+
 
 def added_effects(folder: Path) -> list[str]:
     """Return what the diagnosis kept in a campaign's folder added to the model; nothing if there is none."""
@@ -50,6 +57,7 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     effect of the instrument is in doubt it is the solution without any: a calibration claims nothing that is not
     likely at least.
     """
+    campaigns = [with_magnetic_field(one) for one in campaigns]
     found = diagnose([one.campaign for one in campaigns])
     document = diagnosis_document(found, campaigns)
     if any(is_of_unit(each) and each.confidence not in SURE for each in found.findings):

@@ -10,8 +10,16 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from station.campaign_folder.atomic import replace_file
-from station.diagnosis.text import coefficient_rows, error_rows, moved_rows, tried_rows
-from station.diagnosis.wording import SURE, p_text, verdict_sentence, where_text
+from station.diagnosis.text import (
+    ON_TABLE,
+    coefficient_rows,
+    error_rows,
+    moved_rows,
+    table_rows,
+    tried_rows,
+    warnings_of,
+)  # fmt: skip
+from station.diagnosis.wording import P_OF, SURE, TRIED_HOW, notes, p_text, verdict_sentence, where_text
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
@@ -40,7 +48,8 @@ def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> 
     return _environment().get_template("section.html").render(
         document=document, sentence=verdict_sentence(document), findings=findings,
         errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
-        tried=tried_rows(document["tried"]),
+        tried=tried_rows(document["tried"]), p_of=P_OF, tried_how=TRIED_HOW, on_table=ON_TABLE,
+        of_table=table_rows(document.get("solution", {})), warnings=warnings_of(document),
     )  # fmt: skip
 
 
@@ -64,6 +73,7 @@ def _finding(finding: Mapping[str, Any]) -> dict[str, Any]:
         "aliases": finding["aliases"],
         "separate_by": finding["separate_by"],
         "rows": coefficient_rows(finding),
+        "notes": notes(finding),
     }
 
 

@@ -8,25 +8,32 @@ from typing import Any
 from station.campaign_folder.atomic import replace_file
 from station.campaign_folder.plan_toml import FORMAT
 from station.campaign_folder.writing import toml_text
-from station.diagnosis.measurements import MEASUREMENTS, REPEAT, Measurement
+from station.diagnosis.measurements import CERTIFICATE, MEASUREMENTS, REMOUNTED, REPEAT, Make, Measurement
 
 WIDTH = 100
 
 
-def next_measurements(findings: Sequence[Mapping[str, Any]], imu_axes: Sequence[str]) -> list[Measurement]:
+def next_measurements(
+    findings: Sequence[Mapping[str, Any]], imu_axes: Sequence[str], is_certified: bool = False
+) -> list[Measurement]:
     """Return what would separate each ambiguous finding, or confirm those not of the bench, each once.
 
     A finding's own measurement comes first; where it has no steps, that of one of its aliases which has.
-    ``imu_axes`` is how the IMU was mounted in the cube.
+    ``imu_axes`` is how the IMU was mounted in the cube; if that ``is_certified``, no certificate is asked for.
     """
     doubtful = [finding for finding in findings if finding["confidence"] == "ambiguous"]
     found = dict[str, Measurement]()
     for finding in doubtful or [finding for finding in findings if finding["kind"] != "bench"]:
         names = [finding["effect"], *finding.get("aliases", [])]
-        ways = [[make(finding, imu_axes) for make in MEASUREMENTS.get(name, (REPEAT,))] for name in names]
+        ways = [[make(finding, imu_axes) for make in _of(name, is_certified)] for name in names]
         best = next((each for each in ways if each[0].steps), ways[0])
         found |= {one.name: one for one in best if one.name not in found}
     return list(found.values()) or [REPEAT({}, imu_axes)]
+
+
+def _of(name: str, is_certified: bool) -> tuple[Make, ...]:
+    wanted = MEASUREMENTS.get(name, (REPEAT,))
+    return REMOUNTED if is_certified and CERTIFICATE in wanted else wanted
 
 
 def write_plans(path: Path, wanted: Sequence[Measurement]) -> list[Path]:

@@ -23,7 +23,10 @@ _UNITS = {  # of a row in natural units to people's, by triad and kind
     ("accelerometer", "slope"): (3.6e9, "ug/h"),
     ("accelerometer", "curvature"): (1.296e13, "ug/h^2"),
     ("gyroscope", "mean"): (3600.0, "deg/h"),
+    ("accelerometer", "soak"): (1e6, "ug"),
     ("gyroscope", "turn"): (3600.0, "arcsec"),
+    ("gyroscope", "rate"): (1.0, "deg/s"),
+    ("gyroscope", "soak"): (3600.0, "deg/h"),
     ("gyroscope", "slope"): (1.296e7, "deg/h per h"),
     ("gyroscope", "curvature"): (4.6656e10, "deg/h per h^2"),
 }
@@ -59,7 +62,10 @@ def residual_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
 
 
 def _way(diagnosis: Diagnosis, finding: Finding) -> Candidate | None:
-    """Return the columns by which a finding acts."""
+    """Return the columns by which a finding acts; None of what a table showed, where the evidence is a bench's."""
+    tables = {table.name for each in diagnosis.after.campaigns for table in each.rate_tables}
+    if _first(finding.where.get("file")) in tables and not diagnosis.evidence.rows("rate").any():
+        return None
     effect = [each for each in EFFECTS if each.name == finding.effect]
     ways = candidates(diagnosis.evidence, diagnosis.after, effect).get(finding.effect, [])
     same = [way for way in ways if way.columns.shape == finding.shape and _is_there(way, finding)]

@@ -1,18 +1,27 @@
 """A `diagnosis/1` as text to read in 80 columns: the verdict first, then what it rests on."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import degrees
 from textwrap import wrap
 from typing import Any
 
 from station.diagnosis.units import shown_unit
-from station.diagnosis.wording import SURE, p_text, size_in_sigmas, verdict_sentence, where_text
+from station.diagnosis.wording import (
+    P_OF,
+    SURE,
+    TRIED_HOW,
+    notes,
+    p_text,
+    size_in_sigmas,
+    verdict_sentence,
+    where_text,
+)  # fmt: skip
 from station.solution_parameters import Parameter, shown, shown_sigma, title_of
 from station.solution_text import measured
 
 WIDTH = 80
 MOST_COEFFICIENTS = 12  # of a finding that are listed; the largest in sigmas
 MOST_MOVED = 8
+ON_TABLE = "on the rate table, its axis' share of the Earth's rate in the bias"
 NOTABLE = 1.0  # sigma
 MOST_TRIED = 6
 PAPER = ("bias_12_position", "bias_two_direction")  # their sigma is counting noise only
@@ -24,18 +33,29 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
     for number, finding in enumerate(document["findings"], 1):
         lines += ["", *_finding(number, finding)]
     for title, part in (
+        (ON_TABLE, [f"   {name:<27}{value}" for name, value in table_rows(document["solution"])]),
         ("error, rms, before -> after the findings", list(_errors(document["error"]))),
         ("parameters that moved most", list(_moved(document["parameters"]))),
-        ("what was tried, p after Holm", list(_tried(document["tried"]))),
+        (f"tried first, {TRIED_HOW}", list(_tried(document["tried"]))),
     ):
         if part:
             lines += ["", title, *part]
     if document["next_measurement"]:
         lines += ["", *_fold(f"measure next: {document['next_measurement']}", ""), _PLAN]
+    if warnings := warnings_of(document):
+        lines += ["", *(line for text in warnings for line in _fold(f"warning: {text}", ""))]
     return "\n".join(lines)
 
 
 _PLAN = "(--plan FILE writes its steps for `station calibrate --plan FILE`)"
+
+
+def warnings_of(document: Mapping[str, Any]) -> list[str]:
+    """Return a diagnosis' warnings, without the advice to run one; none where the solution stands apart."""
+    return [text.removesuffix(_ADVICE) for text in document.get("solution", {}).get("warnings", [])]
+
+
+_ADVICE = "; run `station diagnose`"
 
 
 def coefficient_rows(finding: Mapping[str, Any]) -> list[tuple[str, str, str]]:
@@ -54,19 +74,14 @@ def coefficient_rows(finding: Mapping[str, Any]) -> list[tuple[str, str, str]]:
 def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
     where = where_text(finding["where"])
     lines = [f"{number}. {finding['effect']} ({finding['kind']}){f', {where}' if where else ''}"]
-    p = f"; p {p_text(finding['log10_p'])} over all that was tried" if "log10_p" in finding else ""
+    p = f"; p {p_text(finding['log10_p'])} {P_OF}" if "log10_p" in finding else ""
     lines += _fold(f"{SURE[finding['confidence']]}{p}", "   ")
-    if (p_flip := finding.get("sign_flip_p")) is not None:
-        lines.append(f"   with signs flipped at random as large in {p_flip:.2g} of all draws")
-    if (angle := finding.get("levelling_deg")) is not None:
-        along = [f"{degrees(c['value']):.2f} along {n[-1]}" for n, c in finding["coefficients"].items()]
-        lines.append(f"   the vertical stands {angle:.2f} deg off the face: {', '.join(along)}")
+    for note in notes(finding):
+        lines += _fold(note, "   ")
     for name, value, sigmas in coefficient_rows(finding):
         lines.append(f"   {name:<9} {value:<44} {sigmas:>12}")
     if len(finding["coefficients"]) > MOST_COEFFICIENTS:
         lines.append(f"   ... and {len(finding['coefficients']) - MOST_COEFFICIENTS} more, smaller")
-    if shape := finding.get("shape"):
-        lines += _fold(f"shape: {shape}", "   ")
     if finding["aliases"]:
         lines += _fold(f"could be instead: {', '.join(finding['aliases'])}", "   ")
         lines += _fold(f"what would tell: {finding['separate_by']}", "   ")
@@ -107,8 +122,22 @@ def moved_rows(parameters: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, 
         after, unit = shown(one)
         before, _ = shown(one, row["before"])
         found.append((title_of(row["name"]), before, f"{after} +- {shown_sigma(one)}", unit,
-                      f"{row['shift_sigma']:+.1f}"))  # fmt: skip
+                      _sigmas(row["shift_sigma"])))  # fmt: skip
     return found
+
+
+def _sigmas(shift: float) -> str:
+    return f"{shift:+.1f}" if abs(shift) < 999.5 else f"{shift:+.0f}" if abs(shift) < 99999 else f"{shift:+.0e}"
+
+
+def table_rows(solution: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what rate tables gave: name, and value with sigma and unit."""
+    found = solution.get("rate_tables", {"gyroscope": {}, "unit": {}})
+    return [
+        (f"gyroscope {name.replace('_', ' ')} {axis}", measured(one["value"], one["std"], found["unit"][name]))
+        for name, sensors in found["gyroscope"].items()
+        for axis, one in sensors.items()
+    ]
 
 
 def _moved(parameters: Sequence[Mapping[str, Any]]) -> Iterator[str]:

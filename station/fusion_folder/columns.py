@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
-from station.campaign_folder.csv_table import read_columns
+from station.campaign_folder.csv_table import read_csv
 from station.campaign_folder.files import open_inside
 from station.campaign_folder.table import Table
 from station.errors import DataRefused
@@ -19,19 +19,36 @@ VELOCITY = ("ve_m_s", "vn_m_s", "vu_m_s")
 
 
 @dataclass(frozen=True, slots=True)
-class Columns:
+class FusionColumns:
     """What a file's header must hold, and what it may hold besides; those cells may be empty."""
 
     needed: tuple[str, ...]
     optional: tuple[str, ...] = ()
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The columns that may be there."""
+        return (*self.needed, *self.optional)
 
-IMU = Columns(("t_s", *RATE, *FORCE))
-GNSS = Columns(("t_s", *POSITION), (*VELOCITY, "course_rad", "position_std_m", "velocity_std_m_s"))
-TRACKS = Columns(("t_s", "feature", "u_px", "v_px"))
+    def cell(self, name: str) -> str:
+        """Return what a cell of a column holds, in words."""
+        return "a number" if name in self.needed else "a number or nothing"
+
+    def check(self, names: list[str], file: Path) -> None:
+        """Refuse a file that lacks a column, or has half of a horizontal velocity."""
+        for name in self.needed:
+            if name not in names:
+                raise DataRefused(file, 1, f"no column {name}", f"the columns {','.join(self.needed)}")
+        if len({"ve_m_s", "vn_m_s"} & set(names)) == 1:
+            raise DataRefused(file, 1, "half of a horizontal velocity", "both of ve_m_s and vn_m_s, or neither")
 
 
-def read_table(folder: Path, name: str, line: int, columns: Columns) -> Table:
+IMU = FusionColumns(("t_s", *RATE, *FORCE))
+GNSS = FusionColumns(("t_s", *POSITION), (*VELOCITY, "course_rad", "position_std_m", "velocity_std_m_s"))
+TRACKS = FusionColumns(("t_s", "feature", "u_px", "v_px"))
+
+
+def read_table(folder: Path, name: str, line: int, kind: FusionColumns) -> Table:
     """Read the CSV file ``name`` of ``folder`` that stands at ``line`` of ``fusion.toml``.
 
     Raises
@@ -39,25 +56,8 @@ def read_table(folder: Path, name: str, line: int, columns: Columns) -> Table:
     DataRefused
         At the first header, line or cell that breaks a rule.
     """
-    path = folder / name
     with open_inside(folder, name, folder / "fusion.toml", line) as stream:
-        return read_columns(stream, path, lambda header: _cells(header, path, columns))
-
-
-def _cells(header: bytes, path: Path, columns: Columns) -> dict[str, str]:
-    names = header.removesuffix(b"\r").decode("utf-8", "backslashreplace").split(",")
-    expected = ",".join(columns.needed) + "".join(f"[,{name}]" for name in columns.optional)
-    for name in columns.needed:
-        if name not in names:
-            raise DataRefused(path, 1, f"no column {name}", expected)
-    for index, name in enumerate(names):
-        if name not in (*columns.needed, *columns.optional):
-            raise DataRefused(path, 1, f"column {name[:40]!a}", expected)
-        if name in names[:index]:
-            raise DataRefused(path, 1, f"column {name} twice", "each column once")
-    if len({"ve_m_s", "vn_m_s"} & set(names)) == 1:
-        raise DataRefused(path, 1, "half of a horizontal velocity", "both of ve_m_s and vn_m_s, or neither")
-    return {name: "a number" if name in columns.needed else "a number or nothing" for name in names}
+        return read_csv(stream, folder / name, kind)
 
 
 def stacked(table: Table, names: Sequence[str]) -> FloatArray:

@@ -15,7 +15,7 @@ from drivers.errors import DriverError
 from fixtures_db.database import Database
 from fixtures_db.errors import DatabaseError
 from procedures.errors import ProcedureError
-from station.errors import CannotWrite, StationError
+from station.errors import CannotWrite, DataRefused, StationError
 from station.guide.command import Command
 from station.guide.live_campaign import LiveCampaign, begin, resume
 from station.guide.options import Options
@@ -62,6 +62,10 @@ class Engine:
                 self._finish(campaign)
         except (CannotWrite, DatabaseError) as error:
             self._fail(error)
+        except DataRefused as error:  # GNSS time says that all it records is wrong
+            if not self._options.is_patient:
+                raise
+            self._end("left", str(error))
 
     @property
     def is_busy(self) -> bool:

@@ -18,6 +18,7 @@ from procedures.campaign import Fixture
 from procedures.steps import Step, steps_of
 from station.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
 from station.errors import DataRefused
+from station.gnss import GnssFeed, open_gnss
 from station.guide.checklist import Checklist
 from station.guide.command import Command
 from station.guide.desk import Desk, Facts
@@ -25,6 +26,7 @@ from station.guide.fixture import cube_fixture
 from station.guide.folder import journal_path, new_folder
 from station.guide.folder_notes import keep_plan, kept_plan, read_setup, read_unit, write_setup, write_unit
 from station.guide.folder_recorder import FolderRecorder
+from station.guide.gnss_beside import GnssBeside, reopened, sited, utc_now
 from station.guide.guide import Guide
 from station.guide.identity import UnitRecord
 from station.guide.options import Options
@@ -48,11 +50,13 @@ class LiveCampaign:
 
     def __init__(
         self, reader: Reader, feed: LiveFeed, unit: Unit, guide: Guide, recorder: CampaignRecorder,
-        options: Options, stack: ExitStack,
+        options: Options, stack: ExitStack, gnss: GnssFeed | None = None,
     ) -> None:  # fmt: skip
         self._reader, self._feed, self._stack, self._is_patient = reader, feed, stack, options.is_patient
         self.unit, self.guide, self.recorder = unit, guide, recorder
         self._retry_at = 0.0
+        self._beside = None if gnss is None else GnssBeside(gnss, feed, guide.desk.story)
+        recorder.utc = None if gnss is None else gnss.utc
 
     @property
     def folder(self) -> Path:
@@ -68,7 +72,11 @@ class LiveCampaign:
             If the disk refuses; what was accepted before is whole.
         DriverError
             What is wrong with the stream, if this campaign does not wait for it to come back.
+        DataRefused
+            If GNSS time shows that the device's rate is not the one it declares.
         """
+        if self._beside is not None:
+            self._beside.round()
         try:
             self._feed.advance()
             if not self._feed.is_open:
@@ -122,7 +130,7 @@ def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
     DriverError, CannotWrite, NotInDatabase, DataRefused
         What port, disk, database or set-up refuse; nothing is left behind.
     """
-    if setup.latitude_deg is None:
+    if setup.latitude_deg is None and not setup.gnss:
         raise DataRefused("set-up", None, "no latitude", "the slab's latitude in deg", "enter it")
     steps = tuple(options.steps) or usual_steps(setup)
     fixture, table = cube_fixture(database, setup.cube or None, options.imu_axes)
@@ -131,19 +139,22 @@ def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
         stack.enter_context(FolderLock(folder))
         reader = stack.enter_context(Reader(setup.url, journal_path(folder)))
         feed = open_feed(reader)
+        gnss = stack.enter_context(open_gnss(setup.gnss, folder)) if setup.gnss else None
         unit = feed.identify(setup.model or None, setup.serial or None)
+        setup = setup if gnss is None else sited(setup, gnss, folder)
         write_setup(folder, setup)
         write_unit(folder, _record(feed, unit))
         keep_plan(folder, steps)
         recorder = open_campaign(
-            folder, unit, site_table(setup), database, fixture=table, procedure=procedure_table(setup),
-            cube_id=setup.cube or None, slab_id=setup.slab or None,
+            folder, unit, site_table(setup), database, output=feed.wire.output, fixture=table,
+            procedure=procedure_table(setup), cube_id=setup.cube or None, slab_id=setup.slab or None,
+            started_utc=None if gnss is None else utc_now(gnss),
         )  # fmt: skip
         desk = Desk(
             feed, Checklist(steps), _facts(recorder.tables, fixture, setup, options), FolderRecorder(recorder)
         )
         guide = Guide(desk, warms_up=options.warms_up)
-        return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all())
+        return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all(), gnss)
     raise AssertionError("unreachable")
 
 
@@ -164,6 +175,7 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         steps = kept_plan(folder) or usual_steps(setup)
         reader = stack.enter_context(Reader(options.setup.url or setup.url, journal_path(folder)))
         feed = open_feed(reader)
+        gnss, missed = reopened(stack, setup, folder)
         imu = recorder.tables.imu
         unit = feed.identify(imu.model, imu.serial)
         fixture, _ = cube_fixture(database, recorder.tables.fixture.id, recorder.tables.fixture.imu_axes)
@@ -174,7 +186,9 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         record = read_unit(folder)
         unsure = record if record is not None and not record.serial_from_wire else None
         guide = Guide(desk, warms_up=options.warms_up, unsure=unsure)
-        return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all())
+        if missed:
+            desk.story.say("rejected", missed)
+        return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all(), gnss)
     raise AssertionError("unreachable")
 
 

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Sequence
-from dataclasses import fields
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,17 +17,19 @@ from fixtures_db.cubes import cubes
 from fixtures_db.database import Database
 from fixtures_db.slabs import slabs
 from procedures.frames import AXES
-from procedures.records import CountBlock
+from procedures.records import RateBlock, SampleBlock, block_rows
 from station.campaign_folder.atomic import replace_file
 from station.errors import CannotWrite
 from station.guide.unfinished import unfinished
 from station.guide.view import Check, Choice, Setup, Start
+from station.live.counted import RATE_UNIT
 from station.live.stillness import TICKS, Block, block_of
 
 if TYPE_CHECKING:
     from station.reader.look import Seen
 
 LOOK_S = 2.0
+TICK_S = 0.1
 BAD_SHARE = 0.01  # of the frames; beyond it the line is not good enough to begin
 
 
@@ -95,7 +96,7 @@ def check_port(url: str, seconds: float = LOOK_S) -> Check:
     )
 
 
-def noise_in_words(samples: CountBlock, rate_hz: float | None) -> str:
+def noise_in_words(samples: SampleBlock, rate_hz: float | None) -> str:
     """Say how much the counts of tenths of a second scatter within a second, by triad the greatest channel."""
     size = round(rate_hz) if rate_hz else 0
     seconds = len(samples) // size if size >= TICKS else 0
@@ -103,12 +104,15 @@ def noise_in_words(samples: CountBlock, rate_hz: float | None) -> str:
         return "less than a second came: too short to say the noise"
     variance = np.mean([_second(samples, i * size, size).variance for i in range(seconds)], axis=0)
     gyro, accel = np.sqrt(variance).reshape(2, 3).max(axis=1)
+    if isinstance(samples, RateBlock):
+        gyro, accel = (value / (RATE_UNIT * TICK_S) for value in (gyro, accel))
+        return f"gyroscopes {gyro:.2g}, accelerometers {accel:.2g} rms of 0.1 s, in the device's units"
     return f"gyroscopes {gyro:.2g}, accelerometers {accel:.2g} counts rms in 0.1 s"
 
 
-def _second(samples: CountBlock, first: int, size: int) -> Block:
-    rows = {f.name: getattr(samples, f.name)[first : first + size] for f in fields(CountBlock)}
-    return block_of(CountBlock(**rows), first, 1 / size, is_broken=False, is_anew=False)
+def _second(samples: SampleBlock, first: int, size: int) -> Block:
+    rows = block_rows(samples, slice(first, first + size))
+    return block_of(rows, first, 1 / size, is_broken=False, is_anew=False)
 
 
 def _remedies(seen: "Seen", bad: int) -> list[str]:

@@ -44,10 +44,12 @@ class Setup(_Value):
     """The set-up's values, remembered for next time; empty text and None where nothing is chosen yet.
 
     ``gravity`` and its sigma in m/s2, ``height`` in m, ``dwell_s`` 0: from the unit's noise and ``bias_ug``, the
-    1 sigma wanted of the accelerometers' bias. ``folder`` empty: one is made beneath the default place.
+    1 sigma wanted of the accelerometers' bias. ``folder`` empty: one is made beneath the default place. ``gnss``
+    is a receiver's address: what it says of the site counts where latitude, longitude or height are not given.
     """
 
     url: str = ""
+    gnss: str = ""
     model: str = ""
     serial: str = ""
     cube: str = ""

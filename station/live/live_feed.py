@@ -8,7 +8,8 @@ import numpy as np
 
 from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost, LinkSilent, WrongFormat
-from drivers.framing import sniff
+from drivers.formats import wire_of
+from drivers.framing import seen_instead, sniff
 from drivers.wire import FORMATS, WireFormat
 from station.live.stillness import TICKS, Block, block_of
 from station.reader import Chunk, GapMark
@@ -18,10 +19,12 @@ from station.recorder.unit import refuse_other, unit_of
 BLOCK_S = 1.0
 POLL_S = 0.1
 SILENT_S = 2.0  # of the station's time, without a byte or without a frame
+JOINING_S = 6.0  # the same until the first sample of what must learn its period to join samples
 REPLUG_S = 30.0  # how long a lost port may stay away
 IDENTITY_S = 3.0  # how long to wait for the device to say who it is
 SNIFFED = 16384  # bytes
 SURE_FRAMES = 3
+TEMPERATURES = 1000  # the newest samples; some devices send a temperature twice a second only
 
 
 class Source(Protocol):
@@ -44,11 +47,12 @@ class LiveFeed:
         self._source, self.wire = source, wire
         self.address = source.address
         self.unit: Unit | None = None
-        self.stream, self.tape = SampleStream(wire), Tape(wire)
+        self.stream, self.tape = SampleStream(wire), Tape()
         self._recent = b""
         self._silent_s = self._frameless_s = 0.0
         self._is_open = self._is_anew = True
         self._pieces: list[Piece] = []  # the last ones taken
+        self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
         for chunk in held:
             self._take(chunk)
         self._at = self._begin = self.tape.begin
@@ -71,8 +75,9 @@ class LiveFeed:
         end = self.tape.end
         if end <= self.tape.first:
             return None
-        value = float(self.tape.block(end - 1, end).temperature[0])
-        return value if np.isfinite(value) else None
+        values = self.tape.block(max(self.tape.first, end - TEMPERATURES), end).temperature
+        known = values[np.isfinite(values)]
+        return float(known[-1]) if len(known) else None
 
     def identify(self, model: str | None = None, serial: str | None = None) -> Unit:
         """Wait until it is known which unit this is; see `unit_of` for what it raises."""
@@ -155,7 +160,9 @@ class LiveFeed:
         self._watch(waited, is_idle=not items, has_frames=self.stream.decoder.counters.frames > frames)
 
     def _take(self, chunk: Chunk) -> None:
-        self._pieces.append(self.stream.take(chunk))
+        self._pieces.append(piece := self.stream.take(chunk))
+        if len(piece.block):
+            self.stamp = chunk.host_ns, float(piece.block.device_time[-1])
         self.tape.append(self._pieces[-1])
 
     def replace_source(self, source: Source) -> None:
@@ -173,6 +180,10 @@ class LiveFeed:
         self._is_open, self._silent_s, self._frameless_s = mark.is_open, 0.0, 0.0
         self.stream.begin_anew()
 
+    @property
+    def _patience_s(self) -> float:
+        return JOINING_S if self.wire.passed_over and not self.stream.counters.samples else SILENT_S
+
     def _watch(self, waited_s: float, *, is_idle: bool, has_frames: bool) -> None:
         """Add up the time waited in vain; a station that was itself held up did not wait."""
         self._silent_s += waited_s if is_idle else 0.0
@@ -183,9 +194,10 @@ class LiveFeed:
                 raise LinkLost(name, f"not back within {REPLUG_S:g} s")
         elif self._silent_s >= SILENT_S:
             raise LinkSilent(name, SILENT_S, baud)
-        elif self._frameless_s >= SILENT_S:
+        elif self._frameless_s >= self._patience_s:
             likely = next((found.format for found in sniff(self._recent) if found.format != self.wire.name), None)
-            raise WrongFormat(name, self.wire.name, len(self._recent), baud, likely)
+            seen = seen_instead(self.wire, self._recent)
+            raise WrongFormat(name, self.wire.name, len(self._recent), baud, likely, seen)
 
 
 def open_feed(source: Source) -> LiveFeed:
@@ -197,8 +209,8 @@ def open_feed(source: Source) -> LiveFeed:
         If the format must be found and no byte comes for 2 s, or no frame of any.
     """
     address = source.address
-    if address.format is not None:
-        return LiveFeed(source, FORMATS[address.format])
+    if (wire := wire_of(address)) is not None:
+        return LiveFeed(source, wire)
     held, deadline = list[Chunk](), time.monotonic() + SILENT_S
     while time.monotonic() < deadline:
         held += [item for item in source.poll(POLL_S) if isinstance(item, Chunk)]

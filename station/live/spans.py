@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.records import CountSeries
+from station.live.counted import counted
 from station.live.stillness import Block
 from station.recorder.tape import Run, Tape
 
@@ -24,8 +25,8 @@ def merged(blocks: Sequence[Block], samples: int | None) -> list[Run]:
 
 
 def series(tape: Tape, runs: Sequence[Run], period: float) -> CountSeries:
-    """Return the samples of runs as a step's series; ``period`` [s] is for one too short to measure it."""
-    blocks = [tape.block(first, last) for first, last in runs]
+    """Return the samples of runs as a step's counts; ``period`` [s] where they are too few to tell."""
+    blocks = [counted(tape.block(first, last), period) for first, last in runs]
     t = np.concatenate([block.device_time for block in blocks])
     steps = np.concatenate([np.diff(block.device_time) for block in blocks])
     return CountSeries(

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.records import CountBlock
+from procedures.records import SampleBlock
+from station.live.counted import counted
 
 TICKS = 10
 TIMES_NOISE = 16.0
@@ -41,9 +42,10 @@ class Block:
     is_anew: bool
 
 
-def block_of(samples: CountBlock, first: int, period: float, *, is_broken: bool, is_anew: bool) -> Block:
+def block_of(samples: SampleBlock, first: int, period: float, *, is_broken: bool, is_anew: bool) -> Block:
     """Return what a block of consecutive samples says; ``period`` [s]."""
-    counts = np.hstack((samples.gyro, samples.accel)).astype(float)
+    block = counted(samples, period)
+    counts = np.hstack((block.gyro, block.accel)).astype(float)
     n = len(counts)
     per_tick = n // TICKS
     ticks = counts[: per_tick * TICKS].reshape(TICKS, per_tick, 6).sum(axis=1)
@@ -54,11 +56,16 @@ def block_of(samples: CountBlock, first: int, period: float, *, is_broken: bool,
         variance=ticks.var(axis=0, ddof=1),
         begins=float(samples.device_time[0]) - period,
         ends=float(samples.device_time[-1]),
-        temperature=float(np.mean(samples.temperature)),
+        temperature=_mean_known(samples.temperature),
         is_healthy=bool(samples.healthy.all()),
         is_broken=is_broken,
         is_anew=is_anew,
     )
+
+
+def _mean_known(values: FloatArray) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else float("nan")
 
 
 class Stillness:

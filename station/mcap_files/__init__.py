@@ -2,8 +2,8 @@
 
 from station.mcap_files.contents import StepContents
 from station.mcap_files.reader import read_step
-from station.mcap_files.schemas import COUNTS, RATES
+from station.mcap_files.schemas import BY_OUTPUT, COUNTS, RATES
 from station.mcap_files.step_table import read_table
 from station.mcap_files.writer import StepWriter, write_step
 
-__all__ = ["COUNTS", "RATES", "StepContents", "StepWriter", "read_step", "read_table", "write_step"]
+__all__ = ["BY_OUTPUT", "COUNTS", "RATES", "StepContents", "StepWriter", "read_step", "read_table", "write_step"]

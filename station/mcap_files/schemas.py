@@ -10,6 +10,7 @@ from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message_factory import GetMessageClass
 
 COUNTS, RATES, RAW = "station.Counts", "station.Rates", "station.Raw"
+BY_OUTPUT = {"increments": COUNTS, "rate": RATES}  # the message that holds a wire format's samples
 COUNTS_TOPIC, RAW_TOPIC = "/imu/counts", "/imu/raw"
 
 _Field = FieldDescriptorProto

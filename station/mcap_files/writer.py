@@ -3,13 +3,14 @@
 import contextlib
 import hashlib
 import os
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
 from mcap.writer import CompressionType, Writer
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.records import CountBlock, RateSeries, Series
+from procedures.records import RateSeries, SampleBlock, Series
 from station.campaign_folder.atomic import sync_folder
 from station.errors import CannotWrite
 from station.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES, RATES, RAW, RAW_TOPIC, SCHEMA
@@ -46,15 +47,26 @@ class StepWriter:
         content = self._raw(data=data, host_ns=host_ns).SerializeToString()
         self._writer.add_message(self._bytes, log_time=host_ns, data=content, publish_time=host_ns)
 
-    def write_block(self, host_ns: int, block: CountBlock) -> None:
-        """Write decoded frames, a message each; the device's time must be known [s]."""
+    def write_block(
+        self,
+        host_ns: int,
+        block: SampleBlock,
+        triads: Collection[str] = ("gyro", "accel"),
+        utc_s: float | None = None,
+    ) -> None:
+        """Write decoded frames, a message each; the device's time must be known [s].
+
+        A triad that is not among ``triads`` is absent: the device does not measure it. ``utc_s`` [s since 1970] is
+        reference time at ``host_ns``: of the last frame, the one that came then.
+        """
         if not np.isfinite(block.device_time).all():
-            raise ValueError("CountBlock.device_time is nan: give each frame its time before it is recorded")
+            raise ValueError("device_time is nan: give each frame its time before it is recorded")
         device_ns = np.rint(block.device_time * 1e9).astype(np.int64)
         counter, status = ((a & _WORD).tolist() for a in (np.maximum(block.counter, 0), block.status))
-        self._write(
-            np.full(len(block), host_ns), device_ns, block.gyro, block.accel, block.temperature, counter, status
-        )
+        gyro, accel = (getattr(block, name) if name in triads else None for name in ("gyro", "accel"))
+        aux = None if utc_s is None else [*[dict[str, float]()] * (len(block) - 1), {"utc_s": utc_s}]
+        host = np.full(len(block), host_ns)
+        self._write(host, device_ns, gyro, accel, block.temperature, counter, status, aux)
 
     def write_series(self, series: Series, host_ns: IntArray | None = None) -> None:
         """Write a series; without ``host_ns`` (n,) the series' own time [s] is written for it too."""

@@ -11,8 +11,11 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from drivers.errors import DriverError, LinkLost, ReplayEnded
+from drivers.formats import told
 from drivers.ports import DeviceUrl, Port, open_port, parse_device_url
 from station.errors import CannotWrite
+from station.mcap_files.fix_schemas import GNSS_RAW_TOPIC
+from station.mcap_files.schemas import RAW_TOPIC
 from station.reader.journal import Journal
 from station.reader.messages import Chunk, GapMark, Kind, packed, packed_gap, packed_not_written, packed_refusal
 from station.reader.outbox import Outbox
@@ -46,9 +49,12 @@ class _Session:
         self._failure: CannotWrite | None = None
         self._since = time.time_ns() - time.monotonic_ns()  # wall time is looked at once
         self._refused = 0  # bytes that the station did not collect
+        described = told(url)
         self._port = open_port(url)
         session = {"url": url.text, "started_utc": datetime.now(UTC).isoformat(), "host_ns": str(self._now())}
-        self._journal = Journal(journal, session, self._journal_failed)
+        session |= described
+        topic = GNSS_RAW_TOPIC if url.scheme == "mavlink" else RAW_TOPIC
+        self._journal = Journal(journal, session, self._journal_failed, topic)
 
     def run(self) -> None:
         """Read until the station closes stdin, the replay ends or the journal cannot be written."""

@@ -26,7 +26,13 @@ SESSION, GAP = "station.session", "station.gap"
 class Journal:
     """Writes what it is given, in order; ``on_failure`` is called once, on its thread, if it no longer can."""
 
-    def __init__(self, path: Path, session: dict[str, str], on_failure: Callable[[CannotWrite], None]) -> None:
+    def __init__(
+        self,
+        path: Path,
+        session: dict[str, str],
+        on_failure: Callable[[CannotWrite], None],
+        topic: str = RAW_TOPIC,
+    ) -> None:
         self.path = path
         self._on_failure = on_failure
         self._items: SimpleQueue[Item | None] = SimpleQueue()
@@ -36,9 +42,7 @@ class Journal:
             self._writer.start(profile="", library="station")
             self._writer.add_metadata(SESSION, session)
             schema = self._writer.register_schema(name=RAW, encoding="protobuf", data=SCHEMA)
-            self._raw = self._writer.register_channel(
-                topic=RAW_TOPIC, message_encoding="protobuf", schema_id=schema
-            )
+            self._raw = self._writer.register_channel(topic=topic, message_encoding="protobuf", schema_id=schema)
             self._flush(sync=True)
             sync_folder(path.parent)
         except OSError as error:

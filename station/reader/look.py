@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivers.errors import LinkSilent, ReplayEnded, WrongFormat
-from drivers.framing import Decoder, FrameCounters, sniff
+from drivers.formats import wire_of
+from drivers.framing import Decoder, FrameCounters, seen_instead, sniff
 from drivers.ports import open_port, parse_device_url
 from drivers.wire import FORMATS
-from procedures.records import CountBlock
+from procedures.records import SampleBlock
 
 READ_BYTES = 65536
 
@@ -26,7 +27,7 @@ class Seen:
     frames: int
     rate_hz: float | None
     counters: FrameCounters
-    samples: CountBlock
+    samples: SampleBlock
 
 
 def look(url: str, seconds: float) -> Seen:
@@ -44,16 +45,21 @@ def look(url: str, seconds: float) -> Seen:
     if not data:
         raise LinkSilent(address.name, seconds, address.baud)
     likely = sniff(data)
-    name = address.format or (likely[0].format if likely else None)
-    decoder = Decoder(FORMATS[name]) if name else None
+    wire = wire_of(address) or (FORMATS[likely[0].format] if likely else None)
+    decoder = Decoder(wire) if wire else None
     block = decoder.feed(data) if decoder else None
-    if name is None or decoder is None or block is None or not len(block):
-        wanted = name or " or ".join(FORMATS)
-        raise WrongFormat(address.name, wanted, len(data), address.baud, likely[0].format if likely else None)
+    if wire is None or decoder is None or block is None or not len(block):
+        wanted = wire.name if wire else " or ".join(FORMATS)
+        seen = seen_instead(wire, data) if wire else ""
+        raise WrongFormat(
+            address.name, wanted, len(data), address.baud, likely[0].format if likely else None, seen
+        )
     steps = np.diff(block.device_time)
     steps = steps[np.isfinite(steps) & (steps > 0)]
     rate = float(1 / np.median(steps)) if len(steps) else None
-    return Seen(name, decoder.model, decoder.serial, took, len(data), len(block), rate, decoder.counters, block)
+    return Seen(
+        wire.name, decoder.model, decoder.serial, took, len(data), len(block), rate, decoder.counters, block
+    )
 
 
 def _read(url: str, until: float) -> bytes:

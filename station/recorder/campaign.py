@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Literal
 
 from sqlalchemy.orm import Session
 
@@ -33,7 +34,8 @@ from station.campaign_folder.schema import (
     TurnTable,
 )
 from station.errors import CannotWrite
-from station.mcap_files import StepWriter
+from station.mcap_files import BY_OUTPUT, StepWriter
+from station.recorder.row_times import RowTimes, Utc
 from station.recorder.tape import Run, Tape
 from station.recorder.unit import Unit
 
@@ -44,7 +46,8 @@ _NUMBERED = re.compile(r"(free|soak)_(\d+)")
 class CampaignRecorder:
     """Writes the accepted steps of one campaign; made by `open_campaign` and `station.guide.unfinished.reopen`.
 
-    ``accepted`` counts by step name how often it was accepted; all but the last are superseded.
+    ``accepted`` counts by step name how often it was accepted; all but the last are superseded. ``utc``, where a
+    reference is read beside the device, says what UTC [s] a moment of the station's clock [ns] was.
     """
 
     def __init__(
@@ -52,6 +55,7 @@ class CampaignRecorder:
     ) -> None:
         self.folder, self.tables = folder, tables
         self.accepted = Counter(accepted or {})
+        self.utc: Utc | None = None
         self._database = database
         self._key = str(folder.resolve())
 
@@ -63,7 +67,7 @@ class CampaignRecorder:
         path = self._free_name(step.name)
         part = path.with_name(f".{path.name}.part")
         part.unlink(missing_ok=True)
-        sha256 = _write(part, tape, runs)
+        sha256 = _write(part, tape, runs, BY_OUTPUT[self.tables.imu.output], self.utc)
         try:
             os.rename(part, path)
             sync_folder(self.folder)
@@ -99,15 +103,20 @@ def open_campaign(
     site: SiteTable,
     database: Database,
     *,
+    output: Literal["increments", "rate"] = "increments",
     fixture: FixtureTable | None = None,
     procedure: ProcedureTable | None = None,
     cube_id: str | None = None,
     slab_id: str | None = None,
+    started_utc: datetime | None = None,
 ) -> CampaignRecorder:
-    """Begin a campaign in ``folder``: its ``campaign.toml`` without steps, then its row in the database."""
+    """Begin a campaign in ``folder``: its ``campaign.toml`` without steps, then its row in the database.
+
+    ``started_utc`` is the wall clock's unless a better one is known.
+    """
     tables = CampaignTable(
         format="campaign/1",
-        imu=ImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output="increments"),
+        imu=ImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output=output),
         site=site,
         procedure=procedure or ProcedureTable(),
         fixture=fixture or FixtureTable(),
@@ -118,7 +127,7 @@ def open_campaign(
             str(folder.resolve()),
             model=unit.model,
             serial=unit.serial,
-            started_utc=datetime.now(UTC),
+            started_utc=started_utc or datetime.now(UTC),
             cube_id=cube_id,
             slab_id=slab_id,
             site_id=_site_id(session, site),
@@ -158,13 +167,13 @@ def _site_id(session: Session, site: SiteTable) -> str | None:
     return None if found is None else found.id
 
 
-def _write(path: Path, tape: Tape, runs: Sequence[Run]) -> str:
-    writer = StepWriter(path)
+def _write(path: Path, tape: Tape, runs: Sequence[Run], output: str, utc: Utc | None) -> str:
+    writer, times = StepWriter(path, output), RowTimes(utc)
     try:
         for chunk, block in tape.recording(runs):
             writer.write_raw(chunk.host_ns, chunk.data)
             if len(block):
-                writer.write_block(chunk.host_ns, block)
+                writer.write_block(chunk.host_ns, block, utc_s=times.of(chunk.host_ns))
         return writer.close()
     except OSError as error:
         writer.abandon()

@@ -10,7 +10,8 @@ from typing import Protocol
 from drivers.errors import ReplayEnded
 from station.campaign_folder import append_hash
 from station.errors import CannotWrite
-from station.mcap_files import StepWriter
+from station.mcap_files import BY_OUTPUT, StepWriter
+from station.recorder.row_times import RowTimes
 from station.recorder.stream import Piece, SampleStream
 
 NAME = "recording.mcap"
@@ -36,8 +37,22 @@ class Recorded:
     seconds: float
 
 
-def record(feed: Pieces, folder: Path, seconds: float) -> Recorded:
+class Beside(Protocol):
+    """What is read beside the device: a GNSS receiver."""
+
+    def advance(self) -> None:
+        """Take what has come."""
+        ...
+
+    def utc(self, host_ns: int) -> float | None:
+        """Return UTC [s] at a moment of the station's clock [ns]."""
+        ...
+
+
+def record(feed: Pieces, folder: Path, seconds: float, gnss: Beside | None = None) -> Recorded:
     """Record ``seconds`` of samples (lost ones not counted) into a folder; what was flushed survives a kill.
+
+    With ``gnss``, rows hold reference time too (``utc_s``).
 
     Raises
     ------
@@ -46,14 +61,18 @@ def record(feed: Pieces, folder: Path, seconds: float) -> Recorded:
     CannotWrite
         If the disk refuses; what it took stays.
     """
-    writer, flushed = StepWriter(folder / NAME), time.monotonic()
+    decoder, times = feed.stream.decoder, RowTimes(gnss.utc if gnss else None)
+    writer, flushed = StepWriter(folder / NAME, BY_OUTPUT[decoder.wire.output]), time.monotonic()
     period, samples = 0.0, 0
     with _the_disk_refusing(writer.path):
         try:
             for piece in feed.pieces():
+                if gnss is not None:
+                    gnss.advance()
                 writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
                 if len(piece.block):
-                    writer.write_block(piece.chunk.host_ns, piece.block)
+                    utc_s = times.of(piece.chunk.host_ns)
+                    writer.write_block(piece.chunk.host_ns, piece.block, decoder.kind.triads, utc_s)
                     samples += len(piece.block)
                 if time.monotonic() - flushed >= FLUSH_S:
                     writer.flush()

@@ -59,10 +59,10 @@ def make_results(
     Nothing is stored. ``truth`` is a simulated unit's, keyed as `Solution.names`.
     """
     loaded = read_for_solve([folder])[0]
-    from procedures.uncertainty.budget import budget  # scipy and kernels: not before the data are right
-    from station.diagnosis.loop import NAME as DIAGNOSIS
+    from station.diagnosis.loop import NAME as DIAGNOSIS  # scipy and kernels: not before the data are right
     from station.diagnosis.loop import close_loop
     from station.diagnosis.page import section_html
+    from station.diagnosis.wording import left_said
     from station.report.context import report_context
     from station.report.writing import write_report
     from station.solution_json import solution_document, write_solution
@@ -73,8 +73,10 @@ def make_results(
     with database.read() as session:
         limits = limits_of(session, loaded.tables.imu.model)
         expired = expired_references(session, str(folder.resolve()))
-    budgets = budget(closed.fits)
+    budgets = closed.budgets()
     outcome = judge(document, limits, {one.name: one.std for one in budgets})
+    if left := left_said(closed.document, budgets):
+        outcome = replace(outcome, reason=f"{outcome.reason}; {left}")
     status_reason = "; ".join(expired)
     status: Literal["calibrated", "measured"] = "measured" if expired else "calibrated"
     context = replace(

@@ -4,15 +4,16 @@ A break is where increments are missing or time does not go on: a lost frame, a 
 that was closed in between. What stands on its two sides is never averaged over it.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drivers.continuity import unwrap
+from drivers.continuity import onward, unwrap
 from drivers.framing import Decoder
+from drivers.host_times import HostTimes
 from drivers.wire import WireFormat
-from procedures.arrays import IntArray
-from procedures.records import CountBlock
+from procedures.arrays import FloatArray, IntArray
+from procedures.records import SampleBlock, block_rows
 from station.reader import Chunk
 
 GAP = 1.5  # sample periods, as in campaign folders
@@ -23,14 +24,15 @@ LEARNING = 33  # samples from which the period is taken where the device does no
 class Piece:
     """A chunk and the samples that it completed.
 
-    ``block`` holds the samples, counters unwrapped; ``frame`` (n,) says which of the chunk's frames each one is;
-    ``breaks`` the samples before which something is missing. ``anew`` is the sample from which device or port
-    have begun anew, so that nothing before it has a relation in time to it; None if they have not.
+    ``block`` holds the samples, counters and device time unwrapped; ``edges`` (n, 2) says where the bytes of
+    each begin and end, counted from the chunk's first; ``breaks`` the samples before which something is missing.
+    ``anew`` is the sample from which device or port have begun anew, so that nothing before it has a relation in
+    time to it; None if they have not.
     """
 
     chunk: Chunk
-    block: CountBlock
-    frame: IntArray
+    block: SampleBlock
+    edges: IntArray
     breaks: IntArray
     anew: int | None
 
@@ -55,6 +57,7 @@ class SampleStream:
         self._modulus = wire.counter_modulus
         self._counter: int | None = None
         self._time = np.nan
+        self._host = HostTimes()
         self._learnt: list[float] = []
         self._is_anew = True
 
@@ -63,7 +66,10 @@ class SampleStream:
         """The sample period [s]: as the device states it, else the median of the first ones; None before that.
 
         A format without a frame counter states no more than its model's usual rate: there the times decide.
+        Where the device sends no time, it is the host's that the samples came in.
         """
+        if not self.decoder.kind.has_time:
+            return self._host.period
         stated = self.decoder.identity.period if self.decoder.identity and self._modulus else 0.0
         if stated > 0:
             return stated
@@ -78,14 +84,16 @@ class SampleStream:
         block = self.decoder.feed(chunk.data)
         n = len(block)
         if not n:
-            return Piece(chunk, block, np.arange(0), np.arange(0), None)
+            return Piece(chunk, block, self.decoder.edges, np.arange(0), None)
         if self._is_anew:
             self._counter, self._time = None, np.nan
-        steps, seconds = self._steps(block), np.diff(block.device_time, prepend=self._time)
-        self._time = float(block.device_time[-1])
+            self._host.begin_anew()
+        steps = self._steps(block)
+        time, seconds = self._times(chunk, block, steps)
+        self._time = float(time[-1])
         self._learn(seconds)
         counter = self._counter if self._counter is not None else int(block.counter[0]) - 1
-        block = replace(block, counter=counter + np.cumsum(steps))
+        block = replace(block, counter=counter + np.cumsum(steps), device_time=time)
         self._counter = int(block.counter[-1])
         repeat = steps == 0 if self._modulus else seconds == 0
         back = ~repeat & ((steps < 0) | (seconds <= 0))
@@ -95,11 +103,24 @@ class SampleStream:
         back[0] |= self._is_anew
         self._is_anew = False
         kept = np.flatnonzero(~repeat)
-        rows = {f.name: getattr(block, f.name)[kept] for f in fields(CountBlock)}
         breaks, begins = np.flatnonzero((back | missing)[kept]), np.flatnonzero(back[kept])
-        return Piece(chunk, CountBlock(**rows), kept, breaks, int(begins[-1]) if len(begins) else None)
+        anew = int(begins[-1]) if len(begins) else None
+        return Piece(chunk, block_rows(block, kept), self.decoder.edges[kept], breaks, anew)
 
-    def _steps(self, block: CountBlock) -> IntArray:
+    def _times(self, chunk: Chunk, block: SampleBlock, steps: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return each sample's time [s] and how far it is from the one before."""
+        if not self.decoder.kind.has_time:
+            time = self._host.take(chunk.host_ns / 1e9, steps)
+            self._is_anew |= self._host.is_anew
+            return time, np.diff(time, prepend=self._time)
+        modulus, time = self.decoder.wire.time_modulus, block.device_time
+        if modulus is None:
+            return time, np.diff(time, prepend=self._time)
+        seconds = onward(np.diff(time, prepend=self._time), modulus)
+        first = time[0] if np.isnan(seconds[0]) else self._time + seconds[0]
+        return first + np.concatenate(([0.0], np.cumsum(seconds[1:]))), seconds
+
+    def _steps(self, block: SampleBlock) -> IntArray:
         """Return by how many samples the sequence goes on at each frame; all ones where nothing counts them."""
         if self._modulus is None:
             return np.ones(len(block), dtype=np.int64)

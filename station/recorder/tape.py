@@ -2,19 +2,16 @@
 
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import fields
 
 import numpy as np
 
-from drivers.wire import WireFormat
 from procedures.arrays import IntArray
-from procedures.records import CountBlock
+from procedures.records import CountBlock, SampleBlock, block_rows, joined_blocks
 from station.reader import Chunk
-from station.recorder.raw_cut import frame_edges, longest_frame
 from station.recorder.stream import Piece
 
 Run = tuple[int, int]  # first sample, one beyond the last: consecutive, no break in between
-_NAMES = tuple(f.name for f in fields(CountBlock))
+_REACH = 2**16  # bytes: how far before a chunk a sample that it completes may begin
 
 
 class Tape:
@@ -24,16 +21,14 @@ class Tape:
     ``end`` is one beyond the newest, ``first`` the oldest kept. Old samples are let go by `forget_before`.
     """
 
-    def __init__(self, wire: WireFormat) -> None:
-        self.wire = wire
+    def __init__(self) -> None:
         self.begin = self.end = 0
         self.first = 0  # the oldest sample kept
-        self._blocks: list[CountBlock] = []
-        self._frames: list[IntArray] = []  # of each sample, which of its chunk's frames it is
+        self._blocks: list[SampleBlock] = []
+        self._edges: list[IntArray] = []  # of each sample, where its bytes begin and end in the stream
         self._breaks: list[int] = []
         self._bytes = bytearray()
         self._offset = 0  # of the first of these bytes in the stream
-        self._byte_begin = 0  # of the first kept chunk's bytes in the stream
         self._stamps: list[int] = []  # by chunk: when it was read [ns] ...
         self._byte_ends: list[int] = []  # ... where its bytes end in the stream
         self._sample_ends: list[int] = []  # ... and one beyond the last sample that it completed
@@ -45,7 +40,7 @@ class Tape:
         self._breaks += (piece.breaks + self.end).tolist()
         if len(piece.block):
             self._blocks.append(piece.block)
-            self._frames.append(piece.frame)
+            self._edges.append(piece.edges + self._offset + len(self._bytes))
         self._bytes += piece.chunk.data
         self.end += len(piece.block)
         self._stamps.append(piece.chunk.host_ns)
@@ -61,13 +56,13 @@ class Tape:
 
     def forget_before(self, sample: int) -> None:
         """Let go the samples before ``sample``."""
-        rows, frames = self._compact()
+        rows, edges = self._compact()
         drop = min(sample, self.end) - self.first
         if drop <= 0:
             return
         self.first += drop
-        self._blocks = [_rows(rows, drop, len(rows))]
-        self._frames = [frames[drop:]]
+        self._blocks = [block_rows(rows, slice(drop, None))]
+        self._edges = [edges[drop:]]
         self._breaks = [b for b in self._breaks if b >= self.first]
         self._forget_chunks(bisect_right(self._sample_ends, self.first))
 
@@ -75,14 +70,15 @@ class Tape:
         """Return the last sample after ``first`` and before ``last`` before which something is missing."""
         return next((b for b in reversed(self._breaks) if first < b < last), None)
 
-    def block(self, first: int, last: int) -> CountBlock:
+    def block(self, first: int, last: int) -> SampleBlock:
         """Return the samples from ``first`` up to before ``last``."""
-        return _rows(self._compact()[0], first - self.first, last - self.first)
+        return block_rows(self._compact()[0], slice(first - self.first, last - self.first))
 
-    def recording(self, runs: Sequence[Run]) -> Iterator[tuple[Chunk, CountBlock]]:
+    def recording(self, runs: Sequence[Run]) -> Iterator[tuple[Chunk, SampleBlock]]:
         """Yield the bytes of the runs' samples, cut at frames, and the samples that each chunk completed."""
         for first, last in runs:
-            at, end = self._frame_edges(first)[0], self._frame_edges(last - 1)[1]
+            edges = self._compact()[1][first - self.first : last - self.first]
+            at, end = max(int(edges[0, 0]), self._offset), int(edges[-1, 1])
             chunk = bisect_right(self._sample_ends, first)
             while first < last:
                 byte_end, sample_end = min(self._byte_ends[chunk], end), min(self._sample_ends[chunk], last)
@@ -90,38 +86,22 @@ class Tape:
                 yield Chunk(self._stamps[chunk], data), self.block(first, sample_end)
                 at, first, chunk = byte_end, sample_end, chunk + 1
 
-    def _frame_edges(self, sample: int) -> tuple[int, int]:
-        """Return where in the stream a sample's frame begins and ends."""
-        chunk = bisect_right(self._sample_ends, sample)
-        begin = self._byte_ends[chunk - 1] if chunk else self._byte_begin
-        before = max(begin - longest_frame(self.wire) + 1, self._offset)
-        whole = bytes(self._bytes[before - self._offset : self._byte_ends[chunk] - self._offset])
-        edges = frame_edges(self.wire, whole[: begin - before], whole[begin - before :])
-        low, high = edges[int(self._compact()[1][sample - self.first])]
-        return begin + low, begin + high
-
     def _forget_chunks(self, count: int) -> None:
-        """Let go the first chunks, but for the bytes in which the next one's first frame may begin."""
+        """Let go the first chunks, but for the bytes in which the next one's first samples may begin."""
         if not count:
             return
-        self._byte_begin = self._byte_ends[count - 1]
-        keep = max(self._byte_begin - longest_frame(self.wire) + 1, self._offset)
+        keep = max(self._byte_ends[count - 1] - _REACH, self._offset)
         del self._bytes[: keep - self._offset]
         del self._stamps[:count], self._byte_ends[:count], self._sample_ends[:count]
         self._offset = keep
 
-    def _compact(self) -> tuple[CountBlock, IntArray]:
+    def _compact(self) -> tuple[SampleBlock, IntArray]:
         if len(self._blocks) != 1:
             parts = self._blocks
             if not parts:
-                return _EMPTY, np.arange(0)
-            joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _NAMES}
-            self._blocks, self._frames = [CountBlock(**joined)], [np.concatenate(self._frames)]
-        return self._blocks[0], self._frames[0]
-
-
-def _rows(block: CountBlock, first: int, last: int) -> CountBlock:
-    return CountBlock(**{name: getattr(block, name)[first:last] for name in _NAMES})
+                return _EMPTY, np.zeros((0, 2), np.int64)
+            self._blocks, self._edges = [joined_blocks(parts)], [np.concatenate(self._edges)]
+        return self._blocks[0], self._edges[0]
 
 
 _NONE = np.zeros(0)

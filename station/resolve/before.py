@@ -1,4 +1,7 @@
-"""What was known of a campaign before: its newest stored calibration, else the ``solution.json`` in its folder."""
+"""What was known of a campaign before: its newest stored calibration, else the ``solution.json`` in its folder.
+
+A diagnosis is the calibration's, else the ``diagnosis.json`` in the folder where that is of the same files.
+"""
 
 import json
 from collections.abc import Mapping
@@ -12,9 +15,10 @@ from fixtures_db.campaigns import known_campaign
 from fixtures_db.fleet import newest_calibration
 from station.campaign_folder.toml_text import read_text_file
 from station.errors import DataRefused
+from station.recorder.circumstances import diagnosis_kept
 from station.solution_parameters import parameters
 
-SOLUTION = "solution.json"
+SOLUTION, DIAGNOSIS = "solution.json", "diagnosis.json"
 MOST = 2**26  # bytes
 
 
@@ -22,13 +26,15 @@ MOST = 2**26  # bytes
 class Before:
     """A `calibration/1` or `solution/1` of the same campaign; ``name`` is its hash or its file.
 
-    ``warnings`` is None where nobody wrote them down: a calibration has none of its own.
+    ``warnings`` is None where nobody wrote them down: a calibration has none of its own. ``diagnosis`` has
+    verdict and findings; None where none is known.
     """
 
     kind: Literal["calibration", "solution"]
     name: str
     document: Mapping[str, Any]
     warnings: tuple[str, ...] | None
+    diagnosis: Mapping[str, Any] | None = None
 
     @property
     def inputs(self) -> Mapping[str, str]:
@@ -55,7 +61,18 @@ def known_of(session: Session, folder: str) -> Known:
     document = json.loads(stored.document)
     is_same = solved is not None and solved.inputs == document["inputs"]
     warnings = solved.warnings if solved is not None and is_same else None
-    return Known(folder, steps, Before("calibration", stored.sha256, document, warnings))
+    diagnosis = document.get("diagnosis") or _diagnosed(folder, document["inputs"])
+    return Known(folder, steps, Before("calibration", stored.sha256, document, warnings, diagnosis))
+
+
+def _diagnosed(folder: str, files: Mapping[str, str]) -> Mapping[str, Any] | None:
+    """Return what the folder's ``diagnosis.json`` found in the same files, None if that cannot be read."""
+    try:
+        document = json.loads(read_text_file(Path(folder) / DIAGNOSIS, MOST))
+        is_same = document["format"] == "diagnosis/1" and document["solution"]["provenance"]["files"] == files
+        return diagnosis_kept(document) if is_same else None
+    except (DataRefused, ValueError, KeyError, TypeError):
+        return None
 
 
 def _solved(folder: str) -> Before | None:
@@ -66,7 +83,8 @@ def _solved(folder: str) -> Before | None:
         if document["format"] != "solution/1":
             return None
         parameters(document)
-        before = Before("solution", str(path), document, tuple(document["warnings"]))
+        files = document["provenance"]["files"]
+        before = Before("solution", str(path), document, tuple(document["warnings"]), _diagnosed(folder, files))
         return before if before.inputs else None
     except (DataRefused, ValueError, KeyError, TypeError, IndexError, AttributeError):
         return None

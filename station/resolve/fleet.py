@@ -16,6 +16,7 @@ from station.cluster.progress import Progress
 from station.cluster.restartable import map_restartable
 from station.resolve.before import Known, known_of
 from station.resolve.comparison import altered, compare
+from station.resolve.diagnoses import compare_diagnoses
 from station.resolve.work import PARTS, Look, Task, look, resolve_one
 from station.solution_json import software_version
 
@@ -113,7 +114,9 @@ def _entry(campaign: _Campaign, limits: Mapping[str, Sequence[Limit]]) -> dict[s
     solution = campaign.documents["solution"]
     origin = solution["provenance"]
     entry |= {"model": origin["model"], "serial": origin["serial"], "was_kept": campaign.was_kept}
-    return entry | compare(solution, before, limits[origin["model"]])
+    entry |= compare(solution, before, limits[origin["model"]])
+    known_diagnosis = None if before is None else before.diagnosis
+    return entry | {"diagnosis": compare_diagnoses(campaign.documents["diagnosis"], known_diagnosis)}
 
 
 def _outcome(campaign: _Campaign) -> str:

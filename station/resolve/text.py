@@ -5,6 +5,7 @@ from statistics import median
 from textwrap import wrap
 from typing import Any
 
+from station.resolve.diagnoses import diagnosis_remarks, is_otherwise
 from station.solution_parameters import Parameter, Shift, largest
 
 WIDTH = 80
@@ -57,6 +58,7 @@ def _counted(entries: Sequence[Entry]) -> str:
         ("altered", lambda one: one.get("altered")),
         ("turned FAIL", turned_fail),
         ("with another verdict", _is_changed),
+        ("with another diagnosis", is_otherwise),
         ("with new warnings", lambda one: one.get("new_warnings")),
         ("with nothing to compare with", lambda one: one["outcome"] == "solved" and "before" not in one),
     )
@@ -96,6 +98,7 @@ def _remarks(entry: Entry) -> Iterator[str]:
         yield f"{was} before, {now} now: {verdict['reason']}"
     if (shift := shift_of(entry)) is not None and abs(shift.sigmas) >= MOVED:
         yield f"moved: {shift.parameter.title} {shift}"
+    yield from diagnosis_remarks(entry)
     for name in entry.get("lost", []):
         yield f"no more estimated: {name}"
     for text in entry.get("new_warnings", []):

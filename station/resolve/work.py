@@ -1,4 +1,4 @@
-"""What a worker does with one campaign: look at its files, then all that `PARTS` names.
+"""What a worker does with one campaign: look at its files, diagnose it, then all that `PARTS` names.
 
 Both functions are sent the name of a folder and return small documents; the recordings stay where they are.
 """
@@ -8,7 +8,7 @@ import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from station.campaign_folder import LoadedCampaign, read_for_solve, read_hashes
 from station.campaign_folder.files import open_inside
@@ -17,18 +17,27 @@ from station.campaign_folder.toml_text import NAME as TOML
 from station.campaign_folder.toml_text import read_toml
 from station.errors import DataRefused
 
+if TYPE_CHECKING:
+    from station.diagnosis.loop import ClosedLoop
 
-def _solution(loaded: LoadedCampaign) -> dict[str, Any]:
+
+def _solution(loaded: LoadedCampaign, closed: "ClosedLoop") -> dict[str, Any]:
     """Solve a campaign as its calibration was solved: where a diagnosis added effects, with them."""
     from procedures.calibration import solve
-    from station.diagnosis.loop import added_effects, close_loop
+    from station.diagnosis.loop import added_effects
     from station.solution_json import solution_document
 
-    solution = close_loop([loaded]).solution if added_effects(loaded.folder) else solve([loaded.campaign])
+    solution = closed.solution if added_effects(loaded.folder) else solve([loaded.campaign])
     return solution_document(solution, [loaded])
 
 
-PARTS: Mapping[str, Callable[[LoadedCampaign], dict[str, Any]]] = {"solution": _solution}
+def _diagnosis(_: LoadedCampaign, closed: "ClosedLoop") -> dict[str, Any]:
+    """Return a campaign's diagnosis/1 but for its solution, which is long and stands beside it."""
+    return {name: part for name, part in closed.document.items() if name != "solution"}
+
+
+Part = Callable[[LoadedCampaign, "ClosedLoop"], dict[str, Any]]
+PARTS: Mapping[str, Part] = {"solution": _solution, "diagnosis": _diagnosis}
 """What is done with each campaign, by the name under which its document is kept."""
 
 
@@ -92,7 +101,10 @@ def resolve_one(task: Task) -> dict[str, Any]:
         if (expected := task.files.get(name)) != sha256:
             raise DataRefused(Path(task.folder) / name, None, f"sha256 {sha256} on {socket.gethostname()}",
                               f"{expected} as a moment ago", "let nobody write there, then repeat")  # fmt: skip
-    return {name: part(loaded) for name, part in PARTS.items()}
+    from station.diagnosis.loop import close_loop
+
+    closed = close_loop([loaded])
+    return {name: part(loaded, closed) for name, part in PARTS.items()}
 
 
 def _inputs(folder: Path) -> list[str]:

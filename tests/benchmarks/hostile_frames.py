@@ -20,26 +20,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drivers.framing import Decoder
-from drivers.wire import FORMATS, WireFormat
-from procedures.records import CountBlock
+from drivers.wire import FORMATS, FrameKind, WireFormat
+from procedures.records import SampleBlock
+from tests.drivers.wire import blocks
+from tests.drivers.wire.blocks import bare, frames_of
 
 BATCH = 2000
 CONTROL_BITS = 8
 Mutation = Callable[[random.Random, bytes, bytes, WireFormat], bytes]
 
 
-def a_block(n: int, rng: np.random.Generator) -> CountBlock:
-    """Return n samples, no two alike."""
-    start = int(rng.integers(0, 2**31))
-    return CountBlock(
-        counter=start + np.arange(n),
-        device_time=rng.integers(0, 10**9) + np.arange(n) * 0.0025,
-        gyro=rng.integers(-(2**31) + 1, 2**31, (n, 3)),
-        accel=rng.integers(-300, 300, (n, 3)),
-        temperature=np.full(n, 25.0),
-        status=np.zeros(n, np.int64),
-        healthy=np.ones(n, np.bool_),
-    )
+def a_block(wire: WireFormat, n: int, rng: np.random.Generator) -> SampleBlock:
+    """Return n samples, no two alike, whose steps the unit can make."""
+    largest = 2**30 if wire.max_step is None else wire.max_step // 2
+    return blocks.a_block(wire, n, start=int(rng.integers(0, 2**31)), largest=largest)
 
 
 def _flip_bits(rng: random.Random, frame: bytes, _: bytes, __: WireFormat) -> bytes:
@@ -83,7 +77,14 @@ def _garbage(rng: random.Random, _: bytes, __: bytes, wire: WireFormat) -> bytes
 
 
 def _false_frame(rng: random.Random, _: bytes, __: bytes, wire: WireFormat) -> bytes:
-    kind = rng.choice(list(wire.kinds.values()))
+    kind: FrameKind = rng.choice(list(wire.kinds.values()))
+    if kind.text is not None:
+        return (
+            kind.prefix
+            + rng.randbytes(rng.randrange(20, 120)).hex(",").encode()
+            + b"*"
+            + rng.randbytes(4).hex().encode()
+        )
     return kind.prefix + rng.randbytes(kind.size - len(kind.prefix))
 
 
@@ -112,6 +113,7 @@ class Outcome:
     bad_length: int = 0
     accepted: int = 0
     wrong: int = 0
+    wrong_marked: int = 0
     lost: int = 0
     crashes: int = 0
     seconds: float = 0.0
@@ -126,21 +128,28 @@ def attack(wire: WireFormat, frames: int, seed: int, bits: int) -> Outcome:
     """Feed ``frames`` damaged frames and return what was counted."""
     outcome, rng, numbers = Outcome(wire.name, bits), random.Random(seed), np.random.default_rng(seed)
     accepted: list[bytes] = []
+    healthy: list[np.ndarray] = []
 
-    def spy(found: np.ndarray) -> CountBlock:
+    def spy(found: np.ndarray) -> SampleBlock:
         accepted.extend(frame.tobytes() for frame in found)
-        return wire.decode(found)
+        block = wire.decode(found)
+        healthy.append(block.healthy)  # the array that a second look writes to
+        return block
 
     decoder, started = Decoder(replace(wire, decode=spy)), time.perf_counter()
     while outcome.mutated < frames:
+        pool = frames_of(wire, a_block(wire, BATCH, numbers))
         accepted.clear()
-        sent, size = wire.encode(a_block(BATCH, numbers)), wire.imu.size
-        pool = [sent[at : at + size] for at in range(0, len(sent), size)]
+        Decoder(replace(wire, decode=spy)).feed(b"".join(pool))
+        known = set(accepted)
+        assert len(accepted) == len(pool)
+        accepted.clear()
+        healthy.clear()
         pieces, intact = [], []
         for index in range(min(BATCH, frames - outcome.mutated)):
             pieces.append(rng.choice(MUTATIONS)(rng, pool[index], pool[index - 1], wire))
             if rng.random() < 0.125:
-                intact.append(pool[index - 1])
+                intact.append(index - 1)
                 pieces.append(pool[index - 1])
         outcome.mutated += min(BATCH, frames - outcome.mutated)
         stream, at = b"".join(pieces), 0
@@ -155,15 +164,28 @@ def attack(wire: WireFormat, frames: int, seed: int, bits: int) -> Outcome:
             print(f"{wire.name}: {error!r}", file=sys.stderr)
             decoder = Decoder(replace(wire, decode=spy))
             continue
-        known, got = set(pool), set(accepted)
+        got = set(accepted)
+        good = np.concatenate([np.zeros(0, np.bool_), *healthy])
+        wrong = np.array([frame not in known for frame in accepted], dtype=np.bool_)
         outcome.intact += len(intact)
         outcome.accepted += len(accepted)
-        outcome.wrong += sum(frame not in known for frame in accepted)
-        outcome.lost += sum(frame not in got for frame in intact)
+        outcome.wrong += int(wrong.sum())
+        outcome.wrong_marked += int((wrong & ~good).sum())
+        rows = [row.tobytes() for row in rows_of(wire, [pool[index] for index in intact])]
+        outcome.lost += sum(row not in got for row in rows)
     outcome.wrong += decoder.counters.identities  # none was sent
     outcome.checks_failed, outcome.bad_length = decoder.counters.bad_crc, decoder.counters.bad_length
     outcome.seconds = time.perf_counter() - started
     return outcome
+
+
+def rows_of(wire: WireFormat, frames: list[bytes]) -> np.ndarray:
+    """Return intact frames as rows of the format's table."""
+    text = wire.imu.text
+    return np.frombuffer(
+        b"".join(bare(wire, frame) if text is None else text.row(bare(wire, frame)) for frame in frames),
+        wire.frame,
+    )
 
 
 def with_weak_check(wire: WireFormat) -> WireFormat:
@@ -181,19 +203,21 @@ def main() -> int:
     """Print the table; exit 1 where a decoder crashed or accepted more wrong frames than chance allows."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--frames", type=int, default=1_000_000, help="damaged frames per format")
+    parser.add_argument("--format", choices=FORMATS, action="append", help="only this one; may be given again")
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     print(
         f"{'format':<30}{'damaged':>9}{'check-failed':>14}{'bad-length':>12}{'accepted':>10}"
-        f"{'wrong':>7}{'expected':>10}{'intact':>9}{'lost':>6}{'crashes':>9}{'s':>7}"
+        f"{'wrong':>7}{'marked':>8}{'expected':>10}{'intact':>9}{'lost':>6}{'crashes':>9}{'s':>7}"
     )
     good = True
     control = with_weak_check(FORMATS["rawimusx"])
-    for wire, bits in [*((wire, wire.check_bits) for wire in FORMATS.values()), (control, CONTROL_BITS)]:
+    wires = [FORMATS[name] for name in arguments.format or FORMATS]
+    for wire, bits in [*((wire, wire.check_bits) for wire in wires), (control, CONTROL_BITS)]:
         got = attack(wire, arguments.frames, arguments.seed, bits)
         print(
             f"{got.name:<30}{got.mutated:>9}{got.checks_failed:>14}{got.bad_length:>12}{got.accepted:>10}"
-            f"{got.wrong:>7}{got.expected:>10.2g}{got.intact:>9}{got.lost:>6}{got.crashes:>9}{got.seconds:>7.1f}",
+            f"{got.wrong:>7}{got.wrong_marked:>8}{got.expected:>10.2g}{got.intact:>9}{got.lost:>6}{got.crashes:>9}{got.seconds:>7.1f}",
             flush=True,
         )
         spread = 5 * np.sqrt(got.expected) + 1 if got.expected > 1e-2 else 0

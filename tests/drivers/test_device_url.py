@@ -4,6 +4,7 @@ import pytest
 
 from drivers.device_url import DeviceUrl, parse_device_url
 from drivers.errors import BadDeviceUrl
+from drivers.wire import FORMATS
 
 
 @pytest.mark.parametrize(
@@ -15,6 +16,8 @@ from drivers.errors import BadDeviceUrl
         ),
         ("serial:///dev/ttyUSB0?format=rawimusx", {"scheme": "serial", "path": "/dev/ttyUSB0", "baud": 230400}),
         ("serial:///dev/pts/3", {"scheme": "serial", "path": "/dev/pts/3", "baud": 921600, "format": None}),
+        ("serial:///dev/x?format=ch70", {"baud": 115200, "parity": "E"}),
+        ("serial:///dev/x?format=ch70&parity=N", {"baud": 115200, "parity": "N"}),
         ("serial:///dev/a%20b?parity=e", {"path": "/dev/a b", "parity": "E"}),
         ("tcp://127.0.0.1:4001?format=counts", {"scheme": "tcp", "host": "127.0.0.1", "port": 4001, "baud": None}),
         ("tcp://[::1]:4001", {"host": "::1", "port": 4001}),
@@ -46,7 +49,7 @@ def test_a_url_is_read(text: str, expected: dict[str, object]) -> None:
         ("serial:///dev/x?baud=", "a whole number"),
         ("serial:///dev/x?baud=-1", "a whole number"),
         ("serial:///dev/x?baud=99999999", "a whole number"),
-        ("serial:///dev/x?format=kvh", "one of rawimusx, rawimus, counts"),
+        ("serial:///dev/x?format=kvh", f"one of {', '.join(FORMATS)}"),
         ("serial:///dev/x?parity=M", "one of N, E, O"),
         ("tcp://host", "tcp://HOST:PORT"),
         ("tcp://host:0", "from 1 to 65535"),

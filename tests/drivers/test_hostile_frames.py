@@ -17,5 +17,7 @@ def test_damaged_frames_neither_crash_a_decoder_nor_become_data() -> None:
     rows = [dict(zip(header.split(), line.split(), strict=True)) for line in lines]
     assert [row["format"] for row in rows] == [*FORMATS, "rawimusx-cut-to-8-bits"]
     assert {row["crashes"] for row in rows} == {"0"}
-    assert {row["wrong"] for row in rows[:-1]} == {"0"}
+    strong = {name for name, wire in FORMATS.items() if wire.check_bits >= 32}
+    assert {row["wrong"] for row in rows if row["format"] in strong} == {"0"}
+    assert all(int(row["wrong"]) <= float(row["expected"]) for row in rows[:-1] if row["format"] not in strong)
     assert int(rows[-1]["wrong"]) > 0

@@ -22,9 +22,10 @@ from drivers.errors import (
 )
 from drivers.framing import Decoder
 from drivers.ports import Port, list_ports, open_port
-from drivers.wire import FORMATS, WireFormat
+from drivers.wire import WireFormat
+from tests.drivers.wire.blocks import each_format
 
-every_format = pytest.mark.parametrize("wire", FORMATS.values(), ids=FORMATS)
+every_format = each_format()
 
 
 class Line:

@@ -12,12 +12,14 @@ from drivers.simulated.truth import Truth
 from procedures.campaign import Campaign
 from procedures.frames import TURN_START, rotation
 from procedures.steps import Turn
+from tests.procedures.diagnosis.planted import with_reference_time
 
 PERIOD = 0.1  # s: ten times fewer samples than a FOG's 100 Hz, the same noise a second
 FINE = 5.0  # times finer counts, so that they are still no more than noise
 FACES, SLAB = 4e-5, 3e-5  # rad, 1 sigma
 SLOW, FAST = 15.0, 60.0  # deg/s
 CERTIFICATE = 5e-6  # rad
+JITTER = 1e-3  # s, 1 sigma of a row's reference time
 Made = tuple[Campaign, ...]
 
 
@@ -51,16 +53,40 @@ def certified(truth: Truth, seed: int, also: Planted = ()) -> Made:
     return (simulate_campaign(truth, seed, certificate_sigma=CERTIFICATE, draw_stated=False, also=also),)
 
 
+def stated(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """Certified as a laboratory would: each face is off its certificate by a draw of the certificate's sigma."""
+    return tuple(_drawn(campaign, seed) for campaign in certified(truth, seed, also))
+
+
+def _drawn(campaign: Campaign, seed: int) -> Campaign:
+    rng = np.random.default_rng([seed, 19])
+    faces = {
+        name: replace(face, up_tilt=face.up_tilt + CERTIFICATE * rng.standard_normal(2))
+        for name, face in campaign.fixture.faces.items()
+    }
+    return replace(campaign, fixture=replace(campaign.fixture, faces=faces))
+
+
 def with_free(truth: Truth, seed: int, also: Planted = ()) -> Made:
     """Beside the twelve, sixteen rests near 45 deg between the faces."""
+    free = _between_faces(seed)[:16]
+    return (simulate_campaign(truth, seed, draw_stated=False, free=free, also=also),)
+
+
+def certified_free(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """Twenty such rests on a cube with a certificate: what separates most."""
+    made = simulate_campaign(
+        truth, seed, certificate_sigma=CERTIFICATE, draw_stated=False, free=_between_faces(seed), also=also
+    )
+    return (_drawn(made, seed),)
+
+
+def _between_faces(seed: int) -> list[np.ndarray]:
+    """Return attitudes C_bn (3, 3) near 45 deg: eight on the corners, twelve on the edges."""
     rng = np.random.default_rng([seed, 3])
     corners = [np.array([a, b, c]) for a in (1, -1) for b in (1, -1) for c in (1, -1)]
-    ups = [
-        u / np.linalg.norm(u)
-        for u in (*corners, *(np.roll([s, t, 0], r) for s in (1, -1) for t in (1, -1) for r in range(3)))
-    ]
-    free = [_with_up(u, rng) for u in ups[:16]]
-    return (simulate_campaign(truth, seed, draw_stated=False, free=free, also=also),)
+    edges = [np.roll([s, t, 0], r) for s in (1, -1) for t in (1, -1) for r in range(3)]
+    return [_with_up(up / np.linalg.norm(up), rng) for up in (*corners, *edges)]
 
 
 def _with_up(up: np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -75,6 +101,18 @@ def two_speeds(truth: Truth, seed: int, also: Planted = ()) -> Made:
     """Every turn slowly and fast."""
     turns = [Turn(a, d, 3, TURN_START[a], 5.0, speed) for a in "xyz" for speed in (SLOW, FAST) for d in "+-"]
     return (simulate_campaign(truth, seed, draw_stated=False, turns=turns, also=also),)
+
+
+def timed(truth: Truth, seed: int, also: Planted = ()) -> Made:
+    """With reference time beside the counts, true to `JITTER`."""
+    ppm = truth.effects.get("clock.rate", {}).get("value", 0.0)
+    return tuple(with_reference_time(campaign, ppm, seed, JITTER) for campaign in plain(truth, seed, also))
+
+
+def clock_sigma(campaign: Campaign) -> float:
+    """Return 1 sigma [ppm] of a line through all reference times, by the textbook."""
+    t = np.concatenate([d.series.t[np.isfinite(d.series.extra["utc_s"])] for d in campaign.dwells])
+    return float(1e6 * JITTER / np.sqrt(np.sum((t - t.mean()) ** 2)))
 
 
 def with_auxiliary(truth: Truth, seed: int, also: Planted = ()) -> Made:
@@ -116,12 +154,16 @@ WARM = {
     "temperature_swing_k": 2.0,
     "temperature_swing_period_s": 1300.0,
 }
+CERTIFIED = ("certified", "certified free", "certified warm")
 DESIGNS: dict[str, Design] = {
     "plain": Design(plain, {}),
-    "certified": Design(certified, {}),
+    "certified": Design(stated, {}),
     "free": Design(with_free, {}),
+    "certified free": Design(certified_free, {}),
     "warm": Design(plain, WARM),
+    "certified warm": Design(stated, WARM),
     "two speeds": Design(two_speeds, {}),
+    "timed": Design(timed, {}),
     "auxiliary": Design(with_auxiliary, {}),
     "two sites": Design(two_sites, {}),
     "two temperatures": Design(two_temperatures, {}),

@@ -1,107 +1,106 @@
 """One trial: a campaign with something planted, diagnosed, and what became of the name."""
 
+import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from drivers.simulated.truth import Truth
 from procedures.diagnosis.diagnosis import diagnose
 from procedures.diagnosis.result import Diagnosis
-from tests.benchmarks.diagnosing.designs import DESIGNS, unit
+from tests.benchmarks.diagnosing.coefficients import error_of
+from tests.benchmarks.diagnosing.designs import CERTIFIED, DESIGNS, unit
+from tests.benchmarks.diagnosing.outside import outside
+from tests.benchmarks.diagnosing.plants import LEAST, MOST, PLANTS, Sizes, drawn_sizes
+from tests.benchmarks.diagnosing.sigmas import Sigmas
 
-# effect: design, coefficients that may be planted, options, nature (bench effects: how wide a size is drawn)
-PLANTS: dict[str, tuple[str, tuple[str, ...]]] = {
-    "accelerometer.quadratic": ("certified", ("x", "y", "z")),
-    "accelerometer.quadratic, free": ("free", ("x", "y", "z")),
-    "accelerometer.quadratic, uncertified": ("plain", ("x", "y", "z")),
-    "accelerometer.cubic": ("free", ("x", "y", "z")),
-    "accelerometer.scale_asymmetry": ("free", ("x", "y", "z")),
-    "accelerometer.cross_product": ("free", ("xy", "xz", "yx", "yz", "zx", "zy")),
-    "accelerometer.bias_temperature": ("warm", ("x", "y", "z")),
-    "accelerometer.scale_temperature": ("two temperatures", ("x", "y", "z")),
-    "accelerometer.bias_drift": ("warm", ("x", "y", "z")),
-    "accelerometer.relaxation": ("plain", ("x", "y", "z")),
-    "gyroscope.g_sensitivity": ("plain", tuple(a + b for a in "xyz" for b in "xyz")),
-    "gyroscope.bias_temperature": ("warm", ("x", "y", "z")),
-    "gyroscope.scale_temperature": ("two temperatures", ("x", "y", "z")),
-    "gyroscope.temperature_rate": ("warm", ("x", "y", "z")),
-    "gyroscope.bias_drift": ("warm", ("x", "y", "z")),
-    "gyroscope.magnetic": ("plain", tuple(a + b for a in "xyz" for b in "xyz")),
-    "gyroscope.scale_asymmetry": ("two speeds", ("x", "y", "z")),
-    "gyroscope.scale_nonlinearity": ("two speeds", ("x", "y", "z")),
-    "gyroscope.sagnac_sine": ("two speeds", ("x", "y", "z")),
-    "slab.tilt": ("plain", ("east", "north")),
-    "fixture.face_tilt": ("certified", ("x_up.y", "y_down.z", "z_up.x")),
-    "fixture.parallelism": ("plain", ("x.y", "y.z", "z.x")),
-    "placement.dwell": ("plain", ("x", "y", "z")),
-    "site.azimuth": ("plain", ("value",)),
-    "site.gravity": ("two sites", ("value",)),
-    "auxiliary.channel": ("auxiliary", ("ax", "ay", "az", "gx", "gy", "gz")),
-}
+TOLD = ("right", "group", "missed", "wrong", "false alarm", "odd")
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of one trial."""
+    """What became of one trial.
+
+    ``word``: right (alone), group, missed, wrong, false alarm (of nothing planted, an instrument accused), odd (of
+    nothing planted, something else of the procedure or bench claimed). ``worst``: error of a coefficient over its
+    sigma, nan where none compares. ``seconds`` of CPU.
+    """
 
     effect: str
     seed: int
-    word: str  # right, group, missed, wrong, false alarm
+    word: str
     named: tuple[str, ...]
-    worst: float  # error of a coefficient over its sigma, nan where none compares
+    worst: float
     verdict: str
     seconds: float
+    is_alone: bool = False
 
 
-GIVEN = {
-    "fixture.face_tilt": 1e-5,  # rad: one face alone is not seen, only its pair against the certificate
-    "accelerometer.quadratic, uncertified": 1e-5,  # g/g^2: only the faces' plausible range bounds it
-}
+def planted(name: str, sigmas: Sigmas, seed: int) -> Outcome:
+    """Plant one effect, on one coefficient or on several, and diagnose."""
+    plant = PLANTS[name]
+    sizes = drawn_sizes(name, sigmas, np.random.default_rng([seed, 5]), LEAST, MOST)
+    truth, diagnosis, seconds = diagnosed(plant.design, seed, {plant.effect: sizes})
+    word = judge(diagnosis, (plant.effect,), plant.design)[plant.effect]
+    found = [f for f in diagnosis.findings if f.effect == plant.effect]
+    worst = min((error_of(each, sizes, truth) for each in found), default=float("nan"))
+    alone = any(f.confidence != "ambiguous" or set(f.aliases) <= set(plant.but_for) for f in found)
+    return Outcome(name, seed, word, _names(diagnosis), worst, diagnosis.verdict, seconds, alone)
 
 
-def sigma_of(name: str, seed: int = 1) -> dict[tuple[int, str], float]:
-    """Return 1 sigma of each coefficient of an effect in its design, by position (0: any), without it planted."""
-    effect, design = name.split(",")[0], DESIGNS[PLANTS[name][0]]
-    from procedures.calibration import fit
-    from procedures.diagnosis.candidates import candidates
-    from procedures.diagnosis.evidence import evidence_of
-    from procedures.effects import EFFECTS
+def diagnosed(design: str, seed: int, effects: Mapping[str, Sizes]) -> tuple[Truth, Diagnosis, float]:
+    """Plant effects in a design and diagnose; return what was true, the diagnosis and its CPU time [s]."""
+    made = DESIGNS[design]
+    truth = unit(seed, **made.truth, effects=effects)
+    campaigns = made.make(truth, seed, ())
+    begun = time.process_time()
+    return truth, diagnose(campaigns), time.process_time() - begun
 
-    fits = fit(design.make(unit(seed, **design.truth), seed, ()))
-    evidence = evidence_of(fits)
-    ways = candidates(evidence, fits, [e for e in EFFECTS if e.name == effect])[effect]
-    found: dict[tuple[int, str], float] = {}
-    for way in ways:
-        _, C = way.fit(evidence, (), np.ones(len(evidence.residual))).coefficients()
-        std = np.sqrt(np.diag(C))
-        if effect == "gyroscope.sagnac_sine":
-            std = np.sqrt(std)  # of its square, which is what is linear
-        for key, one in zip(way.columns.coefficients, std, strict=True):
-            at = (int(way.columns.where.get("position", 0)), key)
-            if way.columns.shape in {"", "u|u|", "tau 30 s"} or at not in found:
-                found[at] = GIVEN.get(name, float(one))
+
+def judge(diagnosis: Diagnosis, effects: tuple[str, ...], design: str) -> dict[str, str]:
+    """Return the word for what was found of each planted effect.
+
+    Wrong is a finding, or a group, in which there is nothing true; every bench here has a tilted slab, and faces
+    that no certificate states unless it has one.
+    """
+    if untrue(diagnosis, (*effects, *of_bench(design))):
+        return dict.fromkeys(effects, "wrong")
+    found = dict[str, str]()
+    for effect in effects:
+        groups = [f for f in diagnosis.findings if effect in {f.effect, *f.aliases}]
+        alone = any(f.effect == effect and f.confidence != "ambiguous" for f in groups)
+        found[effect] = "right" if alone else "group" if groups else "missed"
     return found
 
 
-def judge(diagnosis: Diagnosis, effect: str) -> tuple[str, tuple[str, ...]]:
-    """Return the word for what was found of a planted effect ('' for none), and the names claimed."""
-    named = tuple(f.effect for f in diagnosis.findings)
-    claims = [f for f in diagnosis.findings if f.kind == "instrument" and f.confidence != "ambiguous"]
-    wrong = [f.effect for f in claims if f.effect != effect]
-    if wrong:
-        return ("wrong" if effect else "false alarm"), named
-    if not effect:
-        return "right", named
-    for finding in diagnosis.findings:
-        if finding.effect == effect:
-            return ("right" if finding.confidence != "ambiguous" else "group"), named
-        if effect in finding.aliases:
-            return "group", named
-    return "missed", named
+def untrue(diagnosis: Diagnosis, true: tuple[str, ...]) -> list[str]:
+    """Return the findings that name nothing true, nor hold it in their group."""
+    return [f.effect for f in diagnosis.findings if not {f.effect, *f.aliases} & set(true)]
 
 
-def diagnosed(name: str, sizes: dict[str, float], seed: int) -> Diagnosis:
-    """Plant and diagnose."""
-    effect, (design, _) = name.split(",")[0], PLANTS[name]
-    make = DESIGNS[design]
-    truth = unit(seed, **make.truth, effects={effect: sizes} if sizes else {})
-    return diagnose(make.make(truth, seed, ()))
+def of_bench(design: str) -> tuple[str, ...]:
+    """Return what is true of every bench of a design, unplanted."""
+    return ("slab.tilt",) if design in CERTIFIED else ("slab.tilt", "fixture.parallelism", "fixture.face_tilt")
+
+
+def accused(diagnosis: Diagnosis) -> list[str]:
+    """Return what is claimed of the instrument."""
+    return [f.effect for f in diagnosis.findings if f.kind == "instrument" and f.confidence != "ambiguous"]
+
+
+def unheard(name: str, seed: int) -> Outcome:
+    """Diagnose a campaign with an effect of no catalogue in it."""
+    size = float(np.random.default_rng([seed, 9]).uniform(1.5e-6, 4e-6)) * (1.0 if "heading" in name else 0.3)
+    made = DESIGNS["warm" if "temperature" in name else "plain"]
+    campaigns = made.make(unit(seed, **made.truth), seed, outside(name, size))
+    begun = time.process_time()
+    diagnosis = diagnose(campaigns)
+    word = "wrong" if untrue(diagnosis, of_bench("plain")) else "missed"
+    word = "unexplained" if diagnosis.verdict == "unexplained" and word != "wrong" else word
+    seconds = time.process_time() - begun
+    return Outcome(f"outside, {name}", seed, word, _names(diagnosis), float("nan"), diagnosis.verdict, seconds)
+
+
+def _names(diagnosis: Diagnosis) -> tuple[str, ...]:
+    return tuple(f.effect + ("?" if f.confidence == "ambiguous" else "") for f in diagnosis.findings)

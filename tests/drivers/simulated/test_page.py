@@ -5,7 +5,7 @@ from pathlib import Path
 
 from drivers.simulated.bench import SimulatedBench
 from drivers.simulated.effects import EFFECTS
-from drivers.simulated.faults import KINDS, load_faults
+from drivers.simulated.faults import CAN_KINDS, KINDS, load_faults
 from drivers.simulated.truth import load_truth
 
 PAGE = (Path(__file__).parents[3] / "docs/simulated-devices.md").read_text(encoding="utf-8")
@@ -23,4 +23,4 @@ def test_every_effect_and_fault_has_its_row() -> None:
     for effect in EFFECTS.values():
         assert effect.unit in rows[effect.name], effect.name
         assert effect.equation.replace("|", "&#124;") in rows[effect.name], effect.name
-    assert set(KINDS) <= set(rows)
+    assert {*KINDS, *CAN_KINDS} <= set(rows)

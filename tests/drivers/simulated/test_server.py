@@ -16,15 +16,16 @@ from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
-from procedures.records import CountBlock
+from procedures.records import SampleBlock
+from tests.drivers.wire.blocks import CHANNELS
 
 TRUTH = Truth.example(1)
 every_transport = pytest.mark.parametrize("transport", ["pty", "tcp"])
 
 
-def received(port: Port, frames: int, decoder: Decoder, deadline_s: float = 30.0) -> list[CountBlock]:
+def received(port: Port, frames: int, decoder: Decoder, deadline_s: float = 30.0) -> list[SampleBlock]:
     """Read until ``frames`` have come; fail loudly rather than hang."""
-    blocks, until = list[CountBlock](), time.monotonic() + deadline_s
+    blocks, until = list[SampleBlock](), time.monotonic() + deadline_s
     while sum(map(len, blocks)) < frames:
         assert time.monotonic() < until, f"{sum(map(len, blocks))} of {frames} frames within {deadline_s} s"
         blocks.append(decoder.feed(port.read(65536)))
@@ -47,10 +48,14 @@ def test_bytes_read_from_the_port_decode_to_the_counts_in_memory(transport: str,
             decoder = Decoder(FORMATS[name])
             blocks = received(port, 2000, decoder)
             port.close()
-    expected = memory.read(2000)
-    for field in ("gyro", "accel"):
+    wire = FORMATS[name]
+    expected = memory.read_rates(2000) if wire.output == "rate" else memory.read(2000)
+    for field, channels in CHANNELS.items():
         got = np.concatenate([getattr(block, field) for block in blocks])[:2000]
-        assert np.array_equal(got, getattr(expected, field)), field
+        want = getattr(expected, field).astype(np.float32 if wire.output == "rate" else np.int64)
+        want[:, [channel not in wire.imu.channels for channel in channels]] = 0
+        assert np.array_equal(got, want), field
+        assert (got != 0).any() == (field in wire.imu.triads)
     assert decoder.counters.skipped_bytes == decoder.counters.bad_crc == decoder.counters.counter_jumps == 0
     if name == "counts":
         assert decoder.serial == TRUTH.serial
@@ -99,7 +104,7 @@ def test_an_unplugged_port_is_lost_and_comes_back_under_the_same_url(transport: 
         port = open_port(url)
         with SimulatedHands(device.control) as hands:
             hands.go()
-        before = list[CountBlock]()
+        before = list[SampleBlock]()
         with pytest.raises(LinkLost):
             before += received(port, 100_000, decoder)
         port.close()

@@ -1,24 +1,24 @@
-"""RAWIMUSX and RAWIMUS against frames that NovAtel's own decoder has read."""
+"""The raw IMU logs, binary and as text, against frames that NovAtel's own decoder has read."""
 
 import csv
-import os
 import zlib
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from drivers.framing import Decoder
+from drivers.framing import Decoder, sniff
 from drivers.wire import FORMATS, WireFormat, novatel, rawimus, rawimusx
 from procedures.records import CountBlock
+from tests.drivers.wire.captures import CAPTURES, needs_captures
 
-ROOT = Path(__file__).parents[3]
-CAPTURES = Path(os.environ.get("STATION_DATA", ROOT / "../shared/data")) / "captures/novatel_rawimu"
-needs_captures = pytest.mark.skipif(not CAPTURES.is_dir(), reason=f"no captures at {CAPTURES}; set STATION_DATA")
+RAWIMU = CAPTURES / "novatel_rawimu"
+OTHERS = {  # messages of other kinds in each file (novatel_edie, see the captures' README): none is a raw IMU log
+    "align": 12, "bestpos": 26, "ins1": 284, "ins2": 835, "rxstatus": 3, "time": 6,
+}  # fmt: skip
 
 
 def expected(log: str, source: str) -> list[dict[str, str]]:
-    with (CAPTURES / "expected.csv").open(newline="") as file:
+    with (RAWIMU / "expected.csv").open(newline="") as file:
         return [row for row in csv.DictReader(file) if row["log"] == log and row["source"] == source]
 
 
@@ -36,7 +36,7 @@ def assert_counts_are(block: CountBlock, rows: list[dict[str, str]]) -> None:
 @needs_captures
 def test_real_rawimusx_frames_decode_as_novatels_own_decoder_does() -> None:
     decoder = Decoder(FORMATS["rawimusx"])
-    block = decoder.feed((CAPTURES / "rawimusx_binary_good.bin").read_bytes())
+    block = decoder.feed((RAWIMU / "rawimusx_binary_good.bin").read_bytes())
     rows = expected("RAWIMUSX", "binary")
     assert_counts_are(block, rows)
     assert (decoder.counters.frames, decoder.counters.skipped_bytes) == (2, 0)
@@ -47,7 +47,7 @@ def test_real_rawimusx_frames_decode_as_novatels_own_decoder_does() -> None:
 @needs_captures
 def test_the_bad_crc_sample_is_refused() -> None:
     decoder = Decoder(FORMATS["rawimusx"])
-    data = (CAPTURES / "rawimusx_binary_badcrc.bin").read_bytes()
+    data = (RAWIMU / "rawimusx_binary_badcrc.bin").read_bytes()
     assert len(decoder.feed(data)) == len(decoder.finish()) == 0
     assert (decoder.counters.bad_crc, decoder.counters.skipped_bytes) == (1, len(data))
 
@@ -56,6 +56,36 @@ def test_the_bad_crc_sample_is_refused() -> None:
 def test_rawimus_agrees_with_the_manuals_ascii_example() -> None:
     block = FORMATS["rawimus"].decode(np.frombuffer(FORMATS["rawimus"].example, rawimus.FRAME))
     assert_counts_are(block, expected("RAWIMUS", "ascii")[:1])
+
+
+@needs_captures
+@pytest.mark.parametrize("name", ["rawimusxa", "rawimusa", "rawimuxa"])
+def test_real_lines_decode_as_novatels_own_decoder_does(name: str) -> None:
+    lines = (RAWIMU / "rawimu_ascii.txt").read_bytes()
+    decoder, rows = Decoder(FORMATS[name]), expected(name.removesuffix("a").upper(), "ascii")
+    assert_counts_are(decoder.feed(lines), rows)
+    assert (decoder.counters.frames, decoder.counters.bad_crc) == (len(rows), 0)
+    assert decoder.model == {"rawimusxa": "iMAR FSAS", "rawimusa": None, "rawimuxa": "Epson EG320N"}[name]
+
+
+@needs_captures
+@pytest.mark.parametrize("file", sorted(OTHERS))
+def test_a_receivers_other_logs_give_no_false_frame(file: str) -> None:
+    data = (CAPTURES / f"novatel_oem7/{file}.gps").read_bytes()
+    assert sniff(data) == []  # not CH-70 either, whose check 80 and nine zeros pass
+    for name in ("rawimusx", "rawimus", "rawimux", "rawimu", "rawimusxa", "stim300", "kvh1750"):
+        decoder = Decoder(FORMATS[name])
+        assert len(decoder.feed(data)) + len(decoder.finish()) == 0
+        assert decoder.counters.skipped_bytes == len(data)
+    assert data.count(b"\xaa\x44\x12") + data.count(b"\xaa\x44\x13") >= OTHERS[file]  # what was passed over
+
+
+def test_a_line_with_other_fields_is_counted_and_refused() -> None:
+    for fields in (b"1,2,3", b"00,11,1692,x,00801503,1,2,3,4,5,6", b"00,11,99999999,1.0,0,1,2,3,4,5,6"):
+        body = b"RAWIMUSXA,1692,484620.664;" + fields
+        decoder = Decoder(FORMATS["rawimusxa"])
+        assert len(decoder.feed(b"%%%s*%08x\r\n" % (body, novatel.crc(body)))) == 0
+        assert decoder.counters.bad_length == 1
 
 
 def test_the_crc_is_novatels_and_not_zlibs() -> None:
@@ -81,7 +111,7 @@ def test_the_largest_negative_minus_y_does_not_overflow(wire: WireFormat) -> Non
 def test_device_time_rises_over_a_change_of_week() -> None:
     frames = np.zeros(2, rawimusx.FRAME)
     frames["week"], frames["seconds"] = [2208, 2209], [604799.995, 0.0]
-    assert np.diff(rawimusx.decode(frames).device_time) == pytest.approx(0.005, abs=3e-7)
+    assert np.diff(rawimusx.FORMAT.decode(frames).device_time) == pytest.approx(0.005, abs=3e-7)
 
 
 @pytest.mark.parametrize("seconds", [np.nan, np.inf, -1.0, 604800.0, 1e300])
@@ -89,18 +119,18 @@ def test_a_time_that_is_none_makes_the_frame_unhealthy(seconds: float) -> None:
     for module in (rawimusx, rawimus):
         frames = np.zeros(1, module.FRAME)
         frames["seconds"] = seconds
-        block = module.decode(frames)
+        block = module.FORMAT.decode(frames)
         assert np.isnan(block.device_time).all()
         assert not block.healthy.any()
         with pytest.raises(ValueError, match="device_time is not finite"):
-            module.encode(block)
+            module.FORMAT.encode(block)
 
 
 @pytest.mark.parametrize(("info", "healthy"), [(0, True), (1, False), (2, False), (4, True), (0xFC, True)])
 def test_the_imu_error_and_encrypted_bits_are_read(info: int, healthy: bool) -> None:
     frames = np.zeros(1, rawimusx.FRAME)
     frames["info"] = info
-    assert rawimusx.decode(frames).healthy == healthy
+    assert rawimusx.FORMAT.decode(frames).healthy == healthy
 
 
 def test_scales_are_in_radians_and_metres_for_every_model() -> None:

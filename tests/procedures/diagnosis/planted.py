@@ -7,7 +7,7 @@ import numpy as np
 
 from drivers.simulated.bench import simulate_campaign, turn_steps
 from drivers.simulated.truth import Truth
-from procedures.campaign import Campaign
+from procedures.campaign import Campaign, DwellRecord
 from procedures.records import Series
 
 Effects = Mapping[str, Mapping[str, float]]
@@ -33,6 +33,22 @@ def lively(seed: int) -> dict[str, dict[str, float]]:
         "placement.dwell": {"position": float(rng.integers(1, 13)), "x": 5e-4, "y": -5e-4, "z": 5e-3},
         "fixture.face_tilt": {"x_up.y": 1e-3, "z_down.x": -1e-3},
     }
+
+
+def wandering(campaign: Campaign, seed: int, size: float) -> Campaign:
+    """Return a campaign in each of whose dwells accelerometer x moves by a ramp of +-``size`` counts a sample.
+
+    Up or down by chance, the mean as it was: no effect of the catalogue does that.
+    """
+    rng = np.random.default_rng(seed)
+
+    def leaning(dwell: DwellRecord) -> DwellRecord:
+        accel = np.array(dwell.series.accel)
+        ramp = np.linspace(-1, 1, len(accel)) * size * rng.choice([-1, 1])
+        accel[:, 0] += np.diff(np.floor(np.cumsum(ramp) + 0.5), prepend=0.0).astype(accel.dtype)
+        return replace(dwell, series=replace(dwell.series, accel=accel))
+
+    return replace(campaign, dwells=tuple(leaning(dwell) for dwell in campaign.dwells))
 
 
 def with_reference_time(

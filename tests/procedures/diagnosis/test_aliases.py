@@ -26,7 +26,8 @@ def test_a_term_in_the_same_direction_takes_the_place() -> None:
     for _ in range(20):
         base = small(rng)
         one, other = two(rng, 0.0)
-        assert takes_its_place(redrawn(base, rng, 8 * one.term.H[:, 0]), one, other.term, ())
+        new = redrawn(base, rng, 8 * one.term.H[:, 0])
+        assert takes_its_place(new, one.fit(new), other.term)
 
 
 def test_an_orthogonal_term_does_not() -> None:
@@ -34,14 +35,15 @@ def test_an_orthogonal_term_does_not() -> None:
     base = small(rng)
     one, other = two(rng, np.pi / 2)
     new = redrawn(base, rng, 8 * one.term.H[:, 0])
-    assert not takes_its_place(new, one, other.term, ())
+    assert not takes_its_place(new, one.fit(new), other.term)
 
 
 def test_a_term_too_small_to_do_it_does_not() -> None:
     rng = np.random.default_rng(3)
     base = small(rng)
     one, other = two(rng, 0.0, size=0.3)  # of the same direction, but a third of a sigma at most is plausible
-    assert not takes_its_place(redrawn(base, rng, 8 * one.term.H[:, 0]), one, other.term, ())
+    new = redrawn(base, rng, 8 * one.term.H[:, 0])
+    assert not takes_its_place(new, one.fit(new), other.term)
 
 
 @cache

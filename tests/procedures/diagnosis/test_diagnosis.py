@@ -72,6 +72,15 @@ def test_a_bad_dwell_is_no_effect_of_the_instrument(seed: int) -> None:
     assert found.verdict != "consistent"
 
 
+def test_the_advice_names_a_certificate_only_where_there_is_none() -> None:
+    truth = unit(4, effects={"accelerometer.quadratic": {"x": 3e-5, "y": -3e-5}})
+    without = finding_of(diagnose(plain(truth, 4), FACES), "fixture.parallelism")
+    beside = finding_of(diagnose(certified(truth, 4), FACES), "accelerometer.quadratic")
+    assert "certificate" in without.separate_by
+    assert "free positions" in beside.separate_by
+    assert "certificate" not in beside.separate_by
+
+
 TWO = {"accelerometer.relaxation": {"x": 6e-6, "tau_s": 20.0}, **LEANING}
 
 
@@ -97,6 +106,7 @@ def test_a_finding_stands_with_its_sign_flips_and_its_alternatives() -> None:
     assert "gyroscope.magnetic" in [each.effect.name for each in found.added]
 
 
+FACES = [e for e in EFFECTS if e.name in {"fixture.parallelism", "accelerometer.quadratic"}]
 FEW = [e for e in EFFECTS if e.name in {"slab.tilt", "fixture.face_tilt", "gyroscope.magnetic"}]
 
 

@@ -21,7 +21,7 @@ NONLINEAR = {"gyroscope.scale_nonlinearity", "gyroscope.sagnac_sine"}
 
 
 def table(seed: int, cubic: float = 0.0, warm: float = 0.0, axis: str = "z", k: float = -2e4) -> RateTable:
-    """Return a table of one sensor: cubic [ppm/(deg/s)^2] and scale factor by temperature [ppm/K]."""
+    """Return a table of one sensor, bias 0.01 deg/s: cubic [ppm/(deg/s)^2], scale by temperature [ppm/K]."""
     rng = np.random.default_rng(seed)
     u = np.tile(RATES, SWEEPS)
     T = 40 + 10 * np.linspace(0, 1, len(u)) ** 0.7
@@ -55,6 +55,25 @@ def test_nonlinearity_then_temperature_come_out_within_their_own_sigma(k: float)
             errors.append(float((first.value[0] + 2.0) / first.std[0]))
     assert 0.3 < np.std(errors) < 1.6
     assert np.max(np.abs(errors)) < 4
+
+
+def test_scale_factor_and_bias_of_the_turned_sensor_are_told_with_honest_sigmas() -> None:
+    errors = list[tuple[float, float]]()
+    for seed in range(20):
+        diagnosis = diagnose([campaign(table(seed, warm=-400.0, k=-5.0))])
+        (one,) = diagnosis.on_table
+        assert one.axis == "z"
+        assert one.scale_std < 1e-4 * abs(one.scale)
+        errors.append(((one.scale + 5.0) / one.scale_std, (one.bias - 3600 * 0.01) / one.bias_std))
+    rms = np.sqrt(np.mean(np.square(errors), axis=0))
+    assert np.all((rms > 0.5) & (rms < 1.6)), rms
+
+
+def test_three_tables_tell_three_sensors() -> None:
+    tables = [table(i, axis=axis) for i, axis in enumerate("xyz")]
+    found = {one.axis: one for one in diagnose([campaign(*tables)]).on_table}
+    assert set(found) == set("xyz")
+    assert all(abs(one.scale / found["x"].scale - 1) < 1e-3 for one in found.values())
 
 
 def test_a_sine_far_along_its_arc_is_no_cubic() -> None:

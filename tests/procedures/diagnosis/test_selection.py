@@ -75,6 +75,19 @@ def test_one_bad_dwell_is_no_effect_of_the_instrument_but_may_be_of_the_bench() 
     assert stands_without_any(evidence, bench, (), groups(base))
 
 
+def test_an_effect_that_one_step_tells_mostly_stands_if_the_others_show_it_as_far_as_they_could() -> None:
+    rng = np.random.default_rng(7)
+    base = small(rng)
+    H = np.where(np.arange(36) == 4, 4.0, 0.45)[:, None] * np.sign(rng.standard_normal((36, 1)))
+    way, left_out = made_up(base, H), groups(base)
+    size = 6 * np.sqrt(way.fit(base, (), np.ones(36)).coefficients()[1][0, 0])
+    one_bad = np.where(np.arange(36) == 4, 20.0, 0.0)
+    there = [stands_without_any(redrawn(base, rng, size * H[:, 0]), way, (), left_out) for _ in range(50)]
+    bad = [stands_without_any(redrawn(base, rng, one_bad), way, (), left_out) for _ in range(50)]
+    assert np.mean(there) >= 0.85
+    assert np.mean(bad) <= 0.1
+
+
 def test_a_gain_is_positive_with_the_effect_and_negative_without() -> None:
     rng = np.random.default_rng(5)
     base = small(rng)

@@ -187,3 +187,20 @@ def test_the_shared_folders_are_accepted_without_a_warning(
     loaded = read_campaign(shared_data / name)
     assert (len(loaded.steps), len(loaded.unused_steps), loaded.warnings) == (steps, unused, ())
     check_for_solve(loaded)
+
+
+def test_reference_time_shows_a_period_off_although_the_devices_own_time_agrees(folder: Path) -> None:
+    def with_utc(off: float) -> None:
+        lines = ["t_s,gx,gy,gz,ax,ay,az,temp_c,utc_s"]
+        lines += [f"{1 + 0.02 * i:.2f},1,2,-3,4,0,-6,23.5,{1.7e9 + 0.02 * i * (1 + off):.6f}" for i in range(200)]
+        (folder / "one.csv").write_text("\n".join(lines) + "\n")
+
+    with_utc(5e-4)
+    assert not read_campaign(folder).warnings
+    with_utc(0.005)
+    loaded = read_campaign(folder)
+    assert "clock.rate: by reference time a sample lasts 0.0200999999 s, +0.50% off" in loaded.warnings[0]
+    check_for_solve(loaded)
+    with_utc(0.039)  # a sync line at another rate than the one declared
+    with pytest.raises(DataRefused, match=r"\+3\.90% off .*sync line"):
+        check_for_solve(read_campaign(folder))

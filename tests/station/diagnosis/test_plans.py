@@ -73,8 +73,23 @@ def test_turns_at_another_speed_say_so_to_whoever_turns(tmp_path: Path) -> None:
 
 
 def test_what_has_no_steps_gives_way_to_an_alias_that_has() -> None:
-    (one, _) = next_measurements([ambiguous("fixture.face_tilt", "accelerometer.quadratic")], AS_IT_IS)
-    assert one.name == "remounted_about_z"
+    (one,) = next_measurements([ambiguous("fixture.face_tilt", "accelerometer.quadratic")], AS_IT_IS)
+    assert one.name == "free_positions"
+
+
+def test_no_mounting_is_asked_for_where_only_attitudes_between_faces_tell() -> None:
+    (one,) = next_measurements([ambiguous("accelerometer.quadratic", "accelerometer.scale_asymmetry")], AS_IT_IS)
+    assert one.name == "free_positions"
+    (quadratic,) = (effect for effect in EFFECTS if effect.name == "accelerometer.quadratic")
+    assert "mounted" not in quadratic.separate_by + quadratic.separate_by_certified
+
+
+def test_no_certificate_is_asked_for_where_there_is_one() -> None:
+    doubted = [ambiguous("fixture.face_tilt")]
+    assert [one.name for one in next_measurements(doubted, AS_IT_IS)] == ["certificate"]
+    assert [one.name for one in next_measurements(doubted, AS_IT_IS, is_certified=True)] == [
+        "remounted_about_z", "remounted_about_x",
+    ]  # fmt: skip
 
 
 def test_with_nothing_found_the_campaign_is_repeated_in_another_order() -> None:

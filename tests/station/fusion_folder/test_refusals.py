@@ -66,7 +66,7 @@ REFUSED = {
         "expected [imu] or [odometry]",
     ),
     "unknown key": (_toml("lever_arm_m", "leaver_arm_m"), "unknown key 'gnss.leaver_arm_m'"),
-    "unknown column": (_edit("imu.csv", "wx_rad_s", "wx_deg_s"), "imu.csv:1: found no column wx_rad_s"),
+    "unknown column": (_edit("imu.csv", "wx_rad_s", "wx_deg_s"), "imu.csv:1: found column 'wx_deg_s'"),
     "half a velocity": (_edit("gnss.csv", "vn_m_s,", "course_rad,"), "both of ve_m_s and vn_m_s"),
     "no such file": (_toml('"gnss.csv"', '"gps.csv"'), "fusion.toml:12: found 'gps.csv', which does not exist"),
     "a file outside": (_toml('"gnss.csv"', '"../gnss.csv"'), "which leads to"),

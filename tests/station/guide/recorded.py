@@ -24,7 +24,7 @@ SAMPLES = 50
 
 def taped(seconds: int = 12) -> Tape:
     """Return the first seconds of a simulated unit."""
-    device, stream, tape = ByteDevice(Truth.example(7), 1, "counts"), SampleStream(WIRE), Tape(WIRE)
+    device, stream, tape = ByteDevice(Truth.example(7), 1, "counts"), SampleStream(WIRE), Tape()
     while tape.end < seconds * SAMPLES:
         for part in device.chunk():
             assert isinstance(part, bytes)

@@ -1,12 +1,14 @@
 """Solving writes a solution and a report and stores nothing; storing is one act, done once, and read back."""
 
 import json
+import shutil
 from collections.abc import Iterator
 from datetime import date
 from pathlib import Path
 
 import pytest
 
+from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import campaign
 from fixtures_db.cubes import add_cube
 from fixtures_db.database import Database, open_db
@@ -14,7 +16,9 @@ from fixtures_db.errors import AlreadyStored, NotInDatabase
 from fixtures_db.history import history, verify_chain
 from fixtures_db.limits import Limit, set_limits
 from fixtures_db.slabs import add_slab
+from station.campaign_folder import read_campaign, write_campaign
 from station.campaign_folder.atomic import replace_file
+from station.certificate.model_said import diagnosis_said
 from station.errors import Altered, CannotWrite
 from station.guide.folder_notes import write_setup
 from station.guide.outcome import verdict_view
@@ -22,6 +26,7 @@ from station.guide.unfinished import cancel_campaign
 from station.guide.view import Setup
 from station.recorder import results as module
 from station.recorder.results import make_results, store
+from tests.procedures.diagnosis.planted import wandering
 from tests.station.guide.recorded import everything
 from tests.station.guide.stored import recorded
 
@@ -88,6 +93,30 @@ def test_a_campaign_is_solved_judged_and_stored_once(db: Database, tmp_path: Pat
     assert sum(bool(row.change) for row in moved.rows) == 12  # this one has no gyroscope
     assert moved.word == "NOT_MEASURED"
     assert json.loads(db_document(db, store(again, db)))["previous"] == sha256
+
+
+def test_an_unexplained_residual_is_in_the_uncertainty_and_a_pass_says_so(db: Database, tmp_path: Path) -> None:
+    folder, truth = recorded(tmp_path / "c", db), Truth.example(7)
+    plain = read_campaign(folder).campaign
+    shutil.rmtree(folder)
+    write_campaign(folder, wandering(plain, 3, 0.3), truth.sample_period_s)
+    with db.write() as session:
+        set_limits(session, "SIM-FOG3", [Limit("accelerometer.bias", -0.05, 0.05, "g", 2.0)])
+    results = make_results(folder, db)
+    assert results.diagnosis["verdict"] == "unexplained"
+    said = verdict_view(results, db).sentence
+    assert said.startswith("PASS: ")
+    assert said.endswith(
+        "the diagnosis is unexplained, the residual is more than noise: what is left is in the uncertainty"
+    )
+    assert "what is left is in the uncertainty" in results.report_file.read_text()
+    document = json.loads(db_document(db, store(results, db)))
+    bias = next(one for one in document["uncertainty"]["parameters"] if one["name"] == "accelerometer.bias.x")
+    (left,) = [part for part in bias["contributions"] if part["source"] == "unexplained"]
+    judged = next(one for one in document["judged"] if one["parameter"] == "accelerometer.bias.x")
+    assert judged["std"] == pytest.approx(bias["std"])  # what the guard band was taken of
+    assert judged["std"] > left["std"] > 0
+    assert any(text.endswith("is part of U.") for text in diagnosis_said(document))
 
 
 def db_document(db: Database, sha256: str) -> str:

@@ -74,7 +74,3 @@ def test_device_time_that_jumps_is_a_break_though_the_counter_goes_on() -> None:
     stream = SampleStream(WIRE)
     piece = stream.take(Chunk(0, WIRE.encode(later)))
     assert piece.breaks.tolist() == [0, 50]
-
-
-def test_every_format_has_its_device_time() -> None:
-    assert all("device_time" in wire.carries for wire in FORMATS.values())

@@ -35,7 +35,7 @@ STREAM = sent(180)
 def test_the_bytes_of_any_runs_decode_to_their_samples(
     cuts: list[int], runs: tuple[int, int, int, int], forget: bool
 ) -> None:
-    tape, stream, at, turn = Tape(WIRE), SampleStream(WIRE), 0, 0
+    tape, stream, at, turn = Tape(), SampleStream(WIRE), 0, 0
     begin, first, pause, second = runs
     wanted = [(begin, begin + first), (begin + first + pause, begin + first + pause + second)]
     while at < len(STREAM):
@@ -55,7 +55,7 @@ def test_the_bytes_of_any_runs_decode_to_their_samples(
 
 
 def test_what_was_forgotten_is_gone_and_the_rest_keeps_its_numbers() -> None:
-    tape, stream = Tape(WIRE), SampleStream(WIRE)
+    tape, stream = Tape(), SampleStream(WIRE)
     for at in range(0, len(STREAM), 100):
         tape.append(stream.take(Chunk(at, STREAM[at : at + 100])))
     before = tape.block(100, 120)

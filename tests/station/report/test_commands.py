@@ -7,7 +7,6 @@ import pytest
 import typer
 from typer.testing import CliRunner, Result
 
-from procedures.uncertainty import budget
 from station.campaign_folder import LoadedCampaign
 from station.commands.report import report
 from station.diagnosis import loop
@@ -38,7 +37,9 @@ CONSISTENT = {
 
 def closed(loaded: Sequence[LoadedCampaign]) -> SimpleNamespace:
     fits = SimpleNamespace(campaigns=tuple(one.campaign for one in loaded))
-    return SimpleNamespace(solution=factory.solution(), fits=fits, document=CONSISTENT, diagnosis=None)
+    return SimpleNamespace(
+        solution=factory.solution(), fits=fits, document=CONSISTENT, diagnosis=None, budgets=factory.budgets
+    )
 
 
 def _run(command: Callable[..., Any], *arguments: str | Path) -> Result:
@@ -56,7 +57,6 @@ def _rows(start: float) -> str:
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder whose solve is made up: here only the way from folder to file is looked at."""
     monkeypatch.setattr(loop, "close_loop", closed)
-    monkeypatch.setattr(budget, "budget", lambda fits: factory.budgets())
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     (tmp_path / "dwell_01.csv").write_text(_rows(0.0))
     (tmp_path / "soak.csv").write_text(_rows(10.0))

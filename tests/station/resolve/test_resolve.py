@@ -145,7 +145,7 @@ def test_one_that_is_refused_or_gone_stops_no_other(resolve: Resolve, fleet: Pat
 
 
 def test_a_verdict_that_turns_to_fail_on_the_limits_of_today_ends_with_1(resolve: Resolve, tmp_path: Path) -> None:
-    bias = resolve("--all")[1]["S1"]["shifts"]["accelerometer.bias.x"]
+    bias = resolve(str(tmp_path / "fleet" / "S1"))[1]["S1"]["shifts"]["accelerometer.bias.x"]
     edge = (bias["before"] + bias["now"]) / 2
     limit = Limit("accelerometer.bias.x", edge, None, "g")
     with open_db(tmp_path / "s.db") as database, database.write() as session:
@@ -192,18 +192,44 @@ def test_the_summary_names_only_what_asks_for_a_person(
 
 
 def test_a_warning_whose_folder_was_typed_otherwise_is_not_new(resolve: Resolve, fleet: Path) -> None:
-    said = resolve("--all")[1]["S2"]["new_warnings"]
+    said = resolve(str(fleet / "S2"))[1]["S2"]["new_warnings"]
     file = fleet / "S2" / "solution.json"
     document = json.loads(file.read_text())
     given = [f"{fleet / 'S2'}/dwell_01.csv:17: a gap of 0.5 s", *said]
     document["warnings"] = [text.replace(str(fleet / "S2"), "fleet/S2") for text in given]
     file.write_text(json.dumps(document))
-    assert resolve("--all")[1]["S2"]["new_warnings"] == []
+    assert resolve(str(fleet / "S2"))[1]["S2"]["new_warnings"] == []
     now = {"warnings": given, **{key: document[key] for key in document if key != "warnings"}}
     before = Before("solution", "solution.json", document, tuple(document["warnings"]))
     assert compare(now, before, ())["new_warnings"] == []
     other = {**now, "warnings": [*given, f"{fleet / 'S2'}/dwell_02.csv:17: a gap of 0.5 s and more"]}
     assert len(compare(other, before, ())["new_warnings"]) == 1
+
+
+def test_a_campaign_is_diagnosed_again_and_what_changed_is_said(
+    resolve: Resolve, fleet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, file = fleet / "S2", fleet / "S2" / "diagnosis.json"
+    first = resolve(str(folder))[1]["S2"]["diagnosis"]
+    assert set(first) == {"verdict", "findings"}  # nothing was known of it
+    assert cli.run(["diagnose", str(folder), "--json", str(file)]) == 0
+    same = resolve(str(folder))[1]["S2"]["diagnosis"]
+    assert same["verdict"] == {"before": first["verdict"]["now"], "now": first["verdict"]["now"]}
+    assert same["gained"] == same["lost"] == same["changed"] == []
+    document = json.loads(file.read_text())
+    document["verdict"] = "established"
+    document["findings"] = [{**document["findings"][0], "effect": "gyroscope.magnetic"}]
+    file.write_text(json.dumps(document))
+    command = ["resolve", str(folder), "--workers", "1", "--out", str(tmp_path / "kept")]
+    capsys.readouterr()
+    assert cli.run([*command, "--db", str(tmp_path / "s.db")]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "1 with another diagnosis" in said
+    assert f"diagnosis: established before, {first['verdict']['now']} now" in said
+    assert "no more found: gyroscope.magnetic" in said
+    document["solution"]["provenance"]["files"] = {}  # of other recordings: not of this campaign
+    file.write_text(json.dumps(document))
+    assert set(resolve(str(folder))[1]["S2"]["diagnosis"]) == {"verdict", "findings"}
 
 
 def test_wrong_usage_is_said(resolve: Resolve, fleet: Path) -> None:

@@ -1,0 +1,199 @@
+"""A CAN bus as a port of bytes: any interface of python-can, its frames as records.
+
+What ends a bus is told as `LinkLost`, whatever python-can raises, and so is what it does not tell: bus-off, and an
+adapter that no longer answers. The reader then opens the port again and again, as with an unplugged serial line.
+"""
+
+import contextlib
+import errno
+import inspect
+import logging
+import time
+from collections.abc import Mapping
+from importlib import import_module
+
+import can
+from can.interfaces import BACKENDS
+
+from drivers.can.record import ERROR, EXTENDED, RECORD, REMOTE, STANDARD, WIDE, pack
+from drivers.can.slcan_line import SlcanLine
+from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound
+
+REMEDY = "check bit rate, wiring and termination"
+NOT_OPTIONS = {"self", "channel", "kwargs", "interface", "can_filters"}
+# python-can lets errors of what it stands on through
+LINK_ERRORS = (can.CanError, OSError, RuntimeError)
+GATHER_S = 0.003  # frames are handed on in handfuls: a decoder's cost is by the handful
+SILENT_S = 0.5  # without a frame: ask the adapter
+ANSWER_S = 0.5  # how long it may take to answer
+OPEN_ANSWER_S = 0.3
+BUS_OFF = 0x40  # of an error frame's identifier (linux/can/error.h)
+SLCAN = {"sleep_after_open": 0.1, "timeout": 0.05}  # python-can waits 2 s, for boards that restart when opened
+
+logging.getLogger("can").addHandler(logging.NullHandler())  # what is wrong is raised
+
+
+class CanPort:
+    """An open bus; ``line`` is the serial line of an slcan adapter."""
+
+    def __init__(self, bus: can.BusABC, name: str, timeout_s: float, line: SlcanLine | None = None) -> None:
+        self.name = name
+        self._bus, self._timeout_s, self._line = bus, timeout_s, line
+        self._heard = time.monotonic()  # a frame, or an adapter in good order
+        self._asked: tuple[float, int] | None = None  # when, and the bytes received by then
+
+    def read(self, max_bytes: int) -> bytes:
+        """Return records of the frames that have come; empty after the timeout."""
+        try:
+            records = self._gather(max(1, max_bytes // RECORD.itemsize))
+            if records:
+                self._heard, self._asked = time.monotonic(), None
+            elif time.monotonic() - self._heard > SILENT_S:
+                self._ask(time.monotonic())
+        except Exception as error:  # the same edge; the reader opens the port again
+            raise LinkLost(self.name, str(error) or type(error).__name__) from error
+        return b"".join(records)
+
+    def write(self, data: bytes) -> None:
+        """Take ``data`` and drop it: the station only listens."""
+
+    def close(self) -> None:
+        """Leave the bus and give the adapter back."""
+        with contextlib.suppress(*LINK_ERRORS):
+            self._bus.shutdown()
+        if self._line is not None:  # slcan leaves it open where the adapter is gone
+            with contextlib.suppress(*LINK_ERRORS):
+                self._line.close()
+
+    def _gather(self, most: int) -> list[bytes]:
+        records = list[bytes]()
+        until = time.monotonic() + self._timeout_s
+        while len(records) < most:
+            left = max(0.0, until - time.monotonic())
+            if self._line is not None and not self._line.in_waiting and not self._line.fill(left):
+                break
+            if record := self._frame(0.0 if self._line is not None else left):
+                if not records:
+                    until = min(until, time.monotonic() + GATHER_S)
+                records.append(record)
+            elif not left:
+                break
+        return records
+
+    def _frame(self, timeout_s: float) -> bytes:
+        try:
+            message = self._bus.recv(timeout_s)
+        except (ValueError, IndexError):  # slcan: a line that is no frame; to open the port again would lose more
+            return pack(ERROR, time.monotonic_ns(), b"")
+        if message is None:
+            return b""
+        if not 0 <= message.arbitration_id <= (WIDE if message.is_extended_id else STANDARD):
+            return pack(ERROR, time.monotonic_ns(), b"")  # slcan reads -1A and FFFFFFFF too
+        if message.is_error_frame and message.arbitration_id & BUS_OFF:
+            raise can.CanOperationError(f"bus-off: too many errors; {REMEDY}")
+        flags = EXTENDED * message.is_extended_id | REMOTE * message.is_remote_frame
+        flags |= ERROR * message.is_error_frame
+        return pack(message.arbitration_id | flags, time.monotonic_ns(), message.data)
+
+    def _ask(self, now: float) -> None:
+        """Find out who is silent: the devices, the bus or the adapter."""
+        if getattr(self._bus, "state", None) is can.BusState.ERROR:
+            raise can.CanOperationError(f"bus-off: too many errors; {REMEDY}")
+        if self._line is None:
+            return
+        if self._asked is None:
+            self._line.ask()
+            self._asked = now, self._line.received
+        elif self._line.received > self._asked[1]:
+            _refuse_trouble(self._line)
+            self._heard, self._asked = now, None
+        elif now - self._asked[0] > ANSWER_S:
+            raise can.CanOperationError("the adapter no longer answers; unplug it and plug it in again")
+
+
+def _refuse_trouble(line: SlcanLine) -> None:
+    if line.trouble:
+        raise can.CanOperationError(f"the adapter says {line.trouble}; {REMEDY}")
+
+
+def open_can(interface: str, channel: str, options: Mapping[str, str], timeout_s: float) -> CanPort:
+    """Open a bus of any of python-can's interfaces.
+
+    Raises
+    ------
+    BadDeviceUrl
+        If there is no such interface, or it takes no such option.
+    PortNotFound, PortBusy, PortDenied
+        If adapter or channel cannot be opened, or no slcan adapter answers.
+    LinkLost
+        If it opens and is bus-off.
+    """
+    name = channel or interface
+    chosen = {**(SLCAN if interface == "slcan" else {}), **_options(interface, options)}
+    try:
+        bus = can.Bus(channel=channel or None, interface=interface, **chosen)  # type: ignore[arg-type]
+    except Exception as error:  # the edge to two dozen drivers, which raise what they like where theirs is missing
+        raise _refusal(name, error) from error
+    if interface != "slcan":
+        return CanPort(bus, name, timeout_s)
+    return _attended(bus, name, timeout_s)
+
+
+def _attended(bus: can.BusABC, name: str, timeout_s: float) -> CanPort:
+    """Put a `SlcanLine` under slcan and see whether there is an adapter."""
+    serial = bus.serialPortOrig  # type: ignore[attr-defined]
+    line = SlcanLine(serial)
+    bus.serialPortOrig = line  # type: ignore[attr-defined]
+    port = CanPort(bus, name, timeout_s, line)
+    try:
+        serial.exclusive = True
+        line.ask()
+        until = time.monotonic() + OPEN_ANSWER_S
+        while line.flags is None and (left := until - time.monotonic()) > 0:
+            line.fill(left)
+        if not line.received:
+            raise PortNotFound(name, "no slcan adapter answers", "check cable, name and tty_baudrate")
+        _refuse_trouble(line)
+    except LINK_ERRORS as error:
+        port.close()
+        if isinstance(error, DriverError):
+            raise
+        raise LinkLost(name, str(error)) if line.received else _refusal(name, error) from error
+    return port
+
+
+def _options(interface: str, options: Mapping[str, str]) -> dict[str, str | int | float | bool]:
+    """Return options as python-can wants them; it would swallow those that it does not know."""
+    if interface not in BACKENDS:
+        raise BadDeviceUrl(
+            f"can://{interface}", f"interface {interface!r}", f"one of {', '.join(sorted(BACKENDS))}"
+        )
+    module, name = BACKENDS[interface]
+    try:
+        backend = getattr(import_module(module), name)
+    except ImportError as error:
+        raise PortNotFound(interface, str(error), "install what this interface needs") from error
+    accepted = [each for each in inspect.signature(backend.__init__).parameters if each not in NOT_OPTIONS]
+    for option in options:
+        if option not in accepted:
+            raise BadDeviceUrl(f"can://{interface}", f"option {option!r}", f"one of {', '.join(accepted)}")
+    return {option: _value(text) for option, text in options.items()}
+
+
+def _value(text: str) -> str | int | float | bool:
+    if text.lower() in {"true", "false"}:
+        return text.lower() == "true"
+    for kind in (int, float):
+        with contextlib.suppress(ValueError):
+            return kind(text)
+    return text
+
+
+def _refusal(name: str, error: Exception) -> DriverError:
+    reasons = [error, error.__cause__, error.__context__]
+    codes = {each.errno for each in reasons if isinstance(each, OSError)}
+    if codes & {errno.EACCES, errno.EPERM}:
+        return PortDenied(name)
+    if codes & {errno.EBUSY, errno.EAGAIN}:
+        return PortBusy(name)
+    return PortNotFound(name, f"no CAN bus ({error})", "check the adapter, its name, and what the interface needs")

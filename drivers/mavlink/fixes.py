@@ -1,0 +1,124 @@
+"""Fields of MAVLink's messages to a `GnssFix`: SI, and absent what the sender does not know.
+
+Source: common.xml. Unknown are: DOP, speed, course 65535; satellites 255; accuracies of 0; a yaw of 0 (36000 is
+north); a height above the ellipsoid of 0 beside accuracies of 0 (extension fields that were not filled).
+"""
+
+import math
+from typing import Any
+
+from drivers.mavlink.messages import NAMES, Frame
+from drivers.mavlink.sender_clock import SenderClock
+from procedures.gnss import FixType, GnssFix
+
+U16, U8 = 65535, 255
+GPS_EPOCH = 315_964_800  # s since 1970
+GPS_LEAP = 18  # s by which GPS time is ahead of UTC since 2017
+WEEK = 604_800
+# GPS_INPUT_IGNORE_FLAGS
+NO_ALT, NO_HDOP, NO_VDOP, NO_V_HORIZONTAL, NO_V_UP = 1, 2, 4, 8, 16
+NO_STD_SPEED, NO_STD_H, NO_STD_V = 32, 64, 128
+
+
+def raw_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
+    """Return the fix of a GPS_RAW_INT or GPS2_RAW."""
+    utc, boot = clock.times(values["time_usec"])
+    fix = _fix_type(values["fix_type"])
+    there = fix >= FixType.FIX_2D
+    filled = any(values[name] for name in ("h_acc", "v_acc", "vel_acc", "hdg_acc", "alt_ellipsoid"))
+    return GnssFix(
+        source=NAMES[frame.number],
+        system=frame.system,
+        host_ns=host_ns,
+        fix=fix,
+        utc_ns=utc,
+        device_ns=boot,
+        latency=clock.latency(host_ns, boot),
+        latitude=_radians(values["lat"], 1e-7) if there else None,
+        longitude=_radians(values["lon"], 1e-7) if there else None,
+        height=values["alt_ellipsoid"] / 1e3 if fix >= FixType.FIX_3D and filled else None,
+        altitude=values["alt"] / 1e3 if fix >= FixType.FIX_3D else None,
+        speed=None if values["vel"] == U16 or not there else values["vel"] / 100,
+        course=None if values["cog"] == U16 or not there else _radians(values["cog"], 0.01),
+        heading=None if values["yaw"] in {0, U16} else _radians(values["yaw"] % 36000, 0.01),
+        horizontal_std=_positive(values["h_acc"], 1e-3),
+        vertical_std=_positive(values["v_acc"], 1e-3),
+        speed_std=_positive(values["vel_acc"], 1e-3),
+        heading_std=_positive(math.radians(values["hdg_acc"]), 1e-5),
+        hdop=None if values["eph"] in {0, U16} else values["eph"] / 100,
+        vdop=None if values["epv"] in {0, U16} else values["epv"] / 100,
+        satellites=None if values["satellites_visible"] == U8 else values["satellites_visible"],
+    )
+
+
+def filtered_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
+    """Return a GLOBAL_POSITION_INT: position, velocity (NED) and heading by the sender's own filter."""
+    utc, boot = clock.times(values["time_boot_ms"] * 1000)
+    north, east, down = (values[name] / 100 for name in ("vx", "vy", "vz"))
+    there = bool(values["lat"] or values["lon"])  # a filter without a position sends zeros
+    return GnssFix(
+        source=NAMES[frame.number],
+        system=frame.system,
+        host_ns=host_ns,
+        fix=FixType.FIX_3D if there else FixType.NO_FIX,
+        utc_ns=utc,
+        device_ns=boot,
+        latency=clock.latency(host_ns, boot),
+        latitude=_radians(values["lat"], 1e-7) if there else None,
+        longitude=_radians(values["lon"], 1e-7) if there else None,
+        altitude=values["alt"] / 1e3 if there else None,
+        speed=math.hypot(north, east),
+        course=math.atan2(east, north) % math.tau,
+        v_up=-down,
+        heading=None if values["hdg"] == U16 else _radians(values["hdg"], 0.01),
+        is_filtered=True,
+    )
+
+
+def input_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
+    """Return the fix of a GPS_INPUT, what a companion tells an autopilot; its flags say what to leave out."""
+    flags = values["ignore_flags"]
+    week, boot = values["time_week"], clock.times(values["time_usec"])
+    utc = (GPS_EPOCH + week * WEEK - GPS_LEAP) * 10**9 + values["time_week_ms"] * 10**6 if week else boot[0]
+    fix = _fix_type(values["fix_type"])
+    there, moves = fix >= FixType.FIX_2D, not flags & NO_V_HORIZONTAL
+    north, east = values["vn"], values["ve"]
+    return GnssFix(
+        source=NAMES[frame.number],
+        system=frame.system,
+        host_ns=host_ns,
+        fix=fix,
+        utc_ns=utc,
+        device_ns=boot[1],
+        latency=clock.latency(host_ns, boot[1]),
+        latitude=_radians(values["lat"], 1e-7) if there else None,
+        longitude=_radians(values["lon"], 1e-7) if there else None,
+        altitude=_finite(values["alt"]) if fix >= FixType.FIX_3D and not flags & NO_ALT else None,
+        speed=_finite(math.hypot(north, east)) if there and moves else None,
+        course=_finite(math.atan2(east, north) % math.tau) if there and moves else None,
+        v_up=_finite(-values["vd"]) if there and not flags & NO_V_UP else None,
+        heading=None if values["yaw"] == 0 else _radians(values["yaw"] % 36000, 0.01),
+        horizontal_std=None if flags & NO_STD_H else _positive(values["horiz_accuracy"], 1.0),
+        vertical_std=None if flags & NO_STD_V else _positive(values["vert_accuracy"], 1.0),
+        speed_std=None if flags & NO_STD_SPEED else _positive(values["speed_accuracy"], 1.0),
+        hdop=None if flags & NO_HDOP else _positive(values["hdop"], 1.0),
+        vdop=None if flags & NO_VDOP else _positive(values["vdop"], 1.0),
+        satellites=None if values["satellites_visible"] == U8 else values["satellites_visible"],
+    )
+
+
+def _fix_type(value: int) -> FixType:
+    """Return the type of a fix; one of a newer dialect is better than all known here, so at least 3D."""
+    return FixType(value) if value <= max(FixType) else FixType.FIX_3D
+
+
+def _radians(value: float, degrees: float) -> float:
+    return math.radians(value * degrees)
+
+
+def _positive(value: float, unit: float) -> float | None:
+    return float(value * unit) if math.isfinite(value) and value > 0 else None
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,133 @@
+"""What the station says on a MAVLink link: a heartbeat each second, and which messages it wants how often.
+
+Each SET_MESSAGE_INTERVAL waits for its COMMAND_ACK, which does not say of what message it speaks. What is not
+accepted, or answered by nobody after three tries, is asked for once more the old way, by REQUEST_DATA_STREAM,
+which nobody acknowledges: only the measured rate tells. A system that was silent or restarted is asked again.
+
+The heartbeat comes from system 254, not 255: a vehicle whose failsafe watches its ground station must not come to
+depend on this one.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+from drivers.mavlink.decoder import Answer, MavlinkDecoder
+from drivers.mavlink.messages import (
+    GLOBAL_POSITION_INT,
+    GPS2_RAW,
+    GPS_RAW_INT,
+    HIGHRES_IMU,
+    NAMES,
+    SYSTEM_TIME,
+    VFR_HUD,
+    dialect,
+)
+from drivers.mavlink.signing import SignatureCheck, signing_time
+
+STATION, COMPONENT = 254, 190  # 190: a ground station's program
+HEARTBEAT_S = 1.0
+ANSWER_S = 1.0
+TRIES = 3
+SILENT_S = 5.0  # without a heartbeat: gone, to be asked anew
+STALE_S = 10.0  # of heartbeats alone: it has forgotten what it was asked
+SET_MESSAGE_INTERVAL = 511
+ACCEPTED, IN_PROGRESS = 0, 5
+RESULTS = ("accepted", "temporarily rejected", "denied", "unsupported", "failed", "in progress", "cancelled")
+WANTED = (GPS_RAW_INT, SYSTEM_TIME, GPS2_RAW, GLOBAL_POSITION_INT, VFR_HUD, HIGHRES_IMU)
+STREAMS = {  # MAV_DATA_STREAM in which ArduPilot sends them
+    GPS_RAW_INT: 2, GPS2_RAW: 2, GLOBAL_POSITION_INT: 6, VFR_HUD: 11, SYSTEM_TIME: 12, HIGHRES_IMU: 1,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A message asked for, and what came of it: a word of `RESULTS` or ``no answer``."""
+
+    message: str
+    rate_hz: float
+    outcome: str
+
+
+class Session:
+    """One link's conversation; time is given [s, monotonic], bytes go in and out."""
+
+    def __init__(self, rate_hz: float, system: int | None = None, key: bytes | None = None) -> None:
+        self._rate_hz = rate_hz
+        self._decoder = MavlinkDecoder(system, SignatureCheck(key) if key else None)
+        self._mav = dialect.MAVLink(None, srcSystem=STATION, srcComponent=COMPONENT)
+        if key:
+            signing = self._mav.signing
+            signing.secret_key, signing.sign_outgoing, signing.timestamp = key, True, signing_time()
+        self._out: list[bytes] = []
+        self._next_heartbeat = 0.0
+        self._heard = -SILENT_S  # when the last heartbeat came
+        self._known_reboots = 0
+        self._told_at = 0.0  # when the last record came
+        self._to_ask: deque[int] = deque()
+        self._tries = 0
+        self._until: float | None = None  # an answer is waited for
+        self.asked: list[Asked] = []
+
+    def hear(self, data: bytes, now: float) -> None:
+        """Take what has come."""
+        heartbeats = self._decoder.heartbeats
+        for record in self._decoder.feed(data, round(now * 1e9)):
+            self._told_at = now
+            if isinstance(record, Answer) and record.command == SET_MESSAGE_INTERVAL:
+                self._answered(record.result, now)
+        if self._decoder.heartbeats > heartbeats:
+            is_anew = now - self._heard >= SILENT_S or self._decoder.clock.reboots != self._known_reboots
+            if is_anew or (self._until is None and now - self._told_at >= STALE_S):
+                self._begin(now)
+            self._heard = now
+
+    def due(self, now: float) -> bytes:
+        """Return what is to be sent by now, possibly nothing."""
+        if now >= self._next_heartbeat:
+            self._next_heartbeat = now + HEARTBEAT_S
+            mav = self._mav
+            self._say(mav.heartbeat_encode(dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID, 0, 0, 4))
+        if self._until is not None and now >= self._until:
+            if self._tries < TRIES:
+                self._ask(now)
+            else:
+                self._done("no answer", now)
+        out, self._out = b"".join(self._out), []
+        return out
+
+    def _begin(self, now: float) -> None:
+        self._known_reboots, self._told_at = self._decoder.clock.reboots, now
+        self._to_ask, self._tries = deque(WANTED), 0
+        self.asked.clear()
+        self._ask(now)
+
+    def _ask(self, now: float) -> None:
+        self._tries += 1
+        self._until = now + ANSWER_S
+        parameters = self._to_ask[0], 1e6 / self._rate_hz, 0, 0, 0, 0, 0
+        self._say(self._mav.command_long_encode(*self._target, SET_MESSAGE_INTERVAL, self._tries - 1, *parameters))
+
+    def _answered(self, result: int, now: float) -> None:
+        if self._until is None:  # late, of a question given up
+            return
+        if result == IN_PROGRESS:
+            self._until = now + ANSWER_S
+        else:
+            self._done(RESULTS[result] if result < len(RESULTS) else f"result {result}", now)
+
+    def _done(self, outcome: str, now: float) -> None:
+        number, self._until, self._tries = self._to_ask.popleft(), None, 0
+        self.asked.append(Asked(NAMES[number], self._rate_hz, outcome))
+        if outcome != RESULTS[ACCEPTED]:
+            rate = max(1, round(self._rate_hz))
+            self._say(self._mav.request_data_stream_encode(*self._target, STREAMS[number], rate, 1))
+        if self._to_ask:
+            self._ask(now)
+
+    @property
+    def _target(self) -> tuple[int, int]:
+        return self._decoder.system or 0, self._decoder.component
+
+    def _say(self, message: "dialect.MAVLink_message") -> None:
+        self._out.append(message.pack(self._mav))
+        self._mav.seq = (self._mav.seq + 1) % 256

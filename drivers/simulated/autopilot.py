@@ -1,0 +1,168 @@
+"""A simulated autopilot with a GNSS receiver: MAVLink out, commands in, in virtual time.
+
+It stands where the truth says, or goes along a track, and its UTC is the truth's time. Bytes are made and read by
+pymavlink itself, so that station and simulator share no reader. Time is given; equal seeds and times give equal
+bytes, but for signatures, which hold the time of day.
+"""
+
+from collections.abc import Iterable
+
+import numpy as np
+from pymavlink.dialects.v20 import all as dialect
+
+from drivers.mavlink.messages import (
+    GLOBAL_POSITION_INT,
+    GPS2_RAW,
+    GPS_RAW_INT,
+    HEARTBEAT,
+    HIGHRES_IMU,
+    SYSTEM_TIME,
+    VFR_HUD,
+)
+from drivers.mavlink.signing import signing_time
+from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.gnss_faults import GnssFault, active
+from drivers.simulated.gnss_receiver import Receiver, Seen
+from drivers.simulated.track import Track
+from drivers.simulated.truth import Truth
+
+SET_MESSAGE_INTERVAL = 511
+ACCEPTED, DENIED, UNSUPPORTED = 0, 2, 3
+STREAMS = {
+    1: (HIGHRES_IMU,), 2: (GPS_RAW_INT, GPS2_RAW), 6: (GLOBAL_POSITION_INT,), 11: (VFR_HUD,), 12: (SYSTEM_TIME,),
+}  # fmt: skip
+SENDS = tuple(number for numbers in STREAMS.values() for number in numbers)
+MOST_BEHIND_S = 1.0  # messages older than this are not made up for
+NEVER = float("inf")
+
+
+class Autopilot:
+    """Call `hear` with what came and `due` with the true time [s]; bytes come out."""
+
+    def __init__(
+        self,
+        truth: Truth,
+        autopilot: AutopilotTruth | None = None,
+        faults: Iterable[GnssFault] = (),
+        track: Track | None = None,
+        seed: int | None = 1,
+    ) -> None:
+        self.truth = autopilot or AutopilotTruth()
+        self.faults = tuple(faults)
+        self._receiver = Receiver(truth, self.truth, track, seed)
+        self._rng = np.random.default_rng([seed or 0, 0xA9])
+        self._mav = dialect.MAVLink(None, srcSystem=self.truth.system, srcComponent=self.truth.component)
+        self._mav.robust_parsing = True
+        if self.truth.key:
+            self._mav.signing.secret_key = self.truth.key
+            self._mav.signing.timestamp = signing_time()
+        self._booted = 0.0  # true time of the last boot
+        self._sent: list[bytes] = []
+        self._restart(0.0)
+        self.commands: list[tuple[int, float, int]] = []  # message, interval [us], result
+
+    def hear(self, data: bytes, now: float) -> bytes:
+        """Take what came and return what is answered at once."""
+        out = list[bytes]()
+        for message in self._mav.parse_buffer(data) or ():
+            match message.get_type():
+                case "COMMAND_LONG" if message.target_system in {0, self.truth.system}:
+                    out.append(self._obey(message, now))
+                case "REQUEST_DATA_STREAM" if message.target_system in {0, self.truth.system}:
+                    rate = message.req_message_rate * message.start_stop
+                    for number in STREAMS.get(message.req_stream_id, SENDS if not message.req_stream_id else ()):
+                        self._set_interval(number, 1 / rate if rate else NEVER, now)
+        return b"".join(out)
+
+    def due(self, now: float) -> bytes:
+        """Return all that is sent up to the true time ``now`` [s]."""
+        if any(fault.at_s > self._booted for fault in self._active(now, "reboot")):
+            self._booted = now
+            self._restart(now)
+        out = list[bytes]()
+        for number, at in sorted(self._next.items(), key=lambda item: item[1]):
+            interval = self._interval[number]
+            at = max(at, now - MOST_BEHIND_S)
+            while at <= now:
+                out += self._spoilt(self._message(number, at), at)
+                at += interval
+            self._next[number] = at
+        return b"".join(out)
+
+    def _restart(self, now: float) -> None:
+        self._mav.seq = 0
+        self._interval = dict.fromkeys(SENDS, 1 / self.truth.default_hz if self.truth.default_hz else NEVER)
+        self._interval[HEARTBEAT] = 1.0
+        self._next = {number: now if every < NEVER else NEVER for number, every in self._interval.items()}
+
+    def _obey(self, message: "dialect.MAVLink_message", now: float) -> bytes:
+        result = UNSUPPORTED
+        if message.command == SET_MESSAGE_INTERVAL and self.truth.knows_intervals:
+            number, interval = int(message.param1), message.param2
+            known = number in SENDS and number not in self.truth.denies
+            result = ACCEPTED if known and (interval <= 0 or interval >= 1e6 / self.truth.most_hz) else DENIED
+            if result == ACCEPTED:
+                seconds = interval / 1e6 if interval > 0 else 1 / self.truth.default_hz if not interval else NEVER
+                self._set_interval(number, seconds, now)
+            self.commands.append((number, interval, result))
+        answer = dialect.MAVLink_command_ack_message(message.command, result)
+        return b"".join(self._spoilt(answer, now))
+
+    def _set_interval(self, number: int, seconds: float, now: float) -> None:
+        self._interval[number] = seconds
+        self._next[number] = now + seconds if seconds < NEVER else NEVER
+
+    def _active(self, now: float, kind: str) -> list[GnssFault]:
+        return active(self.faults, now, kind)
+
+    def _message(self, number: int, now: float) -> "dialect.MAVLink_message":
+        if number == HEARTBEAT:
+            return dialect.MAVLink_heartbeat_message(2, dialect.MAV_AUTOPILOT_ARDUPILOTMEGA, 0, 0, 4, 3)
+        boot = now - self._booted
+        late = self.truth.latency_s + sum(fault.size for fault in self._active(now, "latency"))
+        utc_off = self.truth.epoch_utc + sum(fault.size for fault in self._active(now, "time_jump"))
+        if number == SYSTEM_TIME:
+            known = not self._active(now, "no_fix")
+            unix = round((utc_off + now) * 1e6) if known else 0
+            return dialect.MAVLink_system_time_message(unix, _milli(boot))
+        if number == VFR_HUD:
+            return dialect.MAVLink_vfr_hud_message(self.truth.airspeed_m_s, 0.0, 0, 0, 0.0, 0.0)
+        if number == HIGHRES_IMU:
+            nothing = [0.0] * 12
+            return dialect.MAVLink_highres_imu_message(_micro(boot), *nothing, self.truth.temperature_c, 1 << 12)
+        jump = sum(fault.size for fault in self._active(now, "jump"))
+        seen = self._receiver.look(max(now - late, 0.0), jump, has_fix=not self._active(now, "no_fix"))
+        if number == GLOBAL_POSITION_INT:
+            return seen.global_position(_milli(boot))
+        stamp = utc_off + now - late if self.truth.states_utc else max(boot - late, 1e-6)
+        return _raw(seen, _micro(stamp), number)
+
+    def _spoilt(self, message: "dialect.MAVLink_message", now: float) -> list[bytes]:
+        """Return the message as it goes over the line, after faults."""
+        mav, truth = self._mav, self.truth
+        for fault in self._active(now, "wrong_system"):
+            mav.srcSystem = int(fault.size) or 77
+        signing = mav.signing
+        signing.sign_outgoing = bool(truth.key) and not self._active(now, "unsigned")
+        signing.secret_key = truth.wrong_key if self._active(now, "wrong_key") else truth.key or None
+        raw = bytes(message.pack(mav))
+        mav.seq, mav.srcSystem, signing.secret_key = (mav.seq + 1) % 256, truth.system, truth.key or None
+        if self._active(now, "outage"):
+            return []
+        if self._active(now, "bad_crc"):
+            at = int(self._rng.integers(6, len(raw)))
+            raw = raw[:at] + bytes([raw[at] ^ 1 << int(self._rng.integers(8))]) + raw[at + 1 :]
+        self._sent = [*self._sent[-19:], raw]
+        return [raw, self._sent[0]] if self._active(now, "replay") else [raw]
+
+
+def _raw(seen: Seen, stamp_us: int, number: int) -> "dialect.MAVLink_message":
+    return seen.gps2_raw(stamp_us) if number == GPS2_RAW else seen.gps_raw_int(stamp_us)
+
+
+def _milli(seconds: float) -> int:
+    return round(seconds * 1e3)
+
+
+def _micro(seconds: float) -> int:
+    return round(seconds * 1e6)

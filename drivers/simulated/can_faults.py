@@ -1,0 +1,49 @@
+"""What goes wrong on a CAN bus, done to a sample's frames: records end to end, see `drivers.can.record`."""
+
+from collections.abc import Iterable
+from typing import Protocol
+
+import numpy as np
+
+from drivers.can.record import RECORD, pack, unpack
+
+SIZE = RECORD.itemsize
+FOREIGN = 0x320  # identifiers from here on are another device's
+
+
+class Counted(Protocol):
+    """A fault."""
+
+    @property
+    def kind(self) -> str: ...  # noqa: D102
+    @property
+    def count(self) -> int: ...  # noqa: D102
+
+
+def babble(rng: np.random.Generator) -> bytes:
+    """Return a frame of another device."""
+    return pack(FOREIGN + int(rng.integers(64)), 0, rng.bytes(int(rng.integers(9))))
+
+
+def without(frames: bytes, faults: Iterable[Counted], rng: np.random.Generator) -> bytes:
+    """Return a sample's frames without those that a ``frame_lost`` takes."""
+    records = [frames[at : at + SIZE] for at in range(0, len(frames), SIZE)]
+    for fault in faults:
+        if fault.kind == "frame_lost":
+            for _ in range(min(fault.count, len(records))):
+                del records[int(rng.integers(len(records)))]
+    return b"".join(records)
+
+
+def parted(frames: bytes) -> tuple[bytes, bytes]:
+    """Return a sample's frames but for the first, and that one."""
+    return frames[SIZE:], frames[:SIZE]
+
+
+def spoilt(frames: bytes, rng: np.random.Generator) -> bytes:
+    """Return a sample's frames with one bit of one payload flipped."""
+    at = SIZE * int(rng.integers(len(frames) // SIZE))
+    [(identifier, data)] = unpack(frames[at : at + SIZE])
+    octet, bit = int(rng.integers(len(data))), 1 << int(rng.integers(8))
+    data = data[:octet] + bytes([data[octet] ^ bit]) + data[octet + 1 :]
+    return frames[:at] + pack(identifier, 0, data) + frames[at + SIZE :]

@@ -1,0 +1,167 @@
+"""Lines of a simulated device on CAN: an slcan adapter on a pty, and python-can's udp_multicast bus.
+
+The adapter speaks as much of the LAWICEL protocol as a station can ask of it: S s O L C V N F and frames t T r R,
+each line ended by CR; it answers CR, a value, z or Z, and BEL for what it does not understand or may not do now.
+Source: LAWICEL CAN232 manual, 2.0.
+"""
+
+import contextlib
+import os
+import re
+import select
+from collections.abc import Callable
+from pathlib import Path
+from threading import Condition, Event, Thread
+
+from drivers.can.record import EXTENDED, IMU, RECORD, STANDARD, WIDE, unpack
+from drivers.simulated.lines import LOOK_S, PtyLine
+
+MOST_WAITING = 4096  # bytes for the station; a bus goes on, but what is simulated waits for its reader
+ERROR, OK = b"\a", b"\r"
+BUS_OFF_FLAGS = 0xA4  # error warning, error passive, bus error
+FRAME = re.compile(
+    rb"[tr][0-7][0-9A-Fa-f]{2}[0-8](?:[0-9A-Fa-f]{2})*|[TR][01][0-9A-Fa-f]{7}[0-8](?:[0-9A-Fa-f]{2})*"
+)
+
+
+def text_of(identifier: int, data: bytes) -> bytes:
+    """Return a received frame as an slcan adapter writes it."""
+    if identifier & EXTENDED:
+        return b"T%08X%d%s\r" % (identifier & WIDE, len(data), data.hex().upper().encode())
+    return b"t%03X%d%s\r" % (identifier & STANDARD, len(data), data.hex().upper().encode())
+
+
+class SlcanAdapter(PtyLine):
+    """An slcan adapter; ``ails`` is what is wrong with it: nothing, ``adapter_hangs`` or ``bus_off``."""
+
+    def __init__(self, link: Path | None = None) -> None:
+        super().__init__(link)
+        self.ails = ""
+        self._is_open = False
+        self._out = bytearray()
+        self._room = Condition()
+        self._gone = Event()
+        self._thread: Thread | None = None
+
+    @property
+    def address(self) -> str:
+        """The URL of the link, or of the terminal itself."""
+        return super().address.replace("serial://", "can://slcan", 1)
+
+    def plug(self) -> None:
+        """Open a terminal; its adapter answers from now on."""
+        super().plug()
+        self._is_open = False
+        self._gone.clear()
+        self._out.clear()
+        self._thread = Thread(target=self._serve, name="slcan adapter", daemon=True)
+        self._thread.start()
+
+    def unplug(self) -> None:
+        """Take the adapter away."""
+        self._gone.set()
+        if self._thread is not None:
+            self._thread.join()
+        super().unplug()
+
+    def write(self, data: bytes, stop: Event) -> bool:
+        """Forward records, or noise on the line, to whoever opened the channel; waits while nobody has."""
+        text = data
+        if data.startswith(IMU.prefix) and len(data) % RECORD.itemsize == 0:
+            text = b"".join(text_of(*frame) for frame in unpack(data))
+        for at in range(0, len(text), MOST_WAITING):
+            with self._room:
+                while not self._has_room() and not stop.is_set() and not self._gone.is_set():
+                    self._room.wait(LOOK_S)
+                if stop.is_set() or self._gone.is_set():
+                    return False
+                self._out += text[at : at + MOST_WAITING]
+        return True
+
+    def _has_room(self) -> bool:
+        return self._is_open and len(self._out) < MOST_WAITING
+
+    def _serve(self) -> None:
+        asked = b""
+        while not self._gone.is_set():
+            wants = [self._near] if self._out else []
+            readable, writable, _ = select.select([self._near], wants, [], LOOK_S / 5)
+            with self._room, contextlib.suppress(BlockingIOError):
+                if readable:
+                    *lines, asked = (asked + os.read(self._near, 4096)).split(b"\r")
+                    if self.ails != "adapter_hangs":
+                        for line in lines:
+                            self._out += self._answer(line)
+                if writable:
+                    del self._out[: os.write(self._near, self._out)]
+                self._room.notify_all()
+
+    def _answer(self, line: bytes) -> bytes:
+        """Return what the adapter says to a command."""
+        word, rest = line[:1], line[1:]
+        answers: dict[bytes, Callable[[bytes], bytes]] = {
+            b"": lambda _: OK,
+            b"O": self._opened,
+            b"L": self._opened,
+            b"C": self._closed,
+            b"S": lambda rate: OK if not self._is_open and re.fullmatch(rb"[0-8]", rate) else ERROR,
+            b"s": lambda rate: OK if not self._is_open and re.fullmatch(rb"[0-9A-Fa-f]{4}", rate) else ERROR,
+            b"V": lambda _: b"V1013\r",
+            b"N": lambda _: b"NFOG1\r",
+            b"F": lambda _: (
+                b"F%02X\r" % (BUS_OFF_FLAGS if self.ails == "bus_off" else 0) if self._is_open else ERROR
+            ),
+        }
+        if word in {b"t", b"T", b"r", b"R"}:
+            return self._sent(line)
+        return answers[word](rest) if word in answers else ERROR
+
+    def _opened(self, _: bytes) -> bytes:
+        was_open, self._is_open = self._is_open, True
+        return ERROR if was_open else OK
+
+    def _closed(self, _: bytes) -> bytes:
+        was_open, self._is_open = self._is_open, False
+        return OK if was_open else ERROR
+
+    def _sent(self, line: bytes) -> bytes:
+        if not self._is_open or self.ails == "bus_off" or not FRAME.fullmatch(line):
+            return ERROR
+        return b"z\r" if line[:1] in {b"t", b"r"} else b"Z\r"
+
+
+class UdpMulticastLine:
+    """python-can's bus over UDP multicast; nothing leaves this machine, and nobody waits for a reader."""
+
+    def __init__(self, group: str = "239.74.163.2", port: int = 43113) -> None:
+        self._group, self._port = group, port
+        self._bus: object | None = None
+
+    @property
+    def address(self) -> str:
+        """The URL of the bus."""
+        return f"can://udp_multicast/{self._group}"
+
+    def plug(self) -> None:
+        """Join the bus."""
+        import can
+
+        self._bus = can.Bus(interface="udp_multicast", channel=self._group, port=self._port, hop_limit=0)
+
+    def unplug(self) -> None:
+        """Leave the bus."""
+        import can
+
+        if isinstance(self._bus, can.BusABC):
+            self._bus.shutdown()
+        self._bus = None
+
+    def write(self, data: bytes, stop: Event) -> bool:
+        """Send the frames of records; noise has no place on this bus."""
+        import can
+
+        if isinstance(self._bus, can.BusABC) and data.startswith(IMU.prefix):
+            for identifier, payload in unpack(data):
+                is_wide = bool(identifier & EXTENDED)
+                self._bus.send(can.Message(arbitration_id=identifier & WIDE, is_extended_id=is_wide, data=payload))
+        return not stop.is_set()

@@ -1,0 +1,97 @@
+"""UDP as a port of bytes: datagrams one after another, and answers to whoever sent them."""
+
+import contextlib
+import errno
+import select
+import socket
+from collections import deque
+
+from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
+
+LARGEST = 65535
+BUFFER = 2**20  # bytes: a burst of many seconds while the reader is held up
+MOST_PEERS = 8
+
+Address = tuple[str, int]
+
+
+class UdpPort:
+    """A bound socket; ``peer`` is whom to write to, None: all who have sent, the last `MOST_PEERS` of them."""
+
+    def __init__(self, socket_: socket.socket, name: str, timeout_s: float, peer: Address | None) -> None:
+        self.name = name
+        self._socket, self._timeout_s, self._peer = socket_, timeout_s, peer
+        self._senders: deque[Address] = deque(maxlen=MOST_PEERS)
+
+    @property
+    def address(self) -> Address:
+        """Where this end is bound."""
+        host, port = self._socket.getsockname()[:2]
+        return str(host), int(port)
+
+    def read(self, max_bytes: int) -> bytes:
+        """Return the datagrams that have come, end to end, empty after the timeout."""
+        try:
+            if not select.select([self._socket], [], [], self._timeout_s)[0]:
+                return b""
+            parts, size = list[bytes](), 0
+            while size < max_bytes and (data := self._receive()) is not None:
+                parts.append(data)
+                size += len(data)
+        except (OSError, ValueError) as error:  # ValueError: select on a closed socket
+            raise LinkLost(self.name, getattr(error, "strerror", None) or str(error)) from error
+        return b"".join(parts)
+
+    def write(self, data: bytes) -> None:
+        """Send ``data`` as one datagram; who is not there is not an error of UDP."""
+        for peer in [self._peer] if self._peer else list(self._senders):
+            try:
+                self._socket.sendto(data, peer)
+            except OSError as error:
+                if error.errno == errno.EBADF:
+                    raise LinkLost(self.name, "closed") from error
+
+    def close(self) -> None:
+        """Give the port back."""
+        self._socket.close()
+
+    def _receive(self) -> bytes | None:
+        try:
+            data, sender = self._socket.recvfrom(LARGEST)
+        except BlockingIOError:
+            return None
+        except ConnectionRefusedError:  # a datagram of ours met a closed port: the peer is not there yet
+            return b""
+        if sender not in self._senders:
+            self._senders.append(sender)
+        return data
+
+
+def open_udp(host: str, port: int, timeout_s: float, *, listens: bool) -> UdpPort:
+    """Bind to ``host:port`` if it ``listens``, else to any port, to send there.
+
+    Raises
+    ------
+    PortBusy, PortDenied, PortNotFound
+        If the address is taken, not permitted or not one of this machine.
+    """
+    name = f"{host}:{port}"
+    try:
+        family, _, _, _, where = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+        bound = socket.socket(family, socket.SOCK_DGRAM)
+    except (OSError, UnicodeError) as error:
+        raise PortNotFound(name, f"no such address ({error})", "check host and port") from error
+    try:
+        bound.setblocking(False)
+        with contextlib.suppress(OSError):
+            bound.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
+        if listens:
+            bound.bind(where)
+    except OSError as error:
+        bound.close()
+        if error.errno == errno.EADDRINUSE:
+            raise PortBusy(name) from error
+        if error.errno in {errno.EACCES, errno.EPERM}:
+            raise PortDenied(name) from error
+        raise PortNotFound(name, error.strerror or str(error), "use an address of this machine") from error
+    return UdpPort(bound, name, timeout_s, None if listens else (str(where[0]), int(where[1])))

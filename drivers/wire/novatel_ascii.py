@@ -1,0 +1,102 @@
+"""NovAtel's logs as lines of text: ``%NAMEA,header;fields*crc`` or, with the long header, ``#NAMEA,...``.
+
+A line becomes a row of the table that the short binary form of its log has, so that both are decoded alike. The
+CRC is NovAtel's over what stands between the first character and the ``*``; it is printed as 8 lower-case
+hexadecimal digits. Source: OEM7 manual, "ASCII" and "32-Bit CRC".
+"""
+
+import struct
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from drivers.wire import novatel, novatel_log
+from drivers.wire._format import UNDECIDED, FrameKind, Identity, Octets, TextForm, WireFormat
+from procedures.records import CountBlock
+
+LONGEST = 256  # characters; the longest line that numbers at their limits give has 226
+DIGITS = 8  # of the CRC
+_PLAIN = struct.Struct("<12xIdI6i4x")
+_TYPED = struct.Struct("<12xBBHdI6i4x")
+
+
+def end(buffer: bytes, at: int) -> int:
+    """Return where the line from ``at`` on ends, its line break left out; see `TextForm`."""
+    star = buffer.find(b"*", at, at + LONGEST - DIGITS)
+    if star >= 0:
+        return star + 1 + DIGITS
+    return UNDECIDED if len(buffer) - at < LONGEST - DIGITS else at
+
+
+def is_intact(line: Octets) -> bool:
+    """Say whether a line passes its CRC."""
+    text = bytes(line)
+    body, star, check = text[1 : -DIGITS - 1], text[-DIGITS - 1 : -DIGITS], text[-DIGITS:]
+    return text[:1] in (b"%", b"#") and star == b"*" and check == b"%08x" % novatel.crc(body)
+
+
+def row(line: bytes) -> bytes:
+    """Return a line's fields as a row of the short binary table; raise ValueError where they are others."""
+    fields = line[: -DIGITS - 1].partition(b";")[2].split(b",")
+    try:
+        if len(fields) == 11:
+            info, imu_type, week, seconds, status, *counts = fields
+            return _TYPED.pack(
+                int(info, 16), int(imu_type), int(week), float(seconds), int(status, 16), *map(int, counts)
+            )
+        week, seconds, status, *counts = fields
+        return _PLAIN.pack(int(week), float(seconds), int(status, 16), *map(int, counts))
+    except struct.error as error:
+        raise ValueError(f"{len(fields)} fields that do not fit, expected 9 or 11") from error
+
+
+def encode(block: CountBlock, dtype: np.dtype[np.void], message: int, name: str, *, is_long: bool) -> bytes:
+    """Return the lines of a block, each with its line break; what is sent is as in the binary form."""
+    lines = list[bytes]()
+    for frame in novatel_log.rows(block, dtype, message):
+        start = ",".join((f"{name}A", *_header(frame, is_long=is_long)))
+        body = f"{start};{','.join(_fields(frame))}".encode("ascii")
+        lines.append(b"%s%s*%08x\r\n" % (b"#" if is_long else b"%", body, novatel.crc(body)))
+    return b"".join(lines)
+
+
+def ascii_log(
+    binary: WireFormat, message: int, dtype: np.dtype[np.void], example: bytes, *, is_long: bool
+) -> WireFormat:
+    """Return the text form of a log whose binary form is ``binary`` and whose short binary table is ``dtype``."""
+    name = binary.name.upper()
+    mark = b"#" if is_long else b"%"
+    imu = FrameKind(mark + name.encode() + b"A,", dtype, text=TextForm(end, row, LONGEST))
+    typed: Callable[[bytes], Identity] | None = None
+    if binary.identify is not None:
+        typed = partial(novatel_log.identify, dtype=dtype)
+    return replace(
+        binary,
+        name=f"{binary.name}a",
+        title=f"NovAtel {name}A, a line of text",
+        sync=imu.prefix,
+        length_at=None,
+        imu=imu,
+        check="CRC-32 as in the binary form, over the characters between the first and the *",
+        is_intact=is_intact,
+        encode=partial(encode, dtype=dtype, message=message, name=name, is_long=is_long),
+        example=example,
+        trailer=b"\r\n",
+        identity=None if typed is None else imu,
+        identify=typed,
+    )
+
+
+def _header(frame: np.void, *, is_long: bool) -> tuple[str, ...]:
+    week, seconds = str(frame["log_week"]), f"{frame['log_ms'] / 1000:.3f}"
+    if not is_long:
+        return week, seconds
+    return "COM1", "0", "0.0", "FINESTEERING", week, seconds, "00000000", "0000", "0"
+
+
+def _fields(frame: np.void) -> list[str]:
+    typed = [f"{frame['info']:02x}", str(frame["type"])] if "info" in (frame.dtype.names or ()) else []
+    counts = [str(count) for name in ("accel", "gyro") for count in frame[name]]
+    return [*typed, str(frame["week"]), f"{frame['seconds']:.9f}", f"{frame['status']:08x}", *counts]

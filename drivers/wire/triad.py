@@ -1,0 +1,118 @@
+"""Three single-axis gyros read on three ports, as one device: samples joined by time, and the bytes behind them.
+
+The port `drivers.triad_port` writes both kinds of frame, little-endian, into one stream: every byte as it was
+read from each axis, and each sample whose three parts came. So what is recorded holds what was joined and from
+what. A sample of which a part is missing is left out; the counter goes on, so that the gap shows. Time is the
+host's.
+"""
+
+import zlib
+
+import numpy as np
+
+from drivers.wire._format import FrameKind, Frames, Octets, WireFormat, fits, seal
+from procedures.records import CountBlock
+
+SYNC = b"\x9d\x3a"
+RESIDUE = 0x2144DF1C  # CRC-32/ISO-HDLC of any message followed by its own CRC
+INT32 = 2**31
+NO_TEMPERATURE = -32768
+FAULTS = 0x0007  # status bits 0, 1, 2: x, y, z not healthy
+MOST = 18  # bytes of an axis in a frame
+
+SAMPLE = np.dtype(
+    [
+        ("sync", "u1", 2),
+        ("kind", "u1"),  # 1
+        ("length", "u1"),  # 36
+        ("counter", "<u4"),  # one more with every sample of x, joined or not
+        ("time_ns", "<i8"),  # of x, on the host's clock
+        ("gyro", "<i4", 3),
+        ("temperature", "<i2"),  # 0.01 degC, mean of the three
+        ("status", "<u2"),
+        ("crc", "<u4"),
+    ]
+)
+READ = np.dtype(
+    [
+        ("sync", "u1", 2),
+        ("kind", "u1"),  # 2
+        ("length", "u1"),  # 36
+        ("host_ns", "<i8"),  # when they were read
+        ("axis", "u1"),  # 0, 1, 2
+        ("size", "u1"),  # of these bytes
+        ("data", "u1", MOST),
+        ("crc", "<u4"),
+    ]
+)
+
+
+def is_intact(frame: Octets) -> bool:
+    """Say whether a frame passes its CRC."""
+    return zlib.crc32(frame) == RESIDUE
+
+
+def decode(frames: Frames) -> CountBlock:
+    """Return the counts of the three gyros; the accelerometers are 0."""
+    status, temperature = frames["status"].astype(np.int64), frames["temperature"]
+    return CountBlock(
+        counter=frames["counter"].astype(np.int64),
+        device_time=frames["time_ns"] / 1e9,
+        gyro=frames["gyro"].astype(np.int64),
+        accel=np.zeros((len(frames), 3), dtype=np.int64),
+        temperature=np.where(temperature == NO_TEMPERATURE, np.nan, temperature / 100.0),
+        status=status,
+        healthy=(status & FAULTS) == 0,
+    )
+
+
+def encode(block: CountBlock) -> bytes:
+    """Return the frames of a block; an unhealthy sample without a fault bit is sent with all three."""
+    frames = np.zeros(len(block), SAMPLE)
+    frames["sync"] = np.frombuffer(SYNC, np.uint8)
+    frames["kind"], frames["length"] = IMU.prefix[2:4]
+    frames["counter"] = fits(block.counter, 0, 2**63 - 1, "counter") % 2**32
+    frames["time_ns"] = fits(np.rint(block.device_time * 1e9), 0, 2**62, "device_time in ns")
+    frames["gyro"] = fits(block.gyro, -INT32, INT32 - 1, "gyro")
+    unknown = np.isnan(block.temperature)
+    warmth = fits(np.rint(np.where(unknown, 0.0, block.temperature) * 100), -32767, 32767, "temperature")
+    frames["temperature"] = np.where(unknown, NO_TEMPERATURE, warmth)
+    status = fits(block.status, 0, 2**16 - 1, "status")
+    frames["status"] = status | np.where(~block.healthy & ((status & FAULTS) == 0), FAULTS, 0)
+    return seal(frames, zlib.crc32)
+
+
+def encode_read(host_ns: int, axis: int, data: bytes) -> bytes:
+    """Return bytes as they were read from an axis, in as many frames as it takes."""
+    pieces = [data[at : at + MOST] for at in range(0, len(data), MOST)]
+    frames = np.zeros(len(pieces), READ)
+    frames["sync"] = np.frombuffer(SYNC, np.uint8)
+    frames["kind"], frames["length"] = BYTES.prefix[2:4]
+    frames["host_ns"], frames["axis"] = host_ns, axis
+    frames["size"] = [len(piece) for piece in pieces]
+    frames["data"] = [list(piece.ljust(MOST, b"\0")) for piece in pieces]
+    return seal(frames, zlib.crc32)
+
+
+IMU = FrameKind(SYNC + bytes((1, SAMPLE.itemsize)), SAMPLE, channels=frozenset({"gx", "gy", "gz"}))
+BYTES = FrameKind(SYNC + bytes((2, READ.itemsize)), READ)
+
+FORMAT = WireFormat(
+    name="triad",
+    title="Three single-axis gyros, joined by the station",
+    source="docs/wire-formats.md",
+    sync=SYNC,
+    length_at=3,
+    imu=IMU,
+    passed_over=(BYTES,),
+    check="CRC-32/ISO-HDLC over everything before it",
+    check_bits=32,
+    is_intact=is_intact,
+    decode=decode,
+    encode=encode,
+    carries=frozenset({"counter", "device_time", "temperature", "status", "healthy"}),
+    baud=115200,
+    counter_modulus=2**32,
+    # made by `encode`: sample 7 at 1 s, counts 1, -2, 3, 25 degC
+    example=bytes.fromhex("9d3a0124 07000000 00ca9a3b00000000 01000000feffffff03000000 c409 0000 214d176e"),
+)

@@ -1,0 +1,146 @@
+"""Roll and pitch of a whole log by any aid: the table of aids, and one function for all of them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.attitude.frd import down_of, earth_rate_ned
+from procedures.attitude.gains import PAPER, Gains
+from procedures.attitude.joint import AID_CODE, JointFilter
+from procedures.attitude.joint_state import DEFAULT, FREE, Settings
+from procedures.attitude.log import AttitudeLog
+from procedures.attitude.mixer import NEAR_VERTICAL, mix, mix_as_printed
+from procedures.attitude.north import heading_at_rest
+from procedures.attitude.observability import Observability, observability
+from procedures.attitude.sensor_noise import clipped_rows, gate_of, gyro_noise
+from procedures.earth import EARTH_RATE, STANDARD_GRAVITY
+
+AIDS = ("none", "airspeed", "airspeed-filter", "gnss", "paper-airspeed", "paper-filter")
+NEEDS = {"airspeed": "airspeed", "airspeed-filter": "airspeed", "gnss": "velocity",
+         "paper-airspeed": "airspeed", "paper-filter": "airspeed"}  # fmt: skip
+LONG_TURN_S = 60.0  # the printed velocity filter is not believed beyond
+UPSIDE_DOWN = 0.5  # cosine
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """Attitude along a log: the down vector (n, 3), its 1 sigma (n,) [rad] where the method has one.
+
+    ``gyro_bias`` (3,) [rad/s] at the end with 1 sigma (None where the method has none); ``parameters`` as used.
+    """
+
+    aid: str
+    down: FloatArray
+    sigma: FloatArray | None
+    gyro_bias: FloatArray
+    gyro_bias_std: FloatArray | None
+    parameters: Mapping[str, float]
+    warnings: tuple[str, ...] = ()
+    observability: Observability | None = field(default=None)
+
+
+def default_aid(log: AttitudeLog) -> str:
+    """Return the aid that a log is best served by: airspeed, else GNSS velocity, else none."""
+    if log.airspeed is not None and np.isfinite(log.airspeed).any():
+        return "airspeed-filter"
+    return "gnss" if log.velocity is not None and np.isfinite(log.velocity).any() else "none"
+
+
+def takes_gains(aid: str) -> bool:
+    """Say whether an aid is a form of the mixing law; without aid, gains ask for the law instead of the filter."""
+    return aid not in ("airspeed-filter", "gnss")
+
+
+def estimate(
+    log: AttitudeLog, aid: str, gains: Gains | None = None, gravity: float = STANDARD_GRAVITY,
+    latitude: float | None = None, settings: Settings | None = None, gyro_bias_std: float | None = None,
+) -> Track:  # fmt: skip
+    """Return roll and pitch along a log.
+
+    Parameters
+    ----------
+    aid
+        One of `AIDS`. "none" is the joint filter, or with ``gains`` the mixing law.
+    gravity
+        m/s2.
+    latitude
+        rad; takes the Earth's rate off, its horizontal part once the heading is known. Without it the Earth's
+        rate is part of the biases and of their sigma.
+    gyro_bias_std
+        rad/s, 1 sigma of the gyros' biases where it is known, as after a calibration. With a latitude, and small
+        enough, it lets a rest at the start tell the heading.
+    settings
+        Of the joint filter; what depends on the log (interval, noise, ranges) is filled in.
+    """
+    if aid in AID_CODE and gains is None:
+        settings = settings or (FREE if aid == "none" else DEFAULT)
+        if gyro_bias_std is not None:
+            settings = settings._replace(gyro_bias_std=gyro_bias_std)
+        if latitude is not None and log.heading is None:
+            log, settings = _compassed(log, settings, latitude)
+        track = _joint(log, aid, settings, gravity, latitude)
+    else:
+        track = _mixed(log, aid, gains or PAPER, gravity, gate_of(gyro_noise(log)))
+    return replace(track, warnings=(*_said_of(log), *track.warnings))
+
+
+def _joint(log: AttitudeLog, aid: str, settings: Settings, gravity: float, latitude: float | None) -> Track:
+    earth = np.zeros(3) if latitude is None else earth_rate_ned(latitude)
+    rate_limit, force_limit, _ = clipped_rows(log)
+    unknown = EARTH_RATE if latitude is None else 0.0
+    settings = settings._replace(
+        gravity=gravity, nominal_s=log.nominal,
+        earth_north=float(earth[0]), earth_down=float(earth[2]), rate_limit=rate_limit, force_limit=force_limit,
+        gyro_bias_std=float(np.hypot(settings.gyro_bias_std, unknown)),
+    )  # fmt: skip
+    kept = JointFilter(aid, settings)
+    out = kept.run(log)
+    bias, std = kept.gyro_bias
+    finite = {name: value for name, value in settings._asdict().items() if np.isfinite(value)}
+    return Track(aid, out[:, :3].copy(), out[:, 3].copy(), bias, std, finite)
+
+
+def _compassed(log: AttitudeLog, settings: Settings, latitude: float) -> tuple[AttitudeLog, Settings]:
+    """Give a log the heading of the rest that it begins with, if its gyros are good enough to see it."""
+    found = heading_at_rest(log, latitude, settings.gyro_bias_std)
+    if found is None:
+        return log, settings
+    heading = np.full(len(log.t), np.nan)
+    heading[0], std = found
+    return replace(log, heading=heading), settings._replace(heading_std=std)
+
+
+def _mixed(log: AttitudeLog, aid: str, gains: Gains, gravity: float, gate: float) -> Track:
+    parameters = {"k1": gains.k1, "k2": gains.k2, "gravity": gravity}
+    if aid in ("none", "airspeed"):
+        down, mixer = mix(log, gains, aid, gate)
+        return Track(
+            aid, down, None, mixer.gyro_bias, None, parameters | ({"gate": gate} if aid != "none" else {})
+        )
+    filtered = aid == "paper-filter"
+    angles, printed = mix_as_printed(log, gains, filtered, gate, gravity)
+    warnings = list[str]()
+    if steep := int(np.sum(np.abs(angles[:, 1]) > NEAR_VERTICAL)):
+        warnings.append(
+            f"{steep} rows beyond 80 deg of pitch, where the printed Euler form fails; use another aid"
+        )
+    seen = observability(log, gate) if filtered else None
+    if seen is not None and seen.open_s > LONG_TURN_S:
+        warnings.append(
+            f"turning for {seen.open_s:.0f} s: beyond {LONG_TURN_S:.0f} s the printed velocity filter diverges; "
+            f"use airspeed-filter"
+        )
+    down = down_of(angles[:, 0], angles[:, 1])
+    return Track(aid, down, None, printed.gyro_bias, None, parameters | {"gate": gate}, tuple(warnings), seen)
+
+
+def _said_of(log: AttitudeLog) -> list[str]:
+    said = list[str]()
+    first = log.force[log.t <= log.t[0] + 1.0].mean(axis=0)
+    if first[2] > UPSIDE_DOWN * np.linalg.norm(first):
+        said.append("starts upside down; if it stood level, these axes are not forward-right-down")
+    if rows := clipped_rows(log)[2]:
+        said.append(f"{rows} rows stand at the end of the sensors' range; they count as nearly unknown")
+    return said

@@ -1,0 +1,214 @@
+"""What the joint filter measures: velocity without aid, by airspeed, by GNSS; a heading; rest."""
+
+import math
+
+from procedures.arrays import FloatArray
+from procedures.attitude.compiled import inlined
+from procedures.attitude.joint_state import (
+    AIR,
+    AIR_ROWS,
+    ALPHA,
+    AT_REST,
+    BETA,
+    BIAS,
+    FORCE,
+    HEADING_KNOWN,
+    MEAN_FORCE,
+    MEAN_RATE,
+    RATE,
+    SCALE,
+    SPEED,
+    STILL,
+    TIME,
+    VELOCITY_KNOWN,
+    Settings,
+    State,
+)  # fmt: skip
+from procedures.attitude.joint_update import measure
+
+REST_MEAN_S = 0.5  # over which rest's means are taken
+MEAN_SPEED_S = 1.0
+REST_NORM = 0.05  # of gravity: accelerometers are no better, and braking at a steady 0.4 g is no rest
+
+
+@inlined
+def level_velocity(s: State, c: Settings, i: int, measured: float, variance: float) -> None:
+    """Measure component ``i`` of the velocity in north-east-down."""
+    s.at[0], s.H[0] = 3 + i, 1.0
+    measure(s, 1, s.v_n[i] - measured, variance, c.believed_sigma)
+
+
+@inlined
+def body_velocity(s: State, c: Settings, axis: int, along: float, slow: int, noise: float) -> None:
+    """Measure a body component of the velocity: ``along``, or that times a slow angle."""
+    C, v, H, at = s.C_nb, s.v_n, s.H, s.at
+    c0, c1, c2 = C[0, axis], C[1, axis], C[2, axis]
+    H[0], H[1], H[2] = c1 * v[2] - c2 * v[1], c2 * v[0] - c0 * v[2], c0 * v[1] - c1 * v[0]
+    H[3], H[4], H[5] = c0, c1, c2
+    for k in range(6):
+        at[k] = k
+    error = c0 * v[0] + c1 * v[1] + c2 * v[2]
+    variance = noise * noise / s.block[TIME]
+    if axis == 0:
+        measure(s, 6, error - along, variance, c.believed_sigma)
+    else:
+        H[6], at[6] = -along, 15 if slow == ALPHA else 16
+        measure(s, 7, error - along * s.slow[slow], variance, c.believed_sigma)
+
+
+@inlined
+def doubt(s: State, c: Settings) -> None:
+    """Believe vertical and biases no more than at the start: without its aid the filter took motion for none."""
+    for i in range(3):
+        s.slow[BIAS + i] = 0.0
+    for i in range(9):
+        if i != 2:  # the heading is as good as it was
+            for j in range(len(s.dx)):
+                s.P[i, j] = s.P[j, i] = 0.0
+            s.P[i, i] = c.tilt_std**2 if i < 3 else c.velocity_std**2 if i < 6 else c.gyro_bias_std**2
+
+
+@inlined
+def set_velocity(s: State, north: float, east: float, down: float, std: float) -> None:
+    """Begin the velocity anew [m/s], the same 1 sigma each way: what an aid first says is no outlier."""
+    for i in range(3):
+        for j in range(len(s.dx)):
+            s.P[3 + i, j] = s.P[j, 3 + i] = 0.0
+        s.P[3 + i, 3 + i] = std * std
+    s.v_n[0], s.v_n[1], s.v_n[2] = north, east, down
+    s.block[VELOCITY_KNOWN] = 1.0
+
+
+@inlined
+def airspeed(s: State, c: Settings) -> None:
+    """Take in the airspeed since the last update, angle of attack, sideslip, and a weak word on climbing."""
+    V = s.block[AIR] / s.block[AIR_ROWS]
+    if s.block[VELOCITY_KNOWN] == 0.0:
+        C, std = s.C_nb, c.velocity_std + c.velocity_std_per_speed * abs(V)
+        if abs(V) > c.rest_speed:
+            doubt(s, c)
+        set_velocity(s, C[0, 0] * V, C[1, 0] * V, C[2, 0] * V, std)
+        return
+    body_velocity(s, c, 0, V, 0, c.airspeed_noise)
+    body_velocity(s, c, 1, V, BETA, c.gust_noise)
+    body_velocity(s, c, 2, V, ALPHA, c.gust_noise)
+    climb = c.climb_noise + c.climb_noise_per_speed * abs(V)
+    level_velocity(s, c, 2, 0.0, climb * climb / s.block[TIME])
+
+
+@inlined
+def velocity_fix(s: State, c: Settings, vel: FloatArray) -> None:
+    """Take in a GNSS velocity (3,) [m/s]; the first fast enough gives the heading where none was given.
+
+    The filter's own velocity carries the motion over the fix interval, so that what is compared are velocity
+    increments, not accelerations at a point.
+    """
+    speed = math.hypot(vel[0], vel[1])
+    if math.isnan(s.block[SPEED]) and speed > c.rest_speed:
+        doubt(s, c)
+    s.block[SPEED] = speed
+    if s.block[HEADING_KNOWN] == 0.0 and speed > c.course_speed:
+        turn_level_frame(s, math.atan2(vel[1], vel[0]) - heading_of(s), c.course_std)
+        set_velocity(s, vel[0], vel[1], vel[2], 2 * c.velocity_fix_std)
+        return
+    if s.block[HEADING_KNOWN] > 0.0 and s.block[VELOCITY_KNOWN] == 0.0:
+        set_velocity(s, vel[0], vel[1], vel[2], 2 * c.velocity_fix_std)
+    elif s.block[HEADING_KNOWN] > 0.0:
+        for i in range(3):
+            level_velocity(s, c, i, vel[i], c.velocity_fix_std**2)
+    else:  # as far as the speed goes in some direction
+        for i in range(2):
+            level_velocity(s, c, i, 0.0, c.velocity_fix_std**2 + speed * speed)
+        level_velocity(s, c, 2, vel[2], c.velocity_fix_std**2)
+
+
+@inlined
+def heading_of(s: State) -> float:
+    """Return the heading [rad] of body x in the filter's level frame."""
+    return math.atan2(s.C_nb[1, 0], s.C_nb[0, 0])
+
+
+@inlined
+def turn_level_frame(s: State, angle: float, std: float) -> None:
+    """Turn north by ``angle`` [rad], so that it is true within ``std``: attitude, velocity, covariance."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    n = len(s.dx)
+    for j in range(3):
+        a, b = s.C_nb[0, j], s.C_nb[1, j]
+        s.C_nb[0, j], s.C_nb[1, j] = cos * a - sin * b, sin * a + cos * b
+    a, b = s.v_n[0], s.v_n[1]
+    s.v_n[0], s.v_n[1] = cos * a - sin * b, sin * a + cos * b
+    for i in (0, 3):
+        for j in range(n):
+            a, b = s.P[i, j], s.P[i + 1, j]
+            s.P[i, j], s.P[i + 1, j] = cos * a - sin * b, sin * a + cos * b
+        for j in range(n):
+            a, b = s.P[j, i], s.P[j, i + 1]
+            s.P[j, i], s.P[j, i + 1] = cos * a - sin * b, sin * a + cos * b
+    for j in range(n):
+        s.P[2, j] = s.P[j, 2] = 0.0
+    s.P[2, 2] = std * std
+    s.block[HEADING_KNOWN] = 1.0
+
+
+@inlined
+def true_heading(s: State, c: Settings, heading: float) -> None:
+    """Take in a true heading [rad]; where body x stands near the vertical it says nothing."""
+    if abs(s.C_nb[2, 0]) > 0.98:
+        return
+    if s.block[HEADING_KNOWN] == 0.0:
+        turn_level_frame(s, heading - heading_of(s), c.heading_std)
+        return
+    error = heading_of(s) - heading
+    error -= 2 * math.pi * math.floor(error / (2 * math.pi) + 0.5)
+    level2 = s.C_nb[0, 0] ** 2 + s.C_nb[1, 0] ** 2
+    s.at[0], s.at[1], s.at[2] = 0, 1, 2  # d heading of a small turn of the level frame
+    s.H[0] = -s.C_nb[0, 0] * s.C_nb[2, 0] / level2
+    s.H[1] = -s.C_nb[1, 0] * s.C_nb[2, 0] / level2
+    s.H[2] = 1.0
+    measure(s, 3, error, c.heading_std**2, c.believed_sigma)
+
+
+@inlined
+def rest(s: State, c: Settings, aided: bool) -> bool:
+    """Say whether the unit rests, and if so measure it: no velocity and, where an aid says so too, no rate.
+
+    Rest is rates and specific force that stand still for a while, and no speed by the aid. Without aid a slow
+    steady turn looks the same, so that the rate is then left alone.
+    """
+    block = s.block
+    T = block[TIME]
+    share = min(T / REST_MEAN_S, 1.0)
+    off_rate = off_force = norm2 = 0.0
+    turns = False  # beyond what the gyros' biases may be
+    for i in range(3):
+        rate, force = block[RATE + i] / T, block[FORCE + i] / T
+        norm2 += force * force
+        a, b = rate - block[MEAN_RATE + i], force - block[MEAN_FORCE + i]
+        off_rate += a * a
+        off_force += b * b
+        block[MEAN_RATE + i] += share * a
+        block[MEAN_FORCE + i] += share * b
+        limit = c.rest_rate + 3.0 * math.sqrt(s.P[6 + i, 6 + i])
+        turns = turns or abs(block[MEAN_RATE + i] - s.slow[BIAS + i]) > limit
+    still = off_rate < c.rest_rate**2 and off_force < c.rest_force**2 and not turns
+    still = still and abs(math.sqrt(norm2) - c.gravity) < REST_NORM * c.gravity
+    block[STILL] = block[STILL] + T if still else 0.0
+    if block[AIR_ROWS] > 0:
+        V, share = block[AIR] / block[AIR_ROWS], min(T / MEAN_SPEED_S, 1.0)
+        block[SPEED] = V if math.isnan(block[SPEED]) else block[SPEED] + share * (V - block[SPEED])
+    resting = block[STILL] >= c.rest_s and not abs(block[SPEED]) > c.rest_speed
+    block[AT_REST] = 1.0 if resting else 0.0
+    if resting:
+        for i in range(3):
+            level_velocity(s, c, i, 0.0, c.rest_velocity_noise**2 / T)
+        if aided and block[SPEED] == block[SPEED]:
+            for i in range(3):
+                rate = block[RATE + i] / T
+                s.at[0], s.at[1] = 6 + i, 9 + i
+                s.H[0], s.H[1] = 1.0, rate
+                earth = s.C_nb[0, i] * c.earth_north * block[HEADING_KNOWN] + s.C_nb[2, i] * c.earth_down
+                said = s.slow[BIAS + i] + s.slow[SCALE + i] * rate + earth
+                variance = (c.rest_rate_noise**2 + c.gyro_noise**2) / T
+                measure(s, 2, said - rate, variance, c.believed_sigma)
+    return resting

@@ -1,0 +1,110 @@
+"""What the joint filter carries from sample to sample, and its settings.
+
+Errors are those of north-east-down, in this order: attitude 0-2, velocity 3-5 [m/s], gyro bias 6-8 [rad/s], gyro
+scale 9-11, accelerometer bias 12-14 [m/s2]; with airspeed also angle of attack 15 and sideslip 16 [rad].
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+
+WITHOUT_AIR, WITH_AIR = 15, 17  # states
+
+# Places in `State.slow`: what changes slowly.
+BIAS, SCALE, FORCE_BIAS, ALPHA, BETA = 0, 3, 6, 9, 10
+
+# Places in `State.block`: sums since the last update, and what is known of rest and heading.
+DV, TIME, TURNED2, AIR, AIR_ROWS, LOST_ANGLE, LOST_SPEED, RATE, FORCE = 0, 3, 4, 5, 6, 7, 8, 9, 12
+MEAN_RATE, MEAN_FORCE, STILL, SPEED, HEADING_KNOWN, STARTED, LAST_RATE, AT_REST = 15, 18, 21, 22, 23, 24, 25, 28
+VELOCITY_KNOWN = 29
+BLOCK = 30
+
+
+class Settings(NamedTuple):
+    """What the joint filter assumes; SI and radians. Each is explained in ``docs/attitude.md``.
+
+    Densities are 1 sigma per root of a second: of angle for gyros, of velocity for accelerometers; a measurement's
+    times the root of the seconds that it is averaged over is its sigma.
+    """
+
+    update_s: float = 0.05  # between updates; the attitude is integrated at every sample
+    gravity: float = 9.80665
+    gyro_noise: float = 1e-4  # rad/sqrt(s)
+    gyro_noise_per_rate: float = 1.5e-3  # of the rate, 1/sqrt(1/s): scale and axes while turning
+    gyro_bias_walk: float = 1e-5  # rad/s/sqrt(s)
+    gyro_bias_std: float = 0.03  # rad/s, 1.7 deg/s: of a MEMS gyro switched on
+    gyro_scale_std: float = 2e-3
+    force_noise: float = 0.1  # m/s/sqrt(s): vibration, lever arm, gusts as felt
+    force_bias_std: float = 0.05  # m/s2, 5 mg
+    force_bias_walk: float = 1e-4  # m/s2/sqrt(s)
+    tilt_std: float = math.radians(15.0)  # of the first specific force taken for the vertical
+    velocity_std: float = 1.0  # m/s, at the start
+    velocity_std_per_speed: float = 0.1
+    speed_noise: float = 0.45  # m/s*sqrt(s): no aid; the velocity is about nought
+    airspeed_noise: float = 1.0  # m/s*sqrt(s): gusts along the flight path
+    gust_noise: float = 1.0  # m/s*sqrt(s): gusts across it
+    climb_noise: float = 10.0  # m/s*sqrt(s): vertical speed is about nought, weakly
+    climb_noise_per_speed: float = 0.4
+    attack_std: float = math.radians(4.0)
+    attack_s: float = 100.0
+    slip_std: float = math.radians(1.0)
+    slip_s: float = 20.0
+    velocity_fix_std: float = 0.1  # m/s: GNSS
+    heading_std: float = math.radians(2.0)  # of a heading given
+    course_std: float = math.radians(15.0)  # of the first course taken for the heading
+    course_speed: float = 3.0  # m/s, above which a course says something
+    rest_rate: float = math.radians(1.0)  # rad/s: rates that vary by less may be rest
+    rest_force: float = 0.3  # m/s2
+    rest_speed: float = 1.0  # m/s, above which an aid denies rest
+    rest_s: float = 1.5  # for so long
+    rest_velocity_noise: float = 0.01  # m/s*sqrt(s)
+    rest_force_noise: float = 0.03  # m/s/sqrt(s), of accelerometers that nothing shakes
+    rest_bias_walk: float = 1e-4  # rad/s/sqrt(s), of gyros that nothing moves
+    rest_rate_noise: float = 2.5e-4  # rad/s*sqrt(s); a minute of it is half the Earth rate
+    rate_limit: float = math.inf  # rad/s: the gyros' range; at it they are saturated
+    force_limit: float = math.inf  # m/s2
+    nominal_s: float = 0.01  # the usual interval between samples
+    earth_north: float = 0.0  # rad/s, of the Earth's rate
+    earth_down: float = 0.0
+    believed_sigma: float = 3.0  # a measurement further off counts as if it stood there
+
+
+DEFAULT = Settings()
+
+# Without aid the tilt is what the last seconds of specific force say: a bias may wander, as MEMS ones do in
+# motion, at no cost, and the scale factor's share of fast motion counts more than anything slow.
+FREE = Settings(gyro_bias_walk=5e-4, gyro_scale_std=5e-3, force_bias_std=0.02)
+
+
+class State(NamedTuple):
+    """The filter's memory; arrays are changed in place.
+
+    ``C_nb`` (3, 3); ``v_n`` (3,) [m/s]; ``slow`` (11,); ``P`` (n, n); ``sums`` (3, 6), the integrals of C_nb and
+    of C_nb diag(rate); ``block`` (30,). The others are scratch.
+    """
+
+    C_nb: FloatArray
+    v_n: FloatArray
+    slow: FloatArray
+    P: FloatArray
+    sums: FloatArray
+    block: FloatArray
+    dx: FloatArray
+    A: FloatArray
+    AP: FloatArray
+    H: FloatArray
+    PH: FloatArray
+    at: IntArray
+
+
+def new_state(with_air: bool) -> State:
+    """Return a state before its first sample."""
+    n = WITH_AIR if with_air else WITHOUT_AIR
+    return State(
+        C_nb=np.eye(3), v_n=np.zeros(3), slow=np.zeros(11), P=np.zeros((n, n)), sums=np.zeros((3, 6)),
+        block=np.zeros(BLOCK), dx=np.zeros(n), A=np.zeros((6, n)), AP=np.zeros((6, n)), H=np.zeros(7),
+        PH=np.zeros(n), at=np.arange(7, dtype=np.int64),
+    )  # fmt: skip

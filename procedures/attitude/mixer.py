@@ -1,0 +1,145 @@
+"""The mixing law as an object that is given one sample at a time, and the same kernels over a whole log."""
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.attitude.aided_kernels import P0, mix_paper, mix_paper_log, mix_speed, mix_speed_log
+from procedures.attitude.frd import down_of
+from procedures.attitude.gains import PAPER, Gains
+from procedures.attitude.log import AttitudeLog
+from procedures.attitude.mixing_kernels import mix_log, mix_vector
+from procedures.earth import STANDARD_GRAVITY
+
+GATE = 2.5e-3  # rad/s: P2, section 4
+NEAR_VERTICAL = np.radians(80.0)  # pitch beyond which the Euler form says so
+
+
+class Mixer:
+    """The mixing law on the gravity vector: one sample in, the down vector out, no history kept.
+
+    ``aid`` is "none" or "airspeed" (forward speed with remembered angle of attack, while turning faster than
+    ``gate`` [rad/s]). The first sample's specific force is where the down vector begins. Over a gap the rates of
+    the sample after it are taken for what went on.
+    """
+
+    def __init__(self, gains: Gains = PAPER, aid: str = "none", gate: float = GATE) -> None:
+        self.gains, self.aid, self.gate = gains, aid, gate
+        self._state, self._velocity = np.zeros(6), np.zeros(24)
+        self._t: float | None = None
+
+    @property
+    def down(self) -> FloatArray:
+        """The down vector (3,) in body axes; nought before the first sample."""
+        return self._state[:3].copy()
+
+    @property
+    def gyro_bias(self) -> FloatArray:
+        """The gyro bias (3,) [rad/s] learned so far."""
+        return np.asarray(-self._state[3:])
+
+    def step(self, t: float, rate: FloatArray, force: FloatArray, airspeed: float = np.nan) -> FloatArray:
+        """Take the sample that ends at ``t`` [s] and return the down vector (3,) there."""
+        if self._t is None:
+            self._state[:3] = start_down(force)
+            self._t = t
+            return self.down
+        dt, self._t = t - self._t, t
+        k1, k2 = self.gains.k1, self.gains.k2
+        if self.aid == "airspeed":
+            sample = (*rate, *force, airspeed)
+            mix_speed(*(self._state, self._velocity, dt, *sample, self.gate, k1, k2))
+        else:
+            mix_vector(*(self._state, dt, *rate, *force, k1, k2))
+        return self.down
+
+
+class PaperMixer:
+    """The law in Euler angles as P2 prints it, for reproduction: it fails where pitch nears 90 deg.
+
+    ``filtered`` asks for the velocity filter (11)-(14) instead of forward speed alone (10); in turns of more than
+    a minute it diverges, since it takes the attitude for known (docs/attitude.md).
+    """
+
+    def __init__(
+        self, gains: Gains = PAPER, filtered: bool = False, gate: float = GATE, g: float = STANDARD_GRAVITY
+    ) -> None:
+        self.gains, self.filtered, self.gate, self.g = gains, filtered, gate, g
+        self._state, self._velocity = np.zeros(6), np.zeros(24)
+        self._velocity[12:21] = P0 * np.eye(3).ravel()
+        self._t: float | None = None
+
+    @property
+    def roll_pitch(self) -> tuple[float, float]:
+        """Roll and pitch [rad]."""
+        return float(self._state[0]), float(self._state[1])
+
+    @property
+    def velocity(self) -> FloatArray:
+        """The body velocity (3,) [m/s] in use."""
+        return self._velocity[:3].copy()
+
+    @property
+    def gyro_bias(self) -> FloatArray:
+        """What the integrals hold (3,) [rad/s], of roll and pitch: a bias of the body only while level."""
+        return np.array([-self._state[2], -self._state[3], 0.0])
+
+    @property
+    def near_vertical(self) -> bool:
+        """Whether pitch is so steep that the angles can no longer be believed."""
+        return bool(abs(self._state[1]) > NEAR_VERTICAL)
+
+    def step(self, t: float, rate: FloatArray, force: FloatArray, airspeed: float = np.nan) -> FloatArray:
+        """Take the sample that ends at ``t`` [s] and return the down vector (3,) there."""
+        if self._t is None:
+            self._state[:2] = _start_angles(force)
+            self._velocity[11] = self._velocity[0] = 0.0 if np.isnan(airspeed) else airspeed
+            self._t = t
+        else:
+            dt, self._t = t - self._t, t
+            law = (self.gate, self.gains.k1, self.gains.k2, self.g, self.filtered)
+            mix_paper(*(self._state, self._velocity, dt, *rate, *force, airspeed, *law))
+        return down_of(*np.array(self.roll_pitch))
+
+
+def mix(log: AttitudeLog, gains: Gains = PAPER, aid: str = "none", gate: float = GATE) -> tuple[FloatArray, Mixer]:
+    """Run the law over a log: the down vector (n, 3) of every row, and the mixer as it ends."""
+    mixer = Mixer(gains, aid, gate)
+    out, dt = np.empty((len(log.t), 3)), log.intervals
+    state, velocity = mixer._state, mixer._velocity  # noqa: SLF001  (its own module)
+    state[:3] = out[0] = start_down(log.force[0])
+    args = (dt[1:], log.rate[1:], log.force[1:])
+    if aid == "airspeed":
+        mix_speed_log(state, velocity, *args, _speed(log)[1:], gate, gains.k1, gains.k2, out[1:])
+    else:
+        mix_log(state, *args, gains.k1, gains.k2, out[1:])
+    return out, mixer
+
+
+def mix_as_printed(
+    log: AttitudeLog, gains: Gains = PAPER, filtered: bool = False, gate: float = GATE, g: float = STANDARD_GRAVITY
+) -> tuple[FloatArray, PaperMixer]:
+    """Run the law in Euler angles over a log: roll and pitch (n, 2) [rad], and the mixer as it ends."""
+    mixer = PaperMixer(gains, filtered, gate, g)
+    speed = _speed(log)
+    mixer.step(float(log.t[0]), log.rate[0], log.force[0], float(speed[0]))
+    out = np.empty((len(log.t), 2))
+    out[0] = mixer.roll_pitch
+    state, velocity = mixer._state, mixer._velocity  # noqa: SLF001
+    samples = (log.intervals[1:], log.rate[1:], log.force[1:], speed[1:])
+    mix_paper_log(state, velocity, *samples, gate, gains.k1, gains.k2, g, filtered, out[1:])
+    return out, mixer
+
+
+def start_down(force: FloatArray) -> FloatArray:
+    """Return the down vector (3,) of a specific force (3,) [m/s2] at rest; level where there is none."""
+    norm = float(np.linalg.norm(force))
+    return -force / norm if norm > 1e-6 else np.array([0.0, 0.0, 1.0])
+
+
+def _start_angles(force: FloatArray) -> tuple[float, float]:
+    down = start_down(force)
+    return float(np.arctan2(down[1], down[2])), float(np.arcsin(-down[0]))
+
+
+def _speed(log: AttitudeLog) -> FloatArray:
+    return np.zeros(len(log.t)) if log.airspeed is None else log.airspeed

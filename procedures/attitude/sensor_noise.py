@@ -1,0 +1,51 @@
+"""What a log tells about its sensors: the gyros' noise, the gate above it, the range at which they clip."""
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.attitude.aided_kernels import SMOOTH_S
+from procedures.attitude.log import AttitudeLog
+from procedures.attitude.mixer import GATE
+
+WINDOW_S = 1.0
+QUIET = 0.05  # quantile of the windows' noise that counts as the unit's own
+GATE_SIGMA = 4.0
+LEAST_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: no unit clips below
+CLIPPED_ROWS = 3
+
+
+def gyro_noise(log: AttitudeLog) -> float:
+    """Return the gyros' white noise [rad/sqrt(s)] in the quietest windows of a second, the largest axis.
+
+    From second differences, so that slow motion and bias do not count; 0 for logs shorter than a second.
+    """
+    rows = max(round(WINDOW_S / log.nominal), 8)
+    windows = (len(log.t) - 2) // rows
+    if windows < 1:
+        return 0.0
+    second = np.diff(log.rate, n=2, axis=0)[: windows * rows]
+    variance = np.mean(second.reshape(windows, rows, 3) ** 2, axis=1) / 6
+    return float(np.sqrt(np.quantile(variance, QUIET, axis=0).max() * log.nominal))
+
+
+def gate_of(noise: float) -> float:
+    """Return the rate [rad/s] above which a unit of this noise [rad/sqrt(s)] turns: never below P2's."""
+    return max(GATE, float(GATE_SIGMA * noise / np.sqrt(2 * SMOOTH_S)))
+
+
+def range_limit(samples: FloatArray, least: float) -> float:
+    """Return the value at which samples (n, 3) clip, infinity where they do not.
+
+    They clip where the largest size, above ``least``, stands for `CLIPPED_ROWS` rows running in a channel.
+    """
+    top = float(np.abs(samples).max(initial=0.0))
+    at_top = np.abs(samples) >= top
+    running = at_top[2:] & at_top[1:-1] & at_top[:-2]
+    return top if top > least and bool(running.any()) else float("inf")
+
+
+def clipped_rows(log: AttitudeLog) -> tuple[float, float, int]:
+    """Return the ranges of gyros [rad/s] and accelerometers [m/s2], infinity where unseen, and the rows at one."""
+    rate, force = range_limit(log.rate, LEAST_RANGE[0]), range_limit(log.force, LEAST_RANGE[1])
+    at_limit = (np.abs(log.rate) >= rate).any(axis=1) | (np.abs(log.force) >= force).any(axis=1)
+    return rate, force, int(at_limit.sum())

@@ -1,0 +1,142 @@
+"""The residual of an attitude log as evidence, for the loop of `procedures.diagnosis`.
+
+Windows of a second or more give rows of two kinds. *Gyroscope*: the reference's down vector at the end, less that
+at the start carried over by the rates. *Accelerometer*, with truth only: the mean specific force less the model's,
+in g. Without truth the reference is the accelerometers' own attitude, and their effects show in the first kind.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.attitude.log import GAP
+from procedures.attitude.tracing.effects import ATTITUDE_EFFECTS, AttitudeEffect, Motion
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.evidence import KINDS, TRIADS, Evidence
+from procedures.diagnosis.model import Term
+from procedures.effects.effect import Columns, Effect, Seen, SeenStep
+from procedures.frames import rotation
+
+WINDOW_S, BLIND_WINDOW_S, MOST_WINDOWS = 1.0, 4.0, 600  # without truth drift must outgrow the accelerometers
+STRETCHES = 10  # left out in turn: what neighbours share, a whole stretch does not repeat
+SIGMA = 1e-6  # rad: nothing is known of the noise, which is found from the scatter
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Windows:
+    """Row numbers (m, k) of the windows that are used, and the reference's down vector (n, 3) along the log."""
+
+    rows: IntArray
+    reference: FloatArray
+    has_truth: bool
+
+
+def windows(motion: Motion, base: FloatArray, gravity: float, use: BoolArray) -> Windows:
+    """Cut the rows to ``use`` (n,) into windows without gap or unknown reference.
+
+    ``base`` (n, 3) [m/s2] is what the model adds to gravity in the specific force.
+    """
+    log = motion.log
+    truth = log.true_down
+    has_truth = truth is not None and bool(np.isfinite(truth).any())
+    reference = truth if truth is not None and has_truth else (base - log.force) / gravity
+    span = max(WINDOW_S if has_truth else BLIND_WINDOW_S, float(use.sum()) * log.nominal / MOST_WINDOWS)
+    k = max(round(span / log.nominal), 2)
+    m = len(log.t) // k
+    rows = np.arange(m * k).reshape(m, k)
+    fine = use & np.isfinite(reference).all(axis=1) & (log.intervals < GAP * log.nominal)
+    if not has_truth:  # the mean direction stands for that of the window's middle
+        average = max(round(WINDOW_S / log.nominal), 1)
+        kernel = np.ones(average) / average
+        reference = np.stack([np.convolve(column, kernel, "same") for column in reference.T], axis=1)
+        reference /= np.linalg.norm(reference, axis=1)[:, None]
+    return Windows(rows[fine[rows].all(axis=1)], reference, has_truth)
+
+
+def carried(motion: Motion, cut: Windows, columns: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return residual (m, 3) and columns (m, 3, k) of the gyroscope rows; ``columns`` (n, 3, k) are of rates."""
+    log, first = motion.log, cut.rows[:, 0]
+    down = cut.reference[first]
+    H = np.zeros((len(first), 3, columns.shape[2]))
+    dt = log.intervals
+    for at in cut.rows.T[1:]:
+        R = np.swapaxes(rotation(log.rate[at] * dt[at, None]), 1, 2)  # the body turns, so what it sees turns back
+        down = np.einsum("mij,mj->mi", R, down)
+        H = R @ H + np.cross(columns[at] * dt[at, None, None], down[:, :, None], axis=1)
+    return cut.reference[cut.rows[:, -1]] - down, H
+
+
+def tilted(motion: Motion, cut: Windows, columns: FloatArray, gravity: float) -> FloatArray:
+    """Return columns (m, 3, k) of the gyroscope rows by effects on the specific force, the reference's own."""
+    d = cut.reference
+    across = -(columns - d[:, :, None] * np.einsum("ni,nik->nk", d, columns)[:, None, :]) / gravity
+    start = across[cut.rows[:, 0]]
+    for at in cut.rows.T[1:]:
+        R = np.swapaxes(rotation(motion.log.rate[at] * motion.log.intervals[at, None]), 1, 2)
+        start = R @ start
+    found: FloatArray = across[cut.rows[:, -1]] - start
+    return found
+
+
+def evidence_of(
+    motion: Motion, base: FloatArray, cut: Windows, effects: tuple[AttitudeEffect, ...],
+    held: tuple[AttitudeEffect, ...], gravity: float, at_speed: bool,
+) -> tuple[Evidence, dict[str, list[Candidate]]]:  # fmt: skip
+    """Return the evidence and a candidate per effect; ``held`` are those that the model estimates anyway.
+
+    ``at_speed`` where the base model has ``omega x V``: an error of the rates then is one of the model's force.
+    """
+    sizes = [len(each.coefficients) for each in (*effects, *held)]
+    n, ends = len(motion.log.t), np.cumsum([0, *sizes])
+    rates, forces = np.zeros((n, 3, ends[-1])), np.zeros((n, 3, ends[-1]))
+    for i, each in enumerate((*effects, *held)):
+        at = slice(int(ends[i]), int(ends[i + 1]))
+        rates[:, :, at] = 0.0 if each.rate is None else each.rate(motion)
+        forces[:, :, at] = 0.0 if each.force is None else each.force(motion)
+    if at_speed:
+        forces -= np.cross(rates, (motion.speed[:, None] * [1.0, 0.0, 0.0])[:, :, None], axis=1)
+    left, H = carried(motion, cut, rates)
+    blocks = [(left, H, 1)]
+    if cut.has_truth:
+        off = (motion.log.force - base + gravity * cut.reference) / gravity
+        blocks.append((off[cut.rows].mean(axis=1), forces[cut.rows].mean(axis=1) / gravity, 0))
+    else:
+        blocks[0] = (left, H + tilted(motion, cut, forces, gravity), 1)
+    residual = np.concatenate([block[0].ravel() for block in blocks])
+    columns = np.concatenate([block[1].reshape(-1, ends[-1]) for block in blocks])
+    triad = np.concatenate([np.full(block[0].size, block[2]) for block in blocks])
+    stretch = np.tile(np.repeat(np.arange(len(left)) * STRETCHES // max(len(left), 1), 3), len(blocks))
+    made = _evidence(residual, -columns[:, ends[len(effects)] :], triad, stretch)
+    pool = {
+        each.name: [_candidate(each, columns[:, ends[i] : ends[i + 1]], made.A.shape[1])]
+        for i, each in enumerate(effects)
+    }
+    return made, pool
+
+
+def stretches(evidence: Evidence) -> list[IntArray]:
+    """Return the rows of each stretch."""
+    return [np.flatnonzero(evidence.step == number) for number in range(STRETCHES)]
+
+
+def _evidence(residual: FloatArray, A: FloatArray, triad: IntArray, stretch: IntArray) -> Evidence:
+    n = len(residual)
+    none, nothing = np.zeros(0), np.zeros((0, 3))
+    steps = tuple(SeenStep(f"stretch {i + 1}", "rate", 0, 0, "") for i in range(STRETCHES))
+    seen = Seen(nothing, nothing, nothing, nothing, nothing, nothing, none, none, none, none, {},
+                np.zeros(0, np.int64), np.zeros((0, 3, 3)), steps)  # fmt: skip
+    return Evidence(
+        residual=residual, sigma=np.full(n, SIGMA), A=A, triad=triad, kind=np.full(n, KINDS.index("rate")),
+        step=stretch, axis=np.arange(n) % 3, is_range=np.zeros(n, bool), x=np.zeros(A.shape[1]),
+        columns_of=tuple(np.zeros(0, np.int64) for _ in TRIADS), weights=(), seen=seen,  # type: ignore[arg-type]
+    )  # fmt: skip
+
+
+def _candidate(effect: AttitudeEffect, H: FloatArray, parameters: int) -> Candidate:
+    known = Effect(effect.name, effect.unit, "", "", effect.plausible, lambda seen: (), effect.separate_by)
+    plausible = np.full(len(effect.coefficients), effect.plausible)
+    return Candidate(known, Columns(effect.coefficients), Term(H, plausible), np.zeros(parameters, bool))
+
+
+NAMED = {each.name: each for each in ATTITUDE_EFFECTS}

@@ -1,0 +1,211 @@
+"""Trace an attitude log's residual to what the model lacks, add it, and compare on rows that were not used.
+
+The first part of the rows is what effects are found in, one at a time, by the calibration's own rules
+(`procedures.diagnosis.selection`): Holm over all that were tried, better foretold stretches, plausible sizes,
+repeated by stretches left out in turn. The rest, which had no say, is where the mixer runs on the corrected log.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.attitude.attitude import Track, estimate
+from procedures.attitude.frd import inclination
+from procedures.attitude.gains import Gains
+from procedures.attitude.log import AttitudeLog
+from procedures.attitude.tracing.effects import ATTITUDE_EFFECTS, AttitudeEffect, Motion
+from procedures.attitude.tracing.evidence import NAMED, Windows, carried, evidence_of, stretches, windows
+from procedures.diagnosis.aliases import takes_its_place
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.evidence import Evidence
+from procedures.diagnosis.model import significance
+from procedures.diagnosis.repeats import std_of_repeats
+from procedures.diagnosis.result import Confidence, Errors, Finding, Test, Verdict
+from procedures.diagnosis.selection import CLAIMED, GAIN, MOST, Adopted, Tried, gain_of, next_effect, try_all
+from procedures.errors import NotObservable
+
+USED = 0.6  # of the rows, in time; the rest judges
+LEAST_WINDOWS = 30
+WORSE = 1.1  # times the error before, on rows that had no say
+REMEMBERED = ("airspeed", "velocity.attack")  # held by that law itself
+ORDER: tuple[Confidence, ...] = ("ambiguous", "likely", "established")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """What was found; ``corrected`` is the log with it taken off, ``track`` the attitude on that."""
+
+    verdict: Verdict
+    findings: tuple[Finding, ...]
+    errors: tuple[Errors, ...]
+    tried: tuple[Test, ...]
+    corrected: AttitudeLog
+    track: Track
+
+
+def trace(log: AttitudeLog, aid: str, gains: Gains | None, gravity: float) -> Trace:
+    """Find what the residual between mixer and truth, or gyros and accelerometers, says the model lacks.
+
+    Raises
+    ------
+    NotObservable
+        If the log is too short, or its truth too sparse.
+    """
+    speed = _speed(log, aid)
+    motion = _motion(log, aid)
+    has_filter = gains is None and aid in ("airspeed-filter", "gnss")
+    base = base_of(motion, aid, has_filter)
+    used = np.arange(len(log.t)) < USED * len(log.t)
+    cut = windows(motion, base, gravity, used & _counts(log))
+    if len(cut.rows) < LEAST_WINDOWS:
+        missing = f"{LEAST_WINDOWS} s of rows without gap (with truth, if any)"
+        raise NotObservable("what the model lacks", [missing])
+    free, held = _split(aid, speed is not None, cut.has_truth, has_filter)
+    evidence, pool = evidence_of(motion, base, cut, free, held, gravity, aid != "none")
+    adopted, tried = _adopt(evidence, pool)
+
+    def judged(adopted: Sequence[Adopted]) -> tuple[tuple[Finding, ...], AttitudeLog, Track, Errors]:
+        findings = tuple(_finding(evidence, each, adopted, pool) for each in adopted)
+        corrected = without(motion, findings)
+        track = estimate(corrected, aid, gains, gravity)
+        errors = _errors(log, first, track, used, cut)
+        if errors is None:
+            seen = [(each, base_of(_motion(each, aid), aid, has_filter)) for each in (log, corrected)]
+            errors = _apart(seen, used, gravity)
+        return findings, corrected, track, errors
+
+    first = estimate(log, aid, gains, gravity)
+    kept, best = list[Adopted](), judged(())
+    for each in adopted:  # what does not help the mixer, which may hold it already, is not added
+        new = judged([*kept, each])
+        if new[3].after < best[3].after:
+            kept, best = [*kept, each], new
+    findings, corrected, after, errors = best
+    verdict: Verdict = min((f.confidence for f in findings), key=ORDER.index) if findings else "consistent"
+    if (errors.held_out_after or 0.0) > WORSE * (errors.held_out_before or 0.0):
+        verdict = "unexplained"  # it does not foretell the rows that had no say: nothing is taken off
+        corrected, after = log, first
+    tests = tuple(Test(t.candidate.effect.name, t.test.statistic, t.log_p, t.log_p_adjusted) for t in tried)
+    return Trace(verdict, findings, (errors,), tests, corrected, after)
+
+
+def base_of(motion: Motion, aid: str, has_filter: bool) -> FloatArray:
+    """Return what a mixer's model adds to gravity (n, 3) [m/s2]: turning at speed, and in a filter braking too."""
+    base = np.zeros_like(motion.log.force)
+    if aid != "none":
+        base += np.cross(motion.log.rate, motion.speed[:, None] * [1.0, 0.0, 0.0])
+    if has_filter:
+        base[:, 0] += motion.speed_slope
+    return base
+
+
+def without(motion: Motion, findings: Sequence[Finding]) -> AttitudeLog:
+    """Return the log with effects taken off: rates and forces, or the speed where it is the aid's."""
+    log, rate, force = motion.log, motion.log.rate.copy(), motion.log.force.copy()
+    airspeed = None if log.airspeed is None else log.airspeed.copy()
+    for found in findings:
+        effect = NAMED[found.effect]
+        if effect.is_of_aid and airspeed is not None:
+            change = motion.speed if effect.name == "aid.scale" else motion.speed_slope
+            airspeed = airspeed + found.value[0] * change
+            continue
+        rate -= 0.0 if effect.rate is None else effect.rate(motion) @ found.value
+        force -= 0.0 if effect.force is None else effect.force(motion) @ found.value
+    return replace(log, rate=rate, force=force, airspeed=airspeed)
+
+
+def _speed(log: AttitudeLog, aid: str) -> FloatArray | None:
+    """Return the forward speed (n,) of a log, held over rows without; None where it has none."""
+    if log.airspeed is not None and aid != "gnss" and np.isfinite(log.airspeed).any():
+        values = log.airspeed
+    elif log.velocity is not None and np.isfinite(log.velocity).all(axis=1).any():
+        values = np.linalg.norm(log.velocity, axis=1)
+    else:
+        return None
+    known = np.isfinite(values)
+    return np.interp(log.t, log.t[known], values[known])
+
+
+def _motion(log: AttitudeLog, aid: str) -> Motion:
+    speed = _speed(log, aid)
+    return Motion.of(log, np.zeros(len(log.t)) if speed is None else speed)
+
+
+def _counts(log: AttitudeLog) -> BoolArray:
+    return np.ones(len(log.t), bool) if log.scored is None or log.roll is None else log.scored
+
+
+def _split(
+    aid: str, has_speed: bool, has_truth: bool, has_filter: bool
+) -> tuple[tuple[AttitudeEffect, ...], tuple[AttitudeEffect, ...]]:
+    """Return the effects to try, and those that the filter estimates itself."""
+    fit = [e for e in ATTITUDE_EFFECTS if (has_speed or not e.needs_speed) and (has_truth or not e.needs_truth)]
+    fit = [e for e in fit if not (has_filter and e.name == "velocity.rate")]
+    fit = [e for e in fit if (not e.is_of_aid and e.name != "velocity.forward") or e.is_of_aid == (aid != "none")]
+    held = tuple(e for e in fit if (has_filter and e.of_velocity) or (aid, e.name) == REMEMBERED)
+    return tuple(e for e in fit if e not in held), held
+
+
+def _adopt(evidence: Evidence, pool: dict[str, list[Candidate]]) -> tuple[list[Adopted], list[Tried]]:
+    adopted, tried = list[Adopted](), list[Tried]()
+    for _ in range(MOST):
+        found = try_all(evidence, pool, adopted)
+        tried = tried or found
+        new = next_effect(evidence, found, adopted, stretches(evidence))
+        if new is None:
+            break
+        adopted.append(new)
+    return adopted, tried
+
+
+def _finding(
+    evidence: Evidence, each: Adopted, adopted: Sequence[Adopted], pool: dict[str, list[Candidate]]
+) -> Finding:
+    candidate, left_out = each.candidate, stretches(evidence)
+    beside = [other.term for other in adopted if other is not each]
+    inside = {other.candidate.effect.name for other in adopted}
+    fit = candidate.fit(evidence, beside)
+    test, gain = significance(evidence, fit), gain_of(evidence, candidate, beside, left_out)
+    aliases = tuple(
+        name for name, (way,) in pool.items()
+        if name not in inside and takes_its_place(evidence, fit, way.term)
+    )  # fmt: skip
+    log_p = min(test.log_p + np.log(len(pool)), 0.0)
+    is_sure = log_p < CLAIMED and gain > GAIN
+    confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
+    std = np.maximum(test.std, std_of_repeats(evidence, fit, left_out))
+    effect = candidate.effect
+    return Finding(
+        effect.name, effect.kind, candidate.columns.coefficients, test.value, std, effect.unit, {}, confidence,
+        aliases, effect.separate_by, log_p, gain,
+    )  # fmt: skip
+
+
+def _errors(log: AttitudeLog, before: Track, after: Track, used: BoolArray, cut: Windows) -> Errors | None:
+    truth = log.true_down
+    if truth is None or not cut.has_truth:
+        return None
+    rows = np.isfinite(truth).all(axis=1) & _counts(log)
+    parts = list[float | None]()
+    for part in (rows & used, rows & ~used):
+        for track in (before, after):
+            parts.append(_rms_deg(inclination(track.down[part], truth[part])) if part.any() else None)
+    return Errors("inclination of the mixer against truth", "deg", parts[0] or 0.0, parts[1] or 0.0, *parts[2:])
+
+
+def _apart(seen: Sequence[tuple[AttitudeLog, FloatArray]], used: BoolArray, gravity: float) -> Errors:
+    parts = list[float | None]()
+    for part in (used, ~used):
+        for log, base in seen:
+            motion = Motion.of(log, np.zeros(len(log.t)))
+            cut = windows(motion, base, gravity, part)
+            left, _ = carried(motion, cut, np.zeros((len(log.t), 3, 0)))
+            parts.append(_rms_deg(np.linalg.norm(left, axis=1)) if len(left) else None)
+    name = "gyro-propagated against accelerometer attitude, over a window"
+    return Errors(name, "deg", parts[0] or 0.0, parts[1] or 0.0, *parts[2:])
+
+
+def _rms_deg(angle: FloatArray) -> float:
+    return float(np.degrees(np.sqrt(np.mean(angle**2))))

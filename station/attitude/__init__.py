@@ -1,0 +1,1 @@
+"""Roll and pitch from logs: reading `attitude-log/1`, writing `attitude/1`."""

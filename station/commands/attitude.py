@@ -1,0 +1,127 @@
+"""``station attitude``: roll and pitch along a log."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from station.commands import Database
+
+if TYPE_CHECKING:
+    from procedures.attitude.gains import Gains
+
+
+def attitude(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="A CSV file of attitude-log/1.")],
+    aid: Annotated[
+        str | None,
+        typer.Option(
+            "--aid",
+            metavar="AID",
+            help="none, airspeed, airspeed-filter, gnss, paper-airspeed or paper-filter. "
+            "Without it: airspeed-filter, else gnss, else none.",
+        ),
+    ] = None,
+    tau: Annotated[
+        float | None, typer.Option("--tau", metavar="S", help="Time constant of the mixing law [s].")
+    ] = None,
+    k1: Annotated[float | None, typer.Option("--k1", help="K1 of the mixing law [1/s].")] = None,
+    k2: Annotated[float | None, typer.Option("--k2", help="K2 of the mixing law [1/s].")] = None,
+    gravity: Annotated[float, typer.Option("--gravity", metavar="M_S2", min=9.7, max=9.9)] = 9.80665,
+    latitude: Annotated[
+        float | None,
+        typer.Option("--latitude", metavar="DEG", min=-90, max=90, help="Takes the Earth's rate off."),
+    ] = None,
+    heading: Annotated[
+        float | None,
+        typer.Option("--heading", metavar="DEG", min=-360, max=360, help="True heading at the start."),
+    ] = None,
+    gyro_bias_std: Annotated[
+        float | None,
+        typer.Option("--gyro-bias-std", metavar="DEG_H", min=1e-6, help="1 sigma of the gyros' biases, if known."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="OUT.csv", help="Write roll, pitch and down vector here.")
+    ] = None,
+    diagnose: Annotated[
+        bool, typer.Option("--diagnose", help="Trace the residual to what the model lacks, and add it.")
+    ] = False,
+    json: Annotated[
+        Path | None, typer.Option("--json", metavar="OUT", help="Write attitude/1 here instead of a summary.")
+    ] = None,
+    db: Database = None,
+) -> None:
+    """Find roll and pitch along a log of rates [rad/s] and specific forces [m/s2], forward-right-down.
+
+    airspeed-filter and gnss are one filter of attitude, velocity and biases; none is the same without a velocity,
+    or with --tau or --k1 and --k2 the mixing law. airspeed is the law with forward speed and remembered angle of
+    attack; paper-airspeed and paper-filter are the law as printed (K1 0.08, K2 0.0125), for reproduction. Errors
+    are given in deg where the log has truth.
+
+    --diagnose finds, in the first 60 % of the log, what the residual between mixer and truth (or, without truth,
+    between gyros and accelerometers) says the model lacks; OUT.csv then is the attitude with it taken off, and the
+    error before and after is that of the other 40 %.
+
+    Exit code 2 if the log lacks what the aid needs, 3 if it breaks a rule of attitude-log/1.
+
+    Example: station attitude flight.csv --aid airspeed-filter --out attitude.csv --json attitude.json
+    """
+    gains = _gains(tau, k1, k2)
+    from station.attitude.reading import read_log
+
+    read = read_log(log)
+    from dataclasses import replace
+
+    import numpy as np
+
+    from procedures.attitude.attitude import AIDS, NEEDS, default_aid, estimate, takes_gains
+    from procedures.earth import DEG_PER_HOUR
+    from station.attitude.document import attitude_document, attitude_text, write_track
+    from station.solution_json import write_solution
+
+    chosen = aid or default_aid(read)
+    if chosen not in AIDS:
+        raise typer.BadParameter(f"found {chosen!r}, expected one of {', '.join(AIDS)}", param_hint="--aid")
+    if chosen in NEEDS and getattr(read, NEEDS[chosen]) is None:
+        raise typer.BadParameter(f"{chosen} needs {NEEDS[chosen]}, which {log} has not", param_hint="--aid")
+    if gains is not None and not takes_gains(chosen):
+        raise typer.BadParameter(f"{chosen} has no gains; they belong to the mixing law", param_hint="--tau")
+    if heading is not None and read.heading is None:
+        given = np.full(len(read.t), np.nan)
+        given[0] = np.radians(heading)
+        read = replace(read, heading=given)
+    if diagnose:
+        from procedures.attitude.tracing.trace import trace
+        from station.attitude.tracing import trace_document, trace_text
+
+        traced = trace(read, chosen, gains, gravity)
+        track = traced.track
+        document = attitude_document(read, track) | {"diagnosis": trace_document(traced)}
+        taken = "nothing was taken off" if traced.corrected is read else "with that taken off"
+        text = f"{trace_text(document['diagnosis'])}\n\n{taken}:\n{attitude_text(read, document)}"
+    else:
+        here = None if latitude is None else float(np.radians(latitude))
+        known = None if gyro_bias_std is None else gyro_bias_std * DEG_PER_HOUR
+        track = estimate(read, chosen, gains, gravity, here, gyro_bias_std=known)
+        document = attitude_document(read, track)
+        text = attitude_text(read, document)
+    if out is not None:
+        write_track(out, read, track)
+    if json is not None:
+        write_solution(json, document)
+    typer.echo(text if json is None else f"{json}: attitude of {log}, attitude/1")
+
+
+def _gains(tau: float | None, k1: float | None, k2: float | None) -> "Gains | None":
+    if tau is not None and (k1 is not None or k2 is not None):
+        raise typer.BadParameter("give --tau, or --k1 and --k2, not both", param_hint="--tau")
+    if (k1 is None) != (k2 is None):
+        raise typer.BadParameter("give both --k1 and --k2", param_hint="--k1")
+    from procedures.attitude.gains import Gains
+
+    try:
+        if tau is not None:
+            return Gains.of_time_constant(tau)
+        return None if k1 is None or k2 is None else Gains(k1, k2)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--tau" if tau is not None else "--k1") from error

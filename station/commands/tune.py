@@ -1,0 +1,52 @@
+"""``station tune``: gains of the mixing law from a log with truth."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from station.commands import Database
+
+
+def tune(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="A CSV file of attitude-log/1 with truth.")],
+    aid: Annotated[
+        str, typer.Option("--aid", metavar="AID", help="none, airspeed, paper-airspeed or paper-filter.")
+    ] = "none",
+    gains: Annotated[
+        bool, typer.Option("--gains", help="Search K1 and K2 apart, not a time constant alone.")
+    ] = False,
+    gravity: Annotated[float, typer.Option("--gravity", metavar="M_S2", min=9.7, max=9.9)] = 9.80665,
+    json: Annotated[
+        Path | None, typer.Option("--json", metavar="OUT", help="Write tuning/1 here instead of the curve.")
+    ] = None,
+    db: Database = None,
+) -> None:
+    """Choose the mixing law's time constant [s], or its gains [1/s], by cross-validation, and show the curve.
+
+    The law runs over the log with every candidate; its inclination error is taken against the log's truth over
+    scored rows. Each fifth of the rows is judged with the candidate that the other four choose.
+
+    Exit code 3 if the log breaks a rule of attitude-log/1, 5 if it has no truth.
+
+    Example: station tune drive.csv --aid airspeed
+    """
+    from procedures.attitude.attitude import AIDS, NEEDS, takes_gains
+    from station.attitude.reading import read_log
+
+    lawful = [name for name in AIDS if takes_gains(name)]
+    if aid not in lawful:
+        raise typer.BadParameter(f"found {aid!r}, expected one of {', '.join(lawful)}", param_hint="--aid")
+    read = read_log(log)
+    if aid in NEEDS and getattr(read, NEEDS[aid]) is None:
+        raise typer.BadParameter(f"{aid} needs {NEEDS[aid]}, which {log} has not", param_hint="--aid")
+    from procedures.attitude.tuning import grid_of_gains, grid_of_taus
+    from procedures.attitude.tuning import tune as search
+    from station.attitude.tuning import tuning_document, tuning_text
+    from station.solution_json import write_solution
+
+    found = search(read, aid, grid_of_gains() if gains else grid_of_taus(), gravity)
+    document = tuning_document(found, aid, by_tau=not gains)
+    if json is not None:
+        write_solution(json, document)
+    typer.echo(tuning_text(document) if json is None else f"{json}: gains for {log}, tuning/1")

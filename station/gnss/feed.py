@@ -1,0 +1,185 @@
+"""A live GNSS receiver: fixes, site, time, and what is wrong with it. The IMU's stream never waits for it.
+
+What a monitor aids itself with is `GnssFeed.latest` and `GnssFeed.take`; filtered positions are kept apart in
+`GnssFeed.filtered` and aid nothing, since they have already been mixed with another IMU.
+"""
+
+import time
+from bisect import bisect_left
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from drivers.device_url import DeviceUrl
+from drivers.errors import BadDeviceUrl, DriverError
+from drivers.mavlink.address import MavlinkUrl
+from drivers.mavlink.decoder import MavlinkDecoder
+from drivers.mavlink.signing import SignatureCheck, read_key
+from drivers.ports import parse_device_url
+from procedures.gnss import AirData, AveragedSite, GnssFix, TimeMark, averaged_site
+from procedures.time_line import TimeLine, fit_time_line
+from station.gnss.trouble import Health
+from station.mcap_files.fix_writer import FixWriter
+from station.reader import Chunk, GapMark, Reader
+
+KEPT = 6000  # fixes: 20 minutes at 5 Hz
+AROUND_NS = 30 * 10**9  # of a moment: the marks its time is taken from
+REFIT_NS = 10**9  # how old the newest line may be
+RATE_S = 5.0
+EXPECTED = "a GNSS source: mavlink:LINK:WHERE"
+
+
+class Source(Protocol):
+    """Where chunks come from: a reader process."""
+
+    address: DeviceUrl
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        """Return what has come, within ``timeout_s``."""
+        ...
+
+
+class GnssFeed:
+    """One receiver, read and decoded; call `advance` often."""
+
+    def __init__(
+        self, source: Source, writer: FixWriter | None = None, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        address = source.address
+        if not isinstance(address, MavlinkUrl):
+            raise BadDeviceUrl(address.text, f"scheme {address.scheme!r}", EXPECTED)
+        check = SignatureCheck(read_key(address.key_file)) if address.key_file else None
+        self.address = address
+        self.decoder = MavlinkDecoder(address.system, check)
+        self.fixes: deque[GnssFix] = deque(maxlen=KEPT)
+        self.filtered: deque[GnssFix] = deque(maxlen=KEPT)
+        self.latest: GnssFix | None = None
+        self.air: AirData | None = None
+        self._source, self._writer = source, writer
+        self._taken = 0  # of the fixes since the beginning, what `take` has returned
+        self._came = 0
+        self._marks: tuple[list[int], list[int]] = [], []  # host, UTC [ns]
+        self._stamps_are_marks = True  # of fixes, until the sender states its time
+        self._line: tuple[tuple[int, int], TimeLine | None] = (0, 0), None
+        self._health = Health(address.name, address.system, clock)
+        self._clock = clock
+        self._seen: deque[tuple[float, str]] = deque(maxlen=KEPT)
+
+    def advance(self, timeout_s: float = 0.0) -> None:
+        """Take what has come; what is wrong stands in `trouble`, nothing is raised but `CannotWrite`."""
+        try:
+            items = self._source.poll(timeout_s)
+        except DriverError as error:
+            self._health.ended = str(error)
+            return
+        for item in items:
+            if isinstance(item, GapMark):
+                self._health.gap(item.reason, is_open=item.is_open)
+            else:
+                self._take_bytes(item)
+        self._health.look(self.decoder, self.latest)
+
+    @property
+    def trouble(self) -> str:
+        """What is wrong, found within 2 s, and what to do; empty if nothing is."""
+        return self._health.trouble
+
+    def take(self) -> list[GnssFix]:
+        """Return the fixes that came since the last call, oldest first; filtered ones are not among them."""
+        new = min(self._came - self._taken, len(self.fixes))
+        self._taken = self._came
+        return list(self.fixes)[len(self.fixes) - new :]
+
+    def site(self) -> AveragedSite | None:
+        """Return where the receiver stands, of its first antenna; None before a fix."""
+        first = [fix for fix in self.fixes if fix.source == "GPS_RAW_INT"]
+        return averaged_site(first or list(self.fixes))
+
+    def utc(self, host_ns: int) -> float | None:
+        """Return UTC [s since 1970] at a moment of the station's clock [ns]; None where the marks do not tell."""
+        line = self.time_line(host_ns)
+        return None if line is None else line.at(host_ns)
+
+    def time_line(self, host_ns: int) -> TimeLine | None:
+        """Return the line between the station's clock and UTC around a moment [ns]."""
+        host, utc = self._marks
+        key = host_ns // (AROUND_NS // 3), host[-1] // REFIT_NS if host else 0
+        if self._line[0] != key:
+            middle = key[0] * (AROUND_NS // 3)
+            begin, end = bisect_left(host, middle - AROUND_NS), bisect_left(host, middle + 2 * AROUND_NS)
+            window = (np.array(each[begin:end], dtype=np.int64) for each in (host, utc))
+            self._line = key, fit_time_line(*window)
+        return self._line[1]
+
+    def rates_hz(self) -> dict[str, float]:
+        """Return how often each record came over the last seconds."""
+        since = self._clock() - RATE_S
+        counts: dict[str, int] = {}
+        for at, name in self._seen:
+            if at >= since:
+                counts[name] = counts.get(name, 0) + 1
+        return {name: count / RATE_S for name, count in counts.items()}
+
+    def _take_bytes(self, chunk: Chunk) -> None:
+        self._health.bytes_came()
+        now = self._clock()
+        for record in self.decoder.feed(chunk.data, chunk.host_ns):
+            match record:
+                case GnssFix():
+                    self._seen.append((now, record.source))
+                    self._take_fix(record)
+                case TimeMark(host_ns, _, utc_ns):
+                    self._seen.append((now, "SYSTEM_TIME"))
+                    if utc_ns is not None:
+                        self._mark(host_ns, utc_ns, is_stated=True)
+                case AirData():
+                    self.air = record
+                case _:
+                    pass
+            if self._writer is not None and isinstance(record, GnssFix | TimeMark):
+                self._writer.write(record)
+
+    def _take_fix(self, fix: GnssFix) -> None:
+        if fix.is_filtered:
+            self.filtered.append(fix)
+            return
+        self.fixes.append(fix)
+        self.latest = fix
+        self._came += 1
+        if fix.utc_ns is not None and self._stamps_are_marks and fix.has_position:
+            self._mark(fix.host_ns, fix.utc_ns, is_stated=False)
+
+    def _mark(self, host_ns: int, utc_ns: int, *, is_stated: bool) -> None:
+        if is_stated and self._stamps_are_marks:  # a fix's stamp is earlier than its message by a latency unknown
+            self._stamps_are_marks = False
+            self._marks[0].clear()
+            self._marks[1].clear()
+        self._marks[0].append(host_ns)
+        self._marks[1].append(utc_ns)
+
+
+@contextmanager
+def open_gnss(url: str, folder: Path) -> Iterator[GnssFeed]:
+    """Read a receiver by a process of its own while the ``with`` lasts; its files go to ``folder``.
+
+    ``gnss_session_*.mcap`` has every byte (topic ``/gnss/raw``), ``gnss_*.mcap`` what they say.
+
+    Raises
+    ------
+    DriverError, CannotWrite
+        What address, port or disk refuse.
+    """
+    if (address := parse_device_url(url)).scheme != "mavlink":
+        raise BadDeviceUrl(url, f"scheme {address.scheme!r}", EXPECTED)
+    stamp = f"{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}"
+    with Reader(url, folder / f"gnss_session_{stamp}.mcap") as reader:
+        writer = FixWriter(folder / f"gnss_{stamp}.mcap")
+        try:
+            yield GnssFeed(reader, writer)
+        finally:
+            writer.close()

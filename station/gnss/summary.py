@@ -1,0 +1,24 @@
+"""A receiver in a line: fixes, where, how often, what was refused."""
+
+import numpy as np
+
+from station.gnss.feed import GnssFeed
+
+
+def summary(feed: GnssFeed) -> str:
+    """Return what a feed has seen, in words."""
+    site, counters = feed.site(), feed.decoder.framer.counters
+    where = "no position"
+    if site is not None:
+        height = "" if site.height is None else f", {site.height:.1f} m"
+        where = (
+            f"{np.degrees(site.latitude):.6f}, {np.degrees(site.longitude):.6f} deg{height}, "
+            f"1 sigma {site.horizontal_std:.1f} m"
+        )
+    rates = ", ".join(f"{name} {rate:.1f} Hz" for name, rate in sorted(feed.rates_hz().items()))
+    return (
+        f"{feed.address.name}: system {feed.decoder.system or 'none'}, {len(feed.fixes)} fixes, {where}; "
+        f"{rates or 'nothing of late'}; {counters.bad_crc} bad check, {counters.lost} lost, "
+        f"{counters.refused} refused, {counters.skipped_bytes} bytes in no frame"
+        + (f"; {feed.trouble}" if feed.trouble else "")
+    )

@@ -1,0 +1,71 @@
+"""A GNSS receiver's fixes and times as MCAP, beside the IMU's file; readable after a kill."""
+
+import os
+import time
+from dataclasses import fields
+from pathlib import Path
+
+from mcap.writer import CompressionType, Writer
+
+from procedures.gnss import GnssFix, TimeMark
+from station.campaign_folder.atomic import sync_folder
+from station.errors import CannotWrite
+from station.mcap_files.fix_schemas import FIX, FIX_MESSAGES, FIX_SCHEMA, FIX_TOPIC, TIME, TIME_TOPIC
+
+FLUSH_S = 0.5
+
+
+class FixWriter:
+    """Writes records as they come; a file is never overwritten."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.fixes = 0
+        try:
+            self._stream = path.open("xb")
+        except OSError as error:
+            raise CannotWrite(path, error.strerror or str(error)) from error
+        self._writer = Writer(self._stream, compression=CompressionType.ZSTD, enable_data_crcs=True)
+        self._writer.start(profile="", library="station")
+        self._channels = {
+            name: self._register(name, topic) for name, topic in ((FIX, FIX_TOPIC), (TIME, TIME_TOPIC))
+        }
+        self._flushed = time.monotonic()
+
+    def _register(self, name: str, topic: str) -> int:
+        schema = self._writer.register_schema(name=name, encoding="protobuf", data=FIX_SCHEMA)
+        return self._writer.register_channel(topic=topic, message_encoding="protobuf", schema_id=schema)
+
+    def write(self, record: GnssFix | TimeMark) -> None:
+        """Write one; raise `CannotWrite` if the disk refuses."""
+        name = FIX if isinstance(record, GnssFix) else TIME
+        known = {f.name: value for f in fields(record) if (value := getattr(record, f.name)) is not None}
+        content = FIX_MESSAGES[name](**known).SerializeToString()
+        self.fixes += name == FIX
+        try:
+            self._writer.add_message(
+                self._channels[name], log_time=record.host_ns, data=content, publish_time=record.host_ns
+            )
+            if time.monotonic() - self._flushed >= FLUSH_S:
+                self._flush()
+        except OSError as error:
+            raise CannotWrite(self.path, error.strerror or str(error)) from error
+
+    def close(self) -> None:
+        """Finish the file on the disk; a second call changes nothing."""
+        if self._stream.closed:
+            return
+        try:
+            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._flush()
+        except OSError as error:
+            raise CannotWrite(self.path, error.strerror or str(error)) from error
+        finally:
+            self._stream.close()
+        sync_folder(self.path.parent)
+
+    def _flush(self) -> None:
+        self._writer.flush()  # type: ignore[no-untyped-call]
+        self._stream.flush()
+        os.fsync(self._stream.fileno())
+        self._flushed = time.monotonic()

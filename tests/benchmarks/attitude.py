@@ -1,0 +1,205 @@
+"""Print roll and pitch errors and costs of the station beside vqf, imufusion and ahrs, all in one run.
+
+`python -m tests.benchmarks.attitude DATA` with the folder of the attitude logs (broad_*.csv, flight_*.csv,
+vehicle_*.csv), or of other `attitude-log/1` files with truth; parts by name: free, aided, paper, bench, speed.
+Peers are the extra `peers`, at their defaults, in the same axes and from the same first sample.
+"""
+
+import argparse
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import imufusion
+import numpy as np
+from ahrs.filters import Madgwick, Mahony
+from vqf import VQF
+
+from drivers.simulated.flight import LEVEL_S, paper_bench, paper_flight
+from procedures.arrays import FloatArray
+from procedures.attitude.attitude import estimate
+from procedures.attitude.frd import inclination, roll_pitch_of
+from procedures.attitude.joint import JointFilter
+from procedures.attitude.joint_state import DEFAULT, FREE
+from procedures.attitude.log import AttitudeLog
+from procedures.attitude.mixer import Mixer, mix
+from procedures.attitude.smoothing import smooth
+from procedures.earth import STANDARD_GRAVITY
+from station.attitude.reading import read_log
+
+AFTER_S = 60.0  # aided logs count from here
+
+
+def up_to_down(quaternion: FloatArray) -> FloatArray:
+    """Return down vectors (n, 3) of quaternions (n, 4), scalar first, that take the body to a frame with z up."""
+    w, x, y, z = quaternion.T
+    return -np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1)
+
+
+def by_vqf(log: AttitudeLog) -> FloatArray:
+    return up_to_down(VQF(log.nominal).updateBatch(log.rate, log.force)["quat6D"])
+
+
+def by_imufusion(log: AttitudeLog) -> FloatArray:
+    filter_ = imufusion.Ahrs()
+    rate, force = np.degrees(log.rate), log.force / STANDARD_GRAVITY
+    out = np.empty((len(log.t), 4))
+    for i, dt in enumerate(log.intervals):
+        filter_.set_sample_period(dt)
+        filter_.update_no_magnetometer(rate[i], force[i])
+        out[i] = filter_.get_quaternion()
+    return up_to_down(out)
+
+
+def by_ahrs(kind: type) -> Callable[[AttitudeLog], FloatArray]:
+    def run(log: AttitudeLog) -> FloatArray:
+        down = -log.force[0] / np.linalg.norm(log.force[0])
+        start = np.array([1 - down[2], -down[1], down[0], 0.0])  # the shortest turn that puts -down on z
+        start = start / np.linalg.norm(start) if down[2] < 0.999999 else np.array([0.0, 1.0, 0.0, 0.0])
+        return up_to_down(kind(gyr=log.rate, acc=log.force, frequency=1 / log.nominal, q0=start).Q)
+
+    return run
+
+
+PEERS: dict[str, Callable[[AttitudeLog], FloatArray]] = {
+    "vqf": by_vqf, "imufusion": by_imufusion, "ahrs Madgwick": by_ahrs(Madgwick), "ahrs Mahony": by_ahrs(Mahony),
+}  # fmt: skip
+
+
+def rms_deg(log: AttitudeLog, down: FloatArray, after: float = -np.inf) -> float:
+    """Return the rms inclination error over scored rows."""
+    truth = log.true_down
+    assert truth is not None
+    rows = np.isfinite(truth).all(axis=1) & (log.t > after)
+    if log.scored is not None:
+        rows &= log.scored
+    return float(np.degrees(np.sqrt(np.mean(inclination(down[rows], truth[rows]) ** 2))))
+
+
+def print_free(logs: dict[str, AttitudeLog]) -> None:
+    """Print the logs without aid: figure 1."""
+    ours = {"station, none": lambda log: estimate(log, "none").down, "station, smoothed": smooth}
+    print("\ninclination error without aid, deg rms over scored rows (asked: mean <= 0.50, smoothed 0.44)")
+    for name, run in (ours | PEERS).items():
+        errors = [rms_deg(log, run(log)) for log in logs.values()]
+        print(f"  {name:18} mean {np.mean(errors):7.3f}   " + " ".join(f"{e:7.3f}" for e in errors), flush=True)
+    print("  " + ", ".join(logs))
+
+
+def print_aided(logs: dict[str, AttitudeLog]) -> None:
+    """Print the logs with a velocity: figure 2."""
+    print(f"\ninclination error with aids, deg rms after {AFTER_S:.0f} s (asked: flight 1.2, vehicle 0.03)")
+    for aid in ("airspeed-filter", "gnss", "airspeed", "paper-airspeed", "paper-filter", "none"):
+        errors = [rms_deg(log, estimate(log, aid).down, AFTER_S) for log in logs.values()]
+        print(f"  {'station, ' + aid:24} " + " ".join(f"{e:8.4f}" for e in errors), flush=True)
+    for name, run in PEERS.items():
+        errors = [rms_deg(log, run(log), AFTER_S) for log in logs.values()]
+        print(f"  {name:24} " + " ".join(f"{e:8.4f}" for e in errors), flush=True)
+    print("  " + ", ".join(logs))
+
+
+def print_paper(seeds: int) -> None:
+    """Print the paper's flight: figure 3."""
+    print(f"\nP2's flight, 200 m/s, angle of attack 3 deg, {seeds} seeds: largest error in the turn, deg")
+    print("  (asked of airspeed-filter: mean <= 0.35, worst <= 0.6)")
+    for turn_s in (50.0, 300.0, 900.0):
+        logs = [paper_flight(seed, turn_s) for seed in range(seeds)]
+        for aid in ("airspeed-filter", "airspeed", "paper-airspeed", "paper-filter"):
+            worst = np.array([turn_maximum(log, estimate(log, aid).down) for log in logs])
+            mean, most = worst.mean(axis=0), worst.max(axis=0)
+            print(
+                f"  {turn_s:4.0f} s {aid:16} roll mean {mean[0]:7.3f} worst {most[0]:7.3f}   "
+                f"pitch mean {mean[1]:7.3f} worst {most[1]:7.3f}", flush=True
+            )  # fmt: skip
+
+
+def turn_maximum(log: AttitudeLog, down: FloatArray) -> tuple[float, float]:
+    """Return the largest roll and pitch errors [deg] in the turn."""
+    assert log.roll is not None
+    assert log.pitch is not None
+    roll, pitch = roll_pitch_of(down)
+    turn = log.t > LEVEL_S
+    return (
+        float(np.degrees(np.abs(roll - log.roll)[turn].max())),
+        float(np.degrees(np.abs(pitch - log.pitch)[turn].max())),
+    )
+
+
+def print_bench(seeds: int) -> None:
+    """Print rest in the twelve positions: figure 5."""
+    print(f"\nat rest in each position, errors of P2 table 1, {seeds} seeds: deg rms after 60 s (asked 0.02)")
+    for name, run in {"station, none": lambda log: estimate(log, "none").down, "vqf": by_vqf}.items():
+        errors = np.array(
+            [[rms_deg(log, run(log)) for log in (paper_bench(s, p) for s in range(seeds))] for p in range(1, 13)]
+        )
+        by_position = np.sqrt(np.mean(errors**2, axis=1))
+        print(f"  {name:14} " + " ".join(f"{e:.4f}" for e in by_position) + f"   worst unit {errors.max():.4f}")
+    print("  140 ug of bias on each of two level axes are 0.0113 deg: no filter can see them")
+
+
+def print_speed() -> None:
+    """Print what a sample costs: figure 4."""
+    log = paper_flight(0, 1750.0)
+    n = len(log.t)
+    print(f"\nns a sample, best of 7, {n} samples at 100 Hz (asked: law 100, filter 250 and 1.2 x vqf)")
+    runs: dict[str, Callable[[], object]] = {
+        "mixing law": lambda: mix(log),
+        "joint, none": lambda: JointFilter("none", FREE).run(log),
+        "joint, airspeed": lambda: JointFilter("airspeed-filter", DEFAULT).run(log),
+        "vqf": lambda: VQF(log.nominal).updateBatch(log.rate, log.force),
+    }
+    for run in runs.values():
+        run()
+    best = dict.fromkeys(runs, np.inf)
+    for _ in range(7):  # in turn, so that all see the same machine
+        for name, run in runs.items():
+            start = time.perf_counter()
+            run()
+            best[name] = min(best[name], time.perf_counter() - start)
+    for name, seconds in best.items():
+        print(f"  {name:18} {1e9 * seconds / n:7.0f}   {seconds / best['vqf']:.2f} x vqf")
+    print_online(log)
+
+
+def print_online(log: AttitudeLog) -> None:
+    """Print what one sample costs from Python (asked: 20 us)."""
+    assert log.airspeed is not None
+    joint, mixer, vqf, fusion = JointFilter("airspeed-filter"), Mixer(), VQF(log.nominal), imufusion.Ahrs()
+    rate, force = np.degrees(log.rate), log.force / STANDARD_GRAVITY
+    air = log.airspeed
+    steps: dict[str, Callable[[int], object]] = {
+        "joint, airspeed": lambda i: joint.step(float(log.t[i]), log.rate[i], log.force[i], float(air[i])),
+        "mixing law": lambda i: mixer.step(float(log.t[i]), log.rate[i], log.force[i]),
+        "vqf": lambda i: vqf.update(log.rate[i], log.force[i]),
+        "imufusion": lambda i: fusion.update_no_magnetometer(rate[i], force[i]),
+    }
+    print("us a sample online")
+    for name, step in steps.items():
+        for i in range(100):
+            step(i)
+        start = time.perf_counter()
+        for i in range(100, 20100):
+            step(i)
+        print(f"  {name:18} {(time.perf_counter() - start) / 20000 * 1e6:7.2f}")
+
+
+def main() -> None:
+    """Print the parts asked for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("data", nargs="?", type=Path, default=Path("../shared/data/attitude"))
+    parser.add_argument("--parts", nargs="*", default=["speed", "bench", "paper", "aided", "free"])
+    parser.add_argument("--seeds", type=int, default=25)
+    options = parser.parse_args()
+    logs = {path.stem: read_log(path) for path in sorted(options.data.glob("*.csv"))}
+    aided = {name: log for name, log in logs.items() if log.airspeed is not None}
+    parts: dict[str, Callable[[], None]] = {
+        "speed": print_speed, "bench": lambda: print_bench(max(options.seeds // 5, 2)),
+        "paper": lambda: print_paper(options.seeds), "aided": lambda: print_aided(aided),
+        "free": lambda: print_free({name: log for name, log in logs.items() if name not in aided}),
+    }  # fmt: skip
+    for part in options.parts:
+        parts[part]()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,57 @@
+"""How far a finding's coefficients are from what was planted, in their own sigma."""
+
+import numpy as np
+
+from drivers.simulated.bench import WAIT_S
+from drivers.simulated.truth import Truth
+from procedures.diagnosis.result import Finding
+from procedures.frames import AXES, FACES, cross_axes
+from tests.benchmarks.diagnosing.plants import Sizes
+from tests.benchmarks.diagnosing.sigmas import catalogued
+
+NOTHING = 1e-12
+
+
+def error_of(finding: Finding, sizes: Sizes, truth: Truth) -> float:
+    """Return the largest error of a coefficient over its sigma, infinite where it is about something else.
+
+    nan where planter and catalogue speak of two things: a cubic where ``u |u|`` was planted.
+    """
+    if finding.shape == "u^3":
+        return float("nan")
+    if finding.effect in {"placement.label", "disturbance.dwell"} and first_of(finding) != sizes["position"]:
+        return float("inf")
+    if finding.effect == "disturbance.dwell" and finding.unit != "g":
+        return float("inf")
+    if finding.effect == "accelerometer.relaxation" and finding.unit != "g":
+        return float("inf")  # in proportion to a change: not what was planted
+    expected = np.array([_expected(finding, sizes, truth, key) for key in finding.coefficients])
+    return float(np.max(np.abs(finding.value - expected) / np.maximum(finding.std, NOTHING)))
+
+
+def _expected(finding: Finding, sizes: Sizes, truth: Truth, key: str) -> float:
+    """Return what a coefficient should be: as planted, in the finding's words."""
+    effect = finding.effect
+    if effect == "accelerometer.cross_product":
+        return {catalogued(k): size for k, size in sizes.items()}.get(key, 0.0)
+    if effect == "accelerometer.relaxation":  # planted from the flip on, found from where the step begins
+        return sizes.get(key, 0.0) * float(np.exp(-WAIT_S / sizes["tau_s"]))
+    if effect == "slab.tilt":
+        return float(truth.slab_tilt_rad["east north".split().index(key)]) + sizes.get(key, 0.0)
+    if effect == "fixture.parallelism":
+        axis, across = key.split(".")
+        pair, column = AXES.index(axis), cross_axes(f"{axis}_up").index(AXES.index(across))
+        both = [FACES.index(f"{axis}_{end}") for end in ("up", "down")]
+        assert both == [2 * pair, 2 * pair + 1]
+        return float(truth.faces_rad[both, column].sum()) + sizes.get(key, 0.0)
+    if effect == "placement.dwell" and first_of(finding) != sizes["position"]:
+        return -sizes.get(key, 0.0)  # the pair's other position, seen from which it is the other way round
+    if effect == "site.gravity" and finding.where.get("campaign") == 1:
+        return -sizes.get(key, 0.0)
+    return sizes.get(key, 0.0)
+
+
+def first_of(finding: Finding) -> object:
+    """Return the position that a finding's coefficients are about, of two that cannot be told."""
+    position = finding.where.get("position")
+    return position[0] if isinstance(position, list) else position

@@ -1,0 +1,141 @@
+"""What is planted: each name of the catalogue, in a design that excites it, and how large a size is drawn.
+
+A row that must stand ``alone`` is planted at so many sigmas of its estimate ``beside`` whatever else could take
+its place, so that the design does separate them; ``but_for`` are those that no measurement there could tell.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivers.simulated.bench import WAIT_S
+from procedures.frames import cross_axes, face_of
+from tests.benchmarks.diagnosing.sigmas import Sigmas
+
+LEAST, MOST = 6.0, 12.0  # sigmas
+TAU_S = 30.0  # of a relaxation, as the simulator has it unless told
+COUNT_RATE = 5000.0  # count/(g s), of every unit here, roughly
+SWING = (
+    1.5,
+    4.0,
+)  # counts, by which a disturbance swings the running count: it is no column and has no such sigma
+XYZ = ("x", "y", "z")
+MATRIX = tuple(a + b for a in XYZ for b in XYZ)
+Sizes = Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Plant:
+    """An effect, the design it is planted in, the coefficients that may be, and whether it must stand alone."""
+
+    effect: str
+    design: str
+    keys: tuple[str, ...]
+    alone: bool = False
+    beside: bool = False
+    but_for: tuple[str, ...] = ()
+    sigma: float = 0.0  # given where the campaign shows none of its own
+
+
+PLANTS: dict[str, Plant] = {
+    "accelerometer.quadratic": Plant("accelerometer.quadratic", "certified", XYZ),
+    "accelerometer.quadratic, free": Plant("accelerometer.quadratic", "free", XYZ),
+    # only the faces' plausible range bounds it
+    "accelerometer.quadratic, plain": Plant("accelerometer.quadratic", "plain", XYZ, sigma=1e-5),
+    "accelerometer.cubic": Plant("accelerometer.cubic", "free", XYZ),
+    "accelerometer.scale_asymmetry": Plant("accelerometer.scale_asymmetry", "free", XYZ),
+    "accelerometer.cross_product": Plant(
+        "accelerometer.cross_product", "free", ("xy", "xz", "yx", "yz", "zx", "zy")
+    ),
+    "accelerometer.bias_temperature": Plant("accelerometer.bias_temperature", "warm", XYZ),
+    "accelerometer.scale_temperature": Plant("accelerometer.scale_temperature", "two temperatures", XYZ),
+    "accelerometer.bias_drift": Plant("accelerometer.bias_drift", "warm", XYZ),
+    "accelerometer.bias_temperature, certified": Plant("accelerometer.bias_temperature", "certified warm", XYZ),
+    "accelerometer.bias_drift, certified": Plant("accelerometer.bias_drift", "certified warm", XYZ),
+    "accelerometer.relaxation": Plant("accelerometer.relaxation", "plain", XYZ),
+    "accelerometer.relaxation, any tau": Plant("accelerometer.relaxation", "plain", XYZ),
+    "gyroscope.g_sensitivity": Plant("gyroscope.g_sensitivity", "plain", MATRIX),
+    "gyroscope.bias_temperature": Plant("gyroscope.bias_temperature", "warm", XYZ),
+    "gyroscope.scale_temperature": Plant("gyroscope.scale_temperature", "two temperatures", XYZ),
+    "gyroscope.temperature_rate": Plant("gyroscope.temperature_rate", "warm", XYZ),
+    "gyroscope.bias_drift": Plant("gyroscope.bias_drift", "warm", XYZ),
+    "gyroscope.magnetic": Plant("gyroscope.magnetic", "plain", MATRIX),
+    "gyroscope.scale_asymmetry": Plant("gyroscope.scale_asymmetry", "two speeds", XYZ),
+    "gyroscope.scale_nonlinearity": Plant("gyroscope.scale_nonlinearity", "two speeds", XYZ),
+    "gyroscope.sagnac_sine": Plant("gyroscope.sagnac_sine", "two speeds", XYZ),
+    "slab.tilt": Plant("slab.tilt", "plain", ("east", "north")),
+    # one face alone is not seen, only its pair against the certificate
+    "fixture.face_tilt": Plant("fixture.face_tilt", "certified", ("x_up.y", "y_down.z", "z_up.x"), sigma=1e-5),
+    "fixture.parallelism": Plant("fixture.parallelism", "plain", ("x.y", "y.z", "z.x")),
+    "placement.dwell": Plant("placement.dwell", "plain", XYZ),
+    "placement.label": Plant("placement.label", "plain", ("actual",)),
+    "site.azimuth": Plant("site.azimuth", "plain", ("value",)),
+    "site.gravity": Plant("site.gravity", "two sites", ("value",)),
+    "clock.rate": Plant("clock.rate", "timed", ("value",)),
+    "disturbance.dwell": Plant("disturbance.dwell", "plain", XYZ),
+    "auxiliary.channel": Plant("auxiliary.channel", "auxiliary", ("ax", "ay", "az", "gx", "gy", "gz")),
+    # on faces |u| = u^2: no certificate tells asymmetry
+    "accelerometer.quadratic, certificate": Plant(
+        "accelerometer.quadratic", "certified", XYZ, True, True, ("accelerometer.scale_asymmetry",)
+    ),
+    "accelerometer.quadratic, separated": Plant("accelerometer.quadratic", "certified free", XYZ, True, True),
+    "accelerometer.cubic, separated": Plant("accelerometer.cubic", "certified free", XYZ, True, True),
+    "accelerometer.scale_asymmetry, separated": Plant(
+        "accelerometer.scale_asymmetry", "certified free", XYZ, True, True
+    ),
+    "accelerometer.cross_product, separated": Plant(
+        "accelerometer.cross_product", "certified free", ("xy", "xz", "yx", "yz", "zx", "zy"), True, True
+    ),
+    "gyroscope.scale_asymmetry, separated": Plant("gyroscope.scale_asymmetry", "two speeds", XYZ, True, True),
+    # three speeds tell the Sagnac sine, two do not
+    "gyroscope.scale_nonlinearity, separated": Plant(
+        "gyroscope.scale_nonlinearity", "two speeds", XYZ, True, True, ("gyroscope.sagnac_sine",)
+    ),
+}
+
+
+def drawn_sizes(
+    name: str, sigmas: Sigmas, rng: np.random.Generator, least: float = LEAST, most: float = MOST
+) -> dict[str, float]:
+    """Draw what the simulator is to plant: one coefficient or several, of ``least`` to ``most`` sigmas each."""
+    plant = PLANTS[name]
+    if plant.effect == "placement.label":
+        return _label(rng)
+    if plant.effect == "disturbance.dwell":
+        return _disturbance(rng)
+    keys, position = list(plant.keys), 0
+    several = rng.random() < 0.5
+    chosen = rng.choice(keys, rng.integers(1, len(keys) + 1), replace=False) if several else [rng.choice(keys)]
+    if (
+        plant.effect == "placement.dwell"
+    ):  # along the vertical it is the heading, of which accelerometers see nothing
+        position = int(rng.integers(1, 13))
+        chosen = ["xyz"[i] for i in cross_axes(face_of(position))]
+    tau = float(np.exp(rng.uniform(np.log(5), np.log(45)))) if name.endswith("any tau") else TAU_S
+    sizes = {str(k): _drawn(rng, least, most) * sigmas.of(str(k), position, tau) for k in chosen}
+    if plant.effect == "gyroscope.sagnac_sine":  # fitted is its square, and a sine has no sign
+        sizes = {k: float(np.sqrt(rng.uniform(least, most) * sigmas.of(k))) for k in sizes}
+    if plant.effect == "accelerometer.relaxation":  # the cube has rested for a while before the step begins
+        return {k: size * float(np.exp(WAIT_S / tau)) for k, size in sizes.items()} | {"tau_s": tau}
+    return sizes | ({"position": float(position)} if position else {})
+
+
+def _drawn(rng: np.random.Generator, least: float, most: float) -> float:
+    return float(rng.choice([-1, 1]) * rng.uniform(least, most))
+
+
+def _label(rng: np.random.Generator) -> dict[str, float]:
+    position, actual = rng.choice(np.arange(1, 13), 2, replace=False)
+    return {"position": float(position), "actual": float(actual)}
+
+
+def _disturbance(rng: np.random.Generator) -> dict[str, float]:
+    hertz = rng.uniform(0.5, 3.0)
+    size = rng.uniform(*SWING) * 2 * np.pi * hertz / COUNT_RATE
+    along = {axis: float(size * rng.uniform(0.3, 1.0)) for axis in XYZ}
+    along[str(rng.choice(XYZ))] = float(size)
+    return along | {
+        "position": float(rng.integers(1, 13)), "at_s": float(rng.uniform(15, 70)),
+        "duration_s": float(rng.uniform(5, 20)), "hz": float(hertz),
+    }  # fmt: skip

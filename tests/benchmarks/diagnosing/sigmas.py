@@ -1,0 +1,73 @@
+"""One sigma of every coefficient of an effect in its design, of a campaign without it: the measure of sizes.
+
+The only place where the diagnosis's own columns are used, and for no more than how large a size is drawn.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.calibration import fit
+from procedures.diagnosis.candidates import Candidate, candidates
+from procedures.diagnosis.evidence import Evidence, evidence_of
+from procedures.diagnosis.model import Term
+from procedures.effects import EFFECTS
+from tests.benchmarks.diagnosing.designs import DESIGNS, clock_sigma, unit
+
+
+@dataclass(frozen=True, slots=True)
+class Sigmas:
+    """1 sigma by position (0: any), shape ('': any) and coefficient; ``given`` where there is none."""
+
+    found: Mapping[tuple[int, str, str], float]
+    given: float = 0.0
+
+    def of(self, key: str, position: int = 0, tau: float = 30.0) -> float:
+        """Return 1 sigma of a coefficient, planted with a time constant nearest to ``tau`` [s]."""
+        if self.given:
+            return self.given
+        one = catalogued(key) if set(key) <= set("xyz") else key
+        of_key = {at: std for at, std in self.found.items() if at[0] == position and at[2] in {key, one}}
+        if not of_key:
+            return float(np.median(list(self.found.values())))
+        taus = {abs(np.log(float(shape.split()[2]) / tau)): std for (_, shape, _), std in of_key.items() if shape}
+        return taus[min(taus)] if taus else next(iter(of_key.values()))
+
+
+def catalogued(key: str) -> str:
+    """Return the catalogue's key of a planted cross product: sensor and two axes."""
+    return key[0] + ("".join(sorted(key)) if len(key) == 2 else key[1:])
+
+
+def sigmas_of(
+    effect: str, design: str, beside: bool = False, but_for: Sequence[str] = (), seed: int = 1
+) -> Sigmas:
+    """Return the sigmas of an effect in its design; ``beside`` whichever other effect widens them most."""
+    made = DESIGNS[design]
+    campaigns = made.make(unit(seed, **made.truth), seed, ())
+    if effect == "clock.rate":
+        return Sigmas({}, clock_sigma(campaigns[0]))
+    fits = fit(campaigns)
+    evidence = evidence_of(fits)
+    pool = candidates(evidence, fits, EFFECTS)
+    names = pool if beside else ()
+    others = [
+        w.term for n in names if n not in {effect, *but_for} for w in pool[n] if not (w.is_of_model or w.tied)
+    ]
+    found: dict[tuple[int, str, str], float] = {}
+    for way in pool.get(effect, ()):
+        shape = way.columns.shape
+        if shape.startswith("tau") and "change" in shape:
+            continue
+        std = np.max([_std(evidence, way, beside) for beside in ((), *((other,) for other in others))], axis=0)
+        for key, one in zip(way.columns.coefficients, std, strict=True):
+            at = (int(str(way.columns.where.get("position", 0))), shape if shape.startswith("tau") else "", key)
+            found.setdefault(at, float(one))
+    return Sigmas(found)
+
+
+def _std(evidence: Evidence, way: Candidate, beside: tuple[Term, ...]) -> np.ndarray:
+    _, C = way.fit(evidence, beside, np.ones(len(evidence.residual))).coefficients()
+    std: np.ndarray = np.sqrt(np.diag(C))
+    return std

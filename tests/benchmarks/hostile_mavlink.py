@@ -1,0 +1,209 @@
+"""Feed damaged MAVLink frames to the framer and to records: `python -m tests.benchmarks.hostile_mavlink`.
+
+As `hostile_frames`: every damaged frame is followed by an intact one with chance 1/8. Counted: crashes, accepted
+frames that differ from every one sent, beside what CRC-16 lets through by chance, and intact frames not found. The
+control row has the check cut to 8 bits: there wrong frames must come out at about the rate expected.
+"""
+
+import argparse
+import random
+import sys
+import time
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pymavlink.dialects.v20 import all as dialect
+
+from drivers.mavlink import framing
+from drivers.mavlink.decoder import MavlinkDecoder
+
+BATCH = 2000
+BITS, CONTROL_BITS = 16, 8
+Mutation = Callable[[random.Random, bytes, bytes], bytes]
+
+
+def a_sender(system: int = 1) -> Any:
+    """Return pymavlink's own encoder."""
+    return dialect.MAVLink(None, srcSystem=system, srcComponent=1)
+
+
+def some_frames(rng: random.Random, mav: Any, n: int) -> list[bytes]:
+    """Return n frames of the messages that are read here, in sequence."""
+    made = []
+    for _ in range(n):
+        where = rng.randrange(-(2**31), 2**31), rng.randrange(-(2**31), 2**31), rng.randrange(-(2**20), 2**20)
+        stamp, u16 = rng.randrange(1, 2**50), [rng.randrange(2**16) for _ in range(4)]
+        message = rng.choice(
+            (
+                lambda: mav.gps_raw_int_encode(stamp, rng.randrange(9), *where, *u16, 12, 5, 1, 2, 3, 4, 77),  # noqa: B023
+                lambda: mav.global_position_int_encode(stamp % 2**32, *where, 0, 1, -2, 3, 100),  # noqa: B023
+                lambda: mav.system_time_encode(stamp, stamp % 2**32),  # noqa: B023
+                lambda: mav.heartbeat_encode(2, 3, 81, stamp % 2**32, 4),  # noqa: B023
+                lambda: mav.vfr_hud_encode(rng.random(), 1.0, 90, 50, 100.0, rng.random()),
+            )
+        )()
+        made.append(bytes(message.pack(mav)))
+        mav.seq = (mav.seq + 1) % 256
+    return made
+
+
+def _flip_bits(rng: random.Random, frame: bytes, _: bytes) -> bytes:
+    damaged = bytearray(frame)
+    for _ in range(rng.choice((1, 1, 2, 3, 4, 5, 8, 16, 40))):
+        damaged[rng.randrange(len(frame))] ^= 1 << rng.randrange(8)
+    return bytes(damaged)
+
+
+def _overwrite(rng: random.Random, frame: bytes, _: bytes) -> bytes:
+    start = rng.randrange(10, len(frame))
+    end = min(start + rng.randrange(1, 12), len(frame))
+    return frame[:start] + rng.randbytes(end - start) + frame[end:]
+
+
+def _drop(rng: random.Random, frame: bytes, _: bytes) -> bytes:
+    start = rng.randrange(len(frame))
+    return frame[:start] + frame[start + rng.randrange(1, 6) :]
+
+
+def _insert(rng: random.Random, frame: bytes, _: bytes) -> bytes:
+    start = rng.randrange(len(frame))
+    return frame[:start] + rng.choice((rng.randbytes(rng.randrange(1, 6)), b"\xfd")) + frame[start:]
+
+
+def _truncate(rng: random.Random, frame: bytes, _: bytes) -> bytes:
+    return frame[: rng.randrange(len(frame))]
+
+
+def _splice(rng: random.Random, frame: bytes, other: bytes) -> bytes:
+    return frame[: rng.randrange(len(frame))] + other[rng.randrange(len(other)) :]
+
+
+def _garbage(rng: random.Random, _: bytes, __: bytes) -> bytes:
+    return rng.choice((b"", b"\xfd", b"\xfe")) + rng.randbytes(rng.randrange(1, 120))
+
+
+def _false_frame(rng: random.Random, frame: bytes, _: bytes) -> bytes:
+    return frame[:10] + rng.randbytes(len(frame) - 10)
+
+
+MUTATIONS: tuple[Mutation, ...] = (
+    _flip_bits, _overwrite, _drop, _insert, _truncate, _splice, _garbage, _false_frame,
+)  # fmt: skip
+
+
+@dataclass
+class Outcome:
+    """What came of a run."""
+
+    bits: int
+    mutated: int = 0
+    intact: int = 0
+    checks_failed: int = 0
+    accepted: int = 0
+    wrong: int = 0
+    lost: int = 0
+    crashes: int = 0
+    seconds: float = 0.0
+
+    @property
+    def expected(self) -> float:
+        """Wrong frames that a check of this width lets through by chance."""
+        return (self.checks_failed + self.wrong) / 2.0**self.bits
+
+
+def attack(frames: int, seed: int, bits: int = BITS) -> Outcome:
+    """Feed ``frames`` damaged frames and return what was counted."""
+    outcome, rng, mav = Outcome(bits), random.Random(seed), a_sender()
+    accepted: list[bytes] = []
+    decoder = MavlinkDecoder()
+    wanted = decoder.framer._is_wanted  # noqa: SLF001
+
+    def spy(raw: bytes, frame: framing.Frame) -> bool:
+        accepted.append(raw)
+        return wanted(raw, frame)
+
+    decoder.framer._is_wanted = spy  # type: ignore[method-assign]  # noqa: SLF001
+    started = time.perf_counter()
+    while outcome.mutated < frames:
+        accepted.clear()
+        pool, pieces, intact = some_frames(rng, mav, BATCH), list[bytes](), list[bytes]()
+        for index in range(min(BATCH, frames - outcome.mutated)):
+            pieces.append(rng.choice(MUTATIONS)(rng, pool[index], pool[index - 1]))
+            if rng.random() < 0.125:
+                intact.append(pool[index - 1])
+                pieces.append(pool[index - 1])
+        outcome.mutated += min(BATCH, frames - outcome.mutated)
+        stream, at = b"".join(pieces) + bytes(300), 0
+        try:
+            while at < len(stream):
+                cut = at + rng.choice((1, 7, 64, 1000, 4096, 65536))
+                decoder.feed(stream[at:cut], at)
+                at = cut
+        except Exception as error:  # whatever it is, it is a crash
+            outcome.crashes += 1
+            print(f"mavlink: {error!r}", file=sys.stderr)
+        known, got = set(pool), set(accepted)
+        outcome.intact += len(intact)
+        outcome.accepted += len(accepted)
+        outcome.wrong += sum(frame not in known for frame in accepted)
+        outcome.lost += sum(frame not in got for frame in intact)
+    outcome.checks_failed = decoder.framer.counters.bad_crc
+    outcome.seconds = time.perf_counter() - started
+    return outcome
+
+
+def with_weak_check(frames: int, seed: int) -> Outcome:
+    """Return the outcome with the check as good as cut to 8 bits."""
+    full = framing.crc
+    sent = [0]
+
+    def weak(body: bytes, extra: int) -> int:
+        # by a hash of the body, not by the CRC's own bits, in which an error of one byte may not show
+        return sent[0] if zlib.crc32(body, zlib.crc32(b"control")) % 2**CONTROL_BITS == 0 else full(body, extra)
+
+    class Framer(framing.MavlinkFramer):
+        def _frame(self, raw: bytes) -> framing.Frame | None:
+            end = (10 if raw[0] == 0xFD else 6) + raw[1]
+            sent[0] = raw[end] | raw[end + 1] << 8
+            return super()._frame(raw)
+
+    original = framing.MavlinkFramer
+    framing.crc = weak
+    try:
+        from drivers.mavlink import decoder
+
+        decoder.MavlinkFramer = Framer  # type: ignore[misc]
+        return attack(frames, seed, CONTROL_BITS)
+    finally:
+        framing.crc, decoder.MavlinkFramer = full, original  # type: ignore[misc]
+
+
+def main() -> int:
+    """Print the table; exit 1 where a decoder crashed or accepted more wrong frames than chance allows."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--frames", type=int, default=1_000_000, help="damaged frames")
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    print(
+        f"{'bits':>5}{'damaged':>9}{'check-failed':>14}{'accepted':>10}{'wrong':>7}{'expected':>10}"
+        f"{'intact':>9}{'lost':>6}{'crashes':>9}{'s':>7}"
+    )
+    good = True
+    for got in (
+        attack(arguments.frames, arguments.seed),
+        with_weak_check(min(arguments.frames, 100_000), arguments.seed),
+    ):
+        print(
+            f"{got.bits:>5}{got.mutated:>9}{got.checks_failed:>14}{got.accepted:>10}{got.wrong:>7}"
+            f"{got.expected:>10.2g}{got.intact:>9}{got.lost:>6}{got.crashes:>9}{got.seconds:>7.1f}",
+            flush=True,
+        )
+        good &= got.crashes == 0 and abs(got.wrong - got.expected) <= 5 * np.sqrt(got.expected) + 1 + got.expected
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,44 @@
+"""The page on CAN says what the code does."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from drivers.can.checks import CHECKS
+from drivers.can.database import load_dbc
+from drivers.can.format import OWN_DBC, can_format
+from drivers.can.mapping import KEYS
+from tests.drivers.can.frames import DBC, needs_captures
+
+ROOT = Path(__file__).parents[3]
+PAGE = (ROOT / "docs/can.md").read_text(encoding="utf-8")
+
+
+@needs_captures
+def test_the_example_reads_a_foreign_dbc(tmp_path: Path) -> None:
+    (text,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    (tmp_path / "sbg.toml").write_text(text)
+    wire = can_format(str(DBC / "sbgCan.dbc"), str(tmp_path / "sbg.toml"))
+    assert (wire.name, wire.output) == ("sbg", "rate")
+    assert {"temperature", "device_time", "status"} <= wire.carries
+
+
+@pytest.mark.parametrize("word", sorted([*KEYS, *CHECKS]))
+def test_every_key_and_check_is_explained(word: str) -> None:
+    assert re.search(rf"\b{word}\b", PAGE), word
+
+
+def test_the_table_of_our_frames_is_that_of_the_dbc() -> None:
+    for message in load_dbc(OWN_DBC).messages:
+        assert f"{message.frame_id:X}" in PAGE
+        assert [signal.start // 8 for signal in message.signals] == [0, 4, 6, 7]
+
+
+def test_every_test_named_in_the_table_of_faults_is_there() -> None:
+    tests = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*can*.py"))
+    tests += (ROOT / "tests/drivers/can/test_joining.py").read_text(encoding="utf-8")
+    named = re.findall(r"`(test_\w+)`", PAGE)
+    assert len(named) >= 10
+    for name in named:
+        assert f"def {name}(" in tests, name

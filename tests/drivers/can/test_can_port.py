@@ -1,0 +1,261 @@
+"""CAN ports over python-can's real interfaces: slcan on a pty with an adapter of LAWICEL's kind, UDP multicast."""
+
+import os
+import socket
+import time
+from collections.abc import Iterator
+from threading import Event
+
+import can
+import numpy as np
+import pytest
+
+from drivers.can import record
+from drivers.can.can_port import CanPort
+from drivers.errors import BadDeviceUrl, LinkLost, PortBusy, PortNotFound
+from drivers.formats import wire_of
+from drivers.framing import Decoder
+from drivers.ports import Port, open_port, parse_device_url
+from drivers.simulated.can_lines import SlcanAdapter
+from drivers.simulated.hands import SimulatedHands
+from drivers.simulated.imu import SimulatedImu
+from drivers.simulated.server import CAN_TRANSPORTS, SimulatedDevice
+from drivers.simulated.truth import Truth
+from procedures.records import CountBlock
+from tests.drivers.can.frames import WIRE, frames_of, samples
+
+FAST = Truth(sample_period_s=0.002)
+NEVER = Event()
+FRAMES = frames_of(samples(5))
+
+
+@pytest.fixture
+def adapter() -> Iterator[SlcanAdapter]:
+    adapter = SlcanAdapter()
+    adapter.plug()
+    yield adapter
+    adapter.unplug()
+
+
+def records(port: Port, size: int) -> bytes:
+    data, until = b"", time.monotonic() + 10.0
+    while len(data) < size:
+        assert time.monotonic() < until, f"{len(data)} of {size} bytes"
+        data += port.read(65536)
+    return data
+
+
+def lost(port: Port) -> str:
+    until = time.monotonic() + 5.0
+    while time.monotonic() < until:
+        try:
+            port.read(65536)
+        except LinkLost as error:
+            return str(error)
+    raise AssertionError("the link was not lost within 5 s")
+
+
+@pytest.mark.parametrize("transport", CAN_TRANSPORTS)
+def test_counts_read_from_a_bus_are_those_in_memory(transport: str) -> None:
+    with SimulatedDevice(FAST, 5, speed=2.0, transport=transport, hold=True) as device:
+        port, address = open_port(device.url), parse_device_url(device.url)
+        with SimulatedHands(device.control) as hands:
+            hands.place(3, 1.0)
+            hands.go()
+        wire = wire_of(address)
+        assert wire is not None
+        decoder, blocks, until = Decoder(wire), list[CountBlock](), time.monotonic() + 20.0
+        while sum(map(len, blocks)) < 600:
+            assert time.monotonic() < until
+            blocks.append(decoder.feed(port.read(65536)))
+        port.close()
+    memory = SimulatedImu(FAST, 5)
+    memory.place(3, 1.0)
+    expected = memory.read(700)
+    counter = np.concatenate([block.counter for block in blocks])
+    for name in ("gyro", "accel"):
+        got = np.concatenate([getattr(block, name) for block in blocks])
+        assert np.array_equal(got, getattr(expected, name)[counter]), name
+    if transport == "slcan":  # UDP may lose, which the counter then shows
+        assert counter.tolist() == list(range(len(counter)))
+        assert decoder.counters.incomplete == decoder.counters.counter_jumps == 0
+    assert decoder.counters.bad_crc == decoder.counters.foreign == 0
+    assert np.isfinite(blocks[0].temperature[0])
+
+
+def test_frames_of_every_kind_pass_slcan_unchanged(adapter: SlcanAdapter) -> None:
+    port = open_port(adapter.address)
+    sent = [(0x7FF, b""), (0x1A0, bytes(range(8))), (0x1ABCDEF0 | record.EXTENDED, b"\xff\x00")]
+    assert adapter.write(b"".join(record.pack(each, 0, data) for each, data in sent), NEVER)
+    assert record.unpack(records(port, 3 * 32)) == sent
+    port.close()
+
+
+def test_a_time_stamping_adapter_and_its_noise_do_no_harm(adapter: SlcanAdapter) -> None:
+    """Lines with the adapter's time behind the data, BEL, lines that are none, octets that are no ASCII."""
+    port = open_port(adapter.address)
+    good = b"t1A02ABCD"
+    noise = [
+        b"1234\r",
+        b"\r\a\a\r",
+        b"\rt1A02ABX\r",
+        b"\r\xff\xfe\r",
+        b"\rz\rt9\r",
+        b"\rt-1A0\rTFFFFFFFF0\r",
+        b"\rt1A08" + b"\xc3" * 16 + b"\r",
+    ]
+    assert adapter.write(b"".join(good + each for each in noise) + good + b"\r", NEVER)
+    got, until = list[tuple[int, bytes]](), time.monotonic() + 5.0
+    while len([each for each in got if each == (0x1A0, b"\xab\xcd")]) < 8:
+        assert time.monotonic() < until, got
+        got += record.unpack(port.read(65536))
+    assert {identifier for identifier, data in got if data != b"\xab\xcd"} <= {record.ERROR}
+    port.close()
+
+
+def test_split_lines_are_put_together(adapter: SlcanAdapter) -> None:
+    port = open_port(adapter.address)
+    for octet in b"t1A02ABCD\r":
+        adapter.write(bytes([octet]), NEVER)
+        port.read(1000)
+    adapter.write(b"t1A100\r"[:-1] + b"\r", NEVER)
+    assert record.unpack(records(port, 32))[-1][0] == 0x1A1
+    port.close()
+
+
+def test_a_silent_bus_reads_as_nothing_while_its_adapter_answers(adapter: SlcanAdapter) -> None:
+    port = open_port(adapter.address, timeout_s=0.01)
+    until = time.monotonic() + 1.5
+    while time.monotonic() < until:
+        assert port.read(1000) == b""
+    port.close()
+
+
+def test_an_adapter_that_stops_answering_is_a_lost_link_within_2_s(adapter: SlcanAdapter) -> None:
+    port = open_port(adapter.address)
+    adapter.ails, began = "adapter_hangs", time.monotonic()
+    assert "no longer answers" in lost(port)
+    assert time.monotonic() - began < 2.0
+    port.close()
+    with pytest.raises(PortNotFound, match=r"no slcan adapter answers.*tty_baudrate"):
+        open_port(adapter.address)
+    adapter.ails = ""
+    open_port(adapter.address).close()
+
+
+def test_bus_off_is_a_lost_link_until_the_bus_is_back(adapter: SlcanAdapter) -> None:
+    port = open_port(adapter.address)
+    adapter.ails, began = "bus_off", time.monotonic()
+    assert "bus-off; check bit rate" in lost(port)
+    assert time.monotonic() - began < 2.0
+    port.close()
+    with pytest.raises(LinkLost, match="bus-off"):
+        open_port(adapter.address)
+    adapter.ails = ""
+    open_port(adapter.address).close()
+
+
+def test_an_unplugged_adapter_is_a_lost_link_and_leaves_no_descriptor_open(adapter: SlcanAdapter) -> None:
+    port = open_port(adapter.address)
+    before = len(os.listdir("/proc/self/fd"))
+    adapter.unplug()
+    lost(port)
+    port.close()
+    port.close()
+    assert len(os.listdir("/proc/self/fd")) < before
+
+
+def test_a_port_in_use_is_busy(adapter: SlcanAdapter) -> None:
+    port = open_port(adapter.address)
+    with pytest.raises(PortBusy):
+        open_port(adapter.address)
+    port.close()
+    open_port(adapter.address).close()
+
+
+def test_what_is_no_adapter_is_told() -> None:
+    far, near = os.openpty()
+    with pytest.raises(PortNotFound, match="no slcan adapter answers"):
+        open_port(f"can://slcan{os.ttyname(near)}")
+    for descriptor in (far, near):
+        os.close(descriptor)
+    with pytest.raises(PortNotFound, match=r"no CAN bus.*check the adapter"):
+        open_port("can://slcan/dev/ttyNOPE")
+
+
+@pytest.mark.parametrize(
+    ("url", "found"),
+    [
+        ("can://", "no interface"),
+        ("can://slcan", "no device path"),
+        ("can://slcan/dev/x?period_s=0", "period_s '0'"),
+        ("can://pigeon/x", "interface 'pigeon'"),
+        ("can://virtual/x?bitrat=5", "option 'bitrat'"),
+        ("can://virtual/x?protocol=1&protocol=2", "option 'protocol' twice"),
+    ],
+)
+def test_a_wrong_address_says_what_is_accepted(url: str, found: str) -> None:
+    with pytest.raises(BadDeviceUrl, match="expected") as refused:
+        open_port(url)
+    assert found in str(refused.value)
+
+
+def test_an_interface_without_its_driver_is_told() -> None:
+    with pytest.raises(PortNotFound):
+        open_port("can://kvaser/0")
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [(can.CanOperationError("gone"), "gone"), (OSError(5, "Input/output error"), "Input"), (NameError("x"), "x")],
+)
+def test_whatever_python_can_lets_through_is_a_lost_link(error: Exception, text: str) -> None:
+    class Broken(can.bus.BusABC):
+        def __init__(self) -> None:
+            super().__init__(channel="x")
+
+        def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+            raise error
+
+        def send(self, msg: can.Message, timeout: float | None = None) -> None:
+            raise error
+
+    port = CanPort(Broken(), "x", 0.01)
+    assert text in lost(port)
+    port.close()
+
+
+def test_error_frames_are_recorded_and_bus_off_ends_the_link() -> None:
+    """As socketcan hands them over; python-can's virtual bus carries them too."""
+    port = open_port("can://virtual/errors", timeout_s=0.2)
+    with can.Bus(interface="virtual", channel="errors") as other:
+        other.send(can.Message(arbitration_id=0x4, is_error_frame=True, data=bytes(8)))
+        [(identifier, _)] = record.unpack(records(port, 32))
+        assert identifier & record.ERROR
+        other.send(can.Message(arbitration_id=0x40, is_error_frame=True, data=bytes(8)))
+        assert "bus-off" in lost(port)
+    port.close()
+
+
+def test_replayed_records_are_the_samples(tmp_path: object) -> None:
+    path = f"{tmp_path}/run.can"
+    with open(path, "wb") as file:
+        file.write(b"".join(FRAMES))
+    address = parse_device_url(f"replay:{path}?format=can")
+    wire = wire_of(address)
+    assert wire is not None
+    port = open_port(address)
+    assert len(Decoder(wire).feed(port.read(10**6))) == 5
+    port.close()
+    assert wire.name == WIRE.name
+
+
+def test_socketcan_where_the_kernel_has_it() -> None:
+    try:
+        socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW).close()
+    except OSError as error:
+        with pytest.raises(PortNotFound, match="no CAN bus"):
+            open_port("can://socketcan/can0")
+        pytest.skip(f"this kernel has no CAN: {error}")
+    with pytest.raises((PortNotFound, LinkLost)):
+        open_port("can://socketcan/can_none")

@@ -1,0 +1,142 @@
+"""DBCs and mapping files: foreign ones decode to their golden values, wrong ones are refused by name and line."""
+
+import ast
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.can import record
+from drivers.can.database import field_of, identifier_of, load_dbc
+from drivers.can.format import OWN_DBC, OWN_MAP, can_format
+from drivers.can.layout import words_of
+from drivers.errors import BadCanFile
+from drivers.framing import Decoder
+from procedures.records import RateBlock
+from tests.drivers.can.frames import DBC, needs_captures, samples
+
+SBG_MAP = """
+format = "can-map/1"
+output = "rate"
+sample_period_s = 0.01
+gyro = ["SBG_ECAN_MSG_IMU_GYRO.GYRO_X", "SBG_ECAN_MSG_IMU_GYRO.GYRO_Y", "SBG_ECAN_MSG_IMU_GYRO.GYRO_Z"]
+accel = ["SBG_ECAN_MSG_IMU_ACCEL.ACCEL_X", "SBG_ECAN_MSG_IMU_ACCEL.ACCEL_Y", "SBG_ECAN_MSG_IMU_ACCEL.ACCEL_Z"]
+first = "SBG_ECAN_MSG_IMU_INFO"
+time = "SBG_ECAN_MSG_IMU_INFO.TIME_STAMP"
+time_unit_s = 1e-6
+status = "SBG_ECAN_MSG_IMU_INFO.STATUS"
+good_bits = 0x7F
+temperature = "SBG_ECAN_MSG_IMU_INFO.TEMPERATURE"
+"""
+
+
+def golden() -> list[dict[str, str]]:
+    if not DBC.is_dir():
+        return []
+    with (DBC / "golden.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@needs_captures
+@pytest.mark.parametrize("row", golden(), ids=lambda row: row["message"])
+def test_every_golden_payload_decodes_to_its_values(row: dict[str, str]) -> None:
+    path = str(DBC / row["dbc"])
+    message = load_dbc(path).get_message_by_name(row["message"])
+    assert identifier_of(message) == int(row["id"], 16)
+    payload = bytes.fromhex(row["data_hex"]).ljust(8, b"\0")
+    words = words_of(np.frombuffer(payload, np.uint8).reshape(1, 8))
+    for name, value in ast.literal_eval(row["decoded"]).items():
+        assert field_of(path, message, name).value(words)[0] == float(value), name
+
+
+@needs_captures
+def test_a_foreign_dbc_keeps_its_degree_signs() -> None:
+    units = {signal.unit for each in load_dbc(str(DBC / "sbgCan.dbc")).messages for signal in each.signals}
+    assert "°C" in units
+    assert not any("\ufffd" in (unit or "") for unit in units)
+
+
+@needs_captures
+def test_a_foreign_device_is_joined_by_the_order_of_its_frames(tmp_path: Path) -> None:
+    (tmp_path / "sbg.toml").write_text(SBG_MAP)
+    wire = can_format(str(DBC / "sbgCan.dbc"), str(tmp_path / "sbg.toml"))
+    rows = {row["message"]: row for row in golden()}
+    names = [f"SBG_ECAN_MSG_IMU_{part}" for part in ("INFO", "ACCEL", "GYRO")]
+    records = [
+        record.pack(int(rows[name]["id"], 16), 10**9 + i, bytes.fromhex(rows[name]["data_hex"]))
+        for i, name in enumerate(names)
+    ]
+    decoder = Decoder(wire)
+    block = decoder.feed(b"".join(records))
+    assert (wire.output, type(block)) == ("rate", RateBlock)
+    np.testing.assert_allclose(block.gyro, [[-1.234, 0.567, 32.767]])  # rad/s, as the DBC says
+    np.testing.assert_allclose(block.accel, [[9.81, -327.68, 0.01]])
+    assert (block.device_time[0], block.temperature[0], block.status[0]) == (123.456789, 25.43, 32767)
+    later = [records[0], records[2]]  # its accelerometer frame is lost
+    assert len(decoder.feed(b"".join([*later, *records]))) == 0
+    assert len(decoder.feed(records[0])) == 1
+    assert decoder.counters.incomplete == 1
+
+
+@needs_captures
+def test_a_dbc_with_a_syntax_error_is_refused_with_its_line() -> None:
+    with pytest.raises(BadCanFile, match=r"line 1656.*CM_.*expected a DBC without errors") as refused:
+        load_dbc(str(DBC / "hyundai_can_upstream_syntax_error.dbc"))
+    assert refused.value.line == 1656
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "found"),
+    [
+        ('format = "can-map/1"', 'format = "can-map/2"', "format = 'can-map/2'"),
+        ('counter = "COUNTER"', 'counter = "COUNTRE"', "no signal 'COUNTRE' in FOG_GYRO_X"),
+        ('"FOG_GYRO_X.COUNT"', '"FOG_GYRO_W.COUNT"', "message 'FOG_GYRO_W'"),
+        ('"FOG_GYRO_X.COUNT"', '"COUNT"', "'COUNT'"),
+        ('counter = "COUNTER"', "", "first = '' and no counter in every frame"),
+        ("crc8-autosar-id", "crc9", "check_kind = 'crc9'"),
+        ('check = "CRC"', 'check = "COUNTER"', "check in FOG_GYRO_X of 16 bits"),
+        ('output = "increments"', 'output = "counts"', "output = 'counts'"),
+        ("sample_period_s = 0.002", "sample_period_s = 0", "sample_period_s = 0"),
+        ("fault_bits = 0xFF", "fault_bitts = 1", "key 'fault_bitts'"),
+        ("fault_bits = 0xFF", "fault_bits = -1", "fault_bits = -1"),
+        ("gyro = [", "gyro = [1,", "three names"),
+        ("format =", "format", "Expected '=' after a key"),
+    ],
+)
+def test_a_wrong_mapping_is_refused_by_the_key(old: str, new: str, found: str, tmp_path: Path) -> None:
+    text = Path(OWN_MAP).read_text()
+    assert old in text
+    (tmp_path / "map.toml").write_text(text.replace(old, new))
+    with pytest.raises(BadCanFile) as refused:
+        can_format(OWN_DBC, str(tmp_path / "map.toml"))
+    assert found in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["dbc", "map"])
+def test_a_missing_file_is_refused(name: str, tmp_path: Path) -> None:
+    files = {"dbc": OWN_DBC, "map": OWN_MAP, name: str(tmp_path / "none")}
+    with pytest.raises(BadCanFile, match="No such file"):
+        can_format(files["dbc"], files["map"])
+
+
+def test_running_totals_become_increments_and_a_gap_begins_anew(tmp_path: Path) -> None:
+    text = Path(OWN_MAP).read_text().replace('"increments"', '"cumulative"')
+    (tmp_path / "map.toml").write_text(text)
+    wire, block = can_format(OWN_DBC, str(tmp_path / "map.toml")), samples(200)
+    stream = can_format().encode(block)  # its counts taken for running totals, which wrap
+    decoder = Decoder(wire)
+    found = [decoder.feed(stream[at : at + 1000]) for at in range(0, len(stream), 1000)]
+    gyro = np.concatenate([each.gyro for each in found])
+    steps = np.diff(block.gyro, axis=0)
+    assert gyro.tolist() == ((steps + 2**31) % 2**32 - 2**31).tolist()
+    with pytest.raises(ValueError, match="running totals"):
+        wire.encode(block)
+    decoder, size = Decoder(wire), len(stream) // 200
+    with_gap = np.concatenate(
+        [decoder.feed(stream[: 50 * 192]).counter, decoder.feed(stream[100 * size :]).counter]
+    )
+    assert 50 + 1 in with_gap.tolist() or len(with_gap) < 150
+    assert np.all(np.diff(with_gap) >= 1)

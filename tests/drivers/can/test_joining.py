@@ -1,0 +1,178 @@
+"""Frames to samples: whatever is lost, late, doubled or foreign, no sample is made of frames of two."""
+
+from dataclasses import replace
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from drivers.can import record
+from drivers.framing import Decoder
+from procedures.records import CountBlock
+from tests.drivers.can.frames import RECORD_BYTES, WIRE, frames_of, samples
+
+N = 60
+BLOCK = samples(N, first=65500)
+FRAMES = frames_of(BLOCK)
+TRUTH = {
+    int(c) % 65536: (g.tolist(), a.tolist())
+    for c, g, a in zip(BLOCK.counter, BLOCK.gyro, BLOCK.accel, strict=True)
+}
+
+
+def fed(stream: bytes, decoder: Decoder, cuts: tuple[int, ...] = (10**9,)) -> CountBlock:
+    blocks, at, turn = list[CountBlock](), 0, 0
+    while at < len(stream):
+        size = cuts[turn % len(cuts)]
+        blocks.append(decoder.feed(stream[at : at + size]))
+        at, turn = at + size, turn + 1
+    names = ("counter", "device_time", "gyro", "accel", "temperature", "status", "healthy")
+    return CountBlock(**{name: np.concatenate([getattr(block, name) for block in blocks]) for name in names})
+
+
+def assert_true(block: CountBlock) -> None:
+    for counter, gyro, accel in zip(block.counter, block.gyro, block.accel, strict=True):
+        assert TRUTH[int(counter)] == (gyro.tolist(), accel.tolist())
+    assert len(set(block.counter.tolist())) == len(block)
+
+
+@settings(deadline=None, max_examples=30)
+@given(cuts=st.lists(st.integers(1, 2000), min_size=1).filter(lambda cuts: np.mean(cuts) > 100))
+def test_all_samples_are_found_however_the_stream_is_cut(cuts: list[int]) -> None:
+    decoder = Decoder(WIRE)
+    block = fed(WIRE.encode(BLOCK), decoder, tuple(cuts))
+    assert_true(block)
+    assert len(block) == N == decoder.counters.frames
+    assert decoder.counters.counter_jumps == 0
+    np.testing.assert_allclose(np.diff(block.device_time), 0.002, atol=1e-9)
+    assert block.temperature[BLOCK.counter % 250 == 0] == pytest.approx([25.31])
+
+
+@settings(deadline=None, max_examples=80)
+@given(
+    lost=st.sets(st.integers(0, 6 * N - 1), max_size=12),
+    doubled=st.sets(st.integers(0, 6 * N - 1), max_size=6),
+    swapped=st.lists(st.integers(0, 6 * N - 7), max_size=6),
+    cuts=st.lists(st.integers(100, 6000), min_size=1, max_size=4),
+)
+def test_no_sample_is_made_of_two_and_only_those_touched_are_missing(
+    lost: set[int], doubled: set[int], swapped: list[int], cuts: list[int]
+) -> None:
+    order = list(range(6 * N))
+    for at in swapped:  # a frame comes up to six places late
+        order[at], order[at + 6] = order[at + 6], order[at]
+    stream = b"".join((1 + (i in doubled)) * FRAMES[i] for i in order if i not in lost)
+    decoder = Decoder(WIRE)
+    block = fed(stream, decoder, tuple(cuts))
+    assert_true(block)
+    touched = {i // 6 for i in lost} | {(at + k) // 6 for at in swapped for k in (0, 6)}
+    missing = set(range(N)) - {(int(c) - 65500) % 65536 for c in block.counter}
+    assert missing <= touched | {N - 1}, "an untouched sample is missing"
+    if lost and missing - {N - 1}:
+        assert decoder.counters.incomplete > 0
+
+
+@pytest.mark.parametrize("slot", range(6))
+def test_a_lost_frame_costs_its_sample_and_is_counted(slot: int) -> None:
+    decoder = Decoder(WIRE)
+    block = fed(b"".join(frame for i, frame in enumerate(FRAMES) if i != 6 * 20 + slot), decoder)
+    assert len(block) == N - 1
+    assert (decoder.counters.incomplete, decoder.counters.counter_jumps) == (1, 1)
+
+
+def test_foreign_remote_and_error_frames_are_counted_and_harm_nothing() -> None:
+    babble = [
+        record.pack(0x123, 0, b"hello"),
+        record.pack(0x1A0 | record.EXTENDED, 0, bytes(8)),
+        record.pack(0x1A0 | record.REMOTE, 0, b""),
+        record.pack(0x40 | record.ERROR, 0, bytes(8)),
+    ]
+    decoder = Decoder(WIRE)
+    block = fed(b"".join(frame + babble[i % 4] for i, frame in enumerate(FRAMES)), decoder)
+    assert_true(block)
+    assert (len(block), decoder.counters.foreign, decoder.counters.bus_errors) == (N, 180, 180)
+
+
+@pytest.mark.parametrize("data", [b"", bytes(4), bytes(7), bytes(9), bytes(12)])
+def test_short_and_long_payloads_are_counted_and_not_read(data: bytes) -> None:
+    decoder = Decoder(WIRE)
+    assert len(decoder.feed(record.pack(0x1A0, 0, data))) == 0
+    assert (decoder.counters.bad_length, decoder.counters.bad_crc) == (1, 0)
+
+
+def test_a_wrong_check_is_counted_and_its_sample_missing() -> None:
+    spoilt = bytearray(FRAMES[33][:-4])
+    spoilt[17] ^= 4
+    frame = record.pack(int.from_bytes(spoilt[4:8], "little"), 0, bytes(spoilt[16:24]))
+    decoder = Decoder(WIRE)
+    block = fed(b"".join([*FRAMES[:33], frame, *FRAMES[34:]]), decoder)
+    assert (len(block), decoder.counters.bad_crc, decoder.counters.incomplete) == (N - 1, 1, 1)
+
+
+def test_a_wrong_frame_that_passes_its_check_is_marked_by_its_step() -> None:
+    """Eight bits let one in 256 through; a count far from the one before is then not believed."""
+    still = replace(BLOCK, gyro=np.zeros((N, 3), np.int64), accel=np.zeros((N, 3), np.int64))
+    jumped = replace(still, gyro=np.where(np.arange(N)[:, None] == 20, 2**28, still.gyro))
+    decoder = Decoder(WIRE)
+    block = fed(b"".join(frames_of(jumped)), decoder)
+    assert np.flatnonzero(~block.healthy).tolist() == [20]
+    assert decoder.counters.bad_status == 1
+
+
+def test_a_restarted_device_begins_anew() -> None:
+    decoder = Decoder(WIRE)
+    block = fed(b"".join([*FRAMES, *frames_of(samples(20, first=0))]), decoder)
+    assert len(block) == N + 20
+    assert decoder.counters.counter_jumps == 1
+    assert np.count_nonzero(np.diff(block.device_time) <= 0) in {0, 1}
+
+
+def test_a_silence_longer_than_the_counter_is_told_by_the_hosts_clock() -> None:
+    later = samples(10, first=65500 + N + 3 * 65536)  # 393 s at 500 Hz: the counter alone shows no step
+    block = fed(b"".join([*FRAMES, *frames_of(later)]), Decoder(WIRE))
+    assert block.device_time[N] - block.device_time[N - 1] == pytest.approx(0.002 * (1 + 3 * 65536))
+
+
+def test_a_burst_after_5_s_is_no_gap() -> None:
+    """Frames held up for 5 s and handed over at once keep their places."""
+    times = (BLOCK.device_time * 1e9).astype(int)
+    held = [
+        record.pack(identifier, int(times[i // 6]) if i < 120 else int(times[-1]) + 5 * 10**9, data)
+        for i, (identifier, data) in enumerate(record.unpack(b"".join(FRAMES)))
+    ]
+    block = fed(b"".join(held), Decoder(WIRE))
+    np.testing.assert_allclose(np.diff(block.device_time), 0.002, atol=1e-9)
+
+
+def test_two_devices_on_one_bus_make_no_steady_stream() -> None:
+    other = frames_of(samples(N, first=30000, seed=2))
+    mixed = b"".join(frame for pair in zip(FRAMES, other, strict=True) for frame in pair)
+    decoder = Decoder(WIRE)
+    block = fed(mixed, decoder)
+    assert len(block) <= 2
+    assert decoder.counters.incomplete > N / 2
+
+
+def test_two_devices_with_the_same_counter_are_not_mixed() -> None:
+    other = frames_of(samples(N, first=65500, seed=2))
+    mixed = b"".join(frame for pair in zip(FRAMES, other, strict=True) for frame in pair)
+    assert len(fed(mixed, Decoder(WIRE))) == 0
+
+
+def test_the_edges_are_the_bytes_that_a_sample_needs() -> None:
+    stream, decoder, at = WIRE.encode(BLOCK), Decoder(WIRE), 0
+    for size in [700, 1, 333, 5000, 10**6]:
+        block = decoder.feed(stream[at : at + size])
+        for row, (begin, end) in enumerate(decoder.edges + at):
+            again = Decoder(WIRE).feed(stream[begin:end])
+            assert again.gyro.tolist() == block.gyro[row : row + 1].tolist()
+            assert end - begin in {6 * RECORD_BYTES, 7 * RECORD_BYTES}
+        at += size
+
+
+def test_a_record_with_any_bit_wrong_is_refused() -> None:
+    for bit in range(8 * RECORD_BYTES):
+        spoilt = bytearray(FRAMES[0])
+        spoilt[bit // 8] ^= 1 << bit % 8
+        assert not (spoilt.startswith(record.IMU.prefix) and record.is_intact(spoilt))

@@ -1,0 +1,120 @@
+import numpy as np
+import pytest
+from scipy.signal import lsim
+
+from procedures.arrays import FloatArray
+from procedures.attitude import mixing_kernels
+from procedures.attitude.frd import down_of, inclination, roll_pitch_of
+from procedures.attitude.gains import PAPER, Gains
+from procedures.attitude.log import AttitudeLog
+from procedures.attitude.mixer import Mixer, PaperMixer, mix, mix_as_printed
+from procedures.frames import nominal_C_lb
+
+G = 9.80665
+FRD_OF_CUBE = np.diag([1.0, -1.0, -1.0])
+
+
+def wavy(seed: int = 3, n: int = 4000, dt: float = 0.01) -> AttitudeLog:
+    """Random smooth rates and specific forces about level, with an airspeed."""
+    rng = np.random.default_rng(seed)
+    slow = np.cumsum(rng.standard_normal((n, 6)), axis=0) * 1e-3
+    force = np.array([0.0, 0.0, -G]) + slow[:, 3:]
+    return AttitudeLog(np.arange(n) * dt, slow[:, :3], force, 50.0 + slow[:, 0])
+
+
+def still(down: FloatArray, bias: float = 0.0, n: int = 3000, dt: float = 0.01) -> AttitudeLog:
+    return AttitudeLog(np.arange(n) * dt, np.full((n, 3), bias), np.tile(-G * down, (n, 1)))
+
+
+def test_gains_of_a_time_constant_are_those_of_equation_15() -> None:
+    gains = Gains.of_time_constant(12.5)
+    assert gains.k1 == pytest.approx(2 / 12.5)
+    assert gains.k1 * gains.k2 == pytest.approx(1 / 12.5**2)
+    assert gains.damping == pytest.approx(1.0)
+    assert PAPER.damping == pytest.approx(1.265, abs=1e-3)
+    with pytest.raises(ValueError, match="expected more than 0"):
+        Gains.of_time_constant(0.0)
+
+
+@pytest.mark.parametrize("printed", [False, True])
+def test_small_angles_follow_the_transfer_function_of_equation_1(printed: bool) -> None:
+    dt, n, step, bias = 0.01, 6000, 0.01, 2e-3
+    t = np.arange(n) * dt
+    force = np.tile(G * np.array([0.0, 0.0, -1.0]), (n, 1))
+    force[1:] = -G * down_of(np.array(step), np.array(0.0))  # roll as the accelerometer has it: a step
+    rate = np.zeros((n, 3))
+    rate[1:, 0] = bias
+    log = AttitudeLog(t, rate, force)
+    roll = mix_as_printed(log)[0][:, 0] if printed else roll_pitch_of(mix(log)[0])[0]
+    k1, k2 = PAPER.k1, PAPER.k2
+    by_angle = lsim(([k1, k1 * k2], [1, k1, k1 * k2]), np.full(n, step), t)[1]
+    by_rate = lsim(([1, 0], [1, k1, k1 * k2]), np.full(n, bias), t)[1]
+    assert np.abs(roll - by_angle - by_rate).max() < 2e-3 * step + dt * bias
+
+
+@pytest.mark.parametrize("position", range(1, 13))
+def test_every_cube_position_reads_as_well_as_any(position: int) -> None:
+    down = -FRD_OF_CUBE @ nominal_C_lb(position)[2]
+    found, mixer = mix(still(down, bias=2.4e-4), Gains.of_time_constant(2.0))
+    assert np.degrees(inclination(found[-1], down)) < 1e-3
+    across = mixer.gyro_bias - down * (down @ mixer.gyro_bias)
+    assert across == pytest.approx(2.4e-4 * (np.ones(3) - down * down.sum()), abs=1e-6)
+
+
+def test_it_comes_back_from_upside_down() -> None:
+    down = np.array([0.0, 0.0, 1.0])
+    log = still(down, n=20000)
+    log.force[0] *= -1  # the first sample says upside down, exactly
+    assert np.degrees(inclination(mix(log, Gains.of_time_constant(5.0))[0][-1], down)) < 0.1
+
+
+def test_time_stamps_count_not_samples() -> None:
+    log = wavy()
+    fine, _ = mix(log, Gains.of_time_constant(3.0))
+    pairs = {"rate": log.rate[1:].reshape(-1, 3)[: len(log.t) // 2 * 2 - 2], "force": log.force[1:]}
+    rate = pairs["rate"].reshape(-1, 2, 3).mean(axis=1)
+    force = pairs["force"][: 2 * len(rate)].reshape(-1, 2, 3).mean(axis=1)
+    half = AttitudeLog(
+        np.concatenate(([log.t[0]], log.t[2 : 2 * len(rate) + 1 : 2])),
+        np.vstack([log.rate[:1], rate]), np.vstack([log.force[:1], force]),
+    )  # fmt: skip
+    coarse, _ = mix(half, Gains.of_time_constant(3.0))
+    assert np.degrees(inclination(coarse[-1], fine[2 * len(rate)])) < 0.02
+
+
+@pytest.mark.parametrize("aid", ["none", "airspeed"])
+def test_one_sample_at_a_time_gives_what_a_log_gives(aid: str) -> None:
+    log = wavy(n=500)
+    assert log.airspeed is not None
+    mixer = Mixer(PAPER, aid, gate=1e-3)
+    steps = [mixer.step(*row) for row in zip(log.t, log.rate, log.force, log.airspeed, strict=True)]
+    assert np.array(steps) == pytest.approx(mix(log, PAPER, aid, gate=1e-3)[0], abs=1e-12)
+
+
+def test_the_printed_form_one_sample_at_a_time_gives_what_a_log_gives() -> None:
+    log = wavy(n=500)
+    assert log.airspeed is not None
+    mixer = PaperMixer(filtered=True)
+    for row in zip(log.t, log.rate, log.force, log.airspeed, strict=True):
+        mixer.step(*row)
+    assert mixer.roll_pitch == pytest.approx(mix_as_printed(log, filtered=True)[0][-1], abs=1e-12)
+
+
+def test_kernels_equal_their_plain_form() -> None:
+    log, plain, compiled = wavy(n=300), np.zeros(6), np.zeros(6)
+    plain[2] = compiled[2] = 1.0
+    for w, f in zip(log.rate, log.force, strict=True):
+        mixing_kernels.mix_vector.py_func(plain, 0.01, *w, *f, 0.1, 0.05)
+        mixing_kernels.mix_vector(compiled, 0.01, *w, *f, 0.1, 0.05)
+    assert plain == pytest.approx(compiled, abs=1e-12)
+
+
+def test_a_forward_speed_takes_the_turn_off() -> None:
+    """A level turn at 50 m/s and 0.1 rad/s without bank, as a car's: the specific force leans by 27 deg."""
+    n, rate, speed = 3000, 0.1, 50.0
+    force = np.tile([0.0, rate * speed, -G], (n, 1))
+    force[0] = [0.0, 0.0, -G]
+    log = AttitudeLog(np.arange(n) * 0.01, np.tile([0.0, 0.0, rate], (n, 1)), force, np.full(n, speed))
+    level = np.array([0.0, 0.0, 1.0])
+    assert np.degrees(inclination(mix(log)[0][-1], level)) > 15
+    assert np.degrees(inclination(mix(log, PAPER, "airspeed")[0][-1], level)) < 0.2

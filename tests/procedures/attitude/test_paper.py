@@ -1,0 +1,80 @@
+"""P2, section 4, run again: what comes out as printed, and what does not (docs/attitude-paper.md)."""
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+
+from drivers.simulated.flight import LEVEL_S, paper_flight
+from procedures.arrays import FloatArray
+from procedures.attitude.attitude import estimate
+from procedures.attitude.frd import roll_pitch_of
+from procedures.attitude.gains import Gains
+from procedures.attitude.log import AttitudeLog
+from procedures.attitude.mixer import mix
+
+SEEDS = range(6)
+flight = cache(paper_flight)
+
+
+def by(aid: str) -> Callable[[AttitudeLog], FloatArray]:
+    return lambda log: estimate(log, aid).down
+
+
+def errors_deg(log: AttitudeLog, down: FloatArray) -> FloatArray:
+    roll, pitch = roll_pitch_of(down)
+    assert log.roll is not None
+    assert log.pitch is not None
+    return np.degrees(np.stack([roll - log.roll, pitch - log.pitch], axis=1))
+
+
+def maxima(aid: str, turn_s: float = 50.0, attack_deg: float = 3.0) -> tuple[FloatArray, FloatArray]:
+    """Return the mean over seeds of the largest roll and pitch error in level flight and in the turn [deg]."""
+    level, turn = [], []
+    for seed in SEEDS:
+        log = flight(seed, turn_s, 200.0, attack_deg)
+        error = np.abs(errors_deg(log, by(aid)(log)))
+        level.append(error[(log.t > 20) & (log.t < LEVEL_S)].max(axis=0))
+        turn.append(error[log.t > LEVEL_S].max(axis=0))
+    return np.mean(level, axis=0), np.mean(turn, axis=0)
+
+
+def test_figure_3_the_gyros_alone_drift_with_time() -> None:
+    drift = []
+    for seed in SEEDS:
+        log = flight(seed, 50.0, 200.0, 3.0)
+        error = errors_deg(log, mix(log, Gains(1e-9, 0.0))[0])
+        drift.append([error[12499], error[24999]])
+    at_125, at_250 = np.sqrt(np.mean(np.square(drift), axis=(0, 2)))
+    one_sigma = 50 * 250 / 3600  # 50 deg/h over 250 s
+    assert at_250 == pytest.approx(one_sigma, rel=4 / np.sqrt(2 * 2 * len(SEEDS)))
+    assert at_250 / at_125 == pytest.approx(2, rel=0.2)  # "almost linearly"
+
+
+def test_figure_4_forward_speed_stays_below_1_deg_in_level_flight_and_grows_in_the_turn() -> None:
+    level, turn = maxima("paper-airspeed")
+    assert (level < 1.0).all()
+    assert turn[0] > 2.0
+    assert turn[1] > 1.0
+
+
+def test_without_an_angle_of_attack_nothing_grows() -> None:
+    """What is missing in (10) is the vertical velocity of a body that flies nose up."""
+    _, turn = maxima("paper-airspeed", attack_deg=0.0)
+    assert (turn < 0.6).all()
+
+
+def test_figure_5_the_velocity_filter_helps_pitch_but_hardly_roll() -> None:
+    _, before = maxima("paper-airspeed")
+    _, after = maxima("paper-filter")
+    assert after[1] < 0.5 * before[1]
+    assert 0.7 * before[0] < after[0] < before[0]  # not the reduction that the paper's figure shows
+
+
+def test_the_velocity_filter_is_worse_than_none_in_a_turn_of_five_minutes() -> None:
+    _, before = maxima("paper-airspeed", 300.0)
+    _, after = maxima("paper-filter", 300.0)
+    assert after[0] > 1.5 * before[0]
+    log = flight(0, 300.0, 200.0, 3.0)
+    assert any("diverges" in said for said in estimate(log, "paper-filter").warnings)

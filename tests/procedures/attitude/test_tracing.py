@@ -1,0 +1,91 @@
+"""The loop closed for attitude: what is planted in a drive is found, named, taken off, and nothing else."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.attitude.log import AttitudeLog
+from procedures.attitude.tracing.effects import Motion
+from procedures.attitude.tracing.evidence import NAMED
+from procedures.attitude.tracing.trace import trace
+from procedures.errors import NotObservable
+from tests.procedures.attitude.driving import G, with_truth
+
+drive = cache(with_truth)
+PLANTED = {
+    "gyroscope.bias": [1e-3, -2e-3, 5e-4],
+    "gyroscope.scale": [0.0, 0.0, 0.02],
+    "accelerometer.bias": [0.05, -0.03, 0.02],
+    "mounting.lever_arm": [1.0, 0.5, -0.3],
+    "mounting.angle": [0.01, -0.01, 0.02],
+    "aid.scale": [0.08],
+    "aid.time_offset": [0.4],
+}
+
+
+def planted(name: str) -> AttitudeLog:
+    log, effect, c = drive(), NAMED[name], np.array(PLANTED[name])
+    assert log.airspeed is not None
+    if name == "aid.scale":
+        return replace(log, airspeed=log.airspeed / (1 + c[0]))
+    if name == "aid.time_offset":
+        return replace(log, airspeed=np.interp(log.t - c[0], log.t, log.airspeed))
+    motion = Motion.of(log, log.airspeed)
+
+    def added(columns: FloatArray | None) -> FloatArray | float:
+        return 0.0 if columns is None else columns @ c
+
+    rate = log.rate + added(effect.rate and effect.rate(motion))
+    return replace(log, rate=rate, force=log.force + added(effect.force and effect.force(motion)))
+
+
+@pytest.mark.parametrize("name", PLANTED)
+def test_what_is_planted_is_found_and_taken_off(name: str) -> None:
+    found = trace(planted(name), "airspeed-filter", None, G)
+    assert [each.effect for each in found.findings] == [name]
+    (each,) = found.findings
+    assert np.all(np.abs(each.value - PLANTED[name]) < 4.5 * each.std)
+    assert found.verdict == "established"
+    (error,) = found.errors
+    assert error.after < error.before
+    assert error.held_out_after is not None
+    assert error.held_out_after < 0.06  # deg, that of the clean drive
+
+
+@pytest.mark.parametrize("aid", ["airspeed-filter", "gnss"])
+def test_a_clean_drive_is_consistent(aid: str) -> None:
+    found = trace(drive(), aid, None, G)
+    assert found.verdict == "consistent"
+    assert found.findings == ()
+    assert len(found.tried) >= 5
+
+
+def test_a_law_without_speed_lacks_it_and_its_rate() -> None:
+    found = trace(drive(), "none", None, G)
+    assert [each.effect for each in found.findings] == ["velocity.forward", "velocity.rate"]
+    assert [each.value[0] for each in found.findings] == pytest.approx([1, 1], abs=0.02)
+    (error,) = found.errors
+    assert error.held_out_before is not None
+    assert error.held_out_after is not None
+    assert error.held_out_after < 0.01 * error.held_out_before
+
+
+def test_without_truth_gyros_and_accelerometers_show_the_bias_between_them() -> None:
+    log = replace(planted("gyroscope.bias"), roll=None, pitch=None)
+    found = trace(log, "airspeed-filter", None, G)
+    assert [each.effect for each in found.findings] == ["gyroscope.bias"]
+    assert np.all(np.abs(found.findings[0].value - PLANTED["gyroscope.bias"]) < 4.5 * found.findings[0].std)
+    (error,) = found.errors
+    assert error.held_out_after is not None
+    assert error.held_out_before is not None
+    assert error.held_out_after < 0.6 * error.held_out_before
+
+
+def test_a_short_log_is_refused() -> None:
+    log = drive()
+    few = slice(0, 2000)
+    with pytest.raises(NotObservable, match="30 s"):
+        trace(AttitudeLog(log.t[few], log.rate[few], log.force[few]), "none", None, G)

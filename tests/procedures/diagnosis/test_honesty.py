@@ -1,0 +1,64 @@
+"""What stays after an effect is in: a cause leaves noise, a likeness leaves structure and is not named.
+
+On rate tables, which hold nothing but a nonlinearity, so that what an effect explains is known beforehand.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.diagnosis import diagnosis as module
+from procedures.diagnosis.diagnosis import diagnose
+from procedures.diagnosis.result import Diagnosis
+from tests.procedures.diagnosis.test_rate_tables import NONLINEAR, campaign, table
+
+Bend = Callable[[np.ndarray], np.ndarray]
+
+
+def bent(seed: int, bend: Bend) -> Diagnosis:
+    """Diagnose a table whose sensor adds ``bend`` [deg/s] of the rate [deg/s]."""
+    plain = table(seed)
+    return diagnose([campaign(replace(plain, output=plain.output - 2e4 * bend(plain.reference)[:, None]))])
+
+
+def periodic(u: np.ndarray) -> np.ndarray:
+    found: np.ndarray = 0.05 * np.sin(2 * np.pi * u / 80)
+    return found
+
+
+def saturated(u: np.ndarray) -> np.ndarray:
+    found: np.ndarray = 0.05 * np.clip(u / 20, -1, 1)
+    return found
+
+
+@pytest.mark.parametrize("bend", [periodic, saturated])
+def test_what_a_cubic_or_a_sine_only_resembles_is_not_named_so(
+    bend: Bend, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = bent(1, bend)
+    assert found.verdict == "unexplained"
+    assert found.findings == ()
+    monkeypatch.setattr(module, "EXPLAINS", -np.inf)
+    assert {each.effect for each in bent(1, bend).findings} & NONLINEAR  # it is this rule that keeps them out
+
+
+def test_a_cause_that_explains_nearly_all_stands_though_something_small_is_left() -> None:
+    found = bent(1, lambda u: 0.3 * (u / 100) ** 3 + 0.012 * np.sin(2 * np.pi * u / 40))
+    assert found.verdict == "unexplained"
+    assert {each.effect for each in found.findings} <= NONLINEAR
+    assert len(found.findings) == 1
+
+
+def test_a_small_cause_that_leaves_noise_stands_however_much_of_the_scatter_was_noise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def small(u: np.ndarray) -> np.ndarray:
+        found: np.ndarray = 0.0045 * (u / 100) ** 3
+        return found
+
+    named = [len(bent(seed, small).findings) for seed in range(3)]
+    assert named == [1, 1, 1]
+    monkeypatch.setattr(module, "LEFT", 0.0)  # asked of noise too, it would go: half of what it explains is chance
+    assert sum(len(bent(seed, small).findings) for seed in range(3)) < 3

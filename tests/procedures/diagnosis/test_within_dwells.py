@@ -1,0 +1,59 @@
+"""What stays unexplained is in the uncertainty, also where only the dwells' insides show it."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from procedures.diagnosis.diagnosis import diagnose
+from procedures.diagnosis.result import Diagnosis
+from procedures.uncertainty import sources as named
+from procedures.uncertainty.budget import ParameterBudget, budget
+from procedures.uncertainty.inputs import Inputs
+from tests.benchmarks.diagnosing.designs import certified, unit
+from tests.procedures.diagnosis.planted import wandering
+
+
+@cache
+def diagnosed(size: float) -> Diagnosis:
+    truth = replace(unit(3), slab_tilt_rad=np.zeros(2), faces_rad=np.zeros((6, 2)))
+    (campaign,) = certified(truth, 3)
+    return diagnose([wandering(campaign, 3, size)])
+
+
+def bias_x(found: Diagnosis, unexplained: dict[str, float] | None) -> ParameterBudget:
+    wanted = "accelerometer.bias.x"
+    return next(one for one in budget(found.after, Inputs(unexplained=unexplained)) if one.name == wanted)
+
+
+def test_a_ramp_that_no_effect_explains_widens_the_uncertainty_though_the_means_fit() -> None:
+    found = diagnosed(0.02)
+    assert found.verdict == "unexplained"
+    assert found.unexplained is not None
+    assert found.unexplained["accelerometer"] > 1
+    plain, widened = bias_x(found, None), bias_x(found, dict(found.unexplained))
+    assert named.UNEXPLAINED not in {part.source for part in plain.contributions}
+    (part,) = [part for part in widened.contributions if part.source == named.UNEXPLAINED]
+    counting = next(part for part in plain.contributions if part.source == named.COUNTING)
+    assert part.std > 0.5 * np.sqrt(found.unexplained["accelerometer"]) * counting.std
+    assert widened.std**2 == pytest.approx(plain.std**2 + part.std**2)
+
+
+def test_without_it_nothing_is_left_and_nothing_is_added() -> None:
+    found = diagnosed(0.0)
+    assert found.verdict != "unexplained"
+    assert found.unexplained is None
+
+
+def test_with_something_left_the_sum_of_squares_counts_also_where_it_passes_by_itself() -> None:
+    found = diagnosed(0.0)
+    assert found.after.accelerometer is not None
+    worse = replace(found.after.accelerometer.fit, residual=found.after.accelerometer.fit.residual * 1.15)
+    fits = replace(found.after, accelerometer=replace(found.after.accelerometer, fit=worse))
+    assert worse.chi2 > found.after.accelerometer.dof
+    sources = [
+        {part.source for one in budget(fits, Inputs(unexplained=left)) for part in one.contributions}
+        for left in (None, {})
+    ]
+    assert [named.UNEXPLAINED in each for each in sources] == [False, True]

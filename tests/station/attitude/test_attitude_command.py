@@ -1,0 +1,139 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from station.cli import run
+from tests.procedures.attitude.driving import with_truth
+
+G = 9.80665
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    """Ten seconds of rolling at constant speed, with truth, an airspeed and a gap."""
+    t = np.concatenate([np.arange(0, 5, 0.01), np.arange(5.5, 10, 0.01)])
+    roll = 0.5 * np.sin(t)
+    columns = [
+        t,
+        0.5 * np.cos(t),
+        0 * t,
+        0 * t,
+        0 * t,
+        -G * np.sin(roll),
+        -G * np.cos(roll),
+        30 + 0 * t,
+        roll,
+        0 * t,
+    ]
+    path = tmp_path / "log.csv"
+    header = "t_s,p_rad_s,q_rad_s,r_rad_s,fx_m_s2,fy_m_s2,fz_m_s2,airspeed_m_s,roll_rad,pitch_rad"
+    np.savetxt(path, np.stack(columns, axis=1), "%.9g", ",", header=header, comments="")
+    return path
+
+
+@pytest.mark.parametrize("aid", ["none", "airspeed", "airspeed-filter", "paper-airspeed", "paper-filter"])
+def test_every_aid_writes_the_contract(log: Path, tmp_path: Path, aid: str) -> None:
+    out, said = tmp_path / "out.csv", tmp_path / "out.json"
+    assert run(["attitude", str(log), "--aid", aid, "--out", str(out), "--json", str(said)]) == 0
+    table = np.genfromtxt(out, delimiter=",", names=True)
+    assert table.dtype.names == ("t_s", "roll_rad", "pitch_rad", "down_x", "down_y", "down_z")
+    assert len(table) == 950
+    down = np.stack([table["down_x"], table["down_y"], table["down_z"]], axis=1)
+    assert np.abs(np.linalg.norm(down, axis=1) - 1).max() < 1e-6
+    assert np.allclose(np.arctan2(table["down_y"], table["down_z"]), table["roll_rad"], atol=1e-6)
+    document = json.loads(said.read_text())
+    assert document["format"] == "attitude/1"
+    assert document["aid"] == aid
+    assert document["rows"] == 950
+    assert document["gaps"] == [[pytest.approx(4.99), pytest.approx(5.5)]]
+    assert len(document["gyro_bias_rad_s"]["value"]) == 3
+    assert set(document["rms_deg"]) == {"roll", "pitch", "inclination"}
+    assert document["rms_deg"]["inclination"] < 8
+    assert any("1 gaps" in warning for warning in document["warnings"])
+
+
+def test_without_an_aid_the_best_is_taken(log: Path, tmp_path: Path) -> None:
+    said = tmp_path / "out.json"
+    assert run(["attitude", str(log), "--json", str(said)]) == 0
+    assert json.loads(said.read_text())["aid"] == "airspeed-filter"
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ["--aid", "gnss"],
+        ["--aid", "compass"],
+        ["--tau", "-1"],
+        ["--k1", "0.1"],
+        ["--tau", "5", "--k1", "0.1", "--k2", "0.1"],
+        ["--aid", "airspeed-filter", "--tau", "5"],
+    ],
+)
+def test_wrong_usage_is_2_and_one_line(log: Path, wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["attitude", str(log), *wrong]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_upside_down_is_legal_and_said(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = log.read_text().splitlines()
+    turned = [text[0]]
+    for line in text[1:]:
+        cells = line.split(",")
+        cells[6] = str(-float(cells[6]))
+        cells[5], cells[8], cells[1] = str(-float(cells[5])), "", "0"
+        cells[9] = ""
+        turned.append(",".join(cells))
+    log.write_text("\n".join(turned) + "\n")
+    assert run(["attitude", str(log), "--aid", "none"]) == 0
+    said = capsys.readouterr().out
+    assert "starts upside down; if it stood level, these axes are not forward-right-down" in said
+
+
+def test_gains_alone_ask_for_the_mixing_law(log: Path, tmp_path: Path) -> None:
+    said = tmp_path / "out.json"
+    assert run(["attitude", str(log), "--aid", "none", "--tau", "10", "--json", str(said)]) == 0
+    assert json.loads(said.read_text())["parameters"]["k1"] == pytest.approx(0.2)
+
+
+def test_tune_shows_the_curve_and_writes_it(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["tune", str(log), "--aid", "airspeed"]) == 0
+    shown = capsys.readouterr().out
+    assert "<- least" in shown
+    assert "chosen: --tau" in shown
+    said = tmp_path / "out.json"
+    assert run(["tune", str(log), "--gains", "--json", str(said)]) == 0
+    document = json.loads(said.read_text())
+    assert document["format"] == "tuning/1"
+    assert len(document["curve"]) == 63
+    assert run(["tune", str(log), "--aid", "gnss"]) == 2
+
+
+def test_diagnose_names_what_the_model_lacks_in_the_words_of_the_calibrations_loop(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = with_truth()
+    assert log.airspeed is not None
+    assert log.roll is not None
+    assert log.pitch is not None
+    path, said = tmp_path / "drive.csv", tmp_path / "out.json"
+    table = np.column_stack(
+        [log.t, log.rate, log.force + np.array([0.05, 0, 0]), log.airspeed, log.roll, log.pitch]
+    )
+    header = "t_s,p_rad_s,q_rad_s,r_rad_s,fx_m_s2,fy_m_s2,fz_m_s2,airspeed_m_s,roll_rad,pitch_rad"
+    np.savetxt(path, table, "%.9g", ",", header=header, comments="")
+    assert run(["attitude", str(path), "--diagnose", "--json", str(said)]) == 0
+    document = json.loads(said.read_text())
+    found = document["diagnosis"]
+    assert found["format"] == "diagnosis/1"
+    assert found["verdict"] == "established"
+    assert found["findings"][0]["effect"] == "accelerometer.bias"
+    assert found["findings"][0]["kind"] == "instrument"
+    assert found["findings"][0]["coefficients"]["x"]["value"] == pytest.approx(0.05, abs=0.01)
+    assert found["error"][0]["held_out_after"] < found["error"][0]["held_out_before"]
+    capsys.readouterr()
+    assert run(["attitude", str(path), "--diagnose"]) == 0
+    shown = capsys.readouterr().out
+    assert "ESTABLISHED. The model lacks accelerometer.bias." in shown
+    assert "which had no say" in shown

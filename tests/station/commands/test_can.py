@@ -1,0 +1,121 @@
+"""Whole programs on a simulated IMU behind an slcan adapter."""
+
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+
+from drivers.can.format import OWN_DBC
+from drivers.device_url import parse_device_url
+from drivers.formats import wire_of
+from drivers.framing import seen_instead
+from drivers.ports import open_port
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from drivers.wire import WireFormat
+from station import cli
+from station.campaign_folder import read_campaign, verify_folder
+from station.recorder import check_raw_bytes
+from tests.station.commands.program import Program
+
+SPEED, PERIOD_S = 200.0, 0.1  # as many frames/s as 2000 samples/s give
+UNIT = ("--model", "FOG", "--serial", "CAN-5")
+
+
+@pytest.fixture
+def device() -> Iterator[SimulatedDevice]:
+    truth = replace(Truth.example(5), sample_period_s=PERIOD_S)
+    with SimulatedDevice(truth, 5, speed=SPEED, transport="slcan") as served:
+        yield served
+
+
+def wire(device: SimulatedDevice) -> WireFormat:
+    found = wire_of(parse_device_url(device.url))
+    assert found is not None
+    return found
+
+
+def test_a_campaign_over_can_becomes_a_calibration_and_its_bytes_give_its_counts(
+    device: SimulatedDevice, tmp_path: Path
+) -> None:
+    short = ("--dwell-s", "10", "--turns", "1", "--move-s", "5", "--latitude", "31.17", *UNIT)
+    where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
+    live = ("--headless", "--device", device.url, "--hands", device.control)
+    with Program("calibrate", *live, *short, *where) as program:
+        code, said, error = program.end()
+    assert (code, error) == (0, "")
+    assert "NOT MEASURED" in said
+    loaded = read_campaign(tmp_path / "c")
+    assert (loaded.tables.imu.serial, loaded.tables.imu.sample_period_s) == ("CAN-5", PERIOD_S)
+    names = verify_folder(tmp_path / "c")
+    assert len(names) == 18
+    assert all(check_raw_bytes(tmp_path / "c" / name, wire(device)) > 0 for name in names)
+
+
+def test_a_recording_over_can_keeps_its_dbc_and_replays(
+    device: SimulatedDevice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["record", device.url, "--seconds", "20", "--out", str(tmp_path / "r")]) == 0
+    said = capsys.readouterr().out
+    assert "samples of fog-counts" in said
+    assert "0 frames lost" in said
+    path = tmp_path / "r" / "recording.mcap"
+    assert check_raw_bytes(path, wire(device)) >= 200
+    session = next((tmp_path / "r").glob("session_*.mcap"))
+    with session.open("rb") as file:
+        [about] = [each for each in make_reader(file).iter_metadata() if each.name == "station.session"]
+    assert "BO_ 416 FOG_GYRO_X" in about.metadata["dbc"]
+    assert "can-map/1" in about.metadata["map"]
+
+
+def test_devices_tells_what_comes_from_a_bus(device: SimulatedDevice, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["devices", "--url", device.url, "--seconds", "0.5"]) == 0
+    said = capsys.readouterr().out
+    assert all(text in said for text in ("format    fog-counts", "10 Hz", "0 bad check", "0 breaks"))
+
+
+def test_what_comes_instead_of_samples_is_told(device: SimulatedDevice, tmp_path: Path) -> None:
+    """Another device's frames by our DBC, and two devices at once."""
+    (tmp_path / "other.dbc").write_text(Path(OWN_DBC).read_text().replace("BO_ 4", "BO_ 5"))
+    port = open_port(device.url)
+    data = b"".join(port.read(65536) for _ in range(20))
+    port.close()
+    other = wire_of(parse_device_url(f"{device.url}&dbc={tmp_path / 'other.dbc'}"))
+    assert other is not None
+    assert "other identifiers; check dbc and map" in seen_instead(other, data)
+    records = [data[at : at + 32] for at in range(0, len(data) - 31, 32)]
+    half = len(records) // 2
+    both = b"".join(each for pair in zip(records, records[half:], strict=False) for each in pair)
+    assert "check that one device alone sends" in seen_instead(wire(device), both)
+    assert seen_instead(wire(device), data) == ""
+
+
+def test_a_wrong_mapping_is_exit_3_also_from_the_reader(
+    device: SimulatedDevice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "m.toml").write_text('format = "can-map/2"')
+    url = f"{device.url}&map={tmp_path / 'm.toml'}"
+    for command in (["devices", "--url", url], ["record", url, "--out", str(tmp_path / "r")]):
+        assert cli.run(command) == 3
+        error = capsys.readouterr().err
+        assert "expected 'can-map/1'" in error
+        assert error.count("\n") == 1
+
+
+def test_simulate_serves_an_adapter_whose_address_can_be_opened(tmp_path: Path) -> None:
+    link = str(tmp_path / "can")
+    with Program("simulate", "--example", "3", "--transport", "slcan", "--pty", link, "--speed", "20") as program:
+        url = program.until("url ")[-1].removeprefix("url ").strip()
+        assert url.startswith(f"can://slcan{os.path.abspath(link)}?period_s=0.02")
+        port = open_port(url)
+        while not port.read(1000):
+            pass
+        port.close()
+
+
+def test_a_transport_that_is_none_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["simulate", "--transport", "pigeon"]) == 2
+    assert "slcan" in capsys.readouterr().err

@@ -1,0 +1,42 @@
+"""The device's own time against GNSS time, in its own pace."""
+
+import itertools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from station.errors import DataRefused
+from station.gnss.sample_rate import SampleRate
+
+NS = 10**9
+
+
+def watch(off: float, seconds: float, jitter: float = 2e-3) -> SampleRate:
+    """Return a watch that looked at a stream whose samples last ``off`` (relative) longer than it says."""
+    rng = np.random.default_rng(1)
+    feed = SimpleNamespace(stamp=None, period=0.005, address=SimpleNamespace(name="imu"))
+    rate = SampleRate(feed, lambda host_ns: 1.78e9 + host_ns / NS + jitter * rng.standard_normal())  # type: ignore[arg-type]
+    clock = itertools.count(0.0, 0.06)
+    rate.clock = lambda: float(next(clock))
+    for host in np.arange(0.1, seconds, 0.06):
+        feed.stamp = round(host * NS), host / (1 + off)
+        rate.look()
+    return rate
+
+
+def test_a_rate_that_is_right_is_left_alone() -> None:
+    right = watch(5e-4, 60.0)
+    assert right.warning == ""
+    assert right.rate is not None
+    assert abs(right.rate.ppm + 5e-4 * 1e6) < 4 * right.rate.std + 1
+
+
+def test_more_than_a_thousandth_off_is_a_warning_that_names_the_clock() -> None:
+    assert "clock.rate: by reference time a sample lasts 0.00501" in watch(2e-3, 60.0).warning
+    assert watch(2e-3, 12.0, jitter=0.2).warning == ""  # too noisy to say so yet
+
+
+def test_a_sync_line_at_another_rate_is_refused() -> None:
+    with pytest.raises(DataRefused, match=r"3\.[89]\d% off .* sync line"):
+        watch(0.039, 60.0)
