@@ -12,6 +12,7 @@ from procedures.fusion.odometry import Drift, RecordedOdometry
 from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 
 RATE = 20.0  # Hz
+SETTING_OFF = 2.0  # s
 NO_LEVER = np.zeros(3)
 GRAVITY = 9.81
 EARTH = earth_rate_n(np.radians(55.0))
@@ -27,9 +28,17 @@ class Eight:
     seconds: float = 60.0
     still: float = 0.0  # s at its beginning
 
+    def _moving(self, t: FloatArray) -> FloatArray:
+        """Return the time that has been flown; out of rest it sets off within `SETTING_OFF`, not at once."""
+        if not self.still:
+            return t
+        since = np.maximum(t - self.still, 0.0)
+        flown: FloatArray = np.where(since < SETTING_OFF, since**2 / 2 / SETTING_OFF, since - SETTING_OFF / 2)
+        return flown
+
     def p(self, t: FloatArray) -> FloatArray:
         """Return positions (n, 3) [m]."""
-        s = np.maximum(t - self.still, 0.0)
+        s = self._moving(t)
         return np.stack([5 * np.sin(0.4 * s), 3 * np.sin(0.8 * s), 0.5 * np.sin(0.3 * s) + 1.0], axis=-1)
 
     def v(self, t: FloatArray) -> FloatArray:
@@ -38,7 +47,7 @@ class Eight:
 
     def attitude(self, t: FloatArray) -> Rotation:
         """Return the attitudes C_nb; the IMU's x axis points up, as in EuRoC."""
-        s = np.maximum(t - self.still, 0.0)
+        s = self._moving(t)
         rocking = np.stack([0.2 * np.sin(s), 0.2 * np.cos(0.7 * s) - 0.2, 0.8 * np.sin(0.3 * s)], axis=-1)
         return Rotation.from_rotvec(rocking) * Rotation.from_rotvec([0.0, -np.pi / 2, 0.0])
 

@@ -60,10 +60,10 @@ def test_a_receiver_without_vertical_velocity_is_enough() -> None:
 
 
 def test_it_waits_while_nothing_moves_and_begins_when_it_does() -> None:
-    flight, rng = Eight(40.0, still=20.0), np.random.default_rng(3)
+    flight, rng = Eight(20.0, still=6.0), np.random.default_rng(3)
     found = align_when_possible(aligner(), flight.imu(rng, EARTH), flight.fixes(rng))
     assert isinstance(found, Aligned)
-    assert 21.0 < found.t < 35.0
+    assert 6.0 < found.t < 20.0
     assert abs(off(found, flight)[2]) < 4 * found.yaw_std
 
 
