@@ -25,6 +25,7 @@ NOT_OPTIONS = {"self", "channel", "kwargs", "interface", "can_filters"}
 LINK_ERRORS = (can.CanError, OSError, RuntimeError)
 GATHER_S = 0.003  # frames are handed on in handfuls: a decoder's cost is by the handful
 SILENT_S = 0.5  # without a frame: ask the adapter
+GARBLED = 64  # bytes from an slcan adapter without a frame: more than it answers, so they are no lines of its own
 ANSWER_S = 0.5  # how long it may take to answer
 OPEN_ANSWER_S = 0.3
 BUS_OFF = 0x40  # of an error frame's identifier (linux/can/error.h)
@@ -41,13 +42,15 @@ class CanPort:
         self._bus, self._timeout_s, self._line = bus, timeout_s, line
         self._heard = time.monotonic()  # a frame, or an adapter in good order
         self._asked: tuple[float, int] | None = None  # when, and the bytes received by then
+        self._made_out = 0  # bytes received by the last frame or answer
 
     def read(self, max_bytes: int) -> bytes:
         """Return records of the frames that have come; empty after the timeout."""
         try:
-            records = self._gather(max(1, max_bytes // RECORD.itemsize))
+            records = self._gather(max(1, max_bytes // RECORD.itemsize)) or self._garbled()
             if records:
                 self._heard, self._asked = time.monotonic(), None
+                self._made_out = self._line.received if self._line is not None else 0
             elif time.monotonic() - self._heard > SILENT_S:
                 self._ask(time.monotonic())
         except Exception as error:  # the same edge; the reader opens the port again
@@ -80,6 +83,12 @@ class CanPort:
                 break
         return records
 
+    def _garbled(self) -> list[bytes]:
+        """Return an error where the adapter's bytes hold no line: slcan passes over them and says nothing."""
+        if self._line is None or self._line.received - self._made_out < GARBLED:
+            return []
+        return [pack(ERROR, time.monotonic_ns(), b"")]
+
     def _frame(self, timeout_s: float) -> bytes:
         try:
             message = self._bus.recv(timeout_s)
@@ -106,7 +115,7 @@ class CanPort:
             self._asked = now, self._line.received
         elif self._line.received > self._asked[1]:
             _refuse_trouble(self._line)
-            self._heard, self._asked = now, None
+            self._heard, self._asked, self._made_out = now, None, self._line.received
         elif now - self._asked[0] > ANSWER_S:
             raise can.CanOperationError("the adapter no longer answers; unplug it and plug it in again")
 

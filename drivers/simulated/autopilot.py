@@ -58,6 +58,7 @@ class Autopilot:
             self._mav.signing.timestamp = signing_time()
         self._booted = 0.0  # true time of the last boot
         self._sent: list[bytes] = []
+        self._held = b""
         self._restart(0.0)
         self.commands: list[tuple[int, float, int]] = []  # message, interval [us], result
 
@@ -66,6 +67,8 @@ class Autopilot:
         out = list[bytes]()
         for message in self._mav.parse_buffer(data) or ():
             match message.get_type():
+                case "COMMAND_LONG" if self._active(now, "deaf"):
+                    pass
                 case "COMMAND_LONG" if message.target_system in {0, self.truth.system}:
                     out.append(self._obey(message, now))
                 case "REQUEST_DATA_STREAM" if message.target_system in {0, self.truth.system}:
@@ -87,7 +90,10 @@ class Autopilot:
                 out += self._spoilt(self._message(number, at), at)
                 at += interval
             self._next[number] = at
-        return b"".join(out)
+        held, self._held = self._held + b"".join(out), b""
+        if self._active(now, "backlog"):
+            held, self._held = b"", held
+        return held
 
     def _restart(self, now: float) -> None:
         self._mav.seq = 0
@@ -152,6 +158,12 @@ class Autopilot:
         if self._active(now, "bad_crc"):
             at = int(self._rng.integers(6, len(raw)))
             raw = raw[:at] + bytes([raw[at] ^ 1 << int(self._rng.integers(8))]) + raw[at + 1 :]
+        if self._active(now, "noise"):
+            return [self._rng.bytes(4 * len(raw))]
+        if self._active(now, "half"):
+            return [raw[: len(raw) // 2]]
+        if self._active(now, "repeated"):
+            return [raw, raw]
         self._sent = [*self._sent[-19:], raw]
         return [raw, self._sent[0]] if self._active(now, "replay") else [raw]
 

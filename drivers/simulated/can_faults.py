@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from drivers.can.record import RECORD, pack, unpack
+from drivers.can.record import EXTENDED, RECORD, STANDARD, WIDE, pack, unpack
 
 SIZE = RECORD.itemsize
 FOREIGN = 0x320  # identifiers from here on are another device's
@@ -47,3 +47,15 @@ def spoilt(frames: bytes, rng: np.random.Generator) -> bytes:
     octet, bit = int(rng.integers(len(data))), 1 << int(rng.integers(8))
     data = data[:octet] + bytes([data[octet] ^ bit]) + data[octet + 1 :]
     return frames[:at] + pack(identifier, 0, data) + frames[at + SIZE :]
+
+
+def text_of(identifier: int, data: bytes) -> bytes:
+    """Return a received frame as an slcan adapter writes it."""
+    if identifier & EXTENDED:
+        return b"T%08X%d%s\r" % (identifier & WIDE, len(data), data.hex().upper().encode())
+    return b"t%03X%d%s\r" % (identifier & STANDARD, len(data), data.hex().upper().encode())
+
+
+def text_of_records(records: bytes) -> bytes:
+    """Return frames as an slcan adapter writes them."""
+    return b"".join(text_of(*frame) for frame in unpack(records))

@@ -13,7 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 from threading import Condition, Event, Thread
 
-from drivers.can.record import EXTENDED, IMU, RECORD, STANDARD, WIDE, unpack
+from drivers.can.record import EXTENDED, IMU, RECORD, WIDE, unpack
+from drivers.simulated.can_faults import text_of_records
 from drivers.simulated.lines import LOOK_S, PtyLine
 
 MOST_WAITING = 4096  # bytes for the station; a bus goes on, but what is simulated waits for its reader
@@ -22,13 +23,6 @@ BUS_OFF_FLAGS = 0xA4  # error warning, error passive, bus error
 FRAME = re.compile(
     rb"[tr][0-7][0-9A-Fa-f]{2}[0-8](?:[0-9A-Fa-f]{2})*|[TR][01][0-9A-Fa-f]{7}[0-8](?:[0-9A-Fa-f]{2})*"
 )
-
-
-def text_of(identifier: int, data: bytes) -> bytes:
-    """Return a received frame as an slcan adapter writes it."""
-    if identifier & EXTENDED:
-        return b"T%08X%d%s\r" % (identifier & WIDE, len(data), data.hex().upper().encode())
-    return b"t%03X%d%s\r" % (identifier & STANDARD, len(data), data.hex().upper().encode())
 
 
 class SlcanAdapter(PtyLine):
@@ -68,7 +62,7 @@ class SlcanAdapter(PtyLine):
         """Forward records, or noise on the line, to whoever opened the channel; waits while nobody has."""
         text = data
         if data.startswith(IMU.prefix) and len(data) % RECORD.itemsize == 0:
-            text = b"".join(text_of(*frame) for frame in unpack(data))
+            text = text_of_records(data)
         for at in range(0, len(text), MOST_WAITING):
             with self._room:
                 while not self._has_room() and not stop.is_set() and not self._gone.is_set():

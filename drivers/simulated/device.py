@@ -1,11 +1,13 @@
 """The simulated device: an IMU, a wire format and its faults, as a sequence of what goes over the line.
 
 Motion is commanded under a lock between chunks; a command acts on the first sample not yet taken. With all
-commands given before the first chunk, equal seeds give equal bytes.
+commands given before the first chunk, or at set times, equal seeds give equal bytes.
 """
 
+from collections import deque
 from collections.abc import Iterable
 from threading import Lock
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,11 +21,26 @@ from procedures.arrays import FloatArray
 IDENTITY_EVERY_S = 1.0
 
 
+class Move(NamedTuple):
+    """A command to the hands at a device time [s], exact to the sample."""
+
+    at_s: float
+    command: str
+
+
 class ByteDevice:
-    """What a device says, chunk by chunk, and the hands that move it."""
+    """What a device says, chunk by chunk, and the hands that move it.
+
+    ``moves`` are what the hands do by themselves, in order of time; ``moved`` what they answered to those done.
+    """
 
     def __init__(
-        self, truth: Truth, seed: int | None, format: str | WireFormat, faults: Iterable[Fault] = ()
+        self,
+        truth: Truth,
+        seed: int | None,
+        format: str | WireFormat,
+        faults: Iterable[Fault] = (),
+        moves: Iterable[Move] = (),
     ) -> None:
         self.imu = SimulatedImu(truth, seed)
         self.truth = self.imu.truth
@@ -36,6 +53,8 @@ class ByteDevice:
             self._identity = wire.encode_identity(Identity(truth.model, truth.serial, period))
         self._every = max(1, round(IDENTITY_EVERY_S / period))
         self._lock = Lock()
+        self._moves = deque((round(move.at_s / period), move.command) for move in moves)
+        self.moved: list[tuple[str, str]] = []
 
     @property
     def samples(self) -> int:
@@ -45,19 +64,34 @@ class ByteDevice:
     def chunk(self, most: int = MOST_SAMPLES) -> list[Sent]:
         """Take up to ``most`` samples and return what goes over the line for them."""
         with self._lock:
+            self._move()
             since = self.imu.index % self._every
-            samples = min(most, self._every - since)
+            next_move = self._moves[0][0] - self.imu.index if self._moves else most
+            samples = min(most, self._every - since, next_move)
             block = self.imu.read_rates(samples) if self._sends_rates else self.imu.read(samples)
-        sent = self._faulty.send(block)
-        return [self._identity, *sent] if since == 0 and self._identity else sent
+        said = self._faulty.announce(self._identity) if since == 0 else []
+        return [*said, *self._faulty.send(block)]
 
     def obey(self, command: str) -> str:
         """Do what a line says and return the answer, ``ok ...`` or ``error ...``; never raises."""
         with self._lock:
-            try:
-                return f"ok {self._obey(command.split())}".rstrip()
-            except ValueError as error:
-                return f"error {error}".replace("\n", " ")
+            return self._answer(command)
+
+    def plant(self, kind: str, count: int = 1, seconds: float = 1.0) -> None:
+        """Have a fault act on the first sample not yet taken, see `drivers.simulated.faults.KINDS`."""
+        with self._lock:
+            self._faulty.plant(Fault(kind, self.imu.time, count=count, seconds=seconds))
+
+    def _move(self) -> None:
+        while self._moves and self._moves[0][0] <= self.imu.index:
+            _, command = self._moves.popleft()
+            self.moved.append((command, self._answer(command)))
+
+    def _answer(self, command: str) -> str:
+        try:
+            return f"ok {self._obey(command.split())}".rstrip()
+        except ValueError as error:
+            return f"error {error}".replace("\n", " ")
 
     def _obey(self, words: list[str]) -> str:
         imu = self.imu

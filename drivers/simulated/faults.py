@@ -13,6 +13,7 @@ import numpy as np
 
 from drivers.simulated import can_faults
 from drivers.simulated.errors import TruthRefused
+from drivers.simulated.garbled import half_of, misread, other_unit
 from drivers.wire import WireFormat
 from procedures.records import SampleBlock, block_rows
 
@@ -25,6 +26,13 @@ KINDS = {
     "unplug": "the port is gone for `seconds`; what was taken meanwhile is lost",
     "counter_restart": "the frame counter begins at 0 again",
     "backlog": "nothing sent for `seconds`, then all of it at once",
+    "half": "`count` frames break off halfway",
+    "noise": "for `seconds` four times as many random bytes instead of frames",
+    "wrong_baud": "for `seconds` what a receiver at twice the baud rate reads",
+    "two_devices": "for `seconds` another unit sends too, its counter `count` ahead (0: the same)",
+    "restart": "nothing for `seconds`, then counter and clock begin at 0 again",
+    "clock_jump": "the device's clock goes on `seconds` later",
+    "counter_wrap": "the counter goes on `count` frames before its end",
 }
 CAN_KINDS = {
     "frame_lost": "of a sample, `count` CAN frames never sent",
@@ -92,27 +100,54 @@ class FaultyLine:
     def __init__(self, wire: WireFormat, faults: Iterable[Fault], period: float, seed: int) -> None:
         self._wire, self._faults, self._period = wire, tuple(faults), period
         self._rng = np.random.default_rng([seed, 0xFA17])
-        self._losing = self._spoiling = self._restarted = self._holding = 0
+        self._losing = self._spoiling = self._halving = self._holding = 0
+        self._restarted, self._clock_off = 0, 0.0  # counter and clock [s] as sent are so much less
+        self._lasting: dict[str, tuple[int, Fault]] = {}  # faults of frame after frame: how many to go
         self._held: list[bytes] = []
         self._late = b""
-        if wire.joiner is None and (alien := [each.kind for each in self._faults if each.kind in CAN_KINDS]):
-            raise TruthRefused(f"fault kind {alien[0]!r} of a device that is not on CAN", ", ".join(KINDS))
+        for fault in self._faults:
+            self._check(fault)
+
+    def plant(self, fault: Fault) -> None:
+        """Add a fault."""
+        self._check(fault)
+        self._faults = (*self._faults, fault)
+
+    def _check(self, fault: Fault) -> None:
+        accepted = KINDS if self._wire.joiner is None else {**KINDS, **CAN_KINDS}
+        if fault.kind not in accepted:
+            where = " of a device that is not on CAN" if fault.kind in CAN_KINDS else ""
+            raise TruthRefused(f"fault kind {fault.kind!r}{where}", ", ".join(accepted))
 
     def send(self, block: SampleBlock) -> list[Sent]:
         """Return what goes over the line for a block whose counters are sample numbers since power-on."""
         due = [self._due(int(index)) for index in block.counter] if self._faults else []
-        if not any(due) and not (self._losing or self._spoiling or self._holding or self._late):
+        if not any(due) and not self._is_ailing:
             return [self._wire.encode(self._recounted(block))]
         sent: list[Sent] = []
         for row, faults in enumerate(due):
             sent += self._frame(block, row, faults)
         return sent
 
+    def announce(self, identity: bytes) -> list[Sent]:
+        """Return what goes over the line for an identity frame that stands before the next block."""
+        if self._losing or not identity or "noise" in self._lasting:
+            return []
+        return self._unless_held([misread(identity, self._wire) if "wrong_baud" in self._lasting else identity], 0)
+
+    @property
+    def _is_ailing(self) -> bool:
+        counts = (self._losing, self._spoiling, self._halving, self._holding)
+        return any(counts) or bool(self._late or self._lasting)
+
     def _due(self, index: int) -> list[Fault]:
         return [fault for fault in self._faults if _acts(fault, index, self._period)]
 
     def _recounted(self, block: SampleBlock) -> SampleBlock:
-        return replace(block, counter=block.counter - self._restarted) if self._restarted else block
+        if not self._restarted and not self._clock_off:
+            return block
+        counter, time = block.counter - self._restarted, block.device_time - self._clock_off
+        return replace(block, counter=counter, device_time=time)
 
     def _frame(self, block: SampleBlock, row: int, faults: list[Fault]) -> list[Sent]:
         before: list[Sent] = []
@@ -135,6 +170,19 @@ class FaultyLine:
                     self._losing += round(fault.seconds / self._period)
                 case "backlog":
                     self._holding += round(fault.seconds / self._period)
+                case "restart":
+                    before.append(Silence(fault.seconds, unplugged=False))
+                    self._losing += round(fault.seconds / self._period)
+                    self._restarted = int(block.counter[row]) + self._losing
+                    self._clock_off = self._restarted * self._period
+                case "clock_jump":
+                    self._clock_off -= fault.seconds
+                case "counter_wrap":
+                    self._restarted = int(block.counter[row]) + fault.count - (self._wire.counter_modulus or 0)
+                case "half":
+                    self._halving += fault.count
+                case "noise" | "wrong_baud" | "two_devices":
+                    self._lasting[fault.kind] = round(fault.seconds / self._period), fault
                 case "babble":
                     before += [can_faults.babble(self._rng) for _ in range(fault.count)]
         if self._losing > 0:
@@ -147,13 +195,30 @@ class FaultyLine:
         frame, self._late = can_faults.without(frame, faults, self._rng) + self._late, b""
         if any(fault.kind == "frame_late" for fault in faults):
             frame, self._late = can_faults.parted(frame)
-        return self._unless_held([*before, frame * repeats])
+        return self._unless_held([*before, *self._garbled(frame * repeats, block, row)])
 
-    def _unless_held(self, sent: list[Sent]) -> list[Sent]:
+    def _garbled(self, frame: bytes, block: SampleBlock, row: int) -> list[Sent]:
+        """Return what becomes of a frame while it is cut, drowned, misread or answered by another unit."""
+        if self._halving:
+            self._halving -= 1
+            return [*half_of(frame, self._wire)]
+        acting = dict(self._lasting)
+        self._lasting = {kind: (left - 1, fault) for kind, (left, fault) in acting.items() if left > 1}
+        if "noise" in acting:
+            return [self._rng.bytes(4 * len(frame))]
+        if "wrong_baud" in acting:
+            return [misread(frame, self._wire)]
+        if "two_devices" in acting:
+            ahead = acting["two_devices"][1].count
+            other = other_unit(self._recounted(block_rows(block, slice(row, row + 1))), ahead)
+            return [frame, self._wire.encode(other)]
+        return [frame]
+
+    def _unless_held(self, sent: list[Sent], frames: int = 1) -> list[Sent]:
         """Hold back what is sent while a backlog builds up; then let go of all of it."""
         if not self._holding:
             return sent
-        self._holding -= 1
+        self._holding -= frames
         self._held += [part for part in sent if isinstance(part, bytes)]
         if self._holding:
             return []

@@ -24,6 +24,11 @@ KINDS = {
     "wrong_key": "frames are signed with another key",
     "replay": "every frame is followed by one sent 20 frames before",
     "bad_crc": "every frame has one bit flipped",
+    "noise": "random bytes instead of frames",
+    "half": "every frame breaks off halfway",
+    "repeated": "every frame is sent twice",
+    "backlog": "nothing is sent, then all of it at once",
+    "deaf": "no command is obeyed or answered",
 }
 
 

@@ -17,9 +17,11 @@ from urllib.parse import urlencode
 
 import numpy as np
 
+from drivers.device_url import parse_device_url
 from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
-from drivers.simulated.device import ByteDevice
+from drivers.simulated.device import ByteDevice, Move
 from drivers.simulated.faults import Fault, Sent, Silence
+from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.lines import Line, PtyLine, TcpLine
 from drivers.simulated.pace import Pace
 from drivers.simulated.truth import Truth
@@ -52,6 +54,8 @@ class SimulatedDevice:
         Where a TCP device listens; port 0: any free one.
     control_port
         Loopback port of the hands; 0: any free one.
+    moves
+        What the hands do by themselves, in order of time.
     hold
         Do not begin before the hands say ``go``: what they command first is then exact to the sample.
     """
@@ -72,6 +76,7 @@ class SimulatedDevice:
         hold: bool = False,
         dbc: str = "",
         mapping: str = "",
+        moves: Iterable[Move] = (),
     ) -> None:
         self._line = _line(transport, link, host, port)
         wire: str | WireFormat = format
@@ -82,7 +87,7 @@ class SimulatedDevice:
             wire = can_format(dbc, mapping, truth.sample_period_s)
             told = {"period_s": f"{truth.sample_period_s:.9g}", "dbc": dbc, "map": mapping}
             self._options = {name: value for name, value in told.items() if value}
-        self.device = ByteDevice(truth, seed, wire, faults)
+        self.device = ByteDevice(truth, seed, wire, faults, moves)
         self.truth, self.seed = self.device.truth, seed
         self._speed = speed if np.isfinite(speed) and speed > 0 else 0.0
         self._control_port = control_port
@@ -90,6 +95,7 @@ class SimulatedDevice:
         if not hold:
             self._go.set()
         self._control: _ControlServer | None = None
+        self._hands: SimulatedHands | None = None
         self._threads: list[Thread] = []
         self.failure: Exception | None = None
         self._true_period = self.truth.sample_period_s / (1 + 1e-6 * self.device.imu.world.clock_ppm)
@@ -99,6 +105,26 @@ class SimulatedDevice:
     def true_time(self) -> float:
         """True time [s] of the last sample sent; device time is off it by what is planted as ``clock.rate``."""
         return self._sent * self._true_period
+
+    @property
+    def time(self) -> float:
+        """Device time [s] of the last sample sent."""
+        return self._sent * self.truth.sample_period_s
+
+    def plant(self, kind: str, count: int = 1, seconds: float = 1.0) -> None:
+        """Have a fault act from now on, see `drivers.simulated.faults.KINDS`."""
+        self.device.plant(kind, count, seconds)
+
+    @property
+    def hands(self) -> SimulatedHands:
+        """The hands, called at their control address; hung up when the device ends."""
+        self._hands = self._hands or SimulatedHands(self.control)
+        return self._hands
+
+    @property
+    def address(self) -> str:
+        """The port without a URL around it: a device file, or HOST:PORT."""
+        return parse_device_url(self.url).name
 
     @property
     def url(self) -> str:
@@ -131,6 +157,8 @@ class SimulatedDevice:
     ) -> None:
         self._stop.set()
         self._go.set()
+        if self._hands is not None:
+            self._hands.close()
         if self._control is not None:
             self._control.shutdown()
             self._control.server_close()

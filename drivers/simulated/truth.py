@@ -156,8 +156,8 @@ def paper_truth(theta: float = P1_THETA) -> Truth:
     )
 
 
-def truth_from(table: Mapping[str, Any]) -> Truth:
-    """Return the truth a parsed TOML table describes; keys left out keep their default.
+def truth_from(table: Mapping[str, Any], base: Truth | None = None) -> Truth:
+    """Return the truth a parsed TOML table describes; keys left out are those of ``base``, else the default.
 
     Raises
     ------
@@ -172,7 +172,7 @@ def truth_from(table: Mapping[str, Any]) -> Truth:
         if key not in accepted:
             raise TruthRefused(f"key {key!r}", ", ".join(accepted))
         values[key] = _converted(key, value)
-    return Truth(**values)
+    return replace(base or Truth(), **values)
 
 
 def load_truth(text: str) -> Truth:

@@ -17,7 +17,8 @@ NAME = "campaign.toml"
 Key = tuple[str | int, ...]
 T = TypeVar("T", bound=BaseModel)
 
-_HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_.\s]+?)\s*\]")
+_HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_.\"\s]+?)\s*\]")
+_PART = re.compile(r"\"[^\"]*\"|[^.\"]+")
 _ENTRY = re.compile(r"\s*([A-Za-z0-9_]+)\s*=")
 MOST = 60  # characters of a value in a message
 _AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
@@ -90,7 +91,7 @@ def line_of_keys(text: str) -> dict[Key, int]:
     for number, line in enumerate(text.split("\n"), start=1):
         if header := _HEADER.match(line):
             name = "".join(header[2].split())
-            table = tuple(name.split("."))
+            table = tuple(part.strip('"') for part in _PART.findall(name))
             if header[1] == "[[":
                 counts[name] = counts.get(name, -1) + 1
                 table = (*table, counts[name])

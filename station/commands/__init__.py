@@ -30,8 +30,8 @@ class Command:
 
 COMMANDS = (
     Command("demo", "Run the main job on simulated devices, to a report at the end.", "station.commands.demo"),
-    Command("simulate", "Serve a simulated IMU on a pty or a TCP port.", "station.commands.simulate"),
-    Command("devices", "List ports, or look at what a device sends.", "station.commands.devices"),
+    Command("simulate", "Serve simulated devices, or a whole bench from a scenario.", "station.commands.simulate"),
+    Command("devices", "List ports and what each sends, live with --watch.", "station.commands.devices"),
     Command("record", "Record what a device sends: raw bytes and counts.", "station.commands.record"),
     Command("calibrate", "Run a calibration campaign on a live device.", "station.commands.calibrate"),
     Command("resume", "Go on with a campaign that was left or killed.", "station.commands.resume"),
@@ -41,6 +41,7 @@ COMMANDS = (
     Command("certificate", "Issue the certificate of a stored calibration.", "station.commands.certificate"),
     Command("history", "List the stored calibrations of a unit and its drift.", "station.commands.history"),
     Command("resolve", "Solve recordings again with today's code; what changed?", "station.commands.resolve"),
+    Command("monitor", "Watch roll and pitch of a live device.", "station.commands.monitor"),
     Command("attitude", "Roll and pitch along a log, by any aid.", "station.commands.attitude"),
     Command("tune", "Choose the mixing law's gains from a log with truth.", "station.commands.tune"),
     Command("export", "Write a calibration for a flight stack or Kalibr.", "station.commands.export"),

@@ -1,39 +1,88 @@
-"""``station devices``: which ports there are, and what comes out of one."""
+"""``station devices``: which ports there are, and what comes out of them."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from station.commands import Database
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from station.reader.survey import Found
+
+CLEAR = "\x1b[H\x1b[2J"
+
 
 def devices(
     url: Annotated[
-        str | None,
-        typer.Option("--url", metavar="URL", help="Look at what this device sends."),
+        list[str] | None,
+        typer.Option("--url", metavar="URL", help="Look at what this device sends; may be given again."),
     ] = None,
     seconds: Annotated[float, typer.Option("--seconds", metavar="S", min=0.1, help="For how long.")] = 2.0,
+    watch: Annotated[bool, typer.Option("--watch", help="Look again and again, until Ctrl-C.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Write JSON, a line for each look.")] = False,
     db: Database = None,
 ) -> None:
-    """List the serial ports, or look at one device: format, frames/s, errors, model and serial number.
+    """List serial ports, CAN interfaces and MAVLink systems with what each sends, or look at one device closely.
 
-    Of a MAVLink link: who is on it, what each message's rate is, and where its receiver stands.
+    Every port is read for --seconds: the format that its bytes look like, frames/s, samples/s, errors. Nothing is
+    sent to a port that is only listed. Of a MAVLink link with --url: who is on it, what each message's rate is,
+    and where its receiver stands.
 
-    Exit code 4 if the port cannot be opened, is silent, or sends no frame of any known format.
+    Exit code 4 if a port given with --url cannot be opened, is silent, or sends no frame of any known format.
 
     Example: station devices --url serial:///dev/ttyUSB0?baud=921600
     """
-    from drivers.ports import list_ports
+    from station.reader.survey import Found, ports_present, survey
 
-    if url is None:
-        ports = list_ports()
-        for port in ports:
-            number = f", serial number {port.serial_number}" if port.serial_number else ""
-            timer = "" if port.latency_ms is None else f", holds bytes for {port.latency_ms} ms"
-            typer.echo(f"serial://{port.device}  {port.description}{number}{timer}")
-        if not ports:
-            typer.echo("no serial port is present")
+    if url and len(url) == 1 and not watch and not json:
+        _closely(url[0], seconds)
         return
+    try:
+        while True:
+            found = survey([Found(each) for each in url] if url else ports_present(), seconds)
+            _show(found, json=json, clear=watch)
+            if not watch:
+                break
+    except KeyboardInterrupt:
+        return
+    if url and any(each.trouble for each in found):
+        raise typer.Exit(4)
+
+
+def _show(found: "Sequence[Found]", *, json: bool, clear: bool) -> None:
+    import sys
+    from dataclasses import asdict
+    from json import dumps
+
+    if json:
+        typer.echo(dumps({"format": "devices/1", "devices": [asdict(each) for each in found]}))
+    else:
+        lines = [line for each in found for line in _lines(each)]
+        typer.echo((CLEAR if clear and sys.stdout.isatty() else "") + "\n".join(lines))
+    sys.stdout.flush()
+
+
+def _lines(found: "Found") -> list[str]:
+    lines = [f"{found.url}  {found.about}".rstrip()]
+    if found.looks_like and not found.trouble:
+        named = [found.looks_like, found.model or "", f"serial number {found.serial}" if found.serial else ""]
+        rates = [f"{found.frames_s:.1f} frames/s", f"{found.bytes_s:.0f} bytes/s"]
+        if found.rate_hz is not None:
+            rates.append(f"{found.rate_hz:.6g} Hz by its own time")
+        lines.append(f"    {', '.join(part for part in [*named, *rates] if part)}")
+        lines += [f"    system {system}: {rate:.1f} frames/s" for system, rate in found.systems.items()]
+        if found.messages:
+            lines.append("    " + ", ".join(f"{name} {rate:.1f} Hz" for name, rate in found.messages.items()))
+        bad = [f"{count} {name.replace('_', ' ')}" for name, count in found.errors.items() if count]
+        lines.append(f"    errors: {', '.join(bad) or 'none'}")
+    else:
+        lines.append(f"    {found.trouble}")
+    return lines
+
+
+def _closely(url: str, seconds: float) -> None:
     if url.startswith("mavlink:"):
         from station.gnss.listening import listen
 

@@ -1,5 +1,6 @@
 """``station simulate``: a simulated IMU on a real transport."""
 
+import contextlib
 import signal
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -16,6 +17,11 @@ if TYPE_CHECKING:
 
 
 def simulate(
+    context: typer.Context,
+    scenario: Annotated[
+        Path | None,
+        typer.Option("--scenario", metavar="TOML", help="A whole bench in a file; only --speed goes with it."),
+    ] = None,
     truth: Annotated[
         Path | None, typer.Option("--truth", metavar="TOML", help="What is true of the unit and its bench.")
     ] = None,
@@ -65,7 +71,10 @@ def simulate(
 
     On CAN the URL has the sample period in it; `--transport slcan --pty LINK` keeps a link to the adapter.
 
-    Exit code 3 if the truth or the faults are wrong, 4 if the port cannot be made.
+    With --scenario all of it stands in one file, the operator's moves and the faults at their times too, and what
+    happens is told as it happens: docs/testing.md.
+
+    Exit code 3 if the truth, the faults or the scenario are wrong, 4 if the port cannot be made.
 
     Example: station simulate --example 7 --pty /tmp/imu --speed 20
     """
@@ -77,6 +86,9 @@ def simulate(
     from drivers.wire import FORMATS
     from station.errors import DataRefused
 
+    if scenario is not None:
+        _serve_scenario(scenario, context)
+        return
     if truth is not None and example is not None:
         raise typer.BadParameter("--truth and --example are two truths; expected one of them")
     if pty is not None and tcp is not None:
@@ -103,8 +115,7 @@ def simulate(
         )  # fmt: skip
     except SimulatorError as error:
         raise DataRefused(truth or faults or "truth", None, str(error), "a truth as described") from error
-    for ending in (signal.SIGINT, signal.SIGTERM):  # the first is ignored in a shell's background otherwise
-        signal.signal(ending, signal.default_int_handler)
+    _end_on_signals()
     try:
         with ExitStack() as stack:
             serve(
@@ -112,6 +123,32 @@ def simulate(
             )
     except OSError as error:
         raise PortNotFound(str(pty or tcp or "pty"), str(error), "choose another path or port") from error
+
+
+def _serve_scenario(path: Path, context: typer.Context) -> None:
+    from drivers.errors import PortNotFound
+    from station.scenario import read_scenario, serve_scenario
+
+    given = {name for name in context.params if str(context.get_parameter_source(name)).endswith("COMMANDLINE")}
+    if other := sorted(given - {"scenario", "speed", "db"}):
+        raise typer.BadParameter(f"--{other[0]} and --scenario; expected it in the scenario's file")
+    scenario = read_scenario(path)
+    _end_on_signals()
+    try:
+        with contextlib.suppress(KeyboardInterrupt):
+            serve_scenario(
+                scenario,
+                _announce,
+                lambda line: typer.echo(line, err=True),
+                context.params["speed"] if "speed" in given else None,
+            )
+    except OSError as error:
+        raise PortNotFound(str(path), str(error), "choose another link or port in it") from error
+
+
+def _end_on_signals() -> None:
+    for ending in (signal.SIGINT, signal.SIGTERM):  # the first is ignored in a shell's background otherwise
+        signal.signal(ending, signal.default_int_handler)
 
 
 def _autopilot(where: str | None, track: str, faults: str) -> "Callable[[SimulatedDevice], SimulatedGnss] | None":

@@ -153,7 +153,7 @@ class Guide:
             name=feed.address.name, rate_hz=1 / feed.period,
             bad_frames=counters.bad_crc + counters.bad_length, lost=stream.lost,
             gaps=stream.breaks + stream.restarts, temperature_c=feed.temperature_c,
-            is_live=not self.trouble, text=self.trouble,
+            is_live=not self.trouble, text=self.trouble or feed.trouble,
         )  # fmt: skip
 
     def _choose(self, command: Command) -> None:

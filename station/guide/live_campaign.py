@@ -79,8 +79,8 @@ class LiveCampaign:
             self._beside.round()
         try:
             self._feed.advance()
-            if not self._feed.is_open:
-                raise LinkLost(self._feed.address.name, "unplugged; plug it in again")
+            if self._feed.lost:
+                raise LinkLost(self._feed.address.name, self._feed.lost)
         except DriverError as error:
             if not self._is_patient:
                 raise

@@ -1,7 +1,7 @@
 """A live stream cut into blocks of a second, with everything watched that may go wrong with it."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -12,7 +12,9 @@ from drivers.formats import wire_of
 from drivers.framing import seen_instead, sniff
 from drivers.wire import FORMATS, WireFormat
 from station.live.stillness import TICKS, Block, block_of
+from station.live.trouble import Trouble
 from station.reader import Chunk, GapMark
+from station.reader.messages import LOST
 from station.recorder import Piece, SampleStream, Tape, Unit
 from station.recorder.unit import refuse_other, unit_of
 
@@ -40,17 +42,25 @@ class Source(Protocol):
 class LiveFeed:
     """A device's samples on a `Tape`, and its blocks.
 
-    ``unit`` is set by `identify`; from then on another unit's serial number is refused.
+    ``unit`` is set by `identify`; from then on another unit's serial number is refused. ``clock`` [s] is the
+    station's, by which it waits.
     """
 
-    def __init__(self, source: Source, wire: WireFormat, held: Sequence[Chunk] = ()) -> None:
+    def __init__(
+        self,
+        source: Source,
+        wire: WireFormat,
+        held: Sequence[Chunk] = (),
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._source, self.wire = source, wire
         self.address = source.address
         self.unit: Unit | None = None
         self.stream, self.tape = SampleStream(wire), Tape()
         self._recent = b""
         self._silent_s = self._frameless_s = 0.0
-        self._is_open = self._is_anew = True
+        self._lost, self._is_anew = "", True
+        self._clock, self._trouble = clock, Trouble(clock)
         self._pieces: list[Piece] = []  # the last ones taken
         self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
         for chunk in held:
@@ -67,7 +77,17 @@ class LiveFeed:
     @property
     def is_open(self) -> bool:
         """Whether the port is there."""
-        return self._is_open
+        return not self._lost
+
+    @property
+    def lost(self) -> str:
+        """Why the port is not there, empty where it is."""
+        return self._lost
+
+    @property
+    def trouble(self) -> str:
+        """What is amiss though samples come, and what to do; empty where nothing was for 2 s."""
+        return self._trouble.text
 
     @property
     def temperature_c(self) -> float | None:
@@ -143,18 +163,20 @@ class LiveFeed:
         UnitChanged
             If another unit answers than the one identified.
         """
-        began = time.monotonic()
+        began = self._clock()
         items = self._source.poll(POLL_S)
-        waited = time.monotonic() - began
+        waited = self._clock() - began
         self._pieces.clear()
         frames = self.stream.decoder.counters.frames
         for item in items:
             if isinstance(item, GapMark):
                 self._mark(item)
+                waited = 0.0  # it was not for this port
             else:
                 self._silent_s = 0.0
                 self._recent = (self._recent + item.data)[-SNIFFED:]
                 self._take(item)
+        self._trouble.look(self.stream)
         if self.unit is not None:
             refuse_other(self.address.name, self.stream.decoder.identity, self.unit)
         self._watch(waited, is_idle=not items, has_frames=self.stream.decoder.counters.frames > frames)
@@ -177,7 +199,8 @@ class LiveFeed:
         self._silent_s = self._frameless_s = 0.0
 
     def _mark(self, mark: GapMark) -> None:
-        self._is_open, self._silent_s, self._frameless_s = mark.is_open, 0.0, 0.0
+        self._lost = "" if mark.is_open else mark.reason.removeprefix(LOST) or "gone"
+        self._silent_s = self._frameless_s = 0.0
         self.stream.begin_anew()
 
     @property
@@ -189,9 +212,9 @@ class LiveFeed:
         self._silent_s += waited_s if is_idle else 0.0
         self._frameless_s = 0.0 if has_frames else self._frameless_s + waited_s
         name, baud = self.address.name, self.address.baud
-        if not self._is_open:
+        if self._lost:
             if self._silent_s > REPLUG_S:
-                raise LinkLost(name, f"not back within {REPLUG_S:g} s")
+                raise LinkLost(name, f"{self._lost}, not back within {REPLUG_S:g} s")
         elif self._silent_s >= SILENT_S:
             raise LinkSilent(name, SILENT_S, baud)
         elif self._frameless_s >= self._patience_s:

@@ -17,7 +17,16 @@ from station.errors import CannotWrite
 from station.mcap_files.fix_schemas import GNSS_RAW_TOPIC
 from station.mcap_files.schemas import RAW_TOPIC
 from station.reader.journal import Journal
-from station.reader.messages import Chunk, GapMark, Kind, packed, packed_gap, packed_not_written, packed_refusal
+from station.reader.messages import (
+    LOST,
+    Chunk,
+    GapMark,
+    Kind,
+    packed,
+    packed_gap,
+    packed_not_written,
+    packed_refusal,
+)
 from station.reader.outbox import Outbox
 
 READ_BYTES = 65536
@@ -98,7 +107,7 @@ class _Session:
     def _reopen(self, lost: LinkLost) -> None:
         """Try the port again and again; the loss and the return are marked."""
         self._port.close()
-        self._mark(f"port lost: {lost.reason}", is_open=False)
+        self._mark(f"{LOST}{lost.reason}", is_open=False)
         began, attempt = time.monotonic(), 0
         while not self._stop.wait(REOPEN_S[min(attempt, len(REOPEN_S) - 1)]):
             attempt += 1

@@ -8,8 +8,8 @@ import numpy as np
 from drivers.errors import LinkSilent, ReplayEnded, WrongFormat
 from drivers.formats import wire_of
 from drivers.framing import Decoder, FrameCounters, seen_instead, sniff
-from drivers.ports import open_port, parse_device_url
-from drivers.wire import FORMATS
+from drivers.ports import Port, open_port, parse_device_url
+from drivers.wire import FORMATS, WireFormat
 from procedures.records import SampleBlock
 
 READ_BYTES = 65536
@@ -40,30 +40,39 @@ def look(url: str, seconds: float) -> Seen:
     """
     address = parse_device_url(url)
     began = time.monotonic()
-    data = _read(url, began + seconds)
+    data = read_for(open_port(address), seconds)
     took = max(time.monotonic() - began, 1e-9)
     if not data:
         raise LinkSilent(address.name, seconds, address.baud)
     likely = sniff(data)
     wire = wire_of(address) or (FORMATS[likely[0].format] if likely else None)
-    decoder = Decoder(wire) if wire else None
-    block = decoder.feed(data) if decoder else None
-    if wire is None or decoder is None or block is None or not len(block):
+    seen = seen_as(wire, data, took) if wire else None
+    if seen is None:
         wanted = wire.name if wire else " or ".join(FORMATS)
-        seen = seen_instead(wire, data) if wire else ""
+        instead = seen_instead(wire, data) if wire else ""
         raise WrongFormat(
-            address.name, wanted, len(data), address.baud, likely[0].format if likely else None, seen
+            address.name, wanted, len(data), address.baud, likely[0].format if likely else None, instead
         )
+    return seen
+
+
+def seen_as(wire: WireFormat, data: bytes, seconds: float) -> Seen | None:
+    """Return what ``data``, come within ``seconds``, holds of a format; None where it holds none of its frames."""
+    decoder = Decoder(wire)
+    block = decoder.feed(data)
+    if not len(block):
+        return None
     steps = np.diff(block.device_time)
     steps = steps[np.isfinite(steps) & (steps > 0)]
     rate = float(1 / np.median(steps)) if len(steps) else None
     return Seen(
-        wire.name, decoder.model, decoder.serial, took, len(data), len(block), rate, decoder.counters, block
+        wire.name, decoder.model, decoder.serial, seconds, len(data), len(block), rate, decoder.counters, block
     )
 
 
-def _read(url: str, until: float) -> bytes:
-    port, parts = open_port(url), list[bytes]()
+def read_for(port: Port, seconds: float) -> bytes:
+    """Return what comes within ``seconds``, and close the port."""
+    parts, until = list[bytes](), time.monotonic() + seconds
     try:
         while time.monotonic() < until:
             parts.append(port.read(READ_BYTES))

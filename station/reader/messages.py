@@ -11,6 +11,7 @@ from drivers.errors import DriverError
 from station.errors import CannotWrite
 
 HEAD = struct.Struct("<BqI")  # kind, host_ns, length of what follows
+LOST = "port lost: "  # what a gap mark's reason begins with where the port went
 
 
 class Kind(IntEnum):

@@ -7,6 +7,7 @@ that was closed in between. What stands on its two sides is never averaged over 
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivers.continuity import onward, unwrap
 from drivers.framing import Decoder
@@ -39,13 +40,19 @@ class Piece:
 
 @dataclass(slots=True)
 class StreamCounters:
-    """What was met beside good samples; ``lost`` are frames by their counter, where the format has one."""
+    """What was met beside good samples; ``lost`` are frames by their counter, where the format has one.
+
+    ``contradicted`` are those of the repeated ones that say something else, as another device's would;
+    ``clock_jumps`` breaks in the device's time where its counter goes on.
+    """
 
     samples: int = 0
     repeated: int = 0
     breaks: int = 0
     lost: int = 0
     restarts: int = 0
+    contradicted: int = 0
+    clock_jumps: int = 0
 
 
 class SampleStream:
@@ -60,6 +67,8 @@ class SampleStream:
         self._host = HostTimes()
         self._learnt: list[float] = []
         self._is_anew = True
+        self._values: FloatArray | IntArray | None = None  # of the newest frame
+        self._is_doubted = False  # it was contradicted
 
     @property
     def period(self) -> float | None:
@@ -86,7 +95,7 @@ class SampleStream:
         if not n:
             return Piece(chunk, block, self.decoder.edges, np.arange(0), None)
         if self._is_anew:
-            self._counter, self._time = None, np.nan
+            self._counter, self._time, self._values, self._is_doubted = None, np.nan, None, False
             self._host.begin_anew()
         steps = self._steps(block)
         time, seconds = self._times(chunk, block, steps)
@@ -100,6 +109,7 @@ class SampleStream:
         period = self.period
         missing = (steps > 1) | (seconds > GAP * period if period else np.zeros(n, dtype=bool))
         self._count(repeat, back, missing, steps)
+        missing |= self._doubted(block, repeat)
         back[0] |= self._is_anew
         self._is_anew = False
         kept = np.flatnonzero(~repeat)
@@ -128,6 +138,22 @@ class SampleStream:
         last = first if self._counter is None else self._counter
         return np.diff(unwrap(block.counter, self._modulus, last), prepend=last)
 
+    def _doubted(self, block: SampleBlock, repeat: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Return before which frames something is amiss, as two frames of one number say different things."""
+        values = np.hstack((block.gyro, block.accel))
+        before = values[:1] if self._values is None else self._values[None]
+        differs = repeat & (np.diff(values, axis=0, prepend=before) != 0).any(axis=1)
+        self._values = values[-1]
+        self.counters.contradicted += int(differs.sum())
+        number = np.cumsum(~repeat)  # 0: repeats of what the chunk before ended with
+        doubted = np.zeros(number[-1] + 1, dtype=bool)
+        doubted[number[differs]] = True
+        doubted[0] |= self._is_doubted
+        self._is_doubted = bool(doubted[-1])
+        doubted[1:] |= doubted[:-1].copy()
+        amiss: NDArray[np.bool_] = ~repeat & doubted[number]
+        return amiss
+
     def _learn(self, seconds: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
         if len(self._learnt) < LEARNING:
             self._learnt += seconds[np.isfinite(seconds) & (seconds > 0)].tolist()
@@ -139,3 +165,5 @@ class SampleStream:
         self.counters.breaks += int(missing.sum())
         self.counters.lost += int((steps[steps > 1] - 1).sum())
         self.counters.restarts += int(back.sum())
+        if self._modulus and self.decoder.kind.has_time:
+            self.counters.clock_jumps += int(((back | missing) & (steps == 1)).sum())

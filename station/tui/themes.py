@@ -7,6 +7,8 @@ OURS = {  # colours that no theme of Textual's has; the axes are red, green and 
     "axis-y": "#5fd38d",
     "axis-z": "#5aa9ff",
     "muted": "#8a99a8",
+    "sky": "#1f5a8c",
+    "ground": "#5c4326",
 }
 
 STATION = Theme(
@@ -36,5 +38,12 @@ HIGH_CONTRAST = Theme(
     surface="#000000",
     panel="#1c1c1c",
     text_alpha=1.0,
-    variables={"axis-x": "#ff5f5f", "axis-y": "#00ff5f", "axis-z": "#5fafff", "muted": "#ffffff"},
+    variables={
+        "axis-x": "#ff5f5f",
+        "axis-y": "#00ff5f",
+        "axis-z": "#5fafff",
+        "muted": "#ffffff",
+        "sky": "#0000af",
+        "ground": "#5f3700",
+    },
 )

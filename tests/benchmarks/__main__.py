@@ -29,6 +29,7 @@ RUNS = (
     ("kills", "--kills", "12"),
     ("false_accept", "--trials", "140"),
     ("attitude", "--parts", "speed", "bench", "paper", "--seeds", "5"),
+    ("monitor", "--seeds", "1"),
     ("guiding", "heading", "--trials", "100"),
     ("guiding", "seating", "--trials", "5"),
 )

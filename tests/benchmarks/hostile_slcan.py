@@ -22,7 +22,7 @@ from drivers.can.format import can_format
 from drivers.can.record import RECORD, unpack
 from drivers.can.slcan_line import SlcanLine
 from drivers.framing import Decoder
-from drivers.simulated.can_lines import text_of
+from drivers.simulated.can_faults import text_of
 from procedures.records import CountBlock
 
 BATCH, IDS = 600, range(0x1A0, 0x1A6)

@@ -5,18 +5,18 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
-from station.guide.view import Stage, View
+from station.guide.view import View
 from station.tui.screens.modal import Modal
 
 SOUNDS = "one: begin, two: keep still, three quick: accepted, four slow: rejected"
 
 
 class Help(Modal[None]):
-    """The help of one stage; ``keys`` by what they do."""
+    """The help of one stage, or of a screen that has none; ``keys`` by what they do."""
 
     BINDINGS = [("escape,question_mark,q,enter,space", "dismiss(None)", "Close")]
 
-    def __init__(self, stage: Stage, text: str, keys: dict[str, str]) -> None:
+    def __init__(self, stage: str, text: str, keys: dict[str, str]) -> None:
         super().__init__()
         self._stage, self._text, self._keys = stage, text, keys
 

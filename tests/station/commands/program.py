@@ -14,6 +14,7 @@ class Program:
     def __enter__(self) -> "Program":
         self.process = subprocess.Popen(
             [sys.executable, "-P", "-c", "from station.cli import main; main()", *self._arguments],
+            stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -35,6 +36,12 @@ class Program:
             if text in line:
                 return lines
         raise AssertionError(f"no {text!r} in {lines}; it said {self.process.communicate()[1]}")
+
+    def press(self, key: str) -> None:
+        """Give it a line of input."""
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{key}\n")
+        self.process.stdin.flush()
 
     def end(self) -> tuple[int, str, str]:
         """Return exit code and what is still said on stdout and stderr."""

@@ -82,6 +82,9 @@ class InMemory:
         (GnssFault("no_fix", 5.0, 5.0), "no fix (3 satellites)"),
         (GnssFault("wrong_system", 5.0, 5.0, 9), "system 1, 9 is there"),
         (GnssFault("bad_crc", 5.0, 5.0), "no MAVLink frame"),
+        (GnssFault("noise", 5.0, 5.0), "no MAVLink frame"),
+        (GnssFault("half", 5.0, 5.0), "no MAVLink frame"),
+        (GnssFault("backlog", 5.0, 5.0), "no bytes for 2 s"),
     ],
 )
 def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(fault: GnssFault, said: str) -> None:
@@ -94,6 +97,20 @@ def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(fault
             assert feed.trouble == ""
     (at,) = [at for text, at in heard.items() if said in text]
     assert 5.0 < at <= (7.7 if fault.kind == "wrong_system" else 7.2)  # heartbeats are a second apart
+
+
+@pytest.mark.parametrize("kind", ["repeated", "deaf", "backlog", "noise", "half"])
+def test_no_fault_of_the_line_makes_a_fix_that_was_not_sent(kind: str) -> None:
+    source, clean = InMemory(GnssFault(kind, 5.0, 5.0)), InMemory(GnssFault(kind, 500.0, 5.0))
+    feed, true = GnssFeed(source, clock=source.clock), GnssFeed(clean, clock=clean.clock)
+    while source.now < 15.0:
+        feed.advance()
+        true.advance()
+    sent = {(fix.utc_ns, fix.latitude, fix.longitude) for fix in true.fixes}
+    got = [(fix.utc_ns, fix.latitude, fix.longitude) for fix in feed.fixes]
+    assert set(got) <= sent
+    assert len(set(got)) >= (0.6 if kind in {"noise", "half"} else 0.97) * len(sent)
+    assert feed.trouble == ""
 
 
 def test_a_port_that_went_comes_back_by_itself(tmp_path: Path) -> None:

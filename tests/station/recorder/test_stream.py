@@ -6,8 +6,10 @@ import numpy as np
 
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault
+from drivers.simulated.garbled import other_unit
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
+from procedures.records import block_rows
 from station.reader import Chunk
 from station.recorder import Piece, SampleStream
 
@@ -74,3 +76,19 @@ def test_device_time_that_jumps_is_a_break_though_the_counter_goes_on() -> None:
     stream = SampleStream(WIRE)
     piece = stream.take(Chunk(0, WIRE.encode(later)))
     assert piece.breaks.tolist() == [0, 50]
+
+
+def test_two_frames_of_one_number_that_differ_are_breaks_on_both_sides() -> None:
+    block = ByteDevice(Truth.example(1), 1, "counts").imu.read(60)
+    frames = [WIRE.encode(block_rows(block, slice(i, i + 1))) for i in range(60)]
+    other = WIRE.encode(other_unit(block_rows(block, slice(20, 21)), 0))
+    sent = [*frames[:21], other, *frames[21:]]
+    for cut in (1, 21, 22, 61):  # however it comes
+        stream, breaks, at = SampleStream(WIRE), list[int](), 0
+        for i in range(0, len(sent), cut):
+            piece = stream.take(Chunk(0, b"".join(sent[i : i + cut])))
+            breaks += (piece.breaks + at).tolist()
+            at += len(piece.block)
+        assert stream.counters.contradicted == 1
+        assert breaks[-1] == 21
+        assert breaks[:-1] == ([0] if cut in {1, 21} else [0, 20])  # what was given out already cannot be marked

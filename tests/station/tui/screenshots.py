@@ -22,7 +22,11 @@ async def picture(view: View) -> str:
     """Return a screen as SVG that asks for no font from elsewhere and is the same each time."""
     async with screens(view, SMALL) as seen:
         await seen.pilot.pause()
-        svg = seen.app.export_screenshot(simplify=True)
+        return portable(seen.app.export_screenshot(simplify=True))
+
+
+def portable(svg: str) -> str:
+    """Return an exported screen without fonts from elsewhere, the same each time."""
     svg = re.sub(r"@font-face \{.*?\}", "", svg, flags=re.DOTALL)
     svg = svg.replace("Fira Code", "DejaVu Sans Mono, Menlo, Consolas")
     svg = re.sub(r"terminal-\d+-", "terminal-", svg)

@@ -1,0 +1,111 @@
+"""A pytest plugin: simulated devices on real transports as fixtures. How to use it: docs/testing.md.
+
+It is loaded by every pytest of its environment, so it imports nothing until a fixture is asked for. What a device
+is like is said by a marker of the fixture's name, its keyword arguments those of `drivers.simulated.server`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from drivers.simulated.gnss_server import SimulatedGnss
+    from drivers.simulated.server import SimulatedDevice
+    from drivers.simulated.truth import Truth
+
+MARKERS = {
+    "simulated_imu": "truth, seed, faults, format, speed, transport ('pty', 'tcp'), hold ...",
+    "simulated_can_imu": "truth, seed, faults, speed, transport ('slcan', 'udp_multicast'), dbc, mapping ...",
+    "simulated_gnss": "truth, seed, faults, autopilot, track, speed, transport ('udp', 'tcp', 'pty') ...",
+}
+AS_FAST_AS_READ = 0.0
+ALONE_SPEED = 10.0  # of a receiver that no IMU's clock goes beside: a fix each 20 ms
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Make the markers known."""
+    for name, what in MARKERS.items():
+        config.addinivalue_line("markers", f"{name}(**settings): what the fixture is like: {what}")
+
+
+@pytest.fixture
+def simulated_imu(request: pytest.FixtureRequest) -> Iterator[SimulatedDevice]:
+    """Serve an IMU on a pty, or on TCP with ``transport="tcp"``, while the test runs."""
+    yield from _served(request, "simulated_imu", {"transport": "pty"})
+
+
+@pytest.fixture
+def simulated_can_imu(request: pytest.FixtureRequest) -> Iterator[SimulatedDevice]:
+    """Serve an IMU on CAN, behind an slcan adapter on a pty, while the test runs."""
+    yield from _served(request, "simulated_can_imu", {"transport": "slcan"})
+
+
+@pytest.fixture
+def simulated_gnss(request: pytest.FixtureRequest) -> Iterator[SimulatedGnss]:
+    """Serve an autopilot with a GNSS receiver; beside the test's simulated IMU, on its truth and clock."""
+    from drivers.simulated.autopilot_truth import AutopilotTruth
+    from drivers.simulated.gnss_faults import GnssFault, gnss_faults_from
+    from drivers.simulated.gnss_server import SimulatedGnss
+
+    settings = _settings(request, "simulated_gnss")
+    beside = _imu_of(request)
+    truth = _truth(settings, beside.truth if beside else None)
+    if isinstance(autopilot := settings.pop("autopilot", None), Mapping):
+        autopilot = AutopilotTruth(**autopilot)
+    faults = [
+        fault if isinstance(fault, GnssFault) else gnss_faults_from([fault])[0]
+        for fault in settings.pop("faults", ())
+    ]
+    settings.setdefault("speed", ALONE_SPEED)
+    with SimulatedGnss(truth, autopilot, faults, beside=beside, **settings) as gnss:
+        yield gnss
+    if gnss.failure is not None:
+        raise gnss.failure
+
+
+def _served(request: pytest.FixtureRequest, name: str, usual: Mapping[str, Any]) -> Iterator[SimulatedDevice]:
+    from drivers.simulated.faults import Fault, faults_from
+    from drivers.simulated.server import SimulatedDevice
+
+    settings = {"seed": 1, "speed": AS_FAST_AS_READ, **usual, **_settings(request, name)}
+    truth = _truth(settings)
+    faults = [
+        fault if isinstance(fault, Fault) else faults_from([fault])[0] for fault in settings.pop("faults", ())
+    ]
+    with SimulatedDevice(truth, faults=faults, **settings) as device:
+        yield device
+    if device.failure is not None:
+        raise device.failure
+
+
+def _settings(request: pytest.FixtureRequest, name: str) -> dict[str, Any]:
+    """Return what the nearest marker says."""
+    marker = request.node.get_closest_marker(name)
+    if marker is None:
+        return {}
+    if marker.args:
+        raise pytest.UsageError(f"marker {name}: found {marker.args[0]!r}; expected keywords: {MARKERS[name]}")
+    return dict(marker.kwargs)
+
+
+def _truth(settings: dict[str, Any], beside: Truth | None = None) -> Truth:
+    """Take ``truth`` out of the settings: a `Truth`, or keys of a truth file that differ from the usual."""
+    from drivers.simulated.truth import Truth, truth_from
+
+    given = settings.pop("truth", {})
+    return (
+        given
+        if isinstance(given, Truth)
+        else truth_from(given, beside or Truth.example(settings.get("seed") or 1))
+    )
+
+
+def _imu_of(request: pytest.FixtureRequest) -> SimulatedDevice | None:
+    for name in ("simulated_imu", "simulated_can_imu"):
+        if name in request.fixturenames:
+            device: SimulatedDevice = request.getfixturevalue(name)
+            return device
+    return None

@@ -1,0 +1,109 @@
+"""``station monitor``: roll and pitch of a live device."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from station.commands import Database
+
+AIDS = ("none", "gnss", "airspeed-filter")
+
+
+def monitor(
+    url: Annotated[
+        str, typer.Argument(metavar="URL", help="The IMU, as in serial:///dev/ttyUSB0; or replay:FILE.mcap.")
+    ],
+    gnss: Annotated[
+        str, typer.Option("--gnss", metavar="URL", help="A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")
+    ] = "",
+    aid: Annotated[
+        str, typer.Option("--aid", metavar="AID", help="none, gnss or airspeed-filter; gnss with --gnss.")
+    ] = "",
+    calibration: Annotated[
+        Path | None,
+        typer.Option(
+            "--calibration", metavar="FILE", help="A calibration.json; else the unit's newest stored one."
+        ),
+    ] = None,
+    axes: Annotated[
+        str,
+        typer.Option("--axes", metavar="F,R,D", help="Which IMU axes point forward, right, down."),
+    ] = "x,-y,-z",
+    latitude: Annotated[
+        float | None,
+        typer.Option("--latitude", metavar="DEG", min=-90, max=90, help="Takes the Earth's rate off."),
+    ] = None,
+    heading: Annotated[
+        float | None,
+        typer.Option("--heading", metavar="DEG", min=-360, max=360, help="True heading of forward, at the start."),
+    ] = None,
+    gravity: Annotated[
+        float | None, typer.Option("--gravity", metavar="M/S2", min=9.7, max=9.9, help="Surveyed; else normal.")
+    ] = None,
+    alarm: Annotated[
+        list[str] | None,
+        typer.Option("--alarm", metavar="NAME=LIMIT", help="Rings beyond: roll, pitch, rate, sigma, residual ..."),
+    ] = None,
+    folder: Annotated[
+        Path | None, typer.Option("--folder", metavar="FOLDER", help="A new folder for the recording.")
+    ] = None,
+    record: Annotated[
+        bool, typer.Option("--record/--no-record", help="Record from the start, or when r is pressed.")
+    ] = True,
+    plain: Annotated[bool, typer.Option("--plain", help="Lines of text instead of a screen.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="A line of monitor/1 for each tenth of a second.")] = False,
+    mavlink_out: Annotated[
+        str, typer.Option("--mavlink-out", metavar="LINK", help="Sends ATTITUDE, as to udpout:127.0.0.1:14551.")
+    ] = "",
+    seconds: Annotated[
+        float, typer.Option("--seconds", metavar="S", min=0.0, help="Device time after which it ends.")
+    ] = float("inf"),
+    speed: Annotated[
+        float, typer.Option("--speed", metavar="N", min=0.0, help="Of a replay; 0: as fast as it can.")
+    ] = 1.0,
+    model: Annotated[str, typer.Option("--model", help="For a device that does not say its own.")] = "",
+    serial: Annotated[str, typer.Option("--serial", help="For a device that does not say its own.")] = "",
+    slow: Annotated[bool, typer.Option("--slow", help="Two views a second, for a slow console.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Ring no bell.")] = False,
+    db: Database = None,
+) -> None:
+    """Watch roll and pitch [deg] of a live IMU, and what its calibration bought while it rests.
+
+    Angles are of forward-right-down axes, rates in deg/s. The run is recorded: session_*.mcap has every byte,
+    recording.mcap bytes and counts, events.csv marks and alarms; `replay:FILE` gives the same attitude again. On
+    the screen: m mark, r record, z zero (of the display only), n anew, q leave.
+
+    Exit code 2 if the disk refuses, 3 if there is no calibration, 4 if the port cannot be opened, 130 on Ctrl-C.
+
+    Example: station monitor serial:///dev/ttyUSB0?format=counts --latitude 48.1 --alarm roll=10
+    """
+    import sys
+
+    from station.monitor.alarms import parse_alarm
+    from station.monitor.body_axes import body_axes
+    from station.monitor.run import Wanted, run
+
+    if json and plain:
+        raise typer.BadParameter("--json and --plain are two outputs; expected one of them")
+    if not (json or plain) and not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise typer.BadParameter("the screen needs a terminal; --plain writes lines of text, --json lines of JSON")
+    aid = aid or ("gnss" if gnss else "none")
+    if aid not in AIDS:
+        raise typer.BadParameter(f"found {aid!r}, expected one of {', '.join(AIDS)}", param_hint="--aid")
+    if aid != "none" and not gnss:
+        raise typer.BadParameter(f"{aid} needs a source: give --gnss URL", param_hint="--aid")
+    try:
+        alarms = tuple(parse_alarm(text) for text in alarm or ())
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--alarm") from error
+    try:
+        C = body_axes(axes)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--axes") from error
+    wanted = Wanted(
+        url=url, C=C, aid=aid, gnss=gnss, mavlink_out=mavlink_out, calibration=calibration, latitude_deg=latitude,
+        heading_deg=heading, gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds,
+        speed=speed, model=model, serial=serial, database=db,
+    )  # fmt: skip
+    run(wanted, "json" if json else "plain" if plain else "screen", slow=slow, quiet=quiet)

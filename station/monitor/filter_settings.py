@@ -1,0 +1,86 @@
+"""What the joint filter assumes of the unit at hand: from its own noise, its calibration's sigma, and the Earth.
+
+The filter's own settings are for any IMU, MEMS ones too. A calibrated FOG's biases hardly wander and its scale
+factors are known, so that its gyros may be believed for much longer; measured in docs/measured.md.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.attitude.frd import earth_rate_ned
+from procedures.attitude.joint_state import DEFAULT, FREE, Settings
+from procedures.attitude.log import AttitudeLog
+from procedures.attitude.sensor_noise import gyro_noise
+from procedures.earth import EARTH_RATE, STANDARD_GRAVITY
+
+LEAST_NOISE = 1e-7  # rad/sqrt(s)
+TURN_ON = np.radians(1.0) / 3600  # rad/s: what a FOG's bias differs by from its calibration, 1 sigma
+WALK = 1e-6  # rad/s/sqrt(s), of a FOG's bias
+EARTH_WALK = 1e-5  # ... where the Earth's rate is part of it, which turns with the unit
+FORCE_WALK = 1e-6  # m/s2/sqrt(s)
+RESTING_VELOCITY = 1e-3  # m/s*sqrt(s)
+STEP = 0.5  # sqrt(s): a count's worth of velocity is uncertain for about a second
+COUNTED = 4 / 6  # quanta^2: second differences of counts that step up and down by one, as they show as noise
+RESTING_FORCE = 2e-4  # m/s/sqrt(s): a bench is never quite quiet
+
+
+def settings_of(
+    calibration: Mapping[str, Any] | None, aid: str, log: AttitudeLog, gravity: float, latitude: float | None,
+    knows_heading: bool, quantum: float = 0.0,
+) -> Settings:  # fmt: skip
+    """Return the filter's settings.
+
+    ``log`` are the first seconds, ``latitude`` [rad] or None if not known, ``quantum`` [m/s2] a count's worth of a
+    sample's specific force.
+    """
+    knows_earth = latitude is not None and knows_heading
+    earth = np.zeros(3) if latitude is None else earth_rate_ned(latitude)
+    noise = max(gyro_noise(log), LEAST_NOISE)
+    base = (FREE if aid == "none" else DEFAULT)._replace(
+        gravity=gravity, nominal_s=log.nominal, gyro_noise=noise,
+        earth_north=float(earth[0]), earth_down=float(earth[2]),
+    )  # fmt: skip
+    if calibration is None:
+        return base._replace(gyro_bias_std=float(np.hypot(base.gyro_bias_std, EARTH_RATE)))
+    gyro, accel = calibration["gyroscope"], calibration["accelerometer"]
+    scale = _relative(gyro["scale_factor"]) + _largest(gyro["misalignment"])
+    force = STANDARD_GRAVITY * (
+        _largest(accel["bias"]) + _relative(accel["scale_factor"]) + _largest(accel["misalignment"])
+    )
+    bias = gyro_bias_std(calibration)
+    return base._replace(
+        gyro_bias_std=float(np.hypot(bias, 0.0 if knows_earth else EARTH_RATE)),
+        gyro_bias_walk=WALK if knows_earth else EARTH_WALK, rest_bias_walk=WALK if knows_earth else EARTH_WALK,
+        gyro_scale_std=max(scale, 1e-5), gyro_noise_per_rate=max(scale, 1e-4),
+        force_bias_std=max(force, 1e-5), force_bias_walk=FORCE_WALK,
+        rest_force_noise=max(_noise(log.force, log.nominal, quantum), RESTING_FORCE),
+        rest_velocity_noise=max(RESTING_VELOCITY, STEP * quantum * log.nominal),
+    )  # fmt: skip
+
+
+def gyro_bias_std(calibration: Mapping[str, Any]) -> float:
+    """Return 1 sigma [rad/s] of a calibrated gyro's bias on another day."""
+    return float(np.hypot(np.radians(_largest(calibration["gyroscope"]["bias"])) / 3600, TURN_ON))
+
+
+def _largest(part: Mapping[str, Any]) -> float:
+    return float(np.nanmax(np.abs(np.array(part["std"], dtype=np.float64))))
+
+
+def _relative(part: Mapping[str, Any]) -> float:
+    std, value = (np.array(part[name], dtype=np.float64) for name in ("std", "value"))
+    return float(np.nanmax(np.abs(std / value)))
+
+
+def _noise(samples: FloatArray, nominal: float, quantum: float) -> float:
+    """Return the white noise per root of a second of samples (n, 3), from second differences.
+
+    Counting shows there as noise, at most as much as counts that step up and down by one; it does not add up.
+    """
+    if len(samples) < 3:
+        return 0.0
+    variance = np.mean(np.diff(samples, n=2, axis=0) ** 2, axis=0) / 6
+    return float(np.sqrt(max(float(variance.max()) - COUNTED * quantum**2, 0.0) * nominal))

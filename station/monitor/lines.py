@@ -1,0 +1,104 @@
+"""A monitor as lines: JSON for other programs, text for screen readers and logs; a line of input is a key."""
+
+import json
+import math
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from station.monitor.session import Session, Verb
+from station.monitor.view import Bought, Side, View
+
+FORMAT = "monitor/1"
+EVERY_S = 1.0  # of the device's time, between two lines of text
+KEYS: dict[str, Verb] = {"m": "mark", "r": "record", "z": "zero", "n": "anew", "q": "leave"}
+HELP = "keys, each followed by Enter: m mark, r record or end it, z zero on or off, n anew, q leave"
+
+
+def json_line(view: View) -> str:
+    """Return a reading as a line of `monitor/1`; what is not known is left out, angles are absolute."""
+    reading = view.reading
+    assert reading is not None
+    told: dict[str, Any] = {
+        "format": FORMAT, "t_s": reading.t, "sample": reading.sample, "roll_deg": reading.roll,
+        "pitch_deg": reading.pitch, "sigma_deg": reading.sigma, "rate_deg_s": list(reading.rate),
+        "gyro_bias_deg_h": list(reading.bias), "residual_deg": reading.residual, "mode": reading.mode,
+        "aid": view.aid,
+    }  # fmt: skip
+    if reading.heading is not None:
+        told["heading_deg"] = reading.heading
+    if reading.speed is not None:
+        told["speed_m_s"] = reading.speed
+    if reading.temperature is not None:
+        told["temperature_c"] = reading.temperature
+    if view.zero is not None:
+        told["zero_deg"] = list(view.zero)
+    if view.alarms:
+        told["alarms"] = list(view.alarms)
+    if view.bought is not None:
+        told["at_rest"] = {"seconds": view.bought.seconds} | {
+            name: _side(side) for name, side in _sides(view.bought)
+        }
+    return json.dumps(told)
+
+
+def _sides(bought: Bought) -> tuple[tuple[str, Side], ...]:
+    return ("calibrated", bought.with_it), ("nominal", bought.without)
+
+
+def _side(side: Side) -> dict[str, float]:
+    values = {"level_deg": side.level, "drift_deg_h": side.drift, "g_error_mg": side.g}
+    return {name: value for name, value in values.items() if math.isfinite(value)}
+
+
+class PlainMonitor:
+    """Writes what is new in each view through ``say``: a line a second, and every event once."""
+
+    def __init__(self, say: Callable[[str], None], *, rings: bool = False) -> None:
+        self._say, self._rings = say, rings
+        self._event, self._next, self._told = 0, -math.inf, ""
+
+    def show(self, view: View) -> None:
+        """Write what is new."""
+        head = f"{view.unit}, calibration {view.in_use.text}"
+        if view.unit and head != self._told:
+            self._told = head
+            self._say(head)
+        for event in view.events:
+            if event.number > self._event:
+                self._event = event.number
+                self._say(event.text + (chr(7) if self._rings and event.sound == "rejected" else ""))
+        reading = view.reading
+        if reading is None or view.shown is None:
+            return
+        if reading.t < self._next <= reading.t + 2 * EVERY_S:
+            return
+        self._next = reading.t + EVERY_S
+        self._say(reading_line(view))
+
+
+def reading_line(view: View) -> str:
+    """Return a view's reading in a line of text."""
+    reading, shown = view.reading, view.shown
+    assert reading is not None
+    assert shown is not None
+    zeroed = " from zero" if view.zero else ""
+    line = (
+        f"{reading.t:.1f} s: roll {shown[0]:.3f}, pitch {shown[1]:.3f} deg{zeroed}, 1 sigma {reading.sigma:.3f}, "
+        f"{reading.mode}, residual {reading.residual:.3f} deg"
+    )
+    if view.bought is not None:
+        with_it, without = view.bought.with_it, view.bought.without
+        line += (
+            f"; with and without calibration: level {with_it.level:.3f}, {without.level:.3f} deg, "
+            f"drift {with_it.drift:.2f}, {without.drift:.2f} deg/h"
+        )
+    return line + "".join(f"; ALARM {alarm}" for alarm in view.alarms)
+
+
+def listen(session: Session, lines: Iterable[str], say: Callable[[str], None]) -> None:
+    """Turn lines of input into what they ask for until there are no more."""
+    for line in lines:
+        if (verb := KEYS.get(line.strip())) is not None:
+            session.send(verb)
+        else:
+            say(HELP)

@@ -1,0 +1,276 @@
+"""The engine: a live feed to attitude, tick by tick, and everything a screen shows of it."""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from drivers.errors import DriverError, LinkLost, ReplayEnded
+from procedures.arrays import FloatArray
+from procedures.attitude.joint_state import Settings
+from procedures.attitude.log import AttitudeLog
+from procedures.attitude.north import heading_at_rest
+from procedures.earth import STANDARD_GRAVITY
+from station.guide.view import Event, Sound
+from station.live.live_feed import LiveFeed
+from station.monitor.alarms import Alarm, Watch
+from station.monitor.at_rest import DEG_H, Rest
+from station.monitor.attitude import NO_AID, Aiding, Attitude, AttitudeTrack
+from station.monitor.calibration import Applied
+from station.monitor.filter_settings import gyro_bias_std, settings_of
+from station.monitor.recording import Recording
+from station.monitor.sensors import Sensors, Tick
+from station.monitor.session import Verb
+from station.monitor.stream_health import StreamHealth
+from station.monitor.view import InUse, Mode, Point, Reading, Stream, View
+
+TICK_S = 0.1
+HISTORY = 600  # points: a minute
+EVENTS = 8
+
+
+class Aid(Protocol):
+    """What helps the IMU: a receiver."""
+
+    def advance(self) -> None:
+        """Take what has come."""
+        ...
+
+    def newest(self) -> Aiding:
+        """Return what is new since the last call, nan where nothing is."""
+        ...
+
+    def stream(self) -> Stream:
+        """Return its health."""
+        ...
+
+    def utc(self, host_ns: int) -> float | None:
+        """Return UTC [s] at a moment of the station's clock [ns]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Options:
+    """How to monitor: ``aid`` by name, ``C`` (3, 3) IMU axes to forward-right-down; angles in rad, m/s2.
+
+    ``speed`` [m/s] of the aid is shown; latitude and ``heading`` of forward are None where not known.
+    """
+
+    aid: str = "none"
+    C: FloatArray | None = None
+    latitude: float | None = None
+    heading: float | None = None
+    gravity: float = STANDARD_GRAVITY
+    alarms: tuple[Alarm, ...] = ()
+    revive: Callable[[], None] | None = None  # has a reader that ended begin again
+
+
+class Monitor:
+    """Follows one unit; call `round` for ever. ``sinks`` are told each reading."""
+
+    def __init__(
+        self, feed: LiveFeed, applied: Applied, options: Options = Options(), recording: Recording | None = None,
+        aid: Aid | None = None, sinks: tuple[Callable[[View], None], ...] = (), folder: str = "",
+    ) -> None:  # fmt: skip
+        self._feed, self._options, self._recording, self._aid = feed, options, recording, aid
+        self._sinks, self._in_use = sinks, applied.in_use
+        heading = np.nan if options.heading is None else options.heading
+        C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
+        counts = feed.wire.output == "increments"
+        self._sensors = Sensors(applied.document, applied.nominal, C, feed.period, counts=counts)
+        self._applied, self._told_north = applied, False
+        can_compass = options.latitude is not None and options.heading is None and applied.document is not None
+        self._track = AttitudeTrack(options.aid, self._settings, heading, self._compass if can_compass else None)
+        self._rest = Rest(options.gravity, options.latitude, options.heading, self._sensors.quantum(TICK_S))
+        self._watch, self._health = Watch(options.alarms), StreamHealth(feed)
+        self._size = max(1, round(TICK_S / feed.period))
+        self._at = self._begin = self._noted = feed.tape.first
+        self._history: deque[Point] = deque(maxlen=HISTORY)
+        self._events: deque[Event] = deque(maxlen=EVENTS)
+        self._numbers = self._marks = 0
+        self._speed: float | None = None
+        unit = feed.unit
+        self.view = View(
+            unit=f"{unit.model} {unit.serial}" if unit else "", aid=options.aid, in_use=self._in_use, folder=folder
+        )
+
+    def round(self) -> None:
+        """Take what has come, waiting for it a moment.
+
+        Raises
+        ------
+        ReplayEnded
+            At a replay's end, all before it taken.
+        CannotWrite
+            If the disk refuses.
+        """
+        try:
+            self._feed.advance()
+            if not self._feed.is_open:
+                raise LinkLost(self._feed.address.name, "unplugged; plug it in again")
+            self._is_well("")
+        except ReplayEnded:
+            raise
+        except DriverError as error:
+            self._is_well(str(error))
+            if self._options.revive is not None:
+                self._options.revive()
+        if self._aid is not None:
+            self._aid.advance()
+        self._take()
+        self._show()
+
+    def obey(self, verb: Verb) -> None:
+        """Do as the operator says; raise `CannotWrite` if the disk refuses."""
+        if verb == "mark":
+            self._marks += 1
+            self._say("start", "mark", f"mark {self._marks}")
+        elif verb == "zero":
+            self._zero()
+        elif verb == "anew":
+            self._history.clear()
+            self._rest.begin_anew()
+            self._say("", "anew", "charts and comparison begin anew")
+        elif verb == "record":
+            self._record()
+        self._show()
+
+    def at_end(self) -> None:
+        """Say that a replay is over."""
+        self._say("", "end", "the replay is at its end")
+        self._show()
+
+    def close(self) -> None:
+        """Finish what is being recorded."""
+        if self._recording is not None:
+            self._recording.end()
+        self._change(is_over=True, recording="", line="ended")
+
+    def _settings(self, log: AttitudeLog, knows_heading: bool) -> Settings:
+        options, document = self._options, self._applied.document
+        quantum = self._sensors.quantum(self._feed.period)
+        return settings_of(document, options.aid, log, options.gravity, options.latitude, knows_heading, quantum)
+
+    def _compass(self, log: AttitudeLog) -> tuple[float, float] | None:
+        """Return what a rest's gyros say of the heading [rad]."""
+        assert self._options.latitude is not None
+        assert self._applied.document is not None
+        return heading_at_rest(log, self._options.latitude, gyro_bias_std(self._applied.document))
+
+    def _say_north(self) -> None:
+        if self._track.north is not None and not self._told_north:
+            self._told_north = True
+            heading, std = np.degrees(self._track.north)
+            self._say(
+                "accepted", "north", f"north by the Earth's rate: heading {heading % 360:.1f} deg, sigma {std:.1f}"
+            )
+
+    def _zero(self) -> None:
+        reading = self.view.reading
+        if self.view.zero is not None:
+            self._change(zero=None)
+            self._say("", "zero", "zero taken away: angles are absolute")
+        elif reading is not None:
+            self._change(zero=(reading.roll, reading.pitch))
+            self._say(
+                "", "zero", f"zero at roll {reading.roll:.3f}, pitch {reading.pitch:.3f} deg, of the display only"
+            )
+
+    def _record(self) -> None:
+        if self._recording is None:
+            self._say("rejected", "record", "nowhere to record to: give --folder")
+        elif self._recording.name:
+            self._say("accepted", "record", f"{self._recording.end()} is complete")
+        else:
+            self._say("start", "record", f"recording into {self._recording.begin()}")
+
+    def _take(self) -> None:
+        """Go on by every whole tick; a beginning anew leaves what was begun."""
+        tape = self._feed.tape
+        if tape.begin != self._begin:
+            self._at, self._begin = tape.begin, tape.begin
+            self._track.begin_anew()
+            self._rest.begin_anew()
+        if self._recording is not None:
+            self._recording.take(tape, max(self._noted, tape.first), tape.end, self._feed.stream.decoder.kind)
+            self._noted = tape.end
+        while tape.end - self._at >= self._size:
+            self._at += self._size
+            block = tape.block(self._at - self._size, self._at)
+            self._go_on(self._sensors.take(block))
+        tape.forget_before(self._at)
+
+    def _go_on(self, tick: Tick) -> None:
+        aiding = NO_AID if self._aid is None else self._aid.newest()
+        self._learn_speed(aiding)
+        self._health.unhealthy += not tick.is_healthy
+        if tick.not_applied and not self._in_use.note:
+            self._in_use = InUse(
+                self._in_use.text, self._in_use.age_days, "left in: " + "; ".join(tick.not_applied)
+            )
+        found = self._track.take(tick.t, tick.calibrated, aiding)
+        if found is None:
+            self._change(line="keep it still for 2 s: learning the noise")
+            return
+        self._rest.take(tick, TICK_S, rests=found.at_rest)
+        reading = self._reading(tick, found)
+        self._change(reading=reading, bought=self._rest.bought, line="")
+        self._history.append(self._point(reading))
+        self._say_north()
+        self._ring(reading)
+        for sink in self._sinks:
+            sink(self.view)
+
+    def _reading(self, tick: Tick, found: Attitude) -> Reading:
+        mode: Mode = "at rest" if found.at_rest else "moving"
+        p, q, r = np.degrees(found.rate).tolist()
+        x, y, z = (found.bias * DEG_H).tolist()
+        roll, pitch, sigma, residual = np.degrees([found.roll, found.pitch, found.sigma, found.residual]).tolist()
+        temperature = tick.temperature if np.isfinite(tick.temperature) else None
+        return Reading(
+            float(tick.t[-1]), self._at - 1, roll, pitch, sigma, (p, q, r), (x, y, z), residual, mode,
+            None if np.isnan(found.heading) else float(np.degrees(found.heading)), self._speed, temperature,
+        )  # fmt: skip
+
+    def _point(self, reading: Reading) -> Point:
+        speed = np.nan if self._speed is None else self._speed
+        return Point(reading.t, reading.roll, reading.pitch, *reading.rate, speed, reading.residual, reading.sigma)
+
+    def _learn_speed(self, aiding: Aiding) -> None:
+        if np.isfinite(aiding.airspeed):
+            self._speed = float(aiding.airspeed)
+        elif np.isfinite(aiding.velocity[0]):
+            self._speed = float(np.hypot(*aiding.velocity[:2]))
+
+    def _ring(self, reading: Reading) -> None:
+        begun, ended = self._watch.look(reading)
+        for text in begun:
+            self._say("rejected", "alarm", f"ALARM {text}")
+        for text in ended:
+            self._say("", "alarm over", text)
+        self._change(alarms=tuple(self._watch.on.values()))
+
+    def _is_well(self, trouble: str) -> None:
+        if trouble != self._health.trouble:
+            self._health.trouble = trouble
+            self._say("rejected" if trouble else "accepted", "stream", trouble or "data are coming again")
+
+    def _say(self, sound: Sound, event: str, text: str) -> None:
+        self._numbers += 1
+        self._events.append(Event(number=self._numbers, sound=sound, text=text))
+        if self._recording is not None:
+            reading = self.view.reading
+            self._recording.note(event, text, reading.t if reading else float("nan"), self._at - 1)
+
+    def _show(self) -> None:
+        streams = (self._health.look(),) if self._aid is None else (self._health.look(), self._aid.stream())
+        recording = self._recording.name if self._recording is not None else ""
+        self._change(
+            streams=streams, bought=self._rest.bought, history=tuple(self._history), events=tuple(self._events),
+            recording=recording, in_use=self._in_use,
+        )  # fmt: skip
+
+    def _change(self, **changes: object) -> None:
+        self.view = replace(self.view, **changes)  # type: ignore[arg-type]

@@ -1,0 +1,86 @@
+"""A monitored run on the disk: bytes and counts as any recording, and a table of what happened.
+
+The reader's journal has every byte in any case; `recording.mcap` has what was recorded on request.
+"""
+
+import csv
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+
+from drivers.wire import FrameKind, WireFormat
+from station.campaign_folder import append_hash
+from station.errors import CannotWrite
+from station.mcap_files import BY_OUTPUT, StepWriter
+from station.recorder.row_times import RowTimes, Utc
+from station.recorder.tape import Tape
+
+FLUSH_S = 0.2
+EVENTS = "events.csv"
+COLUMNS = ("utc", "device_s", "sample", "event", "text")
+
+
+class Recording:
+    """Writes into a folder, with reference time beside the rows where ``utc`` tells it.
+
+    ``name`` is the file being written, empty while none is.
+    """
+
+    def __init__(self, folder: Path, wire: WireFormat, utc: Utc | None = None) -> None:
+        self._folder, self._wire, self._times = folder, wire, RowTimes(utc)
+        self._writer: StepWriter | None = None
+        self._flushed = 0.0
+        self.name = ""
+
+    def begin(self) -> str:
+        """Begin a file and return its name."""
+        number, name = 1, "recording.mcap"
+        while (self._folder / name).exists():
+            number += 1
+            name = f"recording_{number}.mcap"
+        self._writer = StepWriter(self._folder / name, BY_OUTPUT[self._wire.output])
+        self.name = name
+        return name
+
+    def take(self, tape: Tape, first: int, last: int, kind: FrameKind) -> None:
+        """Write the samples from ``first`` up to before ``last``, if a file is open.
+
+        Raises
+        ------
+        CannotWrite
+            If the disk refuses; what was flushed stays.
+        """
+        writer = self._writer
+        if writer is None or first >= last:
+            return
+        try:
+            for chunk, block in tape.recording([(first, last)]):
+                writer.write_raw(chunk.host_ns, chunk.data)
+                if len(block):
+                    writer.write_block(chunk.host_ns, block, kind.triads, self._times.of(chunk.host_ns))
+            if time.monotonic() - self._flushed >= FLUSH_S:
+                writer.flush()
+                self._flushed = time.monotonic()
+        except OSError as error:
+            raise CannotWrite(writer.path, error.strerror or str(error)) from error
+
+    def end(self) -> str:
+        """Finish the file and return its name, empty if none was open."""
+        writer, name = self._writer, self.name
+        self._writer, self.name = None, ""
+        if writer is not None:
+            append_hash(self._folder, name, writer.close())
+        return name
+
+    def note(self, event: str, text: str, device_s: float, sample: int) -> None:
+        """Write what happened; raise `CannotWrite` if the disk refuses."""
+        path = self._folder / EVENTS
+        try:
+            is_new = not path.exists()
+            with path.open("a", newline="", encoding="utf-8") as stream:
+                rows = csv.writer(stream)
+                if is_new:
+                    rows.writerow(COLUMNS)
+                rows.writerow((datetime.now(UTC).isoformat(), f"{device_s:.6f}", sample, event, text))
+        except OSError as error:
+            raise CannotWrite(path, error.strerror or str(error)) from error

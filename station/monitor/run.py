@@ -1,0 +1,204 @@
+"""`station monitor` put together: source, calibration, engine, and who looks at it."""
+
+import contextlib
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import platformdirs
+
+from drivers.device_url import parse_device_url
+from drivers.errors import DriverError
+from procedures.arrays import FloatArray
+from procedures.earth import STANDARD_GRAVITY, normal_gravity
+from station.guide.folder import journal_path, new_folder
+from station.live.live_feed import LiveFeed, Source, open_feed
+from station.monitor.alarms import Alarm
+from station.monitor.calibration import find_calibration
+from station.monitor.lines import PlainMonitor, json_line, listen
+from station.monitor.monitor import Monitor, Options
+from station.monitor.recording import EVENTS, Recording
+from station.monitor.replay import Replay, is_mcap
+from station.monitor.thread import MonitorThread
+from station.monitor.view import View
+from station.reader import Reader
+
+Output = Literal["screen", "plain", "json"]
+UNKNOWN = "unknown"  # model or serial number that neither wire nor operator says
+RETRY_S = 1.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wanted:
+    """What the command line asks for, checked; angles in deg, ``gravity`` in m/s2."""
+
+    url: str
+    C: FloatArray
+    aid: str = "none"
+    gnss: str = ""
+    mavlink_out: str = ""
+    calibration: Path | None = None
+    latitude_deg: float | None = None
+    heading_deg: float | None = None
+    gravity: float | None = None
+    alarms: tuple[Alarm, ...] = ()
+    folder: Path | None = None
+    records: bool = True
+    seconds: float = float("inf")
+    speed: float = 1.0
+    model: str = ""
+    serial: str = ""
+    database: str | None = None
+
+
+def run(wanted: Wanted, output: Output, *, slow: bool = False, quiet: bool = False) -> None:
+    """Monitor until the operator leaves, the replay or the time is over; raise what ended it otherwise."""
+    with ExitStack() as stack:
+        sinks: list[Callable[[View], None]] = [_write_json] if output == "json" else []
+        monitor = stack.enter_context(opened(wanted, tuple(sinks)))
+        stays = output == "screen" and wanted.seconds == float("inf")
+        session = stack.enter_context(MonitorThread(monitor, stays=stays, seconds=wanted.seconds))
+        if output == "screen":
+            from station.tui.monitor.run import run_monitor
+
+            run_monitor(session, slow=slow, quiet=quiet)
+        else:
+            _follow(session, plain=output == "plain", rings=not quiet)
+    if session.failure is not None:
+        raise session.failure
+
+
+@contextmanager
+def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> Iterator[Monitor]:
+    """Yield the engine of a device or a replay, with its folder.
+
+    Raises
+    ------
+    DriverError, CannotWrite, DataRefused
+        What port, disk or calibration refuse; nothing is left behind.
+    """
+    with ExitStack() as stack:
+        folder = _folder(wanted, stack)
+        source, revive = _source(wanted, folder or Path(stack.enter_context(tempfile.TemporaryDirectory())), stack)
+        feed = open_feed(source)
+        if isinstance(revive, _Revival):
+            revive.feed = feed
+        unknown = UNKNOWN if feed.wire.identity is None else None
+        unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
+        applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
+        aid = None
+        if wanted.gnss:
+            from station.gnss import open_gnss
+            from station.monitor.gnss_aid import GnssAid
+
+            beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+            aid = GnssAid(stack.enter_context(open_gnss(wanted.gnss, beside)), wanted.aid)
+        if wanted.mavlink_out:
+            sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
+        recording = None if folder is None else Recording(folder, feed.wire, aid.utc if aid else None)
+        if recording is not None:
+            recording.note("begin", wanted.url, float("nan"), 0)
+            if wanted.records:
+                recording.begin()
+        latitude = None if wanted.latitude_deg is None else float(np.radians(wanted.latitude_deg))
+        yield Monitor(
+            feed, applied,
+            Options(
+                aid=wanted.aid, C=wanted.C, latitude=latitude,
+                heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
+                gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
+                alarms=wanted.alarms, revive=revive,
+            ),
+            recording, aid, sinks, "" if folder is None else str(folder),
+        )  # fmt: skip
+
+
+def _folder(wanted: Wanted, stack: ExitStack) -> Path | None:
+    """Return the new folder of the run; None for a replay that asks for none."""
+    folder = wanted.folder
+    if folder is None:
+        if parse_device_url(wanted.url).scheme == "replay":
+            return None
+        root = platformdirs.user_data_path("fog-station") / "monitor"
+        folder = root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
+    return stack.enter_context(new_folder(folder, EVENTS))
+
+
+def _source(wanted: Wanted, folder: Path, stack: ExitStack) -> tuple[Source, "_Revival | None"]:
+    address = parse_device_url(wanted.url)
+    if address.scheme == "replay" and is_mcap(Path(address.path)):
+        return Replay(wanted.url, wanted.speed), None
+    revival = _Revival(wanted.url, folder)
+    stack.callback(revival.close)
+    return revival.reader, revival
+
+
+class _Revival:
+    """A reader process that is begun again, in the same folder, when it has ended."""
+
+    def __init__(self, url: str, folder: Path) -> None:
+        self._url, self._folder = url, folder
+        self.reader = Reader(url, journal_path(folder))
+        self.reader.start()
+        self.feed: LiveFeed | None = None
+        self._retry_at = 0.0
+
+    def __call__(self) -> None:
+        if self.feed is None or not self.reader.has_ended or time.monotonic() < self._retry_at:
+            return
+        self._retry_at = time.monotonic() + RETRY_S
+        self.reader.close()
+        self.reader = Reader(self._url, journal_path(self._folder))
+        with contextlib.suppress(DriverError):  # tried again and again
+            self.reader.start()
+            self.feed.replace_source(self.reader)
+
+    def close(self) -> None:
+        self.reader.close()
+
+
+def _mavlink_out(where: str, stack: ExitStack) -> Callable[[View], None]:
+    """Return a sink that tells each attitude by MAVLink."""
+    from drivers.mavlink.attitude_out import open_attitude_out
+
+    out = open_attitude_out(where)
+    stack.callback(out.close)
+
+    def send(view: View) -> None:
+        reading = view.reading
+        assert reading is not None
+        p, q, r = np.radians(reading.rate).tolist()
+        yaw = np.nan if reading.heading is None else np.radians(reading.heading)
+        out.send(reading.t, np.radians(reading.roll), np.radians(reading.pitch), (p, q, r), float(yaw))
+
+    return send
+
+
+def _write_json(view: View) -> None:
+    sys.stdout.write(json_line(view) + "\n")
+    sys.stdout.flush()
+
+
+def _follow(session: MonitorThread, *, plain: bool, rings: bool) -> None:
+    """Write lines, if it is to be plain, and take keys, until it is over."""
+    screen = PlainMonitor(_say, rings=rings)
+    if plain:
+        threading.Thread(target=listen, args=(session, sys.stdin, _say), daemon=True).start()
+    while not session.view.is_over:
+        session.changed.wait(1.0)
+        session.changed.clear()
+        if plain:
+            screen.show(session.view)
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()

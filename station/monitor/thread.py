@@ -1,0 +1,99 @@
+"""The engine on a thread of its own, so that a slow terminal holds up nothing but itself.
+
+Bytes are read and journalled by another process in any case.
+"""
+
+import contextlib
+import threading
+from dataclasses import replace
+from queue import Empty, SimpleQueue
+from types import TracebackType
+from typing import Self
+
+from drivers.errors import ReplayEnded
+from station.monitor.attitude import prepare
+from station.monitor.monitor import Monitor
+from station.monitor.session import Verb
+from station.monitor.view import View
+
+PREPARING = "preparing: the filter is compiled once on this machine, which takes up to a minute"
+
+
+class MonitorThread:
+    """A `station.monitor.session.Session`; the engine runs while the ``with`` block lasts.
+
+    ``failure`` is what ended it, None if it was asked to or the replay is over; ``stays`` keeps the last view of a
+    replay on the screen until somebody leaves. ``seconds`` [s of the device] ends it.
+    """
+
+    def __init__(self, monitor: Monitor, *, stays: bool = False, seconds: float = float("inf")) -> None:
+        self._monitor, self._stays, self._seconds = monitor, stays, seconds
+        self._verbs: SimpleQueue[Verb] = SimpleQueue()
+        self._stop, self.changed = threading.Event(), threading.Event()
+        self._view = monitor.view
+        self._from: float | None = None  # device time of the first reading [s]
+        self.failure: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name="monitor", daemon=True)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
+    ) -> None:
+        self._stop.set()
+        self._thread.join()
+
+    @property
+    def view(self) -> View:
+        """The newest view."""
+        return self._view
+
+    def send(self, verb: Verb) -> None:
+        """Ask something of the engine."""
+        if verb == "leave":
+            self._stop.set()
+        self._verbs.put(verb)
+
+    def _run(self) -> None:
+        try:
+            self._publish(PREPARING)
+            prepare()
+            while not self._stop.is_set() and not self._is_long_enough():
+                self._obey()
+                self._monitor.round()
+                self._publish()
+        except ReplayEnded:
+            self._wait()
+        except BaseException as error:  # the edge of a thread: raised where it is waited for
+            self.failure = error
+        try:
+            self._monitor.close()
+        except BaseException as error:
+            self.failure = self.failure or error
+        self._publish()
+
+    def _obey(self) -> None:
+        with contextlib.suppress(Empty):
+            while True:
+                self._monitor.obey(self._verbs.get_nowait())
+
+    def _is_long_enough(self) -> bool:
+        reading = self._monitor.view.reading
+        if reading is None:
+            return False
+        self._from = reading.t if self._from is None else min(self._from, reading.t)
+        return reading.t - self._from >= self._seconds
+
+    def _wait(self) -> None:
+        """Keep the end of a replay on the screen."""
+        self._monitor.at_end()
+        self._publish()
+        while self._stays and not self._stop.wait(0.05):
+            self._obey()
+            self._publish()
+
+    def _publish(self, line: str = "") -> None:
+        self._view = replace(self._monitor.view, line=line) if line else self._monitor.view
+        self.changed.set()

@@ -1,0 +1,128 @@
+"""What a monitor shows: one frozen value that says everything a screen, a line of text or a test needs.
+
+Angles in deg, rates in deg/s, body axes forward-right-down; times in s of the device unless a name says otherwise.
+"""
+
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+from station.guide.view import Event
+
+Mode = Literal["waiting", "aligning", "at rest", "moving"]
+
+
+class Point(NamedTuple):
+    """A tenth of a second for the strip charts; what is not known is nan. ``aid`` [m/s]."""
+
+    t: float
+    roll: float
+    pitch: float
+    p: float
+    q: float
+    r: float
+    aid: float
+    residual: float
+    sigma: float
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """The newest attitude, absolute: a zero changes nothing here.
+
+    ``sigma`` is of the vertical's direction; ``residual`` the angle between the specific force and the vertical;
+    ``bias`` what the filter has learnt of the gyros [deg/h]; ``sample`` its last sample's number.
+    """
+
+    t: float
+    sample: int
+    roll: float
+    pitch: float
+    sigma: float
+    rate: tuple[float, float, float]
+    bias: tuple[float, float, float]
+    residual: float
+    mode: Mode
+    heading: float | None = None  # true, where given or learnt
+    speed: float | None = None  # of the aid [m/s]
+    temperature: float | None = None  # degC
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """How far a unit at rest is off, by one way of reading it: ``level`` [deg], ``drift`` [deg/h], ``g`` [mg]."""
+
+    level: float
+    drift: float
+    g: float
+
+
+@dataclass(frozen=True, slots=True)
+class Bought:
+    """What the calibration bought, over ``seconds`` of rest; ``off`` is what the drift still has of the Earth."""
+
+    seconds: float
+    with_it: Side
+    without: Side
+    earth: str
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """The health of one stream: ``age_s`` since the newest sample, ``trouble`` what is wrong, empty if nothing."""
+
+    name: str
+    rate_hz: float
+    age_s: float
+    samples: int
+    gaps: int
+    lost: int
+    bad: int
+    unhealthy: int = 0
+    trouble: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class InUse:
+    """The calibration in use, in words; ``note`` is what to know about it, such as effects left in."""
+
+    text: str = "none: nominal scale factors"
+    age_days: float | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """All of it. ``zero`` (roll, pitch) is taken off what is shown, and off nothing else."""
+
+    unit: str = ""
+    aid: str = "none"
+    line: str = "waiting for the first samples"
+    reading: Reading | None = None
+    history: tuple[Point, ...] = ()
+    bought: Bought | None = None
+    streams: tuple[Stream, ...] = ()
+    in_use: InUse = field(default_factory=InUse)
+    zero: tuple[float, float] | None = None
+    alarms: tuple[str, ...] = ()
+    recording: str = ""  # the file, empty while nothing is recorded
+    folder: str = ""
+    events: tuple[Event, ...] = ()
+    is_over: bool = False
+
+    @property
+    def trouble(self) -> str:
+        """What is wrong with the first stream that is not well."""
+        return next((stream.trouble for stream in self.streams if stream.trouble), "")
+
+    @property
+    def shown(self) -> tuple[float, float] | None:
+        """Roll and pitch as they are shown: less the zero."""
+        if self.reading is None:
+            return None
+        roll, pitch = self.zero or (0.0, 0.0)
+        return wrapped(self.reading.roll - roll), self.reading.pitch - pitch
+
+
+def wrapped(angle: float) -> float:
+    """Return an angle [deg] within -180..180."""
+    return (angle + 180.0) % 360.0 - 180.0

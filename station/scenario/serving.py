@@ -1,0 +1,69 @@
+"""Serves a scenario and tells what happens on the bench as it happens."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.server import SimulatedDevice
+from station.scenario.reading import Scenario
+
+LOOK_S = 0.1
+
+
+def serve_scenario(
+    scenario: Scenario,
+    announce: Callable[[SimulatedDevice, SimulatedGnss | None], None],
+    tell: Callable[[str], None],
+    speed: float | None = None,
+) -> None:
+    """Serve until interrupted.
+
+    ``announce`` is given the devices once they can be opened, ``tell`` a line for each thing that happens.
+    ``speed``, device seconds per second, goes before the scenario's.
+    """
+    with ExitStack() as stack:
+        device = stack.enter_context(_device(scenario, speed))
+        gnss = stack.enter_context(_gnss(scenario, device)) if scenario.table.gnss else None
+        announce(device, gnss)
+        due, told = sorted(_events(scenario)), 0
+        while device.failure is None and (gnss is None or gnss.failure is None):
+            while due and due[0][0] <= device.time:
+                at_s, text = due.pop(0)
+                tell(f"{at_s:8.1f} s  {text}")
+            for command, answer in device.device.moved[told:]:
+                told += 1
+                if not answer.startswith("ok"):  # somebody else has moved the cube meanwhile
+                    tell(f"{device.time:8.1f} s  {command}: {answer}")
+            time.sleep(LOOK_S)
+        raise device.failure or (gnss.failure if gnss and gnss.failure else RuntimeError("the bench ended"))
+
+
+def _events(scenario: Scenario) -> Iterator[tuple[float, str]]:
+    for move in scenario.moves:
+        yield move.at_s, f"hands: {move.command}"
+    for fault in scenario.faults:
+        yield fault.at_s, f"fault: {fault.kind}" + (f", again every {fault.every_s:g} s" if fault.every_s else "")
+    for each in scenario.gnss_faults:
+        yield each.at_s, f"GNSS fault: {each.kind} for {each.seconds:g} s"
+
+
+def _device(scenario: Scenario, speed: float | None) -> SimulatedDevice:
+    imu = scenario.table.imu
+    return SimulatedDevice(
+        scenario.truth, scenario.table.seed, imu.format, scenario.table.speed if speed is None else speed,
+        transport=imu.transport, link=Path(imu.link) if imu.link else None, port=imu.port,
+        control_port=imu.control, faults=scenario.faults, moves=scenario.moves,
+        dbc=scenario.beside(imu.dbc), mapping=scenario.beside(imu.map),
+    )  # fmt: skip
+
+
+def _gnss(scenario: Scenario, device: SimulatedDevice) -> SimulatedGnss:
+    gnss = scenario.table.gnss
+    assert gnss is not None
+    return SimulatedGnss(
+        scenario.truth, scenario.autopilot, scenario.gnss_faults, scenario.track, scenario.table.seed,
+        beside=device, transport=gnss.transport, port=gnss.port, to=gnss.peer,
+        link=Path(gnss.link) if gnss.link else None,
+    )  # fmt: skip

@@ -1,0 +1,64 @@
+"""What the applications have in common: themes, bells, the palette of all actions."""
+
+from collections.abc import Iterable, Sequence
+from functools import partial
+
+from textual.app import App, SystemCommand
+from textual.binding import Binding
+from textual.screen import Screen
+
+from station.guide.view import Event
+from station.tui.bells import Bells
+from station.tui.themes import HIGH_CONTRAST, OURS, STATION
+
+
+class CommonApp(App[None]):
+    """An application in our colours; ``is_quiet`` keeps the bell silent."""
+
+    TITLE = "FOG station"
+    BINDINGS = [
+        Binding(
+            "ctrl+p", "command_palette", "All", key_display="^p", priority=True, tooltip="every action by its name"
+        )
+    ]
+
+    def __init__(self, *, is_quiet: bool = False) -> None:
+        super().__init__()
+        self._heard = -1  # the newest event that was heard
+        self.is_quiet = is_quiet
+        self.bells = Bells(lambda: self.bell(), self.set_timer)
+        self.animation_level = "none"
+        for theme in (STATION, HIGH_CONTRAST):
+            self.register_theme(theme)
+        self.theme = STATION.name
+
+    def get_theme_variable_defaults(self) -> dict[str, str]:
+        """Give every theme the colours that are ours."""
+        return super().get_theme_variable_defaults() | OURS
+
+    def ring(self, events: Sequence[Event], *, is_first: bool) -> None:
+        """Ring for the events that are new; those of the first view are old."""
+        new = [event for event in events if event.number > self._heard]
+        self._heard = max([self._heard, *(event.number for event in new)])
+        if not is_first and not self.is_quiet:
+            for event in new:
+                self.bells.ring(event.sound)
+
+    def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
+        """Offer every action of the screen in the palette, then those of the application."""
+        for active in screen.active_bindings.values():
+            if active.node is screen and active.binding.show and active.enabled:
+                action = partial(screen.run_action, active.binding.action)
+                yield SystemCommand(active.binding.description, active.tooltip or active.binding.tooltip, action)
+        yield SystemCommand("Sound", "turn the bell off, or on again", self.action_sound)
+        yield SystemCommand("High contrast", "the theme of high contrast, or back", self.action_contrast)
+        yield from super().get_system_commands(screen)
+
+    def action_sound(self) -> None:
+        """Turn the bell off or on."""
+        self.is_quiet = not self.is_quiet
+        self.notify("sounds are off" if self.is_quiet else "sounds are on")
+
+    def action_contrast(self) -> None:
+        """Take the theme of high contrast, or go back."""
+        self.theme = STATION.name if self.theme == HIGH_CONTRAST.name else HIGH_CONTRAST.name

@@ -1,0 +1,43 @@
+"""The application: draws the session's view and sends what the operator asks. It knows nothing by itself."""
+
+from station.monitor.session import Session
+from station.monitor.view import View
+from station.tui.common_app import CommonApp
+from station.tui.monitor.screen import MonitorScreen
+
+
+class MonitorApp(CommonApp):
+    """The screen of one monitor; parameters as of `station.tui.app.StationApp`."""
+
+    def __init__(self, session: Session, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
+        super().__init__(is_quiet=is_quiet)
+        self._session, self._refresh_hz = session, refresh_hz
+        self._view: View | None = None
+        self.monitor = MonitorScreen(session.send)
+
+    async def on_mount(self) -> None:
+        """Begin to look at the session."""
+        await self.push_screen(self.monitor)
+        self.pull()
+        self.set_interval(1 / self._refresh_hz, self.pull)
+
+    def pull(self) -> None:
+        """Show the session's view if it is another; close when it is over."""
+        view = self._session.view
+        if view is self._view:
+            return
+        self.ring(view.events, is_first=self._view is None)
+        self._view = view
+        self.monitor.show(view)
+        if view.is_over:
+            self.exit()
+
+    async def action_quit(self) -> None:
+        """Leave, asking first while something is being recorded."""
+        if self.screen is self.monitor:
+            self.monitor.action_leave()
+
+    def action_help_quit(self) -> None:
+        """Take ctrl+c for a wish to leave."""
+        if self.screen is self.monitor:
+            self.monitor.action_leave()

@@ -1,0 +1,155 @@
+"""The monitor: horizon and numbers above, a minute of charts below, the streams' health at the bottom."""
+
+from collections.abc import Callable
+
+from textual.app import ComposeResult
+from textual.binding import Binding
+from textual.containers import Grid, Horizontal, Vertical
+from textual.screen import Screen
+from textual.widgets import Footer
+
+from station.monitor.session import Verb
+from station.monitor.view import View
+from station.tui.monitor.widgets import (
+    CalibrationLine,
+    Chart,
+    Comparison,
+    Horizon,
+    Readings,
+    State,
+    Streams,
+    Title,
+)
+from station.tui.screens.confirm import Confirm
+from station.tui.screens.help import Help
+from station.tui.widgets.event_lines import EventLines
+
+HELP = (
+    "Roll and pitch of forward-right-down axes. Residual is the angle between what the accelerometers say is down "
+    "and the attitude. At rest on a slab the table shows what the calibration bought: what is left of level, "
+    "drift and g, with it and without. The zero is taken off what is shown and off nothing else: recordings, JSON "
+    "and MAVLink have absolute angles."
+)
+LEAVE = "The recording is finished and complete; everything stays in its folder."
+
+
+class MonitorScreen(Screen[None]):
+    """Made with a way to send verbs, then shown views."""
+
+    BINDINGS = [
+        Binding("m", "send('mark')", "Mark", tooltip="mark this moment, with a number, in events.csv"),
+        Binding("r", "send('record')", "Record", tooltip="begin a recording, or end it"),
+        Binding("z", "send('zero')", "Zero", tooltip="show angles from here, or absolute ones again"),
+        Binding("n", "send('anew')", "Anew", tooltip="begin charts and the comparison at rest anew"),
+        Binding("q", "leave", "Leave", tooltip="end the monitor"),
+        Binding("question_mark", "help", "Help", key_display="?", tooltip="what is shown, and all keys"),
+    ]
+    DEFAULT_CSS = """
+    MonitorScreen #upper { height: 11; }
+    MonitorScreen #charts { grid-size: 2 3; grid-rows: 2; height: 6; grid-gutter: 0 1; }
+    MonitorScreen EventLines { min-height: 1; }
+    MonitorScreen Footer { padding-left: 1; }
+    MonitorScreen.-wide Horizon { width: 58; }
+    MonitorScreen.-tall #upper { height: 16; }
+    MonitorScreen.-tall Readings { margin: 1 0 2 0; }
+    MonitorScreen.-tall #charts { grid-rows: 5; height: 15; margin-top: 1; }
+    MonitorScreen.-tall Chart { height: 4; }
+    """
+    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (112, "-wide")]
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]
+
+    def __init__(self, send: Callable[[Verb], None]) -> None:
+        super().__init__()
+        self._send = send
+        self.view = View()
+        self.title_line, self.state = Title(("", "")), State(("…", "$muted", ""))
+        self.horizon, self.readings, self.comparison = Horizon(None), Readings(View()), Comparison(None)
+        self.charts = (
+            Chart("PITCH", "deg", 0.02, pitch="$axis-y"),
+            Chart("ROLL", "deg", 0.02, roll="$axis-x"),
+            Chart("RATES", "deg/s", 0.02, p="$axis-x", q="$axis-y", r="$axis-z"),
+            Chart("RESIDUAL", "deg", 0.02, residual="$warning"),
+            Chart("AID", "m/s", 1.0, aid="$primary"),
+            Chart("SIGMA", "deg", 0.002, sigma="$accent"),
+        )
+        self.events, self.streams, self.calibration = EventLines(), Streams(()), CalibrationLine(View().in_use)
+
+    def compose(self) -> ComposeResult:
+        """Lay everything out."""
+        yield self.title_line
+        yield self.state
+        with Horizontal(id="upper"):
+            yield self.horizon
+            with Vertical():
+                yield self.readings
+                yield self.comparison
+        with Grid(id="charts"):
+            yield from self.charts
+        yield self.events
+        yield self.streams
+        yield self.calibration
+        yield Footer(compact=True, show_command_palette=False)
+
+    def show(self, view: View) -> None:
+        """Take a new view."""
+        self.view = view
+        self.title_line.show((f"{view.unit or 'FOG station'}  monitor", f"aid {view.aid}{_at(view)}"))
+        self.state.show(state_of(view))
+        self.horizon.show(view.shown)
+        self.readings.show(view)
+        self.comparison.show(view.bought)
+        for chart in self.charts:
+            chart.show(view.history)
+        self.events.show(view.events)
+        self.streams.show(view.streams)
+        self.calibration.show(view.in_use)
+        self.calibration.set_class(bool(view.in_use.note), "noted")
+
+    def action_send(self, verb: Verb) -> None:
+        """Send a verb."""
+        self._send(verb)
+
+    def action_leave(self) -> None:
+        """Leave; ask first while something is being recorded."""
+        if not self.view.recording:
+            self._send("leave")
+            return
+
+        def answered(answer: bool | None) -> None:
+            if answer:
+                self._send("leave")
+
+        self.app.push_screen(Confirm("End the monitor?", LEAVE, "Yes, end it", ()), answered)
+
+    def action_help(self) -> None:
+        """Explain what is shown and the keys."""
+        keys = {
+            active.tooltip or active.binding.tooltip or active.binding.description: self.app.get_key_display(
+                active.binding
+            )
+            for active in self.active_bindings.values()
+            if active.binding.show
+        }
+        self.app.push_screen(Help("monitor", HELP, keys))
+
+
+def _at(view: View) -> str:
+    reading = view.reading
+    if reading is None:
+        return ""
+    return f"{'' if reading.speed is None else f' {reading.speed:.1f} m/s'}  {reading.t:.1f} s"
+
+
+def state_of(view: View) -> tuple[str, str, str]:
+    """Return the chip, its colour and the sentence that matter most."""
+    if view.is_over:
+        return "■ ENDED", "$foreground", view.line
+    if view.trouble:
+        return "✗ NO DATA", "$error", view.trouble
+    if view.alarms:
+        return "✗ ALARM", "$error", "; ".join(view.alarms)
+    if view.line:
+        return "… WAIT", "$warning", view.line
+    if view.recording:
+        return "● RECORDING", "$success", f"{view.folder}/{view.recording}"
+    return "○ NOT RECORDED", "$muted", "r begins a recording" if view.folder else "--folder FOLDER would record"

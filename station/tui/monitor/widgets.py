@@ -1,0 +1,208 @@
+"""The parts of the monitor's screen; each draws one value."""
+
+from textual.content import Content
+
+from station.monitor.view import Bought, InUse, Mode, Point, Stream, View
+from station.tui.canvas import Canvas
+from station.tui.monitor.horizon_picture import horizon_picture
+from station.tui.monitor.strip import EMPTY, limits, strip
+from station.tui.widgets.drawn import Drawn
+
+SPAN = 600  # points in a chart: a minute
+MODES: dict[Mode, tuple[str, str]] = {
+    "waiting": ("…", "$muted"),
+    "aligning": ("…", "$warning"),
+    "at rest": ("◼", "$success"),
+    "moving": ("↻", "$primary"),
+}
+STEEP = 89.0  # deg of pitch, beyond which roll and heading are one
+LABEL = 13
+
+
+class Title(Drawn[tuple[str, str]]):
+    """The unit on the left, time and aid on the right."""
+
+    DEFAULT_CSS = """
+    Title { height: 1; padding: 0 1; background: $panel; color: $foreground; }
+    """
+
+    def render(self) -> Content:
+        """Draw the line; where it is short, the right side stays."""
+        left, right = self.value
+        room = self.size.width - len(right) - 2
+        return Content.assemble((left[:room].ljust(room) + "  ", "bold"), right)
+
+
+class State(Drawn[tuple[str, str, str]]):
+    """A chip and a sentence: what is wrong, else whether it is recorded."""
+
+    DEFAULT_CSS = """
+    State { height: 1; background: $surface; }
+    """
+
+    def render(self) -> Content:
+        """Draw the line."""
+        chip, colour, text = self.value
+        return Content.assemble((f" {chip} ", f"bold $background on {colour}"), f"  {text}")
+
+
+class Horizon(Drawn[tuple[float, float] | None]):
+    """Roll and pitch as a picture."""
+
+    DEFAULT_CSS = """
+    Horizon { width: 34; height: 100%; }
+    """
+
+    def render(self) -> Content:
+        """Draw it as large as there is room."""
+        if self.value is None:
+            return Content("")
+        return horizon_picture(self.size.width, self.size.height, *self.value)
+
+
+class Readings(Drawn[View]):
+    """The numbers: attitude, sigma, rates, bias, residual."""
+
+    DEFAULT_CSS = """
+    Readings { height: 6; padding-left: 1; }
+    """
+
+    def render(self) -> Content:
+        """Draw six lines."""
+        view, reading, shown = self.value, self.value.reading, self.value.shown
+        if reading is None or shown is None:
+            return Content.styled("no attitude yet", "$muted")
+        symbol, colour = MODES[reading.mode]
+        zero = [f"  from zero {value:+.3f}" for value in view.zero] if view.zero else ["", ""]
+        steep = "  any: X is vertical" if abs(reading.pitch) > STEEP else ""
+        p, q, r = (_short(rate, 3) for rate in reading.rate)
+        x, y, z = (_short(bias, 2) for bias in reading.bias)
+        warm = "" if reading.temperature is None else f"   {reading.temperature:.1f} degC"
+        return Content("\n").join((
+            Content.assemble("ROLL   ", (f"{shown[0]:+9.3f} deg", "bold $accent"), (zero[0] + steep, "$warning")),
+            Content.assemble("PITCH  ", (f"{shown[1]:+9.3f} deg", "bold $accent"), (zero[1], "$warning")),
+            Content.assemble(
+                f"1 sigma {reading.sigma:8.3f} deg   ", (f"{symbol} {reading.mode}", f"bold {colour}")
+            ),
+            Content.assemble("RATE  ", f"p {p}  q {q}  r {r} deg/s"),
+            Content.assemble("BIAS  ", f"x {x}  y {y}  z {z} deg/h"),
+            Content.assemble(f"RESIDUAL {reading.residual:7.3f} deg{warm}"),
+        ))  # fmt: skip
+
+
+def _short(value: float, digits: int) -> str:
+    """Return a number with its sign in 7 characters."""
+    return f"{value:+.{max(digits - (abs(value) >= 10) - (abs(value) >= 100) - (abs(value) >= 1000), 0)}f}"
+
+
+class Comparison(Drawn[Bought | None]):
+    """What the calibration bought, side by side."""
+
+    DEFAULT_CSS = """
+    Comparison { height: 5; padding-left: 1; }
+    """
+
+    def render(self) -> Content:
+        """Draw a small table."""
+        bought = self.value
+        if bought is None:
+            return Content("\n").join((
+                Content.styled("ON A LEVEL SLAB  calibrated    nominal", "bold"),
+                Content.styled("at rest, after 2 s", "$muted"),
+            ))  # fmt: skip
+        rows = [
+            _row(name, getattr(bought.with_it, part), getattr(bought.without, part), unit)
+            for name, part, unit in (("level", "level", "deg"), ("drift", "drift", "deg/h"), ("g", "g", "mg"))
+        ]
+        head = f"AT REST {bought.seconds:.0f} s".ljust(17) + "calibrated    nominal"
+        return Content("\n").join((Content.styled(head, "bold"), *rows, Content.styled(bought.earth, "$muted")))
+
+
+def _row(name: str, with_it: float, without: float, unit: str) -> Content:
+    numbers = ["-" if value != value else f"{value:.3f}" for value in (with_it, without)]
+    return Content.assemble(
+        f"{name + ' error' if name != 'drift' else name:15}", (f"{numbers[0]:>12}", "bold $success"),
+        (f"{numbers[1]:>11}", "$warning"), f" {unit}",
+    )  # fmt: skip
+
+
+class Chart(Drawn[tuple[Point, ...]]):
+    """A minute of one or more quantities; ``least`` is the narrowest range that is drawn."""
+
+    DEFAULT_CSS = """
+    Chart { height: 2; width: 1fr; }
+    """
+
+    def __init__(self, name: str, unit: str, least: float, **series: str) -> None:
+        super().__init__((), id=name.lower())
+        self._label, self._unit, self._least, self._series = name, unit, least, series
+
+    def render(self) -> Content:
+        """Draw the label and the range on the left, the lines on the right."""
+        width, height = self.size.width - LABEL, self.size.height
+        columns = {name: [getattr(point, name) for point in self.value] for name in self._series}
+        found = limits([value for column in columns.values() for value in column], self._least)
+        canvas = Canvas(self.size.width, height)
+        canvas.put(0, 1, self._label, "bold")
+        if found is None or width < 2:
+            canvas.put(0, LABEL, "none", "$muted")
+            return canvas.content()
+        low, high = found
+        canvas.put(0, 1 + len(self._label) + 1, self._unit, "$muted")
+        canvas.put(height - 1, 1, _range(low, high), "$muted")
+        drawn = [[0] * width for _ in range(height)]
+        for name, colour in self._series.items():  # where lines meet, the dots of both in the later one's colour
+            for row, line in enumerate(strip(columns[name], width, height, low, high, SPAN)):
+                for column, dots in enumerate(line):
+                    if dots:
+                        drawn[row][column] |= dots
+                        canvas.put(row, LABEL + column, chr(EMPTY + drawn[row][column]), colour)
+        return canvas.content()
+
+
+def _range(low: float, high: float) -> str:
+    """Return a range in at most 12 characters."""
+    size = max(abs(low), abs(high))
+    digits = 0 if size >= 100 else 1 if size >= 10 else 2
+    if high - low < 10**-digits and size < 10:
+        digits = 3
+    return f"{low:.{digits}f}..{high:.{digits}f}"[: LABEL - 1]
+
+
+class Streams(Drawn[tuple[Stream, ...]]):
+    """A line for each stream: rate, age, gaps, errors."""
+
+    DEFAULT_CSS = """
+    Streams { height: auto; min-height: 1; padding: 0 1; background: $panel; }
+    """
+
+    def render(self) -> Content:
+        """Draw the lines."""
+        return Content("\n").join([_stream(stream) for stream in self.value] or [Content("no stream yet")])
+
+
+def _stream(stream: Stream) -> Content:
+    is_well = not stream.trouble
+    word = ("✓", "bold $success") if is_well else ("✗", "bold $error")
+    faults = [
+        (stream.gaps, "gaps"),
+        (stream.lost, "lost"),
+        (stream.bad, "bad check"),
+        (stream.unhealthy, "unhealthy"),
+    ]
+    said = ", ".join(f"{count} {name}" for count, name in faults if count) or "no errors"
+    return Content.assemble(word, f" {stream.name}  {stream.rate_hz:.1f} Hz  age {stream.age_s:.1f} s  {said}")
+
+
+class CalibrationLine(Drawn[InUse]):
+    """The calibration in use and its age."""
+
+    DEFAULT_CSS = """
+    CalibrationLine { height: 1; padding: 0 1; background: $panel; }
+    CalibrationLine.noted { color: $warning; }
+    """
+
+    def render(self) -> Content:
+        """Draw the line."""
+        note = f"; {self.value.note}" if self.value.note else ""
+        return Content.assemble(("calibration ", "bold"), self.value.text + note)

@@ -1,0 +1,97 @@
+"""`station devices` over several devices at once, each on a real port."""
+
+import json
+import os
+import signal
+from contextlib import closing, suppress
+from threading import Event, Thread
+
+import pytest
+
+from drivers.ports import list_ports, open_port
+from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from station import cli
+from station.reader.survey import BAUDS, GROUND_STATION, Found, recognised, survey
+from tests.station.commands.program import Program
+
+
+@pytest.mark.simulated_imu(format="counts", speed=20, faults=[{"kind": "bad_crc", "at_s": 0, "every_s": 1}])
+@pytest.mark.simulated_can_imu(speed=20)
+def test_every_port_says_what_it_looks_like_and_nothing_else_is_asked(
+    simulated_imu: SimulatedDevice, simulated_can_imu: SimulatedDevice, capsys: pytest.CaptureFixture[str]
+) -> None:
+    autopilot = SimulatedGnss(Truth(), AutopilotTruth(system=9), speed=20, transport="pty")
+    far, near = os.openpty()
+    with autopilot as gnss:
+        plain = gnss.url.replace("mavlink:serial:", "serial://")
+        urls = [f"serial://{simulated_imu.address}", simulated_can_imu.url, plain, f"serial://{os.ttyname(near)}"]
+        code = cli.run(
+            ["devices", "--json", "--seconds", "0.7", *[word for url in urls for word in ("--url", url)]]
+        )
+    os.close(far)
+    os.close(near)
+    assert code == 4  # the last one is silent
+    imu, can, mavlink, silent = json.loads(capsys.readouterr().out)["devices"]
+    assert (imu["looks_like"], imu["serial"], imu["rate_hz"]) == ("counts", "SIM-1", pytest.approx(50))
+    assert imu["url"].endswith("?baud=921600")
+    assert imu["errors"]["bad_crc"] >= 5
+    assert (can["looks_like"], can["trouble"]) == ("fog-counts", "")
+    assert mavlink["url"] == f"{gnss.url}?baud=921600"
+    assert set(mavlink["systems"]) == {"9"}
+    assert mavlink["messages"]["GPS_RAW_INT"] > 5
+    assert "no bytes within" in silent["trouble"]
+
+
+def test_a_port_in_use_says_so(simulated_imu: SimulatedDevice) -> None:
+    with closing(open_port(simulated_imu.url)):
+        [busy] = survey([Found(f"serial://{simulated_imu.address}")], 0.2)
+    assert "open in another program" in busy.trouble
+
+
+def test_an_adapter_that_was_left_open_and_noise_are_told_apart() -> None:
+    port = Found("serial:///dev/ttyACM0?baud=115200")
+    adapter = recognised(port, b"0\rt1A080102030405060708\rt1A180102030405060708\r", 1.0)
+    assert (adapter.looks_like, adapter.trouble) == (
+        "slcan", "an open CAN adapter: look at can://slcan/dev/ttyACM0",
+    )  # fmt: skip
+    noise = recognised(port, bytes(range(256)), 1.0)
+    assert (noise.looks_like, noise.trouble) == ("", "256 bytes hold no frame of any known format")
+
+
+def test_bytes_that_look_like_nothing_are_read_at_every_baud_rate() -> None:
+    far, near = os.openpty()
+    os.set_blocking(far, False)
+    stop = Event()
+
+    def babble() -> None:
+        while not stop.wait(0.01):
+            with suppress(BlockingIOError):
+                os.write(far, b"hello")
+
+    speaker = Thread(target=babble)
+    speaker.start()
+    [found] = survey([Found(f"serial://{os.ttyname(near)}")], 0.1)
+    stop.set()
+    speaker.join()
+    os.close(far)
+    os.close(near)
+    assert f"no frame of any known format at {', '.join(map(str, BAUDS))} baud" in found.trouble
+
+
+def test_it_looks_again_and_again_until_ctrl_c(simulated_imu: SimulatedDevice) -> None:
+    url = f"serial://{simulated_imu.address}?baud=921600"
+    with Program("devices", "--watch", "--json", "--seconds", "0.2", "--url", url) as program:
+        looks = [json.loads(program.until("devices/1")[-1])["devices"][0] for _ in range(3)]
+        program.process.send_signal(signal.SIGINT)
+        assert program.end()[0] == 0
+    assert {look["looks_like"] for look in looks} == {"counts"}
+
+
+def test_without_a_url_all_ports_of_the_machine_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["devices", "--seconds", "0.1"]) == 0
+    said = capsys.readouterr().out
+    assert all(f"serial://{port.device}" in said for port in list_ports())
+    assert GROUND_STATION in said

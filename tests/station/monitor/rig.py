@@ -1,0 +1,56 @@
+"""A monitor on a simulated device polled in memory, in device time: no process, no port, no waiting."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from drivers.simulated.faults import Fault
+from drivers.simulated.truth import Truth
+from station.live import open_feed
+from station.monitor.calibration import Applied
+from station.monitor.monitor import Monitor, Options
+from station.monitor.recording import Recording
+from station.monitor.session import Verb
+from station.monitor.view import InUse, View
+from tests.station.live.bench_in_memory import Source
+from tests.station.monitor.unit import calibration_of
+
+
+class MonitorRig:
+    """``hands`` moves the cube; `run` lets device time pass. ``lines`` are the views that a sink was told."""
+
+    def __init__(
+        self, truth: Truth | None = None, options: Options | None = None, folder: Path | None = None, *,
+        position: int = 9, faults: Iterable[Fault] = (), calibration: dict[str, Any] | None = None,
+    ) -> None:  # fmt: skip
+        self.truth = Truth.example(5) if truth is None else truth
+        self.source = Source(self.truth, faults)
+        self.hands(f"place {position} 1")
+        self.feed = open_feed(self.source)
+        self.feed.identify()
+        recording = None if folder is None else Recording(folder, self.feed.wire)
+        self.lines: list[View] = []
+        applied = Applied(calibration or calibration_of(self.truth), None, InUse("by hand", 1.0))
+        self.monitor = Monitor(self.feed, applied, options or Options(), recording, None, (self.lines.append,))
+
+    def hands(self, command: str) -> None:
+        answer = self.source.device.obey(command)
+        assert answer.startswith("ok"), answer
+
+    def obey(self, verb: Verb) -> None:
+        self.monitor.obey(verb)
+
+    @property
+    def view(self) -> View:
+        return self.monitor.view
+
+    @property
+    def texts(self) -> list[str]:
+        return [event.text for event in self.view.events]
+
+    def run(self, seconds: float, until: Callable[[View], bool] = lambda view: False) -> View:
+        """Let device time pass, at most until a view shows what is waited for."""
+        end = self.source.device.imu.time + seconds
+        while self.source.device.imu.time < end and not until(self.view):
+            self.monitor.round()
+        return self.view

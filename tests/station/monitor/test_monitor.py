@@ -1,0 +1,175 @@
+"""The engine on a simulated unit: attitude within its sigma, what the calibration bought, zero, marks, alarms."""
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.simulated.faults import Fault
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
+from procedures.frames import nominal_C_lb
+from station.mcap_files import read_step
+from station.monitor.alarms import Alarm
+from station.monitor.body_axes import body_axes
+from station.monitor.monitor import Options
+from station.monitor.view import View
+from station.recorder import check_raw_bytes
+from tests.station.monitor.rig import MonitorRig
+from tests.station.monitor.unit import calibration_of
+
+LATITUDE = np.radians(31.17)
+FLAT = replace(Truth.example(5), faces_rad=np.zeros((6, 2)), slab_tilt_rad=np.zeros(2))
+QUIET = replace(FLAT, gyro_turn_on_dph=0.0, accel_turn_on_g=0.0)
+
+
+def down_of(view: View) -> np.ndarray:
+    roll, pitch = np.radians([view.reading.roll, view.reading.pitch])
+    return np.array([-np.sin(pitch), np.sin(roll) * np.cos(pitch), np.cos(roll) * np.cos(pitch)])
+
+
+def true_down(position: int) -> np.ndarray:
+    """Return down in forward-right-down axes of a position on a level slab."""
+    return body_axes("x,-y,-z") @ nominal_C_lb(position).T @ np.array([0.0, 0.0, -1.0])
+
+
+@pytest.mark.parametrize("position", range(1, 13))
+def test_every_position_reads_as_it_stands_within_sigma(position: int) -> None:
+    view = MonitorRig(FLAT, Options(latitude=LATITUDE), position=position).run(40.0)
+    off = np.degrees(np.arccos(np.clip(down_of(view) @ true_down(position), -1, 1)))
+    assert off < 3 * view.reading.sigma
+    assert view.reading.sigma < 0.05
+    assert view.reading.mode == "at rest"
+
+
+def test_a_hand_move_is_followed_and_the_new_position_read() -> None:
+    rig = MonitorRig(FLAT, Options(latitude=LATITUDE))
+    rig.run(30.0)
+    rig.hands("place 1 20")
+    view = rig.run(22.0, lambda view: view.reading.mode == "moving")
+    assert view.reading.mode == "moving"
+    view = rig.run(45.0, lambda view: view.reading.t > 53.0)
+    off = np.degrees(np.arccos(np.clip(down_of(view) @ true_down(1), -1, 1)))
+    assert off < 3 * view.reading.sigma
+    assert off < 0.1
+
+
+def test_it_shows_what_the_calibration_bought() -> None:
+    bought = MonitorRig(QUIET, Options(latitude=LATITUDE)).run(60.0).bought
+    assert bought.seconds > 40
+    assert bought.with_it.level < 0.01 < 0.05 < bought.without.level
+    assert bought.with_it.drift < 0.3 < 0.8 < bought.without.drift
+    assert abs(bought.with_it.g) < 0.05 < 0.5 < abs(bought.without.g)
+    assert "size" in bought.earth
+
+
+def test_with_a_heading_the_whole_of_the_earths_rate_is_taken_off() -> None:
+    options = Options(latitude=LATITUDE, heading=0.0)  # position 9 is NWU: x, which is forward, points north
+    bought = MonitorRig(QUIET, options).run(60.0).bought
+    assert bought.with_it.drift < 0.3
+    wrong = MonitorRig(QUIET, replace(options, heading=np.radians(90.0))).run(60.0).bought
+    assert wrong.with_it.drift > 15.0
+
+
+def test_half_a_minute_of_rest_tells_north_and_what_was_learnt_no_longer_holds_the_earths_rate() -> None:
+    rig = MonitorRig(QUIET, Options(latitude=LATITUDE), position=10)  # SEU: x, which is forward, points south
+    before = rig.run(30.0).reading
+    assert before.heading is None
+    assert max(map(abs, before.bias)) > 8.0
+    after = rig.run(40.0).reading
+    heading, std = np.degrees(rig.monitor._track.north)  # noqa: SLF001
+    assert abs((heading - 180.0 + 180.0) % 360.0 - 180.0) < 3 * std
+    assert after.heading == pytest.approx(180.0, abs=3 * std) or after.heading == pytest.approx(
+        -180.0, abs=3 * std
+    )
+    assert max(map(abs, after.bias)) < 3.0
+    assert any("north by the Earth's rate" in text for text in rig.texts)
+    assert np.degrees(np.arccos(np.clip(down_of(rig.view) @ true_down(10), -1, 1))) < 3 * after.sigma
+
+
+def test_moving_begins_the_comparison_anew() -> None:
+    rig = MonitorRig(FLAT)
+    assert rig.run(30.0).bought.seconds > 20
+    rig.hands("place 10 10")
+    rig.run(10.0)
+    assert rig.view.bought is None or rig.view.bought.seconds < 5
+
+
+def test_a_zero_changes_what_is_shown_and_nothing_else() -> None:
+    one, other = MonitorRig(FLAT), MonitorRig(FLAT)
+    for rig in (one, other):
+        rig.run(20.0)
+    one.obey("zero")
+    for rig in (one, other):
+        rig.run(10.0)
+    assert one.view.reading == other.view.reading
+    assert one.view.shown != other.view.shown
+    assert abs(one.view.shown[0]) < 0.02
+    one.obey("zero")
+    assert one.view.shown == other.view.shown
+
+
+def test_an_alarm_rings_once_and_ends_below_its_limit() -> None:
+    rig = MonitorRig(FLAT, Options(alarms=(Alarm("roll", 20.0),)))
+    rig.run(20.0)
+    assert rig.view.alarms == ()
+    rig.hands("lean 0 1 1")
+    rig.run(70.0)
+    assert rig.view.alarms[0].startswith("roll")
+    rig.hands("place 9 20")
+    rig.run(40.0)
+    assert rig.view.alarms == ()
+    begun = [view for view in rig.lines if any("ALARM" in event.text for event in view.events)]
+    assert begun
+    assert sum("ALARM" in text for text in rig.texts) == 1
+    assert any("within 20 deg again" in text for text in rig.texts)
+
+
+def test_it_records_bytes_and_counts_and_what_happened(tmp_path: Path) -> None:
+    rig = MonitorRig(FLAT, folder=tmp_path)
+    rig.obey("record")
+    rig.run(10.0)
+    rig.obey("mark")
+    rig.obey("record")
+    rig.run(5.0)
+    rig.obey("record")
+    rig.run(5.0)
+    rig.monitor.close()
+    assert check_raw_bytes(tmp_path / "recording.mcap", FORMATS["counts"]) == pytest.approx(500, abs=60)
+    first, second = (read_step(tmp_path / name).device_ns for name in ("recording.mcap", "recording_2.mcap"))
+    assert second[0] - first[-1] == pytest.approx(5e9, abs=1.1e9)
+    rows = list(csv.DictReader((tmp_path / "events.csv").read_text().splitlines()))
+    assert [row["event"] for row in rows] == ["record", "mark", "record", "record"]
+    assert float(rows[1]["device_s"]) == pytest.approx(first[-1] / 1e9, abs=1.1)
+    assert "recording.mcap" in (tmp_path / "SHA256SUMS").read_text()
+
+
+def test_without_a_folder_it_says_that_nothing_is_recorded() -> None:
+    rig = MonitorRig(FLAT)
+    rig.obey("record")
+    assert any("give --folder" in text for text in rig.texts)
+
+
+def test_lost_frames_are_counted_and_the_attitude_goes_on() -> None:
+    rig = MonitorRig(FLAT, faults=(Fault(kind="lost", at_s=15.0, every_s=5.0, count=3),))
+    view = rig.run(40.0)
+    assert view.streams[0].gaps >= 4
+    assert view.streams[0].lost >= 12
+    assert np.degrees(np.arccos(np.clip(down_of(view) @ true_down(9), -1, 1))) < 3 * view.reading.sigma
+
+
+def test_a_port_that_was_away_begins_the_comparison_anew_and_keeps_the_attitude() -> None:
+    rig = MonitorRig(FLAT, faults=(Fault(kind="unplug", at_s=20.0, seconds=3.0),))
+    rig.run(30.0)
+    assert rig.view.bought.seconds < 12
+    assert np.degrees(np.arccos(np.clip(down_of(rig.view) @ true_down(9), -1, 1))) < 3 * rig.view.reading.sigma
+
+
+def test_effects_that_need_what_is_not_known_are_named() -> None:
+    calibration = calibration_of(FLAT) | {
+        "effects": [{"name": "gyroscope.of_tomorrow", "coefficients": {}}, {"name": "gyroscope.bias_drift"}]
+    }
+    view = MonitorRig(FLAT, calibration=calibration).run(10.0)
+    assert "left in: gyroscope.of_tomorrow" in view.in_use.note

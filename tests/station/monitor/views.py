@@ -1,0 +1,73 @@
+"""Views made by hand: a monitor as an operator sees it."""
+
+import math
+
+from station.guide.view import Event
+from station.monitor.view import Bought, InUse, Point, Reading, Side, Stream, View
+
+FOLDER = "/srv/monitor/2026-11-21_1240"
+
+
+def _history(n: int = 600) -> tuple[Point, ...]:
+    """A minute: it leans to the right in mid-chart, and comes back."""
+    return tuple(
+        Point(
+            0.1 * i, 12.0 * _bump(i / n), 3.0 * _bump(i / n) * math.sin(i / 30), 0.4 * math.sin(i / 25), 0.1,
+            -0.05, math.nan, 0.02 + 0.2 * _bump(i / n), 0.01 + 0.02 * _bump(i / n),
+        )
+        for i in range(n)
+    )  # fmt: skip
+
+
+def _bump(x: float) -> float:
+    return math.exp(-(((x - 0.6) / 0.12) ** 2))
+
+
+READING = Reading(
+    t=812.4, sample=40619, roll=12.345, pitch=-4.321, sigma=0.01, rate=(0.4, 0.1, -0.05), bias=(0.12, -0.3, 12.1),
+    residual=0.021, mode="moving", temperature=23.4,
+)  # fmt: skip
+IMU = Stream(name="IMU counts", rate_hz=50.0, age_s=0.0, samples=40620, gaps=0, lost=0, bad=0)
+GNSS = Stream(name="GNSS udpin:0.0.0.0:14550", rate_hz=5.0, age_s=0.1, samples=4060, gaps=0, lost=2, bad=0)
+IN_USE = InUse("9f2c41d07be8 of 2026-11-01, calibrated, 20 days old", 20.0)
+MOVING = View(
+    unit="SIM-FOG3 SIM-7", line="", reading=READING, history=_history(), streams=(IMU,), in_use=IN_USE,
+    recording="recording.mcap", folder=FOLDER,
+    events=(Event(number=1, sound="start", text="mark 1"), Event(number=2, sound="start", text="mark 2")),
+)  # fmt: skip
+
+
+def _with(view: View, **changes: object) -> View:
+    from dataclasses import replace
+
+    return replace(view, **changes)  # type: ignore[arg-type]
+
+
+RESTING = _with(
+    MOVING,
+    reading=_with(
+        READING, roll=0.003, pitch=-0.002, rate=(0.0, 0.002, -0.003), sigma=0.004, residual=0.003, mode="at rest"
+    ),
+    bought=Bought(157.2, Side(0.0025, 0.031, 0.0018), Side(0.07, 1.006, -22.647), "the Earth's rate is taken off"),
+)
+ZEROED = _with(MOVING, zero=(12.0, -4.0))
+ALARM = Event(number=3, sound="rejected", text="ALARM roll 12.3, limit 10 deg")
+ALARMING = _with(MOVING, alarms=("roll 12.3, limit 10 deg",), events=(*MOVING.events, ALARM))
+SILENT = _with(
+    MOVING, streams=(_with(IMU, trouble="ttyUSB0: no bytes for 2 s; check cable and power", age_s=3.1),)
+)
+AIDED = _with(
+    MOVING, aid="gnss", reading=_with(READING, speed=12.3), streams=(IMU, GNSS),
+    history=tuple(point._replace(aid=12.0 + point.pitch) for point in MOVING.history),
+)  # fmt: skip
+STEEP = _with(RESTING, reading=_with(READING, roll=-157.0, pitch=89.994, mode="at rest"))
+UNCALIBRATED = _with(
+    RESTING,
+    in_use=InUse("NONE: nominal scale factors of HG4930", None, "NovAtel OEM7 manual"),
+    recording="",
+)
+VIEWS = {
+    "waiting": View(), "moving": MOVING, "resting": RESTING, "zeroed": ZEROED, "alarming": ALARMING,
+    "silent": SILENT, "aided": AIDED, "steep": STEEP, "uncalibrated": UNCALIBRATED,
+    "ended": _with(RESTING, is_over=True, line="ended"),
+}  # fmt: skip

@@ -1,0 +1,134 @@
+"""A whole bench from a file: what it serves, and what it refuses with which line."""
+
+import re
+import signal
+from pathlib import Path
+
+import pytest
+
+from drivers.simulated.device import ByteDevice, Move
+from drivers.simulated.truth import Truth
+from station import cli
+from station.errors import DataRefused
+from station.scenario import read_scenario
+from tests.station.commands.program import Program
+
+DOCS = Path(__file__).parents[3] / "docs"
+EXAMPLES = sorted((DOCS / "scenarios").glob("*.toml"))
+SMALLEST = 'format = "scenario/1"\n'
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_shipped_examples_can_be_served_and_stand_on_the_page(path: Path) -> None:
+    scenario = read_scenario(path)
+    assert scenario.table.title
+    assert scenario.moves
+    assert f"scenarios/{path.name}" in (DOCS / "testing.md").read_text(encoding="utf-8")
+
+
+def test_moves_follow_each_other_and_happen_to_the_sample(tmp_path: Path) -> None:
+    hands = (("rest 3", ""), ("place 3 5", ""), ("rest 1", ""), ("place 1", "at_s = 30"))
+    text = "".join(f"[[hands]]\ndo = {do!r}\n{at}\n" for do, at in hands)
+    (tmp_path / "s.toml").write_text(SMALLEST + text)
+    scenario = read_scenario(tmp_path / "s.toml")
+    settling_s = 12 * scenario.truth.settle_tau_s
+    assert [move.at_s for move in scenario.moves] == pytest.approx([0, 3, 8 + settling_s, 30])
+    device = ByteDevice(scenario.truth, 1, "counts", moves=scenario.moves)
+    states = list[tuple[float, int, bool]]()
+    while device.imu.time < 31:
+        device.chunk(7)
+        states.append((device.imu.time, device.imu.position, device.imu.is_moving))
+    assert min(t for t, position, _ in states if position == 3) == pytest.approx(3, abs=0.15)
+    assert not any(moving for t, _, moving in states if 9.5 + settling_s < t <= 30)
+    assert [command for command, answer in device.moved if answer.startswith("ok")] == [
+        move.command for move in scenario.moves
+    ]
+
+
+def test_moves_at_set_times_give_the_same_bytes_however_they_are_taken() -> None:
+    streams = []
+    for most in (3, 50):
+        device = ByteDevice(
+            Truth.example(1), 1, "counts", moves=[Move(0.5, "place 3 1"), Move(6.0, "knock 1 0.1")]
+        )
+        parts = list[bytes]()
+        while device.samples < 400:
+            parts += [part for part in device.chunk(min(most, 400 - device.samples)) if isinstance(part, bytes)]
+        streams.append(b"".join(parts))
+    assert streams[0] == streams[1]
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "found", "expected"),
+    [
+        ('format = "scenario/2"', 1, "format = 'scenario/2'", "'scenario/1'"),
+        (SMALLEST + "sped = 2", 2, "unknown key 'sped'", "speed"),
+        (SMALLEST + "[imu]\ntransport = 'pigeon'", 3, "imu.transport = 'pigeon'", "'slcan'"),
+        (SMALLEST + "[imu]\nformat = 'x'", 2, "imu with format = 'x'", "stim300"),
+        (SMALLEST + "[imu]\nport = 5", 2, "imu with port = 5", "tcp"),
+        (SMALLEST + "[gnss]\nto = 'here'", 2, "gnss with to = 'here'", "HOST:PORT"),
+        (SMALLEST + "[truth]\nserial = 'S'\ncolour = 1", 4, "key 'colour'", "latitude_deg"),
+        (SMALLEST + "[truth]\naccel_k = [1, 2]", 3, "accel_k = [1, 2]", "shape (3,)"),
+        (
+            SMALLEST + '\n[truth.effects."gyroscope.luck"]\nx = 1',
+            4,
+            "effect 'gyroscope.luck'",
+            "gyroscope.bias_drift",
+        ),
+        (SMALLEST + "[[hands]]\ndo = 'place 3'\n[[hands]]\n\ndo = 'fly'", 6, "'fly'", "place POSITION"),
+        (SMALLEST + "[[hands]]\ndo = 'turn y + 1'", 3, "'turn y + 1'", "vertical"),
+        (SMALLEST + "[[hands]]\ndo = 'time'", 3, "'time'", "a move"),
+        (SMALLEST + "[[hands]]\ndo='rest 9'\n[[hands]]\ndo='rest 1'\nat_s=5.0", 6, "at_s = 5", "9.0 or more"),
+        (SMALLEST + "[[fault]]\nkind='lost'\nat_s=1\n[[fault]]\nkind='babble'\nat_s=1", 5, "'babble'", "garbage"),
+        (SMALLEST + "[[fault]]\nkind='lost'", 2, "at_s = None", "a number"),
+        (SMALLEST + "[[gnss_fault]]\nkind='jump'\nat_s=1", 2, "not there", "[gnss]"),
+        (SMALLEST + "[gnss]\n[[gnss_fault]]\nkind='luck'\nat_s=1", 3, "'luck'", "no_fix"),
+        (SMALLEST + "[gnss]\n[gnss.autopilot]\nkey = 'nofile'", 4, "nofile", "key file"),
+        (SMALLEST + "speed =\nseed = 1", 2, "no TOML", "valid TOML"),
+    ],
+)
+def test_a_bad_file_is_refused_with_its_line(
+    text: str, line: int, found: str, expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "s.toml"
+    path.write_text(text)
+    with pytest.raises(DataRefused) as caught:
+        read_scenario(path)
+    assert (caught.value.line, caught.value.file) == (line, str(path))
+    assert found in caught.value.found
+    assert expected in caught.value.expected
+    assert cli.run(["simulate", "--scenario", str(path)]) == 3
+    said = capsys.readouterr().err
+    assert said.startswith(f"{path}:{line}: found ")
+    assert said.count("\n") == 1
+
+
+def test_a_scenario_and_another_truth_are_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["simulate", "--scenario", str(EXAMPLES[0]), "--example", "3"]) == 2
+    assert "--example and --scenario" in capsys.readouterr().err
+
+
+def test_a_bench_is_served_and_tells_what_happens(tmp_path: Path) -> None:
+    text = 'speed = 50\n[imu]\ntransport = "tcp"\n[gnss]\n[[hands]]\ndo = "place 3 5"\nat_s = 2\n'
+    (tmp_path / "s.toml").write_text(SMALLEST + text + '[[fault]]\nkind = "lost"\nat_s = 4\n')
+    with Program("simulate", "--scenario", str(tmp_path / "s.toml")) as program:
+        said = "".join(program.until("control "))
+        (url,) = re.findall(r"^url (tcp:\S+)$", said, re.MULTILINE)
+        assert re.search(r"^gnss mavlink:udpout:127.0.0.1:\d+$", said, re.MULTILINE)
+        with Program("record", url, "--seconds", "10", "--out", str(tmp_path / "r")) as other:
+            assert other.end()[0] == 0
+        program.process.send_signal(signal.SIGINT)
+        code, _, told = program.end()
+    assert code == 0
+    assert re.findall(r"^ *(\d+\.\d) s  (.*)$", told, re.MULTILINE) == [
+        ("2.0", "hands: place 3 5"), ("4.0", "fault: lost"),
+    ]  # fmt: skip
+
+
+def test_the_scenario_on_the_page_can_be_served(tmp_path: Path) -> None:
+    (text,) = re.findall(r"```toml\n(.*?)```", (DOCS / "testing.md").read_text(encoding="utf-8"), re.DOTALL)
+    (tmp_path / "s.toml").write_text(text)
+    scenario = read_scenario(tmp_path / "s.toml")
+    assert [move.at_s for move in scenario.moves[:2]] == pytest.approx([20, 30 + 12 * scenario.truth.settle_tau_s])
+    assert scenario.autopilot is not None
+    assert scenario.autopilot.system == 5

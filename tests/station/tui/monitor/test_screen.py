@@ -1,0 +1,112 @@
+"""The monitor's screen fits, says what matters, obeys keys, and looks as it did."""
+
+from collections.abc import Callable
+
+import pytest
+from textual.widgets import Footer
+
+from station.tui.monitor.app import MonitorApp
+from station.tui.screens.confirm import Confirm
+from station.tui.screens.help import Help
+from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.event_lines import EventLines
+from tests.station.monitor.views import VIEWS
+from tests.station.tui.monitor.session import LARGE, SMALL, MemorySession, Shown, shown
+
+LOOKS = [
+    ("waiting", SMALL, ""), ("moving", SMALL, ""), ("resting", SMALL, ""), ("alarming", SMALL, ""),
+    ("silent", SMALL, ""), ("zeroed", SMALL, ""), ("steep", SMALL, ""), ("resting", SMALL, "question_mark"),
+    ("moving", LARGE, ""), ("aided", LARGE, ""),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "keys"), LOOKS, ids=lambda part: part if isinstance(part, str) else f"{part[0]}x{part[1]}"
+)
+def test_it_looks_as_it_did(
+    name: str, size: tuple[int, int], keys: str, snap_compare: Callable[..., bool]
+) -> None:
+    app = MonitorApp(MemorySession(VIEWS[name]), refresh_hz=0.001, is_quiet=True)
+    assert snap_compare(app, terminal_size=size, press=keys.split())
+
+
+@pytest.mark.parametrize("size", [SMALL, LARGE], ids=["80x24", "120x40"])
+async def test_nothing_is_cut_off(size: tuple[int, int]) -> None:
+    async with shown(VIEWS["waiting"], size) as seen:
+        for name, view in VIEWS.items():
+            if not view.is_over:
+                await seen.show(view)
+                await seen.pilot.pause()
+                assert not cut_off(seen), name
+
+
+def cut_off(seen: Shown) -> list[object]:
+    """Return what does not fit; the calibration's note and the state's sentence may end in dots."""
+    found: list[object] = []
+    for widget in seen.app.screen.walk_children():
+        if not widget.display or isinstance(widget, EventLines):
+            continue
+        if not seen.app.screen.region.contains_region(widget.region):
+            found.append((widget, widget.region))
+        if isinstance(widget, Footer) and widget.max_scroll_x:
+            found.append(widget)
+        if isinstance(widget, Drawn) and widget.content_size.width:
+            lines = widget.render().plain.split("\n")
+            may_be_long = type(widget).__name__ in {"State", "CalibrationLine"}
+            is_wide = any(len(line) > widget.content_size.width for line in lines) and not may_be_long
+            if is_wide or len(lines) > widget.content_size.height:
+                found.append((widget, widget.render().plain))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("moving", ("+12.345 deg", "-4.321 deg", "moving", "RECORDING", "50.0 Hz", "no errors", "20 days old")),
+        ("resting", ("at rest", "0.003 0.070 deg", "0.031 1.006 deg/h", "-22.647 mg")),
+        ("zeroed", ("+0.345 deg  from zero +12.000", "-0.321 deg  from zero -4.000")),
+        ("alarming", ("✗ ALARM", "roll 12.3, limit 10 deg")),
+        ("silent", ("✗ NO DATA", "check cable and power", "age 3.1 s")),
+        ("aided", ("aid gnss 12.3 m/s", "2 lost")),
+        ("steep", ("any: X is vertical",)),
+        ("uncalibrated", ("NONE: nominal scale factors", "NOT RECORDED")),
+        ("waiting", ("waiting for the first samples", "no attitude yet")),
+    ],
+)
+async def test_it_says_what_matters(name: str, said: tuple[str, ...]) -> None:
+    async with shown(VIEWS[name]) as seen:
+        words = " ".join(seen.text().split())
+        assert [text for text in said if " ".join(text.split()) not in words] == []
+
+
+async def test_keys_ask_the_engine_and_leaving_a_recording_asks_first() -> None:
+    async with shown(VIEWS["moving"]) as seen:
+        await seen.pilot.press("m", "r", "z", "n")
+        assert seen.session.sent == ["mark", "record", "zero", "anew"]
+        await seen.pilot.press("q")
+        assert isinstance(seen.app.screen, Confirm)
+        await seen.pilot.press("n", "ctrl+c", "y")
+        assert seen.session.sent[4:] == ["leave"]
+
+
+async def test_without_a_recording_it_is_left_at_once_and_closes_when_it_is_over() -> None:
+    async with shown(VIEWS["uncalibrated"]) as seen:
+        await seen.pilot.press("q")
+        assert seen.session.sent == ["leave"]
+        await seen.show(VIEWS["ended"])
+        assert not seen.app.is_running
+
+
+async def test_help_names_every_key() -> None:
+    async with shown(VIEWS["moving"]) as seen:
+        await seen.pilot.press("question_mark")
+        assert isinstance(seen.app.screen, Help)
+        assert all(
+            word in seen.text() for word in ("mark this moment", "show angles from here", "end the monitor")
+        )
+
+
+async def test_the_palette_has_the_keys_and_the_themes() -> None:
+    async with shown(VIEWS["moving"]) as seen:
+        offered = {command.title for command in seen.app.get_system_commands(seen.app.screen)}
+        assert {"Mark", "Record", "Zero", "Anew", "Leave", "Sound", "High contrast"} <= offered
