@@ -28,7 +28,7 @@ web: install
 
 # What `station locate` needs for an IMU. Without dependencies: gtsam's metadata would move pytest to 9.
 locate: install
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps "gtsam>=4.3,<5" "opencv-python-headless>=4.14"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps "gtsam>=4.3,<5"
 
 lint:
 	$(BIN)/ruff check .

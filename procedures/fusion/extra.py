@@ -1,4 +1,4 @@
-"""The libraries of the extra ``locate``: asked for when they are needed, and named when they are not there."""
+"""The library of the extra ``locate``: asked for when it is needed, and named when it is not there."""
 
 from importlib import import_module
 from typing import Any
@@ -9,7 +9,7 @@ COMMAND = "pip install 'fog-station[locate]'"
 
 
 class ExtraMissing(ProcedureError, ImportError):
-    """A library of the extra is not installed."""
+    """The library of the extra is not installed."""
 
     def __init__(self, package: str) -> None:
         self.package = package
@@ -24,16 +24,7 @@ def gtsam() -> Any:
     ExtraMissing
         If it is not installed.
     """
-    return _library("gtsam", "gtsam")
-
-
-def opencv() -> Any:
-    """Return the image library; raise `ExtraMissing` as `gtsam`."""
-    return _library("cv2", "opencv-python-headless")
-
-
-def _library(module: str, package: str) -> Any:
     try:
-        return import_module(module)
+        return import_module("gtsam")
     except ImportError:
-        raise ExtraMissing(package) from None
+        raise ExtraMissing("gtsam") from None
