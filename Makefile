@@ -2,7 +2,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo install web test lint types contracts tests test-postgres benchmark clean
+.PHONY: demo install web locate test lint types contracts tests test-postgres benchmark clean
 
 demo: install
 	$(BIN)/station demo
@@ -25,6 +25,10 @@ $(VENV)/.installed-test: $(VENV)/.installed pyproject.toml constraints.txt
 # What `station calibrate --web` needs.
 web: install
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[web]"
+
+# What `station locate` needs for an IMU. Without dependencies: gtsam's metadata would move pytest to 9.
+locate: install
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps "gtsam>=4.3,<5"
 
 lint:
 	$(BIN)/ruff check .

@@ -27,6 +27,7 @@ EXIT_CODES = {  # by full name, so that no command's imports are paid for by ano
     "station.cluster.errors.NoCluster": 2,
     "station.cluster.errors.ClusterLost": 4,
     "station.web.errors.CannotServe": 2,
+    "procedures.fusion.extra.ExtraMissing": 2,
     "procedures.errors.NotObservable": 5,
     "procedures.errors.WrongFace": 3,
     "procedures.errors.ProcedureError": 3,

@@ -45,6 +45,7 @@ COMMANDS = (
     Command("attitude", "Roll and pitch along a log, by any aid.", "station.commands.attitude"),
     Command("tune", "Choose the mixing law's gains from a log with truth.", "station.commands.tune"),
     Command("export", "Write a calibration for a flight stack or Kalibr.", "station.commands.export"),
+    Command("locate", "Locate a recording: IMU, GNSS and odometry to a trajectory.", "station.commands.locate"),
     Command("fixtures", "Cubes, slabs, sites, IMUs and their limits.", "station.commands.fixtures"),
     Command("verify", "Find what was altered since it was accepted.", "station.commands.verify"),
 )

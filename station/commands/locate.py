@@ -1,0 +1,56 @@
+"""``station locate``: IMU, GNSS and odometry of a fusion folder to a trajectory."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from station.commands import Database
+
+
+class Source(StrEnum):
+    """What moved between the fixes."""
+
+    inertial = "inertial"
+    odometry = "odometry"
+
+
+def locate(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="A folder of fusion/1.")],
+    source: Annotated[
+        Source | None, typer.Option("--source", help="Default: inertial where [imu] is, else odometry.")
+    ] = None,
+    layers: Annotated[
+        int,
+        typer.Option("--layers", min=1, max=2, help="1: GNSS position in the IMU's own window; inertial only."),
+    ] = 2,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="TRAJ.tum", help="Write the online trajectory here.")
+    ] = None,
+    batch: Annotated[
+        Path | None, typer.Option("--batch", metavar="BATCH.tum", help="Write the smoothed trajectory here.")
+    ] = None,
+    json: Annotated[
+        Path | None, typer.Option("--json", metavar="OUT", help="Write location/1 here instead of a summary.")
+    ] = None,
+    db: Database = None,
+) -> None:
+    """Locate a recording: position and attitude of the IMU, East-North-Up, from IMU or odometry and GNSS.
+
+    Trajectories are TUM lines `t x y z qx qy qz qw` in s and m, quaternions take the IMU's axes to East-North-Up.
+    The online one uses nothing later than each pose and begins when heading and tilt are known; the smoothed one
+    uses all. Where the folder has a [truth], position errors in m are reported, nothing aligned.
+
+    Exit code 2 if an extra is missing, 3 if the folder breaks a rule of fusion/1, 5 if it never could be
+    initialised; the reason is said.
+
+    Example: station locate drives/2026-05-11 --out track.tum --json location.json
+    """
+    from station.fusion_folder import read_fusion
+    from station.locate.command import locate_folder
+
+    log = read_fusion(folder)
+    text = locate_folder(log, source and source.value, layers, out, batch, json)
+    if text:
+        typer.echo(text)

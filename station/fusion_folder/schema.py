@@ -1,0 +1,99 @@
+"""The tables of ``fusion.toml`` (`fusion/1`, DESIGN 5): names with units, types, ranges, defaults."""
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+
+Positive = Annotated[float, Field(gt=0)]
+Density = Annotated[float, Field(gt=0, le=10)]
+Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+Row = Annotated[list[float], Field(min_length=4, max_length=4)]
+RIGID = 1e-3  # how far a rotation of a file may be from one, by rounding
+
+
+def _rigid(rows: list[Row]) -> list[Row]:
+    T = np.array(rows)
+    C = T[:3, :3]
+    turned = np.abs(C @ C.T - np.eye(3)).max() < RIGID and np.linalg.det(C) > 0
+    if not turned or not np.allclose(T[3], [0, 0, 0, 1]):
+        raise ValueError("imu_from_camera to be a rotation and a shift, 4x4, last row 0 0 0 1")
+    return rows
+
+
+Rigid = Annotated[list[Row], Field(min_length=4, max_length=4), AfterValidator(_rigid)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class SiteTable(_Table):
+    """``[site]``."""
+
+    latitude_deg: Annotated[float, Field(ge=-90, le=90)]
+    longitude_deg: Annotated[float, Field(ge=-180, le=360)] | None = None
+    height_m: Annotated[float, Field(ge=-1000, le=20000)] = 0.0
+    gravity_m_s2: Annotated[float, Field(ge=9.5, le=10.1)] | None = None
+
+
+class ImuTable(_Table):
+    """``[imu]``: the file, noise densities as of the station's Allan analysis, 1 sigma of the biases."""
+
+    file: str
+    gyro_noise_rad_s_rthz: Density
+    gyro_walk_rad_s2_rthz: Density
+    accel_noise_m_s2_rthz: Density
+    accel_walk_m_s3_rthz: Density
+    gyro_bias_std_rad_s: Annotated[float, Field(gt=0, le=1)] = 0.1
+    accel_bias_std_m_s2: Annotated[float, Field(gt=0, le=5)] = 0.15
+
+
+class GnssTable(_Table):
+    """``[gnss]``; a column of the same name in the file wins over ``position_std_m`` and ``velocity_std_m_s``."""
+
+    file: str
+    position_std_m: Annotated[float, Field(gt=0, le=1000)] | None = None
+    velocity_std_m_s: Annotated[float, Field(gt=0, le=100)] | None = None
+    lever_arm_m: Vector | None = None
+    lever_arm_std_m: Annotated[float, Field(gt=0, le=100)] | None = None
+    time_offset_s: Annotated[float, Field(ge=-5, le=5)] | None = None
+    time_offset_std_s: Annotated[float, Field(gt=0, le=1)] | None = None
+
+
+class FileTable(_Table):
+    """``[odometry]`` and ``[truth]``: a TUM file."""
+
+    file: str
+
+
+class TracksTable(_Table):
+    """``[tracks]``: image points without distortion, pinhole intrinsics, camera to IMU."""
+
+    file: str
+    std_px: Positive = 1.0
+    fx_px: Positive
+    fy_px: Positive
+    cx_px: float
+    cy_px: float
+    imu_from_camera: Rigid
+
+
+class FusionTable(_Table):
+    """The whole of ``fusion.toml``."""
+
+    format: Literal["fusion/1"]
+    site: SiteTable
+    imu: ImuTable | None = None
+    gnss: GnssTable
+    odometry: FileTable | None = None
+    tracks: TracksTable | None = None
+    truth: FileTable | None = None
+
+    @model_validator(mode="after")
+    def _has_a_motion(self) -> Self:
+        if self.imu is None and self.odometry is None:
+            raise ValueError("[imu] or [odometry], or both: what moved between the fixes")
+        if self.tracks is not None and self.imu is None:
+            raise ValueError("[imu] beside [tracks]")
+        return self

@@ -1,0 +1,1 @@
+"""Locating a fusion folder: a source, the outer graph, and what is written of them."""

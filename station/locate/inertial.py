@@ -1,0 +1,84 @@
+"""Locate by a calibrated IMU: alignment, then GNSS velocity and IMU in a window, with a graph on it or without."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.earth import earth_rate_n
+from procedures.fusion.aligner import align_when_possible
+from procedures.fusion.alignment import Aligned, Waiting
+from procedures.fusion.differenced import with_differenced_velocity
+from procedures.fusion.extra import gtsam
+from procedures.fusion.inertial_window import InertialWindow, State, WindowSettings
+from procedures.fusion.moving_aligner import MovingAligner
+from procedures.fusion.records import Trajectory
+from procedures.fusion.static_aligner import is_still
+from station.errors import DataRefused
+from station.fusion_folder import FusionLog
+from station.locate.result import Alignment, Located
+from station.locate.through_graph import outer_settings, through_graph, timed, trajectory_of
+
+STILL = 1e-3  # m/s, of a bench
+BENCH_SPACING = 0.1  # s: poses at 10 Hz are promised
+ENOUGH = 7  # fixes, to difference
+
+
+def by_imu(log: FusionLog, layers: int = 2) -> Located:
+    """Locate by the IMU; layers 1: GNSS position in the same window, 2: in the outer graph."""
+    if log.imu is None or log.noise is None:
+        raise DataRefused(log.folder / "fusion.toml", None, "no [imu]", "one, for this source", "add it")
+    gtsam()  # said before minutes of work
+    given = outer_settings(log)
+    earth_n = earth_rate_n(log.latitude)
+    fixes = log.fixes.shifted(given.time_offset)
+    has_velocity = bool(np.isfinite(fixes.v_n[:, :2]).all(axis=1).any())
+    seen = fixes if has_velocity or len(fixes.t) < ENOUGH else with_differenced_velocity(fixes)
+    aligned = align_when_possible(MovingAligner(log.noise, log.gravity, earth_n, given.arm), log.imu, seen)
+    if isinstance(aligned, Waiting):
+        return never(aligned.why)
+    still = is_still(log.imu, log.noise)
+    layers = layers if has_velocity or still else 1  # nothing else would hold the velocity
+    settings = WindowSettings(log.noise, log.gravity, earth_n, given.arm, layers)
+    if still:
+        settings = replace(settings, still_std=STILL, spacing=BENCH_SPACING)
+    window = InertialWindow(settings, log.imu, fixes, aligned)
+    located = _one_layer(window, aligned) if layers == 1 else through_graph(log, window, after=aligned.t)
+    state = window.state
+    return replace(
+        located,
+        alignment=_alignment(aligned),
+        gyro_bias=None if state is None else state.gyro_bias,
+        accel_bias=None if state is None else state.accel_bias,
+    )
+
+
+def never(why: str) -> Located:
+    """Return what there is where no alignment was found."""
+    nothing = trajectory_of([])
+    return Located(nothing, nothing, None, why, 0, np.zeros(0))
+
+
+def _one_layer(window: InertialWindow, aligned: Aligned) -> Located:
+    states, seconds = timed(window.states())
+    online = [k for k, state in enumerate(states) if state.t >= aligned.t]
+    found = window.smoothed()
+    smoothed = trajectory_of([State(t, C, p, p, p, p, has_velocity=True) for t, p, C in found])
+    poses: Trajectory = trajectory_of([states[k] for k in online])
+    return Located(poses, smoothed, states[online[0]].t, "", 0, seconds[online], layers=1)
+
+
+def _alignment(aligned: Aligned) -> Alignment:
+    yaw, tilt = yaw_and_tilt(aligned.C_now)
+    return Alignment(yaw, float(np.degrees(aligned.yaw_std)), tilt, float(np.degrees(aligned.tilt_std)))
+
+
+def yaw_and_tilt(C_nb: FloatArray) -> tuple[float, float]:
+    """Return how far [deg] an attitude is turned about the vertical once levelled, and how far its z is from up.
+
+    Levelling is the smallest rotation that takes body z to up, so that this holds for an IMU that stands on edge.
+    """
+    up_b = C_nb[2]
+    tilt = float(np.arccos(np.clip(up_b[2], -1, 1)))
+    q_w, q_z = 1 + np.trace(C_nb), C_nb[1, 0] - C_nb[0, 1]  # of the twist about the vertical
+    return float(np.degrees(2 * np.arctan2(q_z, q_w))), float(np.degrees(tilt))

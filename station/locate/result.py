@@ -1,0 +1,40 @@
+"""What locating a folder gives."""
+
+from dataclasses import dataclass
+
+from procedures.arrays import FloatArray
+from procedures.fusion.records import Trajectory
+
+
+@dataclass(frozen=True, slots=True)
+class Alignment:
+    """How the source's frame was found to stand against n at the start; degrees, what is not known is None."""
+
+    yaw_deg: float
+    yaw_std_deg: float
+    tilt_deg: float | None = None
+    tilt_std_deg: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Located:
+    """``online``: each pose uses nothing later; ``smoothed``: all poses by all fixes.
+
+    ``begun_at`` [s] is None where it never could, and ``why_not`` says why. ``seconds`` (n,): how long each online
+    pose took. ``layers`` is what was used. Biases and ``time_offset`` are the last; what was neither given nor
+    estimated is None.
+    """
+
+    online: Trajectory
+    smoothed: Trajectory
+    begun_at: float | None
+    why_not: str
+    rejected: int
+    seconds: FloatArray
+    alignment: Alignment | None = None
+    gyro_bias: FloatArray | None = None
+    accel_bias: FloatArray | None = None
+    lever_arm: FloatArray | None = None
+    time_offset: float | None = None
+    warnings: tuple[str, ...] = ()
+    layers: int = 2

@@ -1,0 +1,28 @@
+"""A location in words, for the terminal."""
+
+from typing import Any
+
+
+def location_text(document: dict[str, Any]) -> str:
+    """Return the lines of a readable summary."""
+    layers = "one layer" if document["layers"] == 1 else "two layers"
+    lines = [f"source                {document['source']}, {layers}"]
+    lines.append(f"initialised at        {document['initialised_at_s']:.2f} s")
+    for name, unit in (("yaw", "deg"), ("tilt", "deg")):
+        if f"{name}_deg" in document.get("alignment", {}):
+            value, std = (part[f"{name}_deg"] for part in (document["alignment"], document["alignment"]["std"]))
+            lines.append(f"{name + ' found then':<22}{value:.2f} +- {std:.2f} {unit}")
+    for key, name, unit in (
+        ("gyro_bias_rad_s", "gyro bias", "rad/s"),
+        ("accel_bias_m_s2", "accelerometer bias", "m/s2"),
+        ("lever_arm_m", "lever arm", "m"),
+    ):
+        if key in document:
+            lines.append(f"{name:<22}{', '.join(f'{part:.4g}' for part in document[key])} {unit}")
+    if "time_offset_s" in document:
+        lines.append(f"GNSS time offset      {document['time_offset_s'] * 1e3:.1f} ms")
+    lines.append(f"rejected fixes        {document['rejected_fixes']}")
+    for name, said in (("online", "error, online"), ("batch", "error, smoothed")):
+        if error := document.get("error_m", {}).get(name):
+            lines.append(f"{said:<22}mean {error['mean']:.3f} m, largest {error['max']:.3f} m, nothing aligned")
+    return "\n".join(lines + [f"warning: {warning}" for warning in document["warnings"]])

@@ -1,0 +1,80 @@
+"""A source through the outer graph, each online pose timed."""
+
+from collections.abc import Iterable, Sequence
+from time import perf_counter
+from typing import Protocol, TypeVar
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from procedures.arrays import FloatArray
+from procedures.fusion.odometry import OdometrySource
+from procedures.fusion.outer_graph import OuterGraph, OuterSettings
+from procedures.fusion.records import Trajectory
+from station.fusion_folder import FusionLog
+from station.locate.result import Alignment, Located
+
+FREE_ARM = 1.0  # m, 1 sigma of a lever arm that is not given
+T = TypeVar("T")
+
+
+class Pose(Protocol):
+    """Anything with a time [s], a position (3,) [m] and an attitude (3, 3)."""
+
+    @property
+    def t(self) -> float: ...  # noqa: D102
+    @property
+    def p(self) -> FloatArray: ...  # noqa: D102
+    @property
+    def C_nb(self) -> FloatArray: ...  # noqa: D102
+
+
+def through_graph(
+    log: FusionLog, source: OdometrySource, warnings: tuple[str, ...] = (), after: float = -np.inf
+) -> Located:
+    """Locate by a source and the outer graph; poses before ``after`` [s] are not online."""
+    settings = outer_settings(log)
+    graph = OuterGraph(settings)
+    poses, seconds = timed(graph.run(source, log.fixes))
+    online = [k for k, pose in enumerate(poses) if pose.t >= after]
+    smoothed, rejected = graph.smoothed()
+    seen = graph.alignment
+    lever, offset = graph.constants
+    return Located(
+        trajectory_of([poses[k] for k in online]), smoothed, poses[online[0]].t if online else None,
+        graph.why_not, rejected, seconds[online],
+        None if seen is None else Alignment(float(np.degrees(seen.yaw)), float(np.degrees(seen.std))),
+        lever_arm=lever, time_offset=offset, warnings=warnings,
+    )  # fmt: skip
+
+
+def outer_settings(log: FusionLog) -> OuterSettings:
+    """Return what the folder gives of lever arm and time offset; a lever arm that is not given is estimated."""
+    gnss = log.table.gnss
+    arm = None if gnss.lever_arm_m is None else np.array(gnss.lever_arm_m)
+    arm_std = gnss.lever_arm_std_m or (FREE_ARM if arm is None else None)
+    return OuterSettings(
+        lever_arm=arm,
+        lever_arm_std=arm_std,
+        time_offset=gnss.time_offset_s or 0.0,
+        time_offset_std=gnss.time_offset_std_s,
+    )
+
+
+def timed(poses: Iterable[T]) -> tuple[list[T], FloatArray]:
+    """Return the poses, and how long each took [s]."""
+    found, seconds = list[T](), list[float]()
+    start = perf_counter()
+    for pose in poses:
+        found.append(pose)
+        seconds.append(perf_counter() - start)
+        start = perf_counter()
+    return found, np.array(seconds)
+
+
+def trajectory_of(poses: Sequence[Pose]) -> Trajectory:
+    """Return poses as one trajectory."""
+    if not poses:
+        return Trajectory(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 4)))
+    q = Rotation.from_matrix(np.array([pose.C_nb for pose in poses])).as_quat()
+    return Trajectory(np.array([pose.t for pose in poses]), np.array([pose.p for pose in poses]), q)

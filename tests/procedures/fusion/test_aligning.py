@@ -1,0 +1,118 @@
+"""Alignment finds a planted attitude within its own sigma, at rest and in motion, and waits where it cannot."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.earth import DEG_PER_HOUR
+from procedures.fusion.aligner import align_when_possible, fixes_between
+from procedures.fusion.alignment import Aligned, Waiting
+from procedures.fusion.moving_aligner import MovingAligner
+from procedures.fusion.records import GnssFixes
+from procedures.fusion.static_aligner import align_at_rest
+from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
+
+LEVER = np.array([0.5, 0.2, -0.3])
+
+
+def aligner(lever: np.ndarray | None = None) -> MovingAligner:
+    return MovingAligner(NOISE, GRAVITY, EARTH, np.zeros(3) if lever is None else lever)
+
+
+def off(aligned: Aligned, flight: Eight) -> np.ndarray:
+    """Return the error of an attitude as a rotation about n (3,) [rad]."""
+    E = aligned.C_now @ flight.attitude(np.array(aligned.t)).as_matrix().T
+    return np.array([E[2, 1] - E[1, 2], E[0, 2] - E[2, 0], E[1, 0] - E[0, 1]]) / 2
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_ten_seconds_of_motion_give_attitude_and_biases_within_their_sigma(seed: int) -> None:
+    flight, rng = Eight(11.0), np.random.default_rng(seed)
+    found = aligner().align(flight.imu(rng, EARTH), fixes_between(flight.fixes(rng), 0.0, 10.0))
+    assert isinstance(found, Aligned)
+    error = off(found, flight)
+    assert np.abs(error[:2]).max() < 4 * found.tilt_std
+    assert abs(error[2]) < 4 * found.yaw_std
+    sigma = np.sqrt(np.diag(found.covariance)[6:])
+    bias = np.r_[found.gyro_bias - GYRO_BIAS, found.accel_bias - ACCEL_BIAS]
+    assert np.all(np.abs(bias) < 4 * sigma)
+    assert 0.6 < found.misfit < 1.4
+
+
+def test_a_lever_arm_that_is_known_is_taken_into_account() -> None:
+    flight, rng = Eight(12.0), np.random.default_rng(1)
+    fixes = flight.fixes(rng)
+    omega = (flight.attitude(fixes.t - 1e-3).inv() * flight.attitude(fixes.t + 1e-3)).as_rotvec() / 2e-3
+    swung = replace(fixes, v_n=fixes.v_n + flight.attitude(fixes.t).apply(np.cross(omega, LEVER)))
+    found = aligner(LEVER).align(flight.imu(rng, EARTH), swung)
+    assert isinstance(found, Aligned)
+    assert np.abs(off(found, flight)).max() < 4 * found.yaw_std
+
+
+def test_a_receiver_without_vertical_velocity_is_enough() -> None:
+    flight, rng = Eight(20.0), np.random.default_rng(2)
+    fixes = flight.fixes(rng)
+    fixes.v_n[:, 2] = np.nan
+    found = aligner().align(flight.imu(rng, EARTH), fixes)
+    assert isinstance(found, Aligned)
+    assert abs(off(found, flight)[2]) < 4 * found.yaw_std
+
+
+def test_it_waits_while_nothing_moves_and_begins_when_it_does() -> None:
+    flight, rng = Eight(20.0, still=6.0), np.random.default_rng(3)
+    found = align_when_possible(aligner(), flight.imu(rng, EARTH), flight.fixes(rng))
+    assert isinstance(found, Aligned)
+    assert 6.0 < found.t < 20.0
+    assert abs(off(found, flight)[2]) < 4 * found.yaw_std
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_cannot_be_observed_is_never_accepted(seed: int) -> None:
+    still, rng = Eight(12.0, still=12.0), np.random.default_rng(seed)
+    found = aligner().align(still.imu(rng, EARTH), still.fixes(rng))
+    assert isinstance(found, Waiting)
+    assert "must change its velocity more" in found.why
+    flight = Eight(11.0)
+    wrong = replace(flight.fixes(rng), v_n=-Eight(11.0, still=1.0).v(flight.fixes(rng).t)[:, [1, 0, 2]])
+    assert isinstance(refused := aligner().align(flight.imu(rng, EARTH), wrong), Waiting)
+    assert "do not fit each other" in refused.why
+
+
+def test_no_velocity_says_so() -> None:
+    flight, rng = Eight(12.0), np.random.default_rng(4)
+    fixes = flight.fixes(rng)
+    fixes.v_n[:] = np.nan
+    assert isinstance(found := aligner().align(flight.imu(rng, EARTH), fixes), Waiting)
+    assert "0 GNSS velocities" in found.why
+
+
+def test_a_fog_at_rest_finds_north_by_the_earths_rate() -> None:
+    rng = np.random.default_rng(5)
+    bias = rng.normal(size=3) * 0.05 * DEG_PER_HOUR
+    imu, C_nb, noise = fog(rng, 300.0, bias)
+    found = align_at_rest(imu, noise, GRAVITY, EARTH)
+    assert isinstance(found, Aligned)
+    E = found.C_nb @ C_nb.T
+    yaw = (E[1, 0] - E[0, 1]) / 2
+    east_bias = (C_nb @ bias)[0]
+    assert abs(yaw - east_bias / EARTH[1]) < 3 * noise.gyro / np.sqrt(300.0) / EARTH[1]
+    assert np.degrees(found.yaw_std) == pytest.approx(0.33, abs=0.05)  # FUSION.md 6
+    assert np.arccos(E[2, 2]) < 4 * found.tilt_std
+
+
+def test_a_bench_that_is_knocked_or_a_gyro_that_is_too_poor_is_refused() -> None:
+    rng = np.random.default_rng(6)
+    imu, _, noise = fog(rng, 60.0, np.zeros(3))
+    imu.f_b[300:310] += 0.5
+    assert isinstance(knocked := align_at_rest(imu, noise, GRAVITY, EARTH), Waiting)
+    assert "does not stand still" in knocked.why
+    imu, _, noise = fog(rng, 60.0, np.zeros(3))
+    assert isinstance(poor := align_at_rest(imu, replace(noise, gyro_bias=1e-3), GRAVITY, EARTH), Waiting)
+    assert "better gyros" in poor.why
+
+
+def test_fixes_of_a_span_are_those_inside_it() -> None:
+    n = np.arange(5.0)
+    all_of = GnssFixes(n, np.zeros((5, 3)), np.zeros((5, 3)), n, n, n)
+    assert fixes_between(all_of, 1.0, 3.0).t.tolist() == [1.0, 2.0, 3.0]

@@ -1,0 +1,54 @@
+"""``station locate`` by an IMU: a planted flight through files, and what is said without the extra."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.earth import earth_rate_n
+from station import cli
+from tests.procedures.fusion.motions import GRAVITY, Eight
+from tests.station.fusion_folder.folders import TOML, write_folder, write_rows
+
+GNSS_HEADER = "t_s,e_m,n_m,u_m,ve_m_s,vn_m_s,vu_m_s"
+RATE_HEADER = "t_s,wx_rad_s,wy_rad_s,wz_rad_s,fx_m_s2,fy_m_s2,fz_m_s2"
+
+
+def write_flight(folder: Path, seconds: float) -> Path:
+    """Write the IMU, GNSS and truth of a flight."""
+    folder.mkdir()
+    flight, rng = Eight(seconds), np.random.default_rng(1)
+    text = TOML.replace("gravity_m_s2 = 9.8066", f"gravity_m_s2 = {GRAVITY}")
+    (folder / "fusion.toml").write_text(text.replace('[odometry]\nfile = "odometry.tum"\n', ""))
+    imu, fixes = flight.imu(rng, earth_rate_n(np.radians(47.4))), flight.fixes(rng)
+    t = np.arange(0.0, seconds, 0.05)
+    write_rows(folder / "imu.csv", ",", np.c_[imu.t, imu.omega_b, imu.f_b], RATE_HEADER)
+    write_rows(folder / "gnss.csv", ",", np.c_[fixes.t, fixes.p_n, fixes.v_n], GNSS_HEADER)
+    write_rows(folder / "truth.tum", " ", np.c_[t, flight.p(t), flight.attitude(t).as_quat()])
+    return folder
+
+
+@pytest.mark.parametrize("layers", ["1", "2"])
+def test_a_flight_is_located_by_its_imu(layers: str, tmp_path: Path) -> None:
+    pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
+    folder, out = write_flight(tmp_path / "log", 16.0), tmp_path / "t.tum"
+    arguments = ["--layers", layers, "--out", str(out), "--json", str(tmp_path / "j.json")]
+    assert cli.run(["locate", str(folder), *arguments]) == 0
+    said = json.loads((tmp_path / "j.json").read_text())
+    assert said["source"] == "inertial"
+    assert said["layers"] == int(layers)
+    assert said["error_m"]["online"]["mean"] < 0.1
+    assert said["error_m"]["batch"]["mean"] < 0.06
+    assert said["alignment"]["std"]["yaw_deg"] < 4.0
+    assert abs(said["gyro_bias_rad_s"][2] - 0.07) < 0.005
+    assert np.diff(np.loadtxt(out)[:, 0]).max() < 0.1001
+
+
+def test_without_the_extra_it_is_exit_2_and_says_how_to_install_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "gtsam", None)
+    assert cli.run(["locate", str(write_folder(tmp_path / "log"))]) == 2
+    assert "pip install 'fog-station[locate]'" in capsys.readouterr().err
