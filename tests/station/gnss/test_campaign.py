@@ -52,7 +52,7 @@ def test_a_campaign_takes_site_start_and_time_of_its_rows_from_gnss(tmp_path: Pa
     with open_db(tmp_path / "s.db") as database, database.read() as session:
         started = campaign(session, str((tmp_path / "c").resolve())).started_utc
     assert 0 <= started.timestamp() - EPOCH_UTC < 3600
-    assert np.isfinite(loaded.campaign.dwells[0].series.extra["utc_s"]).sum() > 2
+    assert np.isfinite(loaded.campaign.dwells[0].series.extra["utc_s"]).any()
 
 
 def test_a_recording_holds_device_host_and_gnss_time_side_by_side(
