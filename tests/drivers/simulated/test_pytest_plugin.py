@@ -55,11 +55,14 @@ def test_an_unserved_setting_is_an_error_of_the_test_that_says_what_is_accepted(
 def test_what_stops_a_device_fails_the_test(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(
         """
+        from drivers.ports import open_port
+
         def test_one(simulated_imu):
             simulated_imu.device.chunk = None
+            port = open_port(simulated_imu.url)
             while simulated_imu.failure is None:
-                with open(simulated_imu.address, "rb", buffering=0) as port:
-                    port.read(1000)
+                port.read(1000)
+            port.close()
         """
     )
     result = pytester.runpytest_inprocess(*PLUGIN)
