@@ -14,20 +14,18 @@ import random
 import sys
 import time
 import zlib
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from drivers.framing import Decoder
 from drivers.wire import FORMATS, FrameKind, WireFormat
 from procedures.records import SampleBlock
+from tests.benchmarks.damage import CONTROL_BITS, DAMAGES, HEAD, Outcome, Shape, cuts, damaged, row
 from tests.drivers.wire import blocks
 from tests.drivers.wire.blocks import bare, frames_of
 
 BATCH = 2000
-CONTROL_BITS = 8
-Mutation = Callable[[random.Random, bytes, bytes, WireFormat], bytes]
 
 
 def a_block(wire: WireFormat, n: int, rng: np.random.Generator) -> SampleBlock:
@@ -36,47 +34,8 @@ def a_block(wire: WireFormat, n: int, rng: np.random.Generator) -> SampleBlock:
     return blocks.a_block(wire, n, start=int(rng.integers(0, 2**31)), largest=largest)
 
 
-def _flip_bits(rng: random.Random, frame: bytes, _: bytes, __: WireFormat) -> bytes:
-    damaged = bytearray(frame)
-    for _ in range(rng.choice((1, 1, 2, 3, 4, 5, 8, 16, 40))):
-        damaged[rng.randrange(len(frame))] ^= 1 << rng.randrange(8)
-    return bytes(damaged)
-
-
-def _overwrite(rng: random.Random, frame: bytes, _: bytes, wire: WireFormat) -> bytes:
-    start = rng.randrange(len(wire.imu.prefix), len(frame))
-    end = min(start + rng.randrange(1, 12), len(frame))
-    return frame[:start] + rng.randbytes(end - start) + frame[end:]
-
-
-def _drop(rng: random.Random, frame: bytes, _: bytes, __: WireFormat) -> bytes:
-    start = rng.randrange(len(frame))
-    return frame[:start] + frame[start + rng.randrange(1, 6) :]
-
-
-def _insert(rng: random.Random, frame: bytes, _: bytes, wire: WireFormat) -> bytes:
-    start = rng.randrange(len(frame))
-    return frame[:start] + rng.choice((rng.randbytes(rng.randrange(1, 6)), wire.sync)) + frame[start:]
-
-
-def _truncate(rng: random.Random, frame: bytes, _: bytes, __: WireFormat) -> bytes:
-    return frame[: rng.randrange(len(frame))]
-
-
-def _splice(rng: random.Random, frame: bytes, other: bytes, _: WireFormat) -> bytes:
-    cut = rng.randrange(len(frame))
-    return frame[:cut] + other[cut:]
-
-
-def _shifted_splice(rng: random.Random, frame: bytes, other: bytes, _: WireFormat) -> bytes:
-    return frame[: rng.randrange(len(frame))] + other[rng.randrange(len(other)) :]
-
-
-def _garbage(rng: random.Random, _: bytes, __: bytes, wire: WireFormat) -> bytes:
-    return rng.choice((b"", wire.sync, wire.imu.prefix)) + rng.randbytes(rng.randrange(1, 2 * wire.imu.size))
-
-
-def _false_frame(rng: random.Random, _: bytes, __: bytes, wire: WireFormat) -> bytes:
+def false_frame(rng: random.Random, wire: WireFormat) -> bytes:
+    """Return a frame of noise behind a true prefix."""
     kind: FrameKind = rng.choice(list(wire.kinds.values()))
     if kind.text is not None:
         return (
@@ -88,45 +47,15 @@ def _false_frame(rng: random.Random, _: bytes, __: bytes, wire: WireFormat) -> b
     return kind.prefix + rng.randbytes(kind.size - len(kind.prefix))
 
 
-MUTATIONS: tuple[Mutation, ...] = (
-    _flip_bits,
-    _overwrite,
-    _drop,
-    _insert,
-    _truncate,
-    _splice,
-    _shifted_splice,
-    _garbage,
-    _false_frame,
-)
-
-
-@dataclass
-class Outcome:
-    """What came of one format's run."""
-
-    name: str
-    bits: int
-    mutated: int = 0
-    intact: int = 0
-    checks_failed: int = 0
-    bad_length: int = 0
-    accepted: int = 0
-    wrong: int = 0
-    wrong_marked: int = 0
-    lost: int = 0
-    crashes: int = 0
-    seconds: float = 0.0
-
-    @property
-    def expected(self) -> float:
-        """Wrong frames that a check of this width lets through by chance."""
-        return (self.checks_failed + self.wrong) / 2.0**self.bits
+def shape_of(wire: WireFormat) -> Shape:
+    """Return what damage to a format's frames aims at."""
+    return Shape((wire.sync, wire.imu.prefix), len(wire.imu.prefix), wire.imu.size)
 
 
 def attack(wire: WireFormat, frames: int, seed: int, bits: int) -> Outcome:
     """Feed ``frames`` damaged frames and return what was counted."""
     outcome, rng, numbers = Outcome(wire.name, bits), random.Random(seed), np.random.default_rng(seed)
+    ways = (*DAMAGES, lambda rng, *_: false_frame(rng, wire))
     accepted: list[bytes] = []
     healthy: list[np.ndarray] = []
 
@@ -145,19 +74,12 @@ def attack(wire: WireFormat, frames: int, seed: int, bits: int) -> Outcome:
         assert len(accepted) == len(pool)
         accepted.clear()
         healthy.clear()
-        pieces, intact = [], []
-        for index in range(min(BATCH, frames - outcome.mutated)):
-            pieces.append(rng.choice(MUTATIONS)(rng, pool[index], pool[index - 1], wire))
-            if rng.random() < 0.125:
-                intact.append(index - 1)
-                pieces.append(pool[index - 1])
-        outcome.mutated += min(BATCH, frames - outcome.mutated)
-        stream, at = b"".join(pieces), 0
+        pool = pool[: frames - outcome.mutated]
+        pieces, intact = damaged(rng, pool, shape_of(wire), ways)
+        outcome.mutated += len(pool)
         try:
-            while at < len(stream):
-                cut = at + rng.choice((1, 7, 64, 1000, 4096, 65536))
-                decoder.feed(stream[at:cut])
-                at = cut
+            for part in cuts(rng, b"".join(pieces)):
+                decoder.feed(part)
             decoder.finish()
         except Exception as error:  # whatever it is, it is a crash
             outcome.crashes += 1
@@ -206,22 +128,14 @@ def main() -> int:
     parser.add_argument("--format", choices=FORMATS, action="append", help="only this one; may be given again")
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
-    print(
-        f"{'format':<30}{'damaged':>9}{'check-failed':>14}{'bad-length':>12}{'accepted':>10}"
-        f"{'wrong':>7}{'marked':>8}{'expected':>10}{'intact':>9}{'lost':>6}{'crashes':>9}{'s':>7}"
-    )
+    print(HEAD)
     good = True
     control = with_weak_check(FORMATS["rawimusx"])
     wires = [FORMATS[name] for name in arguments.format or FORMATS]
     for wire, bits in [*((wire, wire.check_bits) for wire in wires), (control, CONTROL_BITS)]:
         got = attack(wire, arguments.frames, arguments.seed, bits)
-        print(
-            f"{got.name:<30}{got.mutated:>9}{got.checks_failed:>14}{got.bad_length:>12}{got.accepted:>10}"
-            f"{got.wrong:>7}{got.wrong_marked:>8}{got.expected:>10.2g}{got.intact:>9}{got.lost:>6}{got.crashes:>9}{got.seconds:>7.1f}",
-            flush=True,
-        )
-        spread = 5 * np.sqrt(got.expected) + 1 if got.expected > 1e-2 else 0
-        good &= got.crashes == 0 and abs(got.wrong - got.expected) <= spread + got.expected
+        print(row(got), flush=True)
+        good &= got.is_good
     return 0 if good else 1
 
 

@@ -1,0 +1,133 @@
+"""How a stream of frames is damaged, and what came of it: shared by the benchmarks of hostile bytes."""
+
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+CONTROL_BITS = 8  # of the check in a control row, in which wrong frames must come out
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """What damage aims at: bytes frames begin with, how many stand before a body, about how many a frame has."""
+
+    starts: tuple[bytes, ...]
+    head: int
+    size: int
+
+
+Mutation = Callable[[random.Random, bytes, bytes, Shape], bytes]
+
+
+def _flip_bits(rng: random.Random, frame: bytes, _: bytes, __: Shape) -> bytes:
+    damaged = bytearray(frame)
+    for _ in range(rng.choice((1, 1, 2, 3, 4, 5, 8, 16, 40))):
+        damaged[rng.randrange(len(frame))] ^= 1 << rng.randrange(8)
+    return bytes(damaged)
+
+
+def _overwrite(rng: random.Random, frame: bytes, _: bytes, shape: Shape) -> bytes:
+    start = rng.randrange(shape.head, len(frame))
+    end = min(start + rng.randrange(1, 12), len(frame))
+    return frame[:start] + rng.randbytes(end - start) + frame[end:]
+
+
+def _drop(rng: random.Random, frame: bytes, _: bytes, __: Shape) -> bytes:
+    start = rng.randrange(len(frame))
+    return frame[:start] + frame[start + rng.randrange(1, 6) :]
+
+
+def _insert(rng: random.Random, frame: bytes, _: bytes, shape: Shape) -> bytes:
+    start = rng.randrange(len(frame))
+    added = rng.choice((rng.randbytes(rng.randrange(1, 6)), shape.starts[0]))
+    return frame[:start] + added + frame[start:]
+
+
+def _truncate(rng: random.Random, frame: bytes, _: bytes, __: Shape) -> bytes:
+    return frame[: rng.randrange(len(frame))]
+
+
+def _splice(rng: random.Random, frame: bytes, other: bytes, _: Shape) -> bytes:
+    cut = rng.randrange(len(frame))
+    return frame[:cut] + other[cut:]
+
+
+def _shifted_splice(rng: random.Random, frame: bytes, other: bytes, _: Shape) -> bytes:
+    return frame[: rng.randrange(len(frame))] + other[rng.randrange(len(other)) :]
+
+
+def _garbage(rng: random.Random, _: bytes, __: bytes, shape: Shape) -> bytes:
+    return rng.choice((b"", *shape.starts)) + rng.randbytes(rng.randrange(1, 2 * shape.size))
+
+
+DAMAGES: tuple[Mutation, ...] = (
+    _flip_bits, _overwrite, _drop, _insert, _truncate, _splice, _shifted_splice, _garbage,
+)  # fmt: skip
+
+
+def damaged(
+    rng: random.Random, pool: Sequence[bytes], shape: Shape, ways: Sequence[Mutation]
+) -> tuple[list[bytes], list[int]]:
+    """Return the pieces of a stream, damaged frames and an intact one behind one in eight; which those are."""
+    pieces, intact = list[bytes](), list[int]()
+    for index, frame in enumerate(pool):
+        pieces.append(rng.choice(ways)(rng, frame, pool[index - 1], shape))
+        if rng.random() < 0.125:
+            intact.append(index - 1)
+            pieces.append(pool[index - 1])
+    return pieces, intact
+
+
+def cuts(rng: random.Random, stream: bytes) -> list[bytes]:
+    """Return a stream as reads of all sizes give it."""
+    parts, at = list[bytes](), 0
+    while at < len(stream):
+        parts.append(stream[at : at + rng.choice((1, 7, 64, 1000, 4096, 65536))])
+        at += len(parts[-1])
+    return parts
+
+
+@dataclass
+class Outcome:
+    """What came of a run against a check of ``bits``."""
+
+    name: str
+    bits: int
+    mutated: int = 0
+    intact: int = 0
+    checks_failed: int = 0
+    bad_length: int = 0
+    accepted: int = 0
+    wrong: int = 0
+    wrong_marked: int = 0
+    lost: int = 0
+    crashes: int = 0
+    seconds: float = 0.0
+
+    @property
+    def expected(self) -> float:
+        """Wrong frames that a check of this width lets through by chance."""
+        return (self.checks_failed + self.wrong) / 2.0**self.bits
+
+    @property
+    def is_good(self) -> bool:
+        """Whether nothing crashed, no more came through than chance allows, and in a control row about as much."""
+        spread = 5 * np.sqrt(self.expected) + 1 if self.expected > 1e-2 else 0
+        is_seen = self.bits != CONTROL_BITS or self.wrong > self.expected / 2
+        return self.crashes == 0 and self.wrong <= 2 * self.expected + spread and is_seen
+
+
+HEAD = (
+    f"{'format':<30}{'damaged':>9}{'check-failed':>14}{'bad-length':>12}{'accepted':>10}"
+    f"{'wrong':>7}{'marked':>8}{'expected':>10}{'intact':>9}{'lost':>6}{'crashes':>9}{'s':>7}"
+)
+
+
+def row(got: Outcome) -> str:
+    """Return an outcome as a line under `HEAD`."""
+    return (
+        f"{got.name:<30}{got.mutated:>9}{got.checks_failed:>14}{got.bad_length:>12}{got.accepted:>10}{got.wrong:>7}"
+        f"{got.wrong_marked:>8}{got.expected:>10.2g}{got.intact:>9}{got.lost:>6}{got.crashes:>9}{got.seconds:>7.1f}"
+    )
