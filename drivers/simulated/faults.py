@@ -29,7 +29,7 @@ KINDS = {
     "half": "`count` frames break off halfway",
     "noise": "for `seconds` four times as many random bytes instead of frames",
     "wrong_baud": "for `seconds` what a receiver at twice the baud rate reads",
-    "two_devices": "for `seconds` another unit sends too, first or second, its counter `count` ahead (0: the same)",
+    "two_devices": "for `seconds` another unit sends too, first or second, counter `count` ahead (0: the same)",
     "restart": "nothing for `seconds`, then counter and clock begin at 0 again",
     "clock_jump": "the device's clock goes on `seconds` later",
     "counter_wrap": "the counter goes on `count` frames before its end",
