@@ -30,7 +30,8 @@ class FrameCounters:
     fields than their own, ``counter_jumps`` breaks of the sample sequence (see `drivers.continuity`),
     ``bad_status`` accepted frames that the format reads as unhealthy or that step by more than it can. Where a
     sample takes several frames, ``frames`` are samples, ``incomplete`` those given up, ``late`` frames repeated or
-    come after their sample, ``foreign`` those of somebody else, ``bus_errors`` what the bus reported of itself.
+    come after their sample, ``contradicted`` those that say something else than its own, ``foreign`` those of
+    somebody else, ``bus_errors`` what the bus reported of itself.
     """
 
     frames: int = 0
@@ -42,6 +43,7 @@ class FrameCounters:
     bad_status: int = 0
     incomplete: int = 0
     late: int = 0
+    contradicted: int = 0
     foreign: int = 0
     bus_errors: int = 0
 

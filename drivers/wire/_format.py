@@ -92,6 +92,7 @@ class JoinCounters(Protocol):
     foreign: int
     incomplete: int
     late: int
+    contradicted: int
     bus_errors: int
 
 
@@ -123,9 +124,10 @@ class WireFormat:
     ValueError on what the format cannot hold, such as counts beyond ``count_bits``. ``carries`` names the
     block's fields that survive the trip besides gyro and accel: temperature to ``temperature_step`` [K], device
     time modulo ``time_modulus`` [s] where that is not None. ``counter_modulus`` is None where there is no frame
-    counter. ``baud`` and ``parity`` are the usual ones, 8 data bits, 1 stop bit. ``scales`` holds the makers'
-    nominal scale factors by model, where known. ``joiner`` makes the `Joiner` of a format whose samples take
-    several frames; it decodes instead of ``decode``.
+    counter. ``hindsight_s`` is how long after a sample came it may yet show that something was amiss with it.
+    ``baud`` and ``parity`` are the usual ones, 8 data bits, 1 stop bit. ``scales`` holds the makers' nominal scale
+    factors by model, where known. ``joiner`` makes the `Joiner` of a format whose samples take several frames; it
+    decodes instead of ``decode``.
     """
 
     name: str
@@ -152,6 +154,7 @@ class WireFormat:
     max_step: int | None = None
     counter_modulus: int | None = None
     time_modulus: float | None = None
+    hindsight_s: float = 0.1
     identity: FrameKind | None = None
     identify: Callable[[bytes], Identity] | None = None
     encode_identity: Callable[[Identity], bytes] | None = None

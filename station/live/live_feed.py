@@ -19,6 +19,7 @@ from station.recorder import Piece, SampleStream, Tape, Unit
 from station.recorder.unit import refuse_other, unit_of
 
 BLOCK_S = 1.0
+HELD = 10  # samples at least that a block waits for what would show that it is not the device's
 POLL_S = 0.1
 SILENT_S = 2.0  # of the station's time, without a byte or without a frame
 JOINING_S = 6.0  # the same until the first sample of what must learn its period to join samples
@@ -118,15 +119,21 @@ class LiveFeed:
             self.advance()
 
     def ready(self) -> Iterator[Block]:
-        """Yield the blocks that are complete by now and were not yielded before."""
+        """Yield the blocks that are complete by now and were not yielded before.
+
+        What is amiss shows after the fact, as when another device's sample came before the device's own: so a
+        block waits a moment, and what stands shortly before a break is not used.
+        """
         while True:
             size = max(TICKS, round(BLOCK_S / self.period))
+            held = max(HELD, round(self.wire.hindsight_s / self.period))
             if self._begin != self.tape.begin:
                 self._at = self._begin = self.tape.begin
                 self._is_anew = True
-            if self.tape.end - self._at < size:
+            self._at = max(self._at, self.tape.first)  # what was let go is in no block
+            if self.tape.end - self._at < size + held:
                 return
-            if (broken := self.tape.last_break(self._at, self._at + size)) is not None:
+            if (broken := self.tape.last_break(self._at, self._at + size + held)) is not None:
                 self._at = broken
             else:
                 first, self._at = self._at, self._at + size
