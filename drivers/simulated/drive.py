@@ -1,4 +1,4 @@
-"""A cube carried in a level vehicle along a track: it turns with the course and feels what the velocity changes by."""
+"""A cube carried in a level vehicle along a track: it turns with the course and feels the velocity change."""
 
 import numpy as np
 
@@ -30,6 +30,6 @@ def drive(track: Track, C_bn: FloatArray, first: int, period: float) -> Segment:
     angle = np.zeros(samples + 1)
     if moves.any():
         course = np.unwrap(np.arctan2(v[moves, 1], v[moves, 0]))
-        angle = np.interp(t, t[moves], course) - np.arctan2(ahead_n[1], ahead_n[0])
+        angle[:] = np.interp(t, t[moves], course) - np.arctan2(ahead_n[1], ahead_n[0])
     accel_n = np.diff(v, axis=0) / (period * STANDARD_GRAVITY)
     return Segment(C_bn, samples, C_bn[:, 2], angle, accel_n)

@@ -1,6 +1,6 @@
 """Where a simulated vehicle goes: a smooth line through points in time, level East-North-Up [m] from its site.
 
-Between points that are the same it stands (piecewise cubic Hermite interpolation without overshoot: Fritsch, Butland 1984).
+Between points that are the same it stands (cubic Hermite interpolation without overshoot: Fritsch, Butland 1984).
 """
 
 from dataclasses import dataclass, field
@@ -30,11 +30,13 @@ class Track:
 
     def position(self, t: float) -> FloatArray:
         """Return the place (3,) [m] at time ``t`` [s]."""
-        return self.positions(np.array([t]))[0]
+        place: FloatArray = self.positions(np.array([t]))[0]
+        return place
 
     def velocity(self, t: float) -> FloatArray:
         """Return the velocity (3,) [m/s] at time ``t`` [s]."""
-        return self.velocities(np.array([t]))[0]
+        v: FloatArray = self.velocities(np.array([t]))[0]
+        return v
 
     def positions(self, t: FloatArray) -> FloatArray:
         """Return the places (n, 3) [m] at times (n,) [s]."""

@@ -59,7 +59,8 @@ def simulate(
         ),
     ] = None,
     track: Annotated[
-        Path | None, typer.Option("--track", metavar="CSV", help="Where both go: t_s,e_m,n_m,u_m. Else they stand.")
+        Path | None,
+        typer.Option("--track", metavar="CSV", help="Where both go: t_s,e_m,n_m,u_m. Else they stand."),
     ] = None,
     hold: Annotated[bool, typer.Option("--hold", help="Begin when the hands say go.")] = False,
     db: Database = None,
