@@ -24,12 +24,12 @@ def drive(track: Track, C_bn: FloatArray, first: int, period: float) -> Segment:
     if samples < 1:
         raise ValueError(f"a track that ended at {track.t[-1]:g} s: expected one that goes on")
     ahead_n = C_bn[0]
-    t: FloatArray = period * np.arange(first, first + samples + 1)
+    t: FloatArray = np.float64(period) * np.arange(first, first + samples + 1)
     v = track.velocities(t)
     moves = np.hypot(v[:, 0], v[:, 1]) > SLOWEST
     angle = np.zeros(samples + 1)
     if moves.any():
-        course = np.unwrap(np.arctan2(v[moves, 1], v[moves, 0]))
+        course: FloatArray = np.unwrap(np.arctan2(v[moves, 1], v[moves, 0]))
         angle[:] = np.interp(t, t[moves], course) - np.arctan2(ahead_n[1], ahead_n[0])
     accel_n = np.diff(v, axis=0) / (period * STANDARD_GRAVITY)
     return Segment(C_bn, samples, C_bn[:, 2], angle, accel_n)

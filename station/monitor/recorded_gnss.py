@@ -25,7 +25,7 @@ class RecordedGnss:
     up_to_ns = FOR_EVER
 
     def __init__(self, records: Sequence[Record]) -> None:
-        self._records = deque(sorted(records, key=lambda record: record.host_ns))
+        self._records = deque(records)
         self._fixes, self._seen, self._now = 0, deque[int](), 0
 
     def advance(self) -> None:
@@ -60,8 +60,14 @@ class RecordedGnss:
 
 def recorded_gnss(file: Path) -> RecordedGnss | None:
     """Return the receiver recorded beside an IMU's file; None where there was none."""
+    records = read_recorded(file)
+    return RecordedGnss(records) if records else None
+
+
+def read_recorded(file: Path) -> list[Record]:
+    """Return what receivers recorded beside an IMU's file said, in order of reading."""
     found = [path for path in sorted(file.parent.glob("gnss_*.mcap")) if not path.name.startswith("gnss_session_")]
-    return RecordedGnss(list(chain.from_iterable(map(read_fixes, found)))) if found else None
+    return sorted(chain.from_iterable(map(read_fixes, found)), key=lambda record: record.host_ns)
 
 
 def recorded_aid(file: Path) -> str:

@@ -75,7 +75,7 @@ class Tape:
         return self._stamps[bisect_right(self._sample_ends, sample)]
 
     def marks(self, first: int, last: int) -> Iterator[tuple[int, int]]:
-        """Yield when bytes were read [ns] and the last sample that they completed, from ``first`` to before ``last``."""
+        """Yield when bytes were read [ns], and the last sample that they completed if it is in the span."""
         for chunk in range(bisect_right(self._sample_ends, first), len(self._sample_ends)):
             sample = self._sample_ends[chunk] - 1
             if sample >= last:
