@@ -1,4 +1,4 @@
-"""A level frame about a place: against the Earth's radii of curvature, there and back, and across the date line."""
+"""A level frame about a place: against the Earth's radii of curvature, there and back, across the date line."""
 
 import numpy as np
 import pytest
@@ -12,8 +12,8 @@ def test_a_second_of_arc_is_as_long_as_the_tables_say() -> None:
     east, north = origin.enu(origin.latitude, origin.longitude + second, 0)[0], origin.enu(
         origin.latitude + second, origin.longitude, 0
     )[1]  # fmt: skip
-    assert east == pytest.approx(21.9012, abs=2e-4)  # 78.847 km a degree of longitude at 45 deg, WGS 84
-    assert north == pytest.approx(30.8701, abs=2e-4)  # 111.132 km a degree of latitude
+    assert east == pytest.approx(78847 / 3600, abs=2e-4)  # m a degree at 45 deg, WGS 84
+    assert north == pytest.approx(111132 / 3600, abs=2e-4)
 
 
 @pytest.mark.parametrize("place", [(0.0, 0.0), (48.1, 11.5), (-33.9, 179.9999), (89.9, -120.0)])
