@@ -18,7 +18,10 @@ def monitor(
         str, typer.Option("--gnss", metavar="URL", help="A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")
     ] = "",
     aid: Annotated[
-        str, typer.Option("--aid", metavar="AID", help="none, gnss or airspeed-filter; gnss with --gnss.")
+        str,
+        typer.Option(
+            "--aid", metavar="AID", help="none, gnss or airspeed-filter; gnss with --gnss; in a replay as it was."
+        ),
     ] = "",
     calibration: Annotated[
         Path | None,
@@ -88,10 +91,9 @@ def monitor(
         raise typer.BadParameter("--json and --plain are two outputs; expected one of them")
     if not (json or plain) and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise typer.BadParameter("the screen needs a terminal; --plain writes lines of text, --json lines of JSON")
-    aid = aid or ("gnss" if gnss else "none")
-    if aid not in AIDS:
+    if aid and aid not in AIDS:
         raise typer.BadParameter(f"found {aid!r}, expected one of {', '.join(AIDS)}", param_hint="--aid")
-    if aid != "none" and not gnss:
+    if aid not in {"", "none"} and not (gnss or url.startswith("replay:")):
         raise typer.BadParameter(f"{aid} needs a source: give --gnss URL", param_hint="--aid")
     try:
         alarms = tuple(parse_alarm(text) for text in alarm or ())

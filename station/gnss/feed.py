@@ -24,6 +24,7 @@ from drivers.ports import parse_device_url
 from procedures.gnss import AirData, AveragedSite, GnssFix, TimeMark, averaged_site
 from procedures.time_line import TimeLine, fit_time_line
 from station.gnss.trouble import Health
+from station.mcap_files.fix_reader import Record
 from station.mcap_files.fix_writer import FixWriter
 from station.reader import Chunk, GapMark, Reader
 
@@ -31,6 +32,7 @@ KEPT = 6000  # fixes: 20 minutes at 5 Hz
 AROUND_NS = 30 * 10**9  # of a moment: the marks its time is taken from
 REFIT_NS = 10**9  # how old the newest line may be
 RATE_S = 5.0
+FOR_EVER = 2**63 - 1  # ns
 EXPECTED = "a GNSS source: mavlink:LINK:WHERE"
 
 
@@ -38,6 +40,11 @@ class Source(Protocol):
     """Where chunks come from: a reader process."""
 
     address: DeviceUrl
+
+    @property
+    def up_to_ns(self) -> int:
+        """The moment up to which all that came was polled [ns]."""
+        ...
 
     def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
         """Return what has come, within ``timeout_s``."""
@@ -63,6 +70,8 @@ class GnssFeed:
         self._source, self._writer = source, writer
         self._taken = 0  # of the fixes since the beginning, what `take` has returned
         self._came = 0
+        self._records: deque[Record] = deque(maxlen=KEPT)
+        self._is_lost = False
         self._marks: tuple[list[int], list[int]] = [], []  # host, UTC [ns]
         self._stamps_are_marks = True  # of fixes, until the sender states its time
         self._line: tuple[tuple[int, int], TimeLine | None] = (0, 0), None
@@ -79,6 +88,7 @@ class GnssFeed:
             return
         for item in items:
             if isinstance(item, GapMark):
+                self._is_lost = not item.is_open
                 self._health.gap(item.reason, is_open=item.is_open)
             else:
                 self._take_bytes(item)
@@ -94,6 +104,18 @@ class GnssFeed:
         new = min(self._came - self._taken, len(self.fixes))
         self._taken = self._came
         return list(self.fixes)[len(self.fixes) - new :]
+
+    @property
+    def up_to_ns(self) -> int:
+        """The moment [ns] up to which nothing more will come; for ever where the receiver is gone."""
+        return FOR_EVER if self._is_lost or self._health.ended else self._source.up_to_ns
+
+    def take_records(self, until_ns: int) -> list[Record]:
+        """Return fixes, times and airspeeds that came since the last call and until a moment [ns], in order."""
+        found = list[Record]()
+        while self._records and self._records[0].host_ns <= until_ns:
+            found.append(self._records.popleft())
+        return found
 
     def site(self) -> AveragedSite | None:
         """Return where the receiver stands, of its first antenna; None before a fix."""
@@ -141,8 +163,10 @@ class GnssFeed:
                     self.air = record
                 case _:
                     pass
-            if self._writer is not None and isinstance(record, GnssFix | TimeMark):
-                self._writer.write(record)
+            if isinstance(record, Record):
+                self._records.append(record)
+                if self._writer is not None:
+                    self._writer.write(record)
 
     def _take_fix(self, fix: GnssFix) -> None:
         if fix.is_filtered:

@@ -21,11 +21,13 @@ class _Direct:
         self.address: DeviceUrl = address
         self._port = port
         self.bytes = 0
+        self.up_to_ns = 0
 
     def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
         data = self._port.read(READ_BYTES)
         self.bytes += len(data)
-        return [Chunk(time.time_ns(), data)] if data else []
+        self.up_to_ns = time.time_ns()
+        return [Chunk(self.up_to_ns, data)] if data else []
 
 
 def listen(url: str, seconds: float) -> list[str]:

@@ -1,8 +1,9 @@
 """The engine: a live feed to attitude, tick by tick, and everything a screen shows of it."""
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from time import monotonic
 from typing import Protocol
 
 import numpy as np
@@ -15,11 +16,13 @@ from procedures.attitude.north import heading_at_rest
 from procedures.earth import STANDARD_GRAVITY
 from station.guide.view import Event, Sound
 from station.live.live_feed import LiveFeed
+from station.mcap_files.fix_reader import Record
 from station.monitor.alarms import Alarm, Watch
 from station.monitor.at_rest import DEG_H, Rest
-from station.monitor.attitude import NO_AID, Aiding, Attitude, AttitudeTrack
+from station.monitor.attitude import Aiding, Attitude, AttitudeTrack
 from station.monitor.calibration import Applied
 from station.monitor.filter_settings import gyro_bias_std, settings_of
+from station.monitor.gnss_aid import aiding_of
 from station.monitor.recording import Recording
 from station.monitor.sensors import Sensors, Tick
 from station.monitor.session import Verb
@@ -29,6 +32,7 @@ from station.monitor.view import InUse, Mode, Point, Reading, Stream, View
 TICK_S = 0.1
 HISTORY = 600  # points: a minute
 EVENTS = 8
+LATEST_S = 0.5  # that a tick waits for the aid's reader, so that what was read before it counts in it
 
 
 class Aid(Protocol):
@@ -38,8 +42,13 @@ class Aid(Protocol):
         """Take what has come."""
         ...
 
-    def newest(self) -> Aiding:
-        """Return what is new since the last call, nan where nothing is."""
+    @property
+    def up_to_ns(self) -> int:
+        """The moment [ns] up to which nothing more will come."""
+        ...
+
+    def take(self, until_ns: int) -> Sequence[Record]:
+        """Return what came since the last call and until a moment [ns], in order."""
         ...
 
     def stream(self) -> Stream:
@@ -91,6 +100,7 @@ class Monitor:
         self._events: deque[Event] = deque(maxlen=EVENTS)
         self._numbers = self._marks = 0
         self._speed: float | None = None
+        self._held_since: float | None = None
         unit = feed.unit
         self.view = View(
             unit=f"{unit.model} {unit.serial}" if unit else "", aid=options.aid, in_use=self._in_use, folder=folder
@@ -196,14 +206,23 @@ class Monitor:
         if self._recording is not None:
             self._recording.take(tape, max(self._noted, tape.first), tape.end, self._feed.stream.decoder.kind)
             self._noted = tape.end
-        while tape.end - self._at >= self._size:
+        while tape.end - self._at >= self._size and self._has_come(tape.host_ns(self._at + self._size - 1)):
             self._at += self._size
             block = tape.block(self._at - self._size, self._at)
-            self._go_on(self._sensors.take(block))
+            self._go_on(self._sensors.take(block), tape.host_ns(self._at - 1))
         tape.forget_before(self._at)
 
-    def _go_on(self, tick: Tick) -> None:
-        aiding = NO_AID if self._aid is None else self._aid.newest()
+    def _has_come(self, host_ns: int) -> bool:
+        """Say whether all that the aid read until a moment [ns] is here; its reader is not waited for for ever."""
+        if self._aid is None or self._aid.up_to_ns >= host_ns:
+            self._held_since = None
+            return True
+        self._held_since = self._held_since or monotonic()
+        return monotonic() - self._held_since > LATEST_S
+
+    def _go_on(self, tick: Tick, host_ns: int) -> None:
+        records = () if self._aid is None else self._aid.take(host_ns)
+        aiding = aiding_of(records, self._options.aid)
         self._learn_speed(aiding)
         self._health.unhealthy += not tick.is_healthy
         if tick.not_applied and not self._in_use.note:

@@ -19,12 +19,13 @@ from drivers.device_url import parse_device_url
 from drivers.errors import DriverError
 from procedures.arrays import FloatArray
 from procedures.earth import STANDARD_GRAVITY, normal_gravity
+from station.errors import DataRefused
 from station.guide.folder import journal_path, new_folder
 from station.live.live_feed import LiveFeed, Source, open_feed
 from station.monitor.alarms import Alarm
 from station.monitor.calibration import find_calibration
 from station.monitor.lines import PlainMonitor, json_line, listen
-from station.monitor.monitor import Monitor, Options
+from station.monitor.monitor import Aid, Monitor, Options
 from station.monitor.recording import EVENTS, Recording
 from station.monitor.replay import Replay, is_mcap
 from station.monitor.thread import MonitorThread
@@ -42,7 +43,7 @@ class Wanted:
 
     url: str
     C: FloatArray
-    aid: str = "none"
+    aid: str = ""  # gnss with a receiver; in a replay as it was then
     gnss: str = ""
     mavlink_out: str = ""
     calibration: Path | None = None
@@ -94,25 +95,20 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
         unknown = UNKNOWN if feed.wire.identity is None else None
         unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
         applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
-        aid = None
-        if wanted.gnss:
-            from station.gnss import open_gnss
-            from station.monitor.gnss_aid import GnssAid
-
-            beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
-            aid = GnssAid(stack.enter_context(open_gnss(wanted.gnss, beside)), wanted.aid)
+        aid, aid_name = _aid(wanted, source, folder, stack)
         if wanted.mavlink_out:
             sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
         recording = None if folder is None else Recording(folder, feed.wire, aid.utc if aid else None)
         if recording is not None:
             recording.note("begin", wanted.url, float("nan"), 0)
+            recording.note("aid", aid_name, float("nan"), 0)
             if wanted.records:
                 recording.begin()
         latitude = None if wanted.latitude_deg is None else float(np.radians(wanted.latitude_deg))
         yield Monitor(
             feed, applied,
             Options(
-                aid=wanted.aid, C=wanted.C, latitude=latitude,
+                aid=aid_name, C=wanted.C, latitude=latitude,
                 heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
                 gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
                 alarms=wanted.alarms, revive=revive,
@@ -130,6 +126,25 @@ def _folder(wanted: Wanted, stack: ExitStack) -> Path | None:
         root = platformdirs.user_data_path("fog-station") / "monitor"
         folder = root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
     return stack.enter_context(new_folder(folder, EVENTS))
+
+
+def _aid(wanted: Wanted, source: Source, folder: Path | None, stack: ExitStack) -> tuple[Aid | None, str]:
+    """Return the receiver, live or recorded, and by name what it aids with."""
+    if isinstance(source, Replay) and not wanted.gnss:
+        from station.monitor.recorded_gnss import recorded_aid, recorded_gnss
+
+        file = Path(source.address.path)
+        found = recorded_gnss(file)
+        if found is None and wanted.aid not in {"", "none"}:
+            raise DataRefused(file, None, f"no gnss_*.mcap beside it, --aid {wanted.aid}", "a receiver")
+        return found, wanted.aid or (recorded_aid(file) or "gnss" if found else "none")
+    if not wanted.gnss:
+        return None, wanted.aid or "none"
+    from station.gnss import open_gnss
+    from station.monitor.gnss_aid import GnssAid
+
+    beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+    return GnssAid(stack.enter_context(open_gnss(wanted.gnss, beside))), wanted.aid or "gnss"
 
 
 def _source(wanted: Wanted, folder: Path, stack: ExitStack) -> tuple[Source, "_Revival | None"]:
