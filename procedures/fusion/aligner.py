@@ -6,6 +6,7 @@ It waits for displacement and observability, not for a time; what is missing is 
 import numpy as np
 
 from procedures.fusion.alignment import Aligned, Waiting
+from procedures.fusion.imu_gaps import imu_gaps
 from procedures.fusion.moving_aligner import MovingAligner
 from procedures.fusion.records import GnssFixes, ImuSeries
 from procedures.fusion.static_aligner import align_at_rest
@@ -13,7 +14,9 @@ from procedures.fusion.static_aligner import align_at_rest
 FIRST = 3.0  # s after which it is worth a try
 PACE = 1.1  # later attempts are as much farther apart, and at least `STEP`
 STEP = 1.0  # s
-WINDOW = 30.0  # s of motion that are looked at, at most: biases move
+TORN = np.radians(0.5)  # 1 sigma of attitude over a gap of the IMU, beyond which only what follows it is looked at
+WINDOW = 30.0  # s of motion that are looked at: biases move
+FIXES = 12  # at least, however far apart they are
 
 
 def align_when_possible(aligner: MovingAligner, imu: ImuSeries, fixes: GnssFixes) -> Aligned | Waiting:
@@ -21,9 +24,10 @@ def align_when_possible(aligner: MovingAligner, imu: ImuSeries, fixes: GnssFixes
     start = max(float(imu.t[0]), float(fixes.t[0]))
     end = min(float(imu.t[-1]), float(fixes.t[-1]))
     found: Aligned | Waiting = Waiting("IMU and GNSS overlap for less than three seconds")
+    torn = [gap.last for gap in imu_gaps(imu) if gap.rate_std * gap.length > TORN]
     now = start + FIRST
     while now <= end:
-        found = _attempt(aligner, imu, fixes, start, now)
+        found = _attempt(aligner, imu, fixes, max([start, *(last for last in torn if last <= now)]), now)
         if isinstance(found, Aligned):
             break
         now += max(STEP, (PACE - 1) * (now - start))
@@ -36,10 +40,16 @@ def _attempt(
     resting = align_at_rest(between(imu, start, now), aligner.noise, aligner.gravity, aligner.earth_n)
     if isinstance(resting, Aligned):
         return resting
-    moving = aligner.align(between(imu, now - WINDOW - 1, now), fixes_between(fixes, now - WINDOW, now))
+    since = max(min(now - WINDOW, _earlier(fixes, now, FIXES)), start)
+    moving = aligner.align(between(imu, since - 1, now), fixes_between(fixes, since, now))
     if isinstance(moving, Waiting) and "does not stand" not in resting.why:
         return resting
     return moving
+
+
+def _earlier(fixes: GnssFixes, now: float, count: int) -> float:
+    """Return the time [s] of the fix that as many others up to now follow, or of the first."""
+    return float(fixes.t[max(int(np.searchsorted(fixes.t, now, "right")) - count, 0)])
 
 
 def between(imu: ImuSeries, first: float, last: float) -> ImuSeries:

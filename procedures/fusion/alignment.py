@@ -12,10 +12,11 @@ SETTLED_TILT = np.radians(1.0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Aligned:
-    """State at the first of the fixes ``t0``: ``C_nb``, ``v_n`` and biases with covariance (12, 12).
+    """State at the first of the fixes ``t0``: ``C_nb``, ``v_n`` and biases with covariance (12, 12) or (15, 15).
 
-    In the order rotation about n [rad], v [m/s], gyro bias [rad/s], accelerometer bias [m/s2]. ``C_now`` is the
-    attitude at the last fix, ``tilt_std`` and ``yaw_std`` [rad] 1 sigma of it.
+    In the order rotation about n [rad], v [m/s], gyro bias [rad/s], accelerometer bias [m/s2], and ``lever`` (3,)
+    [m] in b, the antenna's, where it was estimated. ``C_now`` is the attitude at the last fix, ``tilt_std`` and
+    ``yaw_std`` [rad] 1 sigma of it.
     """
 
     t0: float
@@ -29,6 +30,7 @@ class Aligned:
     tilt_std: float
     yaw_std: float
     misfit: float
+    lever: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

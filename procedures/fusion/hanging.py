@@ -41,13 +41,16 @@ class _Rows:
 
 
 class Hanging:
-    """Odometry poses and the fixes on them; ``time_offset`` [s] is added to the stamps of fixes to come."""
+    """Odometry poses and the fixes on them.
+
+    ``lever_arm`` (3,) [m] and ``time_offset`` [s], added to stamps, are what fixes to come are hung by.
+    """
 
     def __init__(self, lever_arm: FloatArray, time_offset: float) -> None:
         self.fixes: GnssFixes | None = None
         self.time_offset = time_offset
         self.yaw_std: float | None = None
-        self._lever_arm = lever_arm
+        self.lever_arm = lever_arm
         self._uses_velocity = False
         self._nodes, self._terms = _Rows(_NODE), _Rows(_FIX)
         self._next = 0  # of the fixes
@@ -102,7 +105,7 @@ class Hanging:
         recent = self.t[self._terms.get("node").astype(np.int64)] > self.t[-1] - LONGEST
         get = {name: self._terms.get(name)[recent] for name in self._terms.parts}
         node = get["node"].astype(np.int64)
-        antenna = get["C_of"].reshape(-1, 3, 3) @ self._lever_arm
+        antenna = get["C_of"].reshape(-1, 3, 3) @ self.lever_arm
         q = self.p_o[node] + get["arm_o"] + antenna
         drift = self._nodes.get("drift")[:, 0]
         v_o, v_std = get["v_o"][:, :2], self._velocity_std(node, get["v_o"], get["v_std"])
@@ -115,8 +118,7 @@ class Hanging:
     def _velocity_std(self, node: IntArray, v_o: FloatArray, v_std: FloatArray) -> FloatArray:
         """Return 1 sigma of GNSS's velocity less the odometry's over a frame, blurred by how fast that changes."""
         changed = np.r_[0.0, np.linalg.norm(np.diff(v_o[:, :2], axis=0), axis=1)]
-        walk = np.sqrt(self._nodes.get("drift")[node, 0]) / (self.t[node] - self.t[node - 1])
-        std: FloatArray = np.sqrt(v_std**2 + walk**2 + (0.5 * changed) ** 2)
+        std: FloatArray = np.sqrt(v_std**2 + self._walk(node) ** 2 + (0.5 * changed) ** 2)
         return std
 
     def _hang_up_to(self, t: float) -> int:
@@ -139,19 +141,25 @@ class Hanging:
         back = (self.t[node] - t) / dt
         v_o = (self.p_o[node] - self.p_o[node - 1]) / dt
         C = self.C_ob[node - 1 : node + 1]
+        v_antenna = v_o + (C[1] - C[0]) @ self.lever_arm / dt
         off = 0.5 * JERKY * min(back, 1 - back) ** 2 * dt**2  # m
-        course, course_weight = self._course(fixes, i, v_o)
+        course, course_weight = self._course(fixes, i, v_antenna, self._walk(node))
         self._terms.append(
-            node=float(node), arm_o=-back * dt * v_o, C_of=back * C[0] + (1 - back) * C[1], v_o=v_o,
+            node=float(node), arm_o=-back * dt * v_o, C_of=back * C[0] + (1 - back) * C[1], v_o=v_antenna,
             tau=self.time_offset, z=fixes.p_n[i], weight=1 / (fixes.position_std[i] ** 2 + off**2), course=course,
             course_weight=course_weight, v_n=fixes.v_n[i], v_std=fixes.velocity_std[i],
         )  # fmt: skip
 
-    def _course(self, fixes: GnssFixes, i: int, v_o: FloatArray) -> tuple[float, float]:
+    def _walk(self, node: IntArray | int) -> FloatArray:
+        """Return 1 sigma [m/s] of an odometry's velocity over a frame, by what it says of its drift."""
+        std: FloatArray = np.sqrt(self._nodes.get("drift")[node, 0]) / (self.t[node] - self.t[node - 1])
+        return std
+
+    def _course(self, fixes: GnssFixes, i: int, v_o: FloatArray, v_o_std: FloatArray) -> tuple[float, float]:
         """Return GNSS's course less that of the odometry's velocity, from East to North, and its weight."""
         v, speed = fixes.v_n[i, :2], float(np.hypot(*v_o[:2]))
         course = np.arctan2(v[1], v[0]) if np.isfinite(v).all() else np.pi / 2 - fixes.course[i]
         if self._uses_velocity or not np.isfinite(course) or speed < SLOWEST:
             return 0.0, 0.0
         difference = float(wrapped(course - np.arctan2(v_o[1], v_o[0])))
-        return difference, 1 / (COURSE_STD**2 + (fixes.velocity_std[i] / speed) ** 2)
+        return difference, 1 / (COURSE_STD**2 + (fixes.velocity_std[i] ** 2 + float(v_o_std) ** 2) / speed**2)

@@ -9,7 +9,7 @@ With ``b0`` the body at the first instant and constant biases,
 their times; an interval's attitude is that of its middle.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,11 @@ class Grid:
     omega_b: FloatArray
     f_b: FloatArray
     at: np.ndarray
+
+    @property
+    def edges(self) -> "Grid":
+        """The same, at all edges of its rows."""
+        return replace(self, at=np.arange(len(self.dt) + 1))
 
 
 def grid(imu: ImuSeries, times: FloatArray) -> Grid:
@@ -63,24 +68,33 @@ def integrate(
     felt = np.einsum("nij,nj->ni", middle, g.f_b - accel_bias)
     alpha = _summed(felt * g.dt[:, None])
     Phi = _summed(middle * g.dt[:, None, None])
-    by_gyro = _summed(_cross(felt) @ (Phi[:-1] + Phi[1:]) / 2 * g.dt[:, None, None])
+    by_gyro = _summed(skew(felt) @ (Phi[:-1] + Phi[1:]) / 2 * g.dt[:, None, None])
     return Increments(C[g.at], alpha[g.at], by_gyro[g.at], -Phi[g.at])
 
 
 def products(steps: FloatArray) -> FloatArray:
     """Return the running products (n + 1, 3, 3) of rotations (n, 3, 3), the first the identity."""
-    C = np.empty((len(steps) + 1, 3, 3))
-    C[0] = np.eye(3)
-    for k, step in enumerate(steps):
-        np.matmul(C[k], step, out=C[k + 1])
-    return C
+    n = len(steps)
+    size = max(int(np.sqrt(n)), 1)  # of blocks that are multiplied side by side, then one after the other
+    blocks = np.broadcast_to(np.eye(3), (-(-n // size) * size, 3, 3)).copy()
+    blocks[:n] = steps
+    running = blocks.reshape(-1, size, 3, 3)
+    for k in range(1, size):
+        running[:, k] = running[:, k - 1] @ running[:, k]
+    head = np.eye(3)
+    for block in running:
+        block[:] = head @ block
+        head = block[-1]
+    return np.concatenate((np.eye(3)[None], running.reshape(-1, 3, 3)[:n]))
 
 
 def _summed(parts: FloatArray) -> FloatArray:
     return np.concatenate((np.zeros((1, *parts.shape[1:])), np.cumsum(parts, axis=0)))
 
 
-def _cross(v: FloatArray) -> FloatArray:
+def skew(v: FloatArray) -> FloatArray:
+    """Return the matrices (..., 3, 3) that take x to v cross x."""
     matrix = np.zeros((*v.shape[:-1], 3, 3))
     matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
-    return matrix - np.swapaxes(matrix, -1, -2)
+    skewed: FloatArray = matrix - np.swapaxes(matrix, -1, -2)
+    return skewed

@@ -20,6 +20,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.fusion.alignment import Aligned
 from procedures.fusion.extra import gtsam
+from procedures.fusion.imu_gaps import ImuGap, imu_gaps
 from procedures.fusion.inertial_increments import grid
 from procedures.fusion.keyframes import SPACING, keyframes
 from procedures.fusion.odometry import OdometryPose
@@ -41,6 +42,7 @@ class WindowSettings:
     """``gravity`` [m/s2], ``earth_n`` (3,) [rad/s], ``lever`` (3,) [m] in b, ``lag`` and ``spacing`` [s].
 
     ``still_std`` [m/s]: the IMU is known to stand, and by how much; GNSS velocities are then left out.
+    ``lever_std`` [m]: 1 sigma of the lever arm at the start; it widens velocities by how fast the IMU turns.
     """
 
     noise: ImuNoise
@@ -51,6 +53,7 @@ class WindowSettings:
     lag: float = 2.0
     spacing: float = SPACING
     still_std: float | None = None
+    lever_std: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,10 +76,11 @@ class InertialWindow:
         self.settings, self.fixes, self.start = settings, fixes, start
         self.frames = keyframes(fixes, imu, start.t0, settings.spacing)
         self._grid = grid(imu, self.frames.t)
-        rate = (np.interp(self.frames.t, imu.t, imu.omega_b[:, i]) for i in range(3))
-        self._arm_rate = np.cross(np.stack(list(rate), axis=1), settings.lever)
+        self._rate = np.stack([np.interp(self.frames.t, imu.t, imu.omega_b[:, i]) for i in range(3)], axis=1)
+        self.lever, self.lever_std = settings.lever, settings.lever_std
         self._lib = gtsam()
         self._params = self._preintegration()
+        self._gaps = [(gap, self._preintegration(gap)) for gap in imu_gaps(imu)]
         self.state: State | None = None
         self.factors, self.values = (
             self._lib.NonlinearFactorGraph(),
@@ -126,11 +130,14 @@ class InertialWindow:
     def _key(self, letter: str, k: int | None = None) -> int:
         return int(self._lib.symbol(letter, self._k if k is None else k))
 
-    def _preintegration(self) -> Any:
+    def _preintegration(self, gap: ImuGap | None = None) -> Any:
         noise, eye = self.settings.noise, np.eye(3)
+        gyro, accel = noise.gyro**2, noise.accel**2
+        if gap is not None:  # a density that has made as much of it at its end
+            gyro, accel = gyro + gap.rate_std**2 * gap.length, accel + gap.force_std**2 * gap.length
         params = self._lib.PreintegrationCombinedParams(np.array([0.0, 0.0, -self.settings.gravity]))
-        params.setGyroscopeCovariance(noise.gyro**2 * eye)
-        params.setAccelerometerCovariance(noise.accel**2 * eye)
+        params.setGyroscopeCovariance(gyro * eye)
+        params.setAccelerometerCovariance(accel * eye)
         params.setBiasOmegaCovariance(noise.gyro_walk**2 * eye)
         params.setBiasAccCovariance(noise.accel_walk**2 * eye)
         params.setIntegrationCovariance(INTEGRATION * eye)
@@ -140,7 +147,7 @@ class InertialWindow:
     def _first(self) -> State:
         fix = max(int(self.frames.fix[0]), 0)
         s = self.start
-        p = self.fixes.p_n[fix] - s.C_nb @ self.settings.lever
+        p = self.fixes.p_n[fix] - s.C_nb @ self.lever
         return State(float(self.frames.t[0]), s.C_nb, p, s.v_n, s.gyro_bias, s.accel_bias, has_velocity=True)
 
     def _advanced(self, k: int, last: State) -> State:
@@ -156,7 +163,7 @@ class InertialWindow:
             factors.push_back(lib.CombinedImuFactor(*keys, self._key("b", k - 1), self._key("b", k), whole))
             predicted = whole.predict(lib.NavState(pose, velocity), bias)
             pose, velocity = predicted.pose(), predicted.velocity()
-        has_velocity = self._add_fix(factors, k, np.asarray(pose.rotation().matrix()))
+        has_velocity = self._add_fix(factors, k, np.asarray(pose.rotation().matrix()), last.gyro_bias)
         values.insert(self._key("x"), pose)
         values.insert(self._key("v"), velocity)
         values.insert(self._key("b"), bias)
@@ -177,7 +184,9 @@ class InertialWindow:
         )  # fmt: skip
 
     def _preintegrated(self, k: int, bias: Any) -> Any:
-        whole = self._lib.PreintegratedCombinedMeasurements(self._params, bias)
+        middle = (self.frames.t[k - 1] + self.frames.t[k]) / 2
+        params = next((each for gap, each in self._gaps if gap.first < middle < gap.last), self._params)
+        whole = self._lib.PreintegratedCombinedMeasurements(params, bias)
         for i in range(int(self._grid.at[k - 1]), int(self._grid.at[k])):
             whole.integrateMeasurement(self._grid.f_b[i], self._grid.omega_b[i], self._grid.dt[i])
         return whole
@@ -194,7 +203,7 @@ class InertialWindow:
         factors.push_back(lib.PriorFactorVector(self._key("v"), first.v, sigmas(np.full(3, FREE_VELOCITY))))
         factors.push_back(lib.PriorFactorConstantBias(self._key("b"), lib.imuBias.ConstantBias(), sigmas(b_std)))
 
-    def _add_fix(self, factors: Any, k: int, C_nb: FloatArray) -> bool:
+    def _add_fix(self, factors: Any, k: int, C_nb: FloatArray, gyro_bias: FloatArray) -> bool:
         """Add what a fix says of keyframe k; return whether its velocity is held."""
         lib, i, still = self._lib, int(self.frames.fix[k]), self.settings.still_std
         sigmas = lib.noiseModel.Diagonal.Sigmas
@@ -203,7 +212,9 @@ class InertialWindow:
             return True
         if i < 0:
             return False
-        v, std = self.fixes.v_n[i] - C_nb @ self._arm_rate[k], self.fixes.velocity_std[i]
+        rate = self._rate[k] - gyro_bias
+        v = self.fixes.v_n[i] - C_nb @ np.cross(rate, self.lever)
+        std = np.hypot(self.fixes.velocity_std[i], np.linalg.norm(rate) * self.lever_std)
         has_velocity = bool(np.isfinite(v[:2]).all())
         if has_velocity:
             given = np.where(np.isfinite(v), std, UNKNOWN)
@@ -211,8 +222,7 @@ class InertialWindow:
         if self.settings.layers == 1 or self._height_holds(i):
             p_std = np.full(3, self.fixes.position_std[i])
             p_std[:2] = p_std[:2] if self.settings.layers == 1 else UNKNOWN
-            arm = self.settings.lever
-            factors.push_back(lib.GPSFactorArm(self._key("x"), self.fixes.p_n[i], arm, sigmas(p_std)))
+            factors.push_back(lib.GPSFactorArm(self._key("x"), self.fixes.p_n[i], self.lever, sigmas(p_std)))
         return has_velocity
 
     def _height_holds(self, i: int) -> bool:

@@ -16,7 +16,7 @@ from procedures.arrays import FloatArray
 from procedures.fusion.banded import eliminate, solve_chain
 from procedures.fusion.hanging import Hanging
 from procedures.fusion.odometry import OdometryPose, OdometrySource
-from procedures.fusion.outer_terms import Layout, Prior, linearise, rz
+from procedures.fusion.outer_terms import LEVER, Layout, Prior, linearise, rz
 from procedures.fusion.records import GnssFixes, Trajectory
 from procedures.fusion.track_yaw import STRANGE, TrackYaw
 
@@ -93,6 +93,24 @@ class OuterGraph:
         lever = self.layout.lever_of(last, self.settings.arm)
         return np.array(lever), float(self.layout.offset_of(last, self.settings.time_offset))
 
+    @property
+    def lever_std(self) -> float:
+        """1 sigma [m] of the lever arm's least known component, 0 where it was given."""
+        if not self.layout.lever_arm:
+            return 0.0
+        if self._prior is None:
+            return self.settings.lever_arm_std or 0.0
+        return float(np.sqrt(np.linalg.eigvalsh(self._covariance[LEVER, LEVER])[-1]))
+
+    @property
+    def offset_std(self) -> float:
+        """1 sigma [s] of the time offset, 0 where it was given."""
+        if not self.layout.time_offset:
+            return 0.0
+        if self._prior is None:
+            return self.settings.time_offset_std or 0.0
+        return float(np.sqrt(self._covariance[-1, -1]))
+
     def smoothed(self) -> tuple[Trajectory, int]:
         """Return the trajectory by all fixes, a pose a node, and how many fixes stand off as outliers."""
         if self.alignment is None:
@@ -129,6 +147,8 @@ class OuterGraph:
         self._prior = self._weak_prior(self._x[0])
         for _ in range(POLISH):
             self._solve()
+            if self.layout.time_offset:
+                self.hanging.hang_again(self.constants[1])
         self._slide()
 
     def _by_alignment(self, yaw: float) -> FloatArray:
@@ -179,7 +199,7 @@ class OuterGraph:
         chain, _ = linearise(x, nodes, terms, self._prior, self.layout, self.settings.arm)
         step, self._covariance = solve_chain(chain)
         x += step
-        self.hanging.time_offset = self.constants[1]
+        self.hanging.lever_arm, self.hanging.time_offset = self.constants
 
     def _slide(self) -> None:
         """Eliminate what is older than the window into the prior of its first node."""

@@ -35,8 +35,8 @@ class Nodes:
 @dataclass(frozen=True, slots=True, eq=False)
 class FixTerms:
     """Fixes as they hang on nodes: ``node`` (m,), ``arm_o`` (m, 3) [m] from node to fix, ``C_of`` (m, 3, 3),
-    ``v_o`` (m, 3) [m/s], ``tau`` (m,) [s] the offset at which they were hung, ``z`` (m, 3) [m], ``weight`` (m,)
-    [1/m2]; ``course`` (m,) [rad] and ``course_weight`` (m,) [1/rad2], 0 where it says nothing.
+    ``v_o`` (m, 3) [m/s] of the antenna, ``tau`` (m,) [s] the offset at which they were hung, ``z`` (m, 3) [m],
+    ``weight`` (m,) [1/m2]; ``course`` (m,) [rad] and ``course_weight`` (m,) [1/rad2], 0 where it says nothing.
     """  # noqa: D205
 
     node: IntArray

@@ -1,6 +1,7 @@
 """Locate by a calibrated IMU: alignment, then GNSS velocity and IMU in a window, with a graph on it or without."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -8,20 +9,20 @@ from procedures.arrays import FloatArray
 from procedures.earth import earth_rate_n
 from procedures.fusion.aligner import align_when_possible
 from procedures.fusion.alignment import Aligned, Waiting
-from procedures.fusion.differenced import with_differenced_velocity
 from procedures.fusion.extra import gtsam
-from procedures.fusion.inertial_window import InertialWindow, State, WindowSettings
+from procedures.fusion.imu_gaps import ImuGap, imu_gaps
+from procedures.fusion.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.moving_aligner import MovingAligner
-from procedures.fusion.records import Trajectory
+from procedures.fusion.outer_graph import OuterGraph, OuterSettings
 from procedures.fusion.static_aligner import is_still
 from station.errors import DataRefused
 from station.fusion_folder import FusionLog
+from station.locate.one_layer import one_layer
 from station.locate.result import Alignment, Located
-from station.locate.through_graph import outer_settings, through_graph, timed, trajectory_of
+from station.locate.through_graph import outer_settings, through_graph, trajectory_of
 
 STILL = 1e-3  # m/s, of a bench
 BENCH_SPACING = 0.1  # s: poses at 10 Hz are promised
-ENOUGH = 7  # fixes, to difference
 
 
 def by_imu(log: FusionLog, layers: int = 2) -> Located:
@@ -33,39 +34,58 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
     earth_n = earth_rate_n(log.latitude)
     fixes = log.fixes.shifted(given.time_offset)
     has_velocity = bool(np.isfinite(fixes.v_n[:, :2]).all(axis=1).any())
-    seen = fixes if has_velocity or len(fixes.t) < ENOUGH else with_differenced_velocity(fixes)
-    aligned = align_when_possible(MovingAligner(log.noise, log.gravity, earth_n, given.arm), log.imu, seen)
+    aligner = MovingAligner(log.noise, log.gravity, earth_n, given.arm, given.lever_arm_std)
+    aligned = align_when_possible(aligner, log.imu, fixes)
     if isinstance(aligned, Waiting):
         return never(aligned.why)
     still = is_still(log.imu, log.noise)
     layers = layers if has_velocity or still else 1  # nothing else would hold the velocity
-    settings = WindowSettings(log.noise, log.gravity, earth_n, given.arm, layers)
+    given = with_lever(given, aligned)
+    settings = WindowSettings(
+        log.noise, log.gravity, earth_n, given.arm, layers, lever_std=given.lever_arm_std or 0.0
+    )
     if still:
         settings = replace(settings, still_std=STILL, spacing=BENCH_SPACING)
     window = InertialWindow(settings, log.imu, fixes, aligned)
-    located = _one_layer(window, aligned) if layers == 1 else through_graph(log, window, after=aligned.t)
+    if layers == 1:
+        located = one_layer(window, aligned)
+    else:
+        told = partial(_tell_lever, window) if given.layout.lever_arm else None
+        located = through_graph(log, window, after=aligned.t, settings=given, told=told)
     state = window.state
     return replace(
         located,
+        warnings=(*located.warnings, *_of_gaps(log, imu_gaps(log.imu))),
         alignment=_alignment(aligned),
         gyro_bias=None if state is None else state.gyro_bias,
         accel_bias=None if state is None else state.accel_bias,
     )
 
 
+def _of_gaps(log: FusionLog, gaps: tuple[ImuGap, ...]) -> tuple[str, ...]:
+    if not gaps or log.table.imu is None:
+        return ()
+    longest = max(gaps, key=lambda gap: gap.length)
+    said = f"{len(gaps)} gaps, the longest of {longest.length:.2f} s at {longest.first:.2f} s"
+    return (f"{log.table.imu.file}: {said}, are bridged by straight lines",)
+
+
+def with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:
+    """Return the settings with the lever arm as the alignment found it, where it did."""
+    if aligned.lever is None or given.lever_arm_std is None:
+        return given
+    std = float(np.sqrt(np.linalg.eigvalsh(aligned.covariance[12:, 12:])[-1]))
+    return replace(given, lever_arm=aligned.lever, lever_arm_std=std)
+
+
+def _tell_lever(window: InertialWindow, graph: OuterGraph) -> None:
+    window.lever, window.lever_std = graph.constants[0], graph.lever_std
+
+
 def never(why: str) -> Located:
     """Return what there is where no alignment was found."""
     nothing = trajectory_of([])
     return Located(nothing, nothing, None, why, 0, np.zeros(0))
-
-
-def _one_layer(window: InertialWindow, aligned: Aligned) -> Located:
-    states, seconds = timed(window.states())
-    online = [k for k, state in enumerate(states) if state.t >= aligned.t]
-    found = window.smoothed()
-    smoothed = trajectory_of([State(t, C, p, p, p, p, has_velocity=True) for t, p, C in found])
-    poses: Trajectory = trajectory_of([states[k] for k in online])
-    return Located(poses, smoothed, states[online[0]].t, "", 0, seconds[online], layers=1)
 
 
 def _alignment(aligned: Aligned) -> Alignment:

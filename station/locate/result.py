@@ -20,6 +20,7 @@ class Alignment:
 class Located:
     """``online``: each pose uses nothing later; ``smoothed``: all poses by all fixes.
 
+    ``covariance`` (n, 4, 4) is that of the online poses: position [m] and heading [rad] in n.
     ``begun_at`` [s] is None where it never could, and ``why_not`` says why. ``seconds`` (n,): how long each online
     pose took. ``layers`` is what was used. Biases and ``time_offset`` are the last; what was neither given nor
     estimated is None.
@@ -38,3 +39,4 @@ class Located:
     time_offset: float | None = None
     warnings: tuple[str, ...] = ()
     layers: int = 2
+    covariance: FloatArray | None = None

@@ -6,6 +6,7 @@ alignment, over the poses later than `WARM_UP`; of each figure median and worst 
 """
 
 import argparse
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -63,6 +64,19 @@ def attitude_errors(trajectory: Trajectory, truth: Trajectory) -> tuple[float, f
     return float(np.degrees(np.sqrt(np.mean(tilt**2)))), float(np.degrees(np.sqrt(np.mean(yaw**2))))
 
 
+def consistency(located: Located, truth: Trajectory) -> tuple[float, float]:
+    """Return the normalised errors squared of online position and yaw, per axis, over their own covariance: 1."""
+    k = (located.online.t > WARM_UP) & (located.online.t < truth.t[-1])
+    assert located.covariance is not None
+    t, P = located.online.t[k], located.covariance[k]
+    e = located.online.p[k] - np.stack([np.interp(t, truth.t, truth.p[:, i]) for i in range(3)], axis=1)
+    E = (
+        Rotation.from_quat(located.online.q[k]) * Slerp(truth.t, Rotation.from_quat(truth.q))(t).inv()
+    ).as_matrix()
+    position = np.einsum("ni,ni->n", e, np.linalg.solve(P[:, :3, :3], e[..., None])[..., 0]) / 3
+    return float(position.mean()), float(np.mean(np.arctan2(E[:, 1, 0], E[:, 0, 0]) ** 2 / P[:, 3, 3]))
+
+
 def said(name: str, rows: Iterable[Iterable[float]], heads: str) -> list[float]:
     """Print median and worst of each column, and return the medians."""
     table = np.array([list(row) for row in rows])
@@ -73,15 +87,18 @@ def said(name: str, rows: Iterable[Iterable[float]], heads: str) -> list[float]:
 
 
 def row(log: FusionLog, located: Located) -> list[float]:
-    """Return online mean and worst, smoothed mean, tilt and yaw of one run."""
+    """Return online mean and worst, smoothed mean, tilt and yaw of one run, and how honest its covariance is."""
     assert log.truth is not None
     online, smoothed = (errors(part, log.truth, WARM_UP) for part in (located.online, located.smoothed))
     assert online is not None
     assert smoothed is not None
-    return [online.mean, online.worst, smoothed.mean, *attitude_errors(located.online, log.truth)]
+    attitude = attitude_errors(located.online, log.truth)
+    found = [online.mean, online.worst, smoothed.mean, *attitude, *consistency(located, log.truth)]
+    print(f"  {' '.join(f'{value:.4f}' for value in found)}", file=sys.stderr, flush=True)
+    return found
 
 
-HEADS = "online mean, online worst, smoothed mean [m], tilt, yaw [deg rms]"
+HEADS = "online mean, online worst, smoothed mean [m], tilt, yaw [deg rms], NEES of position, yaw per axis"
 Run = Callable[[FusionLog], Located]
 
 

@@ -72,7 +72,8 @@ class Eight:
         stamp = np.arange(0.5, self.seconds, 1 / RATE)
         t = stamp - late
         p = self.p(t) + self.attitude(t).apply(lever) + rng.normal(0, std, (len(t), 3))
-        v = self.v(t) + rng.normal(0, 0.05, (len(t), 3))
+        omega = (self.attitude(t - 1e-3).inv() * self.attitude(t + 1e-3)).as_rotvec() / 2e-3
+        v = self.v(t) + self.attitude(t).apply(np.cross(omega, lever)) + rng.normal(0, 0.05, (len(t), 3))
         return GnssFixes(stamp, p, v, np.full(len(t), np.nan), np.full(len(t), std), np.full(len(t), 0.05))
 
     def odometry(self, rng: np.random.Generator, drift: Drift, yaw: float = 0.7) -> RecordedOdometry:

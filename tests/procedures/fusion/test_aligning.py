@@ -42,12 +42,22 @@ def test_ten_seconds_of_motion_give_attitude_and_biases_within_their_sigma(seed:
 
 def test_a_lever_arm_that_is_known_is_taken_into_account() -> None:
     flight, rng = Eight(12.0), np.random.default_rng(1)
-    fixes = flight.fixes(rng)
-    omega = (flight.attitude(fixes.t - 1e-3).inv() * flight.attitude(fixes.t + 1e-3)).as_rotvec() / 2e-3
-    swung = replace(fixes, v_n=fixes.v_n + flight.attitude(fixes.t).apply(np.cross(omega, LEVER)))
-    found = aligner(LEVER).align(flight.imu(rng, EARTH), swung)
+    found = aligner(LEVER).align(flight.imu(rng, EARTH), flight.fixes(rng, LEVER))
     assert isinstance(found, Aligned)
     assert np.abs(off(found, flight)).max() < 4 * found.yaw_std
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_lever_arm_that_is_not_known_is_found_within_its_sigma(seed: int) -> None:
+    flight, rng = Eight(20.0), np.random.default_rng(seed)
+    imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng, LEVER)
+    found = replace(aligner(), lever_std=1.0).align(imu, fixes)
+    assert isinstance(found, Aligned)
+    assert found.lever is not None
+    assert np.abs(off(found, flight)).max() < 4 * found.yaw_std
+    sigma = np.sqrt(np.diag(found.covariance)[12:])
+    assert np.all(np.abs(found.lever - LEVER) < 4 * sigma)
+    assert sigma.max() < 0.2
 
 
 def test_a_receiver_without_vertical_velocity_is_enough() -> None:
@@ -79,12 +89,27 @@ def test_what_cannot_be_observed_is_never_accepted(seed: int) -> None:
     assert "do not fit each other" in refused.why
 
 
-def test_no_velocity_says_so() -> None:
+@pytest.mark.parametrize("seed", range(3))
+def test_a_receiver_of_positions_alone_is_enough_however_far_apart_they_are(seed: int) -> None:
+    flight, rng = Eight(40.0), np.random.default_rng(seed)
+    fixes = flight.fixes(rng, LEVER).part(
+        slice(0, None, 40)
+    )  # every two seconds, in which it flies a quarter round
+    fixes.v_n[:] = np.nan
+    found = aligner(LEVER).align(flight.imu(rng, EARTH), fixes)
+    assert isinstance(found, Aligned)
+    error = off(found, flight)
+    assert np.abs(error[:2]).max() < 4 * found.tilt_std
+    assert abs(error[2]) < 4 * found.yaw_std
+    assert np.all(np.abs(found.v_n - flight.v(fixes.t[0])) < 4 * np.sqrt(np.diag(found.covariance)[3:6]))
+
+
+def test_four_positions_are_too_few_and_said_so() -> None:
     flight, rng = Eight(12.0), np.random.default_rng(4)
-    fixes = flight.fixes(rng)
+    fixes = flight.fixes(rng).part(slice(0, None, 60))
     fixes.v_n[:] = np.nan
     assert isinstance(found := aligner().align(flight.imu(rng, EARTH), fixes), Waiting)
-    assert "0 GNSS velocities" in found.why
+    assert "3 GNSS velocities" in found.why
 
 
 def test_a_fog_at_rest_finds_north_by_the_earths_rate() -> None:
