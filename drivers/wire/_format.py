@@ -6,7 +6,7 @@ One file per format defines one `WireFormat`; the family tests hold every one to
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,18 +42,27 @@ class NominalScale:
     source: str
 
 
+class Lines(NamedTuple):
+    """Frames that stand end to end, each with its trailer: as rows of their table, and (n, 2) begins and ends."""
+
+    rows: bytes
+    edges: IntArray
+
+
 @dataclass(frozen=True, slots=True)
 class TextForm:
     """How frames of varying size, such as lines of text, are found and read.
 
     ``end`` (buffer, at) returns where the frame that begins at ``at`` ends, `UNDECIDED` while more bytes could
     tell, ``at`` where it can be none. ``row`` returns a frame as one row of its kind's table; it raises ValueError
-    where the frame is none after all. No frame is longer than ``longest``.
+    where the frame is none after all. No frame is longer than ``longest``. ``lines``, where there is one, finds
+    many intact frames of a buffer at once, each as the others would read it; what it leaves out they decide.
     """
 
     end: Callable[[bytes, int], int]
     row: Callable[[bytes], bytes]
     longest: int
+    lines: Callable[[bytes], list[Lines]] | None = None
 
 
 UNDECIDED = 2**62
