@@ -138,6 +138,10 @@ class GnssFeed:
             self._line = key, fit_time_line(*window)
         return self._line[1]
 
+    def utc_scatter(self) -> float:
+        """Return the 1 sigma [s, UTC] of one mark about the line that `utc` read last; 0 before there is one."""
+        return self._line[1].scatter if self._line[1] else 0.0
+
     def rates_hz(self) -> dict[str, float]:
         """Return how often each record came over the last seconds."""
         return self._rates.hz()

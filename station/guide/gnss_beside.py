@@ -44,7 +44,7 @@ class GnssBeside:
 
     def __init__(self, gnss: GnssFeed, feed: LiveFeed, story: Story) -> None:
         self._gnss, self._story = gnss, story
-        self._rate = SampleRate(feed, gnss.utc)
+        self._rate = SampleRate(feed, gnss.utc, gnss.utc_scatter)
         self._said = ""
 
     def round(self) -> None:

@@ -20,9 +20,7 @@ LINK = "mavlink:udpin:127.0.0.1:14550"
 class Asked:
     """An autopilot that the station's session talks to, both in memory; each poll is a twentieth of a second."""
 
-    def __init__(
-        self, autopilot: AutopilotTruth, faults: tuple[GnssFault, ...] = (), hz: float = 5.0
-    ) -> None:
+    def __init__(self, autopilot: AutopilotTruth, faults: tuple[GnssFault, ...] = (), hz: float = 5.0) -> None:
         self.address = parse_device_url(f"{LINK}?rate={hz:g}")
         self.now = 0.0
         self._session = Session(hz)
@@ -68,9 +66,7 @@ def test_a_rate_that_was_not_granted_is_named_with_what_to_do(
     said = heard(Asked(autopilot, faults), 40.0)
     said.pop("")
     [(text, at)] = said.items()
-    assert re.search(
-        r"GPS_RAW_INT comes at (0\.8|1|1\.2) Hz, 5 Hz was asked for", text
-    )  # one more or less in 5 s
+    assert re.search(r"GPS_RAW_INT comes at (0\.8|1|1\.2) Hz, 5 Hz was asked for", text)  # one more or less in 5 s
     assert text.endswith("ask for less: rate=1 in the address")
     assert at <= TOLD_S
 
