@@ -41,7 +41,8 @@ def record(
 
     In the folder: session_*.mcap with every byte since the port was opened, written by the reader process, and
     recording.mcap with bytes and counts of the seconds [s, device time] asked for; both open in Foxglove. With
-    --gnss also gnss_session_*.mcap (its bytes) and gnss_*.mcap (its fixes), and UTC beside the rows.
+    --gnss also gnss_session_*.mcap (its bytes) and gnss_*.mcap (its fixes), and UTC beside the rows. What is
+    wrong with either is said on stderr as it appears, and when it is over.
 
     With --fusion, IMU (calibrated: rad/s, m/s2) and fixes (m East-North-Up of the first) are then written on one
     clock, noise densities from the Allan deviation of the longest rest. `replay:FILE` with --fusion and without
@@ -60,6 +61,7 @@ def record(
     from station.gnss.summary import summary
     from station.guide.folder import journal_path, new_folder
     from station.live.live_feed import open_feed
+    from station.live.told import Told
     from station.reader import Reader
     from station.recorder import recording
 
@@ -69,8 +71,15 @@ def record(
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
         feed = open_feed(reader)
         timed = Timed(receiver, feed) if receiver else None
+        line, sky = (Told(name, lambda text: typer.echo(text, err=True)) for name in (feed.address.name, "GNSS"))
+
+        def look() -> None:
+            line.look(feed.amiss)
+            if receiver is not None and timed is not None:
+                sky.look(receiver.trouble or timed.said)
+
         try:
-            done = recording.record(feed, folder, seconds, timed)
+            done = recording.record(feed, folder, seconds, timed, look)
         finally:
             counters, framing = feed.stream.counters, feed.stream.decoder.counters
             typer.echo(

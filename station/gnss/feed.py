@@ -23,6 +23,7 @@ from drivers.mavlink.signing import SignatureCheck, read_key
 from drivers.ports import parse_device_url
 from procedures.gnss import AirData, AveragedSite, GnssFix, TimeMark, averaged_site
 from procedures.time_line import TimeLine, fit_time_line
+from station.gnss.rates import Rates
 from station.gnss.trouble import Health
 from station.mcap_files.fix_reader import Record
 from station.mcap_files.fix_writer import FixWriter
@@ -31,7 +32,6 @@ from station.reader import Chunk, GapMark, Reader
 KEPT = 6000  # fixes: 20 minutes at 5 Hz
 AROUND_NS = 30 * 10**9  # of a moment: the marks its time is taken from
 REFIT_NS = 10**9  # how old the newest line may be
-RATE_S = 5.0
 FOR_EVER = 2**63 - 1  # ns
 EXPECTED = "a GNSS source: mavlink:LINK:WHERE"
 
@@ -75,9 +75,8 @@ class GnssFeed:
         self._marks: tuple[list[int], list[int]] = [], []  # host, UTC [ns]
         self._stamps_are_marks = True  # of fixes, until the sender states its time
         self._line: tuple[tuple[int, int], TimeLine | None] = (0, 0), None
-        self._health = Health(address.name, address.system, clock)
-        self._clock = clock
-        self._seen: deque[tuple[float, str]] = deque(maxlen=KEPT)
+        self._health = Health(address.name, address.system, address.rate_hz, clock)
+        self._rates = Rates(address.name, address.rate_hz, clock)
 
     def advance(self, timeout_s: float = 0.0) -> None:
         """Take what has come; what is wrong stands in `trouble`, nothing is raised but `CannotWrite`."""
@@ -93,11 +92,12 @@ class GnssFeed:
             else:
                 self._take_bytes(item)
         self._health.look(self.decoder, self.latest)
+        self._rates.look(is_well=not self._health.trouble)
 
     @property
     def trouble(self) -> str:
-        """What is wrong, found within 2 s, and what to do; empty if nothing is."""
-        return self._health.trouble
+        """What is wrong, found within 2 s (a low rate later), and what to do; empty if nothing is."""
+        return self._health.trouble or self._rates.trouble
 
     def take(self) -> list[GnssFix]:
         """Return the fixes that came since the last call, oldest first; filtered ones are not among them."""
@@ -138,25 +138,23 @@ class GnssFeed:
             self._line = key, fit_time_line(*window)
         return self._line[1]
 
+    def utc_scatter(self) -> float:
+        """Return the 1 sigma [s, UTC] of one mark about the line that `utc` read last; 0 before there is one."""
+        return self._line[1].scatter if self._line[1] else 0.0
+
     def rates_hz(self) -> dict[str, float]:
         """Return how often each record came over the last seconds."""
-        since = self._clock() - RATE_S
-        counts: dict[str, int] = {}
-        for at, name in self._seen:
-            if at >= since:
-                counts[name] = counts.get(name, 0) + 1
-        return {name: count / RATE_S for name, count in counts.items()}
+        return self._rates.hz()
 
     def _take_bytes(self, chunk: Chunk) -> None:
         self._health.bytes_came()
-        now = self._clock()
         for record in self.decoder.feed(chunk.data, chunk.host_ns):
             match record:
                 case GnssFix():
-                    self._seen.append((now, record.source))
+                    self._rates.came(record.source)
                     self._take_fix(record)
                 case TimeMark(host_ns, _, utc_ns):
-                    self._seen.append((now, "SYSTEM_TIME"))
+                    self._rates.came("SYSTEM_TIME")
                     if utc_ns is not None:
                         self._mark(host_ns, utc_ns, is_stated=True)
                 case AirData():

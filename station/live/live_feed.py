@@ -91,6 +91,13 @@ class LiveFeed:
         return self._trouble.text
 
     @property
+    def amiss(self) -> str:
+        """What is wrong with the line while nothing is raised: a port that is away, else `trouble`."""
+        if not self._lost:
+            return self.trouble
+        return f"{self.address.name} was lost ({self._lost}); it is tried again and again: check cable and power"
+
+    @property
     def temperature_c(self) -> float | None:
         """The newest temperature, None where the device says none."""
         end = self.tape.end
@@ -153,11 +160,12 @@ class LiveFeed:
         samples = self.tape.block(first, last)
         return block_of(samples, first, self.period, is_broken=is_broken, is_anew=is_anew)
 
-    def pieces(self) -> Iterator[Piece]:
-        """Yield the stream's pieces, for ever; samples are not kept."""
+    def pieces(self, look: Callable[[], None] = lambda: None) -> Iterator[Piece]:
+        """Yield the stream's pieces, for ever; samples are not kept. ``look`` is called often, whatever comes."""
         while True:
             yield from self._pieces
             self.tape.forget_before(self.tape.end)
+            look()
             self.advance()
 
     def advance(self) -> None:

@@ -145,7 +145,8 @@ def state_of(view: View) -> tuple[str, str, str]:
     if view.is_over:
         return "■ ENDED", "$foreground", view.line
     if view.trouble:
-        return "✗ NO DATA", "$error", view.trouble
+        is_imu = bool(view.streams[0].trouble)  # the first stream; a receiver beside it stops nothing
+        return "✗ NO DATA" if is_imu else "✗ GNSS", "$error", view.trouble
     if view.alarms:
         return "✗ ALARM", "$error", "; ".join(view.alarms)
     if view.line:
