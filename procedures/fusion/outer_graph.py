@@ -76,13 +76,17 @@ class OuterGraph:
         """Yield a pose for each of the source's, from the moment of alignment; none uses anything later."""
         self.hanging.fixes = fixes
         for pose in source.poses():
-            hung = self.hanging.add(pose)
-            if self._prior is None:
-                self._try_to_begin(pose, hung)
-            else:
-                self._go_on(hung > 0)
-            if self._prior is not None:
-                yield self._latest()
+            if (found := self.take(pose)) is not None:
+                yield found
+
+    def take(self, pose: OdometryPose) -> GlobalPose | None:
+        """Take a pose, with the fixes up to it in `hanging`; None before the moment of alignment."""
+        hung = self.hanging.add(pose)
+        if self._prior is None:
+            self._try_to_begin(pose, hung)
+        else:
+            self._go_on(hung > 0)
+        return None if self._prior is None else self._latest()
 
     @property
     def constants(self) -> tuple[FloatArray, float]:

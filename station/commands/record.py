@@ -106,17 +106,14 @@ def _fusion(
     if fusion is None:
         return lambda recording: None
     where = fusion
+    from station.commands._lengths import lengths
     from station.locate.from_recording import Asked, fusion_from_recording
 
     try:
-        arm = [float(part) for part in lever_arm.split(",")] if lever_arm else []
-    except ValueError:
-        arm = [0.0]
-    if len(arm) not in {0, 3}:
-        raise typer.BadParameter(
-            f"found {lever_arm!r}, expected three lengths X,Y,Z in m", param_hint="--lever-arm"
-        )
-    asked = Asked(calibration, db, tuple(arm), model, serial)
+        arm = lengths(lever_arm)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--lever-arm") from error
+    asked = Asked(calibration, db, arm, model, serial)
 
     def make(recording: str) -> None:
         for line in fusion_from_recording(recording, where, asked):

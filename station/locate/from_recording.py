@@ -57,7 +57,7 @@ def fusion_from_recording(url: str, folder: Path, asked: Asked) -> list[str]:
     counts = sensors.quanta() if feed.wire.output == "increments" else (0.0, 0.0)
     rest = longest_rest(imu, counts[1])
     gravity = normal_gravity(origin.latitude, origin.height)
-    noise = densities(_part(imu, rest), feed.period, applied.document, counts)
+    noise = densities(imu, rest, feed.period, applied.document, counts)
     std = KNOWN_STD if times.knows_sender else UNKNOWN_STD
     folder.mkdir(parents=True, exist_ok=True)
     write_fusion(folder, Recorded(origin, gravity, imu, noise, fixes, std, asked.lever_arm))
@@ -113,17 +113,10 @@ def _placed(file: Path, records: list[Record], times: FixTimes, imu: ImuSeries) 
     return origin, level_fixes(origin, np.array(stamps), used)
 
 
-def _part(imu: ImuSeries, rest: Rest) -> ImuSeries:
-    if rest.seconds < LEAST_S:
-        return imu
-    part = slice(rest.first, rest.last)
-    return ImuSeries(imu.t[part], imu.omega_b[part], imu.f_b[part])
-
-
 def _said(folder: Path, imu: ImuSeries, fixes: GnssFixes, rest: Rest, applied: Applied) -> list[str]:
     rested = f"noise from {rest.seconds:.0f} s of rest"
     if rest.seconds < LEAST_S:
-        rested = f"warning: no rest of {LEAST_S:g} s, the noise is that of the whole and too large"
+        rested = f"warning: no rest of {LEAST_S:g} s, the noise is that of the quietest seconds"
     return [
         f"{folder}: {imu.t[-1] - imu.t[0]:.1f} s of IMU, {len(fixes.t)} fixes, calibration {applied.in_use.text}",
         rested,

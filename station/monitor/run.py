@@ -19,13 +19,16 @@ from drivers.device_url import parse_device_url
 from drivers.errors import DriverError
 from procedures.arrays import FloatArray
 from procedures.earth import STANDARD_GRAVITY, normal_gravity
+from procedures.fusion.extra import gtsam
 from station.errors import DataRefused
 from station.guide.folder import journal_path, new_folder
 from station.live.live_feed import LiveFeed, Source, open_feed
 from station.monitor.alarms import Alarm
-from station.monitor.calibration import find_calibration
+from station.monitor.calibration import Applied, find_calibration
 from station.monitor.lines import PlainMonitor, json_line, listen
+from station.monitor.locating import Locating, locating
 from station.monitor.monitor import Aid, Monitor, Options
+from station.monitor.recorded_gnss import RecordedGnss, recorded_aid, recorded_gnss
 from station.monitor.recording import EVENTS, Recording
 from station.monitor.replay import Replay, is_mcap
 from station.monitor.thread import MonitorThread
@@ -51,6 +54,8 @@ class Wanted:
     heading_deg: float | None = None
     gravity: float | None = None
     alarms: tuple[Alarm, ...] = ()
+    locate: bool = False
+    lever_arm: tuple[float, ...] = ()
     folder: Path | None = None
     records: bool = True
     seconds: float = float("inf")
@@ -86,6 +91,8 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
     DriverError, CannotWrite, DataRefused
         What port, disk or calibration refuse; nothing is left behind.
     """
+    if wanted.locate:
+        gtsam()  # said before anything is begun
     with ExitStack() as stack:
         folder = _folder(wanted, stack)
         source, revive = _source(wanted, folder or Path(stack.enter_context(tempfile.TemporaryDirectory())), stack)
@@ -96,6 +103,7 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
         unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
         applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
         aid, aid_name = _aid(wanted, source, folder, stack)
+        where = _locating(wanted, feed, applied, aid, stack)
         if wanted.mavlink_out:
             sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
         recording = None if folder is None else Recording(folder, feed.wire, aid.utc if aid else None)
@@ -111,7 +119,7 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
                 aid=aid_name, C=wanted.C, latitude=latitude,
                 heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
                 gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
-                alarms=wanted.alarms, revive=revive,
+                alarms=wanted.alarms, revive=revive, locating=where,
             ),
             recording, aid, sinks, "" if folder is None else str(folder),
         )  # fmt: skip
@@ -131,8 +139,6 @@ def _folder(wanted: Wanted, stack: ExitStack) -> Path | None:
 def _aid(wanted: Wanted, source: Source, folder: Path | None, stack: ExitStack) -> tuple[Aid | None, str]:
     """Return the receiver, live or recorded, and by name what it aids with."""
     if isinstance(source, Replay) and not wanted.gnss:
-        from station.monitor.recorded_gnss import recorded_aid, recorded_gnss
-
         file = Path(source.address.path)
         found = recorded_gnss(file)
         if found is None and wanted.aid not in {"", "none"}:
@@ -145,6 +151,17 @@ def _aid(wanted: Wanted, source: Source, folder: Path | None, stack: ExitStack) 
 
     beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
     return GnssAid(stack.enter_context(open_gnss(wanted.gnss, beside))), wanted.aid or "gnss"
+
+
+def _locating(
+    wanted: Wanted, feed: LiveFeed, applied: Applied, aid: Aid | None, stack: ExitStack
+) -> Locating | None:
+    if not wanted.locate:
+        return None
+    is_replay = isinstance(aid, RecordedGnss)
+    if aid is None:
+        raise DataRefused(feed.address.path, None, "no gnss_*.mcap beside it for --locate", "a receiver")
+    return locating(feed, applied, wanted.C, wanted.lever_arm, stack, live=not is_replay)
 
 
 def _source(wanted: Wanted, folder: Path, stack: ExitStack) -> tuple[Source, "_Revival | None"]:

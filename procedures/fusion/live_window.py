@@ -1,0 +1,48 @@
+"""The inertial window while it is being lived through: keyframes are added as samples and fixes come."""
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.fusion.inertial_increments import Grid, grid
+from procedures.fusion.inertial_window import FRAME, InertialWindow
+from procedures.fusion.keyframes import Keyframes
+from procedures.fusion.odometry import OdometryPose
+from procedures.fusion.records import GnssFixes, ImuSeries
+
+
+class LiveWindow(InertialWindow):
+    """Go through `poses` first, then call `go_on` for ever; what the lag has left behind is let go."""
+
+    _since = 0.0  # s without a velocity
+
+    def go_on(self, t: float, imu: ImuSeries, fixes: GnssFixes, fix: int) -> OdometryPose:
+        """Return the pose of a new keyframe at ``t`` [s].
+
+        ``imu`` has the samples since the last keyframe; ``fixes`` are those so far and these, ``fix`` the one of
+        them that stands at ``t``, -1 where none does.
+        """
+        k, before = len(self.frames.t), float(self.frames.t[-1])
+        assert self.state is not None
+        self.fixes = fixes
+        self.frames = Keyframes(np.append(self.frames.t, t), np.append(self.frames.fix, fix))
+        self._lay(k, grid(imu, np.array([before, t])), imu)
+        self.state = self._advanced(k, self.state)
+        self.factors, self.values = self._lib.NonlinearFactorGraph(), self._lib.Values()  # for no smoothed one
+        self._since = 0.0 if self.state.has_velocity else self._since + t - before
+        drift = self._drift(t - before, self._since)
+        return OdometryPose(t, self.state.p, self.state.C_nb, drift, FRAME, uses_velocity=True)
+
+    def heading_std(self) -> float:
+        """Return 1 sigma [rad] of the newest attitude about the vertical."""
+        assert self.state is not None
+        up_b = self.state.C_nb[2]
+        return float(np.sqrt(up_b @ self.covariance()[:3, :3] @ up_b))
+
+    def _lay(self, k: int, piece: Grid, imu: ImuSeries) -> None:
+        """Have keyframe ``k`` find its samples and its rate where the window looks for them."""
+        at = np.zeros(k + 1, dtype=np.int64)
+        at[k] = len(piece.dt)
+        self._grid = Grid(piece.dt, piece.omega_b, piece.f_b, at)
+        t = self.frames.t[k]
+        rate: FloatArray = np.array([np.interp(t, imu.t, imu.omega_b[:, i]) for i in range(3)], dtype=np.float64)
+        self._arm_rate = np.broadcast_to(np.cross(rate, self.settings.lever), (k + 1, 3))
