@@ -71,7 +71,8 @@ def record(
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
         feed = open_feed(reader)
         timed = Timed(receiver, feed) if receiver else None
-        line, sky = (Told(name, lambda text: typer.echo(text, err=True)) for name in (feed.address.name, "GNSS"))
+        names = (feed.address.name, receiver.address.name if receiver else "")
+        line, sky = (Told(name, lambda text: typer.echo(text, err=True)) for name in names)
 
         def look() -> None:
             line.look(feed.amiss)
