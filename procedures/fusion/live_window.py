@@ -3,6 +3,7 @@
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.fusion.imu_gaps import imu_gaps
 from procedures.fusion.inertial_increments import Grid, grid
 from procedures.fusion.inertial_window import FRAME, InertialWindow
 from procedures.fusion.keyframes import Keyframes
@@ -45,4 +46,5 @@ class LiveWindow(InertialWindow):
         self._grid = Grid(piece.dt, piece.omega_b, piece.f_b, at)
         t = self.frames.t[k]
         rate: FloatArray = np.array([np.interp(t, imu.t, imu.omega_b[:, i]) for i in range(3)], dtype=np.float64)
-        self._arm_rate = np.broadcast_to(np.cross(rate, self.settings.lever), (k + 1, 3))
+        self._rate = np.broadcast_to(rate, (k + 1, 3))
+        self._gaps = [(gap, self._preintegration(gap)) for gap in imu_gaps(imu)]

@@ -50,7 +50,7 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
     if layers == 1:
         located = one_layer(window, aligned)
     else:
-        told = partial(_tell_lever, window) if given.layout.lever_arm else None
+        told = partial(tell_lever, window) if given.layout.lever_arm else None
         located = through_graph(log, window, after=aligned.t, settings=given, told=told)
     state = window.state
     return replace(
@@ -78,7 +78,8 @@ def with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:
     return replace(given, lever_arm=aligned.lever, lever_arm_std=std)
 
 
-def _tell_lever(window: InertialWindow, graph: OuterGraph) -> None:
+def tell_lever(window: InertialWindow, graph: OuterGraph) -> None:
+    """Have a window take off by the lever arm as a graph knows it now."""
     window.lever, window.lever_std = graph.constants[0], graph.lever_std
 
 

@@ -23,8 +23,10 @@ from procedures.gnss import GnssFix, TimeMark
 from procedures.level_fixes import antenna, is_usable, level_fixes, origin_at
 from station.gnss.fix_times import FixTimes
 from station.locate.imu_noise import NoiseOf
+from station.locate.inertial import tell_lever, with_lever
 from station.locate.live_beginning import KEPT, Beginning, appended, joined
 from station.locate.live_track import Track
+from station.locate.through_graph import FREE_ARM
 from station.mcap_files.fix_reader import Record
 from station.monitor.view import Location
 
@@ -34,7 +36,6 @@ EARLY_S = 0.06  # by which a fix is to be known before a keyframe comes near it
 AGES = 20  # fixes, whose lateness is looked at
 TRY_EVERY_S = 1.0
 STD_EVERY_S = 0.5  # the heading's sigma costs milliseconds
-UNKNOWN_ARM = 1.0  # m
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,10 +121,10 @@ class LiveLocator:
         if found is None:
             return
         a = self._aligner(self._beginning.noise)
-        settings = WindowSettings(a.noise, a.gravity, a.earth_n, a.lever)
+        given = with_lever(OuterSettings(lever_arm=self._arm, lever_arm_std=a.lever_std), found.aligned)
+        settings = WindowSettings(a.noise, a.gravity, a.earth_n, given.arm, lever_std=given.lever_arm_std or 0.0)
         self._window = LiveWindow(settings, found.imu, found.fixes, found.aligned)
-        arm_std = UNKNOWN_ARM if self._arm is None else None
-        self._graph = OuterGraph(OuterSettings(lever_arm=self._arm, lever_arm_std=arm_std))
+        self._graph = OuterGraph(given)
         self._graph.hanging.fixes = fixes
         self._taken = len(fixes.t)
         for pose in self._window.poses():
@@ -134,7 +135,10 @@ class LiveLocator:
         assert self._origin is not None
         latitude = self._origin.latitude
         arm = np.zeros(3) if self._arm is None else self._arm
-        return MovingAligner(noise, normal_gravity(latitude, self._origin.height), earth_rate_n(latitude), arm)
+        gravity = normal_gravity(latitude, self._origin.height)
+        return MovingAligner(
+            noise, gravity, earth_rate_n(latitude), arm, None if self._arm is not None else FREE_ARM
+        )
 
     def _go_on(self, now: float) -> None:
         """Add the keyframes that are due."""
@@ -149,6 +153,8 @@ class LiveLocator:
             pose = self._window.go_on(t, imu, self._fixes, fix)
             if (known := self._graph.take(pose)) is not None:
                 self._show(known, fix)
+            if self._arm is None:
+                tell_lever(self._window, self._graph)
 
     def _due(self, until: float) -> tuple[float, int] | None:
         """Return the next keyframe's time and fix (-1: none) up to ``until`` [s], None where none is due."""

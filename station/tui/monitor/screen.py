@@ -29,7 +29,12 @@ HELP = (
     "Roll and pitch of forward-right-down axes. Residual is the angle between what the accelerometers say is down "
     "and the attitude. At rest on a slab the table shows what the calibration bought: what is left of level, "
     "drift and g, with it and without. The zero is taken off what is shown and off nothing else: recordings, JSON "
-    "and MAVLink have absolute angles. With --locate: l is the map, ✗ a fix that stands off, + the first fix."
+    "and MAVLink have absolute angles."
+)
+HELP_LOCATED = (
+    "The place is East, North and Up of the first fix, which is + on the map; ✗ is a fix that stands off, counted "
+    "and hardly believed. Heading is of forward, from true north. Residual is the angle between what the "
+    "accelerometers say is down and the attitude. The zero is of the display only."
 )
 LEAVE = "The recording is finished and complete; everything stays in its folder."
 
@@ -153,7 +158,8 @@ class MonitorScreen(Screen[None]):
             for active in self.active_bindings.values()
             if active.binding.show
         }
-        self.app.push_screen(Help("monitor", HELP, keys))
+        text = HELP if self.view.location is None else HELP_LOCATED
+        self.app.push_screen(Help("monitor", text, keys))
 
 
 def _at(view: View) -> str:

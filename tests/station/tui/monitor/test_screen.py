@@ -17,7 +17,7 @@ LOOKS = [
     ("waiting", SMALL, ""), ("moving", SMALL, ""), ("resting", SMALL, ""), ("alarming", SMALL, ""),
     ("silent", SMALL, ""), ("zeroed", SMALL, ""), ("steep", SMALL, ""), ("resting", SMALL, "question_mark"),
     ("moving", LARGE, ""), ("aided", LARGE, ""), ("not_located", SMALL, ""), ("located", SMALL, ""),
-    ("located", LARGE, ""),
+    ("located", LARGE, ""), ("located", SMALL, "question_mark"),
 ]  # fmt: skip
 
 
