@@ -1,4 +1,4 @@
-"""The sample rate that a device declares against GNSS time: beyond 0.1 % a warning, beyond 1 % a refusal.
+"""The sample rate that a device declares against another clock: beyond 0.1 % a warning, beyond 1 % a refusal.
 
 A device's own time follows its counter: where a sync line drives it, counter, time and every health bit look right
 while all rates are wrong.
@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from procedures.diagnosis.clock import ClockRate, fit_clock
+from procedures.diagnosis.clock import PLAUSIBLE, ClockRate, fit_clock
 from station.campaign_folder.loaded import REFUSE_PERIOD, clock_sentence, off_period
 from station.campaign_folder.series import WARN_PERIOD
 from station.errors import DataRefused
@@ -31,10 +31,21 @@ class SampleRate:
 
     ``scatter`` [s] is that of a mark about the line which ``utc`` reads. Stamps of many seconds share that line's
     error, which a fit through them does not see: above all at the beginning, when it goes through few marks.
+    ``by`` names the clock in words; with ``span_s`` [s] it is one of this machine's: nothing is said before, nor
+    of a device that goes at quite another pace, as simulated ones do.
     """
 
-    def __init__(self, feed: LiveFeed, utc: Utc, scatter: Callable[[], float] = lambda: 0.0) -> None:
+    def __init__(
+        self,
+        feed: LiveFeed,
+        utc: Utc,
+        scatter: Callable[[], float] = lambda: 0.0,
+        by: str = "reference time",
+        span_s: float = 0.0,
+    ) -> None:
         self._feed, self._times, self._scatter = feed, RowTimes(utc), scatter
+        self._by, self._span_s = by, span_s
+        self._anew = 0
         self._stamps: deque[tuple[float, float]] = deque(maxlen=KEPT)
         self._next = 0.0
         self.clock: Callable[[], float] = time.monotonic
@@ -54,19 +65,18 @@ class SampleRate:
         if len(self._stamps) < LEAST or now < self._next:
             return
         self._next = now + EVERY_S
-        self.rate = fit_clock(*np.array(self._stamps).T)
-        if self.rate is None:
-            return
         span = self._stamps[-1][0] - self._stamps[0][0]
-        off, surely = (
-            off_period(self.rate),
-            SIGMAS * math.hypot(self.rate.std * 1e-6, LINE * self._scatter() / span),
-        )
-        period = self._feed.period
-        self.warning = clock_sentence(period, off) if abs(off) - surely > WARN_PERIOD else ""
+        self.rate = fit_clock(*np.array(self._stamps).T) if span >= self._span_s else None
+        if self.rate is not None and not (self._span_s and abs(self.rate.ppm) > PLAUSIBLE):
+            self._judge(self.rate, LINE * self._scatter() / span)
+
+    def _judge(self, rate: ClockRate, line_std: float) -> None:
+        off, surely = off_period(rate), SIGMAS * math.hypot(rate.std * 1e-6, line_std)
+        sentence = clock_sentence(self._feed.period, off, self._by)
+        self.warning = sentence if abs(off) - surely > WARN_PERIOD else ""
         if abs(off) - surely > REFUSE_PERIOD:
             raise DataRefused(
-                self._feed.address.name, None, clock_sentence(period, off), "the declared rate within 1 %",
+                self._feed.address.name, None, sentence, "the declared rate within 1 %",
                 "check the sync line and the rate that the device is set to",
             )  # fmt: skip
 
@@ -74,6 +84,10 @@ class SampleRate:
         if self._feed.stamp is None:
             return
         host_ns, device_s = self._feed.stamp
+        counters = self._feed.stream.counters
+        if (anew := counters.restarts + counters.clock_jumps) > self._anew:  # two stretches make no line
+            self._anew = anew
+            self._stamps.clear()
         if self._stamps and device_s <= self._stamps[-1][0]:
             if device_s < self._stamps[-1][0]:  # it began anew
                 self._stamps.clear()
