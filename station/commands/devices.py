@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
     from station.reader.survey import Found
 
+OFF_PACE = 0.5  # of the declared rate; a look is short
 CLEAR = "\x1b[H\x1b[2J"
 
 
@@ -87,6 +88,9 @@ def _closely(url: str, seconds: float) -> None:
     typer.echo(f"received  {seen.frames / seen.seconds:.1f} frames/s, {seen.bytes / seen.seconds:.0f} bytes/s")
     if seen.rate_hz is not None:
         typer.echo(f"rate      {seen.rate_hz:.6g} Hz by the device's own time")
+        came_hz = seen.frames / seen.seconds
+        if not url.startswith("replay:") and abs(came_hz / seen.rate_hz - 1) > OFF_PACE:
+            typer.echo(f"warning   {came_hz:.3g} Hz by this machine's clock; check sample period and sync line")
     counters = seen.counters
     typer.echo(
         f"errors    {counters.bad_crc} bad check, {counters.bad_length} bad length, "
