@@ -1,6 +1,6 @@
 """Print how well `station monitor --locate` knows place and heading: `python -m tests.benchmarks.locate_live`.
 
-A simulated FOG in a level vehicle: 20 s of rest, then bends at 6 to 10 m/s; a receiver whose fixes come 0.1 s late,
+A simulated FOG in a vehicle: 20 s of rest, then bends at 6 to 10 m/s; a receiver whose fixes are 0.1 s late,
 its own error 0.3 m for minutes, 0.05 m/s white. Medians and worst over the seeds, from 15 s after it was located.
 """
 
@@ -26,7 +26,7 @@ OUTAGE = 65.0, 20.0  # s: when, how long
 
 @dataclass(frozen=True)
 class Run:
-    """``begun`` [s] after setting off; errors of heading [deg], over sigma, of the level place [m]; ms a second."""
+    """``begun`` [s] after setting off; errors of heading [deg], over sigma, of level place [m]; ms a second."""
 
     begun: float
     heading: FloatArray
