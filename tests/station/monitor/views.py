@@ -83,7 +83,9 @@ LOCATED = _with(
         outliers=3, fix_age=0.2, track=_EIGHT, far=((10.0, 20.0), (12.0, 19.0), (-30.0, 5.0)),
     ),
 )  # fmt: skip
+BEHIND = _with(LOCATED, reading=_with(LOCATED.reading, t=824.0))
 VIEWS = {
+    "behind": BEHIND,
     "not_located": WAITING_TO_LOCATE, "located": LOCATED,
     "waiting": View(), "moving": MOVING, "resting": RESTING, "zeroed": ZEROED, "alarming": ALARMING,
     "silent": SILENT, "aided": AIDED, "steep": STEEP, "uncalibrated": UNCALIBRATED,

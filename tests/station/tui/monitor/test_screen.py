@@ -76,6 +76,7 @@ def cut_off(seen: Shown) -> list[object]:
             "located",
             ("HEADING 329.20 deg 1 sigma 0.11", "1 sigma 0.21 m, up 0.34 m", "4051 fixes 3 outliers", "20 m"),
         ),
+        ("behind", ("3 outliers 12 s behind",)),
         ("waiting", ("waiting for the first samples", "no attitude yet")),
     ],
 )
