@@ -76,8 +76,8 @@ class MonitorScreen(Screen[None]):
         self.horizon, self.readings, self.comparison = Horizon(None), Readings(View()), Comparison(None)
         self.map, self.where = Map(Location()), Where(View())
         self.charts = (
-            Chart("PITCH", "deg", 0.02, pitch="$axis-y"),
             Chart("ROLL", "deg", 0.02, roll="$axis-x"),
+            Chart("PITCH", "deg", 0.02, pitch="$axis-y"),
             Chart("RATES", "deg/s", 0.02, p="$axis-x", q="$axis-y", r="$axis-z"),
             Chart("RESIDUAL", "deg", 0.02, residual="$warning"),
             Chart("AID", "m/s", 1.0, aid="$primary"),
