@@ -87,9 +87,7 @@ class HostTimes:
 
     def _watch(self, arrival: float) -> None:
         assert self.period is not None
-        if (
-            arrival - self._heard > WINDOW_S
-        ):  # what the window held is from before a silence
+        if arrival - self._heard > WINDOW_S:  # what the window held is from before a silence
             self._lasting = [(arrival - self._last) / self.period]
             self._begin_window(arrival)
         self._heard = arrival

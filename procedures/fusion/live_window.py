@@ -15,6 +15,7 @@ class LiveWindow(InertialWindow):
     """Go through `poses` first, then call `go_on` for ever; what the lag has left behind is let go."""
 
     _since = 0.0  # s without a velocity
+    _frames: Keyframes | None = None  # with room for more
 
     def go_on(self, t: float, imu: ImuSeries, fixes: GnssFixes, fix: int) -> OdometryPose:
         """Return the pose of a new keyframe at ``t`` [s].
@@ -25,7 +26,7 @@ class LiveWindow(InertialWindow):
         k, before = len(self.frames.t), float(self.frames.t[-1])
         assert self.state is not None
         self.fixes = fixes
-        self.frames = Keyframes(np.append(self.frames.t, t), np.append(self.frames.fix, fix))
+        self.frames = self._with_frame(k, t, fix)
         self._lay(k, grid(imu, np.array([before, t])), imu)
         self.state = self._advanced(k, self.state)
         self.factors, self.values = self._lib.NonlinearFactorGraph(), self._lib.Values()  # for no smoothed one
@@ -38,6 +39,14 @@ class LiveWindow(InertialWindow):
         assert self.state is not None
         up_b = self.state.C_nb[2]
         return float(np.sqrt(up_b @ self.covariance()[:3, :3] @ up_b))
+
+    def _with_frame(self, k: int, t: float, fix: int) -> Keyframes:
+        """Return the keyframes with another one, in arrays that double when they are full."""
+        room = self._frames
+        if room is None or k == len(room.t):
+            room = self._frames = Keyframes(np.resize(self.frames.t, 2 * k), np.resize(self.frames.fix, 2 * k))
+        room.t[k], room.fix[k] = t, fix
+        return Keyframes(room.t[: k + 1], room.fix[: k + 1])
 
     def _lay(self, k: int, piece: Grid, imu: ImuSeries) -> None:
         """Have keyframe ``k`` find its samples and its rate where the window looks for them."""

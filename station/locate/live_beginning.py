@@ -54,11 +54,3 @@ def joined(parts: list[ImuSeries]) -> ImuSeries:
     return ImuSeries(
         *(np.concatenate([getattr(part, name) for part in parts]) for name in ("t", "omega_b", "f_b"))
     )
-
-
-def appended(fixes: GnssFixes | None, more: GnssFixes) -> GnssFixes:
-    """Return fixes with more after them."""
-    if fixes is None:
-        return more
-    names = ("t", "p_n", "v_n", "course", "position_std", "velocity_std")
-    return GnssFixes(*(np.concatenate((getattr(fixes, name), getattr(more, name))) for name in names))

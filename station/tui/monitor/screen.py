@@ -74,10 +74,10 @@ class MonitorScreen(Screen[None]):
         self.view = View()
         self.title_line, self.state = Title(("", "")), State(("…", "$muted", ""))
         self.horizon, self.readings, self.comparison = Horizon(None), Readings(View()), Comparison(None)
-        self.map, self.where = Map(Location()), Where(Location())
+        self.map, self.where = Map(Location()), Where(View())
         self.charts = (
-            Chart("PITCH", "deg", 0.02, pitch="$axis-y"),
             Chart("ROLL", "deg", 0.02, roll="$axis-x"),
+            Chart("PITCH", "deg", 0.02, pitch="$axis-y"),
             Chart("RATES", "deg/s", 0.02, p="$axis-x", q="$axis-y", r="$axis-z"),
             Chart("RESIDUAL", "deg", 0.02, residual="$warning"),
             Chart("AID", "m/s", 1.0, aid="$primary"),
@@ -112,7 +112,7 @@ class MonitorScreen(Screen[None]):
         if view.location is not None:
             self.set_class(view.location.is_located, "-placed")
             self.map.show(view.location)
-            self.where.show(view.location)
+            self.where.show(view)
         self.title_line.show((f"{view.unit or 'FOG station'}  monitor", f"aid {view.aid}{_at(view)}"))
         self.state.show(state_of(view))
         self.horizon.show(view.shown)

@@ -65,9 +65,9 @@ class DriveRig:
 
     def __init__(
         self, truth: Truth, track: Track, autopilot: AutopilotTruth, faults: Sequence[GnssFault] = (),
-        lever_arm: tuple[float, ...] = (0.0, 0.0, 0.0), folder: Path | None = None,
+        lever_arm: tuple[float, ...] = (0.0, 0.0, 0.0), folder: Path | None = None, seed: int = 1,
     ) -> None:  # fmt: skip
-        self.source = Source(truth)
+        self.source = Source(truth, seed=seed)
         self.source.device.drive(track)
         self.feed = open_feed(self.source)
         self.feed.identify()
@@ -76,7 +76,7 @@ class DriveRig:
         C = body_axes(DEFAULT)
         where = None if folder else locating(self.feed, applied, C, lever_arm, ExitStack(), live=False)
         self.writer = None if folder is None else FixWriter(folder / "gnss_1.mcap")
-        receiver = Receiver(self.source, Autopilot(truth, autopilot, faults, track, 1), self.writer)
+        receiver = Receiver(self.source, Autopilot(truth, autopilot, faults, track, seed), self.writer)
         recording = None if folder is None else Recording(folder, self.feed.wire)
         if recording is not None:
             recording.begin()
