@@ -23,6 +23,7 @@ KEPT = 4000  # stamps, 200 s
 LEAST = 100
 EVERY_S = 2.0
 SIGMAS = 4.0
+SPAN_S = 30.0  # of this machine's clock: one that is held up for a moment is no wrong rate
 LINE = 2.0  # scatters of a mark by which UTC at the two ends of the stamps may be off, each end as a whole
 
 
@@ -51,6 +52,7 @@ class SampleRate:
         self.clock: Callable[[], float] = time.monotonic
         self.rate: ClockRate | None = None
         self.warning = ""
+        self._refused: DataRefused | None = None
 
     def look(self) -> None:
         """Take the newest sample; say what is wrong in ``warning``.
@@ -62,9 +64,13 @@ class SampleRate:
         """
         self._take()
         now = self.clock()
-        if len(self._stamps) < LEAST or now < self._next:
-            return
-        self._next = now + EVERY_S
+        if len(self._stamps) >= LEAST and now >= self._next:
+            self._next = now + EVERY_S
+            self._fit()
+        if self._refused is not None:
+            raise self._refused
+
+    def _fit(self) -> None:
         span = self._stamps[-1][0] - self._stamps[0][0]
         self.rate = fit_clock(*np.array(self._stamps).T) if span >= self._span_s else None
         if self.rate is not None and not (self._span_s and abs(self.rate.ppm) > PLAUSIBLE):
@@ -74,8 +80,9 @@ class SampleRate:
         off, surely = off_period(rate), SIGMAS * math.hypot(rate.std * 1e-6, line_std)
         sentence = clock_sentence(self._feed.period, off, self._by)
         self.warning = sentence if abs(off) - surely > WARN_PERIOD else ""
+        self._refused = None
         if abs(off) - surely > REFUSE_PERIOD:
-            raise DataRefused(
+            self._refused = DataRefused(
                 self._feed.address.name, None, sentence, "the declared rate within 1 %",
                 "check the sync line and the rate that the device is set to",
             )  # fmt: skip
@@ -96,6 +103,20 @@ class SampleRate:
             self._stamps.append((device_s, utc))
 
 
+def by_this_machine(feed: LiveFeed) -> SampleRate:
+    """Return the watch of a device by this machine's clock, which is right to about 1e-4."""
+    return SampleRate(feed, lambda host_ns: host_ns / 1e9, by="this machine's clock", span_s=SPAN_S)
+
+
+def said_of(rate: SampleRate) -> str:
+    """Look, and return what is wrong in words, where a rate that is off is evidence and ends nothing."""
+    try:
+        rate.look()
+    except DataRefused as error:
+        return str(error)
+    return rate.warning
+
+
 class Timed:
     """A receiver beside a plain recording: UTC for its rows; what its rate's check says stands in ``said``."""
 
@@ -106,11 +127,7 @@ class Timed:
     def advance(self) -> None:
         """Take what has come; a rate that is off is evidence here, so that the recording goes on."""
         self._gnss.advance()
-        try:
-            self._rate.look()
-            self.said = self._rate.warning
-        except DataRefused as error:
-            self.said = str(error)
+        self.said = said_of(self._rate)
 
     def utc(self, host_ns: int) -> float | None:
         """Return UTC [s] at a moment of the station's clock [ns]."""

@@ -4,19 +4,17 @@ A machine's clock is right to about 1e-4, so that it can tell 0.1 %. What is mor
 simulated or replayed device at another pace than time's and is left alone.
 """
 
-from station.gnss.sample_rate import SampleRate
+from station.gnss.sample_rate import by_this_machine
 from station.guide.story import Story
 from station.live.live_feed import LiveFeed
 from station.live.told import words_of
-
-SPAN_S = 30.0  # before it is judged: a machine that is held up for a moment is no wrong rate
 
 
 class HostClock:
     """What a campaign without a receiver does each round."""
 
     def __init__(self, feed: LiveFeed, story: Story) -> None:
-        self._rate = SampleRate(feed, lambda host_ns: host_ns / 1e9, by="this machine's clock", span_s=SPAN_S)
+        self._rate = by_this_machine(feed)
         self._story, self._said = story, ""
 
     def round(self) -> None:

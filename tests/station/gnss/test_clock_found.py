@@ -24,10 +24,12 @@ from station import cli
 from station.campaign_folder import read_campaign
 from station.errors import DataRefused
 from station.gnss import GnssFeed
+from station.gnss.sample_rate import by_this_machine, said_of
 from station.guide.gnss_beside import GnssBeside
 from station.guide.host_clock import HostClock
 from station.guide.story import Story
 from station.live import open_feed
+from station.live.told import words_of
 from station.reader import Chunk, GapMark
 from station.recorder import open_campaign
 from tests.station.commands.program import Program
@@ -161,6 +163,19 @@ def test_without_a_receiver_the_machines_clock_tells_a_thousandth_and_leaves_ano
     with pytest.raises(DataRefused, match="check the sync line"):
         beside(REFUSED, 60.0, has_gnss=False)
     assert beside(1e7, 60.0, has_gnss=False) == []  # eleven times as fast
+
+
+def test_a_recording_says_it_and_goes_on() -> None:
+    bench = Bench(REFUSED)
+    feed, looks, said = open_feed(Imu(bench)), itertools.count(0.0, READ_S), list[str]()
+    rate = by_this_machine(feed)
+    rate.clock = lambda: float(next(looks))
+    pieces = feed.pieces(lambda: said.append(said_of(rate)))
+    while bench.device.imu.time < 40.0:
+        next(pieces)
+    told = [words for words, _ in itertools.groupby(words_of(text) for text in said)]
+    assert len(told) == 2  # nothing, then what is wrong and what was expected, to the end
+    assert re.search(r"-1\.[45]\d% off .* expected the declared rate within 1 %", said[-1])
 
 
 @pytest.mark.parametrize("has_gnss", [True, False])
