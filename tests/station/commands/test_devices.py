@@ -94,7 +94,7 @@ def test_it_looks_again_and_again_until_ctrl_c(simulated_imu: SimulatedDevice) -
 def test_the_table_fits_its_terminal_and_says_what_it_leaves_out() -> None:
     messages = {"GPS_RAW_INT": 5.0, "GLOBAL_POSITION_INT": 5.0, "SYSTEM_TIME": 1.0, "HIGHRES_IMU": 50.0}
     autopilot = Found(
-        "mavlink:udpin:0.0.0.0:14550", "MAVLink, the ground station's port", looks_like="mavlink",
+        "mavlink:udpin:127.0.0.1:14550", "MAVLink, the ground station's port", looks_like="mavlink",
         systems={1: 61.0}, messages=messages, errors={"bad_crc": 2, "lost": 0},
     )  # fmt: skip
     lines = survey_lines([autopilot, Found("serial:///dev/ttyNONE", trouble="no such port")])
