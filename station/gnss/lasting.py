@@ -45,6 +45,11 @@ class LastingReader:
         """The number of the process that reads."""
         return self._reader.pid
 
+    @property
+    def up_to_ns(self) -> int:
+        """The moment up to which all that came was polled [ns]."""
+        return self._reader.up_to_ns
+
     def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
         """Return what has come, within ``timeout_s``; raise `CannotWrite` if the disk refuses a journal."""
         if self._next is not None:

@@ -144,6 +144,7 @@ def test_the_receivers_reader_dies_and_another_takes_its_place(tmp_path: Path) -
         assert "the reader process ended, exit code -9; it is tried again and again" in feed.trouble
         _wait(feed, lambda: not feed.trouble and feed.fixes[-1].host_ns > before.host_ns)
         assert source.pid != dead
+        assert before.host_ns < feed.up_to_ns <= time.time_ns()
         assert before in feed.fixes
     sessions = sorted(tmp_path.glob("gnss_session_*.mcap"))
     assert len(sessions) == 2
