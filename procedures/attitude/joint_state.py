@@ -82,7 +82,7 @@ DEFAULT = Settings()
 # motion, at no cost, and the scale factor's share of fast motion counts more than anything slow. All noises by one
 # factor leave the attitude as it is: that factor makes sigma what the error is.
 FREE = Settings(
-    gyro_noise=5e-5, gyro_noise_per_rate=7.5e-4, gyro_bias_walk=2.5e-4, gyro_scale_std=2.5e-3, force_noise=0.05,
+    gyro_noise=5e-5, gyro_noise_per_rate=7.5e-4, gyro_bias_walk=2.5e-4, gyro_scale_std=2.5e-3, force_noise=0.025,
     force_bias_std=0.02, force_bias_walk=2e-5, velocity_std=0.5, speed_noise=0.22, rest_velocity_noise=3e-3,
 )  # fmt: skip
 
