@@ -4,8 +4,9 @@ from station.fusion_folder import FusionLog
 from station.locate.inertial import by_imu
 from station.locate.recorded import by_odometry
 from station.locate.result import Located
+from station.locate.vision import by_vision
 
-SOURCES = {"inertial": by_imu, "odometry": by_odometry}
+SOURCES = {"inertial": by_imu, "odometry": by_odometry, "vision": by_vision}
 
 
 def locate(log: FusionLog, source: str, layers: int = 2) -> Located:
