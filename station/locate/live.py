@@ -73,6 +73,7 @@ class LiveLocator:
         self._beginning: Beginning | None = None
         self._window: LiveWindow | None = None
         self._graph: LiveGraph | None = None
+        self._std: FloatArray = np.zeros(3)  # of the last place
         self._heading_std, self._std_at, self._try_at = np.nan, -np.inf, -np.inf
         self.location = Location(why="no fix yet")
 
@@ -141,9 +142,9 @@ class LiveLocator:
         self._graph = LiveGraph(given)
         self._graph.add(fixes)
         self._taken = len(fixes.t)
-        for pose in self._window.poses():
+        for k, pose in enumerate(self._window.poses()):
             if (known := self._graph.take(pose)) is not None and pose.t >= found.aligned.t:
-                self._show(known, -1)
+                self._show(known, int(self._window.frames.fix[k]))
 
     def _aligner(self, noise: ImuNoise) -> MovingAligner:
         assert self._origin is not None
@@ -197,6 +198,7 @@ class LiveLocator:
             self._std_at, self._heading_std = pose.t, self._window.heading_std()
         self._track.add(pose.p)
         std = np.sqrt(np.diag(pose.covariance))
+        self._std = std[:3]
         ahead = pose.C_nb @ self._ahead
         v = self._window.state.v if self._window.state is not None else np.zeros(3)
         level = bool(np.hypot(*ahead[:2]) > 0.1)
@@ -216,11 +218,11 @@ class LiveLocator:
         return float(self._fixes.t[max(self._taken - 1, 0)])
 
     def _look_at(self, fix: int, pose: GlobalPose) -> None:
-        """Count a fix that stands off by more than chance."""
+        """Count a fix that stands off by more than chance, and more than the place before it was uncertain by."""
         assert self._fixes is not None
         assert self._graph is not None
         off = self._fixes.p_n[fix] - pose.p - pose.C_nb @ self._graph.lever_arm
-        if np.linalg.norm(off) > REJECTED * self._fixes.position_std[fix]:
+        if np.linalg.norm(off / np.hypot(self._fixes.position_std[fix], self._std)) > REJECTED:
             self._track.add_outlier(self._fixes.p_n[fix])
 
 
