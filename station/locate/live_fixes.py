@@ -22,7 +22,7 @@ MOST, HALF = 2000, 1000  # fixes that are kept once they are taken
 
 
 class LiveFixes:
-    """``origin``: where the first fix stood; ``fixes`` are those kept of ``count``; ``taken`` have their keyframe."""
+    """``origin``: where the first fix stood; ``fixes``: those kept of ``count``; ``taken`` have a keyframe."""
 
     def __init__(self, origin: LocalLevel | None = None) -> None:
         self.origin = origin
