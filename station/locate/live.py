@@ -5,8 +5,6 @@ A keyframe stands at each fix and at least every 50 ms, as far behind the newest
 """
 
 from collections import deque
-from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,20 +21,11 @@ from station.locate.live_beginning import KEPT, Beginning, Begun, joined
 from station.locate.live_fixes import BEHIND, LiveFixes
 from station.locate.live_graph import LiveGraph
 from station.locate.live_told import Told
+from station.locate.taken import Taken
 from station.locate.through_graph import FREE_ARM
-from station.mcap_files.fix_reader import Record
 from station.monitor.view import Location
 
 TRY_EVERY_S = 1.0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Taken:
-    """A tenth of a second: samples in SI, IMU axes; ``marks`` of reading [ns] and their device times [s]."""
-
-    imu: ImuSeries
-    marks: Sequence[tuple[int, float]]
-    records: Sequence[Record]
 
 
 class LiveLocator:

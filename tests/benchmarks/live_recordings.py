@@ -18,7 +18,8 @@ from procedures.geodesy import LocalLevel
 from procedures.gnss import FixType, GnssFix, TimeMark
 from station.fusion_folder import FusionLog, read_fusion
 from station.locate.imu_noise import NoiseOf
-from station.locate.live import LiveLocator, Taken
+from station.locate.live import LiveLocator
+from station.locate.taken import Taken
 from station.mcap_files.fix_reader import Record
 from station.monitor.view import Location
 
