@@ -183,8 +183,9 @@ class Monitor:
         if self._aid is None or self._aid.up_to_ns >= host_ns:
             self._held_since = None
             return True
-        self._held_since = self._held_since or monotonic()
-        return monotonic() - self._held_since > LATEST_S
+        now = monotonic()
+        self._held_since = now if self._held_since is None else self._held_since
+        return now - self._held_since > LATEST_S
 
     def _go_on(self, tick: Tick, records: Sequence[Record]) -> None:
         aiding = aiding_of(records, self._options.aid)
