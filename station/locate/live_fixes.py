@@ -68,6 +68,12 @@ class LiveFixes:
         assert self.fixes is not None
         return float(self.fixes.t[max(self.taken - 1, 0)])
 
+    @property
+    def std(self) -> float:
+        """1 sigma [m] of each axis of that fix, as the receiver says."""
+        assert self.fixes is not None
+        return float(self.fixes.position_std[max(self.taken - 1, 0)])
+
     def forget(self) -> None:
         """Let old fixes go that have their keyframes."""
         if self.fixes is not None and self.taken > MOST:

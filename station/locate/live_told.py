@@ -32,7 +32,10 @@ class Told:
             self._track.add_outlier(fix)
 
     def location(self, pose: GlobalPose, window: LiveWindow, origin: LocalLevel, fixes: LiveFixes) -> Location:
-        """Return what is known at a pose, the newest of a window."""
+        """Return what is known at a pose, the newest of a window.
+
+        The place is no better than the receiver says of itself: its errors last for minutes, they do not average.
+        """
         assert window.state is not None
         if pose.t - self._std_at > STD_EVERY_S:
             self._std_at, self._heading_std = pose.t, window.heading_std()
@@ -43,7 +46,7 @@ class Told:
         is_level = bool(np.hypot(*ahead[:2]) > LEVEL)
         latitude, longitude, height = origin.geodetic(pose.p)
         return Location(
-            is_located=True, t=pose.t, enu=_three(pose.p), enu_std=_three(std[:3]),
+            is_located=True, t=pose.t, enu=_three(pose.p), enu_std=_three(np.hypot(std[:3], fixes.std)),
             velocity=_three(window.state.v),
             heading=float(np.degrees(np.arctan2(ahead[0], ahead[1])) % 360) if is_level else None,
             heading_std=float(np.degrees(np.hypot(self._heading_std, std[3]))),
