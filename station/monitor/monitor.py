@@ -2,35 +2,33 @@
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from time import monotonic
-from typing import Protocol
 
 import numpy as np
 
 from drivers.errors import DriverError, LinkLost, ReplayEnded
-from procedures.arrays import FloatArray
 from procedures.attitude.joint_state import Settings
 from procedures.attitude.log import AttitudeLog
 from procedures.attitude.north import heading_at_rest
-from procedures.earth import STANDARD_GRAVITY
 from station.guide.view import Event, Sound
 from station.live.live_feed import LiveFeed
-from station.locate.live import Taken
+from station.locate.taken import Taken
 from station.mcap_files.fix_reader import Record
-from station.monitor.alarms import Alarm, Watch
+from station.monitor.alarms import Watch
 from station.monitor.at_rest import DEG_H, Rest
 from station.monitor.attitude import Aiding, Attitude, AttitudeTrack
 from station.monitor.calibration import Applied
 from station.monitor.filter_settings import gyro_bias_std, settings_of
 from station.monitor.gnss_aid import aiding_of
-from station.monitor.locating import Locating, in_imu_axes, news_of
 from station.monitor.moments import Moments
+from station.monitor.options import USUAL, Aid, Options
 from station.monitor.recording import Recording
 from station.monitor.sensors import Sensors, Tick
 from station.monitor.session import Verb
 from station.monitor.stream_health import StreamHealth
-from station.monitor.view import InUse, Location, Mode, Point, Reading, Stream, View
+from station.monitor.view import InUse, Location, Mode, Point, Reading, View
+from station.monitor.where import in_imu_axes, news_of
 
 TICK_S = 0.1
 HISTORY = 600  # points: a minute
@@ -38,53 +36,11 @@ EVENTS = 8
 LATEST_S = 0.5  # that a tick waits for the aid's reader, so that what was read before it counts in it
 
 
-class Aid(Protocol):
-    """What helps the IMU: a receiver."""
-
-    def advance(self) -> None:
-        """Take what has come."""
-        ...
-
-    @property
-    def up_to_ns(self) -> int:
-        """The moment [ns] up to which nothing more will come."""
-        ...
-
-    def take(self, until_ns: int) -> Sequence[Record]:
-        """Return what came since the last call and until a moment [ns], in order."""
-        ...
-
-    def stream(self) -> Stream:
-        """Return its health."""
-        ...
-
-    def utc(self, host_ns: int) -> float | None:
-        """Return UTC [s] at a moment of the station's clock [ns]."""
-        ...
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Options:
-    """How to monitor: ``aid`` by name, ``C`` (3, 3) IMU axes to forward-right-down; angles in rad, m/s2.
-
-    ``speed`` [m/s] of the aid is shown; latitude and ``heading`` of forward are None where not known.
-    """
-
-    aid: str = "none"
-    C: FloatArray | None = None
-    latitude: float | None = None
-    heading: float | None = None
-    gravity: float = STANDARD_GRAVITY
-    alarms: tuple[Alarm, ...] = ()
-    revive: Callable[[], None] | None = None  # has a reader that ended begin again
-    locating: Locating | None = None
-
-
 class Monitor:
     """Follows one unit; call `round` for ever. ``sinks`` are told each reading."""
 
     def __init__(
-        self, feed: LiveFeed, applied: Applied, options: Options = Options(), recording: Recording | None = None,
+        self, feed: LiveFeed, applied: Applied, options: Options = USUAL, recording: Recording | None = None,
         aid: Aid | None = None, sinks: tuple[Callable[[View], None], ...] = (), folder: str = "",
     ) -> None:  # fmt: skip
         self._feed, self._options, self._recording, self._aid = feed, options, recording, aid
@@ -231,8 +187,9 @@ class Monitor:
         if self._aid is None or self._aid.up_to_ns >= host_ns:
             self._held_since = None
             return True
-        self._held_since = self._held_since or monotonic()
-        return monotonic() - self._held_since > LATEST_S
+        now = monotonic()
+        self._held_since = now if self._held_since is None else self._held_since
+        return now - self._held_since > LATEST_S
 
     def _go_on(self, tick: Tick, records: Sequence[Record], now_ns: int) -> None:
         aiding = aiding_of(records, self._options.aid, now_ns)

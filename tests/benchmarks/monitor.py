@@ -26,7 +26,7 @@ from procedures.frames import nominal_C_lb
 from station.monitor import monitor
 from station.monitor.body_axes import body_axes
 from station.monitor.filter_settings import settings_of
-from station.monitor.monitor import Options
+from station.monitor.options import Options
 from station.monitor.view import View
 from tests.station.monitor.rig import MonitorRig
 from tests.station.monitor.unit import calibration_of, write_calibration

@@ -14,6 +14,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
 from station.fusion_folder import read_fusion
+from station.mcap_files import read_step
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import record_drive
 from tests.station.monitor.unit import write_calibration
@@ -35,6 +36,8 @@ def test_a_drive_is_made_a_folder_and_located_where_it_was(
     log = read_fusion(folder)
     assert log.imu is not None
     assert log.noise is not None
+    device = read_step(file).device_ns / 1e9
+    assert log.imu.t == pytest.approx(device - 0.01)  # the middle of each interval
     first = TRACK.position(float(log.fixes.t[0]))
     off = log.fixes.p_n - TRACK.positions(log.fixes.t) + first
     assert np.linalg.norm(off, axis=1).max() < 8 * 0.3  # the receiver's own error and the first fix's, up too
