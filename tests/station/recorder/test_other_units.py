@@ -1,4 +1,4 @@
-"""Gyros alone: three CH-70 become a campaign that solves; one alone and `calibrate` say what is missing."""
+"""A STIM300 and three CH-70 become campaigns that solve; gyros alone and `calibrate` say what is missing."""
 
 import json
 from collections.abc import Iterator
@@ -22,11 +22,12 @@ TRUTH = Truth.example(4)
 DWELL_S, MARGIN_S = 10, 5.0
 
 
-def test_a_triad_of_gyros_is_recorded_and_solved(tmp_path: Path) -> None:
+@pytest.mark.parametrize("format", ["triad", "stim300"])
+def test_what_is_recorded_of_a_unit_is_solved(format: str, tmp_path: Path) -> None:
     (tmp_path / "c").mkdir()
-    source = Source(TRUTH, format="triad")
+    source = Source(TRUTH, format=format)
     feed = open_feed(source)
-    unit = feed.identify("CH-70 x 3", "T-1")
+    unit = feed.identify("FOG", "T-1")
     hands, blocks = source.device, feed.blocks()
     with open_db(tmp_path / "s.db") as database:
         recorder = open_campaign(tmp_path / "c", unit, SITE, database)
@@ -47,9 +48,12 @@ def test_a_triad_of_gyros_is_recorded_and_solved(tmp_path: Path) -> None:
             recorder.accept(turn, feed.tape, merged(kept, None))
     assert cli.run(["solve", str(tmp_path / "c"), "--json", str(tmp_path / "s.json")]) == 0
     found = json.loads((tmp_path / "s.json").read_text())
-    assert "accelerometer" not in found
-    scale = found["gyroscope"]["scale_factor"]
-    assert np.all(np.abs(scale["value"] - source.device.truth.gyro_k) < 5 * np.array(scale["std"]))
+    assert ("accelerometer" in found) == (format == "stim300")
+    true = source.device.truth
+    for name, k in (("accelerometer", true.accel_k), ("gyroscope", true.gyro_k)):
+        if name in found:
+            scale = found[name]["scale_factor"]
+            assert np.all(np.abs(scale["value"] - k) < 5 * np.array(scale["std"])), name
 
 
 @pytest.fixture
