@@ -18,7 +18,7 @@ def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None
         SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
         closing(SimulatedOperator(device.control, MOVE_S)) as operator,
         SimulatedHands(device.control) as hands,
-        open_port(device.url, 0.1) as port,
+        closing(open_port(device.url, 0.1)) as port,
     ):
 
         def wait_until(time: float) -> None:
