@@ -31,6 +31,7 @@ SPEED, PERIOD, SEED = 10.0, 0.02, 5
 TRUTH = Truth(sample_period_s=PERIOD, accel_noise_g=0.3, gyro_arw_deg_rt_s=0.01)  # no sample like another
 BEGIN_S, SLOT_S, LASTS_S, BACKLOG_S = 4.0, 8.0, 4.0, 5.0
 DEADLINE_S = 90.0
+BACK_S = 3.0
 TRANSPORTS = ("pty", "tcp", "slcan", "udp_multicast")
 
 
@@ -72,13 +73,18 @@ CASES = (
     Case("lost", Fault("lost", 0.0, count=3), {"*": "samples lost: 3"}, 0.1, {"*": 3}),
     Case("wrong check", Fault("bad_crc", 0.0, count=2), {"*": "wrong check"}, 0.1, {"*": 2}),
     Case("clock jump", Fault("clock_jump", 0.0, seconds=9.0), NO_CLOCK, 0.0, {"*": 0}),
-    Case("unplug", Fault("unplug", 0.0, seconds=LASTS_S), GONE, gone={"*": LASTING}),
+    Case("unplug", Fault("unplug", 0.0, seconds=LASTS_S), GONE, gone={"*": LASTING, "pty": -1}),
 )  # fmt: skip
 
 
 def begins_s(case: Case) -> float:
     """Return when a case begins [s]."""
     return 0.0 if case.fault.kind == "counter_wrap" else BEGIN_S + SLOT_S * CASES.index(case)
+
+
+def back_s(case: Case) -> float:
+    """Return how long after its end samples may be missing [s]; a port is opened again in real time."""
+    return BACK_S * (SPEED if case.fault.kind == "unplug" else 1.0)
 
 
 class WatchedFeed(LiveFeed):
@@ -104,7 +110,7 @@ class Run:
     def __init__(self, transport: str, folder: Path, speed: float = SPEED) -> None:
         self.transport, self._speed = transport, speed
         faults = [replace(case.fault, at_s=begins_s(case)) for case in CASES]
-        last_s = begins_s(CASES[-1]) + SLOT_S
+        last_s = begins_s(CASES[-1]) + SLOT_S + back_s(CASES[-1])
         memory = SimulatedImu(TRUTH, SEED).read(round(last_s / PERIOD) + 500)
         self._truth = {row.tobytes(): i for i, row in enumerate(np.hstack((memory.gyro, memory.accel)))}
         assert len(self._truth) == len(memory)
