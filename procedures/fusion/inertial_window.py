@@ -23,6 +23,7 @@ from procedures.fusion.extra import gtsam
 from procedures.fusion.imu_gaps import ImuGap, imu_gaps
 from procedures.fusion.inertial_increments import grid
 from procedures.fusion.keyframes import SPACING, keyframes
+from procedures.fusion.moving_aligner import SHAKEN
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
 
@@ -93,7 +94,8 @@ class InertialWindow:
         for state in self.states():
             dt = state.t - before
             before, since = state.t, 0.0 if state.has_velocity else since + dt
-            yield OdometryPose(state.t, state.p, state.C_nb, self._drift(dt, since), FRAME, uses_velocity=True)
+            own = float(np.sqrt(self.global_covariance()[3, 3]))
+            yield OdometryPose(state.t, state.p, state.C_nb, self._drift(dt, since), FRAME, True, own)
 
     def states(self) -> Iterator[State]:
         """Yield what is known at each keyframe, then."""
@@ -110,6 +112,14 @@ class InertialWindow:
         assert self.state is not None
         T[3:, 3:] = self.state.C_nb  # gtsam moves a pose in its own axes
         return np.asarray(T @ C @ T.T)
+
+    def global_covariance(self) -> FloatArray:
+        """Return the covariance (4, 4) of the newest position [m] and heading [rad] in n."""
+        assert self.state is not None
+        J = np.zeros((4, 6))
+        J[:3, 3:], J[3, :3] = np.eye(3), self.state.C_nb[2]
+        covariance: FloatArray = J @ self.covariance() @ J.T
+        return covariance
 
     def bias_covariance(self) -> FloatArray:
         """Return the covariance (6, 6) of the newest biases: accelerometer [m/s2], gyro [rad/s]."""
@@ -132,7 +142,8 @@ class InertialWindow:
 
     def _preintegration(self, gap: ImuGap | None = None) -> Any:
         noise, eye = self.settings.noise, np.eye(3)
-        gyro, accel = noise.gyro**2, noise.accel**2
+        shaken = SHAKEN if self.settings.still_std is None else 1.0
+        gyro, accel = noise.gyro**2, (shaken * noise.accel) ** 2
         if gap is not None:  # a density that has made as much of it at its end
             gyro, accel = gyro + gap.rate_std**2 * gap.length, accel + gap.force_std**2 * gap.length
         params = self._lib.PreintegrationCombinedParams(np.array([0.0, 0.0, -self.settings.gravity]))

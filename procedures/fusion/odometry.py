@@ -20,7 +20,8 @@ class OdometryPose:
 
     ``t`` [s], ``p_o`` (3,) [m], ``C_ob`` (3, 3). ``drift`` (4, 4) is the covariance of the step from the pose
     before: x, y, z [m] and yaw [rad]. ``yaw_std`` [rad] is 1 sigma of the frame's heading against North where the
-    source knows it; None: free. ``uses_velocity``: GNSS velocity is already in it and must not be used again.
+    source knows it; None: free. ``own_yaw_std`` [rad] is 1 sigma of the IMU's heading in that frame, where the
+    source knows it. ``uses_velocity``: GNSS velocity is already in it and must not be used again.
     """
 
     t: float
@@ -29,6 +30,7 @@ class OdometryPose:
     drift: FloatArray
     yaw_std: float | None = None
     uses_velocity: bool = False
+    own_yaw_std: float = 0.0
 
 
 class OdometrySource(Protocol):

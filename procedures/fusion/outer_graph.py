@@ -49,7 +49,7 @@ class OuterSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GlobalPose:
-    """A pose in n: ``p`` (3,) [m], ``C_nb`` (3, 3), and ``covariance`` (4, 4) of position and yaw."""
+    """A pose in n: ``p`` (3,) [m], ``C_nb`` (3, 3), and ``covariance`` (4, 4) of position and heading."""
 
     t: float
     p: FloatArray
@@ -82,7 +82,7 @@ class OuterGraph:
             else:
                 self._go_on(hung > 0)
             if self._prior is not None:
-                yield self._latest()
+                yield self._latest(pose.own_yaw_std)
 
     @property
     def constants(self) -> tuple[FloatArray, float]:
@@ -212,14 +212,10 @@ class OuterGraph:
             self._prior = Prior(chain.D[1] + info, chain.g[1] + gradient, x[1].copy())
             self._first += 1
 
-    def _latest(self) -> GlobalPose:
-        x = self._x[-1]
-        return GlobalPose(
-            float(self.hanging.t[-1]),
-            x[:3].copy(),
-            rz(x[3])[0] @ self.hanging.C_ob[-1],
-            self._covariance[:4, :4].copy(),
-        )
+    def _latest(self, own_yaw_std: float) -> GlobalPose:
+        x, covariance = self._x[-1], self._covariance[:4, :4].copy()
+        covariance[3, 3] += own_yaw_std**2
+        return GlobalPose(float(self.hanging.t[-1]), x[:3].copy(), rz(x[3])[0] @ self.hanging.C_ob[-1], covariance)
 
 
 def _why_not(seen: TrackYaw) -> str:

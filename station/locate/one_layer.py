@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from procedures.arrays import FloatArray
 from procedures.fusion.alignment import Aligned
 from procedures.fusion.inertial_window import InertialWindow
 from procedures.fusion.outer_graph import REJECTED, GlobalPose
@@ -29,16 +28,7 @@ def one_layer(window: InertialWindow, aligned: Aligned) -> Located:
 
 def _poses(window: InertialWindow) -> Iterator[GlobalPose]:
     for state in window.states():
-        yield GlobalPose(state.t, state.p, state.C_nb, _covariance(window, state.C_nb))
-
-
-def _covariance(window: InertialWindow, C_nb: FloatArray) -> FloatArray:
-    """Return the covariance (4, 4) of position and heading in n."""
-    J = np.zeros((4, 6))
-    J[:3, 3:] = np.eye(3)
-    J[3, :3] = C_nb[2]
-    covariance: FloatArray = J @ window.covariance() @ J.T
-    return covariance
+        yield GlobalPose(state.t, state.p, state.C_nb, window.global_covariance())
 
 
 def _outliers(window: InertialWindow, smoothed: Trajectory) -> int:

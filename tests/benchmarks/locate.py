@@ -30,7 +30,7 @@ from station.locate.inertial import by_imu
 from station.locate.recorded import by_odometry
 from station.locate.result import Located
 from station.locate.scoring import errors
-from tests.benchmarks.truth_level import levelling
+from tests.benchmarks.truth_level import levelling, righted
 
 WARM_UP = 15.0  # s
 ODOMETRY = ("mh01_odometry", "mh03_inertial", "v201_inertial", "v203_inertial")
@@ -92,13 +92,14 @@ def row(log: FusionLog, located: Located) -> list[float]:
     online, smoothed = (errors(part, log.truth, WARM_UP) for part in (located.online, located.smoothed))
     assert online is not None
     assert smoothed is not None
-    attitude = attitude_errors(located.online, log.truth)
-    found = [online.mean, online.worst, smoothed.mean, *attitude, *consistency(located, log.truth)]
+    right = log.truth if log.imu is None else righted(log.imu, log.truth)
+    attitude = (*attitude_errors(located.online, log.truth), *attitude_errors(located.online, right))
+    found = [online.mean, online.worst, smoothed.mean, *attitude, *consistency(located, right)]
     print(f"  {' '.join(f'{value:.4f}' for value in found)}", file=sys.stderr, flush=True)
     return found
 
 
-HEADS = "online mean, online worst, smoothed mean [m], tilt, yaw [deg rms], NEES of position, yaw per axis"
+HEADS = "online mean, worst, smoothed mean [m], tilt, yaw [deg rms], of the truth put right, NEES of position, yaw"
 Run = Callable[[FusionLog], Located]
 
 
