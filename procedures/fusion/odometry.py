@@ -15,6 +15,18 @@ SPEED_LIMIT = 100.0  # m/s
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Antenna:
+    """What a source knows of the antenna, where it estimates that itself.
+
+    ``lever`` (3,) [m] in b with ``covariance`` (3, 3), and ``time_offset`` [s] to be added to the fixes' stamps.
+    """
+
+    lever: FloatArray
+    covariance: FloatArray
+    time_offset: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class OdometryPose:
     """One pose of a source, in its own level frame o.
 
@@ -31,6 +43,7 @@ class OdometryPose:
     yaw_std: float | None = None
     uses_velocity: bool = False
     own_yaw_std: float = 0.0
+    antenna: Antenna | None = None
 
 
 class OdometrySource(Protocol):

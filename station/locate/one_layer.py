@@ -21,7 +21,7 @@ def one_layer(window: InertialWindow, aligned: Aligned) -> Located:
     smoothed = trajectory_of([GlobalPose(t, p, C, np.zeros((4, 4))) for t, p, C in found])
     return Located(
         trajectory_of([poses[k] for k in online]), smoothed, poses[online[0]].t, "",
-        _outliers(window, smoothed), seconds[online], layers=1,
+        _outliers(window, smoothed), seconds[online], layers=1, lever_arm=window.constants[:3],
         covariance=np.array([poses[k].covariance for k in online]),
     )  # fmt: skip
 
@@ -35,6 +35,6 @@ def _outliers(window: InertialWindow, smoothed: Trajectory) -> int:
     """Return how many fixes stand off the smoothed trajectory; nothing weighted them down."""
     at = np.flatnonzero(window.frames.fix >= 0)
     fix = window.frames.fix[at]
-    antenna = smoothed.p[at] + Rotation.from_quat(smoothed.q[at]).apply(window.lever)
+    antenna = smoothed.p[at] + Rotation.from_quat(smoothed.q[at]).apply(window.constants[:3])
     off = np.linalg.norm(antenna - window.fixes.p_n[fix], axis=1) / window.fixes.position_std[fix]
     return int(np.count_nonzero(off > REJECTED))
