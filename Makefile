@@ -20,6 +20,7 @@ $(VENV)/.installed: $(VENV)/bin/python pyproject.toml constraints.txt
 
 $(VENV)/.installed-test: $(VENV)/.installed pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[test,peers]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps "gtsam>=4.3,<5"
 	touch $@
 
 # What `station calibrate --web` needs.

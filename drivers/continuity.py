@@ -30,13 +30,14 @@ def onward(seconds: FloatArray, modulus: float | None) -> FloatArray:
     """Return steps of device time [s], the smallest that fit where it wraps at ``modulus`` [s].
 
     One that turns within `TURN_S` is read as going on, as a counter of few bits is. Seconds are rounded to 0.1 us
-    first: a repeat's step would else come out as just below 0, or a whole turn.
+    before and after: a repeat's step would else come out as just beside 0, or as a whole turn.
     """
     if modulus is None:
         return seconds
     back = modulus / 2 if modulus >= TURN_S else 0.0
-    steps: FloatArray = (np.round(seconds, 7) + back) % modulus - back
-    return steps
+    steps = np.round((np.round(seconds, 7) + back) % modulus - back, 7)
+    within: FloatArray = np.where(steps < modulus - back, steps, steps - modulus)
+    return within
 
 
 class CounterWatch:

@@ -14,11 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from drivers.continuity import StepGate, watch_of
-from drivers.wire import FORMATS, FrameKind, Identity, WireFormat
+from drivers.wire import FORMATS, FrameKind, Identity, Lines, WireFormat
 from procedures.arrays import IntArray
 from procedures.records import SampleBlock, joined_blocks
 
 STRONG_BITS = 16  # a check of fewer also passes in other formats' bytes
+MANY = 2048  # bytes of text that are worth looking at as lines together
 
 
 @dataclass(slots=True)
@@ -30,7 +31,8 @@ class FrameCounters:
     fields than their own, ``counter_jumps`` breaks of the sample sequence (see `drivers.continuity`),
     ``bad_status`` accepted frames that the format reads as unhealthy or that step by more than it can. Where a
     sample takes several frames, ``frames`` are samples, ``incomplete`` those given up, ``late`` frames repeated or
-    come after their sample, ``foreign`` those of somebody else, ``bus_errors`` what the bus reported of itself.
+    come after their sample, ``contradicted`` those that say something else than its own, ``foreign`` those of
+    somebody else, ``bus_errors`` what the bus reported of itself.
     """
 
     frames: int = 0
@@ -42,17 +44,18 @@ class FrameCounters:
     bad_status: int = 0
     incomplete: int = 0
     late: int = 0
+    contradicted: int = 0
     foreign: int = 0
     bus_errors: int = 0
 
 
 class Run(NamedTuple):
-    """Frames of one kind that stand end to end in a buffer; ``row`` is a text frame's row."""
+    """Frames of one kind that stand end to end in a buffer; ``lines`` are those of text."""
 
     kind: FrameKind
     begin: int
     end: int
-    row: bytes | None = None
+    lines: Lines | None = None
 
 
 class Decoder:
@@ -129,7 +132,7 @@ class Decoder:
     def _runs(self, buffer: bytes, *, at_end: bool) -> tuple[list[Run], int]:
         """Return the IMU frames in ``buffer`` and how far it is decided."""
         head, total, trailer = self._head, len(buffer), self.wire.trailer
-        view, runs = memoryview(buffer), list[Run]()
+        view, runs, together = memoryview(buffer), list[Run](), self._together(buffer)
         at = kept = 0  # where the search stands; bytes in accepted frames
         while True:
             if self._is_after_frame:
@@ -145,6 +148,9 @@ class Decoder:
             end = at if kind is None else self._end_of_run(kind, buffer, view, at)
             if kind is not None and end > at:
                 runs.append(Run(kind, at, end))
+            elif at in together:
+                runs.append(together[at])
+                end = runs[-1].end
             else:
                 end = self._other(buffer, at, runs)
                 if end > total and not at_end:
@@ -159,6 +165,14 @@ class Decoder:
             at = total
         self.counters.skipped_bytes += at - kept
         return runs, at
+
+    def _together(self, buffer: bytes) -> dict[int, Run]:
+        """Return lines of text that can be read together, by where the first begins."""
+        kind = self.wire.imu
+        if kind.text is None or kind.text.lines is None or len(buffer) < MANY:
+            return {}
+        found = [(int(each.edges[0, 0]), int(each.edges[-1, 1]), each) for each in kind.text.lines(buffer)]
+        return {begin: Run(kind, begin, end, each) for begin, end, each in found}
 
     def _end_of_run(self, kind: FrameKind, buffer: bytes, view: memoryview, at: int) -> int:
         """Return where the intact frames of ``kind`` that stand end to end from ``at`` on stop."""
@@ -188,7 +202,7 @@ class Decoder:
                 self._identify(frame)
             return end
         try:
-            runs.append(Run(kind, at, end, kind.text.row(frame)))
+            runs.append(Run(kind, at, end, Lines(kind.text.row(frame), np.array([[at, end]]))))
         except ValueError:
             self.counters.bad_length += 1
             return at
@@ -211,12 +225,15 @@ class Decoder:
 
 
 def _rows(buffer: bytes, runs: Sequence[Run]) -> bytes:
-    return b"".join(buffer[run.begin : run.end] if run.row is None else run.row for run in runs)
+    return b"".join(buffer[run.begin : run.end] if run.lines is None else run.lines.rows for run in runs)
 
 
 def _edges(runs: Sequence[Run]) -> IntArray:
     """Return where each frame begins and ends in the buffer."""
-    table = [(begin, end, end - begin if row is not None else kind.size) for kind, begin, end, row in runs]
+    lines = [run.lines.edges for run in runs if run.lines is not None]
+    if lines:  # a format's frames are all lines of text, or none is
+        return np.concatenate(lines)
+    table = [(run.begin, run.end, run.kind.size) for run in runs]
     begin, end, size = np.array(table, dtype=np.int64).reshape(-1, 3).T
     count = (end - begin) // size
     nth = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)

@@ -12,6 +12,7 @@ from procedures.arrays import FloatArray, IntArray
 LEARN_S, LEARN_SAMPLES, LEARN_WINDOWS = 3.0, 33, 3  # before the period is known
 WINDOW_S = 0.5
 LASTING = 2  # windows
+HINDSIGHT_S = (LASTING + 1) * WINDOW_S  # until a sample lost, or one too many, is certain
 OFF = 0.6  # samples; a step of less is steered out
 PASSES = 4  # of the first fit: all chunks, then those least late by the fit before
 PHASE, PERIOD = 0.3, 0.05  # of a window's error, taken into phase and period: settles in about 5 s

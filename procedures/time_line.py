@@ -26,6 +26,10 @@ class TimeLine:
         """Return the reference [s] at a moment of the clock [ns]."""
         return self.reference_0 / 1e9 + self.rate * (clock_ns - self.clock_0) / 1e9
 
+    def when(self, reference_ns: int) -> int:
+        """Return the moment of the clock [ns] at which the reference says so [ns]."""
+        return self.clock_0 + round((reference_ns - self.reference_0) / self.rate)
+
 
 def fit_time_line(clock_ns: IntArray, reference_ns: IntArray) -> TimeLine | None:
     """Fit a line to marks (n,) of two clocks [ns], the first in order; None where they are too few.

@@ -15,6 +15,7 @@ from drivers.can.checks import CHECKS
 from drivers.can.joiner import Joiner
 from drivers.can.layout import Field, Words, payloads_of
 from drivers.can.mapping import CanMap, Slot, load_map
+from drivers.host_times import HINDSIGHT_S
 from drivers.wire import WireFormat
 from drivers.wire._format import Frames, fits
 from procedures.arrays import IntArray
@@ -34,6 +35,7 @@ class Unread:
     foreign: int = 0
     incomplete: int = 0
     late: int = 0
+    contradicted: int = 0
     bus_errors: int = 0
 
 
@@ -72,6 +74,7 @@ def format_of(can_map: CanMap) -> WireFormat:
         output="rate" if can_map.output == "rate" else "increments",
         max_step=can_map.max_step,
         counter_modulus=None if can_map.counter is None else 1 << can_map.counter.bits,
+        hindsight_s=0.1 if can_map.counter or any(slot.time for slot in can_map.slots) else HINDSIGHT_S,
         joiner=partial(Joiner, can_map),
     )
 

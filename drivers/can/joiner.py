@@ -5,6 +5,7 @@ are late beyond the next sample's end is given up and counted; the counter then 
 unwrapped with the help of the host's clock, so that neither a long silence nor a burst misleads them.
 """
 
+from collections import deque
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,6 +55,7 @@ class Joiner:
             None  # counter, sample number, host time of the newest frame
         )
         self._last: int | None = None  # the newest sample given out
+        self._given = deque[tuple[IntArray, NDArray[np.uint64]]](maxlen=BACK + 1)  # the newest, their frames
         self._base: tuple[int, int, IntArray] | None = None  # number, begin and running totals of the last sample
         self._time: tuple[int, int] | None = None  # as sent, unwrapped
         self._nothing = self._samples(self._waiting, np.zeros((0, can_map.needed), np.int64), np.arange(0))[0]
@@ -156,6 +158,7 @@ class Joiner:
             self._waiting = waiting[count * size :]
             if count:
                 self._last = int(numbers[-1, 0])
+            self._remember(waiting, rows)
             return rows, waiting["at"][ends] + RECORD.itemsize
         return None, np.zeros(0, np.int64)
 
@@ -163,7 +166,7 @@ class Joiner:
         """Return the same where frames are missing, late, doubled or of two devices."""
         pending: dict[int, list[int]] = {}
         rows, ends = list[list[int]](), list[int]()
-        payloads = waiting["little"].tolist()
+        payloads, given = waiting["little"].tolist(), self._payloads_given()
         for i, (u, slot, at) in enumerate(
             zip(*(waiting[name].tolist() for name in ("u", "slot", "at")), strict=True)
         ):
@@ -171,6 +174,7 @@ class Joiner:
                 self._last = None  # the device began anew
             if self._last is not None and u <= self._last:
                 self._counters.late += 1
+                self._counters.contradicted += payloads[i] != given.get(u, {slot: payloads[i]})[slot]
                 continue
             row = pending.setdefault(u, [-1] * self._map.needed)
             if row[slot] < 0:
@@ -180,10 +184,12 @@ class Joiner:
             else:  # two devices, or a check passed by chance: neither is believed
                 del pending[u]
                 self._give_up()
+                self._counters.contradicted += 1
                 self._last = u
             for old in sorted(pending):
                 if -1 not in pending[old] and old == min(pending):
                     rows.append(pending.pop(old))
+                    given[old] = {slot: payloads[k] for slot, k in enumerate(rows[-1])}
                     ends.append(at + RECORD.itemsize)
                     self._last = old
                 elif not u - LATE < old <= u + BACK:
@@ -191,7 +197,21 @@ class Joiner:
                     self._give_up()
         left = sorted(i for row in pending.values() for i in row if i >= 0)
         self._waiting = waiting[left]
-        return np.array(rows, np.int64).reshape(-1, self._map.needed), np.array(ends, np.int64)
+        found = np.array(rows, np.int64).reshape(-1, self._map.needed)
+        self._remember(waiting, found)
+        return found, np.array(ends, np.int64)
+
+    def _remember(self, waiting: Frames, rows: IntArray) -> None:
+        if len(rows):
+            newest = waiting[rows[-BACK - 1 :]]
+            self._given.append((newest["u"][:, 0], newest["little"]))
+
+    def _payloads_given(self) -> dict[int, dict[int, int]]:
+        """Return what the frames of the newest samples given out held, by sample and slot."""
+        pairs = (
+            pair for numbers, rows in self._given for pair in zip(numbers.tolist(), rows.tolist(), strict=True)
+        )
+        return {number: dict(enumerate(row)) for number, row in pairs}
 
     def _give_up(self) -> None:
         self._counters.incomplete += 1

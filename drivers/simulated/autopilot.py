@@ -115,6 +115,8 @@ class Autopilot:
         return b"".join(self._spoilt(answer, now))
 
     def _set_interval(self, number: int, seconds: float, now: float) -> None:
+        if not self.truth.obeys:
+            return
         self._interval[number] = seconds
         self._next[number] = now + seconds if seconds < NEVER else NEVER
 

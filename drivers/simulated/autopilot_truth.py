@@ -10,7 +10,8 @@ class AutopilotTruth:
     """How it answers and what it sends.
 
     ``default_hz`` what it sends unasked; ``most_hz`` above which an interval is DENIED, as are those of
-    ``denies``; without ``knows_intervals`` SET_MESSAGE_INTERVAL is UNSUPPORTED. ``states_utc``: GPS_RAW_INT is
+    ``denies``; without ``knows_intervals`` SET_MESSAGE_INTERVAL is UNSUPPORTED; unless it ``obeys``, what is asked
+    for is accepted and nothing comes of it. ``states_utc``: GPS_RAW_INT is
     stamped with UTC, else with the time since boot; ``states_accuracy``: its extension fields are filled.
     """
 
@@ -21,6 +22,7 @@ class AutopilotTruth:
     most_hz: float = 50.0
     denies: frozenset[int] = frozenset()
     knows_intervals: bool = True
+    obeys: bool = True
     states_utc: bool = False
     states_accuracy: bool = True
     latency_s: float = 0.1

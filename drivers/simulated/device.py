@@ -14,6 +14,7 @@ import numpy as np
 from drivers.simulated.faults import Fault, FaultyLine, Sent
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.pace import MOST_SAMPLES
+from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, Identity, WireFormat
 from procedures.arrays import FloatArray
@@ -76,6 +77,11 @@ class ByteDevice:
         """Do what a line says and return the answer, ``ok ...`` or ``error ...``; never raises."""
         with self._lock:
             return self._answer(command)
+
+    def drive(self, track: Track) -> None:
+        """Carry the cube along a track from now on, see `SimulatedImu.drive`."""
+        with self._lock:
+            self.imu.drive(track)
 
     def plant(self, kind: str, count: int = 1, seconds: float = 1.0) -> None:
         """Have a fault act on the first sample not yet taken, see `drivers.simulated.faults.KINDS`."""

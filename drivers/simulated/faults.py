@@ -13,7 +13,7 @@ import numpy as np
 
 from drivers.simulated import can_faults
 from drivers.simulated.errors import TruthRefused
-from drivers.simulated.garbled import half_of, misread, other_unit
+from drivers.simulated.garbled import half_of, mingled, misread, other_unit
 from drivers.wire import WireFormat
 from procedures.records import SampleBlock, block_rows
 
@@ -29,7 +29,7 @@ KINDS = {
     "half": "`count` frames break off halfway",
     "noise": "for `seconds` four times as many random bytes instead of frames",
     "wrong_baud": "for `seconds` what a receiver at twice the baud rate reads",
-    "two_devices": "for `seconds` another unit sends too, its counter `count` ahead (0: the same)",
+    "two_devices": "for `seconds` another unit sends too, first or second, counter `count` ahead (0: the same)",
     "restart": "nothing for `seconds`, then counter and clock begin at 0 again",
     "clock_jump": "the device's clock goes on `seconds` later",
     "counter_wrap": "the counter goes on `count` frames before its end",
@@ -211,7 +211,7 @@ class FaultyLine:
         if "two_devices" in acting:
             ahead = acting["two_devices"][1].count
             other = other_unit(self._recounted(block_rows(block, slice(row, row + 1))), ahead)
-            return [frame, self._wire.encode(other)]
+            return [*mingled(frame, self._wire.encode(other), self._wire, self._rng)]
         return [frame]
 
     def _unless_held(self, sent: list[Sent], frames: int = 1) -> list[Sent]:

@@ -37,6 +37,15 @@ def misread(frame: bytes, wire: WireFormat) -> bytes:
     return bytes(got)
 
 
+def mingled(frame: bytes, other: bytes, wire: WireFormat, rng: np.random.Generator) -> list[bytes]:
+    """Return two devices' frames of the same moment in any order; on CAN those of a sample between each other."""
+    if wire.joiner is None:
+        return [frame, other] if rng.integers(2) else [other, frame]
+    parts = [[each[at : at + SIZE] for at in range(0, len(each), SIZE)] for each in (frame, other)]
+    turns = rng.permutation(np.repeat((0, 1), [len(part) for part in parts]))
+    return [b"".join(parts[turn].pop(0) for turn in turns)]
+
+
 def other_unit(block: SampleBlock, ahead: int) -> SampleBlock:
     """Return what another unit says at the same moment; its counter is ``ahead`` by so many."""
     counter = block.counter + ahead

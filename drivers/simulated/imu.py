@@ -11,9 +11,11 @@ from typing import Any, TypeVar
 import numpy as np
 
 from drivers.simulated.bench import stand, turn_segment
+from drivers.simulated.drive import drive
 from drivers.simulated.effects import planted
 from drivers.simulated.motion import Segment, creep, flip, knock, rest, settle
 from drivers.simulated.sensor import Sensor
+from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
 from procedures.frames import rotation
@@ -21,6 +23,7 @@ from procedures.leaning import leaned
 from procedures.records import CountBlock, RateBlock
 from procedures.steps import Turn
 
+LYING = 9  # the position with z up, as which it is carried
 LEAN_STD_DEG = 3.0  # how far off a free attitude is set by hand
 COUNT_PER_RAD, COUNT_PER_G_S = np.degrees(36000.0), 1000.0  # usual scale factors, see `SimulatedImu.read_rates`
 A = TypeVar("A", IntArray, FloatArray)
@@ -113,6 +116,12 @@ class SimulatedImu:
         self._append(
             rest(last.C_bn, samples, last.position, rested), rest(last.C_bn, None, last.position, rested + samples)
         )
+
+    def drive(self, track: Track) -> None:
+        """Carry the cube along a track, x ahead and z up, from now on; the track's time is the device's."""
+        carried = drive(track, self.world.attitude(LYING), self.index + self._queued(), self.truth.sample_period_s)
+        self._append(carried, rest(carried.end_C_bn(), None, 0))
+        self.position = 0
 
     def turn(self, axis: str, direction: str, revolutions: int, rest_s: float = 5.0) -> None:
         """Turn the cube by hand about its vertical ``axis``; at rest for ``rest_s`` before and after.

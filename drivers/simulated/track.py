@@ -1,9 +1,13 @@
-"""Where a simulated vehicle goes: straight lines between points in time, level East-North-Up [m] from its site."""
+"""Where a simulated vehicle goes: a smooth line through points in time, level East-North-Up [m] from its site.
 
-from dataclasses import dataclass
+Between points that are the same it stands (cubic Hermite interpolation without overshoot: Fritsch, Butland 1984).
+"""
+
+from dataclasses import dataclass, field
 from io import StringIO
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from drivers.simulated.errors import TruthRefused
 from procedures.arrays import FloatArray
@@ -15,23 +19,33 @@ class Track:
 
     t: FloatArray
     enu: FloatArray
+    _line: PchipInterpolator = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if len(self.t) < 2 or self.enu.shape != (len(self.t), 3) or not np.all(np.diff(self.t) > 0):
             raise TruthRefused(
                 f"a track of shape {self.enu.shape}", "two rows or more t_s,e_m,n_m,u_m, t_s increasing"
             )
+        object.__setattr__(self, "_line", PchipInterpolator(self.t, self.enu))
 
     def position(self, t: float) -> FloatArray:
         """Return the place (3,) [m] at time ``t`` [s]."""
-        return np.array([np.interp(t, self.t, self.enu[:, i]) for i in range(3)])
+        place: FloatArray = self.positions(np.array([t]))[0]
+        return place
 
     def velocity(self, t: float) -> FloatArray:
         """Return the velocity (3,) [m/s] at time ``t`` [s]."""
-        leg = int(np.searchsorted(self.t, t, side="right")) - 1
-        if not 0 <= leg < len(self.t) - 1:
-            return np.zeros(3)
-        v: FloatArray = (self.enu[leg + 1] - self.enu[leg]) / (self.t[leg + 1] - self.t[leg])
+        v: FloatArray = self.velocities(np.array([t]))[0]
+        return v
+
+    def positions(self, t: FloatArray) -> FloatArray:
+        """Return the places (n, 3) [m] at times (n,) [s]."""
+        return np.asarray(self._line(np.clip(t, self.t[0], self.t[-1])), dtype=np.float64)
+
+    def velocities(self, t: FloatArray) -> FloatArray:
+        """Return the velocities (n, 3) [m/s] at times (n,) [s]."""
+        inside = (t >= self.t[0]) & (t < self.t[-1])
+        v: FloatArray = np.where(inside[:, None], self._line(np.clip(t, self.t[0], self.t[-1]), 1), 0.0)
         return v
 
 

@@ -6,7 +6,7 @@ One file per format defines one `WireFormat`; the family tests hold every one to
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,18 +42,27 @@ class NominalScale:
     source: str
 
 
+class Lines(NamedTuple):
+    """Frames that stand end to end, each with its trailer: as rows of their table, and (n, 2) begins and ends."""
+
+    rows: bytes
+    edges: IntArray
+
+
 @dataclass(frozen=True, slots=True)
 class TextForm:
     """How frames of varying size, such as lines of text, are found and read.
 
     ``end`` (buffer, at) returns where the frame that begins at ``at`` ends, `UNDECIDED` while more bytes could
     tell, ``at`` where it can be none. ``row`` returns a frame as one row of its kind's table; it raises ValueError
-    where the frame is none after all. No frame is longer than ``longest``.
+    where the frame is none after all. No frame is longer than ``longest``. ``lines``, where there is one, finds
+    many intact frames of a buffer at once, each as the others would read it; what it leaves out they decide.
     """
 
     end: Callable[[bytes, int], int]
     row: Callable[[bytes], bytes]
     longest: int
+    lines: Callable[[bytes], list[Lines]] | None = None
 
 
 UNDECIDED = 2**62
@@ -92,6 +101,7 @@ class JoinCounters(Protocol):
     foreign: int
     incomplete: int
     late: int
+    contradicted: int
     bus_errors: int
 
 
@@ -123,9 +133,10 @@ class WireFormat:
     ValueError on what the format cannot hold, such as counts beyond ``count_bits``. ``carries`` names the
     block's fields that survive the trip besides gyro and accel: temperature to ``temperature_step`` [K], device
     time modulo ``time_modulus`` [s] where that is not None. ``counter_modulus`` is None where there is no frame
-    counter. ``baud`` and ``parity`` are the usual ones, 8 data bits, 1 stop bit. ``scales`` holds the makers'
-    nominal scale factors by model, where known. ``joiner`` makes the `Joiner` of a format whose samples take
-    several frames; it decodes instead of ``decode``.
+    counter. ``hindsight_s`` is how long after a sample came it may yet show that something was amiss with it.
+    ``baud`` and ``parity`` are the usual ones, 8 data bits, 1 stop bit. ``scales`` holds the makers' nominal scale
+    factors by model, where known. ``joiner`` makes the `Joiner` of a format whose samples take several frames; it
+    decodes instead of ``decode``.
     """
 
     name: str
@@ -152,6 +163,7 @@ class WireFormat:
     max_step: int | None = None
     counter_modulus: int | None = None
     time_modulus: float | None = None
+    hindsight_s: float = 0.1
     identity: FrameKind | None = None
     identify: Callable[[bytes], Identity] | None = None
     encode_identity: Callable[[Identity], bytes] | None = None

@@ -14,10 +14,9 @@ import numpy as np
 
 from drivers.wire import novatel, novatel_log
 from drivers.wire._format import UNDECIDED, FrameKind, Identity, Octets, TextForm, WireFormat
+from drivers.wire.novatel_lines import DIGITS, LONGEST, layout_of, lines
 from procedures.records import CountBlock
 
-LONGEST = 256  # characters; the longest line that numbers at their limits give has 226
-DIGITS = 8  # of the CRC
 _PLAIN = struct.Struct("<12xIdI6i4x")
 _TYPED = struct.Struct("<12xBBHdI6i4x")
 
@@ -68,7 +67,9 @@ def ascii_log(
     """Return the text form of a log whose binary form is ``binary`` and whose short binary table is ``dtype``."""
     name = binary.name.upper()
     mark = b"#" if is_long else b"%"
-    imu = FrameKind(mark + name.encode() + b"A,", dtype, text=TextForm(end, row, LONGEST))
+    prefix = mark + name.encode() + b"A,"
+    many = partial(lines, layout=layout_of(prefix, b",,,.,,,.,,," if is_long else b",,.", dtype))
+    imu = FrameKind(prefix, dtype, text=TextForm(end, row, LONGEST, many))
     typed: Callable[[bytes], Identity] | None = None
     if binary.identify is not None:
         typed = partial(novatel_log.identify, dtype=dtype)

@@ -8,6 +8,7 @@ from procedures.arrays import FloatArray
 
 SETTLED_YAW = np.radians(4.0)  # 1 sigma with which an alignment is accepted
 SETTLED_TILT = np.radians(1.0)
+SETTLED_OFFSET = 0.015  # s, of GNSS's stamps where it is estimated: a window is built on it
 
 
 @dataclass(frozen=True, slots=True, eq=False)

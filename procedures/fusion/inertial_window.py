@@ -104,12 +104,7 @@ class InertialWindow:
         for state in self.states():
             dt = state.t - before
             before, since = state.t, 0.0 if state.has_velocity else since + dt
-            P = self.global_covariance()
-            drift = self._drift(dt, since)
-            if self._is_flat:  # its height is held, and errs for a while and back
-                drift[2, 2] += 2 * P[2, 2] * dt / HEIGHT_TIME
-            own = float(np.sqrt(P[3, 3]))
-            yield OdometryPose(state.t, state.p, state.C_nb, drift, FRAME, True, own, self._antenna())
+            yield self._pose(state, dt, since)
 
     def states(self) -> Iterator[State]:
         """Yield what is known at each keyframe, then."""
@@ -248,11 +243,20 @@ class InertialWindow:
     def _height_holds(self, i: int) -> bool:
         return not np.isfinite(self.fixes.v_n[i, 2]) and self.settings.still_std is None
 
+    def _pose(self, state: State, dt: float, since: float) -> OdometryPose:
+        """Return a keyframe as a pose: ``dt`` [s] after the one before, ``since`` [s] without a velocity."""
+        P = self.global_covariance()
+        drift = self._drift(dt, since)
+        if self._is_flat:  # its height is held, and errs for a while and back
+            drift[2, 2] += 2 * P[2, 2] * dt / HEIGHT_TIME
+        own = float(np.sqrt(P[3, 3]))
+        return OdometryPose(state.t, state.p, state.C_nb, drift, FRAME, True, own, self._antenna())
+
     def _antenna(self) -> Antenna | None:
         if not self.settings.estimates:
             return None
         P = np.asarray(self._smoother.marginalCovariance(self._key("c", 0)))
-        return Antenna(self.constants[:3], P[:3, :3], float(self.constants[3]))
+        return Antenna(self.constants[:3], P, float(self.constants[3]))
 
     def _drift(self, dt: float, since: float) -> FloatArray:
         """Return the covariance (4, 4) of a step: velocity noise summed up, or no velocity for ``since`` [s]."""

@@ -20,7 +20,7 @@ from scipy.linalg import cholesky, solve_triangular
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.frames import rotation, vertical_rotation
-from procedures.fusion.alignment import SETTLED_TILT, SETTLED_YAW, Aligned, Waiting
+from procedures.fusion.alignment import SETTLED_OFFSET, SETTLED_TILT, SETTLED_YAW, Aligned, Waiting
 from procedures.fusion.imu_gaps import imu_gaps
 from procedures.fusion.inertial_increments import Grid, Increments, grid, integrate, products, skew
 from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
@@ -186,7 +186,7 @@ def _judged(problem: _Problem, found: list[_Minimum], offset: float) -> Aligned 
     noise = problem.owner.noise.gyro**2 * (t[-1] - t[0])
     tilt_std, yaw_std = np.sqrt(max(at_end[0, 0], at_end[1, 1]) + noise), np.sqrt(at_end[2, 2] + noise)
     misfit = best.chi2 / max(best.rows - 3 - int(problem.free.sum()), 1)
-    why = _why_waiting(best, found[1:], misfit, float(tilt_std), float(yaw_std))
+    why = _why_waiting(best, found[1:], misfit, float(tilt_std), float(yaw_std)) or _why_waiting_for_stamps(best)
     if why:
         return Waiting(why)
     x = best.x
@@ -194,6 +194,16 @@ def _judged(problem: _Problem, found: list[_Minimum], offset: float) -> Aligned 
         float(t[0]), best.C, x[:3], x[3:6], x[6:9], best.covariance, float(t[-1]), best.now, float(tilt_std),
         float(yaw_std), misfit, x[LEVER], offset + float(x[OFFSET]),
     )  # fmt: skip
+
+
+def _why_waiting_for_stamps(best: _Minimum) -> str:
+    std = float(np.sqrt(best.covariance[-1, -1]))
+    if std <= SETTLED_OFFSET:
+        return ""
+    return (
+        f"the time offset is known to {std * 1e3:.0f} ms 1 sigma, {SETTLED_OFFSET * 1e3:.0f} are needed: it must "
+        f"change its velocity more, or give time_offset_s"
+    )
 
 
 def _why_waiting(best: _Minimum, others: list[_Minimum], misfit: float, tilt_std: float, yaw_std: float) -> str:

@@ -18,7 +18,7 @@ SPEED_LIMIT = 100.0  # m/s
 class Antenna:
     """What a source knows of the antenna, where it estimates that itself.
 
-    ``lever`` (3,) [m] in b with ``covariance`` (3, 3), and ``time_offset`` [s] to be added to the fixes' stamps.
+    ``lever`` (3,) [m] in b and ``time_offset`` [s], to be added to the fixes' stamps, with ``covariance`` (4, 4).
     """
 
     lever: FloatArray

@@ -76,15 +76,19 @@ class OuterGraph:
         """Yield a pose for each of the source's, from the moment of alignment; none uses anything later."""
         self.hanging.fixes = fixes
         for pose in source.poses():
-            if pose.antenna is not None:
-                self.hanging.lever_arm, self.hanging.time_offset = pose.antenna.lever, pose.antenna.time_offset
-            hung = self.hanging.add(pose)
-            if self._prior is None:
-                self._try_to_begin(pose, hung)
-            else:
-                self._go_on(hung > 0)
-            if self._prior is not None:
-                yield self._latest(pose)
+            if (found := self.take(pose)) is not None:
+                yield found
+
+    def take(self, pose: OdometryPose) -> GlobalPose | None:
+        """Take a pose, with the fixes up to it in `hanging`; None before the moment of alignment."""
+        if pose.antenna is not None:
+            self.hanging.lever_arm, self.hanging.time_offset = pose.antenna.lever, pose.antenna.time_offset
+        hung = self.hanging.add(pose)
+        if self._prior is None:
+            self._try_to_begin(pose, hung)
+        else:
+            self._go_on(hung > 0)
+        return None if self._prior is None else self._latest(pose)
 
     @property
     def constants(self) -> tuple[FloatArray, float]:
@@ -220,7 +224,7 @@ class OuterGraph:
         C_nb = rz(x[3])[0] @ pose.C_ob
         covariance[3, 3] += pose.own_yaw_std**2
         if pose.antenna is not None:
-            covariance[:3, :3] += C_nb @ pose.antenna.covariance @ C_nb.T
+            covariance[:3, :3] += C_nb @ pose.antenna.covariance[:3, :3] @ C_nb.T
         return GlobalPose(pose.t, x[:3].copy(), C_nb, covariance)
 
 

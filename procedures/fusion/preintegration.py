@@ -10,7 +10,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.fusion.imu_gaps import ImuGap, imu_gaps
-from procedures.fusion.inertial_increments import grid
+from procedures.fusion.inertial_increments import Grid, grid
 from procedures.fusion.records import ImuNoise, ImuSeries
 
 INTEGRATION = 1e-8  # m2/s, error of integrating the position
@@ -36,6 +36,13 @@ class Preintegration:
         for i in range(int(self._grid.at[k - 1]), int(self._grid.at[k])):
             whole.integrateMeasurement(self._grid.f_b[i], self._grid.omega_b[i], self._grid.dt[i])
         return whole
+
+    def go_on(self, k: int, piece: Grid, t: float, rate: FloatArray) -> None:
+        """Lay one more keyframe ``k`` at ``t`` [s], for which ``piece`` has the samples; forget those before."""
+        at = np.zeros(k + 1, dtype=np.int64)
+        at[k] = len(piece.dt)
+        self._grid = Grid(piece.dt, piece.omega_b, piece.f_b, at)
+        self.rate, self._t = np.broadcast_to(rate, (k + 1, 3)), np.append(self._t, t)
 
     def acceleration(self, k: int, C_nb: FloatArray, accel_bias: FloatArray) -> FloatArray:
         """Return the acceleration (3,) in n [m/s2] over the step to keyframe k, or of the first."""

@@ -86,7 +86,7 @@ def _closely(url: str, seconds: float) -> None:
     if url.startswith("mavlink:"):
         from station.gnss.listening import listen
 
-        for line in listen(url, seconds):
+        for line in listen(url, seconds).lines():
             typer.echo(line)
         return
     from station.reader.look import look

@@ -18,7 +18,16 @@ def monitor(
         str, typer.Option("--gnss", metavar="URL", help="A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")
     ] = "",
     aid: Annotated[
-        str, typer.Option("--aid", metavar="AID", help="none, gnss or airspeed-filter; gnss with --gnss.")
+        str,
+        typer.Option(
+            "--aid", metavar="AID", help="none, gnss or airspeed-filter; gnss with --gnss; in a replay as it was."
+        ),
+    ] = "",
+    locate: Annotated[
+        bool, typer.Option("--locate", help="Also where it is and which way it points; extra `locate`.")
+    ] = False,
+    lever_arm: Annotated[
+        str, typer.Option("--lever-arm", metavar="X,Y,Z", help="For --locate: IMU to antenna [m], IMU axes.")
     ] = "",
     calibration: Annotated[
         Path | None,
@@ -74,12 +83,16 @@ def monitor(
     recording.mcap bytes and counts, events.csv marks and alarms; `replay:FILE` gives the same attitude again. On
     the screen: m mark, r record, z zero (of the display only), n anew, q leave.
 
-    Exit code 2 if the disk refuses, 3 if there is no calibration, 4 if the port cannot be opened, 130 on Ctrl-C.
+    --locate adds place [m, East-North-Up of the first fix] and true heading [deg] with sigmas, by IMU and GNSS.
+
+    Exit code 2 if the disk refuses or an extra is missing, 3 if there is no calibration, 4 if the port cannot be
+    opened, 130 on Ctrl-C.
 
     Example: station monitor serial:///dev/ttyUSB0?format=counts --latitude 48.1 --alarm roll=10
     """
     import sys
 
+    from station.commands._lengths import lengths
     from station.monitor.alarms import parse_alarm
     from station.monitor.body_axes import body_axes
     from station.monitor.run import Wanted, run
@@ -88,11 +101,16 @@ def monitor(
         raise typer.BadParameter("--json and --plain are two outputs; expected one of them")
     if not (json or plain) and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise typer.BadParameter("the screen needs a terminal; --plain writes lines of text, --json lines of JSON")
-    aid = aid or ("gnss" if gnss else "none")
-    if aid not in AIDS:
+    if aid and aid not in AIDS:
         raise typer.BadParameter(f"found {aid!r}, expected one of {', '.join(AIDS)}", param_hint="--aid")
-    if aid != "none" and not gnss:
+    if aid not in {"", "none"} and not (gnss or url.startswith("replay:")):
         raise typer.BadParameter(f"{aid} needs a source: give --gnss URL", param_hint="--aid")
+    if locate and not (gnss or url.startswith("replay:")):
+        raise typer.BadParameter("locating needs a receiver: give --gnss URL", param_hint="--locate")
+    try:
+        arm = lengths(lever_arm)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--lever-arm") from error
     try:
         alarms = tuple(parse_alarm(text) for text in alarm or ())
     except ValueError as error:
@@ -104,6 +122,6 @@ def monitor(
     wanted = Wanted(
         url=url, C=C, aid=aid, gnss=gnss, mavlink_out=mavlink_out, calibration=calibration, latitude_deg=latitude,
         heading_deg=heading, gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds,
-        speed=speed, model=model, serial=serial, database=db,
+        speed=speed, model=model, serial=serial, database=db, locate=locate, lever_arm=arm,
     )  # fmt: skip
     run(wanted, "json" if json else "plain" if plain else "screen", slow=slow, quiet=quiet)

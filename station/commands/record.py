@@ -1,5 +1,6 @@
 """``station record``: what a device sends, to a file."""
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
@@ -11,30 +12,56 @@ from station.commands import Database
 
 def record(
     url: Annotated[str, typer.Argument(metavar="URL", help="The IMU, as in serial:///dev/ttyUSB0?format=counts.")],
-    out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="A new folder for the recording.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FOLDER", help="A new folder for the recording.")
+    ] = None,
     gnss: Annotated[
         str, typer.Option("--gnss", metavar="URL", help="A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")
     ] = "",
     seconds: Annotated[
         float, typer.Option("--seconds", metavar="S", min=0.0, help="Device time to record.")
     ] = float("inf"),
+    fusion: Annotated[
+        Path | None,
+        typer.Option("--fusion", metavar="FOLDER", help="Also makes a fusion/1 folder, for `station locate`."),
+    ] = None,
+    calibration: Annotated[
+        Path | None,
+        typer.Option("--calibration", metavar="FILE", help="For --fusion; else the unit's newest stored one."),
+    ] = None,
+    lever_arm: Annotated[
+        str,
+        typer.Option("--lever-arm", metavar="X,Y,Z", help="For --fusion: IMU to antenna [m], IMU axes."),
+    ] = "",
+    model: Annotated[str, typer.Option("--model", help="For a device that does not say its own.")] = "",
+    serial: Annotated[str, typer.Option("--serial", help="For a device that does not say its own.")] = "",
     db: Database = None,
 ) -> None:
     """Record the raw bytes and the counts of a device; Ctrl-C ends it and keeps what was recorded.
 
     In the folder: session_*.mcap with every byte since the port was opened, written by the reader process, and
     recording.mcap with bytes and counts of the seconds [s, device time] asked for; both open in Foxglove. With
-    --gnss also gnss_session_*.mcap (its bytes) and gnss_*.mcap (its fixes), and UTC beside the rows.
+    --gnss also gnss_session_*.mcap (its bytes) and gnss_*.mcap (its fixes), and UTC beside the rows. What is
+    wrong with either is said on stderr as it appears, and when it is over.
 
-    Exit code 4 if port or device fail, 130 on Ctrl-C.
+    With --fusion, IMU (calibrated: rad/s, m/s2) and fixes (m East-North-Up of the first) are then written on one
+    clock, noise densities from the Allan deviation of the longest rest. `replay:FILE` with --fusion and without
+    --out makes that folder of a recording that is there, of this command's or of `station monitor`'s.
+
+    Exit code 3 if there is no fix or no calibration for --fusion, 4 if port or device fail, 130 on Ctrl-C.
 
     Example: station record serial:///dev/ttyUSB0?format=counts --seconds 60 --out r1
     """
+    made = _fusion(url, out, fusion, calibration, lever_arm, model, serial, db)
+    if out is None:
+        made(url)
+        return
     from station.gnss import open_gnss
     from station.gnss.sample_rate import Timed
     from station.gnss.summary import summary
     from station.guide.folder import journal_path, new_folder
     from station.live.live_feed import open_feed
+    from station.live.told import Told
     from station.reader import Reader
     from station.recorder import recording
 
@@ -44,8 +71,15 @@ def record(
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
         feed = open_feed(reader)
         timed = Timed(receiver, feed) if receiver else None
+        line, sky = (Told(name, lambda text: typer.echo(text, err=True)) for name in (feed.address.name, "GNSS"))
+
+        def look() -> None:
+            line.look(feed.amiss)
+            if receiver is not None and timed is not None:
+                sky.look(receiver.trouble or timed.said)
+
         try:
-            done = recording.record(feed, folder, seconds, timed)
+            done = recording.record(feed, folder, seconds, timed, look)
         finally:
             counters, framing = feed.stream.counters, feed.stream.decoder.counters
             typer.echo(
@@ -59,3 +93,30 @@ def record(
                 if timed.said:
                     typer.echo(f"warning: {timed.said}", err=True)
     typer.echo(f"{done.seconds:.3f} s of device time, {done.samples} samples")
+    made(f"replay:{done.path}?format={feed.wire.name}")
+
+
+def _fusion(
+    url: str, out: Path | None, fusion: Path | None, calibration: Path | None, lever_arm: str, model: str,
+    serial: str, db: str | None,
+) -> Callable[[str], None]:  # fmt: skip
+    """Return what makes the fusion folder of a recording's URL, if one is wanted."""
+    if out is None and (fusion is None or not url.startswith("replay:")):
+        raise typer.BadParameter("a folder to record into; expected --out FOLDER", param_hint="--out")
+    if fusion is None:
+        return lambda recording: None
+    where = fusion
+    from station.commands._lengths import lengths
+    from station.locate.from_recording import Asked, fusion_from_recording
+
+    try:
+        arm = lengths(lever_arm)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--lever-arm") from error
+    asked = Asked(calibration, db, arm, model, serial)
+
+    def make(recording: str) -> None:
+        for line in fusion_from_recording(recording, where, asked):
+            typer.echo(line)
+
+    return make

@@ -14,6 +14,7 @@ from station.commands import Database
 if TYPE_CHECKING:
     from drivers.simulated.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
+    from drivers.simulated.track import Track
 
 
 def simulate(
@@ -58,7 +59,8 @@ def simulate(
         ),
     ] = None,
     track: Annotated[
-        Path | None, typer.Option("--track", metavar="CSV", help="Where it goes: t_s,e_m,n_m,u_m. Else it stands.")
+        Path | None,
+        typer.Option("--track", metavar="CSV", help="Where both go: t_s,e_m,n_m,u_m. Else they stand."),
     ] = None,
     hold: Annotated[bool, typer.Option("--hold", help="Begin when the hands say go.")] = False,
     db: Database = None,
@@ -82,6 +84,7 @@ def simulate(
     from drivers.simulated.errors import SimulatorError
     from drivers.simulated.faults import load_faults
     from drivers.simulated.server import TRANSPORTS, SimulatedDevice, serve
+    from drivers.simulated.track import load_track
     from drivers.simulated.truth import Truth, load_truth
     from drivers.wire import FORMATS
     from station.errors import DataRefused
@@ -107,12 +110,15 @@ def simulate(
             load_truth(_text(truth)) if truth is not None else Truth.example(seed if example is None else example)
         )
         planted = load_faults(_text(faults)) if faults is not None else ()
-        beside = _autopilot(gnss, _text(track) if track else "", _text(faults) if faults else "")
+        path = load_track(_text(track)) if track is not None else None
+        beside = _autopilot(gnss, path, _text(faults) if faults else "")
         device = SimulatedDevice(
             unit, seed, format, speed,
             transport=transport, link=pty, port=tcp or 0, control_port=control,
             faults=planted, hold=hold, dbc=dbc, mapping=mapping,
         )  # fmt: skip
+        if path is not None:
+            device.device.drive(path)
     except SimulatorError as error:
         raise DataRefused(truth or faults or "truth", None, str(error), "a truth as described") from error
     _end_on_signals()
@@ -151,11 +157,12 @@ def _end_on_signals() -> None:
         signal.signal(ending, signal.default_int_handler)
 
 
-def _autopilot(where: str | None, track: str, faults: str) -> "Callable[[SimulatedDevice], SimulatedGnss] | None":
+def _autopilot(
+    where: str | None, path: "Track | None", faults: str
+) -> "Callable[[SimulatedDevice], SimulatedGnss] | None":
     """Return what makes the autopilot once the IMU is served, None where none is wanted."""
     from drivers.simulated.gnss_faults import load_gnss_faults
     from drivers.simulated.gnss_server import SimulatedGnss
-    from drivers.simulated.track import load_track
 
     if where is None:
         return None
@@ -168,7 +175,7 @@ def _autopilot(where: str | None, track: str, faults: str) -> "Callable[[Simulat
     ):
         raise typer.BadParameter(f"gnss {where!r}: expected udp[:PORT], udpto:HOST:PORT, tcp[:PORT] or pty[:PATH]")
     number = int(port) if transport != "pty" and port else 0
-    planted, path = load_gnss_faults(faults), load_track(track) if track else None
+    planted = load_gnss_faults(faults)
     return lambda device: SimulatedGnss(
         device.truth, faults=planted, track=path, seed=device.seed, beside=device,
         transport=transport.removesuffix("to"), port=number,

@@ -49,7 +49,7 @@ def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> 
         document=document, sentence=verdict_sentence(document), findings=findings,
         errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
         tried=tried_rows(document["tried"]), p_of=P_OF, tried_how=TRIED_HOW, on_table=ON_TABLE,
-        of_table=table_rows(document.get("solution", {})), warnings=warnings_of(document),
+        of_table=table_rows(document.get("solution", {})), warnings=warnings_of(document.get("solution", {})),
     )  # fmt: skip
 
 

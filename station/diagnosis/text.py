@@ -42,7 +42,7 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
             lines += ["", title, *part]
     if document["next_measurement"]:
         lines += ["", *_fold(f"measure next: {document['next_measurement']}", ""), _PLAN]
-    if warnings := warnings_of(document):
+    if warnings := warnings_of(document.get("solution", {})):
         lines += ["", *(line for text in warnings for line in _fold(f"warning: {text}", ""))]
     return "\n".join(lines)
 
@@ -50,9 +50,9 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
 _PLAN = "(--plan FILE writes its steps for `station calibrate --plan FILE`)"
 
 
-def warnings_of(document: Mapping[str, Any]) -> list[str]:
-    """Return a diagnosis' warnings, without the advice to run one; none where the solution stands apart."""
-    return [text.removesuffix(_ADVICE) for text in document.get("solution", {}).get("warnings", [])]
+def warnings_of(solution: Mapping[str, Any]) -> list[str]:
+    """Return the warnings of a diagnosed solution, without the advice to diagnose it; none of an empty one."""
+    return [text.removesuffix(_ADVICE) for text in solution.get("warnings", [])]
 
 
 _ADVICE = "; run `station diagnose`"

@@ -23,14 +23,16 @@ from drivers.mavlink.signing import SignatureCheck, read_key
 from drivers.ports import parse_device_url
 from procedures.gnss import AirData, AveragedSite, GnssFix, TimeMark, averaged_site
 from procedures.time_line import TimeLine, fit_time_line
+from station.gnss.rates import Rates
 from station.gnss.trouble import Health
+from station.mcap_files.fix_reader import Record
 from station.mcap_files.fix_writer import FixWriter
 from station.reader import Chunk, GapMark, Reader
 
 KEPT = 6000  # fixes: 20 minutes at 5 Hz
 AROUND_NS = 30 * 10**9  # of a moment: the marks its time is taken from
 REFIT_NS = 10**9  # how old the newest line may be
-RATE_S = 5.0
+FOR_EVER = 2**63 - 1  # ns
 EXPECTED = "a GNSS source: mavlink:LINK:WHERE"
 
 
@@ -38,6 +40,11 @@ class Source(Protocol):
     """Where chunks come from: a reader process."""
 
     address: DeviceUrl
+
+    @property
+    def up_to_ns(self) -> int:
+        """The moment up to which all that came was polled [ns]."""
+        ...
 
     def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
         """Return what has come, within ``timeout_s``."""
@@ -63,12 +70,13 @@ class GnssFeed:
         self._source, self._writer = source, writer
         self._taken = 0  # of the fixes since the beginning, what `take` has returned
         self._came = 0
+        self._records: deque[Record] = deque(maxlen=KEPT)
+        self._is_lost = False
         self._marks: tuple[list[int], list[int]] = [], []  # host, UTC [ns]
         self._stamps_are_marks = True  # of fixes, until the sender states its time
         self._line: tuple[tuple[int, int], TimeLine | None] = (0, 0), None
-        self._health = Health(address.name, address.system, clock)
-        self._clock = clock
-        self._seen: deque[tuple[float, str]] = deque(maxlen=KEPT)
+        self._health = Health(address.name, address.system, address.rate_hz, clock)
+        self._rates = Rates(address.name, address.rate_hz, clock)
 
     def advance(self, timeout_s: float = 0.0) -> None:
         """Take what has come; what is wrong stands in `trouble`, nothing is raised but `CannotWrite`."""
@@ -79,21 +87,35 @@ class GnssFeed:
             return
         for item in items:
             if isinstance(item, GapMark):
+                self._is_lost = not item.is_open
                 self._health.gap(item.reason, is_open=item.is_open)
             else:
                 self._take_bytes(item)
         self._health.look(self.decoder, self.latest)
+        self._rates.look(is_well=not self._health.trouble)
 
     @property
     def trouble(self) -> str:
-        """What is wrong, found within 2 s, and what to do; empty if nothing is."""
-        return self._health.trouble
+        """What is wrong, found within 2 s (a low rate later), and what to do; empty if nothing is."""
+        return self._health.trouble or self._rates.trouble
 
     def take(self) -> list[GnssFix]:
         """Return the fixes that came since the last call, oldest first; filtered ones are not among them."""
         new = min(self._came - self._taken, len(self.fixes))
         self._taken = self._came
         return list(self.fixes)[len(self.fixes) - new :]
+
+    @property
+    def up_to_ns(self) -> int:
+        """The moment [ns] up to which nothing more will come; for ever where the receiver is gone."""
+        return FOR_EVER if self._is_lost or self._health.ended else self._source.up_to_ns
+
+    def take_records(self, until_ns: int) -> list[Record]:
+        """Return fixes, times and airspeeds that came since the last call and until a moment [ns], in order."""
+        found = list[Record]()
+        while self._records and self._records[0].host_ns <= until_ns:
+            found.append(self._records.popleft())
+        return found
 
     def site(self) -> AveragedSite | None:
         """Return where the receiver stands, of its first antenna; None before a fix."""
@@ -116,33 +138,33 @@ class GnssFeed:
             self._line = key, fit_time_line(*window)
         return self._line[1]
 
+    def utc_scatter(self) -> float:
+        """Return the 1 sigma [s, UTC] of one mark about the line that `utc` read last; 0 before there is one."""
+        return self._line[1].scatter if self._line[1] else 0.0
+
     def rates_hz(self) -> dict[str, float]:
         """Return how often each record came over the last seconds."""
-        since = self._clock() - RATE_S
-        counts: dict[str, int] = {}
-        for at, name in self._seen:
-            if at >= since:
-                counts[name] = counts.get(name, 0) + 1
-        return {name: count / RATE_S for name, count in counts.items()}
+        return self._rates.hz()
 
     def _take_bytes(self, chunk: Chunk) -> None:
         self._health.bytes_came()
-        now = self._clock()
         for record in self.decoder.feed(chunk.data, chunk.host_ns):
             match record:
                 case GnssFix():
-                    self._seen.append((now, record.source))
+                    self._rates.came(record.source)
                     self._take_fix(record)
                 case TimeMark(host_ns, _, utc_ns):
-                    self._seen.append((now, "SYSTEM_TIME"))
+                    self._rates.came("SYSTEM_TIME")
                     if utc_ns is not None:
                         self._mark(host_ns, utc_ns, is_stated=True)
                 case AirData():
                     self.air = record
                 case _:
                     pass
-            if self._writer is not None and isinstance(record, GnssFix | TimeMark):
-                self._writer.write(record)
+            if isinstance(record, Record):
+                self._records.append(record)
+                if self._writer is not None:
+                    self._writer.write(record)
 
     def _take_fix(self, fix: GnssFix) -> None:
         if fix.is_filtered:

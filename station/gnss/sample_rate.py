@@ -4,6 +4,7 @@ A device's own time follows its counter: where a sync line drives it, counter, t
 while all rates are wrong.
 """
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable
@@ -22,13 +23,18 @@ KEPT = 4000  # stamps, 200 s
 LEAST = 100
 EVERY_S = 2.0
 SIGMAS = 4.0
+LINE = 2.0  # scatters of a mark by which UTC at the two ends of the stamps may be off, each end as a whole
 
 
 class SampleRate:
-    """Watches one stream; call `look` often."""
+    """Watches one stream; call `look` often.
 
-    def __init__(self, feed: LiveFeed, utc: Utc) -> None:
-        self._feed, self._times = feed, RowTimes(utc)
+    ``scatter`` [s] is that of a mark about the line which ``utc`` reads. Stamps of many seconds share that line's
+    error, which a fit through them does not see: above all at the beginning, when it goes through few marks.
+    """
+
+    def __init__(self, feed: LiveFeed, utc: Utc, scatter: Callable[[], float] = lambda: 0.0) -> None:
+        self._feed, self._times, self._scatter = feed, RowTimes(utc), scatter
         self._stamps: deque[tuple[float, float]] = deque(maxlen=KEPT)
         self._next = 0.0
         self.clock: Callable[[], float] = time.monotonic
@@ -51,7 +57,11 @@ class SampleRate:
         self.rate = fit_clock(*np.array(self._stamps).T)
         if self.rate is None:
             return
-        off, surely = off_period(self.rate), SIGMAS * self.rate.std * 1e-6
+        span = self._stamps[-1][0] - self._stamps[0][0]
+        off, surely = (
+            off_period(self.rate),
+            SIGMAS * math.hypot(self.rate.std * 1e-6, LINE * self._scatter() / span),
+        )
         period = self._feed.period
         self.warning = clock_sentence(period, off) if abs(off) - surely > WARN_PERIOD else ""
         if abs(off) - surely > REFUSE_PERIOD:
@@ -76,7 +86,7 @@ class Timed:
     """A receiver beside a plain recording: UTC for its rows; what its rate's check says stands in ``said``."""
 
     def __init__(self, gnss: GnssFeed, feed: LiveFeed) -> None:
-        self._gnss, self._rate = gnss, SampleRate(feed, gnss.utc)
+        self._gnss, self._rate = gnss, SampleRate(feed, gnss.utc, gnss.utc_scatter)
         self.said = ""
 
     def advance(self) -> None:

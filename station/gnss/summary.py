@@ -2,19 +2,14 @@
 
 import numpy as np
 
+from procedures.gnss import AveragedSite
 from station.gnss.feed import GnssFeed
 
 
 def summary(feed: GnssFeed) -> str:
     """Return what a feed has seen, in words."""
     site, counters = feed.site(), feed.decoder.framer.counters
-    where = "no position"
-    if site is not None:
-        height = "" if site.height is None else f", {site.height:.1f} m"
-        where = (
-            f"{np.degrees(site.latitude):.6f}, {np.degrees(site.longitude):.6f} deg{height}, "
-            f"1 sigma {site.horizontal_std:.1f} m"
-        )
+    where = "no position" if site is None else site_in_words(site)
     rates = ", ".join(f"{name} {rate:.1f} Hz" for name, rate in sorted(feed.rates_hz().items()))
     return (
         f"{feed.address.name}: system {feed.decoder.system or 'none'}, {len(feed.fixes)} fixes, {where}; "
@@ -22,3 +17,12 @@ def summary(feed: GnssFeed) -> str:
         f"{counters.refused} refused, {counters.skipped_bytes} bytes in no frame"
         + (f"; {feed.trouble}" if feed.trouble else "")
     )
+
+
+def site_in_words(site: AveragedSite) -> str:
+    """Return latitude, longitude and height with their 1 sigma."""
+    where = f"{np.degrees(site.latitude):.6f}, {np.degrees(site.longitude):.6f} deg"
+    if site.height is None or site.vertical_std is None:
+        return f"{where}, 1 sigma {site.horizontal_std:.1f} m, no height"
+    sigmas = f"1 sigma {site.horizontal_std:.1f} m, of the height {site.vertical_std:.1f} m"
+    return f"{where}, {site.height:.1f} m, {sigmas}"

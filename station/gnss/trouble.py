@@ -11,10 +11,13 @@ HEARTBEAT_S = 2.5  # heartbeats are a second apart: who else is there
 
 
 class Health:
-    """Watches counters; times are of the station's monotonic clock [s]."""
+    """Watches counters; times are of the station's monotonic clock [s]. Messages were asked for at ``rate_hz``."""
 
-    def __init__(self, name: str, system: int | None, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, name: str, system: int | None, rate_hz: float, clock: Callable[[], float] = time.monotonic
+    ) -> None:
         self._name, self._system, self._clock = name, system, clock
+        self._first_s = max(SILENT_S, 3 / rate_hz)  # how long the first fix may take
         self._began = self._bytes_at = self._frames_at = self._read_at = self._fix_at = clock()
         self._frames = self._refused = self._read = 0
         self._away = ""
@@ -62,7 +65,7 @@ class Health:
             there = ", ".join(str(system) for system in sorted(decoder.systems))
             wanted = self._system or "an autopilot's heartbeat"
             return f"{name}: system {there} is there, expected {wanted}; give system=N in the address"
-        if latest is None and now - self._began >= SILENT_S:
+        if latest is None and now - self._began >= self._first_s:
             return f"{name}: no GNSS message, expected GPS_RAW_INT; check that a receiver is connected"
         if latest is not None and now - self._fix_at >= SILENT_S:
             seen = "" if latest.satellites is None else f" ({latest.satellites} satellites)"

@@ -6,7 +6,7 @@ view and nothing is lost: what was accepted is on the disk.
 
 import contextlib
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,20 +17,24 @@ from fixtures_db.errors import DatabaseError
 from procedures.errors import ProcedureError
 from station.errors import CannotWrite, DataRefused, StationError
 from station.guide.command import Command
+from station.guide.gnss_beside import FIXES, WAIT_S
 from station.guide.live_campaign import LiveCampaign, begin, resume
 from station.guide.options import Options
 from station.guide.outcome import verdict_view
+from station.guide.receiver import check_receiver
 from station.guide.setup import check_port, save_setup, start_view
 from station.guide.unfinished import cancel_campaign
-from station.guide.view import Check, Setup, Stage, Start, Verdict, View
+from station.guide.view import Check, Stage, Start, Verdict, View
 from station.recorder import UnitChanged
 
 if TYPE_CHECKING:
     from station.recorder.results import Results
 
 REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
+FOR_FIXES = f", and for {FIXES} positions of the receiver, up to {WAIT_S:g} s"
 WHOLE = "all is recorded: leave, and diagnose it together with the campaign that it complements"
 OVER = frozenset({"cancelled", "left", "failed"})
+LOOKS = {"check": ("check", "is_checking"), "listen": ("receiver", "is_listening")}  # by verb, what `Start` says
 
 
 class Engine:
@@ -39,17 +43,17 @@ class Engine:
     def __init__(self, database: Database, options: Options, publish: Callable[[View], None]) -> None:
         self._database, self._options, self._publish = database, options, publish
         self._campaign: LiveCampaign | None = None
-        self._aside = ThreadPoolExecutor(1, "check")
-        self._check: Future[Check] | None = None
+        self._aside = ThreadPoolExecutor(len(LOOKS), "look")
+        self._looks: dict[str, Future[Check]] = {}  # under way, by verb
         self._outcome = _Outcome()
         self._refused = ""  # why what is complete could not be solved
         self.view = View(stage="start", start=start_view(database, options.setup))
 
     def round(self) -> None:
         """Let the campaign go on for a moment, or do nothing."""
-        if self._check is not None and self._check.done():
-            self._show_start(check=self._check.result(), is_checking=False)
-            self._check = None
+        for verb in [verb for verb, look in self._looks.items() if look.done()]:
+            result, is_under_way = LOOKS[verb]
+            self._show_start(**{result: self._looks.pop(verb).result(), is_under_way: False})
         campaign = self._campaign
         if campaign is None or self.view.stage in OVER:
             return
@@ -107,22 +111,27 @@ class Engine:
             self._show(campaign)
 
     def _obey_at_start(self, command: Command) -> None:
-        if command.verb == "check" and self._check is None:
-            self._check = self._aside.submit(check_port, command.url)
-            self._show_start(is_checking=True)
+        if command.verb in LOOKS:
+            if command.verb not in self._looks:
+                look = check_port if command.verb == "check" else check_receiver
+                self._looks[command.verb] = self._aside.submit(look, command.url)
+                self._show_start(**{LOOKS[command.verb][1]: True})
         elif command.verb == "begin" and command.setup is not None:
             if self._options.asks:
                 with contextlib.suppress(CannotWrite):  # to be remembered is a courtesy, not a condition
                     save_setup(command.setup)
-            self._start(lambda: begin(command.setup or Setup(), self._database, self._options))
+            setup = command.setup
+            self._start(lambda: begin(setup, self._database, self._options), FOR_FIXES if setup.gnss else "")
         elif command.verb == "resume":
             self._start(lambda: resume(Path(command.folder), self._database, self._options))
         elif command.verb in {"cancel", "leave"}:
             self._end("cancelled", "nothing was begun; the database is as it was")
 
-    def _start(self, make: Callable[[], LiveCampaign]) -> None:
+    def _start(self, make: Callable[[], LiveCampaign], also: str = "") -> None:
         start = self.view.start
-        self._publish(View(stage="connecting", line="connecting", hint="waiting for the unit to say who it is"))
+        hint = f"waiting for the unit to say who it is{also}"
+        self._publish(View(stage="connecting", line="connecting", hint=hint))
+        wait(self._looks.values())  # they hold the ports
         try:
             self._campaign = make()
         except REFUSALS as error:

@@ -2,6 +2,7 @@
 
 import json
 import time
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,9 +14,11 @@ from procedures.gnss import AveragedSite
 from station.campaign_folder.atomic import replace_file
 from station.gnss import GnssFeed, open_gnss
 from station.gnss.sample_rate import SampleRate
+from station.gnss.summary import site_in_words
 from station.guide.story import Story
 from station.guide.view import Setup
 from station.live.live_feed import LiveFeed
+from station.live.told import words_of
 
 NAME = "gnss.json"
 FIXES = 20  # to average before a campaign begins
@@ -41,15 +44,16 @@ class GnssBeside:
 
     def __init__(self, gnss: GnssFeed, feed: LiveFeed, story: Story) -> None:
         self._gnss, self._story = gnss, story
-        self._rate = SampleRate(feed, gnss.utc)
+        self._rate = SampleRate(feed, gnss.utc, gnss.utc_scatter)
         self._said = ""
 
     def round(self) -> None:
         """Take what has come; raise `DataRefused` if the device's rate is more than 1 % off GNSS time."""
         self._gnss.advance()
         self._rate.look()
-        if (now := self._gnss.trouble or self._rate.warning) != self._said:
-            self._said = now
+        now = self._gnss.trouble or self._rate.warning
+        if words_of(now) != self._said:  # not once more for each new figure
+            self._said = words_of(now)
             self._story.say("rejected" if now else "", now or "GNSS is well again")
 
 
@@ -68,15 +72,20 @@ def sited(setup: Setup, gnss: GnssFeed, folder: Path) -> Setup:
         if setup.latitude_deg is None:
             raise NoFix(gnss.address.name, site.fixes if site else 0, gnss.trouble)
         return setup
-    seen = {
-        "latitude_deg": round(float(np.degrees(site.latitude)), 9),
-        "longitude_deg": round(float(np.degrees(site.longitude)), 9),
-        "height_m": None if site.height is None else round(site.height, 3),
-    }
-    stated = {name: getattr(setup, name) for name in seen if getattr(setup, name) not in {None, 0.0}}
-    _write(folder, gnss, site, {**seen}, stated)
+    seen = _degrees(site)
+    stated = _stated(setup, seen)
+    _write(folder, gnss, site, seen, stated)
     new = {name: value for name, value in seen.items() if name not in stated and value is not None}
     return setup.model_copy(update=new)
+
+
+def said_of_site(given: Setup, gnss: GnssFeed) -> str:
+    """Return where the receiver stands, with sigma, and how that compares with the site given, in words."""
+    if (site := gnss.site()) is None:
+        return "no position from GNSS; the site is as stated"
+    seen = _degrees(site)
+    warnings = _warnings(seen, _stated(given, seen))
+    return "; ".join([f"by GNSS the site is {site_in_words(site)}", *warnings])
 
 
 def reopened(stack: ExitStack, setup: Setup, folder: Path) -> tuple[GnssFeed | None, str]:
@@ -96,6 +105,26 @@ def utc_now(gnss: GnssFeed) -> datetime | None:
     return datetime.fromtimestamp(utc, UTC)
 
 
+def _degrees(site: AveragedSite) -> dict[str, float | None]:
+    return {
+        "latitude_deg": round(float(np.degrees(site.latitude)), 9),
+        "longitude_deg": round(float(np.degrees(site.longitude)), 9),
+        "height_m": None if site.height is None else round(site.height, 3),
+    }
+
+
+def _stated(setup: Setup, names: Iterable[str]) -> dict[str, float]:
+    return {name: value for name in names if (value := getattr(setup, name)) not in {None, 0.0}}
+
+
+def _warnings(seen: Mapping[str, float | None], stated: Mapping[str, float]) -> list[str]:
+    return [
+        f"{name} {value:g} is stated, GNSS says {seen[name]:g}"
+        for name, value in stated.items()
+        if name != "height_m" and abs(value - (seen[name] or 0.0)) > FAR_DEG
+    ]
+
+
 def _write(
     folder: Path, gnss: GnssFeed, site: AveragedSite, seen: dict[str, float | None], stated: dict[str, float]
 ) -> None:
@@ -110,11 +139,7 @@ def _write(
         "fixes": site.fixes,
         "utc": None if now is None else now.isoformat(),
         "stated_by_operator": stated,
-        "warnings": [
-            f"{name} {value:g} is stated, GNSS says {seen[name]:g}"
-            for name, value in stated.items()
-            if name != "height_m" and abs(value - (seen[name] or 0.0)) > FAR_DEG
-        ],
+        "warnings": _warnings(seen, stated),
     }
     known = {name: value for name, value in said.items() if value not in (None, [], {})}
     replace_file(folder / NAME, (json.dumps(known, indent=1) + "\n").encode())

@@ -26,7 +26,7 @@ from station.guide.fixture import cube_fixture
 from station.guide.folder import journal_path, new_folder
 from station.guide.folder_notes import keep_plan, kept_plan, read_setup, read_unit, write_setup, write_unit
 from station.guide.folder_recorder import FolderRecorder
-from station.guide.gnss_beside import GnssBeside, reopened, sited, utc_now
+from station.guide.gnss_beside import GnssBeside, reopened, said_of_site, sited, utc_now
 from station.guide.guide import Guide
 from station.guide.identity import UnitRecord
 from station.guide.options import Options
@@ -141,7 +141,7 @@ def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
         feed = open_feed(reader)
         gnss = stack.enter_context(open_gnss(setup.gnss, folder)) if setup.gnss else None
         unit = feed.identify(setup.model or None, setup.serial or None)
-        setup = setup if gnss is None else sited(setup, gnss, folder)
+        given, setup = setup, setup if gnss is None else sited(setup, gnss, folder)
         write_setup(folder, setup)
         write_unit(folder, _record(feed, unit))
         keep_plan(folder, steps)
@@ -154,6 +154,8 @@ def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
             feed, Checklist(steps), _facts(recorder.tables, fixture, setup, options), FolderRecorder(recorder)
         )
         guide = Guide(desk, warms_up=options.warms_up)
+        if gnss is not None:
+            desk.story.say("", said_of_site(given, gnss))
         return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all(), gnss)
     raise AssertionError("unreachable")
 

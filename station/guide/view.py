@@ -69,7 +69,10 @@ class Setup(_Value):
 
 
 class Check(_Value):
-    """A live look at a port: what its bytes are. ``noise`` says the white noise in words."""
+    """A live look at a port: what its bytes are. ``noise`` says the white noise in words.
+
+    Of a GNSS receiver ``text`` alone: where it stands, with sigma, or what is wrong.
+    """
 
     url: str
     is_good: bool
@@ -103,6 +106,8 @@ class Start(_Value):
     slabs: tuple[Choice, ...] = ()
     check: Check | None = None
     is_checking: bool = False
+    receiver: Check | None = None
+    is_listening: bool = False
     unfinished: tuple[Unfinished, ...] = ()
     refused: str = ""  # why what was sent could not begin
 

@@ -19,6 +19,7 @@ from station.recorder import Piece, SampleStream, Tape, Unit
 from station.recorder.unit import refuse_other, unit_of
 
 BLOCK_S = 1.0
+HELD = 10  # samples at least that a block waits for what would show that it is not the device's
 POLL_S = 0.1
 SILENT_S = 2.0  # of the station's time, without a byte or without a frame
 JOINING_S = 6.0  # the same until the first sample of what must learn its period to join samples
@@ -90,6 +91,13 @@ class LiveFeed:
         return self._trouble.text
 
     @property
+    def amiss(self) -> str:
+        """What is wrong with the line while nothing is raised: a port that is away, else `trouble`."""
+        if not self._lost:
+            return self.trouble
+        return f"{self.address.name} was lost ({self._lost}); it is tried again and again: check cable and power"
+
+    @property
     def temperature_c(self) -> float | None:
         """The newest temperature, None where the device says none."""
         end = self.tape.end
@@ -118,15 +126,21 @@ class LiveFeed:
             self.advance()
 
     def ready(self) -> Iterator[Block]:
-        """Yield the blocks that are complete by now and were not yielded before."""
+        """Yield the blocks that are complete by now and were not yielded before.
+
+        What is amiss shows after the fact, as when another device's sample came before the device's own: so a
+        block waits a moment, and what stands shortly before a break is not used.
+        """
         while True:
             size = max(TICKS, round(BLOCK_S / self.period))
+            held = max(HELD, round(self.wire.hindsight_s / self.period))
             if self._begin != self.tape.begin:
                 self._at = self._begin = self.tape.begin
                 self._is_anew = True
-            if self.tape.end - self._at < size:
+            self._at = max(self._at, self.tape.first)  # what was let go is in no block
+            if self.tape.end - self._at < size + held:
                 return
-            if (broken := self.tape.last_break(self._at, self._at + size)) is not None:
+            if (broken := self.tape.last_break(self._at, self._at + size + held)) is not None:
                 self._at = broken
             else:
                 first, self._at = self._at, self._at + size
@@ -146,11 +160,12 @@ class LiveFeed:
         samples = self.tape.block(first, last)
         return block_of(samples, first, self.period, is_broken=is_broken, is_anew=is_anew)
 
-    def pieces(self) -> Iterator[Piece]:
-        """Yield the stream's pieces, for ever; samples are not kept."""
+    def pieces(self, look: Callable[[], None] = lambda: None) -> Iterator[Piece]:
+        """Yield the stream's pieces, for ever; samples are not kept. ``look`` is called often, whatever comes."""
         while True:
             yield from self._pieces
             self.tape.forget_before(self.tape.end)
+            look()
             self.advance()
 
     def advance(self) -> None:

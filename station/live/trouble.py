@@ -57,6 +57,8 @@ def _said(new: dict[str, int]) -> str:
     breaks = min(new["samples"], new["breaks"] + new["restarts"])
     if new["samples"] >= LEAST and breaks > OFTEN * new["samples"]:
         return f"samples do not follow each other: {breaks} breaks in {new['samples']} samples; {ALONE}"
+    if new["incomplete"] >= LEAST and new["incomplete"] > new["samples"]:
+        return f"{new['incomplete']} samples miss frames, {new['samples']} are whole; {ALONE}"
     found = [(f"{words}: {new[name]}", remedy) for name, words, remedy in AMISS if new[name]]
     if not found:
         return ""

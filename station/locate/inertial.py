@@ -55,7 +55,8 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
     state = window.state
     return replace(
         located,
-        time_offset=given.time_offset + float(window.constants[3]),
+        lever_arm=given.arm if given.lever_arm_std is None else located.lever_arm,
+        time_offset=given.time_offset + (float(window.constants[3]) if given.time_offset_std else 0.0),
         warnings=(*located.warnings, *_of_gaps(log, imu_gaps(log.imu))),
         alignment=_alignment(aligned),
         gyro_bias=None if state is None else state.gyro_bias,

@@ -6,8 +6,8 @@ from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorP
 from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message_factory import GetMessageClass
 
-FIX, TIME = "station.GnssFix", "station.TimeMark"
-FIX_TOPIC, TIME_TOPIC, GNSS_RAW_TOPIC = "/gnss/fix", "/gnss/time", "/gnss/raw"
+FIX, TIME, AIR = "station.GnssFix", "station.TimeMark", "station.AirData"
+FIX_TOPIC, TIME_TOPIC, AIR_TOPIC, GNSS_RAW_TOPIC = "/gnss/fix", "/gnss/time", "/gnss/air", "/gnss/raw"
 
 _Field = FieldDescriptorProto
 _I64, _U32, _D, _S = _Field.TYPE_INT64, _Field.TYPE_UINT32, _Field.TYPE_DOUBLE, _Field.TYPE_STRING
@@ -19,6 +19,7 @@ FIELDS: dict[str, dict[str, "_Field.Type.ValueType"]] = {
         "hdop": _D, "vdop": _D, "satellites": _U32, "is_filtered": _Field.TYPE_BOOL,
     },
     "TimeMark": {"host_ns": _I64, "device_ns": _I64, "utc_ns": _I64},
+    "AirData": {"host_ns": _I64, "airspeed": _D},
 }  # fmt: skip
 
 
@@ -41,4 +42,6 @@ _FILE = _file()
 _POOL = DescriptorPool()
 _POOL.AddSerializedFile(_FILE.SerializeToString())
 FIX_SCHEMA: bytes = FileDescriptorSet(file=[_FILE]).SerializeToString()
-FIX_MESSAGES: dict[str, Any] = {name: GetMessageClass(_POOL.FindMessageTypeByName(name)) for name in (FIX, TIME)}
+FIX_MESSAGES: dict[str, Any] = {
+    name: GetMessageClass(_POOL.FindMessageTypeByName(name)) for name in (FIX, TIME, AIR)
+}

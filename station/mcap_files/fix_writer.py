@@ -7,12 +7,23 @@ from pathlib import Path
 
 from mcap.writer import CompressionType, Writer
 
-from procedures.gnss import GnssFix, TimeMark
+from procedures.gnss import AirData, GnssFix, TimeMark
 from station.campaign_folder.atomic import sync_folder
 from station.errors import CannotWrite
-from station.mcap_files.fix_schemas import FIX, FIX_MESSAGES, FIX_SCHEMA, FIX_TOPIC, TIME, TIME_TOPIC
+from station.mcap_files.fix_schemas import (
+    AIR,
+    AIR_TOPIC,
+    FIX,
+    FIX_MESSAGES,
+    FIX_SCHEMA,
+    FIX_TOPIC,
+    TIME,
+    TIME_TOPIC,
+)
 
 FLUSH_S = 0.5
+TOPICS = {FIX: FIX_TOPIC, TIME: TIME_TOPIC, AIR: AIR_TOPIC}
+NAMES = {GnssFix: FIX, TimeMark: TIME, AirData: AIR}
 
 
 class FixWriter:
@@ -27,18 +38,16 @@ class FixWriter:
             raise CannotWrite(path, error.strerror or str(error)) from error
         self._writer = Writer(self._stream, compression=CompressionType.ZSTD, enable_data_crcs=True)
         self._writer.start(profile="", library="station")
-        self._channels = {
-            name: self._register(name, topic) for name, topic in ((FIX, FIX_TOPIC), (TIME, TIME_TOPIC))
-        }
+        self._channels = {name: self._register(name, topic) for name, topic in TOPICS.items()}
         self._flushed = time.monotonic()
 
     def _register(self, name: str, topic: str) -> int:
         schema = self._writer.register_schema(name=name, encoding="protobuf", data=FIX_SCHEMA)
         return self._writer.register_channel(topic=topic, message_encoding="protobuf", schema_id=schema)
 
-    def write(self, record: GnssFix | TimeMark) -> None:
+    def write(self, record: GnssFix | TimeMark | AirData) -> None:
         """Write one; raise `CannotWrite` if the disk refuses."""
-        name = FIX if isinstance(record, GnssFix) else TIME
+        name = NAMES[type(record)]
         known = {f.name: value for f in fields(record) if (value := getattr(record, f.name)) is not None}
         content = FIX_MESSAGES[name](**known).SerializeToString()
         self.fixes += name == FIX

@@ -17,7 +17,7 @@ from station.mcap_files.contents import StepContents
 from station.mcap_files.messages import Messages
 from station.mcap_files.records import CutShort, file_records
 
-_DAMAGE = (
+DAMAGE = (
     McapError,
     DecodeError,
     zstandard.ZstdError,
@@ -54,7 +54,7 @@ def read_stream(stream: BufferedReader, file: Path) -> StepContents:
         except CutShort:
             damage = "the recording was cut short"
         return messages.contents(sha256, damage)
-    except _DAMAGE as error:
+    except DAMAGE as error:
         what = " ".join(str(error).split())[:120] or type(error).__name__
         found = f"damage after message {messages.total} ({what})"
         raise DataRefused(file, None, found, "an intact MCAP file with messages of campaign/1") from error

@@ -45,11 +45,9 @@ def settings_of(
     )  # fmt: skip
     if calibration is None:
         return base._replace(gyro_bias_std=float(np.hypot(base.gyro_bias_std, EARTH_RATE)))
-    gyro, accel = calibration["gyroscope"], calibration["accelerometer"]
+    gyro = calibration["gyroscope"]
     scale = _relative(gyro["scale_factor"]) + _largest(gyro["misalignment"])
-    force = STANDARD_GRAVITY * (
-        _largest(accel["bias"]) + _relative(accel["scale_factor"]) + _largest(accel["misalignment"])
-    )
+    force = force_bias_std(calibration)
     bias = gyro_bias_std(calibration)
     return base._replace(
         gyro_bias_std=float(np.hypot(bias, 0.0 if knows_earth else EARTH_RATE)),
@@ -64,6 +62,13 @@ def settings_of(
 def gyro_bias_std(calibration: Mapping[str, Any]) -> float:
     """Return 1 sigma [rad/s] of a calibrated gyro's bias on another day."""
     return float(np.hypot(np.radians(_largest(calibration["gyroscope"]["bias"])) / 3600, TURN_ON))
+
+
+def force_bias_std(calibration: Mapping[str, Any]) -> float:
+    """Return 1 sigma [m/s2] of what calibrated accelerometers are off by, scale factor and axes included."""
+    accel = calibration["accelerometer"]
+    parts = _largest(accel["bias"]) + _relative(accel["scale_factor"]) + _largest(accel["misalignment"])
+    return float(STANDARD_GRAVITY * parts)
 
 
 def _largest(part: Mapping[str, Any]) -> float:

@@ -1,15 +1,18 @@
 """A GNSS receiver over MAVLink as the monitor's aid: its velocity, or an autopilot's airspeed.
 
-A velocity counts at the tick in which its message was read: what it is late by (0.1 to 0.2 s of most receivers)
-is not made up for. A receiver that does not tell its vertical velocity is taken not to climb.
+What a receiver says is merged with the IMU's samples by the moments at which both were read, so that a replay
+gives the same to the last bit. A velocity counts at the tick in which its message was read: what it is late by
+(0.1 to 0.2 s of most receivers) is not made up for. A receiver that does not tell its vertical velocity is taken
+not to climb.
 """
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
-from procedures.gnss import FixType, GnssFix
+from procedures.gnss import AirData, FixType, GnssFix
 from station.gnss import GnssFeed
+from station.mcap_files.fix_reader import Record
 from station.monitor.attitude import NO_AID, Aiding
 from station.monitor.view import Stream
 
@@ -17,34 +20,26 @@ AIDS = ("gnss", "airspeed-filter")
 
 
 class GnssAid:
-    """Gives the filter what ``aid``, one of `AIDS`, needs of one feed."""
+    """A live receiver beside the IMU; `station.monitor.monitor.Aid`."""
 
-    def __init__(self, feed: GnssFeed, aid: str, clock: Callable[[], float] = time.monotonic) -> None:
-        self._feed, self._aid, self._clock = feed, aid, clock
-        self._air_ns = 0
-        self._came = clock()
+    def __init__(self, feed: GnssFeed, clock: Callable[[], float] = time.monotonic) -> None:
+        self._feed, self._clock = feed, clock
+        self._came, self._seen = clock(), 0
 
     def advance(self) -> None:
         """Take what has come; a receiver that is gone stands in the stream's trouble."""
         self._feed.advance()
+        if len(self._feed.fixes) != self._seen:
+            self._came, self._seen = self._clock(), len(self._feed.fixes)
 
-    def newest(self) -> Aiding:
-        """Return what came since the last call, nan where nothing did."""
-        fixes = [fix for fix in self._feed.take() if _velocity(fix) is not None]
-        air = self._feed.air
-        is_new_air = air is not None and air.host_ns > self._air_ns
-        if fixes or is_new_air:
-            self._came = self._clock()
-        if self._aid == "airspeed-filter":
-            if air is None or not is_new_air:
-                return NO_AID
-            self._air_ns = air.host_ns
-            return Aiding(airspeed=air.airspeed)
-        if not fixes:
-            return NO_AID
-        velocity, heading = _velocity(fixes[-1]), fixes[-1].heading
-        assert velocity is not None
-        return Aiding(velocity=velocity, heading=math.nan if heading is None else heading)
+    @property
+    def up_to_ns(self) -> int:
+        """The moment [ns] up to which nothing more will come."""
+        return self._feed.up_to_ns
+
+    def take(self, until_ns: int) -> Sequence[Record]:
+        """Return what came since the last call and until a moment [ns], in order."""
+        return self._feed.take_records(until_ns)
 
     def utc(self, host_ns: int) -> float | None:
         """Return UTC [s since 1970] at a moment of the station's clock [ns], None where it is not known."""
@@ -60,10 +55,22 @@ class GnssAid:
         )  # fmt: skip
 
 
+def aiding_of(records: Sequence[Record], aid: str) -> Aiding:
+    """Return the newest of what ``aid`` is about among records, nan where there is nothing."""
+    if aid == "airspeed-filter":
+        airs = [record for record in records if isinstance(record, AirData)]
+        return Aiding(airspeed=airs[-1].airspeed) if airs else NO_AID
+    if aid == "gnss":
+        for record in reversed(records):
+            if isinstance(record, GnssFix) and (velocity := _velocity(record)) is not None:
+                return Aiding(velocity=velocity, heading=math.nan if record.heading is None else record.heading)
+    return NO_AID
+
+
 def _velocity(fix: GnssFix) -> tuple[float, float, float] | None:
-    """Return a fix's velocity north, east, down [m/s]; None where it has none."""
+    """Return a fix's velocity north, east, down [m/s]; None where it has none, or is filtered by its sender."""
     horizontal = fix.velocity_n
-    if horizontal is None or fix.fix < FixType.FIX_2D:
+    if horizontal is None or fix.fix < FixType.FIX_2D or fix.is_filtered:
         return None
     east, north = horizontal
     return north, east, -(fix.v_up or 0.0)

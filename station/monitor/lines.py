@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from station.monitor.session import Session, Verb
-from station.monitor.view import Bought, Side, View
+from station.monitor.view import Bought, Location, Side, View
 
 FORMAT = "monitor/1"
 EVERY_S = 1.0  # of the device's time, between two lines of text
@@ -38,7 +38,24 @@ def json_line(view: View) -> str:
         told["at_rest"] = {"seconds": view.bought.seconds} | {
             name: _side(side) for name, side in _sides(view.bought)
         }
+    if view.location is not None:
+        told["location"] = _location(view.location)
     return json.dumps(told)
+
+
+def _location(location: Location) -> dict[str, Any]:
+    """Return where it is, for JSON."""
+    told: dict[str, Any] = {"state": "located" if location.is_located else "waiting", "fixes": location.fixes}
+    if not location.is_located:
+        return told | {"why": location.why}
+    told |= {
+        "t_s": location.t, "enu_m": list(location.enu), "enu_std_m": list(location.enu_std),
+        "velocity_enu_m_s": list(location.velocity), "latitude_deg": location.latitude,
+        "longitude_deg": location.longitude, "height_m": location.height, "outliers": location.outliers,
+        "fix_age_s": location.fix_age,
+    }  # fmt: skip
+    known = {"heading_deg": location.heading, "heading_std_deg": location.heading_std}
+    return told | {name: value for name, value in known.items() if value is not None}
 
 
 def _sides(bought: Bought) -> tuple[tuple[str, Side], ...]:
@@ -92,7 +109,22 @@ def reading_line(view: View) -> str:
             f"; with and without calibration: level {with_it.level:.3f}, {without.level:.3f} deg, "
             f"drift {with_it.drift:.2f}, {without.drift:.2f} deg/h"
         )
+    if view.location is not None:
+        line += f"; {location_text(view.location)}"
     return line + "".join(f"; ALARM {alarm}" for alarm in view.alarms)
+
+
+def location_text(location: Location) -> str:
+    """Return where it is, or what is missing, in words."""
+    if not location.is_located:
+        return f"not located, {location.fixes} fixes: {location.why}"
+    east, north, up = location.enu
+    heading = "" if location.heading is None else f", heading {location.heading:.2f}"
+    heading += "" if not heading or location.heading_std is None else f" +- {location.heading_std:.2f} deg"
+    return (
+        f"E {east:.2f}, N {north:.2f}, U {up:.2f} m +- {max(location.enu_std[:2]):.2f}{heading}, "
+        f"{location.fixes} fixes, {location.outliers} outliers"
+    )
 
 
 def listen(session: Session, lines: Iterable[str], say: Callable[[str], None]) -> None:

@@ -1,8 +1,9 @@
 """The engine: a live feed to attitude, tick by tick, and everything a screen shows of it."""
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from time import monotonic
 from typing import Protocol
 
 import numpy as np
@@ -15,20 +16,25 @@ from procedures.attitude.north import heading_at_rest
 from procedures.earth import STANDARD_GRAVITY
 from station.guide.view import Event, Sound
 from station.live.live_feed import LiveFeed
+from station.locate.live import Taken
+from station.mcap_files.fix_reader import Record
 from station.monitor.alarms import Alarm, Watch
 from station.monitor.at_rest import DEG_H, Rest
-from station.monitor.attitude import NO_AID, Aiding, Attitude, AttitudeTrack
+from station.monitor.attitude import Aiding, Attitude, AttitudeTrack
 from station.monitor.calibration import Applied
 from station.monitor.filter_settings import gyro_bias_std, settings_of
+from station.monitor.gnss_aid import aiding_of
+from station.monitor.locating import Locating, in_imu_axes, news_of
 from station.monitor.recording import Recording
 from station.monitor.sensors import Sensors, Tick
 from station.monitor.session import Verb
 from station.monitor.stream_health import StreamHealth
-from station.monitor.view import InUse, Mode, Point, Reading, Stream, View
+from station.monitor.view import InUse, Location, Mode, Point, Reading, Stream, View
 
 TICK_S = 0.1
 HISTORY = 600  # points: a minute
 EVENTS = 8
+LATEST_S = 0.5  # that a tick waits for the aid's reader, so that what was read before it counts in it
 
 
 class Aid(Protocol):
@@ -38,8 +44,13 @@ class Aid(Protocol):
         """Take what has come."""
         ...
 
-    def newest(self) -> Aiding:
-        """Return what is new since the last call, nan where nothing is."""
+    @property
+    def up_to_ns(self) -> int:
+        """The moment [ns] up to which nothing more will come."""
+        ...
+
+    def take(self, until_ns: int) -> Sequence[Record]:
+        """Return what came since the last call and until a moment [ns], in order."""
         ...
 
     def stream(self) -> Stream:
@@ -65,6 +76,7 @@ class Options:
     gravity: float = STANDARD_GRAVITY
     alarms: tuple[Alarm, ...] = ()
     revive: Callable[[], None] | None = None  # has a reader that ended begin again
+    locating: Locating | None = None
 
 
 class Monitor:
@@ -77,7 +89,7 @@ class Monitor:
         self._feed, self._options, self._recording, self._aid = feed, options, recording, aid
         self._sinks, self._in_use = sinks, applied.in_use
         heading = np.nan if options.heading is None else options.heading
-        C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
+        C = self._C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
         counts = feed.wire.output == "increments"
         self._sensors = Sensors(applied.document, applied.nominal, C, feed.period, counts=counts)
         self._applied, self._told_north = applied, False
@@ -91,6 +103,7 @@ class Monitor:
         self._events: deque[Event] = deque(maxlen=EVENTS)
         self._numbers = self._marks = 0
         self._speed: float | None = None
+        self._held_since: float | None = None
         unit = feed.unit
         self.view = View(
             unit=f"{unit.model} {unit.serial}" if unit else "", aid=options.aid, in_use=self._in_use, folder=folder
@@ -193,17 +206,32 @@ class Monitor:
             self._at, self._begin = tape.begin, tape.begin
             self._track.begin_anew()
             self._rest.begin_anew()
+            if self._options.locating is not None:
+                self._options.locating.begin_anew()
         if self._recording is not None:
             self._recording.take(tape, max(self._noted, tape.first), tape.end, self._feed.stream.decoder.kind)
             self._noted = tape.end
-        while tape.end - self._at >= self._size:
+        while tape.end - self._at >= self._size and self._has_come(tape.host_ns(self._at + self._size - 1)):
             self._at += self._size
-            block = tape.block(self._at - self._size, self._at)
-            self._go_on(self._sensors.take(block))
+            first, host_ns = self._at - self._size, tape.host_ns(self._at - 1)
+            tick = self._sensors.take(tape.block(first, self._at))
+            records = () if self._aid is None else self._aid.take(host_ns)
+            if self._options.locating is not None:
+                marks = [(at, float(tick.t[sample - first])) for at, sample in tape.marks(first, self._at)]
+                self._options.locating.take(Taken(in_imu_axes(tick, self._C, self._feed.period), marks, records))
+            self._go_on(tick, records)
         tape.forget_before(self._at)
 
-    def _go_on(self, tick: Tick) -> None:
-        aiding = NO_AID if self._aid is None else self._aid.newest()
+    def _has_come(self, host_ns: int) -> bool:
+        """Say whether all that the aid read until a moment [ns] is here; its reader is not waited for for ever."""
+        if self._aid is None or self._aid.up_to_ns >= host_ns:
+            self._held_since = None
+            return True
+        self._held_since = self._held_since or monotonic()
+        return monotonic() - self._held_since > LATEST_S
+
+    def _go_on(self, tick: Tick, records: Sequence[Record]) -> None:
+        aiding = aiding_of(records, self._options.aid)
         self._learn_speed(aiding)
         self._health.unhealthy += not tick.is_healthy
         if tick.not_applied and not self._in_use.note:
@@ -216,12 +244,21 @@ class Monitor:
             return
         self._rest.take(tick, TICK_S, rests=found.at_rest)
         reading = self._reading(tick, found)
-        self._change(reading=reading, bought=self._rest.bought, line="")
+        self._change(reading=reading, bought=self._rest.bought, line="", location=self._location())
         self._history.append(self._point(reading))
         self._say_north()
         self._ring(reading)
         for sink in self._sinks:
             sink(self.view)
+
+    def _location(self) -> Location | None:
+        """Return where the unit is, if that is asked for; what is new about it is said once."""
+        if self._options.locating is None:
+            return None
+        found = self._options.locating.location
+        if (news := news_of(self.view.location, found)) is not None:
+            self._say(news[0], "location", news[1])
+        return found
 
     def _reading(self, tick: Tick, found: Attitude) -> Reading:
         mode: Mode = "at rest" if found.at_rest else "moving"

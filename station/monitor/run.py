@@ -19,12 +19,16 @@ from drivers.device_url import parse_device_url
 from drivers.errors import DriverError
 from procedures.arrays import FloatArray
 from procedures.earth import STANDARD_GRAVITY, normal_gravity
+from procedures.fusion.extra import gtsam
+from station.errors import DataRefused
 from station.guide.folder import journal_path, new_folder
 from station.live.live_feed import LiveFeed, Source, open_feed
 from station.monitor.alarms import Alarm
-from station.monitor.calibration import find_calibration
+from station.monitor.calibration import Applied, find_calibration
 from station.monitor.lines import PlainMonitor, json_line, listen
-from station.monitor.monitor import Monitor, Options
+from station.monitor.locating import Locating, locating
+from station.monitor.monitor import Aid, Monitor, Options
+from station.monitor.recorded_gnss import RecordedGnss, recorded_aid, recorded_gnss
 from station.monitor.recording import EVENTS, Recording
 from station.monitor.replay import Replay, is_mcap
 from station.monitor.thread import MonitorThread
@@ -42,7 +46,7 @@ class Wanted:
 
     url: str
     C: FloatArray
-    aid: str = "none"
+    aid: str = ""  # gnss with a receiver; in a replay as it was then
     gnss: str = ""
     mavlink_out: str = ""
     calibration: Path | None = None
@@ -50,6 +54,8 @@ class Wanted:
     heading_deg: float | None = None
     gravity: float | None = None
     alarms: tuple[Alarm, ...] = ()
+    locate: bool = False
+    lever_arm: tuple[float, ...] = ()
     folder: Path | None = None
     records: bool = True
     seconds: float = float("inf")
@@ -85,6 +91,8 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
     DriverError, CannotWrite, DataRefused
         What port, disk or calibration refuse; nothing is left behind.
     """
+    if wanted.locate:
+        gtsam()  # said before anything is begun
     with ExitStack() as stack:
         folder = _folder(wanted, stack)
         source, revive = _source(wanted, folder or Path(stack.enter_context(tempfile.TemporaryDirectory())), stack)
@@ -94,28 +102,24 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
         unknown = UNKNOWN if feed.wire.identity is None else None
         unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
         applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
-        aid = None
-        if wanted.gnss:
-            from station.gnss import open_gnss
-            from station.monitor.gnss_aid import GnssAid
-
-            beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
-            aid = GnssAid(stack.enter_context(open_gnss(wanted.gnss, beside)), wanted.aid)
+        aid, aid_name = _aid(wanted, source, folder, stack)
+        where = _locating(wanted, feed, applied, aid, stack)
         if wanted.mavlink_out:
             sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
         recording = None if folder is None else Recording(folder, feed.wire, aid.utc if aid else None)
         if recording is not None:
             recording.note("begin", wanted.url, float("nan"), 0)
+            recording.note("aid", aid_name, float("nan"), 0)
             if wanted.records:
                 recording.begin()
         latitude = None if wanted.latitude_deg is None else float(np.radians(wanted.latitude_deg))
         yield Monitor(
             feed, applied,
             Options(
-                aid=wanted.aid, C=wanted.C, latitude=latitude,
+                aid=aid_name, C=wanted.C, latitude=latitude,
                 heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
                 gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
-                alarms=wanted.alarms, revive=revive,
+                alarms=wanted.alarms, revive=revive, locating=where,
             ),
             recording, aid, sinks, "" if folder is None else str(folder),
         )  # fmt: skip
@@ -130,6 +134,34 @@ def _folder(wanted: Wanted, stack: ExitStack) -> Path | None:
         root = platformdirs.user_data_path("fog-station") / "monitor"
         folder = root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
     return stack.enter_context(new_folder(folder, EVENTS))
+
+
+def _aid(wanted: Wanted, source: Source, folder: Path | None, stack: ExitStack) -> tuple[Aid | None, str]:
+    """Return the receiver, live or recorded, and by name what it aids with."""
+    if isinstance(source, Replay) and not wanted.gnss:
+        file = Path(source.address.path)
+        found = recorded_gnss(file)
+        if found is None and wanted.aid not in {"", "none"}:
+            raise DataRefused(file, None, f"no gnss_*.mcap beside it, --aid {wanted.aid}", "a receiver")
+        return found, wanted.aid or (recorded_aid(file) or "gnss" if found else "none")
+    if not wanted.gnss:
+        return None, wanted.aid or "none"
+    from station.gnss import open_gnss
+    from station.monitor.gnss_aid import GnssAid
+
+    beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+    return GnssAid(stack.enter_context(open_gnss(wanted.gnss, beside))), wanted.aid or "gnss"
+
+
+def _locating(
+    wanted: Wanted, feed: LiveFeed, applied: Applied, aid: Aid | None, stack: ExitStack
+) -> Locating | None:
+    if not wanted.locate:
+        return None
+    is_replay = isinstance(aid, RecordedGnss)
+    if aid is None:
+        raise DataRefused(feed.address.path, None, "no gnss_*.mcap beside it for --locate", "a receiver")
+    return locating(feed, applied, wanted.C, wanted.lever_arm, stack, live=not is_replay)
 
 
 def _source(wanted: Wanted, folder: Path, stack: ExitStack) -> tuple[Source, "_Revival | None"]:

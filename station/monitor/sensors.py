@@ -59,6 +59,11 @@ class Sensors:
         """Return by how much a mean specific force over ``seconds`` steps [m/s2] where the device counts."""
         return float(STANDARD_GRAVITY / (np.abs(self._scales[1]).min() * seconds)) if self._counts else 0.0
 
+    def quanta(self) -> tuple[float, float]:
+        """Return a count's worth of angle [rad] and of velocity [m/s], of the coarsest axis."""
+        gyro, accel = (np.abs(scale).min() for scale in self._scales)
+        return float(np.radians(1.0) / gyro), float(STANDARD_GRAVITY / accel)
+
     def take(self, block: SampleBlock) -> Tick:
         """Return what a block says."""
         gyro, accel = (self._rates(block, name) for name in ("gyro", "accel"))

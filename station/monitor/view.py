@@ -82,6 +82,32 @@ class Stream:
 
 
 @dataclass(frozen=True, slots=True)
+class Location:
+    """Where the unit is, East-North-Up of the first fix [m], as of ``t``; ``why`` says what is still missing.
+
+    ``heading`` is of forward, from north [deg]; sigmas are of each axis. ``track`` and outlying fixes ``far`` are
+    places East, North; ``fix_age`` [s] is how long before ``t`` the newest fix was that counts in it.
+    """
+
+    why: str = ""
+    is_located: bool = False
+    t: float = 0.0
+    enu: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    enu_std: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    heading: float | None = None
+    heading_std: float | None = None
+    latitude: float = 0.0
+    longitude: float = 0.0
+    height: float = 0.0
+    fixes: int = 0
+    outliers: int = 0
+    fix_age: float = 0.0
+    track: tuple[tuple[float, float], ...] = ()
+    far: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class InUse:
     """The calibration in use, in words; ``note`` is what to know about it, such as effects left in."""
 
@@ -102,6 +128,7 @@ class View:
     bought: Bought | None = None
     streams: tuple[Stream, ...] = ()
     in_use: InUse = field(default_factory=InUse)
+    location: Location | None = None  # None: not asked for
     zero: tuple[float, float] | None = None
     alarms: tuple[str, ...] = ()
     recording: str = ""  # the file, empty while nothing is recorded

@@ -78,6 +78,8 @@ class _Session:
                 else:
                     if data:
                         self._hand_on(Chunk(self._now(), data))
+                    elif self._url.scheme == "mavlink":  # whoever merges it with another stream waits for this
+                        self._outbox.put(packed(Kind.QUIET, self._now(), b""))
         except ReplayEnded as error:
             self._outbox.put(packed_refusal(self._now(), error), always=True)
         finally:

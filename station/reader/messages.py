@@ -22,6 +22,7 @@ class Kind(IntEnum):
     GAP = 3
     REFUSED = 4  # by the port; the last message
     NOT_WRITTEN = 5  # by the journal; the last message
+    QUIET = 6  # nothing has come until now
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,6 +37,7 @@ class Reader:
         self._items: list[Item] = []
         self._ended: DriverError | CannotWrite | None = None
         self._is_open = False
+        self.up_to_ns = 0  # all that came until then has been returned, or will be by the next `poll`
 
     def __enter__(self) -> "Reader":
         self.start()
@@ -129,5 +130,6 @@ class Reader:
                 self._is_open = True
             elif kind in {Kind.REFUSED, Kind.NOT_WRITTEN}:
                 self._ended = refusal(kind, content)
-            else:
+            elif kind is not Kind.QUIET:
                 self._items.append(item(kind, host_ns, content))
+            self.up_to_ns = max(self.up_to_ns, host_ns)

@@ -1,7 +1,7 @@
 """A plain recording: what a device sends for so many seconds, bytes and counts, with no step to it."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,8 +23,8 @@ class Pieces(Protocol):
 
     stream: SampleStream
 
-    def pieces(self) -> Iterator[Piece]:
-        """Yield pieces as they come."""
+    def pieces(self, look: Callable[[], None]) -> Iterator[Piece]:
+        """Yield pieces as they come, calling ``look`` often."""
         ...
 
 
@@ -49,10 +49,16 @@ class Beside(Protocol):
         ...
 
 
-def record(feed: Pieces, folder: Path, seconds: float, gnss: Beside | None = None) -> Recorded:
+def record(
+    feed: Pieces,
+    folder: Path,
+    seconds: float,
+    gnss: Beside | None = None,
+    look: Callable[[], None] = lambda: None,
+) -> Recorded:
     """Record ``seconds`` of samples (lost ones not counted) into a folder; what was flushed survives a kill.
 
-    With ``gnss``, rows hold reference time too (``utc_s``).
+    With ``gnss``, rows hold reference time too (``utc_s``). ``look`` is called often, also while nothing comes.
 
     Raises
     ------
@@ -64,11 +70,15 @@ def record(feed: Pieces, folder: Path, seconds: float, gnss: Beside | None = Non
     decoder, times = feed.stream.decoder, RowTimes(gnss.utc if gnss else None)
     writer, flushed = StepWriter(folder / NAME, BY_OUTPUT[decoder.wire.output]), time.monotonic()
     period, samples = 0.0, 0
+
+    def beside() -> None:
+        if gnss is not None:
+            gnss.advance()
+        look()
+
     with _the_disk_refusing(writer.path):
         try:
-            for piece in feed.pieces():
-                if gnss is not None:
-                    gnss.advance()
+            for piece in feed.pieces(beside):
                 writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
                 if len(piece.block):
                     utc_s = times.of(piece.chunk.host_ns)

@@ -42,7 +42,8 @@ class Piece:
 class StreamCounters:
     """What was met beside good samples; ``lost`` are frames by their counter, where the format has one.
 
-    ``contradicted`` are those of the repeated ones that say something else, as another device's would;
+    ``contradicted`` are those of the repeated ones that say something else, as another device's would, and frames
+    that do where a sample takes several;
     ``clock_jumps`` breaks in the device's time where its counter goes on.
     """
 
@@ -90,9 +91,13 @@ class SampleStream:
 
     def take(self, chunk: Chunk) -> Piece:
         """Decode a chunk."""
+        before = self.decoder.counters.contradicted
         block = self.decoder.feed(chunk.data)
+        contradicted = self.decoder.counters.contradicted - before
+        self.counters.contradicted += contradicted
         n = len(block)
         if not n:
+            self._is_doubted |= contradicted > 0
             return Piece(chunk, block, self.decoder.edges, np.arange(0), None)
         if self._is_anew:
             self._counter, self._time, self._values, self._is_doubted = None, np.nan, None, False
@@ -109,7 +114,8 @@ class SampleStream:
         period = self.period
         missing = (steps > 1) | (seconds > GAP * period if period else np.zeros(n, dtype=bool))
         self._count(repeat, back, missing, steps)
-        missing |= self._doubted(block, repeat)
+        missing |= self._doubted(block, repeat) | (contradicted > 0)
+        self._is_doubted |= contradicted > 0
         back[0] |= self._is_anew
         self._is_anew = False
         kept = np.flatnonzero(~repeat)

@@ -70,6 +70,19 @@ class Tape:
         """Return the last sample after ``first`` and before ``last`` before which something is missing."""
         return next((b for b in reversed(self._breaks) if first < b < last), None)
 
+    def host_ns(self, sample: int) -> int:
+        """Return when the bytes were read that completed a sample [ns]; let it not be one that was let go."""
+        return self._stamps[bisect_right(self._sample_ends, sample)]
+
+    def marks(self, first: int, last: int) -> Iterator[tuple[int, int]]:
+        """Yield when bytes were read [ns], and the last sample that they completed if it is in the span."""
+        for chunk in range(bisect_right(self._sample_ends, first), len(self._sample_ends)):
+            sample = self._sample_ends[chunk] - 1
+            if sample >= last:
+                return
+            if chunk == 0 or self._sample_ends[chunk - 1] <= sample:
+                yield self._stamps[chunk], sample
+
     def block(self, first: int, last: int) -> SampleBlock:
         """Return the samples from ``first`` up to before ``last``."""
         return block_rows(self._compact()[0], slice(first - self.first, last - self.first))

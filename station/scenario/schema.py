@@ -47,6 +47,7 @@ class AutopilotTable(_Table):
     latency_s: Annotated[float, Field(ge=0, le=10)] = 0.1
     denies: list[int] = Field(default_factory=list)
     knows_intervals: bool = True
+    obeys: bool = True
     states_utc: bool = False
     states_accuracy: bool = True
     airspeed_m_s: Annotated[float, Field(ge=0)] = 0.0

@@ -4,11 +4,14 @@ Ranges are those of a ``campaign.toml`` (`station.campaign_folder.schema`).
 """
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from station.guide.view import Setup
 
+MAVLINK = "mavlink:udpin:0.0.0.0:14550"
+RECEIVER = re.compile(r"mavlink:((udpin|udpout|tcp):(//)?[^?]+:\d{1,5}|serial:(//)?/[^?]+)(\?.+)?")
 Check = Callable[[str], str]  # returns what is wrong, or nothing
 
 
@@ -35,6 +38,13 @@ def number(low: float, high: float, unit: str = "", *, is_needed: bool = False, 
     return check
 
 
+def receiver(text: str) -> str:
+    """Check the address of a GNSS receiver, as far as a screen can; options are judged when it is opened."""
+    if not text or RECEIVER.fullmatch(text):
+        return ""
+    return f"{text!r} is no receiver, expected {MAVLINK}, udpout or tcp likewise, or mavlink:serial:/dev/NAME"
+
+
 @dataclass(frozen=True, slots=True)
 class Entry:
     """A field of the set-up: the name in `Setup`, its label, its unit, its check, and what an empty one means."""
@@ -50,7 +60,8 @@ ENTRIES = (
     Entry("url", "Address", empty="serial:///dev/ttyUSB0?baud=921600&format=counts, or tcp://..."),
     Entry("model", "Model", empty="as the device says"),
     Entry("serial", "Serial no.", empty="as the device says"),
-    Entry("latitude_deg", "Latitude", "deg", number(-90, 90, "deg", is_needed=True), "needed"),
+    Entry("gnss", "GNSS", check=receiver, empty=f"none, or as {MAVLINK}"),
+    Entry("latitude_deg", "Latitude", "deg", number(-90, 90, "deg", is_needed=True), "needed, or GNSS"),
     Entry("longitude_deg", "Longitude", "deg", number(-180, 360, "deg"), "not needed"),
     Entry("height_m", "Height", "m", number(-1000, 20000, "m"), "sea level"),
     Entry("operator", "Operator"),
@@ -71,6 +82,8 @@ def texts_of(setup: Setup) -> dict[str, str]:
 def problems(texts: Mapping[str, str]) -> dict[str, str]:
     """Return what is wrong, by field, in the order of the form; empty when the campaign can begin."""
     found = {entry.name: problem for entry in ENTRIES if (problem := entry.check(texts[entry.name]))}
+    if texts["gnss"] and not texts["latitude_deg"]:
+        del found["latitude_deg"]  # the receiver says it
     if not texts["url"]:
         found = {"url": "is needed: choose a port or type the device's address", **found}
     if texts["gravity_std_m_s2"] and not texts["gravity_m_s2"]:

@@ -13,7 +13,6 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -105,7 +104,6 @@ def _run(arguments: list[str], url: str) -> float:
     threading.Thread(target=_drain, args=(far,), daemon=True).start()
     process.wait()
     os.close(near)
-    time.sleep(0.2)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 

@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -59,10 +59,10 @@ class Timed:
         """What decodes it."""
         return self._feed.stream
 
-    def pieces(self) -> Iterator[Piece]:
+    def pieces(self, look: Callable[[], None]) -> Iterator[Piece]:
         """Yield the feed's pieces, from the next on."""
         self._feed.advance()
-        for piece in self._feed.pieces():
+        for piece in self._feed.pieces(look):
             yield piece
             self.latency.append(time.time() - piece.chunk.host_ns / 1e9)
 

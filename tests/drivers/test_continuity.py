@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers.continuity import CounterWatch, TimeWatch, unwrap
+from drivers.continuity import CounterWatch, TimeWatch, onward, unwrap
 from procedures.records import CountBlock
 
 
@@ -57,3 +57,12 @@ def test_device_time_tells_gaps_repeats_and_steps_back() -> None:
 
 def test_a_device_that_sends_no_time_jumps_with_every_frame() -> None:
     assert TimeWatch().jumps(block(time=[np.nan] * 40)) == 39
+
+
+def test_a_repeat_is_a_step_of_nothing_however_far_a_clock_that_wraps_has_gone() -> None:
+    turn = 0.128
+    ticks = np.arange(1, 200_001, 37) * 5e-4  # of the running time that the last frame had
+    steps = onward(ticks % turn - ticks, turn)
+    assert np.array_equal(steps, np.zeros(len(ticks)))
+    later = onward((ticks + 0.02) % turn - ticks, turn)
+    np.testing.assert_allclose(later, 0.02, atol=1e-7)

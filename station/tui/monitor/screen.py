@@ -9,7 +9,8 @@ from textual.screen import Screen
 from textual.widgets import Footer
 
 from station.monitor.session import Verb
-from station.monitor.view import View
+from station.monitor.view import Location, View
+from station.tui.monitor.location_widgets import Map, Where
 from station.tui.monitor.widgets import (
     CalibrationLine,
     Chart,
@@ -28,7 +29,7 @@ HELP = (
     "Roll and pitch of forward-right-down axes. Residual is the angle between what the accelerometers say is down "
     "and the attitude. At rest on a slab the table shows what the calibration bought: what is left of level, "
     "drift and g, with it and without. The zero is taken off what is shown and off nothing else: recordings, JSON "
-    "and MAVLink have absolute angles."
+    "and MAVLink have absolute angles. With --locate: l is the map, ✗ a fix that stands off, + the first fix."
 )
 LEAVE = "The recording is finished and complete; everything stays in its folder."
 
@@ -41,6 +42,7 @@ class MonitorScreen(Screen[None]):
         Binding("r", "send('record')", "Record", tooltip="begin a recording, or end it"),
         Binding("z", "send('zero')", "Zero", tooltip="show angles from here, or absolute ones again"),
         Binding("n", "send('anew')", "Anew", tooltip="begin charts and the comparison at rest anew"),
+        Binding("l", "map", "Map", tooltip="the map, or the horizon"),
         Binding("q", "leave", "Leave", tooltip="end the monitor"),
         Binding("question_mark", "help", "Help", key_display="?", tooltip="what is shown, and all keys"),
     ]
@@ -49,7 +51,10 @@ class MonitorScreen(Screen[None]):
     MonitorScreen #charts { grid-size: 2 3; grid-rows: 2; height: 6; grid-gutter: 0 1; }
     MonitorScreen EventLines { min-height: 1; }
     MonitorScreen Footer { padding-left: 1; }
-    MonitorScreen.-wide Horizon { width: 58; }
+    MonitorScreen.-wide Horizon, MonitorScreen.-wide Map { width: 58; }
+    MonitorScreen Map, MonitorScreen Where { display: none; }
+    MonitorScreen.-map Where, MonitorScreen.-map.-placed Map { display: block; }
+    MonitorScreen.-map Comparison, MonitorScreen.-map.-placed Horizon { display: none; }
     MonitorScreen.-tall #upper { height: 16; }
     MonitorScreen.-tall Readings { margin: 1 0 2 0; }
     MonitorScreen.-tall #charts { grid-rows: 5; height: 15; margin-top: 1; }
@@ -64,6 +69,7 @@ class MonitorScreen(Screen[None]):
         self.view = View()
         self.title_line, self.state = Title(("", "")), State(("…", "$muted", ""))
         self.horizon, self.readings, self.comparison = Horizon(None), Readings(View()), Comparison(None)
+        self.map, self.where = Map(Location()), Where(Location())
         self.charts = (
             Chart("PITCH", "deg", 0.02, pitch="$axis-y"),
             Chart("ROLL", "deg", 0.02, roll="$axis-x"),
@@ -80,9 +86,11 @@ class MonitorScreen(Screen[None]):
         yield self.state
         with Horizontal(id="upper"):
             yield self.horizon
+            yield self.map
             with Vertical():
                 yield self.readings
                 yield self.comparison
+                yield self.where
         with Grid(id="charts"):
             yield from self.charts
         yield self.events
@@ -91,8 +99,15 @@ class MonitorScreen(Screen[None]):
         yield Footer(compact=True, show_command_palette=False)
 
     def show(self, view: View) -> None:
-        """Take a new view."""
-        self.view = view
+        """Take a new view; with the first location its numbers come up, and the map once there is a place."""
+        is_first, self.view = self.view.location is None and view.location is not None, view
+        if is_first:
+            self.add_class("-map")
+            self.refresh_bindings()
+        if view.location is not None:
+            self.set_class(view.location.is_located, "-placed")
+            self.map.show(view.location)
+            self.where.show(view.location)
         self.title_line.show((f"{view.unit or 'FOG station'}  monitor", f"aid {view.aid}{_at(view)}"))
         self.state.show(state_of(view))
         self.horizon.show(view.shown)
@@ -104,6 +119,14 @@ class MonitorScreen(Screen[None]):
         self.streams.show(view.streams)
         self.calibration.show(view.in_use)
         self.calibration.set_class(bool(view.in_use.note), "noted")
+
+    def action_map(self) -> None:
+        """Show the map, or the horizon again."""
+        self.toggle_class("-map")
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
+        """Offer the map only where a location is asked for."""
+        return action != "map" or self.view.location is not None
 
     def action_send(self, verb: Verb) -> None:
         """Send a verb."""
@@ -145,7 +168,8 @@ def state_of(view: View) -> tuple[str, str, str]:
     if view.is_over:
         return "■ ENDED", "$foreground", view.line
     if view.trouble:
-        return "✗ NO DATA", "$error", view.trouble
+        is_imu = bool(view.streams[0].trouble)  # the first stream; a receiver beside it stops nothing
+        return "✗ NO DATA" if is_imu else "✗ GNSS", "$error", view.trouble
     if view.alarms:
         return "✗ ALARM", "$error", "; ".join(view.alarms)
     if view.line:

@@ -7,7 +7,7 @@ from textual.binding import Binding
 from textual.containers import Horizontal
 from textual.widgets import Button, OptionList, Static
 
-from station.guide.command import Command
+from station.guide.command import Command, Verb
 from station.guide.view import Start, View
 from station.tui.entries import seconds_needed
 from station.tui.screens.stage import StageScreen
@@ -18,8 +18,10 @@ from station.tui.widgets.unfinished_list import UnfinishedList
 HELP = (
     "Go on with an unfinished campaign by Enter, or fill in the form and begin. Tab and shift+Tab go from field "
     "to field, Enter opens a list. A port is looked at for two seconds when it is chosen. Dwell 0: the length "
-    "comes from the unit's noise and the sigma wanted of the accelerometers' bias. All is remembered."
+    "comes from the unit's noise and the sigma wanted of the accelerometers' bias. A GNSS receiver says where the "
+    "slab stands, where latitude is left empty, and what time it is. All is remembered."
 )
+LOOKS: dict[str, Verb] = {"url": "check", "gnss": "listen"}  # what looks at the address in a field
 
 
 class StartScreen(StageScreen):
@@ -28,7 +30,7 @@ class StartScreen(StageScreen):
     HELPS = {"start": HELP}
     BINDINGS = [
         Binding("ctrl+s", "begin", "Begin", tooltip="begin a new campaign as the form says"),
-        Binding("ctrl+l", "look", "Look at port", tooltip="look at the port for two seconds"),
+        Binding("ctrl+l", "look", "Look at port", tooltip="look at the port and listen to the receiver"),
         Binding("q,ctrl+q", "leave", "Quit", tooltip="close; nothing was begun"),
         Binding("c,escape", "cancel", "Cancel", tooltip="give up; nothing was recorded"),
         Binding("question_mark,f1", "help", "Help", tooltip="what goes on, and all keys"),
@@ -95,15 +97,15 @@ class StartScreen(StageScreen):
         """Say what is wrong with what was typed."""
         problem = self.form.problems().get(event.name, "")
         self._typed = "" if problem.startswith("is needed") else self._named(event.name, problem)
-        self.form.look.show((self.form.texts()["url"], *self.form.look.value[1:]))
+        self.form.show_looks()
         self._say()
 
     def _named(self, name: str, problem: str) -> str:
         return f"{self.form.fields[name].entry.label} {problem}" if problem else ""
 
-    def on_setup_form_look(self) -> None:
-        """Look at the port."""
-        self.action_look()
+    def on_setup_form_look(self, event: SetupForm.Look) -> None:
+        """Look at the port, or listen to the receiver."""
+        self._look(event.name)
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Go on with a campaign."""
@@ -114,9 +116,13 @@ class StartScreen(StageScreen):
         self.action_begin()
 
     def action_look(self) -> None:
-        """Ask for a look at the port."""
-        if url := self.form.texts()["url"]:
-            self.order("check", url=url)
+        """Ask for a look at the port, and at the receiver where there is one."""
+        for name in LOOKS:
+            self._look(name)
+
+    def _look(self, name: str) -> None:
+        if (url := self.form.texts()[name]) and not self.form.fields[name].entry.check(url):
+            self.order(LOOKS[name], url=url)
 
     def action_begin(self) -> None:
         """Begin, or go to the first field that is wrong and say what."""

@@ -10,6 +10,7 @@ from station.tui.entries import ENTRIES, problems, setup_of, texts_of
 from station.tui.widgets.check_line import CheckLine
 from station.tui.widgets.field import Field
 from station.tui.widgets.pick import Pick
+from station.tui.widgets.receiver_line import ReceiverLine
 
 SITE = (
     ("latitude_deg", "longitude_deg"),
@@ -18,6 +19,7 @@ SITE = (
     ("dwell_s", "bias_ug"),
     ("revolutions", ""),
 )
+ADDRESSES = ("url", "gnss")  # looked at when Enter is pressed
 
 
 class SetupForm(VerticalScroll, can_focus=False):
@@ -37,15 +39,20 @@ class SetupForm(VerticalScroll, can_focus=False):
             self.name = name
 
     class Look(Message):
-        """The port should be looked at."""
+        """The port, or the receiver, in the field ``name`` should be looked at."""
+
+        def __init__(self, name: str) -> None:
+            super().__init__()
+            self.name = name
 
     def __init__(self) -> None:
         super().__init__(id="form")
         self.port = Pick("port", "Port", "ports found: Enter opens the list")
         self.cube = Pick("cube", "Cube", "which cube: Enter opens the list")
         self.slab = Pick("slab", "Slab", "which slab: Enter opens the list")
-        self.look = CheckLine()
-        self.fields = {entry.name: Field(entry, is_long=entry.name == "url") for entry in ENTRIES}
+        self.look, self.heard = CheckLine(), ReceiverLine()
+        self.fields = {entry.name: Field(entry, is_long=entry.name in ADDRESSES) for entry in ENTRIES}
+        self._start = Start()
         self._filled: Setup | None = None
         self._check: Check | None = None
 
@@ -57,6 +64,8 @@ class SetupForm(VerticalScroll, can_focus=False):
         yield self._pair("model", "serial")
         yield self.cube
         yield self.slab
+        yield self.fields["gnss"]
+        yield self.heard
         for names in SITE:
             yield self._pair(*names)
 
@@ -71,8 +80,15 @@ class SetupForm(VerticalScroll, can_focus=False):
         if start.setup != self._filled:
             self._fill(start.setup)
         url = self.texts()["url"]
-        self.look.show((url, start.check, start.is_checking))
+        self._start = start
+        self.show_looks()
         self._take_unit(start.check if start.check and start.check.url == url else None)
+
+    def show_looks(self) -> None:
+        """Show what the looks found of the addresses that stand there now."""
+        texts, start = self.texts(), self._start
+        self.look.show((texts["url"], start.check, start.is_checking))
+        self.heard.show((texts["gnss"], start.receiver, start.is_listening, bool(texts["latitude_deg"])))
 
     def _fill(self, setup: Setup) -> None:
         self._filled = setup
@@ -122,10 +138,10 @@ class SetupForm(VerticalScroll, can_focus=False):
         self.post_message(self.Changed(name))
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Look at the port once its address is typed; else go to the next field."""
+        """Look at port or receiver once its address is typed; else go to the next field."""
         event.stop()
-        if event.input.id == "url":
-            self.post_message(self.Look())
+        if event.input.id in ADDRESSES:
+            self.post_message(self.Look(event.input.id))
         else:
             self.screen.focus_next()
 
@@ -137,5 +153,5 @@ class SetupForm(VerticalScroll, can_focus=False):
         url = self.port.value
         if event.select is self.port.select and url and url != self.texts()["url"]:
             self.fields["url"].input.value = url
-            self.post_message(self.Look())
+            self.post_message(self.Look("url"))
         self.post_message(self.Changed(""))

@@ -37,5 +37,5 @@ def test_where_a_seating_could_be_one_of_two_positions_what_hangs_on_it_is_said(
 
 
 def test_a_diagnosis_does_not_advise_to_run_a_diagnosis() -> None:
-    document = {"solution": {"warnings": ["the sigmas are too small; run `station diagnose`", "a gap"]}}
-    assert warnings_of(document) == ["the sigmas are too small", "a gap"]
+    solution = {"warnings": ["the sigmas are too small; run `station diagnose`", "a gap"]}
+    assert warnings_of(solution) == ["the sigmas are too small", "a gap"]

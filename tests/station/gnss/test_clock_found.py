@@ -1,27 +1,36 @@
-"""A simulated unit whose clock is off, beside a simulated receiver, recorded and diagnosed; in their own time."""
+"""A simulated unit whose clock is off, beside a simulated receiver: told, refused, diagnosed; in virtual time."""
 
+import itertools
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from drivers.ports import parse_device_url
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.device import ByteDevice
+from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.steps import Dwell
 from station import cli
 from station.campaign_folder import read_campaign
+from station.errors import DataRefused
 from station.gnss import GnssFeed
+from station.guide.gnss_beside import GnssBeside
+from station.guide.story import Story
 from station.live import open_feed
 from station.reader import Chunk, GapMark
 from station.recorder import open_campaign
+from tests.station.commands.program import Program
 from tests.station.live.bench_in_memory import SITE
 
-PPM = 150.0
+SMALL, WARNED, REFUSED, SYNC_LINE = 150.0, 1500.0, 15_000.0, 39_000.0  # ppm; the last as of a real unit
 BOOT_NS = 10**18  # of the station's clock at true time 0
 READ_S = 0.1  # the IMU's bytes come in pieces as long
 STEP_S = 0.004  # the autopilot's as they are written
@@ -31,8 +40,9 @@ JITTER_S = 3e-3  # of a read
 class Bench:
     """Both devices on one true time; each source is polled by its feed."""
 
-    def __init__(self) -> None:
-        truth = replace(Truth.example(5), effects={"clock.rate": {"value": PPM}})
+    def __init__(self, ppm: float) -> None:
+        truth = replace(Truth.example(5), effects={"clock.rate": {"value": ppm}})
+        self._ppm = ppm
         self.device = ByteDevice(truth, 5, "counts")
         self.autopilot = Autopilot(truth, AutopilotTruth(default_hz=5.0))
         self._rng = np.random.default_rng(8)
@@ -40,7 +50,7 @@ class Bench:
 
     @property
     def now(self) -> float:
-        return self.device.imu.time / (1 + 1e-6 * PPM)
+        return self.device.imu.time / (1 + 1e-6 * self._ppm)
 
     def stamp(self, true_s: float) -> int:
         return BOOT_NS + round((true_s + JITTER_S * abs(self._rng.standard_normal())) * 1e9)
@@ -70,9 +80,10 @@ class Receiver:
         return chunks
 
 
-def record(folder: Path, database: Path) -> None:
+def record(folder: Path, database: Path, ppm: float) -> None:
     """Record twelve dwells with UTC beside the rows."""
-    bench = Bench()
+    folder.mkdir()
+    bench = Bench(ppm)
     feed, gnss = open_feed(Imu(bench)), GnssFeed(Receiver(bench))
     unit = feed.identify()
     with open_db(database) as db:
@@ -95,13 +106,57 @@ def record(folder: Path, database: Path) -> None:
 
 
 def test_diagnose_finds_the_clock_of_a_campaign_recorded_beside_a_receiver(tmp_path: Path) -> None:
-    (tmp_path / "c").mkdir()
-    record(tmp_path / "c", tmp_path / "s.db")
+    record(tmp_path / "c", tmp_path / "s.db", SMALL)
     rows = [dwell.series.extra["utc_s"] for dwell in read_campaign(tmp_path / "c").campaign.dwells]
     assert all(np.isfinite(utc).sum() > 50 for utc in rows)
     assert cli.run(["diagnose", str(tmp_path / "c"), "--json", str(tmp_path / "d.json")]) == 0
     found = {one["effect"]: one for one in json.loads((tmp_path / "d.json").read_text())["findings"]}
     value = found["clock.rate"]["coefficients"]["value"]
     assert found["clock.rate"]["confidence"] == "established"
-    assert abs(value["value"] - PPM) < 4 * value["std"]
-    assert value["std"] < PPM / 10
+    assert abs(value["value"] - SMALL) < 4 * value["std"]
+    assert value["std"] < SMALL / 10
+
+
+def test_solve_warns_of_a_clock_and_refuses_a_worse_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for ppm, code in ((WARNED, 0), (REFUSED, 3)):
+        folder = tmp_path / f"{ppm:g}"
+        record(folder, tmp_path / "s.db", ppm)
+        assert cli.run(["solve", str(folder), "--json", str(folder / "solution.json")]) == code
+    warned = json.loads((tmp_path / "1500" / "solution.json").read_text())["warnings"]
+    assert any("clock.rate: by reference time" in each and "-0.15% off" in each for each in warned)
+    assert "-1.48% off" in capsys.readouterr().err
+
+
+def beside(ppm: float, seconds: float) -> tuple[str, ...]:
+    """Return what a campaign's receiver has it say within so many device seconds."""
+    bench, story = Bench(ppm), Story()
+    feed, gnss = open_feed(Imu(bench)), GnssFeed(Receiver(bench))
+    watch, looks = GnssBeside(gnss, feed, story), itertools.count(0.0, READ_S)
+    watch._rate.clock = lambda: float(next(looks))  # noqa: SLF001
+    feed.identify()
+    while bench.device.imu.time < seconds:
+        feed.advance()
+        watch.round()
+    return tuple(event.text for event in story.events)
+
+
+def test_a_running_campaign_names_the_clock_once_and_ends_where_it_is_worse() -> None:
+    assert beside(SMALL, 60.0) == ()
+    [said] = beside(WARNED, 90.0)
+    assert re.match(r"clock.rate: by reference time a sample lasts 0.0199\d+ s, -0.1[0-9]% off", said)
+    with pytest.raises(DataRefused, match="check the sync line"):
+        beside(REFUSED, 90.0)
+
+
+def test_the_program_ends_with_3_when_gnss_time_says_that_the_rate_is_wrong(tmp_path: Path) -> None:
+    truth = replace(Truth.example(5), effects={"clock.rate": {"value": SYNC_LINE}})
+    with SimulatedDevice(truth, 5, speed=60.0) as device, SimulatedGnss(truth, beside=device) as gnss:
+        devices = ("--device", device.url, "--hands", device.control, "--gnss", gnss.url, "--move-s", "5")
+        where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
+        with Program("calibrate", "--headless", *devices, *where) as program:
+            code, _, error = program.end()
+    assert (code, error.count("\n")) == (3, 1)
+    assert "clock.rate: by reference time a sample lasts" in error
+    assert (tmp_path / "c" / "campaign.toml").exists()  # what was accepted is evidence

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from pymavlink import mavutil
 
+from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.server import SimulatedDevice
@@ -82,18 +83,28 @@ def test_attitude_is_told_by_mavlink(tmp_path: Path, capsys: pytest.CaptureFixtu
     )
 
 
-def test_a_receiver_aids_and_its_health_and_files_are_there(
+def test_a_receiver_aids_and_the_replay_with_its_file_ends_in_the_same(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     calibration = str(write_calibration(tmp_path, FLAT))
-    with device() as served, SimulatedGnss(FLAT, speed=SPEED) as gnss:
-        given = ["--gnss", gnss.url, "--folder", str(tmp_path / "r"), "--seconds", "40"]
-        assert cli.run(["monitor", served.url, "--calibration", calibration, "--json", *given]) == 0
+    same = ["--calibration", calibration, "--json"]
+    with device() as served, SimulatedGnss(FLAT, AutopilotTruth(velocity_std_m_s=0.5), speed=SPEED) as gnss:
+        given = ["--gnss", f"{gnss.url}?rate=20", "--folder", str(tmp_path / "r"), "--seconds", "40"]
+        assert cli.run(["monitor", served.url, *same, *given]) == 0
     lines = lines_of(capsys.readouterr().out)
     assert {line["aid"] for line in lines} == {"gnss"}
     assert lines[-1]["speed_m_s"] < 1.0
     assert abs(lines[-1]["roll_deg"]) < 3 * lines[-1]["sigma_deg"]
+    (session,) = (tmp_path / "r").glob("session_*.mcap")
     assert list((tmp_path / "r").glob("gnss_session_*.mcap"))
+    for file in (tmp_path / "r" / "recording.mcap", session):
+        assert cli.run(["monitor", f"replay:{file}", "--speed", "0", *same]) == 0
+        assert lines_of(capsys.readouterr().out)[: len(lines)] == lines
+    assert cli.run(["monitor", f"replay:{session}", "--speed", "0", "--aid", "none", *same]) == 0
+    without = lines_of(capsys.readouterr().out)
+    assert {line["aid"] for line in without} == {"none"}
+    assert without[-1]["roll_deg"] != lines[-1]["roll_deg"]
+    assert len({line["speed_m_s"] for line in lines if "speed_m_s" in line}) > 3
 
 
 def test_lines_of_text_take_keys_and_say_alarms(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 import math
 
 from station.guide.view import Event
-from station.monitor.view import Bought, InUse, Point, Reading, Side, Stream, View
+from station.monitor.view import Bought, InUse, Location, Point, Reading, Side, Stream, View
 
 FOLDER = "/srv/monitor/2026-11-21_1240"
 
@@ -66,7 +66,25 @@ UNCALIBRATED = _with(
     in_use=InUse("NONE: nominal scale factors of HG4930", None, "NovAtel OEM7 manual"),
     recording="",
 )
+WAITING_TO_LOCATE = _with(
+    AIDED,
+    location=Location(
+        why="at rest the Earth's rate gives yaw to 5.7 deg and gravity tilt to 0.0 deg 1 sigma, 4 and 1 are "
+        "needed: it must move, or have better gyros",
+        fixes=98,
+    ),
+)
+_EIGHT = tuple((40 * math.sin(i / 40), 25 * math.sin(1.7 * i / 40)) for i in range(240))
+LOCATED = _with(
+    AIDED,
+    location=Location(
+        is_located=True, t=812.1, enu=(*_EIGHT[-1], 1.2), enu_std=(0.21, 0.2, 0.34), velocity=(-3.1, 5.2, 0.0),
+        heading=329.2, heading_std=0.11, latitude=48.1000123, longitude=11.5000456, height=521.2, fixes=4051,
+        outliers=3, fix_age=0.2, track=_EIGHT, far=((10.0, 20.0), (12.0, 19.0), (-30.0, 5.0)),
+    ),
+)  # fmt: skip
 VIEWS = {
+    "not_located": WAITING_TO_LOCATE, "located": LOCATED,
     "waiting": View(), "moving": MOVING, "resting": RESTING, "zeroed": ZEROED, "alarming": ALARMING,
     "silent": SILENT, "aided": AIDED, "steep": STEEP, "uncalibrated": UNCALIBRATED,
     "ended": _with(RESTING, is_over=True, line="ended"),

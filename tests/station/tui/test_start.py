@@ -2,13 +2,15 @@
 
 import pytest
 
+from drivers.mavlink.address import LINKS, parse_mavlink_url
 from station.guide.command import Command
 from station.guide.view import Check, Setup, Start, View
-from station.tui.entries import ENTRIES, problems, setup_of, texts_of
+from station.tui.entries import ENTRIES, problems, receiver, setup_of, texts_of
 from tests.station.tui import views
 from tests.station.tui.session import Screens, screens
 
-FRESH = View(stage="start", start=Start(setup=Setup(url="tcp://rig:5000?format=counts")))
+URL = "tcp://rig:5000?format=counts"
+FRESH = View(stage="start", start=Start(setup=Setup(url=URL)))
 SETUP = views.START.start.setup
 
 
@@ -106,6 +108,68 @@ async def test_enter_in_the_address_looks_at_it_and_ctrl_l_looks_again() -> None
         assert seen.sent == 2 * [Command(verb="check", url="tcp://x:1")]
 
 
+async def test_with_a_receiver_no_latitude_is_needed_and_both_are_sent() -> None:
+    receiver = "mavlink:serial:/dev/ttyACM0?baud=115200"
+    async with screens(FRESH) as seen:
+        await fill(seen, "gnss", receiver)
+        await seen.press("ctrl+s")
+        assert seen.sent == [Command(verb="begin", setup=Setup(url=URL, gnss=receiver))]
+
+
+async def test_a_wrong_address_of_a_receiver_is_said_and_not_listened_to() -> None:
+    async with screens(FRESH) as seen:
+        await fill(seen, "gnss", "udpin:0.0.0.0:14550")
+        expected = "'udpin:0.0.0.0:14550' is no receiver, expected mavlink:udpin:0.0.0.0:14550, udpout or tcp"
+        assert f"✗ GNSS {expected}" in said(seen)
+        await seen.press("enter", "ctrl+s")
+        assert seen.sent == []
+        assert seen.app.focused is seen.app.screen.form.fields["gnss"].input
+
+
+async def test_enter_listens_to_the_receiver_and_ctrl_l_looks_at_both() -> None:
+    async with screens(FRESH) as seen:
+        await fill(seen, "gnss", views.GNSS)
+        await seen.press("enter", "ctrl+l")
+        listen, check = Command(verb="listen", url=views.GNSS), Command(verb="check", url=URL)
+        assert seen.sent == [listen, check, listen]
+
+
+@pytest.mark.parametrize(
+    ("receiver", "is_listening", "expected"),
+    [
+        (None, True, "listening to the receiver"),
+        (None, False, "not listened to yet"),
+        (views.WITH_RECEIVER.start.receiver, False, "✓ 48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m"),
+        (Check(url=views.GNSS, is_good=False, text="no fix"), False, "✗ no fix"),
+        (Check(url="mavlink:tcp:x:1", is_good=True, text="48"), False, "not listened to yet"),
+    ],
+)
+async def test_what_the_receiver_says_stands_below_its_address(
+    receiver: Check | None, is_listening: bool, expected: str
+) -> None:
+    start = views.WITH_RECEIVER.start.model_copy(update={"receiver": receiver, "is_listening": is_listening})
+    async with screens(views.WITH_RECEIVER.model_copy(update={"start": start})) as seen:
+        assert expected in seen.app.screen.form.heard.render().plain
+
+
+async def test_a_latitude_that_is_stated_goes_before_the_receiver_and_is_said_to() -> None:
+    async with screens(views.WITH_RECEIVER) as seen:
+        heard = seen.app.screen.form.heard
+        assert "what is not given below is taken from it" in heard.render().plain
+        await fill(seen, "latitude_deg", "48.2")
+        assert "compared with the latitude stated" in heard.render().plain
+        await fill(seen, "gnss", " ")
+        assert not heard.display
+
+
+@pytest.mark.parametrize("link", LINKS)
+def test_every_link_to_a_receiver_is_accepted_by_the_form(link: str) -> None:
+    where = "/dev/ttyACM0?baud=57600" if link == "serial" else "rig.local:14550?system=3&rate=5"
+    parse_mavlink_url(f"mavlink:{link}:{where}")
+    assert receiver(f"mavlink:{link}:{where}") == ""
+    assert "expected" in receiver(f"mavlink:{link}:")
+
+
 @pytest.mark.parametrize(
     ("check", "expected"),
     [
@@ -173,6 +237,8 @@ def test_a_set_up_survives_the_form_to_the_last_digit() -> None:
         ("dwell_s", "-1", "out of range"),
         ("revolutions", "2.5", "expected a whole number from 1 to 100"),
         ("revolutions", "0", "out of range"),
+        ("gnss", "mavlink:udp:0.0.0.0:14550", "is no receiver, expected mavlink:udpin:0.0.0.0:14550"),
+        ("gnss", "mavlink:udpin:0.0.0.0", "is no receiver"),
     ],
 )
 def test_each_field_says_what_is_wrong_in_words(name: str, text: str, words: str) -> None:

@@ -91,6 +91,22 @@ START = View(
         ),
     ),
 )  # fmt: skip
+GNSS = "mavlink:udpin:0.0.0.0:14550"
+WITH_RECEIVER = START.model_copy(
+    update={
+        "start": START.start.model_copy(
+            update={
+                "setup": START.start.setup.model_copy(
+                    update={"gnss": GNSS, "latitude_deg": None, "longitude_deg": None, "height_m": 0.0}
+                ),
+                "receiver": Check(
+                    url=GNSS, is_good=True,
+                    text="48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m, of the height 2.1 m",
+                ),
+            }
+        )
+    }
+)  # fmt: skip
 FIRST_START = View(stage="start", start=Start())
 REFUSED = START.model_copy(
     update={"start": START.start.model_copy(update={"refused": "ttyUSB0 is in use by another program: close it."})}

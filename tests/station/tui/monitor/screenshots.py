@@ -7,7 +7,11 @@ from tests.station.monitor import views
 from tests.station.tui.monitor.session import LARGE, SMALL, shown
 from tests.station.tui.screenshots import FOLDER, portable
 
-PICTURES = {"monitor": (views.RESTING, SMALL), "monitor_moving": (views.AIDED, LARGE)}
+PICTURES = {
+    "monitor": (views.RESTING, SMALL),
+    "monitor_moving": (views.AIDED, LARGE),
+    "monitor_map": (views.LOCATED, SMALL),
+}
 
 
 async def picture(view: View, size: tuple[int, int]) -> str:

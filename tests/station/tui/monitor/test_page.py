@@ -19,7 +19,7 @@ PAGE = (DOCS / "monitor.md").read_text(encoding="utf-8")
 
 def test_the_page_names_every_key() -> None:
     keys = {b.key for kind in (MonitorScreen, MonitorApp) for b in kind.BINDINGS if isinstance(b, Binding)}
-    assert len(keys) == 7
+    assert len(keys) == 8
     for key in keys:
         assert f"`{'?' if key == 'question_mark' else key}`" in PAGE, key
     assert set(KEYS) < keys

@@ -16,7 +16,8 @@ from tests.station.tui.monitor.session import LARGE, SMALL, MemorySession, Shown
 LOOKS = [
     ("waiting", SMALL, ""), ("moving", SMALL, ""), ("resting", SMALL, ""), ("alarming", SMALL, ""),
     ("silent", SMALL, ""), ("zeroed", SMALL, ""), ("steep", SMALL, ""), ("resting", SMALL, "question_mark"),
-    ("moving", LARGE, ""), ("aided", LARGE, ""),
+    ("moving", LARGE, ""), ("aided", LARGE, ""), ("not_located", SMALL, ""), ("located", SMALL, ""),
+    ("located", LARGE, ""),
 ]  # fmt: skip
 
 
@@ -70,6 +71,11 @@ def cut_off(seen: Shown) -> list[object]:
         ("aided", ("aid gnss 12.3 m/s", "2 lost")),
         ("steep", ("any: X is vertical",)),
         ("uncalibrated", ("NONE: nominal scale factors", "NOT RECORDED")),
+        ("not_located", ("NOT LOCATED 98 fixes", "better gyros")),
+        (
+            "located",
+            ("HEADING 329.20 deg 1 sigma 0.11", "1 sigma 0.21 m, up 0.34 m", "4051 fixes 3 outliers", "20 m"),
+        ),
         ("waiting", ("waiting for the first samples", "no attitude yet")),
     ],
 )
@@ -87,6 +93,18 @@ async def test_keys_ask_the_engine_and_leaving_a_recording_asks_first() -> None:
         assert isinstance(seen.app.screen, Confirm)
         await seen.pilot.press("n", "ctrl+c", "y")
         assert seen.session.sent[4:] == ["leave"]
+
+
+async def test_the_map_and_the_horizon_take_turns_where_a_location_is_asked_for() -> None:
+    async with shown(VIEWS["aided"]) as seen:
+        await seen.pilot.press("l")
+        assert seen.app.monitor.horizon.display
+        await seen.show(VIEWS["located"])
+        assert (seen.app.monitor.map.display, seen.app.monitor.horizon.display) == (True, False)
+        await seen.pilot.press("l")
+        assert (seen.app.monitor.map.display, seen.app.monitor.horizon.display) == (False, True)
+        await seen.show(VIEWS["not_located"])
+        assert seen.app.monitor.horizon.display
 
 
 async def test_without_a_recording_it_is_left_at_once_and_closes_when_it_is_over() -> None:

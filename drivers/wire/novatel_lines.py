@@ -1,0 +1,138 @@
+"""Many of NovAtel's text lines at once: what `drivers.wire.novatel_ascii` does to one, done to arrays.
+
+Only lines that are written as a receiver writes them are taken, each with its line break. Every other one is left
+to be looked at by itself, so that what is accepted does not depend on how it was read.
+"""
+
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.wire._format import Frames, Lines
+from drivers.wire.numerals import decimal, hexadecimal, words_of
+from procedures.arrays import BoolArray, FloatArray, IntArray
+
+LONGEST = 256  # characters; the longest line that numbers at their limits give has 226
+DIGITS = 8  # of the CRC
+COUNTS = 6  # the last numbers of a line; no others may be negative
+DECIMALS = "decimals"  # of the seconds
+ORDER = ("info", "type", "week", "seconds", DECIMALS, "status")  # of the other numbers
+LESS_SECONDS, MOST_DECIMALS = 10**6, 9  # together below 2^53
+IN_HEXADECIMAL = ("info", "status")
+Text = NDArray[np.uint8]
+_COMMA, _SEMICOLON, _POINT, _STAR, _MINUS, _CR, _LF = b",;.*-\r\n"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Layout:
+    """How a log writes its lines: how they begin, their marks and line feed in order, the table that they fill.
+
+    ``names`` are of the numbers behind the semicolon, the counts left out; ``most`` (m, 1) is what each can be.
+    """
+
+    prefix: bytes
+    marks: bytes
+    dtype: np.dtype[np.void]
+    names: tuple[str, ...]
+    most: IntArray
+    in_hexadecimal: list[int]
+
+
+def layout_of(prefix: bytes, header: bytes, dtype: np.dtype[np.void]) -> Layout:
+    """Return the layout of a log whose header has these marks before the semicolon."""
+    limits = {name: np.iinfo(dtype[name].base).max for name in dtype.names or () if name != "seconds"}
+    limits |= {"seconds": LESS_SECONDS - 1, DECIMALS: 10**MOST_DECIMALS - 1}
+    names = tuple(name for name in ORDER if name in limits)
+    most = [limits[name] for name in names] + [limits["gyro"]] * COUNTS
+    marks = b"".join(b"." if name == "seconds" else b"," for name in names)
+    return Layout(
+        prefix, header + b";" + marks + b"," * (COUNTS - 1) + b"*\n", dtype, names, np.array(most)[:, None],
+        [names.index(name) for name in IN_HEXADECIMAL if name in names],
+    )  # fmt: skip
+
+
+def lines(buffer: bytes, layout: Layout) -> list[Lines]:
+    """Return the intact lines of a buffer as rows; those that stand end to end stand together."""
+    text, words = np.frombuffer(buffer, np.uint8), words_of(buffer)
+    begins, places = _written(text, layout.prefix, layout.marks)
+    rows, is_good = _rows(text, words, places[layout.marks.index(b";") : -1], layout)
+    is_good &= _is_intact(buffer, words, begins, places[-2])
+    edges = np.stack((begins, places[-2] + 1 + DIGITS), axis=1)
+    return _runs(rows, edges, is_good)
+
+
+def _written(text: Text, prefix: bytes, marks: bytes) -> tuple[IntArray, IntArray]:
+    """Return where lines begin (n,) that have these marks in this order, and where those stand (m, n)."""
+    at = np.flatnonzero(
+        (text == _COMMA) | (text == _SEMICOLON) | (text == _POINT) | (text == _STAR) | (text == _LF)
+    )
+    found = text[at]
+    last = np.flatnonzero(found == _LF)  # mark of each line
+    first = np.concatenate(([0], last + 1))[:-1]
+    has_all = last + 1 - first == len(marks)
+    begins, mine = np.concatenate(([0], at[last] + 1))[:-1][has_all], first[has_all] + _down(marks)
+    places = at[mine]
+    ends = places[-1] - 1
+    is_written = (text[ends] == _CR) & (places[-2] + 1 + DIGITS == ends) & (ends - begins <= LONGEST)
+    is_written &= _reads(found, mine, marks) & _reads(text, begins + _down(prefix), prefix)
+    return begins[is_written], places[:, is_written]
+
+
+def _down(text: bytes) -> IntArray:
+    return np.arange(len(text))[:, None]
+
+
+def _reads(text: Text, places: IntArray, expected: bytes) -> BoolArray:
+    reads: BoolArray = (text[places] == np.frombuffer(expected, np.uint8)[:, None]).all(axis=0)
+    return reads
+
+
+def _is_intact(buffer: bytes, words: IntArray, begins: IntArray, stars: IntArray) -> BoolArray:
+    """Say which lines pass their CRC."""
+    bodies = zip((begins + 1).tolist(), stars.tolist(), strict=True)
+    sums = np.array([zlib.crc32(buffer[begin:star], 0xFFFFFFFF) for begin, star in bodies], np.uint32)
+    sent, is_number = hexadecimal(words, stars + 1, stars + 1 + DIGITS)
+    is_intact: BoolArray = is_number & (sent == ~sums)
+    return is_intact
+
+
+def _rows(text: Text, words: IntArray, places: IntArray, layout: Layout) -> tuple[Frames, BoolArray]:
+    """Return what stands between the marks as rows of a table, and which rows hold it truly."""
+    begins, ends = places[:-1] + 1, places[1:]
+    is_negative = text[begins[-COUNTS:]] == _MINUS
+    begins[-COUNTS:] += is_negative
+    values, is_true = decimal(words, begins, ends)
+    for row in layout.in_hexadecimal:
+        values[row], is_true[row] = hexadecimal(words, begins[row], ends[row])
+    is_good = (is_true & (values <= layout.most)).all(axis=0)
+    counts = np.where(is_negative, -values[-COUNTS:], values[-COUNTS:])
+    numbers = dict(zip(layout.names, values, strict=False))
+    rows = np.zeros(places.shape[1], layout.dtype)
+    rows["accel"], rows["gyro"] = counts[:3].T, counts[3:].T
+    size = (ends - begins)[layout.names.index(DECIMALS)]
+    rows["seconds"] = _seconds(numbers.pop("seconds"), numbers.pop(DECIMALS), size)
+    for name, value in numbers.items():
+        rows[name] = value
+    return rows, is_good & (size <= MOST_DECIMALS)
+
+
+def _seconds(whole: IntArray, decimals: IntArray, size: IntArray) -> FloatArray:
+    """Return the numbers with these digits before and behind the point.
+
+    Below 2^53 both are float64 exactly, so that their quotient is rounded once, as by `float`.
+    """
+    tens = 10 ** np.minimum(size, MOST_DECIMALS)
+    seconds: FloatArray = (whole * tens + decimals) / tens
+    return seconds
+
+
+def _runs(rows: Frames, edges: IntArray, is_good: BoolArray) -> list[Lines]:
+    """Return the good lines; those that stand end to end, each with its line break, together."""
+    goes_on = is_good[1:] & is_good[:-1] & (edges[1:, 0] == edges[:-1, 1] + 2)
+    firsts = np.flatnonzero(is_good & ~np.concatenate(([False], goes_on)))
+    lasts = np.flatnonzero(is_good & ~np.concatenate((goes_on, [False])))
+    return [
+        Lines(rows[a:b].tobytes(), edges[a:b]) for a, b in zip(firsts.tolist(), (lasts + 1).tolist(), strict=True)
+    ]

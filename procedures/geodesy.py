@@ -1,0 +1,62 @@
+"""Latitude, longitude and height to a level frame East-North-Up about a place, and back, on WGS 84.
+
+By way of the Earth-centred frame, so that it holds at any distance (NIMA TR8350.2, third edition, 2.1 and 4.1).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+
+AXIS = 6_378_137.0  # m
+FLATTENING = 1 / 298.257223563
+SQUARE = FLATTENING * (2 - FLATTENING)  # of the eccentricity
+ROUNDS = 6  # each gains more than two digits near the ground
+
+
+@dataclass(frozen=True, slots=True)
+class LocalLevel:
+    """A level frame's origin: ``latitude``, ``longitude`` [rad], ``height`` [m] above the ellipsoid."""
+
+    latitude: float
+    longitude: float
+    height: float = 0.0
+
+    def enu(self, latitude: float, longitude: float, height: float) -> FloatArray:
+        """Return a place (3,) [m] East-North-Up of the origin."""
+        moved: FloatArray = _earth_fixed(latitude, longitude, height) - _earth_fixed(*self._own)
+        return self._C_ne @ moved
+
+    def geodetic(self, enu: FloatArray) -> tuple[float, float, float]:
+        """Return latitude, longitude [rad] and height [m] of a place (3,) [m]."""
+        x, y, z = (_earth_fixed(*self._own) + self._C_ne.T @ enu).tolist()
+        out = float(np.hypot(x, y))
+        latitude = float(np.arctan2(z, out * (1 - SQUARE)))
+        for _ in range(ROUNDS):
+            latitude = float(np.arctan2(z + SQUARE * _normal(latitude) * np.sin(latitude), out))
+        up = out * np.cos(latitude) + z * np.sin(latitude)
+        return latitude, float(np.arctan2(y, x)), float(up - AXIS**2 / _normal(latitude))
+
+    @property
+    def _own(self) -> tuple[float, float, float]:
+        return self.latitude, self.longitude, self.height
+
+    @property
+    def _C_ne(self) -> FloatArray:
+        sin_b, cos_b = np.sin(self.latitude), np.cos(self.latitude)
+        sin_l, cos_l = np.sin(self.longitude), np.cos(self.longitude)
+        return np.array([
+            [-sin_l, cos_l, 0.0], [-sin_b * cos_l, -sin_b * sin_l, cos_b], [cos_b * cos_l, cos_b * sin_l, sin_b]
+        ])  # fmt: skip
+
+
+def _normal(latitude: float) -> float:
+    """Return the radius of curvature across the meridian [m]."""
+    return float(AXIS / np.sqrt(1 - SQUARE * np.sin(latitude) ** 2))
+
+
+def _earth_fixed(latitude: float, longitude: float, height: float) -> FloatArray:
+    out = (_normal(latitude) + height) * np.cos(latitude)
+    z = (_normal(latitude) * (1 - SQUARE) + height) * np.sin(latitude)
+    return np.array([out * np.cos(longitude), out * np.sin(longitude), z])

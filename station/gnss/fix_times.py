@@ -1,0 +1,66 @@
+"""When a fix was valid, by the IMU's own clock.
+
+Two lines through marks of the station's clock: one to the IMU's (each read ended with a sample), one to the
+sender's (each SYSTEM_TIME). Both have a rate of their own. A fix is stamped by its sender's clock; where that is
+not known the moment it was read must do.
+"""
+
+from collections import deque
+
+import numpy as np
+
+from procedures.gnss import GnssFix, TimeMark
+from procedures.time_line import TimeLine, fit_time_line
+
+REFIT_NS = 10**9
+REBOOT_NS = 10**9
+Marks = deque[tuple[int, int]]
+
+
+class FixTimes:
+    """Marks of the last ``span_ns`` [ns] of the station's clock; of all where it is None."""
+
+    def __init__(self, span_ns: int | None = None) -> None:
+        self._span_ns = span_ns
+        self._imu, self._sender = Marks(), Marks()
+        self._lines: dict[str, tuple[tuple[int, int], TimeLine | None]] = {}
+
+    def begin_anew(self) -> None:
+        """Let the IMU's marks go: its time has begun anew."""
+        self._imu.clear()
+
+    def mark_imu(self, host_ns: int, device_s: float) -> None:
+        """Take the moment at which a sample of the IMU was read [ns], and the sample's own time [s]."""
+        self._imu.append((host_ns, round(device_s * 1e9)))
+
+    def mark_sender(self, mark: TimeMark) -> None:
+        """Take the moment at which the sender's time was read; a time that goes back is a restart."""
+        if self._sender and mark.device_ns < self._sender[-1][1] - REBOOT_NS:
+            self._sender.clear()
+        self._sender.append((mark.host_ns, mark.device_ns))
+
+    def of(self, fix: GnssFix) -> float | None:
+        """Return when a fix was valid [s of the IMU's clock]; None where the marks do not tell yet."""
+        imu = self._line("imu", self._imu)
+        if imu is None:
+            return None
+        sender = None if fix.device_ns is None else self._line("sender", self._sender)
+        if sender is None or fix.device_ns is None:
+            return imu.at(fix.host_ns)
+        return imu.at(sender.when(fix.device_ns))
+
+    @property
+    def knows_sender(self) -> bool:
+        """Whether fixes are placed by their sender's clock."""
+        return self._line("sender", self._sender) is not None
+
+    def _line(self, name: str, marks: Marks) -> TimeLine | None:
+        if not marks:
+            return None
+        key = marks[-1][0] // REFIT_NS, marks[0][0] // REFIT_NS if self._span_ns is None else 0
+        held = self._lines.get(name)
+        if held is None or held[0] != key or held[1] is None:
+            while self._span_ns is not None and marks[0][0] < marks[-1][0] - self._span_ns:
+                marks.popleft()
+            self._lines[name] = key, fit_time_line(*np.array(marks, dtype=np.int64).T)
+        return self._lines[name][1]

@@ -1,0 +1,64 @@
+"""Where the unit is, on the monitor's screen: a map, and the numbers beside it."""
+
+from textwrap import wrap
+
+from textual.content import Content
+
+from station.monitor.view import Location
+from station.tui.monitor.map_picture import map_picture
+from station.tui.widgets.drawn import Drawn
+
+LINES = 5
+
+
+class Map(Drawn[Location]):
+    """The way gone, north up."""
+
+    DEFAULT_CSS = """
+    Map { width: 34; height: 100%; background: $surface; }
+    """
+
+    def render(self) -> Content:
+        """Draw it as large as there is room."""
+        return map_picture(self.size.width, self.size.height, self.value)
+
+
+class Where(Drawn[Location]):
+    """Position and heading with their sigmas and the fixes' health; before that, what is missing."""
+
+    DEFAULT_CSS = """
+    Where { height: 5; padding-left: 1; }
+    """
+
+    def render(self) -> Content:
+        """Draw five lines."""
+        location = self.value
+        if not location.is_located:
+            head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {location.fixes} fixes")
+            why = wrap(location.why, max(self.content_size.width - 1, 20))[: LINES - 1]
+            return Content("\n").join((head, *(Content(line) for line in why)))
+        east, north, up = (f"{value:+.2f}" for value in location.enu)
+        outliers = f"{location.outliers} outliers"
+        return Content("\n").join((
+            Content.assemble("E ", (east, "bold $accent"), "  N ", (north, "bold $accent"), f"  U {up} m"),
+            Content(f"{location.latitude:.7f}, {location.longitude:.7f} deg"),
+            Content.assemble("HEADING ", *_heading(location)),
+            Content(_sigmas(location)),
+            Content.assemble(
+                (f"◎ {location.fixes} fixes", "bold $success"), "  ",
+                (outliers, "bold $error" if location.outliers else ""), f"  newest {location.fix_age:.1f} s",
+            ),
+        ))  # fmt: skip
+
+
+def _heading(location: Location) -> tuple[Content | tuple[str, str], ...]:
+    if location.heading is None:
+        return (Content("none: forward is upright"),)
+    std = "" if location.heading_std is None else f"  1 sigma {location.heading_std:.2f}"
+    return (f"{location.heading:.2f} deg", "bold $accent"), Content(std)
+
+
+def _sigmas(location: Location) -> str:
+    level, up = max(location.enu_std[:2]), location.enu_std[2]
+    speed = sum(part**2 for part in location.velocity) ** 0.5
+    return f"1 sigma {level:.2f} m, up {up:.2f} m   {speed:.1f} m/s"

@@ -1,0 +1,46 @@
+"""`station record` says what is wrong on a line as it appears, and when it is over."""
+
+from pathlib import Path
+
+import pytest
+
+from drivers.simulated.faults import Fault
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from station import cli
+from station.live.told import Told
+from tests.station.commands.program import Program
+
+
+def test_the_same_words_with_other_counts_are_said_once_and_their_end_too() -> None:
+    said = list[str]()
+    told = Told("ttyUSB0", said.append)
+    for trouble in ("", "lost: 3 within 2 s", "lost: 17 within 2 s", "", "", "bytes: 1", "lost: 1 within 2 s"):
+        told.look(trouble)
+    assert [line.partition("  ")[2] for line in said] == [
+        "lost: 3 within 2 s", "ttyUSB0: well again", "bytes: 1", "lost: 1 within 2 s"
+    ]  # fmt: skip
+
+
+@pytest.mark.simulated_imu(speed=60, faults=[{"kind": "lost", "at_s": 60, "count": 3}])
+def test_a_fault_is_told_as_it_appears_and_when_it_is_over(
+    simulated_imu: SimulatedDevice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["record", simulated_imu.url, "--seconds", "240", "--out", str(tmp_path / "r")]) == 0
+    told = [line.partition("  ")[2] for line in capsys.readouterr().err.splitlines()]
+    assert len(told) == 2
+    assert "samples lost: 3" in told[0]
+    assert told[1].endswith(": well again")
+
+
+def test_a_port_that_went_and_came_back_is_told_while_it_is_away(tmp_path: Path) -> None:
+    link = tmp_path / "imu"
+    faults = [Fault("unplug", at_s=60.0, seconds=40.0)]  # device time stands still until somebody reads
+    with SimulatedDevice(Truth.example(2), 2, speed=20, link=link, faults=faults):
+        url = f"serial://{link}?format=counts"
+        with Program("record", url, "--out", str(tmp_path / "r")) as program:
+            assert program.process.stderr is not None
+            lines = [program.process.stderr.readline() for _ in range(2)]
+    assert "was lost" in lines[0]
+    assert "it is tried again and again: check cable and power" in lines[0]
+    assert "well again" in lines[1]
