@@ -67,8 +67,11 @@ def _located(folder: Path, tmp_path: Path, first: np.ndarray) -> None:
 
 def test_a_live_run_leaves_the_folder_that_its_recording_gives(tmp_path: Path) -> None:
     calibration = ["--calibration", str(write_calibration(tmp_path, TRUTH))]
-    with SimulatedDevice(TRUTH, 5, speed=10.0) as imu, SimulatedGnss(TRUTH, AUTOPILOT, beside=imu) as gnss:
-        given = ["--gnss", gnss.url, "--out", str(tmp_path / "r"), "--seconds", "20"]
+    with (
+        SimulatedDevice(TRUTH, 5, speed=10.0) as imu,
+        SimulatedGnss(TRUTH, AUTOPILOT, speed=10.0, transport="tcp") as gnss,
+    ):
+        given = ["--gnss", gnss.url, "--out", str(tmp_path / "r"), "--seconds", "30"]
         assert cli.run(["record", imu.url, *given, "--fusion", str(tmp_path / "one"), *calibration]) == 0
     url = f"replay:{tmp_path / 'r' / 'recording.mcap'}"
     assert cli.run(["record", url, "--fusion", str(tmp_path / "two"), *calibration]) == 0
