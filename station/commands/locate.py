@@ -14,12 +14,16 @@ class Source(StrEnum):
 
     inertial = "inertial"
     odometry = "odometry"
+    vision = "vision"
 
 
 def locate(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="A folder of fusion/1.")],
     source: Annotated[
-        Source | None, typer.Option("--source", help="Default: inertial where [imu] is, else odometry.")
+        Source | None,
+        typer.Option(
+            "--source", help="Default: inertial where [imu] is, else odometry; vision: camera tracks and IMU."
+        ),
     ] = None,
     layers: Annotated[
         int,
@@ -36,7 +40,7 @@ def locate(
     ] = None,
     db: Database = None,
 ) -> None:
-    """Locate a recording: position and attitude of the IMU, East-North-Up, from IMU or odometry and GNSS.
+    """Locate a recording: position and attitude of the IMU, East-North-Up, from IMU, odometry or camera and GNSS.
 
     Trajectories are TUM lines `t x y z qx qy qz qw` in s and m, quaternions take the IMU's axes to East-North-Up.
     The online one uses nothing later than each pose and begins when heading and tilt are known; the smoothed one

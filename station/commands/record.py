@@ -90,6 +90,8 @@ def record(
                 f"{counters.repeated} repeated, {counters.restarts} restarts, "
                 f"{framing.bad_crc} bad check, {framing.skipped_bytes} bytes in no frame"
             )
+            if zeros := feed.stream.decoder.kind.zeros:
+                typer.echo(f"{feed.wire.name} does not measure {', '.join(zeros)}: 0 stands there")
             if receiver is not None and timed is not None:
                 typer.echo(summary(receiver))
                 if timed.said:

@@ -21,6 +21,7 @@ from station.monitor.attitude import Aiding, Attitude, AttitudeTrack
 from station.monitor.calibration import Applied
 from station.monitor.filter_settings import gyro_bias_std, settings_of
 from station.monitor.gnss_aid import aiding_of
+from station.monitor.moments import Moments
 from station.monitor.options import USUAL, Aid, Options
 from station.monitor.recording import Recording
 from station.monitor.sensors import Sensors, Tick
@@ -60,6 +61,7 @@ class Monitor:
         self._numbers = self._marks = 0
         self._speed: float | None = None
         self._held_since: float | None = None
+        self._moments = Moments()
         unit = feed.unit
         self.view = View(
             unit=f"{unit.model} {unit.serial}" if unit else "", aid=options.aid, in_use=self._in_use, folder=folder
@@ -161,6 +163,7 @@ class Monitor:
         if tape.begin != self._begin:
             self._at, self._begin = tape.begin, tape.begin
             self._track.begin_anew()
+            self._moments.begin_anew()
             self._rest.begin_anew()
             if self._options.locating is not None:
                 self._options.locating.begin_anew()
@@ -169,13 +172,14 @@ class Monitor:
             self._noted = tape.end
         while tape.end - self._at >= self._size and self._has_come(tape.host_ns(self._at + self._size - 1)):
             self._at += self._size
-            first, host_ns = self._at - self._size, tape.host_ns(self._at - 1)
+            first = self._at - self._size
             tick = self._sensors.take(tape.block(first, self._at))
-            records = () if self._aid is None else self._aid.take(host_ns)
+            now_ns = self._moments.of(float(tick.t[-1]), tape.host_ns(self._at - 1))
+            records = () if self._aid is None else self._aid.take(now_ns)
             if self._options.locating is not None:
                 marks = [(at, float(tick.t[sample - first])) for at, sample in tape.marks(first, self._at)]
                 self._options.locating.take(Taken(in_imu_axes(tick, self._C, self._feed.period), marks, records))
-            self._go_on(tick, records)
+            self._go_on(tick, records, now_ns)
         tape.forget_before(self._at)
 
     def _has_come(self, host_ns: int) -> bool:
@@ -187,8 +191,8 @@ class Monitor:
         self._held_since = now if self._held_since is None else self._held_since
         return now - self._held_since > LATEST_S
 
-    def _go_on(self, tick: Tick, records: Sequence[Record]) -> None:
-        aiding = aiding_of(records, self._options.aid)
+    def _go_on(self, tick: Tick, records: Sequence[Record], now_ns: int) -> None:
+        aiding = aiding_of(records, self._options.aid, now_ns)
         self._learn_speed(aiding)
         self._health.unhealthy += not tick.is_healthy
         if tick.not_applied and not self._in_use.note:
