@@ -8,15 +8,17 @@ from procedures.arrays import FloatArray
 
 SETTLED_YAW = np.radians(4.0)  # 1 sigma with which an alignment is accepted
 SETTLED_TILT = np.radians(1.0)
+SETTLED_OFFSET = 0.015  # s, of GNSS's stamps where it is estimated: a window is built on it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Aligned:
-    """State at the first of the fixes ``t0``: ``C_nb``, ``v_n`` and biases with covariance (12, 12) or (15, 15).
+    """State at the first of the fixes ``t0``: ``C_nb``, ``v_n``, biases and constants with covariance.
 
-    In the order rotation about n [rad], v [m/s], gyro bias [rad/s], accelerometer bias [m/s2], and ``lever`` (3,)
-    [m] in b, the antenna's, where it was estimated. ``C_now`` is the attitude at the last fix, ``tilt_std`` and
-    ``yaw_std`` [rad] 1 sigma of it.
+    In the order rotation about n [rad], v [m/s], gyro bias [rad/s], accelerometer bias [m/s2]: (12, 12). In motion
+    ``lever`` (3,) [m] in b, the antenna's, and ``time_offset`` [s], to be added to the stamps of fixes, follow:
+    (16, 16), 0 where they were given; ``t0`` and ``t`` hold that offset. ``C_now`` is the attitude at the
+    last fix, ``tilt_std`` and ``yaw_std`` [rad] 1 sigma of it.
     """
 
     t0: float
@@ -31,6 +33,7 @@ class Aligned:
     yaw_std: float
     misfit: float
     lever: FloatArray | None = None
+    time_offset: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ their white noise. Where velocities are missing it drifts by the velocity's own 
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,18 +20,20 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.fusion.alignment import Aligned
 from procedures.fusion.extra import gtsam
-from procedures.fusion.imu_gaps import ImuGap, imu_gaps
-from procedures.fusion.inertial_increments import grid
+from procedures.fusion.fix_factors import FixFactors
+from procedures.fusion.imu_between import Preintegration
 from procedures.fusion.keyframes import SPACING, keyframes
-from procedures.fusion.odometry import OdometryPose
+from procedures.fusion.moving_aligner import SHAKEN
+from procedures.fusion.odometry import Antenna, OdometryPose
 from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
 
-INTEGRATION = 1e-8  # m2/s, error of integrating the position
 FREE_TURN = 0.3  # rad on the first attitude: the alignment's own data are used again from there on
 FREE_VELOCITY = 1.0  # m/s
 FREE_POSITION = 10.0  # m
 ANCHOR = 1e-3  # m, the origin of an odometry
 UNKNOWN = 1e4  # m or m/s, of a component that is not measured
+GIVEN = 1e-6  # m or s, of a constant that is not estimated beside one that is
+HEIGHT_TIME = 1.0  # s, for which the error of a height lasts that is held by GNSS's
 OUTAGE = 1.5  # s without a velocity from which its sigma is asked for
 FRAME = np.radians(0.05)  # rad: GNSS's velocities hold the odometry's frame to n
 FRAME_WALK = 1e-4  # rad/sqrt(s)
@@ -42,7 +44,8 @@ class WindowSettings:
     """``gravity`` [m/s2], ``earth_n`` (3,) [rad/s], ``lever`` (3,) [m] in b, ``lag`` and ``spacing`` [s].
 
     ``still_std`` [m/s]: the IMU is known to stand, and by how much; GNSS velocities are then left out.
-    ``lever_std`` [m]: 1 sigma of the lever arm at the start; it widens velocities by how fast the IMU turns.
+    ``lever_std`` [m] and ``offset_std`` [s]: lever arm, and the time offset that the fixes' stamps still lack,
+    are estimated from ``lever`` and 0 on where either is given.
     """
 
     noise: ImuNoise
@@ -53,7 +56,13 @@ class WindowSettings:
     lag: float = 2.0
     spacing: float = SPACING
     still_std: float | None = None
-    lever_std: float = 0.0
+    lever_std: float | None = None
+    offset_std: float | None = None
+
+    @property
+    def estimates(self) -> bool:
+        """Whether lever arm or time offset are estimated."""
+        return self.lever_std is not None or self.offset_std is not None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,13 +84,15 @@ class InertialWindow:
     def __init__(self, settings: WindowSettings, imu: ImuSeries, fixes: GnssFixes, start: Aligned) -> None:
         self.settings, self.fixes, self.start = settings, fixes, start
         self.frames = keyframes(fixes, imu, start.t0, settings.spacing)
-        self._grid = grid(imu, self.frames.t)
-        self._rate = np.stack([np.interp(self.frames.t, imu.t, imu.omega_b[:, i]) for i in range(3)], axis=1)
-        self.lever, self.lever_std = settings.lever, settings.lever_std
         self._lib = gtsam()
-        self._params = self._preintegration()
-        self._gaps = [(gap, self._preintegration(gap)) for gap in imu_gaps(imu)]
+        self.constants = np.r_[settings.lever, 0.0]  # lever arm [m], time offset [s], as they are known now
+        shaken = SHAKEN if settings.still_std is None else 1.0
+        self._imu = Preintegration(
+            self._lib, replace(settings.noise, accel=shaken * settings.noise.accel), settings.gravity,
+            settings.earth_n, imu, self.frames.t,
+        )  # fmt: skip
         self.state: State | None = None
+        self._is_flat = settings.still_std is None and not np.isfinite(fixes.v_n[:, 2]).any()
         self.factors, self.values = (
             self._lib.NonlinearFactorGraph(),
             self._lib.Values(),
@@ -93,7 +104,7 @@ class InertialWindow:
         for state in self.states():
             dt = state.t - before
             before, since = state.t, 0.0 if state.has_velocity else since + dt
-            yield OdometryPose(state.t, state.p, state.C_nb, self._drift(dt, since), FRAME, uses_velocity=True)
+            yield self._pose(state, dt, since)
 
     def states(self) -> Iterator[State]:
         """Yield what is known at each keyframe, then."""
@@ -110,6 +121,14 @@ class InertialWindow:
         assert self.state is not None
         T[3:, 3:] = self.state.C_nb  # gtsam moves a pose in its own axes
         return np.asarray(T @ C @ T.T)
+
+    def global_covariance(self) -> FloatArray:
+        """Return the covariance (4, 4) of the newest position [m] and heading [rad] in n."""
+        assert self.state is not None
+        J = np.zeros((4, 6))
+        J[:3, 3:], J[3, :3] = np.eye(3), self.state.C_nb[2]
+        covariance: FloatArray = J @ self.covariance() @ J.T
+        return covariance
 
     def bias_covariance(self) -> FloatArray:
         """Return the covariance (6, 6) of the newest biases: accelerometer [m/s2], gyro [rad/s]."""
@@ -130,24 +149,10 @@ class InertialWindow:
     def _key(self, letter: str, k: int | None = None) -> int:
         return int(self._lib.symbol(letter, self._k if k is None else k))
 
-    def _preintegration(self, gap: ImuGap | None = None) -> Any:
-        noise, eye = self.settings.noise, np.eye(3)
-        gyro, accel = noise.gyro**2, noise.accel**2
-        if gap is not None:  # a density that has made as much of it at its end
-            gyro, accel = gyro + gap.rate_std**2 * gap.length, accel + gap.force_std**2 * gap.length
-        params = self._lib.PreintegrationCombinedParams(np.array([0.0, 0.0, -self.settings.gravity]))
-        params.setGyroscopeCovariance(gyro * eye)
-        params.setAccelerometerCovariance(accel * eye)
-        params.setBiasOmegaCovariance(noise.gyro_walk**2 * eye)
-        params.setBiasAccCovariance(noise.accel_walk**2 * eye)
-        params.setIntegrationCovariance(INTEGRATION * eye)
-        params.setOmegaCoriolis(self.settings.earth_n)
-        return params
-
     def _first(self) -> State:
         fix = max(int(self.frames.fix[0]), 0)
         s = self.start
-        p = self.fixes.p_n[fix] - s.C_nb @ self.lever
+        p = self.fixes.p_n[fix] - s.C_nb @ self.settings.lever
         return State(float(self.frames.t[0]), s.C_nb, p, s.v_n, s.gyro_bias, s.accel_bias, has_velocity=True)
 
     def _advanced(self, k: int, last: State) -> State:
@@ -158,17 +163,22 @@ class InertialWindow:
         if k == 0:
             self._add_priors(factors, last, pose)
         else:
-            whole = self._preintegrated(k, bias)
+            whole = self._imu.until(k, bias)
             keys = [self._key(letter, at) for letter, at in (("x", k - 1), ("v", k - 1), ("x", k), ("v", k))]
             factors.push_back(lib.CombinedImuFactor(*keys, self._key("b", k - 1), self._key("b", k), whole))
             predicted = whole.predict(lib.NavState(pose, velocity), bias)
             pose, velocity = predicted.pose(), predicted.velocity()
-        has_velocity = self._add_fix(factors, k, np.asarray(pose.rotation().matrix()), last.gyro_bias)
+        has_velocity = self._add_fix(factors, k, np.asarray(pose.rotation().matrix()), last)
         values.insert(self._key("x"), pose)
         values.insert(self._key("v"), velocity)
         values.insert(self._key("b"), bias)
         t = float(self.frames.t[k])
-        self._smoother.update(factors, values, dict.fromkeys((self._key("x"), self._key("v"), self._key("b")), t))
+        stamps = dict.fromkeys((self._key("x"), self._key("v"), self._key("b")), t)
+        if self.settings.estimates:
+            stamps[self._key("c", 0)] = t  # it never leaves the window
+            if k == 0:
+                values.insert(self._key("c", 0), self.constants)
+        self._smoother.update(factors, values, stamps)
         return self._estimate(t, has_velocity, factors)
 
     def _estimate(self, t: float, has_velocity: bool, factors: Any) -> State:
@@ -176,20 +186,15 @@ class InertialWindow:
         velocity = self._smoother.calculateEstimateVector(self._key("v"))
         bias = self._smoother.calculateEstimateConstantBias(self._key("b"))
         self.factors.push_back(factors)
+        if self.settings.estimates:
+            self.constants = np.asarray(self._smoother.calculateEstimateVector(self._key("c", 0)))
+            self.values.insert_or_assign(self._key("c", 0), self.constants)
         for letter, value in (("x", pose), ("v", velocity), ("b", bias)):
             self.values.insert(self._key(letter), value)
         return State(
             t, np.asarray(pose.rotation().matrix()), np.asarray(pose.translation()), np.asarray(velocity),
             np.asarray(bias.gyroscope()), np.asarray(bias.accelerometer()), has_velocity,
         )  # fmt: skip
-
-    def _preintegrated(self, k: int, bias: Any) -> Any:
-        middle = (self.frames.t[k - 1] + self.frames.t[k]) / 2
-        params = next((each for gap, each in self._gaps if gap.first < middle < gap.last), self._params)
-        whole = self._lib.PreintegratedCombinedMeasurements(params, bias)
-        for i in range(int(self._grid.at[k - 1]), int(self._grid.at[k])):
-            whole.integrateMeasurement(self._grid.f_b[i], self._grid.omega_b[i], self._grid.dt[i])
-        return whole
 
     def _add_priors(self, factors: Any, first: State, pose: Any) -> None:
         lib, noise = self._lib, self.settings.noise
@@ -202,31 +207,56 @@ class InertialWindow:
         factors.push_back(lib.PriorFactorPose3(self._key("x"), pose, sigmas(np.r_[turn, where_b])))
         factors.push_back(lib.PriorFactorVector(self._key("v"), first.v, sigmas(np.full(3, FREE_VELOCITY))))
         factors.push_back(lib.PriorFactorConstantBias(self._key("b"), lib.imuBias.ConstantBias(), sigmas(b_std)))
+        if self.settings.estimates:
+            c_std = np.r_[np.full(3, self.settings.lever_std or GIVEN), self.settings.offset_std or GIVEN]
+            factors.push_back(lib.PriorFactorVector(self._key("c", 0), self.constants, sigmas(c_std)))
 
-    def _add_fix(self, factors: Any, k: int, C_nb: FloatArray, gyro_bias: FloatArray) -> bool:
+    def _add_fix(self, factors: Any, k: int, C_nb: FloatArray, last: State) -> bool:
         """Add what a fix says of keyframe k; return whether its velocity is held."""
-        lib, i, still = self._lib, int(self.frames.fix[k]), self.settings.still_std
-        sigmas = lib.noiseModel.Diagonal.Sigmas
+        i, still = int(self.frames.fix[k]), self.settings.still_std
         if still is not None:
-            factors.push_back(lib.PriorFactorVector(self._key("v"), np.zeros(3), sigmas(np.full(3, still))))
+            at_rest = self._lib.noiseModel.Diagonal.Sigmas(np.full(3, still))
+            factors.push_back(self._lib.PriorFactorVector(self._key("v"), np.zeros(3), at_rest))
             return True
         if i < 0:
             return False
-        rate = self._rate[k] - gyro_bias
-        v = self.fixes.v_n[i] - C_nb @ np.cross(rate, self.lever)
-        std = np.hypot(self.fixes.velocity_std[i], np.linalg.norm(rate) * self.lever_std)
-        has_velocity = bool(np.isfinite(v[:2]).all())
-        if has_velocity:
-            given = np.where(np.isfinite(v), std, UNKNOWN)
-            factors.push_back(lib.PriorFactorVector(self._key("v"), np.nan_to_num(v), sigmas(given)))
-        if self.settings.layers == 1 or self._height_holds(i):
-            p_std = np.full(3, self.fixes.position_std[i])
-            p_std[:2] = p_std[:2] if self.settings.layers == 1 else UNKNOWN
-            factors.push_back(lib.GPSFactorArm(self._key("x"), self.fixes.p_n[i], self.lever, sigmas(p_std)))
-        return has_velocity
+        says = self._fix(i)
+        keys = [self._key("x"), self._key("v"), self._key("c", 0)]
+        rate = self._imu.rate[k] - last.gyro_bias
+        if self.settings.estimates:
+            made = says.with_constants(self._lib, keys, rate, self._imu.acceleration(k, C_nb, last.accel_bias))
+        else:
+            made = says.as_given(self._lib, keys, C_nb @ np.cross(rate, self.settings.lever), self.settings.lever)
+        for factor in made:
+            factors.push_back(factor)
+        return says.v is not None
+
+    def _fix(self, i: int) -> FixFactors:
+        """Return what fix i says here: components that are not to be used are unknown."""
+        v, p_std = self.fixes.v_n[i], np.full(3, self.fixes.position_std[i])
+        v_std = np.where(np.isfinite(v), self.fixes.velocity_std[i], UNKNOWN)
+        if self.settings.layers == 2:
+            p_std[:2] = UNKNOWN
+        p = self.fixes.p_n[i] if self.settings.layers == 1 or self._height_holds(i) else None
+        return FixFactors(np.nan_to_num(v) if np.isfinite(v[:2]).all() else None, v_std, p, p_std)
 
     def _height_holds(self, i: int) -> bool:
         return not np.isfinite(self.fixes.v_n[i, 2]) and self.settings.still_std is None
+
+    def _pose(self, state: State, dt: float, since: float) -> OdometryPose:
+        """Return a keyframe as a pose: ``dt`` [s] after the one before, ``since`` [s] without a velocity."""
+        P = self.global_covariance()
+        drift = self._drift(dt, since)
+        if self._is_flat:  # its height is held, and errs for a while and back
+            drift[2, 2] += 2 * P[2, 2] * dt / HEIGHT_TIME
+        own = float(np.sqrt(P[3, 3]))
+        return OdometryPose(state.t, state.p, state.C_nb, drift, FRAME, True, own, self._antenna())
+
+    def _antenna(self) -> Antenna | None:
+        if not self.settings.estimates:
+            return None
+        P = np.asarray(self._smoother.marginalCovariance(self._key("c", 0)))
+        return Antenna(self.constants[:3], P, float(self.constants[3]))
 
     def _drift(self, dt: float, since: float) -> FloatArray:
         """Return the covariance (4, 4) of a step: velocity noise summed up, or no velocity for ``since`` [s]."""

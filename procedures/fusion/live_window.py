@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from procedures.arrays import FloatArray
 from procedures.fusion.imu_gaps import imu_gaps
-from procedures.fusion.inertial_increments import Grid, grid
-from procedures.fusion.inertial_window import FRAME, InertialWindow
+from procedures.fusion.inertial_increments import grid
+from procedures.fusion.inertial_window import InertialWindow
 from procedures.fusion.keyframes import Keyframes
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.records import GnssFixes, ImuSeries
@@ -27,18 +26,12 @@ class LiveWindow(InertialWindow):
         assert self.state is not None
         self.fixes = fixes
         self.frames = self._with_frame(k, t, fix)
-        self._lay(k, grid(imu, np.array([before, t])), imu)
+        rate = np.array([np.interp(t, imu.t, imu.omega_b[:, i]) for i in range(3)], dtype=np.float64)
+        self._imu.go_on(k, grid(imu, np.array([before, t])), self.frames.t, rate, imu_gaps(imu))
         self.state = self._advanced(k, self.state)
         self.factors, self.values = self._lib.NonlinearFactorGraph(), self._lib.Values()  # for no smoothed one
         self._since = 0.0 if self.state.has_velocity else self._since + t - before
-        drift = self._drift(t - before, self._since)
-        return OdometryPose(t, self.state.p, self.state.C_nb, drift, FRAME, uses_velocity=True)
-
-    def heading_std(self) -> float:
-        """Return 1 sigma [rad] of the newest attitude about the vertical."""
-        assert self.state is not None
-        up_b = self.state.C_nb[2]
-        return float(np.sqrt(up_b @ self.covariance()[:3, :3] @ up_b))
+        return self._pose(self.state, t - before, self._since)
 
     def _with_frame(self, k: int, t: float, fix: int) -> Keyframes:
         """Return the keyframes with another one, in arrays that double when they are full."""
@@ -47,13 +40,3 @@ class LiveWindow(InertialWindow):
             room = self._frames = Keyframes(np.resize(self.frames.t, 2 * k), np.resize(self.frames.fix, 2 * k))
         room.t[k], room.fix[k] = t, fix
         return Keyframes(room.t[: k + 1], room.fix[: k + 1])
-
-    def _lay(self, k: int, piece: Grid, imu: ImuSeries) -> None:
-        """Have keyframe ``k`` find its samples and its rate where the window looks for them."""
-        at = np.zeros(k + 1, dtype=np.int64)
-        at[k] = len(piece.dt)
-        self._grid = Grid(piece.dt, piece.omega_b, piece.f_b, at)
-        t = self.frames.t[k]
-        rate: FloatArray = np.array([np.interp(t, imu.t, imu.omega_b[:, i]) for i in range(3)], dtype=np.float64)
-        self._rate = np.broadcast_to(rate, (k + 1, 3))
-        self._gaps = [(gap, self._preintegration(gap)) for gap in imu_gaps(imu)]

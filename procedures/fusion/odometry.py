@@ -15,12 +15,25 @@ SPEED_LIMIT = 100.0  # m/s
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Antenna:
+    """What a source knows of the antenna, where it estimates that itself.
+
+    ``lever`` (3,) [m] in b and ``time_offset`` [s], to be added to the fixes' stamps, with ``covariance`` (4, 4).
+    """
+
+    lever: FloatArray
+    covariance: FloatArray
+    time_offset: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class OdometryPose:
     """One pose of a source, in its own level frame o.
 
     ``t`` [s], ``p_o`` (3,) [m], ``C_ob`` (3, 3). ``drift`` (4, 4) is the covariance of the step from the pose
     before: x, y, z [m] and yaw [rad]. ``yaw_std`` [rad] is 1 sigma of the frame's heading against North where the
-    source knows it; None: free. ``uses_velocity``: GNSS velocity is already in it and must not be used again.
+    source knows it; None: free. ``own_yaw_std`` [rad] is 1 sigma of the IMU's heading in that frame, where the
+    source knows it. ``uses_velocity``: GNSS velocity is already in it and must not be used again.
     """
 
     t: float
@@ -29,6 +42,8 @@ class OdometryPose:
     drift: FloatArray
     yaw_std: float | None = None
     uses_velocity: bool = False
+    own_yaw_std: float = 0.0
+    antenna: Antenna | None = None
 
 
 class OdometrySource(Protocol):

@@ -49,7 +49,7 @@ class OuterSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GlobalPose:
-    """A pose in n: ``p`` (3,) [m], ``C_nb`` (3, 3), and ``covariance`` (4, 4) of position and yaw."""
+    """A pose in n: ``p`` (3,) [m], ``C_nb`` (3, 3), and ``covariance`` (4, 4) of position and heading."""
 
     t: float
     p: FloatArray
@@ -81,21 +81,23 @@ class OuterGraph:
 
     def take(self, pose: OdometryPose) -> GlobalPose | None:
         """Take a pose, with the fixes up to it in `hanging`; None before the moment of alignment."""
+        if pose.antenna is not None:
+            self.hanging.lever_arm, self.hanging.time_offset = pose.antenna.lever, pose.antenna.time_offset
         hung = self.hanging.add(pose)
         if self._prior is None:
             self._try_to_begin(pose, hung)
         else:
             self._go_on(hung > 0)
-        return None if self._prior is None else self._latest()
+        return None if self._prior is None else self._latest(pose)
 
     @property
     def constants(self) -> tuple[FloatArray, float]:
         """The lever arm (3,) [m] and the time offset [s] as they are known now."""
+        arm, offset = self.hanging.lever_arm, self.hanging.time_offset
         if not len(self._x):
-            return self.settings.arm, self.settings.time_offset
+            return arm, offset
         last = self._x[-1]
-        lever = self.layout.lever_of(last, self.settings.arm)
-        return np.array(lever), float(self.layout.offset_of(last, self.settings.time_offset))
+        return np.array(self.layout.lever_of(last, arm)), float(self.layout.offset_of(last, offset))
 
     @property
     def lever_std(self) -> float:
@@ -131,7 +133,7 @@ class OuterGraph:
         nodes, terms = self.hanging.window(0)
         prior = self._weak_prior(x[0])
         for _ in range(POLISH):
-            chain, size = linearise(x, nodes, terms, prior, self.layout, self.settings.arm)
+            chain, size = linearise(x, nodes, terms, prior, self.layout, self.hanging.lever_arm)
             step = solve_chain(chain)[0]
             x += step
             if np.abs(step).max() < 1e-4:
@@ -200,7 +202,7 @@ class OuterGraph:
         nodes, terms = self.hanging.window(self._first)
         assert self._prior is not None
         x = self._x[self._first :]
-        chain, _ = linearise(x, nodes, terms, self._prior, self.layout, self.settings.arm)
+        chain, _ = linearise(x, nodes, terms, self._prior, self.layout, self.hanging.lever_arm)
         step, self._covariance = solve_chain(chain)
         x += step
         self.hanging.lever_arm, self.hanging.time_offset = self.constants
@@ -211,19 +213,19 @@ class OuterGraph:
             assert self._prior is not None
             nodes, terms = self.hanging.window(self._first, self._first + 2, fixes_of=1)
             x = self._x[self._first : self._first + 2]
-            chain, _ = linearise(x, nodes, terms, self._prior, self.layout, self.settings.arm)
+            chain, _ = linearise(x, nodes, terms, self._prior, self.layout, self.hanging.lever_arm)
             info, gradient = eliminate(chain.D[0], chain.U[0], chain.g[0])
             self._prior = Prior(chain.D[1] + info, chain.g[1] + gradient, x[1].copy())
             self._first += 1
 
-    def _latest(self) -> GlobalPose:
-        x = self._x[-1]
-        return GlobalPose(
-            float(self.hanging.t[-1]),
-            x[:3].copy(),
-            rz(x[3])[0] @ self.hanging.C_ob[-1],
-            self._covariance[:4, :4].copy(),
-        )
+    def _latest(self, pose: OdometryPose) -> GlobalPose:
+        """Return the newest pose; its covariance holds what the source alone knows of heading and antenna."""
+        x, covariance = self._x[-1], self._covariance[:4, :4].copy()
+        C_nb = rz(x[3])[0] @ pose.C_ob
+        covariance[3, 3] += pose.own_yaw_std**2
+        if pose.antenna is not None:
+            covariance[:3, :3] += C_nb @ pose.antenna.covariance[:3, :3] @ C_nb.T
+        return GlobalPose(pose.t, x[:3].copy(), C_nb, covariance)
 
 
 def _why_not(seen: TrackYaw) -> str:

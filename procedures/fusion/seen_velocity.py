@@ -3,7 +3,8 @@
 A receiver's velocity is that of its fix. One that gives positions alone still gives the mean velocity between two
 fixes, ``(p_k - p_k-1) / dt``, exactly, however far apart they are and whatever happened meanwhile; the increments
 are then averaged over the same time. The antenna is ``l`` from the IMU, in b; with the attitude C0 at the first
-fix it moves faster than the IMU by ``C0 M_k l``, ``M_k = C_k [omega_k]x`` or ``(C_k - C_k-1) / dt``.
+fix it moves faster than the IMU by ``C0 M_k l``, ``M_k = C_k [omega_k]x`` or ``(C_k - C_k-1) / dt``. A stamp
+that is late by tau shifts a velocity by the acceleration times tau.
 """
 
 from dataclasses import dataclass
@@ -14,15 +15,21 @@ from procedures.arrays import FloatArray
 from procedures.fusion.inertial_increments import Grid, Increments, skew
 from procedures.fusion.records import GnssFixes, ImuSeries
 
+NEAR = 0.03  # s, over which an acceleration is taken: longer than a propeller's turn
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reach:
-    """At n velocities: ``alpha`` (n, 3) [m/s] and, each (n, 3, 3), its slopes by the biases, and M of the arm."""
+    """At n velocities: ``alpha`` (n, 3) [m/s] and, each (n, 3, 3), its slopes by the biases, and M of the arm.
+
+    ``by_time`` (n, 3) [m/s2] is the slope of alpha over time.
+    """
 
     alpha: FloatArray
     by_gyro: FloatArray
     by_accel: FloatArray
     arm: FloatArray
+    by_time: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,8 +49,12 @@ class AtFixes:
 
     def reach(self, grid: Grid, made: Increments, gyro_bias: FloatArray) -> Reach:
         """Return increments made at all edges of the grid as they are at the fixes."""
-        k = grid.at
-        return Reach(made.alpha[k], made.by_gyro[k], made.by_accel[k], made.C[k] @ skew(self.omega_b - gyro_bias))
+        k, edges = grid.at, np.concatenate(([0.0], np.cumsum(grid.dt)))
+        ends = np.clip([edges[k] - NEAR, edges[k] + NEAR], 0.0, edges[-1])
+        alpha = [np.stack([np.interp(t, edges, made.alpha[:, i]) for i in range(3)], axis=1) for t in ends]
+        slope = (alpha[1] - alpha[0]) / (ends[1] - ends[0])[:, None]
+        arm = made.C[k] @ skew(self.omega_b - gyro_bias)
+        return Reach(made.alpha[k], made.by_gyro[k], made.by_accel[k], arm, slope)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,8 +73,10 @@ class BetweenFixes:
 
     def reach(self, grid: Grid, made: Increments, _gyro_bias: FloatArray) -> Reach:
         """Return increments made at all edges of the grid, averaged between the fixes."""
-        turned = np.diff(made.C[grid.at], axis=0) / np.diff(self.t)[:, None, None]
-        return Reach(_means(grid, made.alpha), _means(grid, made.by_gyro), _means(grid, made.by_accel), turned)
+        dt = np.diff(self.t)[:, None]
+        turned, slope = np.diff(made.C[grid.at], axis=0) / dt[:, None], np.diff(made.alpha[grid.at], axis=0) / dt
+        means = [_means(grid, part) for part in (made.alpha, made.by_gyro, made.by_accel)]
+        return Reach(means[0], means[1], means[2], turned, slope)
 
 
 def seen_velocity(imu: ImuSeries, fixes: GnssFixes) -> AtFixes | BetweenFixes:

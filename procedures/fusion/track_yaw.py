@@ -26,7 +26,8 @@ TINY = 1e-12
 class TrackYaw:
     """``yaw`` [rad], 1 sigma, ``spread`` [m] rms of the odometry's track about its mean.
 
-    ``misfit`` is the median of the whitened residuals squared over what noise alone would give.
+    ``misfit`` is the median of the whitened residuals squared over what noise alone would give, of positions or of
+    velocities, whichever fit worse.
     """
 
     yaw: float
@@ -65,7 +66,7 @@ def track_yaw(
     spread = float(np.mean(np.abs(local) ** 2))
     # white noise averages out over the fixes; drift does not: it is one draw over the whole track
     systematic = min(drift / max(spread, TINY), 1 / max(v_power, TINY))
-    misfit = float(np.median(np.r_[off, v_off] ** 2)) / CHI2_MEDIAN
+    misfit = max(float(np.median(part**2)) for part in (off, v_off) if len(part)) / CHI2_MEDIAN
     std = np.sqrt(max(misfit, 1.0) * (1 / max(power + v_power, TINY) + systematic))
     return TrackYaw(float(np.angle(turned)), float(std), float(np.sqrt(spread)), misfit)
 

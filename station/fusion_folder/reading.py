@@ -23,7 +23,7 @@ from station.fusion_folder.columns import (
     refuse_time,
     stacked,
 )
-from station.fusion_folder.plausible import refuse_apart, refuse_units
+from station.fusion_folder.plausible import refuse_apart, refuse_far, refuse_units
 from station.fusion_folder.schema import FusionTable, GnssTable
 from station.fusion_folder.tracks import camera_of, read_tracks
 from station.fusion_folder.tum import read_tum
@@ -60,12 +60,13 @@ def read_fusion(folder: Path) -> FusionLog:
     fixes = _fixes(folder, table.gnss, lines)
     imu = _imu(folder, table, lines)
     odometry = _trajectory(folder, table, "odometry", lines)
-    for moved, what in ((imu, "IMU"), (odometry, "odometry")):
+    truth = _trajectory(folder, table, "truth", lines)
+    refuse_far(fixes, folder / table.gnss.file)
+    for moved, what in ((imu, "IMU"), (odometry, "odometry"), (truth, "truth")):
         if moved is not None:
             refuse_apart(fixes, moved.t, what, folder / table.gnss.file)
     latitude = float(np.radians(table.site.latitude_deg))
     gravity = table.site.gravity_m_s2 or normal_gravity(latitude, table.site.height_m)
-    truth = _trajectory(folder, table, "truth", lines)
     tracks, camera = _camera(folder, table, lines, fixes)
     return FusionLog(folder, table, latitude, gravity, fixes, imu, _noise(table), odometry, truth, tracks, camera)
 

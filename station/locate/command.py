@@ -31,4 +31,4 @@ def locate_folder(
         write_tum(out, located.online)
     if batch is not None:
         write_tum(batch, located.smoothed)
-    return "" if json is not None else location_text(document)
+    return "" if json is not None else location_text(document, located.fixes)

@@ -1,7 +1,6 @@
 """Locate by a calibrated IMU: alignment, then GNSS velocity and IMU in a window, with a graph on it or without."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from procedures.fusion.extra import gtsam
 from procedures.fusion.imu_gaps import ImuGap, imu_gaps
 from procedures.fusion.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.moving_aligner import MovingAligner
-from procedures.fusion.outer_graph import OuterGraph, OuterSettings
+from procedures.fusion.outer_graph import OuterSettings
 from procedures.fusion.static_aligner import is_still
 from station.errors import DataRefused
 from station.fusion_folder import FusionLog
@@ -34,27 +33,30 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
     earth_n = earth_rate_n(log.latitude)
     fixes = log.fixes.shifted(given.time_offset)
     has_velocity = bool(np.isfinite(fixes.v_n[:, :2]).all(axis=1).any())
-    aligner = MovingAligner(log.noise, log.gravity, earth_n, given.arm, given.lever_arm_std)
+    aligner = MovingAligner(log.noise, log.gravity, earth_n, given.arm, given.lever_arm_std, given.time_offset_std)
     aligned = align_when_possible(aligner, log.imu, fixes)
     if isinstance(aligned, Waiting):
         return never(aligned.why)
     still = is_still(log.imu, log.noise)
     layers = layers if has_velocity or still else 1  # nothing else would hold the velocity
-    given = with_lever(given, aligned)
+    given = with_constants(given, aligned)
     settings = WindowSettings(
-        log.noise, log.gravity, earth_n, given.arm, layers, lever_std=given.lever_arm_std or 0.0
-    )
+        log.noise, log.gravity, earth_n, given.arm, layers,
+        lever_std=given.lever_arm_std, offset_std=given.time_offset_std,
+    )  # fmt: skip
     if still:
-        settings = replace(settings, still_std=STILL, spacing=BENCH_SPACING)
-    window = InertialWindow(settings, log.imu, fixes, aligned)
+        settings = replace(settings, still_std=STILL, spacing=BENCH_SPACING, lever_std=None, offset_std=None)
+    window = InertialWindow(settings, log.imu, log.fixes.shifted(given.time_offset), aligned)
     if layers == 1:
         located = one_layer(window, aligned)
     else:
-        told = partial(tell_lever, window) if given.layout.lever_arm else None
-        located = through_graph(log, window, after=aligned.t, settings=given, told=told)
+        known = OuterSettings(lever_arm=given.arm)  # what is estimated is the window's
+        located = through_graph(log, window, after=aligned.t, settings=known, fixes=window.fixes)
     state = window.state
     return replace(
         located,
+        lever_arm=given.arm if given.lever_arm_std is None else located.lever_arm,
+        time_offset=given.time_offset + (float(window.constants[3]) if given.time_offset_std else 0.0),
         warnings=(*located.warnings, *of_gaps(log, imu_gaps(log.imu))),
         alignment=alignment_of(aligned),
         gyro_bias=None if state is None else state.gyro_bias,
@@ -71,17 +73,14 @@ def of_gaps(log: FusionLog, gaps: tuple[ImuGap, ...]) -> tuple[str, ...]:
     return (f"{log.table.imu.file}: {said}, are bridged by straight lines",)
 
 
-def with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:
-    """Return the settings with the lever arm as the alignment found it, where it did."""
-    if aligned.lever is None or given.lever_arm_std is None:
+def with_constants(given: OuterSettings, aligned: Aligned) -> OuterSettings:
+    """Return the settings with lever arm and time offset as the alignment found them, where they are estimated.
+
+    Their sigmas are as they were: from there on the same data are used again.
+    """
+    if aligned.lever is None:
         return given
-    std = float(np.sqrt(np.linalg.eigvalsh(aligned.covariance[12:, 12:])[-1]))
-    return replace(given, lever_arm=aligned.lever, lever_arm_std=std)
-
-
-def tell_lever(window: InertialWindow, graph: OuterGraph) -> None:
-    """Have a window take off by the lever arm as a graph knows it now."""
-    window.lever, window.lever_std = graph.constants[0], graph.lever_std
+    return replace(given, lever_arm=aligned.lever, time_offset=given.time_offset + aligned.time_offset)
 
 
 def never(why: str) -> Located:

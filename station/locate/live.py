@@ -16,7 +16,7 @@ from procedures.fusion.moving_aligner import MovingAligner
 from procedures.fusion.outer_graph import GlobalPose, OuterSettings
 from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
 from station.locate.imu_noise import NoiseOf
-from station.locate.inertial import with_lever
+from station.locate.inertial import with_constants
 from station.locate.live_beginning import KEPT, Beginning, Begun, joined
 from station.locate.live_fixes import BEHIND, LiveFixes
 from station.locate.live_graph import LiveGraph
@@ -84,8 +84,8 @@ class LiveLocator:
 
     def _begin(self, begun: Begun, a: MovingAligner, fixes: GnssFixes) -> None:
         """Go through the data of the alignment again."""
-        given = with_lever(OuterSettings(lever_arm=self._arm, lever_arm_std=a.lever_std), begun.aligned)
-        settings = WindowSettings(a.noise, a.gravity, a.earth_n, given.arm, lever_std=given.lever_arm_std or 0.0)
+        given = with_constants(OuterSettings(lever_arm=self._arm), begun.aligned)
+        settings = WindowSettings(a.noise, a.gravity, a.earth_n, given.arm, lever_std=a.lever_std)
         self._window, self._graph = LiveWindow(settings, begun.imu, begun.fixes, begun.aligned), LiveGraph(given)
         self._graph.add(fixes)
         self._given.taken = len(fixes.t)
@@ -109,8 +109,6 @@ class LiveLocator:
             t, fix = due
             if (known := graph.take(window.go_on(t, imu, fixes, fix))) is not None:
                 self._show(window, graph, known, fix)
-            if self._arm is None:
-                window.lever, window.lever_std = graph.lever_arm, graph.lever_std
         self._given.forget()
 
     def _show(self, window: LiveWindow, graph: LiveGraph, pose: GlobalPose, fix: int) -> None:

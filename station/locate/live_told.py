@@ -10,7 +10,6 @@ from station.locate.live_fixes import LiveFixes
 from station.locate.live_track import Track
 from station.monitor.view import Location
 
-STD_EVERY_S = 0.5  # the heading's sigma costs milliseconds
 LEVEL = 0.1  # of forward's length across the vertical, below which it has no heading
 
 
@@ -24,7 +23,6 @@ class Told:
     def begin_anew(self) -> None:
         """Go on with the same track."""
         self._std: FloatArray = np.zeros(3)  # of the last place
-        self._heading_std, self._std_at = np.nan, -np.inf
 
     def look_at(self, place: FloatArray, std: float, fix: FloatArray) -> None:
         """Count a fix (3,) that stands off the antenna's place (3,) by more than chance and what was uncertain."""
@@ -37,8 +35,6 @@ class Told:
         The place is no better than the receiver says of itself: its errors last for minutes, they do not average.
         """
         assert window.state is not None
-        if pose.t - self._std_at > STD_EVERY_S:
-            self._std_at, self._heading_std = pose.t, window.heading_std()
         self._track.add(pose.p)
         std = np.sqrt(np.diag(pose.covariance))
         self._std = std[:3]
@@ -49,7 +45,7 @@ class Told:
             is_located=True, t=pose.t, enu=_three(pose.p), enu_std=_three(np.hypot(std[:3], fixes.std)),
             velocity=_three(window.state.v),
             heading=float(np.degrees(np.arctan2(ahead[0], ahead[1])) % 360) if is_level else None,
-            heading_std=float(np.degrees(np.hypot(self._heading_std, std[3]))),
+            heading_std=float(np.degrees(std[3])),
             latitude=float(np.degrees(latitude)), longitude=float(np.degrees(longitude)), height=height,
             fixes=fixes.count, outliers=self._track.outliers, fix_age=pose.t - fixes.newest_taken,
             track=self._track.points, far=self._track.far,

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from procedures.arrays import FloatArray
 from procedures.fusion.alignment import Aligned
 from procedures.fusion.inertial_window import InertialWindow
 from procedures.fusion.outer_graph import REJECTED, GlobalPose
@@ -22,29 +21,20 @@ def one_layer(window: InertialWindow, aligned: Aligned) -> Located:
     smoothed = trajectory_of([GlobalPose(t, p, C, np.zeros((4, 4))) for t, p, C in found])
     return Located(
         trajectory_of([poses[k] for k in online]), smoothed, poses[online[0]].t, "",
-        _outliers(window, smoothed), seconds[online], layers=1,
+        _outliers(window, smoothed), seconds[online], layers=1, lever_arm=window.constants[:3],
         covariance=np.array([poses[k].covariance for k in online]),
     )  # fmt: skip
 
 
 def _poses(window: InertialWindow) -> Iterator[GlobalPose]:
     for state in window.states():
-        yield GlobalPose(state.t, state.p, state.C_nb, _covariance(window, state.C_nb))
-
-
-def _covariance(window: InertialWindow, C_nb: FloatArray) -> FloatArray:
-    """Return the covariance (4, 4) of position and heading in n."""
-    J = np.zeros((4, 6))
-    J[:3, 3:] = np.eye(3)
-    J[3, :3] = C_nb[2]
-    covariance: FloatArray = J @ window.covariance() @ J.T
-    return covariance
+        yield GlobalPose(state.t, state.p, state.C_nb, window.global_covariance())
 
 
 def _outliers(window: InertialWindow, smoothed: Trajectory) -> int:
     """Return how many fixes stand off the smoothed trajectory; nothing weighted them down."""
     at = np.flatnonzero(window.frames.fix >= 0)
     fix = window.frames.fix[at]
-    antenna = smoothed.p[at] + Rotation.from_quat(smoothed.q[at]).apply(window.lever)
+    antenna = smoothed.p[at] + Rotation.from_quat(smoothed.q[at]).apply(window.constants[:3])
     off = np.linalg.norm(antenna - window.fixes.p_n[fix], axis=1) / window.fixes.position_std[fix]
     return int(np.count_nonzero(off > REJECTED))

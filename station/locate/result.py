@@ -22,7 +22,8 @@ class Located:
 
     ``covariance`` (n, 4, 4) is that of the online poses: position [m] and heading [rad] in n.
     ``begun_at`` [s] is None where it never could, and ``why_not`` says why. ``seconds`` (n,): how long each online
-    pose took. ``layers`` is what was used. Biases and ``time_offset`` are the last; what was neither given nor
+    pose took. ``layers`` is what was used, ``rejected`` of ``fixes`` stand
+    off the smoothed trajectory. Biases and ``time_offset`` are the last; what was neither given nor
     estimated is None.
     """
 
@@ -40,3 +41,4 @@ class Located:
     warnings: tuple[str, ...] = ()
     layers: int = 2
     covariance: FloatArray | None = None
+    fixes: int = 0

@@ -1,11 +1,15 @@
 """Locate a fusion folder by one of the sources."""
 
+from dataclasses import replace
+
 from station.fusion_folder import FusionLog
 from station.locate.inertial import by_imu
 from station.locate.recorded import by_odometry
 from station.locate.result import Located
 from station.locate.vision import by_vision
 
+MANY = 0.3  # of the fixes: more than any receiver's outliers
+DOUBT = "{} of {} fixes stand off by more than 5 sigma: look at their sigmas, units, clock and lever arm"
 SOURCES = {"inertial": by_imu, "odometry": by_odometry, "vision": by_vision}
 
 
@@ -19,7 +23,10 @@ def locate(log: FusionLog, source: str, layers: int = 2) -> Located:
     ExtraMissing
         If the source needs a library that is not installed.
     """
-    return SOURCES[source](log, layers)
+    located = SOURCES[source](log, layers)
+    total = len(log.fixes.t)
+    doubts = (DOUBT.format(located.rejected, total),) if located.rejected > MANY * total else ()
+    return replace(located, fixes=total, warnings=(*located.warnings, *doubts))
 
 
 def default_source(log: FusionLog) -> str:

@@ -3,8 +3,8 @@
 from typing import Any
 
 
-def location_text(document: dict[str, Any]) -> str:
-    """Return the lines of a readable summary."""
+def location_text(document: dict[str, Any], fixes: int) -> str:
+    """Return the lines of a readable summary; ``fixes`` is how many there were."""
     layers = "one layer" if document["layers"] == 1 else "two layers"
     lines = [f"source                {document['source']}, {layers}"]
     lines.append(f"initialised at        {document['initialised_at_s']:.2f} s")
@@ -21,7 +21,7 @@ def location_text(document: dict[str, Any]) -> str:
             lines.append(f"{name:<22}{', '.join(f'{part:.4g}' for part in document[key])} {unit}")
     if "time_offset_s" in document:
         lines.append(f"GNSS time offset      {document['time_offset_s'] * 1e3:.1f} ms")
-    lines.append(f"rejected fixes        {document['rejected_fixes']}")
+    lines.append(f"rejected fixes        {document['rejected_fixes']} of {fixes}")
     for name, said in (("online", "error, online"), ("batch", "error, smoothed")):
         if error := document.get("error_m", {}).get(name):
             lines.append(f"{said:<22}mean {error['mean']:.3f} m, largest {error['max']:.3f} m, nothing aligned")

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.fusion.odometry import OdometrySource
 from procedures.fusion.outer_graph import GlobalPose, OuterGraph, OuterSettings
-from procedures.fusion.records import Trajectory
+from procedures.fusion.records import GnssFixes, Trajectory
 from station.fusion_folder import FusionLog
 from station.locate.result import Alignment, Located
 
@@ -35,14 +35,16 @@ def through_graph(
     warnings: tuple[str, ...] = (),
     after: float = -np.inf,
     settings: OuterSettings | None = None,
+    fixes: GnssFixes | None = None,
     told: Callable[[OuterGraph], None] | None = None,
 ) -> Located:
     """Locate by a source and the outer graph; poses before ``after`` [s] are not online.
 
-    ``settings`` stand for what the folder gives; ``told`` is called after each pose.
+    ``settings`` and ``fixes`` stand for what the folder gives; ``told`` is called after each pose.
     """
     graph = OuterGraph(settings or outer_settings(log))
-    poses, seconds = timed(_telling(graph.run(source, log.fixes), graph, told))
+    run = graph.run(source, log.fixes if fixes is None else fixes)
+    poses, seconds = timed(_telling(run, graph, told))
     online = [k for k, pose in enumerate(poses) if pose.t >= after]
     smoothed, rejected = graph.smoothed()
     seen = graph.alignment

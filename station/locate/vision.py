@@ -3,6 +3,8 @@
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+
 from procedures.earth import earth_rate_n
 from procedures.fusion.aligner import align_when_possible
 from procedures.fusion.alignment import Aligned, Waiting
@@ -16,7 +18,7 @@ from procedures.fusion.visual_aligner import VisualAligner, align_by_camera
 from procedures.fusion.visual_inertial_window import VisionSettings, VisualInertialWindow
 from station.errors import DataRefused
 from station.fusion_folder import FusionLog
-from station.locate.inertial import alignment_of, never, of_gaps, with_lever
+from station.locate.inertial import alignment_of, never, of_gaps
 from station.locate.result import Located
 from station.locate.through_graph import outer_settings, through_graph
 
@@ -34,7 +36,7 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     aligned = _aligned(log, VisualAligner(site, log.camera, antenna), fixes)
     if isinstance(aligned, Waiting):
         return never(aligned.why)
-    given = with_lever(given, aligned)
+    given = _with_lever(given, aligned)
     settings = VisionSettings(site, log.camera, _antenna(given))
     window = VisualInertialWindow(settings, log.imu, log.tracks, fixes, aligned)
     told = partial(_tell_lever, window) if given.layout.lever_arm else None
@@ -42,6 +44,14 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     bias = {"gyro_bias": window.state.bg[-1], "accel_bias": window.state.ba[-1]}
     warnings = (*located.warnings, *of_gaps(log, imu_gaps(log.imu)))
     return replace(located, alignment=alignment_of(aligned), warnings=warnings, **bias)
+
+
+def _with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:
+    """Return the settings with the lever arm as the alignment found it, where it did."""
+    if aligned.lever is None or given.lever_arm_std is None:
+        return given
+    std = float(np.sqrt(np.linalg.eigvalsh(aligned.covariance[12:15, 12:15])[-1]))
+    return replace(given, lever_arm=aligned.lever, lever_arm_std=std)
 
 
 def _antenna(given: OuterSettings) -> Antenna:

@@ -30,21 +30,24 @@ from station.locate.inertial import by_imu
 from station.locate.recorded import by_odometry
 from station.locate.result import Located
 from station.locate.scoring import errors
-from tests.benchmarks.truth_level import levelling
+from tests.benchmarks.truth_level import levelling, righted
 
 WARM_UP = 15.0  # s
 ODOMETRY = ("mh01_odometry", "mh03_inertial", "v201_inertial", "v203_inertial")
 INERTIAL = ("mh03_inertial", "v102_tracks", "v201_inertial", "v203_inertial")
 OUTAGE = (50.0, 70.0)  # s, of v201_outage
+SILENT = (50.0, 60.0)  # s, of a recording of IMU
 SPAN = 10.0  # s behind an alignment
 WRONG = 15.0  # deg of yaw beyond which an accepted alignment is a silent failure
 
 
-def drawn(log: FusionLog, seed: int, outliers: float = 0.0, gap: tuple[float, float] | None = None) -> FusionLog:
-    """Return a folder with GNSS drawn anew from its truth."""
+def drawn(
+    log: FusionLog, seed: int, outliers: float = 0.0, gap: tuple[float, float] | None = None, spacing: float = 0.05
+) -> FusionLog:
+    """Return a folder with GNSS drawn anew from its truth, a fix every ``spacing`` [s] but for a ``gap``."""
     assert log.truth is not None
     rng, path = np.random.default_rng(seed), CubicSpline(log.truth.t, log.truth.p)
-    t = np.arange(0.2, log.truth.t[-1], 0.05)
+    t = np.arange(0.2, log.truth.t[-1], spacing)
     if gap is not None:
         t = t[(t < gap[0]) | (t > gap[1])]
     p = path(t) + rng.normal(0, 0.2, (len(t), 3))
@@ -92,13 +95,14 @@ def row(log: FusionLog, located: Located) -> list[float]:
     online, smoothed = (errors(part, log.truth, WARM_UP) for part in (located.online, located.smoothed))
     assert online is not None
     assert smoothed is not None
-    attitude = attitude_errors(located.online, log.truth)
-    found = [online.mean, online.worst, smoothed.mean, *attitude, *consistency(located, log.truth)]
+    right = log.truth if log.imu is None else righted(log.imu, log.truth)
+    attitude = (*attitude_errors(located.online, log.truth), *attitude_errors(located.online, right))
+    found = [online.mean, online.worst, smoothed.mean, *attitude, *consistency(located, right)]
     print(f"  {' '.join(f'{value:.4f}' for value in found)}", file=sys.stderr, flush=True)
     return found
 
 
-HEADS = "online mean, online worst, smoothed mean [m], tilt, yaw [deg rms], NEES of position, yaw per axis"
+HEADS = "online mean, worst, smoothed mean [m], tilt, yaw [deg rms], of the truth put right, NEES of position, yaw"
 Run = Callable[[FusionLog], Located]
 
 
@@ -125,6 +129,37 @@ def inertial(data: Path, seeds: int) -> None:
     """Figure 1: IMU, velocity and position, one layer and two."""
     for layers in (1, 2):
         sequences(data, INERTIAL, seeds, lambda log, n=layers: by_imu(log, n), f"inertial, layers {layers}")
+
+
+def sparse(data: Path, seeds: int) -> None:
+    """A fix a second, and ten seconds without any: how far the IMU goes astray, and whether its sigma says so."""
+    for name in ("mh03_inertial", "v203_inertial"):
+        log = read_fusion(data / name)
+        for layers in (1, 2):
+            rows = [row(one := drawn(log, seed, spacing=1.0), by_imu(one, layers)) for seed in range(seeds)]
+            said(f"1 Hz, layers {layers} {name}", rows, HEADS)
+    for layers in (1, 2):
+        ends = []
+        for name, seed in ((name, seed) for seed in range(seeds) for name in ("mh03_inertial", "v203_inertial")):
+            one = drawn(read_fusion(data / name), seed, gap=SILENT)
+            ends.append(_at_the_end(one, by_imu(one, layers)))
+            print(f"  {name} {' '.join(f'{value:.3f}' for value in ends[-1])}", file=sys.stderr, flush=True)
+        said(
+            f"10 s outage, layers {layers}",
+            ends,
+            "error at its end, sigma there, at its start [m], (error/sigma)^2 / 3",
+        )
+
+
+def _at_the_end(log: FusionLog, located: Located) -> list[float]:
+    """Return error and sigma at the end of the outage, the sigma before it, and what they are to each other."""
+    assert log.truth is not None
+    assert located.covariance is not None
+    last, first = np.searchsorted(located.online.t, (SILENT[1] - 0.05, SILENT[0])) - 1
+    at = np.array([np.interp(located.online.t[last], log.truth.t, log.truth.p[:, i]) for i in range(3)])
+    e, P = located.online.p[last] - at, located.covariance[:, :3, :3]
+    sigma = np.sqrt(np.trace(P[[last, first]], axis1=1, axis2=2))
+    return [float(np.linalg.norm(e)), *sigma.tolist(), float(e @ np.linalg.solve(P[last], e) / 3)]
 
 
 def aligning(data: Path, seeds: int) -> None:
@@ -212,7 +247,14 @@ def times(data: Path, _: int) -> None:
     print(f"outer graph, all {len(poses)} nodes   {(perf_counter() - start) * 1e3:.0f} ms to convergence")
 
 
-PARTS = {"odometry": odometry, "inertial": inertial, "aligning": aligning, "bench": bench, "times": times}
+PARTS = {
+    "odometry": odometry,
+    "inertial": inertial,
+    "sparse": sparse,
+    "aligning": aligning,
+    "bench": bench,
+    "times": times,
+}
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)

@@ -1,12 +1,12 @@
-"""Print how far each truth's frame is from level: `python -m tests.benchmarks.truth_level DATA`.
+"""Print how far each truth's attitudes are off: `python -m tests.benchmarks.truth_level DATA`.
 
 No estimator has a part in it. Over each second of a recording, with the truth's attitudes and velocities,
 
-    v_k+1 - v_k = int C_nb f dt - C b + g T,    C = int C_nb dt
+    v_k+1 - v_k = F + yaw z x F - C b + g T,    F = int C_nb f dt,  C = int C_nb dt
 
-is linear in the accelerometer's bias b (constant in the IMU) and in gravity g (constant in the truth's frame).
-What of g is horizontal is the frame's tilt; a vertical bias of an IMU that stays upright is not told from g, nor
-needs it be.
+is linear in the accelerometer's bias b (constant in the IMU), in gravity g (constant in the truth's frame) and in
+a heading that the truth's attitudes lack. What of g is horizontal is the frame's tilt; a vertical bias of an IMU
+that stays upright is not told from g, nor needs it be.
 """
 
 import sys
@@ -26,8 +26,8 @@ SECOND = 1.0
 EDGE = 1.0  # s at either end, where a spline's velocity is poor
 
 
-def tilt(imu: ImuSeries, truth: Trajectory) -> tuple[FloatArray, FloatArray]:
-    """Return the tilt of the truth's frame about its East and North, and its 1 sigma, each (2,) [rad]."""
+def off(imu: ImuSeries, truth: Trajectory) -> tuple[FloatArray, FloatArray]:
+    """Return the tilt of the truth's frame about East and North, the heading it lacks, and 1 sigma, (3,) [rad]."""
     inside = (imu.t > truth.t[0] + EDGE) & (imu.t < truth.t[-1] - EDGE)
     t = imu.t[inside]
     C = Slerp(truth.t, Rotation.from_quat(truth.q))(t).as_matrix()
@@ -35,18 +35,28 @@ def tilt(imu: ImuSeries, truth: Trajectory) -> tuple[FloatArray, FloatArray]:
     turned = cumulative_trapezoid(C, t, axis=0, initial=0.0)
     k = np.searchsorted(t, np.arange(t[0], t[-1], SECOND))
     elapsed = np.diff(t[k])[:, None, None]
-    A = np.concatenate((np.diff(turned[k], axis=0), -np.eye(3) * elapsed), axis=2).reshape(-1, 6)
-    y = (np.diff(force[k], axis=0) - np.diff(CubicSpline(truth.t, truth.p)(t[k], 1), axis=0)).ravel()
+    F = np.diff(force[k], axis=0)
+    across = np.stack((F[:, 1], -F[:, 0], np.zeros(len(F))), axis=1)[:, :, None]
+    A = np.concatenate((np.diff(turned[k], axis=0), -np.eye(3) * elapsed, across), axis=2).reshape(-1, 7)
+    y = (F - np.diff(CubicSpline(truth.t, truth.p)(t[k], 1), axis=0)).ravel()
     found = np.linalg.lstsq(A, y, rcond=None)[0]
     covariance = np.linalg.inv(A.T @ A) * np.var(y - A @ found)
-    down, std = found[3:], np.sqrt(np.diag(covariance))[3:]
+    down, std = found[3:6], np.sqrt(np.diag(covariance))[3:]
     g = np.linalg.norm(down)
-    return np.array([down[1], -down[0]]) / g, std[[1, 0]] / g
+    return np.array([down[1] / g, -down[0] / g, found[6]]), np.array([std[1] / g, std[0] / g, std[3]])
+
+
+def righted(imu: ImuSeries, truth: Trajectory) -> Trajectory:
+    """Return the truth with its attitudes put right; its heading only where that is off by 3 sigma."""
+    about, std = off(imu, truth)
+    heading = about[2] if abs(about[2]) > 3 * std[2] else 0.0
+    turn = Rotation.from_rotvec([-about[0], -about[1], heading])
+    return Trajectory(truth.t, truth.p, (turn * Rotation.from_quat(truth.q)).as_quat())
 
 
 def levelling(imu: ImuSeries, truth: Trajectory) -> FloatArray:
     """Return the rotation (3, 3) from the truth's frame to the level one of the same heading."""
-    about = tilt(imu, truth)[0]
+    about = off(imu, truth)[0]
     turn: FloatArray = rotation(np.array([-about[0], -about[1], 0.0]))
     return turn
 
@@ -54,5 +64,5 @@ def levelling(imu: ImuSeries, truth: Trajectory) -> FloatArray:
 if __name__ == "__main__":
     for folder in sorted(Path(sys.argv[1]).iterdir()):
         if folder.is_dir() and (log := read_fusion(folder)).imu is not None and log.truth is not None:
-            about, std = np.degrees(tilt(log.imu, log.truth))
-            print(f"{folder.name:<16}tilt about East, North {about.round(3)} deg, 1 sigma {max(std):.3f}")
+            about, std = (np.degrees(each).round(3) for each in off(log.imu, log.truth))
+            print(f"{folder.name:<16}tilt about East, North and heading {about} deg, 1 sigma {std}")

@@ -20,6 +20,7 @@ from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIA
 
 REASON = "gtsam is not installed: `make locate`"
 ZERO = np.zeros(3)
+LEVER = np.array([0.5, 0.2, -0.3])
 
 
 def window(flight: Eight, seed: int, layers: int, fixes: GnssFixes | None = None) -> InertialWindow:
@@ -51,6 +52,26 @@ def test_one_layer_follows_within_its_own_sigma(flight: Eight) -> None:
     assert np.all(np.abs(bias) < 4 * sigma)
     smoothed = np.array([p - flight.p(np.array(t)) for t, p, _ in tight.smoothed()])
     assert np.linalg.norm(smoothed[100:-20], axis=1).mean() < 0.03
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> None:
+    pytest.importorskip("gtsam", reason=REASON)
+    flight, rng = Eight(16.0), np.random.default_rng(seed)
+    imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng, LEVER, late=0.12)
+    aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, ZERO, 1.0, 0.2), imu, fixes)
+    assert isinstance(aligned, Aligned)
+    assert abs(aligned.time_offset + 0.12) < 4 * np.sqrt(aligned.covariance[15, 15])
+    settings = WindowSettings(NOISE, GRAVITY, EARTH, aligned.lever, lever_std=1.0, offset_std=0.2)
+    source = InertialWindow(settings, imu, fixes.shifted(aligned.time_offset), aligned)
+    poses = list(source.poses())
+    antenna = poses[-1].antenna
+    assert antenna is not None
+    off = np.r_[antenna.lever - LEVER, aligned.time_offset + antenna.time_offset + 0.12]
+    assert off @ np.linalg.solve(antenna.covariance, off) < 18.5  # 0.1 % of four
+    sigma = np.sqrt(np.diag(antenna.covariance))
+    assert sigma[:3].max() < 0.12
+    assert sigma[3] < 0.01
 
 
 def test_two_layers_reach_what_one_does(flight: Eight) -> None:

@@ -23,11 +23,13 @@ def _edit(name: str, old: str, new: str) -> Breaking:
 
 def _scaled(name: str, columns: slice, factor: float) -> Breaking:
     def breaking(folder: Path) -> None:
+        comma = " " if name.endswith(".tum") else ","
         header, *rows = (folder / name).read_text().splitlines()
-        cells = [row.split(",") for row in rows]
+        header, rows = ("", [header, *rows]) if comma == " " else (header, rows)
+        cells = [row.split(comma) for row in rows]
         for row in cells:
             row[columns] = [f"{float(cell) * factor + (columns.start == 0) * 1000:.6f}" for cell in row[columns]]
-        (folder / name).write_text("\n".join([header, *(",".join(row) for row in cells)]) + "\n")
+        (folder / name).write_text("\n".join([header, *(comma.join(row) for row in cells)]) + "\n")
 
     return breaking
 
@@ -47,6 +49,12 @@ REFUSED = {
     ),
     "no overlap": (_scaled("gnss.csv", slice(0, 1), 1.0), "expected times of one clock that overlap"),
     "deg/s": (_scaled("imu.csv", slice(1, 4), 57.3), "as of deg/s, expected angular rate in rad/s"),
+    "truth of another clock": (
+        _scaled("truth.tum", slice(0, 1), 1.0),
+        "GNSS from 0.000 to 19.900 s and truth from 1000.000 to 1019.900 s",
+    ),
+    "a crash": (_edit("imu.csv", "9.806600000", "98066.000000000"), "up to 9.807e+04 m/s2, expected at most 5000"),
+    "Earth-centred": (_scaled("gnss.csv", slice(1, 4), 1e9), "metres East, North, Up of a place near by"),
     "g": (_scaled("imu.csv", slice(4, 7), 0.102), "as of g, expected specific force in m/s2"),
     "no quaternion": (
         lambda folder: (folder / "odometry.tum").write_text(

@@ -1,13 +1,16 @@
 """``station locate``: what it writes, what it says, and how it ends."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from station import cli
-from tests.station.fusion_folder.folders import write_folder
+from tests.station.fusion_folder.folders import write_folder, write_rows
+
+OFF = np.array([0.0, 20.0, 20.0, 0.0, 0.0, 0.0, 0.0])
 
 
 def run(folder: Path, tmp_path: Path, *options: str) -> int:
@@ -63,6 +66,27 @@ def test_what_never_moves_is_exit_5_and_says_why(tmp_path: Path, capsys: pytest.
     assert "it must move further" in said["why_not"]
     assert "initialised_at_s" not in said
     assert not (tmp_path / "t.tum").exists()
+
+
+def _rows(folder: Path, change: Callable[[np.ndarray], np.ndarray]) -> None:
+    rows = change(np.loadtxt(folder / "gnss.csv", delimiter=",", skiprows=1))
+    write_rows(folder / "gnss.csv", ",", rows, "t_s,e_m,n_m,u_m,ve_m_s,vn_m_s,vu_m_s")
+
+
+def test_outliers_are_counted_and_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = write_folder(tmp_path / "log", seconds=30.0)
+    _rows(folder, lambda rows: rows + (np.arange(300) % 10 == 9)[:, None] * OFF)
+    assert cli.run(["locate", str(folder), "--source", "odometry"]) == 0
+    said = capsys.readouterr().out
+    assert "rejected fixes        30 of 300" in said
+    assert "stand off" not in said
+
+
+def test_degrees_for_metres_are_doubted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = write_folder(tmp_path / "log", seconds=30.0)
+    _rows(folder, lambda rows: np.c_[rows[:, 0], 1e-5 * rows[:, 1:4], rows[:, 4:]])
+    assert cli.run(["locate", str(folder), "--source", "odometry"]) == 0
+    assert "fixes stand off by more than 5 sigma: look at their sigmas, units, clock" in capsys.readouterr().out
 
 
 def test_a_source_that_is_not_in_the_folder_is_exit_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
