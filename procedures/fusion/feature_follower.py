@@ -2,8 +2,8 @@
 
 A feature goes on where the tracker, set back from where it led, returns to where it came from (Kalal, Mikolajczyk,
 Matas 2010), and where it moves as one camera's motion before standing things has it: an essential matrix by random
-samples and their least median, over two steps, then a fixed limit. RANSAC with a limit of 1 px bends itself around
-what moves by itself: of a patch that went 5 px a frame it let 95 % pass a step, this 16 % (rendered.py of the tests).
+samples and their least median, over two steps, then a fixed limit. RANSAC with a limit of 1 px bends itself round
+what moves by itself: of a patch that went 5 px a frame it let 95 % pass a step, this 16 % (tests' rendered.py).
 Lost ones make room for new corners, apart from all others.
 """
 
