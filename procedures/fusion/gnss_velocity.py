@@ -29,8 +29,8 @@ class Velocities:
     ) -> tuple[FloatArray, FloatArray]:
         """Return the IMU's velocity (3,) at the end of ``part`` by all fixes since ``t0``, and its weight (3,).
 
-        ``C_nb`` is the attitude at t0, ``pull`` (3,) [m/s2] gravity and Coriolis force. What no fix says has
-        weight 0.
+        ``C_nb`` is the attitude at t0, ``pull`` (3,) [m/s2] gravity and Coriolis acceleration. What no fix says
+        has weight 0.
         """
         which = slice(*np.searchsorted(self.fixes.t, [t0, t0 + part.dt], "right"))
         since = self.fixes.t[which] - t0

@@ -36,13 +36,13 @@ def two_view(x0: FloatArray, x1: FloatArray, limit: float, rng: np.random.Genera
     y0, y1 = (np.column_stack((x, np.ones(len(x)))) for x in (x0, x1))
     pick = np.argsort(rng.random((TRIALS, len(x0))), axis=1)[:, :SAMPLE]
     E = _essential(y0[pick], y1[pick])
-    agree = _distance(E, y0, y1) < WIDENING[0] * limit
+    agree = sampson_distance(E, y0, y1) < WIDENING[0] * limit
     best = agree[agree.sum(axis=1).argmax()]
     for wider in WIDENING:
         if best.sum() < FEWEST:
             return None
         E = _essential(y0[best][None], y1[best][None])
-        best = _distance(E, y0, y1)[0] < wider * limit
+        best = sampson_distance(E, y0, y1)[0] < wider * limit
     return _before_both(E[0], y0, y1, best)
 
 
@@ -55,8 +55,8 @@ def _essential(y0: FloatArray, y1: FloatArray) -> FloatArray:
     return E
 
 
-def _distance(E: FloatArray, y0: FloatArray, y1: FloatArray) -> FloatArray:
-    """Return Sampson's distance (s, n) of points from what each matrix says."""
+def sampson_distance(E: FloatArray, y0: FloatArray, y1: FloatArray) -> FloatArray:
+    """Return Sampson's distance (s, n) of points (n, 3) at depth 1 from what each matrix (s, 3, 3) says."""
     l1, l0 = y0 @ np.swapaxes(E, -1, -2), y1 @ E
     off = np.abs(np.sum(l1 * y1, axis=-1))
     distance: FloatArray = off / np.sqrt(np.sum(l1[..., :2] ** 2 + l0[..., :2] ** 2, axis=-1))

@@ -56,7 +56,7 @@ def read_fusion(folder: Path) -> FusionLog:
     DataRefused
         If the folder breaks a rule of DESIGN 5: with file, line, found and expected.
     """
-    table, lines = _read_toml(folder)
+    table, lines = read_toml(folder)
     fixes = _fixes(folder, table.gnss, lines)
     imu = _imu(folder, table, lines)
     odometry = _trajectory(folder, table, "odometry", lines)
@@ -71,7 +71,8 @@ def read_fusion(folder: Path) -> FusionLog:
     return FusionLog(folder, table, latitude, gravity, fixes, imu, _noise(table), odometry, truth, tracks, camera)
 
 
-def _read_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
+def read_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
+    """Return the tables of a folder, and the line of each key; refuse what breaks a rule."""
     if not folder.is_dir():
         raise DataRefused(folder, None, "no such folder", f"a folder with a {NAME}", "name a fusion folder")
     with open_inside(folder, NAME, folder, None) as stream:

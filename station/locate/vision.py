@@ -31,13 +31,14 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     assert log.imu is not None and log.noise is not None  # noqa: PT018
     assert log.tracks is not None and log.camera is not None  # noqa: PT018
     given = outer_settings(log)
-    site, antenna = Site(log.gravity, earth_rate_n(log.latitude), log.noise), _antenna(given)
+    site = Site(log.gravity, earth_rate_n(log.latitude), log.noise)
+    settings = VisionSettings(site, log.camera, _antenna(given))
     fixes = log.fixes.shifted(given.time_offset)
-    aligned = _aligned(log, VisualAligner(site, log.camera, antenna), fixes)
+    aligned = _aligned(log, settings, fixes)
     if isinstance(aligned, Waiting):
         return never(aligned.why)
     given = _with_lever(given, aligned)
-    settings = VisionSettings(site, log.camera, _antenna(given))
+    settings = replace(settings, antenna=_antenna(given))
     window = VisualInertialWindow(settings, log.imu, log.tracks, fixes, aligned)
     told = partial(_tell_lever, window) if given.layout.lever_arm else None
     located = through_graph(log, window, after=aligned.t, settings=given, told=told)
@@ -62,13 +63,13 @@ def _tell_lever(window: VisualInertialWindow, graph: OuterGraph) -> None:
     window.antenna = Antenna(graph.constants[0], graph.lever_std)
 
 
-def _aligned(log: FusionLog, camera: VisualAligner, fixes: GnssFixes) -> Aligned | Waiting:
+def _aligned(log: FusionLog, settings: VisionSettings, fixes: GnssFixes) -> Aligned | Waiting:
     """Align by the camera; where that never works by the IMU alone, as at rest."""
     assert log.imu is not None and log.tracks is not None  # noqa: PT018
-    found = align_by_camera(camera, log.imu, log.tracks, fixes)
+    found = align_by_camera(VisualAligner(settings), log.imu, log.tracks, fixes)
     if not isinstance(found, Waiting):
         return found.aligned
-    site, antenna = camera.site, camera.antenna
+    site, antenna = settings.site, settings.antenna
     aligner = MovingAligner(site.noise, site.gravity, site.earth_n, antenna.lever, antenna.std or None)
     other = align_when_possible(aligner, log.imu, fixes)
     return other if isinstance(other, Aligned) else Waiting(f"{found.why}; without the camera: {other.why}")

@@ -24,8 +24,9 @@ from procedures.fusion.alignment import Waiting
 from procedures.fusion.gnss_velocity import Antenna
 from procedures.fusion.inertial_terms import Site
 from procedures.fusion.tracks import Camera
-from procedures.fusion.visual_aligner import VisualAligner, VisualStart
+from procedures.fusion.visual_aligner import VisualAligner
 from procedures.fusion.visual_inertial_window import VisionSettings, VisualInertialWindow
+from procedures.fusion.visual_start import VisualStart
 from station.fusion_folder import FusionLog, read_fusion
 from station.locate.vision import by_vision
 from tests.benchmarks.locate import HEADS, INERTIAL, OUTAGE, drawn, row, said
@@ -80,10 +81,15 @@ def starting(data: Path, seeds: int) -> None:
         print(f"silent failures {sum(each[4] > WRONG for each in rows)}", flush=True)
 
 
+def _settings(log: FusionLog) -> VisionSettings:
+    assert log.noise is not None
+    return VisionSettings(Site(log.gravity, earth_rate_n(log.latitude), log.noise), CAMERA, Antenna(np.zeros(3)))
+
+
 def _starts(log: FusionLog) -> Iterator[tuple[VisualStart | Waiting, float]]:
     assert log.noise is not None and log.imu is not None  # noqa: PT018
     assert log.tracks is not None and log.truth is not None  # noqa: PT018
-    aligner = VisualAligner(Site(log.gravity, earth_rate_n(log.latitude), log.noise), CAMERA, Antenna(np.zeros(3)))
+    aligner = VisualAligner(_settings(log))
     for now in np.arange(EVERY, log.truth.t[-1] - 1, EVERY):
         begun = process_time()
         found = aligner.align(log.imu, log.tracks, log.fixes, float(now))
@@ -111,12 +117,9 @@ def _scale(way: FloatArray, true: FloatArray) -> float:
 def times(data: Path, _: int) -> None:
     """Figure 7: processor time of a window of ten keyframes."""
     log = seen(data, "v201_inertial", 0)
-    assert log.noise is not None and log.imu is not None and log.tracks is not None  # noqa: PT018
-    site = Site(log.gravity, earth_rate_n(log.latitude), log.noise)
+    assert log.imu is not None and log.tracks is not None  # noqa: PT018
     found = next(each for each, _ in _starts(log) if isinstance(each, VisualStart))
-    window = VisualInertialWindow(
-        VisionSettings(site, CAMERA, Antenna(np.zeros(3))), log.imu, log.tracks, log.fixes, found.aligned
-    )
+    window = VisualInertialWindow(_settings(log), log.imu, log.tracks, log.fixes, found.aligned)
     took, begun = list[float](), process_time()
     for _pose in window.poses():
         took.append(process_time() - begun)

@@ -13,8 +13,9 @@ from procedures.fusion.outer_graph import OuterGraph
 from procedures.fusion.records import GnssFixes, ImuSeries
 from procedures.fusion.tracks import Camera, Tracks
 from procedures.fusion.turns import log_rotation
-from procedures.fusion.visual_aligner import VisualAligner, VisualStart, align_by_camera
+from procedures.fusion.visual_aligner import VisualAligner, align_by_camera
 from procedures.fusion.visual_inertial_window import VisionSettings, VisualInertialWindow
+from procedures.fusion.visual_start import VisualStart
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GYRO_BIAS, Eight
 from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of, turned
 
@@ -44,7 +45,7 @@ def tracks(flight: Eight) -> Tracks:
 
 
 def begun(imu: ImuSeries, tracks: Tracks, fixes: GnssFixes, camera: Camera = CAMERA) -> VisualStart:
-    found = align_by_camera(VisualAligner(SITE, camera, Antenna(ZERO)), imu, tracks, fixes)
+    found = align_by_camera(VisualAligner(VisionSettings(SITE, camera, Antenna(ZERO))), imu, tracks, fixes)
     assert isinstance(found, VisualStart), found
     return found
 
@@ -62,7 +63,7 @@ def turn_of(C_nb: np.ndarray, flight: Eight, t: float) -> np.ndarray:
 def test_the_joint_fit_knows_scale_and_attitude_to_its_own_sigma(
     flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
 ) -> None:
-    aligner, found = VisualAligner(SITE, CAMERA, Antenna(ZERO)), list[VisualStart]()
+    aligner, found = VisualAligner(VisionSettings(SITE, CAMERA, Antenna(ZERO))), list[VisualStart]()
     for now in np.arange(2.0, 10.0, 1.0):
         if isinstance(each := aligner.align(imu, tracks, fixes, float(now)), VisualStart):
             found.append(each)
@@ -86,7 +87,10 @@ def test_the_start_waits_for_displacement_and_says_so(tracks: Tracks) -> None:
     still = tracks_of(flight, 3)
     rng = np.random.default_rng(1)
     found = align_by_camera(
-        VisualAligner(SITE, CAMERA, Antenna(ZERO)), flight.imu(rng, EARTH), still, flight.fixes(rng)
+        VisualAligner(VisionSettings(SITE, CAMERA, Antenna(ZERO))),
+        flight.imu(rng, EARTH),
+        still,
+        flight.fixes(rng),
     )
     assert isinstance(found, Waiting)
     assert "move further" in found.why
@@ -95,7 +99,7 @@ def test_the_start_waits_for_displacement_and_says_so(tracks: Tracks) -> None:
 def test_features_that_are_never_the_same_are_no_motion(imu: ImuSeries, tracks: Tracks, fixes: GnssFixes) -> None:
     rng = np.random.default_rng(5)
     strange = replace(tracks, uv=rng.permuted(tracks.uv, axis=0))
-    found = VisualAligner(SITE, CAMERA, Antenna(ZERO)).align(imu, strange, fixes, 6.0)
+    found = VisualAligner(VisionSettings(SITE, CAMERA, Antenna(ZERO))).align(imu, strange, fixes, 6.0)
     assert isinstance(found, Waiting)
     assert "not that of one camera" in found.why
 
