@@ -105,7 +105,7 @@ def attitude(
         raise typer.BadParameter(f"{chosen} has no gains; they belong to the mixing law", param_hint="--tau")
     if gains is not None and gains.k1 * read.nominal > 1:
         found = f"K1 {gains.k1:g} with samples {read.nominal:g} s apart"
-        raise typer.BadParameter(f"{found}, expected less than a turn of 1 a sample", param_hint="--tau")
+        raise typer.BadParameter(f"{found}, expected a product of at most 1", param_hint="--tau")
     if heading is not None and read.heading is None:
         given = np.full(len(read.t), np.nan)
         given[0] = np.radians(heading)
