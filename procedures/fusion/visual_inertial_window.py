@@ -41,7 +41,8 @@ FREE_TILT = 0.1
 FIXED = 1e-4  # rad, the heading of the window's own frame
 FREE_VELOCITY = 1.0  # m/s
 ANCHOR = 1e-3  # m, the origin of an odometry
-SLACK = 3.0  # of the drift that the window states: measured on real IMUs, docs/locate.md
+SHAKEN = 2.5  # what vibration, scale factors and misalignment make of an IMU's noise on a flight (EuRoC)
+SLACK = 2.0  # of the drift that the window states: measured on real IMUs, docs/locate-vision.md
 OUTAGE = 1.5  # s without a velocity from which the heading of the frame may drift
 YAW = np.radians(0.05)  # rad: GNSS's velocities hold the odometry's frame to n
 YAW_WALK = 1e-4  # rad/sqrt(s)
@@ -85,6 +86,8 @@ class VisualInertialWindow:
         self.marks = Landmarks()
         self.rejected = 0
         self._grid = grid(imu, self.frames.t)
+        noise = settings.site.noise
+        self._shaken = replace(noise, gyro=SHAKEN * noise.gyro, accel=SHAKEN * noise.accel)
         self.antenna = settings.antenna
         self._velocities = velocities(fixes, imu, start.gyro_bias)
         self._scale = np.array([settings.camera.fx, settings.camera.fy]) / settings.camera.std
@@ -125,7 +128,7 @@ class VisualInertialWindow:
         g, site, state = self._grid, self.settings.site, self.state
         rows = slice(int(g.at[k - 1]), int(g.at[k]))
         part = Grid(g.dt[rows], g.omega_b[rows], g.f_b[rows], g.at[:0])
-        return preintegrate(part, state.bg[-1], state.ba[-1], state.C_ob[-1].T @ site.earth_n, site.noise)
+        return preintegrate(part, state.bg[-1], state.ba[-1], state.C_ob[-1].T @ site.earth_n, self._shaken)
 
     def _see(self, k: int) -> None:
         rows = self.frames.rows[k]
