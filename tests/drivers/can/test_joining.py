@@ -69,7 +69,7 @@ def test_no_sample_is_made_of_two_and_only_those_touched_are_missing(
     touched = {i // 6 for i in lost} | {(at + k) // 6 for at in swapped for k in (0, 6)}
     missing = set(range(N)) - {(int(c) - 65500) % 65536 for c in block.counter}
     assert missing <= touched | {N - 1}, "an untouched sample is missing"
-    if lost and missing - {N - 1}:
+    if lost and missing - {N - 2, N - 1}:  # which may still wait for what is lost
         assert decoder.counters.incomplete > 0
 
 

@@ -28,8 +28,12 @@ def runs() -> dict[str, Run]:
 def test_every_fault_is_told_marked_and_over(case: Case, transport: str, runs: dict[str, Run]) -> None:
     run = runs[transport]
     texts, expected = run.texts(case), case.said_on(transport)
-    if transport == "udp_multicast" and not expected:  # nobody waits there for a busy machine; it is said
-        texts = [text for text in texts if "lost" not in text]
+    if (
+        not expected
+    ):  # a machine that was busy for 0.2 s is 2 s of silence here, and on udp samples lost; it is said
+        texts = [
+            text for text in texts if SILENT not in text and not (transport == "udp_multicast" and "lost" in text)
+        ]
     assert has_said(texts, expected) if expected else not texts, texts
     first = round(begins_s(case) / PERIOD)
     over = first + round(case.lasts_s / PERIOD)
