@@ -66,13 +66,16 @@ class PortDenied(DriverError, PermissionError):
 class LinkSilent(DriverError, TimeoutError):
     """No byte arrived before the deadline; ``baud`` is None where the link has none."""
 
-    def __init__(self, port: str, waited_s: float, baud: int | None = None) -> None:
+    def __init__(
+        self,
+        port: str,
+        waited_s: float,
+        baud: int | None = None,
+        advice: str = "check that the IMU is powered, that it is set to send, and that A/B are not swapped",
+    ) -> None:
         self.port, self.waited_s, self.baud = port, waited_s, baud
         at = "" if baud is None else f" at {baud} baud"
-        super().__init__(
-            f"{port}: no bytes for {waited_s:.1f} s{at}, expected a stream; "
-            f"check that the IMU is powered, that it is set to send, and that A/B are not swapped"
-        )
+        super().__init__(f"{port}: no bytes for {waited_s:.1f} s{at}, expected a stream; {advice}")
 
 
 class WrongFormat(DriverError):

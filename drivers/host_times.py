@@ -22,17 +22,20 @@ class HostTimes:
     """Gives each sample a time [s] on the host's clock.
 
     ``period`` [s] is None while it is being learnt; times until then are of no use but that they rise.
-    ``is_anew`` says that with the last call the period has become known, so that time begins there.
+    ``is_anew`` says that with the last call the period has become known, so that time begins there;
+    ``has_stepped`` that it found samples lost, or some that the device never sent, and goes on elsewhere from the
+    next one on.
     """
 
     def __init__(self) -> None:
         self.period: float | None = None
-        self.is_anew = False
+        self.is_anew = self.has_stepped = False
         self._index = 0
         self._seen = list[tuple[int, float]]()  # index and arrival of the last sample of each chunk
         self._last = np.nan
         self._begun, self._least = np.nan, np.inf
         self._lasting = list[float]()
+        self._heard = np.nan
 
     def begin_anew(self) -> None:
         """Forget what came before, but for the period."""
@@ -45,7 +48,7 @@ class HostTimes:
 
         ``steps`` (n,) is by how many samples the sequence went on at each: 1 where nothing counts them.
         """
-        self.is_anew = False
+        self.is_anew = self.has_stepped = False
         self._index += int(steps.sum())
         period = self.period or self._learnt(arrival)
         if period is None:
@@ -83,6 +86,11 @@ class HostTimes:
         return since + (until - since) * np.arange(1, n + 1) / n
 
     def _watch(self, arrival: float) -> None:
+        assert self.period is not None
+        if arrival - self._heard > WINDOW_S:  # what the window held is from before a silence
+            self._lasting = [(arrival - self._last) / self.period]
+            self._begin_window(arrival)
+        self._heard = arrival
         self._least = min(self._least, arrival - self._last)
         if arrival - self._begun >= WINDOW_S:
             self._steer(self._least)
@@ -97,6 +105,7 @@ class HostTimes:
             if len(self._lasting) >= LASTING and (min(self._lasting) > OFF or max(self._lasting) < -OFF):
                 self._last += round(min(map(abs, self._lasting)) * np.sign(samples)) * self.period
                 self._lasting.clear()
+                self.has_stepped = True
             self._lasting = self._lasting[-LASTING + 1 :]
             return
         self._lasting.clear()

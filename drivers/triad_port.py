@@ -59,6 +59,7 @@ class TriadJoiner:
         self._decoders = [Decoder(wire) for _ in range(3)]
         self._times = [HostTimes() for _ in range(3)]
         self._parts: list[deque[Part]] = [deque() for _ in range(3)]
+        self._stepped = [False] * 3  # an axis' times go on elsewhere with the next of its samples
         self._counter = 0
         self.missing = 0
 
@@ -72,7 +73,14 @@ class TriadJoiner:
             self._parts[axis].clear()
         if self._times[axis].period is not None:
             columns = (times, block.gyro[:, 0], block.temperature, block.healthy)
-            self._parts[axis] += [Part(*row) for row in zip(*(each.tolist() for each in columns), strict=True)]
+            new = [Part(*row) for row in zip(*(each.tolist() for each in columns), strict=True)]
+            while self._parts[axis] and self._parts[axis][-1].time >= new[0].time:  # they had run ahead
+                self._parts[axis].pop()
+            self._parts[axis] += new
+        if self._stepped[axis]:  # what was joined of late was not of one moment: a break, whatever comes
+            self._counter += 1
+            self.missing += 1
+        self._stepped[axis] = self._times[axis].has_stepped
         return self._joined(arrival)
 
     def _joined(self, now: float) -> bytes:
@@ -100,7 +108,7 @@ class TriadJoiner:
         parts = self._parts[axis]
         while len(parts) > 1 and abs(parts[1].time - at) <= abs(parts[0].time - at):
             parts.popleft()
-        if (not parts or parts[-1].time < at) and now - at < LATE_S:  # a nearer one may come
+        if (not parts or parts[-1].time < at - period / 2) and now - at < LATE_S:  # a nearer one may come
             return "wait"
         return parts[0] if parts and abs(parts[0].time - at) <= NEAR * period else "missing"
 

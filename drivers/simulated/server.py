@@ -157,14 +157,16 @@ class SimulatedDevice:
     ) -> None:
         self._stop.set()
         self._go.set()
-        if self._hands is not None:
-            self._hands.close()
-        if self._control is not None:
-            self._control.shutdown()
-            self._control.server_close()
-        for thread in self._threads:
-            thread.join()
-        self._line.unplug()
+        try:
+            if self._hands is not None:
+                self._hands.close()
+            if self._control is not None:
+                self._control.shutdown()
+                self._control.server_close()
+            for thread in self._threads:
+                thread.join()
+        finally:  # also after a second Ctrl-C: a link left behind soon points at another program's terminal
+            self._line.unplug()
 
     def wait(self) -> None:
         """Serve until interrupted; raise what stopped the device, if anything did."""

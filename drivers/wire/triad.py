@@ -10,6 +10,7 @@ import zlib
 
 import numpy as np
 
+from drivers.host_times import HINDSIGHT_S
 from drivers.wire._format import FrameKind, Frames, Octets, WireFormat, fits, seal
 from procedures.records import CountBlock
 
@@ -113,6 +114,7 @@ FORMAT = WireFormat(
     carries=frozenset({"counter", "device_time", "temperature", "status", "healthy"}),
     baud=115200,
     counter_modulus=2**32,
+    hindsight_s=HINDSIGHT_S,
     # made by `encode`: sample 7 at 1 s, counts 1, -2, 3, 25 degC
     example=bytes.fromhex("9d3a0124 07000000 00ca9a3b00000000 01000000feffffff03000000 c409 0000 214d176e"),
 )

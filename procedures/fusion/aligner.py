@@ -27,16 +27,17 @@ def align_when_possible(aligner: MovingAligner, imu: ImuSeries, fixes: GnssFixes
     torn = [gap.last for gap in imu_gaps(imu) if gap.rate_std * gap.length > TORN]
     now = start + FIRST
     while now <= end:
-        found = _attempt(aligner, imu, fixes, max([start, *(last for last in torn if last <= now)]), now)
+        found = attempt(aligner, imu, fixes, max([start, *(last for last in torn if last <= now)]), now)
         if isinstance(found, Aligned):
             break
         now += max(STEP, (PACE - 1) * (now - start))
     return found
 
 
-def _attempt(
+def attempt(
     aligner: MovingAligner, imu: ImuSeries, fixes: GnssFixes, start: float, now: float
 ) -> Aligned | Waiting:
+    """Try once, by the data from ``start`` to ``now`` [s], at rest and in motion."""
     resting = align_at_rest(between(imu, start, now), aligner.noise, aligner.gravity, aligner.earth_n)
     if isinstance(resting, Aligned):
         return resting

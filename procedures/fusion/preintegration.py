@@ -23,26 +23,30 @@ class Preintegration:
         self, lib: Any, noise: ImuNoise, gravity: float, earth_n: FloatArray, imu: ImuSeries, t: FloatArray
     ) -> None:
         self.rate = np.stack([np.interp(t, imu.t, imu.omega_b[:, i]) for i in range(3)], axis=1)
-        self._lib, self._noise, self._gravity, self._earth_n, self._t = lib, noise, gravity, earth_n, t
+        self._lib, self._noise, self._gravity, self._earth_n = lib, noise, gravity, earth_n
+        self._middle = np.r_[t[:1], (t[1:] + t[:-1]) / 2]
         self._grid = grid(imu, t)
         self._usual = self._params()
         self._gaps = [(gap, self._params(gap)) for gap in imu_gaps(imu)]
 
     def until(self, k: int, bias: Any) -> Any:
         """Return what gtsam makes of the samples from keyframe k - 1 to k."""
-        middle = (self._t[k - 1] + self._t[k]) / 2
+        middle = self._middle[k]
         params = next((each for gap, each in self._gaps if gap.first < middle < gap.last), self._usual)
         whole = self._lib.PreintegratedCombinedMeasurements(params, bias)
         for i in range(int(self._grid.at[k - 1]), int(self._grid.at[k])):
             whole.integrateMeasurement(self._grid.f_b[i], self._grid.omega_b[i], self._grid.dt[i])
         return whole
 
-    def go_on(self, k: int, piece: Grid, t: float, rate: FloatArray) -> None:
-        """Lay one more keyframe ``k`` at ``t`` [s], for which ``piece`` has the samples; forget those before."""
-        at = np.zeros(k + 1, dtype=np.int64)
+    def go_on(self, k: int, before: float, t: float, imu: ImuSeries) -> None:
+        """Lay one more keyframe ``k`` at ``t`` [s] after the one ``before``, by the latest samples."""
+        piece, at = grid(imu, np.array([before, t])), np.zeros(k + 1, dtype=np.int64)
         at[k] = len(piece.dt)
         self._grid = Grid(piece.dt, piece.omega_b, piece.f_b, at)
-        self.rate, self._t = np.broadcast_to(rate, (k + 1, 3)), np.append(self._t, t)
+        rate = np.array([np.interp(t, imu.t, imu.omega_b[:, i]) for i in range(3)])
+        self.rate = np.broadcast_to(rate, (k + 1, 3))
+        self._middle = np.broadcast_to((before + t) / 2, (k + 1,))
+        self._gaps = [(gap, self._params(gap)) for gap in imu_gaps(imu)]
 
     def acceleration(self, k: int, C_nb: FloatArray, accel_bias: FloatArray) -> FloatArray:
         """Return the acceleration (3,) in n [m/s2] over the step to keyframe k, or of the first."""

@@ -6,6 +6,8 @@ Times [s] are those of one clock. Quaternions are x, y, z, w, and take b to n (b
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from procedures.arrays import BoolArray, FloatArray
 
 
@@ -63,6 +65,11 @@ class GnssFixes:
             self.t[which], self.p_n[which], self.v_n[which], self.course[which],
             self.position_std[which], self.velocity_std[which],
         )  # fmt: skip
+
+    def followed_by(self, more: "GnssFixes") -> "GnssFixes":
+        """Return the fixes with later ones after them."""
+        names = ("t", "p_n", "v_n", "course", "position_std", "velocity_std")
+        return GnssFixes(*(np.concatenate((getattr(self, name), getattr(more, name))) for name in names))
 
     def shifted(self, offset: float) -> "GnssFixes":
         """Return the fixes with ``offset`` [s] added to their time stamps."""

@@ -76,10 +76,10 @@ def off_period(rate: ClockRate) -> float:
     return 1 / (1 + rate.ppm / PPM) - 1
 
 
-def clock_sentence(period: float, off: float) -> str:
-    """Say a sample period [s] that reference time shows to be ``off`` (relative)."""
+def clock_sentence(period: float, off: float, by: str = "reference time") -> str:
+    """Say a sample period [s] that another clock shows to be ``off`` (relative)."""
     return (
-        f"clock.rate: by reference time a sample lasts {period * (1 + off):.9g} s, {off:+.2%} off "
+        f"clock.rate: by {by} a sample lasts {period * (1 + off):.9g} s, {off:+.2%} off "
         f"sample_period_s = {period:.9g}"
     )
 

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
     from station.reader.survey import Found
 
+OFF_PACE = 0.5  # of the declared rate; a look is short
 CLEAR = "\x1b[H\x1b[2J"
 
 
@@ -54,32 +55,22 @@ def devices(
 def _show(found: "Sequence[Found]", *, json: bool, clear: bool) -> None:
     import sys
     from dataclasses import asdict
+    from datetime import datetime
     from json import dumps
+    from shutil import get_terminal_size
+
+    from station.reader.survey_lines import fitted, survey_lines
 
     if json:
         typer.echo(dumps({"format": "devices/1", "devices": [asdict(each) for each in found]}))
     else:
-        lines = [line for each in found for line in _lines(each)]
-        typer.echo((CLEAR if clear and sys.stdout.isatty() else "") + "\n".join(lines))
+        lines = survey_lines(found)
+        if sys.stdout.isatty():
+            width, height = get_terminal_size()
+            lines = fitted(lines, width, height - 2 if clear else len(lines) * width)
+        head = [f"{datetime.now():%H:%M:%S}  {len(found)} looked at; Ctrl-C ends"] if clear else []
+        typer.echo((CLEAR if clear and sys.stdout.isatty() else "") + "\n".join([*head, *lines]))
     sys.stdout.flush()
-
-
-def _lines(found: "Found") -> list[str]:
-    lines = [f"{found.url}  {found.about}".rstrip()]
-    if found.looks_like and not found.trouble:
-        named = [found.looks_like, found.model or "", f"serial number {found.serial}" if found.serial else ""]
-        rates = [f"{found.frames_s:.1f} frames/s", f"{found.bytes_s:.0f} bytes/s"]
-        if found.rate_hz is not None:
-            rates.append(f"{found.rate_hz:.6g} Hz by its own time")
-        lines.append(f"    {', '.join(part for part in [*named, *rates] if part)}")
-        lines += [f"    system {system}: {rate:.1f} frames/s" for system, rate in found.systems.items()]
-        if found.messages:
-            lines.append("    " + ", ".join(f"{name} {rate:.1f} Hz" for name, rate in found.messages.items()))
-        bad = [f"{count} {name.replace('_', ' ')}" for name, count in found.errors.items() if count]
-        lines.append(f"    errors: {', '.join(bad) or 'none'}")
-    else:
-        lines.append(f"    {found.trouble}")
-    return lines
 
 
 def _closely(url: str, seconds: float) -> None:
@@ -97,6 +88,9 @@ def _closely(url: str, seconds: float) -> None:
     typer.echo(f"received  {seen.frames / seen.seconds:.1f} frames/s, {seen.bytes / seen.seconds:.0f} bytes/s")
     if seen.rate_hz is not None:
         typer.echo(f"rate      {seen.rate_hz:.6g} Hz by the device's own time")
+        came_hz = seen.frames / seen.seconds
+        if not url.startswith("replay:") and abs(came_hz / seen.rate_hz - 1) > OFF_PACE:
+            typer.echo(f"warning   {came_hz:.3g} Hz by this machine's clock; check sample period and sync line")
     counters = seen.counters
     typer.echo(
         f"errors    {counters.bad_crc} bad check, {counters.bad_length} bad length, "

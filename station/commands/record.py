@@ -57,7 +57,7 @@ def record(
         made(url)
         return
     from station.gnss import open_gnss
-    from station.gnss.sample_rate import Timed
+    from station.gnss.sample_rate import Timed, by_this_machine, said_of
     from station.gnss.summary import summary
     from station.guide.folder import journal_path, new_folder
     from station.live.live_feed import open_feed
@@ -71,10 +71,12 @@ def record(
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
         feed = open_feed(reader)
         timed = Timed(receiver, feed) if receiver else None
-        line, sky = (Told(name, lambda text: typer.echo(text, err=True)) for name in (feed.address.name, "GNSS"))
+        rate = by_this_machine(feed)
+        names = (feed.address.name, receiver.address.name if receiver else "")
+        line, sky = (Told(name, lambda text: typer.echo(text, err=True)) for name in names)
 
         def look() -> None:
-            line.look(feed.amiss)
+            line.look(feed.amiss or ("" if receiver else said_of(rate)))
             if receiver is not None and timed is not None:
                 sky.look(receiver.trouble or timed.said)
 

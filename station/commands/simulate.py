@@ -190,6 +190,8 @@ def _announce(device: "SimulatedDevice", gnss: "SimulatedGnss | None") -> None:
         typer.echo(f"gnss {gnss.url}")
     typer.echo(f"control {device.control}")
     typer.echo(f"serving {device.truth.model} {device.truth.serial}; Ctrl-C ends it", err=True)
+    if gnss is not None:
+        typer.echo("one clock for both: the receiver sends only while the IMU is read", err=True)
 
 
 def _text(path: Path) -> str:

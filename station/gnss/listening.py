@@ -68,7 +68,7 @@ def listen(url: str, seconds: float, fixes: float = float("inf")) -> Heard:
     finally:
         port.close()
     if not source.bytes:
-        raise LinkSilent(address.name, seconds, address.baud)
+        raise LinkSilent(address.name, seconds, address.baud, "check cable, address and power")
     counters = feed.decoder.framer.counters
     if not counters.frames + counters.refused:
         raise WrongFormat(address.name, "MAVLink", source.bytes, address.baud)

@@ -1,4 +1,4 @@
-"""The sample rate that a device declares against GNSS time: beyond 0.1 % a warning, beyond 1 % a refusal.
+"""The sample rate that a device declares against another clock: beyond 0.1 % a warning, beyond 1 % a refusal.
 
 A device's own time follows its counter: where a sync line drives it, counter, time and every health bit look right
 while all rates are wrong.
@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from procedures.diagnosis.clock import ClockRate, fit_clock
+from procedures.diagnosis.clock import PLAUSIBLE, ClockRate, fit_clock
 from station.campaign_folder.loaded import REFUSE_PERIOD, clock_sentence, off_period
 from station.campaign_folder.series import WARN_PERIOD
 from station.errors import DataRefused
@@ -23,6 +23,7 @@ KEPT = 4000  # stamps, 200 s
 LEAST = 100
 EVERY_S = 2.0
 SIGMAS = 4.0
+SPAN_S = 30.0  # of this machine's clock: one that is held up for a moment is no wrong rate
 LINE = 2.0  # scatters of a mark by which UTC at the two ends of the stamps may be off, each end as a whole
 
 
@@ -31,15 +32,27 @@ class SampleRate:
 
     ``scatter`` [s] is that of a mark about the line which ``utc`` reads. Stamps of many seconds share that line's
     error, which a fit through them does not see: above all at the beginning, when it goes through few marks.
+    ``by`` names the clock in words; with ``span_s`` [s] it is one of this machine's: nothing is said before, nor
+    of a device that goes at quite another pace, as simulated ones do.
     """
 
-    def __init__(self, feed: LiveFeed, utc: Utc, scatter: Callable[[], float] = lambda: 0.0) -> None:
+    def __init__(
+        self,
+        feed: LiveFeed,
+        utc: Utc,
+        scatter: Callable[[], float] = lambda: 0.0,
+        by: str = "reference time",
+        span_s: float = 0.0,
+    ) -> None:
         self._feed, self._times, self._scatter = feed, RowTimes(utc), scatter
+        self._by, self._span_s = by, span_s
+        self._anew = 0
         self._stamps: deque[tuple[float, float]] = deque(maxlen=KEPT)
         self._next = 0.0
         self.clock: Callable[[], float] = time.monotonic
         self.rate: ClockRate | None = None
         self.warning = ""
+        self._refused: DataRefused | None = None
 
     def look(self) -> None:
         """Take the newest sample; say what is wrong in ``warning``.
@@ -51,22 +64,26 @@ class SampleRate:
         """
         self._take()
         now = self.clock()
-        if len(self._stamps) < LEAST or now < self._next:
-            return
-        self._next = now + EVERY_S
-        self.rate = fit_clock(*np.array(self._stamps).T)
-        if self.rate is None:
-            return
+        if len(self._stamps) >= LEAST and now >= self._next:
+            self._next = now + EVERY_S
+            self._fit()
+        if self._refused is not None:
+            raise self._refused
+
+    def _fit(self) -> None:
         span = self._stamps[-1][0] - self._stamps[0][0]
-        off, surely = (
-            off_period(self.rate),
-            SIGMAS * math.hypot(self.rate.std * 1e-6, LINE * self._scatter() / span),
-        )
-        period = self._feed.period
-        self.warning = clock_sentence(period, off) if abs(off) - surely > WARN_PERIOD else ""
+        self.rate = fit_clock(*np.array(self._stamps).T) if span >= self._span_s else None
+        if self.rate is not None and not (self._span_s and abs(self.rate.ppm) > PLAUSIBLE):
+            self._judge(self.rate, LINE * self._scatter() / span)
+
+    def _judge(self, rate: ClockRate, line_std: float) -> None:
+        off, surely = off_period(rate), SIGMAS * math.hypot(rate.std * 1e-6, line_std)
+        sentence = clock_sentence(self._feed.period, off, self._by)
+        self.warning = sentence if abs(off) - surely > WARN_PERIOD else ""
+        self._refused = None
         if abs(off) - surely > REFUSE_PERIOD:
-            raise DataRefused(
-                self._feed.address.name, None, clock_sentence(period, off), "the declared rate within 1 %",
+            self._refused = DataRefused(
+                self._feed.address.name, None, sentence, "the declared rate within 1 %",
                 "check the sync line and the rate that the device is set to",
             )  # fmt: skip
 
@@ -74,12 +91,30 @@ class SampleRate:
         if self._feed.stamp is None:
             return
         host_ns, device_s = self._feed.stamp
+        counters = self._feed.stream.counters
+        if (anew := counters.restarts + counters.clock_jumps) > self._anew:  # two stretches make no line
+            self._anew = anew
+            self._stamps.clear()
         if self._stamps and device_s <= self._stamps[-1][0]:
             if device_s < self._stamps[-1][0]:  # it began anew
                 self._stamps.clear()
             return
         if (utc := self._times.of(host_ns)) is not None:
             self._stamps.append((device_s, utc))
+
+
+def by_this_machine(feed: LiveFeed) -> SampleRate:
+    """Return the watch of a device by this machine's clock, which is right to about 1e-4."""
+    return SampleRate(feed, lambda host_ns: host_ns / 1e9, by="this machine's clock", span_s=SPAN_S)
+
+
+def said_of(rate: SampleRate) -> str:
+    """Look, and return what is wrong in words, where a rate that is off is evidence and ends nothing."""
+    try:
+        rate.look()
+    except DataRefused as error:
+        return str(error)
+    return rate.warning
 
 
 class Timed:
@@ -92,11 +127,7 @@ class Timed:
     def advance(self) -> None:
         """Take what has come; a rate that is off is evidence here, so that the recording goes on."""
         self._gnss.advance()
-        try:
-            self._rate.look()
-            self.said = self._rate.warning
-        except DataRefused as error:
-            self.said = str(error)
+        self.said = said_of(self._rate)
 
     def utc(self, host_ns: int) -> float | None:
         """Return UTC [s] at a moment of the station's clock [ns]."""

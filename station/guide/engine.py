@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from station.recorder.results import Results
 
 REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
-FOR_FIXES = f", and for {FIXES} positions of the receiver, up to {WAIT_S:g} s"
+FOR_UNIT = "waiting for the unit to say who it is"
+FOR_FIXES = f"waiting for the unit, and up to {WAIT_S:g} s for {FIXES} positions of the receiver"
 WHOLE = "all is recorded: leave, and diagnose it together with the campaign that it complements"
 OVER = frozenset({"cancelled", "left", "failed"})
 LOOKS = {"check": ("check", "is_checking"), "listen": ("receiver", "is_listening")}  # by verb, what `Start` says
@@ -121,15 +122,14 @@ class Engine:
                 with contextlib.suppress(CannotWrite):  # to be remembered is a courtesy, not a condition
                     save_setup(command.setup)
             setup = command.setup
-            self._start(lambda: begin(setup, self._database, self._options), FOR_FIXES if setup.gnss else "")
+            self._start(lambda: begin(setup, self._database, self._options), FOR_FIXES if setup.gnss else FOR_UNIT)
         elif command.verb == "resume":
             self._start(lambda: resume(Path(command.folder), self._database, self._options))
         elif command.verb in {"cancel", "leave"}:
             self._end("cancelled", "nothing was begun; the database is as it was")
 
-    def _start(self, make: Callable[[], LiveCampaign], also: str = "") -> None:
+    def _start(self, make: Callable[[], LiveCampaign], hint: str = FOR_UNIT) -> None:
         start = self.view.start
-        hint = f"waiting for the unit to say who it is{also}"
         self._publish(View(stage="connecting", line="connecting", hint=hint))
         wait(self._looks.values())  # they hold the ports
         try:

@@ -85,7 +85,7 @@ def said_of_site(given: Setup, gnss: GnssFeed) -> str:
         return "no position from GNSS; the site is as stated"
     seen = _degrees(site)
     warnings = _warnings(seen, _stated(given, seen))
-    return "; ".join([f"by GNSS the site is {site_in_words(site)}", *warnings])
+    return "; ".join([f"site by GNSS: {site_in_words(site)}", *warnings])
 
 
 def reopened(stack: ExitStack, setup: Setup, folder: Path) -> tuple[GnssFeed | None, str]:

@@ -28,6 +28,7 @@ from station.guide.folder_notes import keep_plan, kept_plan, read_setup, read_un
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.gnss_beside import GnssBeside, reopened, said_of_site, sited, utc_now
 from station.guide.guide import Guide
+from station.guide.host_clock import HostClock
 from station.guide.identity import UnitRecord
 from station.guide.options import Options
 from station.guide.so_far import so_far
@@ -55,7 +56,8 @@ class LiveCampaign:
         self._reader, self._feed, self._stack, self._is_patient = reader, feed, stack, options.is_patient
         self.unit, self.guide, self.recorder = unit, guide, recorder
         self._retry_at = 0.0
-        self._beside = None if gnss is None else GnssBeside(gnss, feed, guide.desk.story)
+        story = guide.desk.story
+        self._beside = HostClock(feed, story) if gnss is None else GnssBeside(gnss, feed, story)
         recorder.utc = None if gnss is None else gnss.utc
 
     @property
@@ -73,10 +75,9 @@ class LiveCampaign:
         DriverError
             What is wrong with the stream, if this campaign does not wait for it to come back.
         DataRefused
-            If GNSS time shows that the device's rate is not the one it declares.
+            If GNSS time, else this machine's, shows that the device's rate is not the one it declares.
         """
-        if self._beside is not None:
-            self._beside.round()
+        self._beside.round()
         try:
             self._feed.advance()
             if self._feed.lost:

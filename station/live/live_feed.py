@@ -21,7 +21,8 @@ from station.recorder.unit import refuse_other, unit_of
 BLOCK_S = 1.0
 HELD = 10  # samples at least that a block waits for what would show that it is not the device's
 POLL_S = 0.1
-SILENT_S = 2.0  # of the station's time, without a byte or without a frame
+SILENT_S = 1.8  # of the station's time, without a byte or without a frame: it is to be said within 2 s
+LOOK_AGAIN_S = 1.0  # at what comes instead of frames: that takes time
 JOINING_S = 6.0  # the same until the first sample of what must learn its period to join samples
 REPLUG_S = 30.0  # how long a lost port may stay away
 IDENTITY_S = 3.0  # how long to wait for the device to say who it is
@@ -60,6 +61,8 @@ class LiveFeed:
         self.stream, self.tape = SampleStream(wire), Tape()
         self._recent = b""
         self._silent_s = self._frameless_s = 0.0
+        self._wrong: WrongFormat | None = None  # found so ...
+        self._looked_s = 0.0  # ... after so long without a frame
         self._lost, self._is_anew = "", True
         self._clock, self._trouble = clock, Trouble(clock)
         self._pieces: list[Piece] = []  # the last ones taken
@@ -226,6 +229,7 @@ class LiveFeed:
         """Add up the time waited in vain; a station that was itself held up did not wait."""
         self._silent_s += waited_s if is_idle else 0.0
         self._frameless_s = 0.0 if has_frames else self._frameless_s + waited_s
+        self._wrong = None if has_frames else self._wrong
         name, baud = self.address.name, self.address.baud
         if self._lost:
             if self._silent_s > REPLUG_S:
@@ -233,9 +237,15 @@ class LiveFeed:
         elif self._silent_s >= SILENT_S:
             raise LinkSilent(name, SILENT_S, baud)
         elif self._frameless_s >= self._patience_s:
-            likely = next((found.format for found in sniff(self._recent) if found.format != self.wire.name), None)
-            seen = seen_instead(self.wire, self._recent)
-            raise WrongFormat(name, self.wire.name, len(self._recent), baud, likely, seen)
+            if self._wrong is None or self._frameless_s >= self._looked_s + LOOK_AGAIN_S:
+                self._wrong, self._looked_s = self._what_comes_instead(), self._frameless_s
+            raise self._wrong
+
+    def _what_comes_instead(self) -> WrongFormat:
+        address, recent = self.address, self._recent
+        likely = next((found.format for found in sniff(recent) if found.format != self.wire.name), None)
+        seen = seen_instead(self.wire, recent)
+        return WrongFormat(address.name, self.wire.name, len(recent), address.baud, likely, seen)
 
 
 def open_feed(source: Source) -> LiveFeed:

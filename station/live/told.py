@@ -18,7 +18,8 @@ class Told:
         """Take what is wrong now, empty where nothing is."""
         if (words := words_of(trouble)) != self._words:
             self._words = words
-            self._say(f"{datetime.now():%H:%M:%S}  {trouble or f'{self._name}: well again'}")
+            said = trouble if self._name in trouble else f"{self._name}: {trouble or 'well again'}"
+            self._say(f"{datetime.now():%H:%M:%S}  {said}")
 
 
 def words_of(text: str) -> str:

@@ -16,15 +16,17 @@ from procedures.fusion.inertial_window import WindowSettings
 from procedures.fusion.keyframes import CLOSEST, SPACING
 from procedures.fusion.live_window import LiveWindow
 from procedures.fusion.moving_aligner import MovingAligner
-from procedures.fusion.outer_graph import REJECTED, GlobalPose, OuterGraph, OuterSettings
+from procedures.fusion.outer_graph import REJECTED, GlobalPose, OuterSettings
 from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
 from procedures.geodesy import LocalLevel
 from procedures.gnss import GnssFix, TimeMark
 from procedures.level_fixes import antenna, is_usable, level_fixes, origin_at
 from station.gnss.fix_times import FixTimes
 from station.locate.imu_noise import NoiseOf
-from station.locate.live_beginning import KEPT, Beginning, appended, joined
+from station.locate.live_beginning import KEPT, Beginning, joined
+from station.locate.live_graph import LiveGraph
 from station.locate.live_track import Track
+from station.locate.through_graph import FREE_ARM
 from station.mcap_files.fix_reader import Record
 from station.monitor.view import Location
 
@@ -33,7 +35,7 @@ BEHIND = (0.1, 1.0)  # s: how far behind the newest sample keyframes may stand
 EARLY_S = 0.06  # by which a fix is to be known before a keyframe comes near it
 AGES = 20  # fixes, whose lateness is looked at
 TRY_EVERY_S = 1.0
-UNKNOWN_ARM = 1.0  # m
+MOST_FIXES, HALF = 2000, 1000  # that are kept once it is located
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,11 +65,12 @@ class LiveLocator:
         self._times = FixTimes(MARKS_NS)
         self._imu: deque[ImuSeries] = deque()
         self._fixes: GnssFixes | None = None
-        self._taken = 0  # of the fixes, by the window
+        self._taken = 0  # of the fixes kept, by the window
+        self._count = 0
         self._ages: deque[float] = deque(maxlen=AGES)
         self._beginning: Beginning | None = None
         self._window: LiveWindow | None = None
-        self._graph: OuterGraph | None = None
+        self._graph: LiveGraph | None = None
         self._try_at = -np.inf
         self.location = Location(why="no fix yet")
 
@@ -101,29 +104,40 @@ class LiveLocator:
     def _place(self, fix: GnssFix, t: float, now: float) -> None:
         self._origin = self._origin or origin_at(fix)
         self._ages.append(now - t)
-        self._fixes = appended(self._fixes, level_fixes(self._origin, np.array([t]), [fix]))
+        new = level_fixes(self._origin, np.array([t]), [fix])
+        self._fixes = new if self._fixes is None else self._fixes.followed_by(new)
+        self._count += 1
+        if self._graph is not None:
+            self._graph.add(new)
+            if len(self._fixes.t) > MOST_FIXES:
+                self._fixes, self._taken = self._fixes.part(slice(HALF, None)), max(self._taken - HALF, 0)
 
     def _try_to_begin(self, fixes: GnssFixes) -> None:
         now = float(self._imu[-1].t[-1])
         if now < self._try_at:
             return
         self._try_at, imu = now + TRY_EVERY_S, joined(list(self._imu))
+        if not np.isfinite(fixes.v_n[:, 0]).any():
+            self.location = Location(
+                why="the receiver tells no speed and course, which it needs", fixes=self._count
+            )
+            return
         if self._beginning is None:
             noise = self._noise_of(imu)
             if noise is None:
-                self.location = Location(why="keep it still for 10 s: its noise is learnt", fixes=len(fixes.t))
+                self.location = Location(why="keep it still for 10 s: its noise is learnt", fixes=self._count)
                 return
             self._beginning = Beginning(self._aligner(noise))
         found = self._beginning.attempt(imu, fixes)
-        self.location = Location(why=self._beginning.why, fixes=len(fixes.t))
+        self.location = Location(why=self._beginning.why, fixes=self._count)
         if found is None:
             return
         a = self._aligner(self._beginning.noise)
         lever = a.lever if found.aligned.lever is None else found.aligned.lever
         settings = WindowSettings(a.noise, a.gravity, a.earth_n, lever, lever_std=a.lever_std)
         self._window = LiveWindow(settings, found.imu, found.fixes, found.aligned)
-        self._graph = OuterGraph(OuterSettings(lever_arm=lever))
-        self._graph.hanging.fixes = fixes
+        self._graph = LiveGraph(OuterSettings(lever_arm=lever))
+        self._graph.add(fixes)
         self._taken = len(fixes.t)
         for pose in self._window.poses():
             if (known := self._graph.take(pose)) is not None and pose.t >= found.aligned.t:
@@ -133,8 +147,10 @@ class LiveLocator:
         assert self._origin is not None
         latitude = self._origin.latitude
         arm = np.zeros(3) if self._arm is None else self._arm
-        gravity, std = normal_gravity(latitude, self._origin.height), UNKNOWN_ARM if self._arm is None else None
-        return MovingAligner(noise, gravity, earth_rate_n(latitude), arm, std)
+        gravity = normal_gravity(latitude, self._origin.height)
+        return MovingAligner(
+            noise, gravity, earth_rate_n(latitude), arm, None if self._arm is not None else FREE_ARM
+        )
 
     def _go_on(self, now: float) -> None:
         """Add the keyframes that are due."""
@@ -142,7 +158,6 @@ class LiveLocator:
         assert self._fixes is not None
         assert self._graph is not None
         late = float(np.clip(max(self._ages, default=0.0) + EARLY_S, *BEHIND))
-        self._graph.hanging.fixes = self._fixes
         imu = joined(list(self._imu))
         while (due := self._due(now - late)) is not None:
             t, fix = due
@@ -185,7 +200,7 @@ class LiveLocator:
             heading=float(np.degrees(np.arctan2(ahead[0], ahead[1])) % 360) if level else None,
             heading_std=float(np.degrees(std[3])),
             latitude=float(np.degrees(latitude)), longitude=float(np.degrees(longitude)), height=height,
-            fixes=len(self._fixes.t), outliers=self._track.outliers, fix_age=pose.t - float(self._last_fix()),
+            fixes=self._count, outliers=self._track.outliers, fix_age=pose.t - float(self._last_fix()),
             track=self._track.points, far=self._track.far,
         )  # fmt: skip
 
@@ -197,8 +212,7 @@ class LiveLocator:
         """Count a fix that stands off by more than chance."""
         assert self._fixes is not None
         assert self._graph is not None
-        arm = self._graph.constants[0]
-        off = self._fixes.p_n[fix] - pose.p - pose.C_nb @ arm
+        off = self._fixes.p_n[fix] - pose.p - pose.C_nb @ self._graph.lever_arm
         if np.linalg.norm(off) > REJECTED * self._fixes.position_std[fix]:
             self._track.add_outlier(self._fixes.p_n[fix])
 

@@ -4,14 +4,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.fusion.aligner import FIRST, PACE, STEP, WINDOW, between, fixes_between
+from procedures.fusion.aligner import FIRST, STEP, WINDOW, attempt, between
 from procedures.fusion.alignment import Aligned, Waiting
 from procedures.fusion.moving_aligner import MovingAligner
 from procedures.fusion.records import GnssFixes, ImuSeries
-from procedures.fusion.static_aligner import SHORTEST, align_at_rest
 
 LONGEST_REST = 60.0  # s of a rest that the window goes through again: its data are what the heading is known by
 KEPT = 300.0  # s of samples
+SPARSER = 0.05  # of the time so far, between two attempts
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,25 +40,13 @@ class Beginning:
             self._next = self._start + FIRST
         if now < self._next:
             return None
-        self._next = now + max(STEP, min(PACE - 1, 0.05) * (now - self._start))
-        found = self._align(between(imu, self._start, now), fixes_between(fixes, self._start, now), now)
+        self._next = now + max(STEP, SPARSER * (now - self._start))
+        found = attempt(self._aligner, imu, fixes, self._start, now)
         if isinstance(found, Waiting):
             self.why = found.why
             return None
         first = max(found.t0, now - max(LONGEST_REST, WINDOW))
         return Begun(replace(found, t0=first), between(imu, first - 1.0, now), fixes)
-
-    def _align(self, imu: ImuSeries, fixes: GnssFixes, now: float) -> Aligned | Waiting:
-        a = self._aligner
-        resting: Aligned | Waiting = Waiting(f"it does not stand still for {SHORTEST:g} s")
-        if imu.t[-1] - imu.t[0] > SHORTEST:
-            resting = align_at_rest(imu, a.noise, a.gravity, a.earth_n)
-        if isinstance(resting, Aligned):
-            return resting
-        moving = a.align(between(imu, now - WINDOW - 1, now), fixes_between(fixes, now - WINDOW, now))
-        if isinstance(moving, Waiting) and "does not stand" not in resting.why:
-            return resting
-        return moving
 
 
 def joined(parts: list[ImuSeries]) -> ImuSeries:
@@ -66,11 +54,3 @@ def joined(parts: list[ImuSeries]) -> ImuSeries:
     return ImuSeries(
         *(np.concatenate([getattr(part, name) for part in parts]) for name in ("t", "omega_b", "f_b"))
     )
-
-
-def appended(fixes: GnssFixes | None, more: GnssFixes) -> GnssFixes:
-    """Return fixes with more after them."""
-    if fixes is None:
-        return more
-    names = ("t", "p_n", "v_n", "course", "position_std", "velocity_std")
-    return GnssFixes(*(np.concatenate((getattr(fixes, name), getattr(more, name))) for name in names))

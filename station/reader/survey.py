@@ -19,7 +19,7 @@ from drivers.udp_port import open_udp
 from drivers.wire import FORMATS
 from station.reader.look import read_for, seen_as
 
-GROUND_STATION = "mavlink:udpin:0.0.0.0:14550"  # where autopilots and routers send to
+GROUND_STATION = "mavlink:udpin:127.0.0.1:14550"  # where routers of this machine send to; others: by --url
 BAUDS = tuple(dict.fromkeys((DEFAULT_BAUD, *(wire.baud for wire in FORMATS.values()), 115200, 57600)))
 ARPHRD_CAN = "280"  # linux/if_arp.h
 SLCAN = re.compile(rb"\r[tT][0-9A-Fa-f]{4,9}[0-9A-Fa-f]*(?=\r)")
@@ -87,7 +87,7 @@ def _looked_at(port: Found, seconds: float) -> Found:
 
 def _open(url: str) -> Port:
     if url == GROUND_STATION:  # found, not asked for: only listen
-        return open_udp("0.0.0.0", 14550, TIMEOUT_S, listens=True)
+        return open_udp("127.0.0.1", 14550, TIMEOUT_S, listens=True)
     return open_port(url, TIMEOUT_S)
 
 

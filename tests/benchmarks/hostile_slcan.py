@@ -66,7 +66,7 @@ def _made_up(rng: random.Random, _: bytes, __: bytes, ___: Shape) -> bytes:
     return b"t%03X8%s\r" % (rng.choice(IDS), rng.randbytes(8).hex().upper().encode())
 
 
-# A burst of up to eight bits always fails the check; the made-up lines are those that pass as often as chance has it.
+# A burst of up to eight bits always fails the check; made-up lines pass as often as chance has it.
 WAYS: tuple[Mutation, ...] = (*DAMAGES, _other_character, _stamped, _made_up, _made_up, _made_up)
 
 

@@ -4,11 +4,12 @@ from textwrap import wrap
 
 from textual.content import Content
 
-from station.monitor.view import Location
+from station.monitor.view import Location, View
 from station.tui.monitor.map_picture import map_picture
 from station.tui.widgets.drawn import Drawn
 
 LINES = 5
+LATE_S = 2.0
 
 
 class Map(Drawn[Location]):
@@ -23,7 +24,7 @@ class Map(Drawn[Location]):
         return map_picture(self.size.width, self.size.height, self.value)
 
 
-class Where(Drawn[Location]):
+class Where(Drawn[View]):
     """Position and heading with their sigmas and the fixes' health; before that, what is missing."""
 
     DEFAULT_CSS = """
@@ -32,13 +33,13 @@ class Where(Drawn[Location]):
 
     def render(self) -> Content:
         """Draw five lines."""
-        location = self.value
+        location, behind = self.value.location or Location(), _behind(self.value)
         if not location.is_located:
             head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {location.fixes} fixes")
             why = wrap(location.why, max(self.content_size.width - 1, 20))[: LINES - 1]
             return Content("\n").join((head, *(Content(line) for line in why)))
         east, north, up = (f"{value:+.2f}" for value in location.enu)
-        outliers = f"{location.outliers} outliers"
+        outliers, newest = f"{location.outliers} outliers", f"newest {location.fix_age:.1f} s"
         return Content("\n").join((
             Content.assemble("E ", (east, "bold $accent"), "  N ", (north, "bold $accent"), f"  U {up} m"),
             Content(f"{location.latitude:.7f}, {location.longitude:.7f} deg"),
@@ -46,9 +47,15 @@ class Where(Drawn[Location]):
             Content(_sigmas(location)),
             Content.assemble(
                 (f"◎ {location.fixes} fixes", "bold $success"), "  ",
-                (outliers, "bold $error" if location.outliers else ""), f"  newest {location.fix_age:.1f} s",
+                (outliers, "bold $error" if location.outliers else ""), "  ",
+                (f"{behind:.0f} s behind", "bold $warning") if behind > LATE_S else newest,
             ),
         ))  # fmt: skip
+
+
+def _behind(view: View) -> float:
+    """Return by how much the location is older than the attitude [s]: where the machine is too slow for it."""
+    return 0.0 if view.reading is None or view.location is None else view.reading.t - view.location.t
 
 
 def _heading(location: Location) -> tuple[Content | tuple[str, str], ...]:

@@ -29,7 +29,12 @@ HELP = (
     "Roll and pitch of forward-right-down axes. Residual is the angle between what the accelerometers say is down "
     "and the attitude. At rest on a slab the table shows what the calibration bought: what is left of level, "
     "drift and g, with it and without. The zero is taken off what is shown and off nothing else: recordings, JSON "
-    "and MAVLink have absolute angles. With --locate: l is the map, ✗ a fix that stands off, + the first fix."
+    "and MAVLink have absolute angles."
+)
+HELP_LOCATED = (
+    "The place is East, North and Up of the first fix, which is + on the map; ✗ is a fix that stands off, counted "
+    "and hardly believed. Heading is of forward, from true north. Residual is the angle between what the "
+    "accelerometers say is down and the attitude. The zero is of the display only."
 )
 LEAVE = "The recording is finished and complete; everything stays in its folder."
 
@@ -69,10 +74,10 @@ class MonitorScreen(Screen[None]):
         self.view = View()
         self.title_line, self.state = Title(("", "")), State(("…", "$muted", ""))
         self.horizon, self.readings, self.comparison = Horizon(None), Readings(View()), Comparison(None)
-        self.map, self.where = Map(Location()), Where(Location())
+        self.map, self.where = Map(Location()), Where(View())
         self.charts = (
-            Chart("PITCH", "deg", 0.02, pitch="$axis-y"),
             Chart("ROLL", "deg", 0.02, roll="$axis-x"),
+            Chart("PITCH", "deg", 0.02, pitch="$axis-y"),
             Chart("RATES", "deg/s", 0.02, p="$axis-x", q="$axis-y", r="$axis-z"),
             Chart("RESIDUAL", "deg", 0.02, residual="$warning"),
             Chart("AID", "m/s", 1.0, aid="$primary"),
@@ -107,7 +112,7 @@ class MonitorScreen(Screen[None]):
         if view.location is not None:
             self.set_class(view.location.is_located, "-placed")
             self.map.show(view.location)
-            self.where.show(view.location)
+            self.where.show(view)
         self.title_line.show((f"{view.unit or 'FOG station'}  monitor", f"aid {view.aid}{_at(view)}"))
         self.state.show(state_of(view))
         self.horizon.show(view.shown)
@@ -153,7 +158,8 @@ class MonitorScreen(Screen[None]):
             for active in self.active_bindings.values()
             if active.binding.show
         }
-        self.app.push_screen(Help("monitor", HELP, keys))
+        text = HELP if self.view.location is None else HELP_LOCATED
+        self.app.push_screen(Help("monitor", text, keys))
 
 
 def _at(view: View) -> str:

@@ -77,12 +77,13 @@ class Readings(Drawn[View]):
         steep = "  any: X is vertical" if abs(reading.pitch) > STEEP else ""
         p, q, r = (_short(rate, 3) for rate in reading.rate)
         x, y, z = (_short(bias, 2) for bias in reading.bias)
+        heading = "" if reading.heading is None else f"  HDG {reading.heading % 360:.1f}"
         warm = "" if reading.temperature is None else f"   {reading.temperature:.1f} degC"
         return Content("\n").join((
             Content.assemble("ROLL   ", (f"{shown[0]:+9.3f} deg", "bold $accent"), (zero[0] + steep, "$warning")),
             Content.assemble("PITCH  ", (f"{shown[1]:+9.3f} deg", "bold $accent"), (zero[1], "$warning")),
             Content.assemble(
-                f"1 sigma {reading.sigma:8.3f} deg   ", (f"{symbol} {reading.mode}", f"bold {colour}")
+                f"1 sigma {reading.sigma:8.3f} deg   ", (f"{symbol} {reading.mode:7}", f"bold {colour}"), heading
             ),
             Content.assemble("RATE  ", f"p {p}  q {q}  r {r} deg/s"),
             Content.assemble("BIAS  ", f"x {x}  y {y}  z {z} deg/h"),

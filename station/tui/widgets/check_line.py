@@ -32,5 +32,5 @@ class CheckLine(Drawn[Look]):
         errors = f", {check.bad_frames} of {check.frames + check.bad_frames} frames bad"
         return Content.assemble(
             ("✓ ", "bold $success"), (f"{check.format}, {unit}", "bold"), f"{rate}{errors}",
-            f", noise {check.noise}" if check.noise else "", f", {check.text}" if check.text else "",
+            f", noise {check.noise}" if check.noise else "",
         )  # fmt: skip

@@ -75,6 +75,13 @@ def test_devices_tells_what_comes_from_a_bus(device: SimulatedDevice, capsys: py
     assert cli.run(["devices", "--url", device.url, "--seconds", "0.5"]) == 0
     said = capsys.readouterr().out
     assert all(text in said for text in ("format    fog-counts", "10 Hz", "0 bad check", "0 breaks"))
+    assert "by this machine's clock; check sample period" in said  # it goes 200 times as fast as it says
+
+
+def test_a_device_in_step_with_its_declared_rate_is_not_warned_of(capsys: pytest.CaptureFixture[str]) -> None:
+    with SimulatedDevice(Truth.example(5), 5) as device:
+        assert cli.run(["devices", "--url", device.url, "--seconds", "1"]) == 0
+    assert "warning" not in capsys.readouterr().out
 
 
 def test_what_comes_instead_of_samples_is_told(device: SimulatedDevice, tmp_path: Path) -> None:

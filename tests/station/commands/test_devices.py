@@ -15,6 +15,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
 from station.reader.survey import BAUDS, GROUND_STATION, Found, recognised, survey
+from station.reader.survey_lines import fitted, survey_lines
 from tests.station.commands.program import Program
 
 
@@ -88,6 +89,21 @@ def test_it_looks_again_and_again_until_ctrl_c(simulated_imu: SimulatedDevice) -
         program.process.send_signal(signal.SIGINT)
         assert program.end()[0] == 0
     assert {look["looks_like"] for look in looks} == {"counts"}
+
+
+def test_the_table_fits_its_terminal_and_says_what_it_leaves_out() -> None:
+    messages = {"GPS_RAW_INT": 5.0, "GLOBAL_POSITION_INT": 5.0, "SYSTEM_TIME": 1.0, "HIGHRES_IMU": 50.0}
+    autopilot = Found(
+        "mavlink:udpin:127.0.0.1:14550", "MAVLink, the ground station's port", looks_like="mavlink",
+        systems={1: 61.0}, messages=messages, errors={"bad_crc": 2, "lost": 0},
+    )  # fmt: skip
+    lines = survey_lines([autopilot, Found("serial:///dev/ttyNONE", trouble="no such port")])
+    whole = fitted(lines, 80, 23)
+    assert all(len(line) <= 80 for line in whole)
+    assert " ".join(" ".join(whole).split()) == " ".join(" ".join(lines).split())
+    assert "    errors: 2 bad crc" in whole
+    cut = fitted(lines, 80, 4)
+    assert cut == [*whole[:3], f"... {len(whole) - 3} more lines: --url URL looks at one alone"]
 
 
 def test_without_a_url_all_ports_of_the_machine_are_listed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -153,7 +153,7 @@ def test_a_silent_port_is_exit_4(tmp_path: Path, capsys: pytest.CaptureFixture[s
     far, near = os.openpty()
     for options in ("?format=counts", ""):
         url = f"serial://{os.ttyname(near)}{options}"
-        assert "no bytes for 2.0 s" in refused(arguments_for(url, tmp_path), capsys, tmp_path)
+        assert "no bytes for 1.8 s" in refused(arguments_for(url, tmp_path), capsys, tmp_path)
     os.close(far)
     os.close(near)
 

@@ -15,10 +15,10 @@ from tests.station.commands.program import Program
 def test_the_same_words_with_other_counts_are_said_once_and_their_end_too() -> None:
     said = list[str]()
     told = Told("ttyUSB0", said.append)
-    for trouble in ("", "lost: 3 within 2 s", "lost: 17 within 2 s", "", "", "bytes: 1", "lost: 1 within 2 s"):
+    for trouble in ("", "lost: 3", "lost: 17", "", "", "ttyUSB0 is away 1", "lost: 1"):
         told.look(trouble)
     assert [line.partition("  ")[2] for line in said] == [
-        "lost: 3 within 2 s", "ttyUSB0: well again", "bytes: 1", "lost: 1 within 2 s"
+        "ttyUSB0: lost: 3", "ttyUSB0: well again", "ttyUSB0 is away 1", "ttyUSB0: lost: 1"
     ]  # fmt: skip
 
 

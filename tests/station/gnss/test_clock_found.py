@@ -3,6 +3,7 @@
 import itertools
 import json
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from drivers.ports import parse_device_url
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.device import ByteDevice
+from drivers.simulated.faults import Fault
 from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
@@ -22,9 +24,12 @@ from station import cli
 from station.campaign_folder import read_campaign
 from station.errors import DataRefused
 from station.gnss import GnssFeed
+from station.gnss.sample_rate import by_this_machine, said_of
 from station.guide.gnss_beside import GnssBeside
+from station.guide.host_clock import HostClock
 from station.guide.story import Story
 from station.live import open_feed
+from station.live.told import words_of
 from station.reader import Chunk, GapMark
 from station.recorder import open_campaign
 from tests.station.commands.program import Program
@@ -40,10 +45,10 @@ JITTER_S = 3e-3  # of a read
 class Bench:
     """Both devices on one true time; each source is polled by its feed."""
 
-    def __init__(self, ppm: float) -> None:
+    def __init__(self, ppm: float, faults: Iterable[Fault] = ()) -> None:
         truth = replace(Truth.example(5), effects={"clock.rate": {"value": ppm}})
         self._ppm = ppm
-        self.device = ByteDevice(truth, 5, "counts")
+        self.device = ByteDevice(truth, 5, "counts", faults)
         self.autopilot = Autopilot(truth, AutopilotTruth(default_hz=5.0))
         self._rng = np.random.default_rng(8)
         self._heard = 0.0
@@ -129,25 +134,54 @@ def test_solve_warns_of_a_clock_and_refuses_a_worse_one(
     assert "-1.48% off" in capsys.readouterr().err
 
 
-def beside(ppm: float, seconds: float) -> tuple[str, ...]:
-    """Return what a campaign's receiver has it say within so many device seconds."""
-    bench, story = Bench(ppm), Story()
+def beside(ppm: float, seconds: float, faults: tuple[Fault, ...] = (), *, has_gnss: bool = True) -> list[str]:
+    """Return what a campaign's receiver, or its machine's clock, has it say within so many device seconds."""
+    bench, story = Bench(ppm, faults), Story()
     feed, gnss = open_feed(Imu(bench)), GnssFeed(Receiver(bench))
-    watch, looks = GnssBeside(gnss, feed, story), itertools.count(0.0, READ_S)
+    watch = GnssBeside(gnss, feed, story) if has_gnss else HostClock(feed, story)
+    looks = itertools.count(0.0, READ_S)
     watch._rate.clock = lambda: float(next(looks))  # noqa: SLF001
     feed.identify()
     while bench.device.imu.time < seconds:
         feed.advance()
         watch.round()
-    return tuple(event.text for event in story.events)
+    return [event.text for event in story.events]
 
 
 def test_a_running_campaign_names_the_clock_once_and_ends_where_it_is_worse() -> None:
-    assert beside(SMALL, 60.0) == ()
+    assert beside(SMALL, 60.0) == []
     [said] = beside(WARNED, 90.0)
     assert re.match(r"clock.rate: by reference time a sample lasts 0.0199\d+ s, -0.1[0-9]% off", said)
     with pytest.raises(DataRefused, match="check the sync line"):
         beside(REFUSED, 90.0)
+
+
+def test_without_a_receiver_the_machines_clock_tells_a_thousandth_and_leaves_another_pace_alone() -> None:
+    assert beside(SMALL, 60.0, has_gnss=False) == []
+    [said] = beside(WARNED, 60.0, has_gnss=False)
+    assert re.match(r"clock.rate: by this machine's clock a sample lasts 0.0199\d+ s, -0.1[0-9]% off", said)
+    with pytest.raises(DataRefused, match="check the sync line"):
+        beside(REFUSED, 60.0, has_gnss=False)
+    assert beside(1e7, 60.0, has_gnss=False) == []  # eleven times as fast
+
+
+def test_a_recording_says_it_and_goes_on() -> None:
+    bench = Bench(REFUSED)
+    feed, looks, said = open_feed(Imu(bench)), itertools.count(0.0, READ_S), list[str]()
+    rate = by_this_machine(feed)
+    rate.clock = lambda: float(next(looks))
+    pieces = feed.pieces(lambda: said.append(said_of(rate)))
+    while bench.device.imu.time < 40.0:
+        next(pieces)
+    told = [words for words, _ in itertools.groupby(words_of(text) for text in said)]
+    assert len(told) == 2  # nothing, then what is wrong and what was expected, to the end
+    assert re.search(r"-1\.[45]\d% off .* expected the declared rate within 1 %", said[-1])
+
+
+@pytest.mark.parametrize("has_gnss", [True, False])
+def test_a_jump_of_the_devices_clock_is_no_wrong_rate(has_gnss: bool) -> None:
+    jump = Fault("clock_jump", at_s=30.0, seconds=2.0)
+    assert beside(0.0, 80.0, (jump,), has_gnss=has_gnss) == []
 
 
 def test_the_program_ends_with_3_when_gnss_time_says_that_the_rate_is_wrong(tmp_path: Path) -> None:

@@ -80,6 +80,6 @@ def test_the_campaign_waits_for_looks_and_says_the_site_that_it_took(tmp_path: P
         finally:
             engine.close()
     assert "for 20 positions of the receiver" in shown[0].hint
-    assert said.startswith("by GNSS the site is 48.")
+    assert said.startswith("site by GNSS: 48.")
     assert "1 sigma" in said
     assert said.endswith("longitude_deg 12.5 is stated, GNSS says 11.5")

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import ExitStack
+from pathlib import Path
 
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.simulated.autopilot import Autopilot
@@ -12,10 +13,12 @@ from drivers.simulated.truth import Truth
 from procedures.gnss import AirData, GnssFix, TimeMark
 from station.live import open_feed
 from station.mcap_files.fix_reader import Record
+from station.mcap_files.fix_writer import FixWriter
 from station.monitor.body_axes import DEFAULT, body_axes
 from station.monitor.calibration import Applied
 from station.monitor.locating import locating
 from station.monitor.monitor import Monitor, Options
+from station.monitor.recording import Recording
 from station.monitor.view import InUse, Stream, View
 from tests.station.live.bench_in_memory import Source
 from tests.station.monitor.unit import calibration_of
@@ -24,8 +27,8 @@ from tests.station.monitor.unit import calibration_of
 class Receiver:
     """An autopilot heard without a port, at the IMU's own time; `station.monitor.monitor.Aid`."""
 
-    def __init__(self, source: Source, autopilot: Autopilot) -> None:
-        self._source, self._autopilot = source, autopilot
+    def __init__(self, source: Source, autopilot: Autopilot, writer: FixWriter | None = None) -> None:
+        self._source, self._autopilot, self._writer = source, autopilot, writer
         self._decoder, self._records = MavlinkDecoder(), list[Record]()
 
     def advance(self) -> None:
@@ -33,11 +36,11 @@ class Receiver:
         while self._heard < now:
             self._heard = min(self._heard + 0.02, now)
             stamp = round(self._heard * 1e9)
-            self._records += [
-                record
-                for record in self._decoder.feed(self._autopilot.due(self._heard), stamp)
-                if isinstance(record, GnssFix | TimeMark | AirData)
-            ]
+            for record in self._decoder.feed(self._autopilot.due(self._heard), stamp):
+                if isinstance(record, GnssFix | TimeMark | AirData):
+                    self._records.append(record)
+                    if self._writer is not None:
+                        self._writer.write(record)
 
     _heard = 0.0
 
@@ -62,19 +65,23 @@ class DriveRig:
 
     def __init__(
         self, truth: Truth, track: Track, autopilot: AutopilotTruth, faults: Sequence[GnssFault] = (),
-        lever_arm: tuple[float, ...] = (0.0, 0.0, 0.0),
+        lever_arm: tuple[float, ...] = (0.0, 0.0, 0.0), folder: Path | None = None, seed: int = 1,
     ) -> None:  # fmt: skip
-        self.source = Source(truth)
+        self.source = Source(truth, seed=seed)
         self.source.device.drive(track)
         self.feed = open_feed(self.source)
         self.feed.identify()
         self.lines: list[View] = []
         applied = Applied(calibration_of(truth), None, InUse("by hand", 1.0))
         C = body_axes(DEFAULT)
-        where = locating(self.feed, applied, C, lever_arm, ExitStack(), live=False)
-        receiver = Receiver(self.source, Autopilot(truth, autopilot, faults, track, 1))
+        where = None if folder else locating(self.feed, applied, C, lever_arm, ExitStack(), live=False)
+        self.writer = None if folder is None else FixWriter(folder / "gnss_1.mcap")
+        receiver = Receiver(self.source, Autopilot(truth, autopilot, faults, track, seed), self.writer)
+        recording = None if folder is None else Recording(folder, self.feed.wire)
+        if recording is not None:
+            recording.begin()
         self.monitor = Monitor(
-            self.feed, applied, Options(C=C, aid="gnss", locating=where), None, receiver, (self.lines.append,)
+            self.feed, applied, Options(C=C, aid="gnss", locating=where), recording, receiver, (self.lines.append,)
         )
 
     @property
@@ -86,3 +93,14 @@ class DriveRig:
         while self.source.device.imu.time < end:
             self.monitor.round()
         return self.view
+
+
+def record_drive(folder: Path, truth: Truth, track: Track, autopilot: AutopilotTruth, seconds: float) -> Path:
+    """Record a drive as a monitored run leaves it, at once, and return the IMU's file."""
+    folder.mkdir()
+    rig = DriveRig(truth, track, autopilot, folder=folder)
+    rig.run(seconds)
+    rig.monitor.close()
+    assert rig.writer is not None
+    rig.writer.close()
+    return folder / "recording.mcap"

@@ -89,7 +89,7 @@ def test_a_receiver_aids_and_the_replay_with_its_file_ends_in_the_same(
     calibration = str(write_calibration(tmp_path, FLAT))
     same = ["--calibration", calibration, "--json"]
     with device() as served, SimulatedGnss(FLAT, AutopilotTruth(velocity_std_m_s=0.5), speed=SPEED) as gnss:
-        given = ["--gnss", f"{gnss.url}?rate=20", "--folder", str(tmp_path / "r"), "--seconds", "40"]
+        given = ["--gnss", f"{gnss.url}?rate=20", "--folder", str(tmp_path / "r"), "--seconds", "25"]
         assert cli.run(["monitor", served.url, *same, *given]) == 0
     lines = lines_of(capsys.readouterr().out)
     assert {line["aid"] for line in lines} == {"gnss"}

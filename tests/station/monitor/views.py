@@ -46,7 +46,14 @@ def _with(view: View, **changes: object) -> View:
 RESTING = _with(
     MOVING,
     reading=_with(
-        READING, roll=0.003, pitch=-0.002, rate=(0.0, 0.002, -0.003), sigma=0.004, residual=0.003, mode="at rest"
+        READING,
+        heading=-121.3,
+        roll=0.003,
+        pitch=-0.002,
+        rate=(0.0, 0.002, -0.003),
+        sigma=0.004,
+        residual=0.003,
+        mode="at rest",
     ),
     bought=Bought(157.2, Side(0.0025, 0.031, 0.0018), Side(0.07, 1.006, -22.647), "the Earth's rate is taken off"),
 )
@@ -83,7 +90,9 @@ LOCATED = _with(
         outliers=3, fix_age=0.2, track=_EIGHT, far=((10.0, 20.0), (12.0, 19.0), (-30.0, 5.0)),
     ),
 )  # fmt: skip
+BEHIND = _with(LOCATED, reading=_with(LOCATED.reading, t=824.0))
 VIEWS = {
+    "behind": BEHIND,
     "not_located": WAITING_TO_LOCATE, "located": LOCATED,
     "waiting": View(), "moving": MOVING, "resting": RESTING, "zeroed": ZEROED, "alarming": ALARMING,
     "silent": SILENT, "aided": AIDED, "steep": STEEP, "uncalibrated": UNCALIBRATED,

@@ -52,7 +52,7 @@ class Case:
         return self.says.get(transport, self.says.get("*", ""))
 
 
-SILENT = "no bytes for 2.0 s"
+SILENT = "no bytes for 1.8 s"
 NOISE = {"*": "frame; ", "udp_multicast": SILENT}  # which has no place for it
 GONE = {"*": "was lost", "udp_multicast": SILENT}
 KERNEL = {"*": 0, "udp_multicast": -1}  # what it has no room for is lost, and marked

@@ -17,7 +17,7 @@ LOOKS = [
     ("waiting", SMALL, ""), ("moving", SMALL, ""), ("resting", SMALL, ""), ("alarming", SMALL, ""),
     ("silent", SMALL, ""), ("zeroed", SMALL, ""), ("steep", SMALL, ""), ("resting", SMALL, "question_mark"),
     ("moving", LARGE, ""), ("aided", LARGE, ""), ("not_located", SMALL, ""), ("located", SMALL, ""),
-    ("located", LARGE, ""),
+    ("located", LARGE, ""), ("located", SMALL, "question_mark"),
 ]  # fmt: skip
 
 
@@ -64,7 +64,7 @@ def cut_off(seen: Shown) -> list[object]:
     ("name", "said"),
     [
         ("moving", ("+12.345 deg", "-4.321 deg", "moving", "RECORDING", "50.0 Hz", "no errors", "20 days old")),
-        ("resting", ("at rest", "0.003 0.070 deg", "0.031 1.006 deg/h", "-22.647 mg")),
+        ("resting", ("at rest HDG 238.7", "0.003 0.070 deg", "0.031 1.006 deg/h", "-22.647 mg")),
         ("zeroed", ("+0.345 deg  from zero +12.000", "-0.321 deg  from zero -4.000")),
         ("alarming", ("✗ ALARM", "roll 12.3, limit 10 deg")),
         ("silent", ("✗ NO DATA", "check cable and power", "age 3.1 s")),
@@ -76,6 +76,7 @@ def cut_off(seen: Shown) -> list[object]:
             "located",
             ("HEADING 329.20 deg 1 sigma 0.11", "1 sigma 0.21 m, up 0.34 m", "4051 fixes 3 outliers", "20 m"),
         ),
+        ("behind", ("3 outliers 12 s behind",)),
         ("waiting", ("waiting for the first samples", "no attitude yet")),
     ],
 )

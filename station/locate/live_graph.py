@@ -1,0 +1,59 @@
+"""The outer graph of a run without end: renewed every half hour, so that neither memory nor time grows with it."""
+
+from dataclasses import replace
+
+from procedures.arrays import FloatArray
+from procedures.fusion.odometry import OdometryPose
+from procedures.fusion.outer_graph import GlobalPose, OuterGraph, OuterSettings
+from procedures.fusion.records import GnssFixes
+
+RENEWED = 36_000  # poses: half an hour
+RUN_IN = 1_200  # poses that a new graph goes along before it takes over: a minute, six of its windows
+
+
+class LiveGraph:
+    """Like `OuterGraph`, but fixes are added as they come."""
+
+    def __init__(self, settings: OuterSettings, renewed: int = RENEWED, run_in: int = RUN_IN) -> None:
+        self._settings, self._renewed, self._run_in = settings, renewed, run_in
+        self._graph = OuterGraph(settings)
+        self._heir: OuterGraph | None = None
+        self._poses = 0
+
+    def add(self, fixes: GnssFixes) -> None:
+        """Take fixes that come after all so far."""
+        for graph in (self._graph, self._heir) if self._heir is not None else (self._graph,):
+            known = graph.hanging.fixes
+            graph.hanging.fixes = fixes if known is None else known.followed_by(fixes)
+
+    def take(self, pose: OdometryPose) -> GlobalPose | None:
+        """Return a pose in n; None before the moment of alignment."""
+        self._poses += 1
+        found = self._graph.take(pose)
+        if self._heir is not None and self._heir.hanging.fixes is not None:
+            self._heir.take(pose)
+        self._renew()
+        return found
+
+    @property
+    def lever_arm(self) -> FloatArray:
+        """The lever arm (3,) [m] as it is known now."""
+        return self._graph.constants[0]
+
+    @property
+    def lever_std(self) -> float:
+        """1 sigma [m] of it, 0 where it was given."""
+        return self._graph.lever_std
+
+    def _renew(self) -> None:
+        """Have an heir begin, or take over once it has run in."""
+        if self._heir is None:
+            if self._poses >= self._renewed:
+                self._heir = OuterGraph(self._settings_now())
+        elif self._poses >= self._renewed + self._run_in and self._heir.begun_at is not None:
+            self._graph, self._heir, self._poses = self._heir, None, self._run_in
+
+    def _settings_now(self) -> OuterSettings:
+        if self._settings.lever_arm_std is None:
+            return self._settings
+        return replace(self._settings, lever_arm=self.lever_arm, lever_arm_std=self.lever_std)

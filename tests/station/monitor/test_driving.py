@@ -1,0 +1,98 @@
+"""A drive in memory: where it is and which way it points against the truth, outliers, and what is said before."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.gnss_faults import GnssFault
+from drivers.simulated.truth import Truth
+from station.monitor.lines import json_line, reading_line
+from station.monitor.view import Location, View
+from tests.drivers.simulated.drives import bends
+from tests.station.monitor.driving import DriveRig
+
+pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
+TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
+TRACK = bends(60.0, still=16.0)
+AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0)
+JUMP = GnssFault("jump", 40.0, 1.0, 30.0)  # 30 m east for five fixes
+
+
+def off(location: Location) -> float:
+    """Return how far it is from the truth, level [m]; the first fix is where it stood."""
+    gone = TRACK.position(location.t) - TRACK.position(0.0)
+    return float(np.linalg.norm(np.array(location.enu)[:2] - gone[:2]))
+
+
+def turned(location: Location) -> float:
+    east, north, _ = TRACK.velocity(location.t)
+    assert location.heading is not None
+    return (location.heading - float(np.degrees(np.arctan2(east, north))) + 180) % 360 - 180
+
+
+@pytest.fixture(scope="module")
+def drive() -> DriveRig:
+    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, [JUMP])
+    rig.run(46.0)
+    return rig
+
+
+def located(drive: DriveRig) -> list[View]:
+    return [view for view in drive.lines if view.location is not None and view.location.is_located]
+
+
+def test_it_says_what_is_missing_until_it_moves(drive: DriveRig) -> None:
+    said = [
+        view.location.why for view in drive.lines if view.location is not None and not view.location.is_located
+    ]
+    assert said[0] == "no fix yet"
+    assert any("its noise is learnt" in why for why in said)
+    assert "it must move" in said[-1]
+    begun = located(drive)[0].location
+    assert begun is not None
+    assert 16.0 < begun.t < 30.0
+    assert any("position and heading are known" in event.text for view in drive.lines for event in view.events)
+
+
+def test_place_and_heading_are_the_truth_within_what_the_receiver_is_off(drive: DriveRig) -> None:
+    settled = [view.location for view in located(drive) if view.location and view.location.t > 34.0]
+    assert len(settled) > 100
+    assert max(map(off, settled)) < 4 * 0.3 * np.sqrt(2)  # its own error and the first fix's
+    last = settled[-1]
+    assert last.heading_std is not None
+    assert last.heading_std < 0.5
+    assert all(abs(turned(location)) < 4 * (location.heading_std or 0.0) for location in settled[::10])
+    assert np.linalg.norm(np.array(last.velocity) - TRACK.velocity(last.t)) < 0.15
+    assert last.latitude == pytest.approx(48.1 + last.enu[1] / 111_200, abs=1e-5)
+    assert all(view.reading.t - view.location.t < 0.5 for view in located(drive) if view.reading and view.location)
+
+
+def test_fixes_that_jump_are_counted_and_hardly_move_it(drive: DriveRig) -> None:
+    before = [view.location for view in located(drive) if view.location and view.location.t < 39.5][-1]
+    last = drive.view.location
+    assert last is not None
+    assert before.outliers == 0
+    assert last.outliers in {5, 6}
+    assert len(last.far) == last.outliers
+    assert off(last) < 1.5
+
+
+def test_lines_carry_the_same(drive: DriveRig) -> None:
+    view = located(drive)[-1]
+    assert view.location is not None
+    assert f"{view.location.heading:.2f}" in reading_line(view)
+    assert f"{view.location.outliers} outliers" in reading_line(view)
+    assert '"location": {"state": "located"' in json_line(view)
+    early = next(view for view in drive.lines if view.location is not None)
+    assert "not located, 0 fixes: no fix yet" in reading_line(early)
+    assert '"state": "waiting"' in json_line(early)
+
+
+def test_a_unit_that_begins_anew_is_located_anew(drive: DriveRig) -> None:
+    drive.feed.begin_anew()
+    drive.run(1.0)
+    assert drive.view.location is not None
+    assert not drive.view.location.is_located
+    assert any("no longer known" in event.text for event in drive.view.events)
