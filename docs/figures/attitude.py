@@ -59,13 +59,13 @@ def draw_errors(title: str, *methods: tuple[str, Estimator]) -> Figure:
 
 def draw_gyro() -> Figure:
     """Draw the paper's figure 3."""
-    return draw_errors("gyro alone: errors grow with time", ("", gyro_alone))
+    return draw_errors(f"gyro alone, {RUNS} flights; shaded: the turn", ("", gyro_alone))
 
 
 def draw_forward_speed() -> Figure:
     """Draw the paper's figure 4, and what remembering the angle of attack makes of it."""
     return draw_errors(
-        "forward speed; shaded: the turn", ("paper-airspeed: eq. 10", by("paper-airspeed")),
+        f"forward speed, {RUNS} flights; shaded: the turn", ("paper-airspeed: eq. 10", by("paper-airspeed")),
         ("airspeed: gated, angle of attack remembered", by("airspeed")),
     )  # fmt: skip
 
@@ -73,7 +73,7 @@ def draw_forward_speed() -> Figure:
 def draw_filter() -> Figure:
     """Draw the paper's figure 5, and the joint filter."""
     return draw_errors(
-        "velocity filter; shaded: the turn", ("paper-filter: eq. 11-14", by("paper-filter")),
+        f"velocity filter, {RUNS} flights; shaded: the turn", ("paper-filter: eq. 11-14", by("paper-filter")),
         ("airspeed-filter: attitude, velocity and biases in one", by("airspeed-filter")),
     )  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from drivers.simulated.errors import TruthRefused
 from drivers.simulated.motion import Segment
 from drivers.simulated.track import Track
 from procedures.arrays import FloatArray
@@ -17,12 +18,12 @@ def drive(track: Track, C_bn: FloatArray, first: int, period: float) -> Segment:
 
     Raises
     ------
-    ValueError
+    TruthRefused
         If the track is over by then.
     """
     samples = int(np.ceil(track.t[-1] / period)) - first + 1
     if samples < 1:
-        raise ValueError(f"a track that ended at {track.t[-1]:g} s: expected one that goes on")
+        raise TruthRefused(f"a track that ended at {track.t[-1]:g} s", "one that goes on")
     ahead_n = C_bn[0]
     t: FloatArray = np.float64(period) * np.arange(first, first + samples + 1)
     v = track.velocities(t)

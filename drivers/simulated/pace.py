@@ -15,6 +15,11 @@ class Pace:
         self._per_sample = period / speed if speed else 0.0
         self._clock = clock
         self._anchor, self._anchored = clock(), 0
+        self._allowed = BEHIND_S
+
+    def excuse(self, seconds: float) -> None:
+        """Take it that the device was held up on purpose: what became due meanwhile is not waited for again."""
+        self._allowed = BEHIND_S + seconds
 
     @property
     def samples(self) -> int:
@@ -27,6 +32,8 @@ class Pace:
             return 0.0
         now = self._clock()
         early = self._anchor + (sample - self._anchored) * self._per_sample - now
-        if early < -BEHIND_S:
+        if early > -BEHIND_S:
+            self._allowed = BEHIND_S
+        elif early < -self._allowed:
             self._anchor, self._anchored = now, sample
         return max(0.0, early)

@@ -196,6 +196,8 @@ class SimulatedDevice:
             self._stop.wait(pace.delay(self.device.samples))
             for part in sent:
                 self._send(part)
+                if isinstance(part, Silence):
+                    pace.excuse(part.seconds / (self._speed or 1.0))
             self._sent = self.device.samples
 
     def _send(self, part: Sent) -> None:

@@ -1,7 +1,16 @@
 """The wire formats: to add one, write its file and name it in `FORMATS`; the family tests pick it up."""
 
 from drivers.wire import ch70, counts, kvh1750, rawimu, rawimus, rawimusx, rawimux, stim300, triad
-from drivers.wire._format import FrameKind, Identity, JoinCounters, Joiner, Lines, NominalScale, WireFormat
+from drivers.wire._format import (
+    ALL_CHANNELS,
+    FrameKind,
+    Identity,
+    JoinCounters,
+    Joiner,
+    Lines,
+    NominalScale,
+    WireFormat,
+)
 
 FORMATS: dict[str, WireFormat] = {
     wire.name: wire
@@ -22,4 +31,14 @@ FORMATS: dict[str, WireFormat] = {
     )
 }
 
-__all__ = ["FORMATS", "FrameKind", "Identity", "JoinCounters", "Joiner", "Lines", "NominalScale", "WireFormat"]
+__all__ = [
+    "ALL_CHANNELS",
+    "FORMATS",
+    "FrameKind",
+    "Identity",
+    "JoinCounters",
+    "Joiner",
+    "Lines",
+    "NominalScale",
+    "WireFormat",
+]

@@ -92,6 +92,12 @@ class FrameKind:
         """The triads, ``gyro`` and ``accel``, of which it measures any axis."""
         return frozenset({"gyro" if channel[0] == "g" else "accel" for channel in self.channels})
 
+    @property
+    def zeros(self) -> tuple[str, ...]:
+        """The channels that are not measured though others of their triad are: they stand as 0."""
+        measured = {channel[0] for channel in self.channels}
+        return tuple(each for each in sorted(ALL_CHANNELS - self.channels) if each[0] in measured)
+
 
 class JoinCounters(Protocol):
     """What a `Joiner` counts: see `drivers.framing.FrameCounters`."""

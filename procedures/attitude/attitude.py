@@ -14,7 +14,7 @@ from procedures.attitude.log import AttitudeLog
 from procedures.attitude.mixer import NEAR_VERTICAL, mix, mix_as_printed
 from procedures.attitude.north import heading_at_rest
 from procedures.attitude.observability import Observability, observability
-from procedures.attitude.sensor_noise import clipped_rows, gate_of, gyro_noise
+from procedures.attitude.sensor_noise import at_rest, clipped_rows, gate_of, gyro_noise
 from procedures.earth import EARTH_RATE, STANDARD_GRAVITY
 
 AIDS = ("none", "airspeed", "airspeed-filter", "gnss", "paper-airspeed", "paper-filter")
@@ -22,6 +22,7 @@ NEEDS = {"airspeed": "airspeed", "airspeed-filter": "airspeed", "gnss": "velocit
          "paper-airspeed": "airspeed", "paper-filter": "airspeed"}  # fmt: skip
 LONG_TURN_S = 60.0  # the printed velocity filter is not believed beyond
 UPSIDE_DOWN = 0.5  # cosine
+WALK_OF_FORCE = 5e-3  # 1/sqrt(s): an accelerometer's bias wanders by a third of its 1 sigma in an hour
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +57,7 @@ def takes_gains(aid: str) -> bool:
 def estimate(
     log: AttitudeLog, aid: str, gains: Gains | None = None, gravity: float = STANDARD_GRAVITY,
     latitude: float | None = None, settings: Settings | None = None, gyro_bias_std: float | None = None,
+    force_bias_std: float | None = None, fix_latency: float = 0.0,
 ) -> Track:  # fmt: skip
     """Return roll and pitch along a log.
 
@@ -71,6 +73,10 @@ def estimate(
     gyro_bias_std
         rad/s, 1 sigma of the gyros' biases where it is known, as after a calibration. With a latitude, and small
         enough, it lets a rest at the start tell the heading.
+    force_bias_std
+        m/s2, 1 sigma of the accelerometers' biases across gravity where it is known: the floor of sigma.
+    fix_latency
+        s by which GNSS velocities are older than the rows that they stand at.
     settings
         Of the joint filter; what depends on the log (interval, noise, ranges) is filled in.
     """
@@ -78,6 +84,10 @@ def estimate(
         settings = settings or (FREE if aid == "none" else DEFAULT)
         if gyro_bias_std is not None:
             settings = settings._replace(gyro_bias_std=gyro_bias_std)
+        if force_bias_std is not None:
+            walk = force_bias_std * WALK_OF_FORCE
+            settings = settings._replace(force_bias_std=force_bias_std, force_bias_walk=walk)
+        settings = settings._replace(fix_latency=fix_latency)
         if latitude is not None and log.heading is None:
             log, settings = _compassed(log, settings, latitude)
         track = _joint(log, aid, settings, gravity, latitude)
@@ -90,6 +100,8 @@ def _joint(log: AttitudeLog, aid: str, settings: Settings, gravity: float, latit
     earth = np.zeros(3) if latitude is None else earth_rate_ned(latitude)
     rate_limit, force_limit, _ = clipped_rows(log)
     unknown = EARTH_RATE if latitude is None else 0.0
+    if aid == "none":  # with one, rest is that of a vehicle whose engine may run
+        settings = at_rest(settings, log)
     settings = settings._replace(
         gravity=gravity, nominal_s=log.nominal,
         earth_north=float(earth[0]), earth_down=float(earth[2]), rate_limit=rate_limit, force_limit=force_limit,

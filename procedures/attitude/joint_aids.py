@@ -2,7 +2,6 @@
 
 import math
 
-from procedures.arrays import FloatArray
 from procedures.attitude.compiled import inlined
 from procedures.attitude.joint_state import (
     AIR,
@@ -36,6 +35,26 @@ def level_velocity(s: State, c: Settings, i: int, measured: float, variance: flo
     """Measure component ``i`` of the velocity in north-east-down."""
     s.at[0], s.H[0] = 3 + i, 1.0
     measure(s, 1, s.v_n[i] - measured, variance, c.believed_sigma)
+
+
+@inlined
+def rest_velocity(s: State, c: Settings, variance: float) -> None:
+    """Measure that the velocity is nought, and learn nothing of accelerometer biases across gravity from it.
+
+    At rest these cannot be told from a tilt. A gyro's bias in yaw turns the body in the filter's eyes, and in such
+    a turn they seem to be seen; so they are held (Schmidt's update): estimate and covariance stay as they were.
+    """
+    for i in range(3):
+        s.held[3, i] = s.dx[12 + i]
+        for j in range(3):
+            s.held[i, j] = s.P[12 + i, 12 + j]
+    level_velocity(s, c, 0, 0.0, variance)
+    level_velocity(s, c, 1, 0.0, variance)
+    for i in range(3):
+        s.dx[12 + i] = s.held[3, i]
+        for j in range(3):
+            s.P[12 + i, 12 + j] = s.held[i, j]
+    level_velocity(s, c, 2, 0.0, variance)
 
 
 @inlined
@@ -97,32 +116,6 @@ def airspeed(s: State, c: Settings) -> None:
 
 
 @inlined
-def velocity_fix(s: State, c: Settings, vel: FloatArray) -> None:
-    """Take in a GNSS velocity (3,) [m/s]; the first fast enough gives the heading where none was given.
-
-    The filter's own velocity carries the motion over the fix interval, so that what is compared are velocity
-    increments, not accelerations at a point.
-    """
-    speed = math.hypot(vel[0], vel[1])
-    if math.isnan(s.block[SPEED]) and speed > c.rest_speed:
-        doubt(s, c)
-    s.block[SPEED] = speed
-    if s.block[HEADING_KNOWN] == 0.0 and speed > c.course_speed:
-        turn_level_frame(s, math.atan2(vel[1], vel[0]) - heading_of(s), c.course_std)
-        set_velocity(s, vel[0], vel[1], vel[2], 2 * c.velocity_fix_std)
-        return
-    if s.block[HEADING_KNOWN] > 0.0 and s.block[VELOCITY_KNOWN] == 0.0:
-        set_velocity(s, vel[0], vel[1], vel[2], 2 * c.velocity_fix_std)
-    elif s.block[HEADING_KNOWN] > 0.0:
-        for i in range(3):
-            level_velocity(s, c, i, vel[i], c.velocity_fix_std**2)
-    else:  # as far as the speed goes in some direction
-        for i in range(2):
-            level_velocity(s, c, i, 0.0, c.velocity_fix_std**2 + speed * speed)
-        level_velocity(s, c, 2, vel[2], c.velocity_fix_std**2)
-
-
-@inlined
 def heading_of(s: State) -> float:
     """Return the heading [rad] of body x in the filter's level frame."""
     return math.atan2(s.C_nb[1, 0], s.C_nb[0, 0])
@@ -147,6 +140,9 @@ def turn_level_frame(s: State, angle: float, std: float) -> None:
             s.P[j, i], s.P[j, i + 1] = cos * a - sin * b, sin * a + cos * b
     for j in range(n):
         s.P[2, j] = s.P[j, 2] = 0.0
+    for k in range(len(s.past)):
+        a, b = s.past[k, 1], s.past[k, 2]
+        s.past[k, 1], s.past[k, 2] = cos * a - sin * b, sin * a + cos * b
     s.P[2, 2] = std * std
     s.block[HEADING_KNOWN] = 1.0
 
@@ -200,8 +196,7 @@ def rest(s: State, c: Settings, aided: bool) -> bool:
     resting = block[STILL] >= c.rest_s and not abs(block[SPEED]) > c.rest_speed
     block[AT_REST] = 1.0 if resting else 0.0
     if resting:
-        for i in range(3):
-            level_velocity(s, c, i, 0.0, c.rest_velocity_noise**2 / T)
+        rest_velocity(s, c, c.rest_velocity_noise**2 / T)
         if aided and block[SPEED] == block[SPEED]:
             for i in range(3):
                 rate = block[RATE + i] / T

@@ -4,8 +4,18 @@ import math
 
 from procedures.arrays import FloatArray
 from procedures.attitude.compiled import inlined, kernel
-from procedures.attitude.joint_aids import airspeed, level_velocity, rest, true_heading, velocity_fix
-from procedures.attitude.joint_state import AIR_ROWS, DV, SPEED, STARTED, TIME, VELOCITY_KNOWN, Settings, State
+from procedures.attitude.joint_aids import airspeed, level_velocity, rest, true_heading
+from procedures.attitude.joint_fix import remember, velocity_fix
+from procedures.attitude.joint_state import (
+    AIR_ROWS,
+    DV,
+    SPEED,
+    STARTED,
+    TIME,
+    VELOCITY_KNOWN,
+    Settings,
+    State,
+)  # fmt: skip
 from procedures.attitude.joint_strapdown import LONG_GAP_S, correct, start, take
 from procedures.attitude.joint_update import propagate
 
@@ -13,7 +23,7 @@ NO_AID, AIRSPEED, GNSS = 0, 1, 2
 
 # Of the files that are compiled into these kernels. numba keeps compiled code until this file changes, whatever
 # those do: `test_compiled.py` asks for a new line here when one of them changed.
-COMPILED_IN = "794ec1dae972"
+COMPILED_IN = "5751fc22678a"
 
 
 @inlined
@@ -40,6 +50,8 @@ def update(s: State, c: Settings, aid: int, fixed: bool, vel: FloatArray, headin
     """Carry the covariance to now, take in what is measured, and correct the state."""
     propagate(s, c)
     s.dx[:] = 0.0
+    if aid == GNSS:
+        remember(s, c)
     if heading == heading:
         true_heading(s, c, heading)
     resting = rest(s, c, aid != NO_AID)

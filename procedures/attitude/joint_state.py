@@ -19,8 +19,9 @@ BIAS, SCALE, FORCE_BIAS, ALPHA, BETA = 0, 3, 6, 9, 10
 # Places in `State.block`: sums since the last update, and what is known of rest and heading.
 DV, TIME, TURNED2, AIR, AIR_ROWS, LOST_ANGLE, LOST_SPEED, RATE, FORCE = 0, 3, 4, 5, 6, 7, 8, 9, 12
 MEAN_RATE, MEAN_FORCE, STILL, SPEED, HEADING_KNOWN, STARTED, LAST_RATE, AT_REST = 15, 18, 21, 22, 23, 24, 25, 28
-VELOCITY_KNOWN = 29
-BLOCK = 30
+VELOCITY_KNOWN, NEWEST = 29, 30
+BLOCK = 31
+PAST = 64  # updates that are remembered: three seconds, for fixes that come late
 
 
 class Settings(NamedTuple):
@@ -53,6 +54,7 @@ class Settings(NamedTuple):
     slip_std: float = math.radians(1.0)
     slip_s: float = 20.0
     velocity_fix_std: float = 0.1  # m/s: GNSS
+    fix_latency: float = 0.0  # s by which a fix is older than the row that it stands at
     heading_std: float = math.radians(2.0)  # of a heading given
     course_std: float = math.radians(15.0)  # of the first course taken for the heading
     course_speed: float = 3.0  # m/s, above which a course says something
@@ -63,6 +65,8 @@ class Settings(NamedTuple):
     rest_velocity_noise: float = 0.01  # m/s*sqrt(s)
     rest_force_noise: float = 0.03  # m/s/sqrt(s), of accelerometers that nothing shakes
     rest_bias_walk: float = 1e-4  # rad/s/sqrt(s), of gyros that nothing moves
+    rest_gyro_noise: float = math.inf  # rad/sqrt(s): their own noise, if it is less
+    unseen_rate: float = 0.0  # rad/s, part of the biases that turns as the unit does: the Earth's
     rest_rate_noise: float = 2.5e-4  # rad/s*sqrt(s); a minute of it is half the Earth rate
     rate_limit: float = math.inf  # rad/s: the gyros' range; at it they are saturated
     force_limit: float = math.inf  # m/s2
@@ -75,15 +79,20 @@ class Settings(NamedTuple):
 DEFAULT = Settings()
 
 # Without aid the tilt is what the last seconds of specific force say: a bias may wander, as MEMS ones do in
-# motion, at no cost, and the scale factor's share of fast motion counts more than anything slow.
-FREE = Settings(gyro_bias_walk=5e-4, gyro_scale_std=5e-3, force_bias_std=0.02)
+# motion, at no cost, and the scale factor's share of fast motion counts more than anything slow. All noises by one
+# factor leave the attitude as it is: that factor makes sigma what the error is.
+FREE = Settings(
+    gyro_noise=5e-5, gyro_noise_per_rate=7.5e-4, gyro_bias_walk=2.5e-4, gyro_scale_std=2.5e-3, force_noise=0.025,
+    force_bias_std=0.02, force_bias_walk=2e-5, velocity_std=0.5, speed_noise=0.22, rest_velocity_noise=3e-3,
+)  # fmt: skip
 
 
 class State(NamedTuple):
     """The filter's memory; arrays are changed in place.
 
     ``C_nb`` (3, 3); ``v_n`` (3,) [m/s]; ``slow`` (11,); ``P`` (n, n); ``sums`` (3, 6), the integrals of C_nb and
-    of C_nb diag(rate); ``block`` (30,). The others are scratch.
+    of C_nb diag(rate); ``block`` (31,); ``past`` (64, 5), a ring of the last updates: seconds, velocity
+    gained (3,) [m/s], angle turned about down [rad]. The others are scratch.
     """
 
     C_nb: FloatArray
@@ -92,6 +101,9 @@ class State(NamedTuple):
     P: FloatArray
     sums: FloatArray
     block: FloatArray
+    past: FloatArray
+    gained: FloatArray
+    held: FloatArray
     dx: FloatArray
     A: FloatArray
     AP: FloatArray
@@ -105,6 +117,7 @@ def new_state(with_air: bool) -> State:
     n = WITH_AIR if with_air else WITHOUT_AIR
     return State(
         C_nb=np.eye(3), v_n=np.zeros(3), slow=np.zeros(11), P=np.zeros((n, n)), sums=np.zeros((3, 6)),
-        block=np.zeros(BLOCK), dx=np.zeros(n), A=np.zeros((6, n)), AP=np.zeros((6, n)), H=np.zeros(7),
-        PH=np.zeros(n), at=np.arange(7, dtype=np.int64),
+        block=np.zeros(BLOCK), past=np.zeros((PAST, 5)), gained=np.zeros(5),
+        held=np.zeros((4, 3)), dx=np.zeros(n),
+        A=np.zeros((6, n)), AP=np.zeros((6, n)), H=np.zeros(7), PH=np.zeros(n), at=np.arange(7, dtype=np.int64),
     )  # fmt: skip

@@ -70,6 +70,7 @@ def start(s: State, c: Settings, x: float, y: float, z: float, air: float) -> No
     for i in range(BLOCK):
         s.block[i] = 0.0
     s.sums[:] = 0.0
+    s.past[:] = 0.0
     s.block[STARTED] = 1.0
     s.block[SPEED] = math.nan
     s.block[VELOCITY_KNOWN] = 1.0 if air == air else 0.0

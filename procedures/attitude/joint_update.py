@@ -14,6 +14,7 @@ from procedures.attitude.joint_state import (
     DV,
     LOST_ANGLE,
     LOST_SPEED,
+    RATE,
     TIME,
     TURNED2,
     Settings,
@@ -27,6 +28,8 @@ def propagate(s: State, c: Settings) -> None:
     P, A, AP, sums, block = s.P, s.A, s.AP, s.sums, s.block
     n = len(s.dx)
     x, y, z = block[DV], block[DV + 1], block[DV + 2]
+    if block[AT_REST] > 0.0:  # what is across gravity is a tilt, and no acceleration that a heading would turn
+        x = y = 0.0
     A[3, 1], A[3, 2], A[4, 0], A[4, 2], A[5, 0], A[5, 1] = z, -y, -z, x, y, -x
     for i in range(3):
         for j in range(6):
@@ -68,15 +71,18 @@ def _grow(s: State, c: Settings) -> None:
     """Add what went on unseen, and let the angle of attack and the sideslip go back to nought."""
     P, block = s.P, s.block
     T = block[TIME]
-    angle = c.gyro_noise**2 * T + c.gyro_noise_per_rate**2 * block[TURNED2] + block[LOST_ANGLE] ** 2
     at_rest = block[AT_REST] > 0.0
+    gyro_noise = min(c.rest_gyro_noise, c.gyro_noise) if at_rest else c.gyro_noise
+    angle = gyro_noise**2 * T + c.gyro_noise_per_rate**2 * block[TURNED2] + block[LOST_ANGLE] ** 2
     force_noise = c.rest_force_noise if at_rest else c.force_noise
     bias_walk = min(c.rest_bias_walk, c.gyro_bias_walk) if at_rest else c.gyro_bias_walk
     speed = force_noise**2 * T + block[LOST_SPEED] ** 2
+    turned = math.sqrt(block[RATE] ** 2 + block[RATE + 1] ** 2 + block[RATE + 2] ** 2)
+    bias = bias_walk**2 * T + c.unseen_rate**2 * turned  # after a radian it points elsewhere
     for i in range(3):
         P[i, i] += angle
         P[3 + i, 3 + i] += speed
-        P[6 + i, 6 + i] += bias_walk**2 * T
+        P[6 + i, 6 + i] += bias
         P[12 + i, 12 + i] += c.force_bias_walk**2 * T
     if len(s.dx) > 15:
         _fade(s, 15, ALPHA, math.exp(-T / c.attack_s), c.attack_std)

@@ -1,9 +1,10 @@
-"""What a log tells about its sensors: the gyros' noise, the gate above it, the range at which they clip."""
+"""What a log tells about its sensors: their own noise, the gate above it, the range at which they clip."""
 
 import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.aided_kernels import SMOOTH_S
+from procedures.attitude.joint_state import Settings
 from procedures.attitude.log import AttitudeLog
 from procedures.attitude.mixer import GATE
 
@@ -12,20 +13,46 @@ QUIET = 0.05  # quantile of the windows' noise that counts as the unit's own
 GATE_SIGMA = 4.0
 LEAST_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: no unit clips below
 CLIPPED_ROWS = 3
+LEAST_NOISE = 1e-7  # rad/sqrt(s)
+LEAST_WALK = 3e-6  # rad/s/sqrt(s), of a FOG's bias: three times what it does
+WALK_PER_NOISE = 1.0  # 1/s
+RESTING_FORCE = 2e-4  # m/s/sqrt(s): a bench is never quite quiet
 
 
 def gyro_noise(log: AttitudeLog) -> float:
-    """Return the gyros' white noise [rad/sqrt(s)] in the quietest windows of a second, the largest axis.
+    """Return the gyros' white noise [rad/sqrt(s)]."""
+    return white_noise(log.rate, log.nominal)
 
-    From second differences, so that slow motion and bias do not count; 0 for logs shorter than a second.
+
+def force_noise(log: AttitudeLog) -> float:
+    """Return the accelerometers' white noise [m/s/sqrt(s)]."""
+    return white_noise(log.force, log.nominal)
+
+
+def white_noise(samples: FloatArray, nominal: float) -> float:
+    """Return the noise per root of a second of samples (n, 3) in their quietest seconds, the largest axis.
+
+    From second differences, so that slow motion and bias do not count; 0 for less than a second of samples.
     """
-    rows = max(round(WINDOW_S / log.nominal), 8)
-    windows = (len(log.t) - 2) // rows
+    rows = max(round(WINDOW_S / nominal), 8)
+    windows = (len(samples) - 2) // rows
     if windows < 1:
         return 0.0
-    second = np.diff(log.rate, n=2, axis=0)[: windows * rows]
+    second = np.diff(samples, n=2, axis=0)[: windows * rows]
     variance = np.mean(second.reshape(windows, rows, 3) ** 2, axis=1) / 6
-    return float(np.sqrt(np.quantile(variance, QUIET, axis=0).max() * log.nominal))
+    return float(np.sqrt(np.quantile(variance, QUIET, axis=0).max() * nominal))
+
+
+def at_rest(settings: Settings, log: AttitudeLog) -> Settings:
+    """Return the joint filter's settings with what this unit does at rest: its own noise, and a walk beside it.
+
+    The walk of a bias is far less by the Allan deviation of any gyro; but a rest is never quite one.
+    """
+    gyro = max(gyro_noise(log), LEAST_NOISE)
+    return settings._replace(
+        rest_gyro_noise=gyro, rest_bias_walk=min(max(WALK_PER_NOISE * gyro, LEAST_WALK), settings.rest_bias_walk),
+        rest_force_noise=max(force_noise(log), RESTING_FORCE),
+    )  # fmt: skip
 
 
 def gate_of(noise: float) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude import estimate
+from procedures.attitude.joint_state import Settings
 from procedures.attitude.log import AttitudeLog
 
 
@@ -26,9 +27,9 @@ def reversed_log(log: AttitudeLog) -> AttitudeLog:
     )  # fmt: skip
 
 
-def smooth(log: AttitudeLog, aid: str = "none") -> FloatArray:
+def smooth(log: AttitudeLog, aid: str = "none", settings: Settings | None = None) -> FloatArray:
     """Return the smoothed down vector (n, 3) of every row of a log by one of the joint filter's aids."""
-    forward, back = estimate(log, aid), estimate(reversed_log(log), aid)
+    forward, back = (estimate(each, aid, settings=settings) for each in (log, reversed_log(log)))
     assert forward.sigma is not None
     assert back.sigma is not None
     later, sigma = forward.down.copy(), forward.sigma.copy()

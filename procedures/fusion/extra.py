@@ -1,19 +1,18 @@
-"""The library of the extra ``locate``: asked for when it is needed, and named when it is not there."""
+"""The libraries of the extras ``locate`` and ``camera``: asked for when needed, named when not there."""
 
 from importlib import import_module
 from typing import Any
 
 from procedures.errors import ProcedureError
 
-COMMAND = "pip install 'fog-station[locate]'"
-
 
 class ExtraMissing(ProcedureError, ImportError):
     """The library of the extra is not installed."""
 
-    def __init__(self, package: str) -> None:
-        self.package = package
-        super().__init__(f"found no package {package}, expected the extra `locate`; install it with `{COMMAND}`")
+    def __init__(self, package: str, extra: str = "locate") -> None:
+        self.package, self.extra = package, extra
+        command = f"pip install 'fog-station[{extra}]'"
+        super().__init__(f"found no package {package}, expected the extra `{extra}`; install it with `{command}`")
 
 
 def gtsam() -> Any:
@@ -28,3 +27,17 @@ def gtsam() -> Any:
         return import_module("gtsam")
     except ImportError:
         raise ExtraMissing("gtsam") from None
+
+
+def opencv() -> Any:
+    """Return the image library.
+
+    Raises
+    ------
+    ExtraMissing
+        If it is not installed.
+    """
+    try:
+        return import_module("cv2")
+    except ImportError:
+        raise ExtraMissing("cv2", "camera") from None

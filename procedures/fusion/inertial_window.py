@@ -21,10 +21,10 @@ from procedures.arrays import FloatArray
 from procedures.fusion.alignment import Aligned
 from procedures.fusion.extra import gtsam
 from procedures.fusion.fix_factors import FixFactors
+from procedures.fusion.imu_between import Preintegration
 from procedures.fusion.keyframes import SPACING, keyframes
 from procedures.fusion.moving_aligner import SHAKEN
 from procedures.fusion.odometry import Antenna, OdometryPose
-from procedures.fusion.preintegration import Preintegration
 from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
 
 FREE_TURN = 0.3  # rad on the first attitude: the alignment's own data are used again from there on

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from procedures.fusion.imu_gaps import imu_gaps
+from procedures.fusion.inertial_increments import grid
 from procedures.fusion.inertial_window import InertialWindow
 from procedures.fusion.keyframes import Keyframes
 from procedures.fusion.odometry import OdometryPose
@@ -24,7 +26,8 @@ class LiveWindow(InertialWindow):
         assert self.state is not None
         self.fixes = fixes
         self.frames = self._with_frame(k, t, fix)
-        self._imu.go_on(k, before, t, imu)
+        rate = np.array([np.interp(t, imu.t, imu.omega_b[:, i]) for i in range(3)], dtype=np.float64)
+        self._imu.go_on(k, grid(imu, np.array([before, t])), self.frames.t, rate, imu_gaps(imu))
         self.state = self._advanced(k, self.state)
         self.factors, self.values = self._lib.NonlinearFactorGraph(), self._lib.Values()  # for no smoothed one
         self._since = 0.0 if self.state.has_velocity else self._since + t - before

@@ -1,70 +1,78 @@
-"""An IMU between keyframes, preintegrated (Forster, Carlone, Dellaert, Scaramuzza 2017) by gtsam.
+"""IMU samples between two keyframes as one measurement, with its covariance and how it hangs on the biases.
 
-With the biases' random walks and the exact rotation of the Earth. Over a gap of the IMU a straight line is
-integrated, with noise of a density that has made of it at its end what such a line misses.
+In the axes b of the first keyframe, with constant biases and the Earth's rate taken off,
+
+    dC = prod exp((omega - bg) dt),   dv = int C (f - ba) dt,   dp = int int C (f - ba) dt2
+
+(Forster, Carlone, Dellaert, Scaramuzza 2017). An error of a sample carries to the end in closed form, so that
+covariance and bias Jacobians are sums over the samples and nothing recurs: a turn e at the middle of sample k
+turns what follows, ``dv_err = -(dv - dv_k) x C_k e`` and ``dp_err = -(dp - dp_k - dv_k (T - t_k)) x C_k e``.
 """
 
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.imu_gaps import ImuGap, imu_gaps
-from procedures.fusion.inertial_increments import Grid, grid
-from procedures.fusion.records import ImuNoise, ImuSeries
-
-INTEGRATION = 1e-8  # m2/s, error of integrating the position
+from procedures.frames import rotation
+from procedures.fusion.inertial_increments import Grid, products, skew
+from procedures.fusion.records import ImuNoise
 
 
-class Preintegration:
-    """The samples between keyframes at ``t`` (n,) [s]; ``rate`` (n, 3) [rad/s] is the IMU's at them, with bias."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Preintegrated:
+    """``dt`` [s], ``turn`` (3, 3), ``dv`` (3,) [m/s], ``dp`` (3,) [m] for biases ``bg`` and ``ba``.
 
-    def __init__(
-        self, lib: Any, noise: ImuNoise, gravity: float, earth_n: FloatArray, imu: ImuSeries, t: FloatArray
-    ) -> None:
-        self.rate = np.stack([np.interp(t, imu.t, imu.omega_b[:, i]) for i in range(3)], axis=1)
-        self._lib, self._noise, self._gravity, self._earth_n = lib, noise, gravity, earth_n
-        self._middle = np.r_[t[:1], (t[1:] + t[:-1]) / 2]
-        self._grid = grid(imu, t)
-        self._usual = self._params()
-        self._gaps = [(gap, self._params(gap)) for gap in imu_gaps(imu)]
+    ``by_bias`` (9, 6) is their derivative by gyro and accelerometer bias, rows rotation (right), velocity,
+    position; ``info`` (9, 9) the inverse of the covariance in the same order. ``dv_from`` (m + 1, 3) is the
+    velocity increment up to each edge ``edges`` (m + 1,) [s] of the samples.
+    """
 
-    def until(self, k: int, bias: Any) -> Any:
-        """Return what gtsam makes of the samples from keyframe k - 1 to k."""
-        middle = self._middle[k]
-        params = next((each for gap, each in self._gaps if gap.first < middle < gap.last), self._usual)
-        whole = self._lib.PreintegratedCombinedMeasurements(params, bias)
-        for i in range(int(self._grid.at[k - 1]), int(self._grid.at[k])):
-            whole.integrateMeasurement(self._grid.f_b[i], self._grid.omega_b[i], self._grid.dt[i])
-        return whole
+    dt: float
+    turn: FloatArray
+    dv: FloatArray
+    dp: FloatArray
+    bg: FloatArray
+    ba: FloatArray
+    by_bias: FloatArray
+    info: FloatArray
+    edges: FloatArray
+    dv_from: FloatArray
 
-    def go_on(self, k: int, before: float, t: float, imu: ImuSeries) -> None:
-        """Lay one more keyframe ``k`` at ``t`` [s] after the one ``before``, by the latest samples."""
-        piece, at = grid(imu, np.array([before, t])), np.zeros(k + 1, dtype=np.int64)
-        at[k] = len(piece.dt)
-        self._grid = Grid(piece.dt, piece.omega_b, piece.f_b, at)
-        rate = np.array([np.interp(t, imu.t, imu.omega_b[:, i]) for i in range(3)])
-        self.rate = np.broadcast_to(rate, (k + 1, 3))
-        self._middle = np.broadcast_to((before + t) / 2, (k + 1,))
-        self._gaps = [(gap, self._params(gap)) for gap in imu_gaps(imu)]
 
-    def acceleration(self, k: int, C_nb: FloatArray, accel_bias: FloatArray) -> FloatArray:
-        """Return the acceleration (3,) in n [m/s2] over the step to keyframe k, or of the first."""
-        part = slice(int(self._grid.at[max(k - 1, 0)]), int(self._grid.at[max(k, 1)]))
-        f_b = np.average(self._grid.f_b[part], axis=0, weights=self._grid.dt[part]) - accel_bias
-        a_n: FloatArray = C_nb @ f_b - np.array([0.0, 0.0, self._gravity])
-        return a_n
+def preintegrate(
+    part: Grid, bg: FloatArray, ba: FloatArray, earth_b: FloatArray, noise: ImuNoise
+) -> Preintegrated:
+    """Preintegrate all intervals of ``part``; ``earth_b`` (3,) [rad/s] is the Earth's rate in the first b."""
+    dt = part.dt[:, None]
+    turn = (part.omega_b - bg - earth_b) * dt
+    C = products(rotation(turn))
+    middle = C[:-1] @ rotation(turn / 2)
+    felt = np.einsum("nij,nj->ni", middle, part.f_b - ba) * dt
+    v = np.vstack((np.zeros(3), np.cumsum(felt, axis=0)))
+    p = np.vstack((np.zeros(3), np.cumsum((v[:-1] + v[1:]) / 2 * dt, axis=0)))
+    edges = np.r_[0.0, np.cumsum(part.dt)]
+    left = (edges[-1] - (edges[1:] + edges[:-1]) / 2)[:, None]
+    v_mid, p_mid = (v[1:] + v[:-1]) / 2, (p[1:] + p[:-1]) / 2
+    G = np.zeros((len(dt), 9, 6))
+    G[:, :3, :3] = C[-1].T @ middle
+    G[:, 3:6, :3] = -skew(v[-1] - v_mid) @ middle
+    G[:, 6:, :3] = -skew(p[-1] - p_mid - v_mid * left) @ middle
+    G[:, 3:6, 3:] = middle
+    G[:, 6:, 3:] = middle * left[:, :, None]
+    G *= dt[:, :, None]
+    # white noise of density N has the variance N2 / dt over a sample
+    scaled = G / np.sqrt(dt)[:, :, None] * np.repeat([noise.gyro, noise.accel], 3)
+    covariance = np.einsum("nij,nkj->ik", scaled, scaled)
+    return Preintegrated(
+        float(edges[-1]), C[-1], v[-1], p[-1], bg, ba, -G.sum(axis=0), _inverse(covariance, edges[-1]), edges, v
+    )
 
-    def _params(self, gap: ImuGap | None = None) -> Any:
-        noise, eye = self._noise, np.eye(3)
-        gyro, accel = noise.gyro**2, noise.accel**2
-        if gap is not None:
-            gyro, accel = gyro + gap.rate_std**2 * gap.length, accel + gap.force_std**2 * gap.length
-        params = self._lib.PreintegrationCombinedParams(np.array([0.0, 0.0, -self._gravity]))
-        params.setGyroscopeCovariance(gyro * eye)
-        params.setAccelerometerCovariance(accel * eye)
-        params.setBiasOmegaCovariance(noise.gyro_walk**2 * eye)
-        params.setBiasAccCovariance(noise.accel_walk**2 * eye)
-        params.setIntegrationCovariance(INTEGRATION * eye)
-        params.setOmegaCoriolis(self._earth_n)
-        return params
+
+def _inverse(covariance: FloatArray, dt: float) -> FloatArray:
+    """Invert, with a floor for the position: over one sample it is all but a function of the velocity."""
+    covariance[range(6, 9), range(6, 9)] += 1e-8 * dt  # m2, as of integrating in straight lines
+    size = np.sqrt(np.diag(covariance))
+    inverse: FloatArray = np.asarray(np.linalg.inv(covariance / np.outer(size, size)), np.float64)
+    inverse /= np.outer(size, size)
+    return inverse

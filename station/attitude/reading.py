@@ -20,7 +20,13 @@ TRUTH = ("roll_rad", "pitch_rad")
 NEEDED = ("t_s", *RATES, *FORCES)
 FASTEST = 87.0  # rad/s, 5000 deg/s: no gyro measures more
 STRONGEST = 5000.0  # m/s2
-A_G = (0.5, 2.0)  # m/s2: a median specific force in between was given in g
+NO_GRAVITY = 0.05  # m/s2, of a median specific force
+GUESSES = ("g", (0.5, 2.0), 9.80665), ("mg", (500.0, 2000.0), 0.00980665)  # by the median, given in another unit
+STEPS = 1e-5, 1.0  # s: no IMU samples faster, and none slower can be followed
+MOST = {  # of what is no sensor of the IMU: the largest value, and what a larger one looks like
+    "airspeed_m_s": (3000.0, ""), **dict.fromkeys(VELOCITY, (10000.0, "")), "heading_rad": (4 * np.pi, "deg"),
+    "roll_rad": (2 * np.pi, "deg"), "pitch_rad": (1.5709, "deg"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,20 +108,38 @@ def _check_time(table: Table) -> None:
         raise DataRefused(table.file, table.line(row), found, "a later time", remedy)
     if len(t) < 2:
         raise DataRefused(table.file, table.line(0), "a single row", "at least two rows")
+    step = float(np.median(np.diff(t)))
+    if not STEPS[0] <= step <= STEPS[1]:
+        found = f"t_s going by {step:.3g} a row" + (": looks like ms or less" if step > 1 else "")
+        raise DataRefused(
+            table.file, table.line(1), found, "seconds, a row at least each", "convert t_s to seconds"
+        )
 
 
 def _check_size(table: Table) -> None:
     for names, most, unit, guess in ((RATES, FASTEST, "rad/s", "deg/s"), (FORCES, STRONGEST, "m/s2", "mg")):
-        values = np.stack([table.columns[name] for name in names], axis=1)
-        beyond = np.argwhere(np.abs(values) > most)
-        if len(beyond):
-            row, i = (int(x) for x in beyond[0])
-            found = f"{names[i]} = {values[row, i]:g}, beyond any sensor's range: looks like {guess}"
-            raise DataRefused(table.file, table.line(row), found, unit, f"convert the column to {unit}")
-    usual = float(np.median(np.linalg.norm(values, axis=1)))
-    if A_G[0] < usual < A_G[1]:
-        found = f"specific forces of {usual:.3g}: looks like g"
-        raise DataRefused(table.file, table.line(0), found, "m/s2", "multiply them by 9.80665")
+        for name in names:
+            _check_column(table, name, most, f"beyond any sensor's range: looks like {guess}", unit)
+    for name, (most, guess) in MOST.items():
+        if name in table.columns:
+            said = f"beyond {most:.4g}" + (f": looks like {guess}" if guess else "")
+            _check_column(table, name, most, said, "rad" if guess else "m/s")
+    usual = float(np.median(np.linalg.norm(np.stack([table.columns[name] for name in FORCES], axis=1), axis=1)))
+    found = f"specific forces of {usual:.3g}"
+    if usual < NO_GRAVITY:
+        raise DataRefused(table.file, table.line(0), found, "m/s2, with gravity", "give what accelerometers feel")
+    for unit, (least, most), factor in GUESSES:
+        if least < usual < most:
+            said = f"{found}: looks like {unit}"
+            raise DataRefused(table.file, table.line(0), said, "m/s2", f"multiply them by {factor}")
+
+
+def _check_column(table: Table, name: str, most: float, said: str, unit: str) -> None:
+    values = table.columns[name]
+    beyond = np.flatnonzero(np.abs(values) > most)
+    if len(beyond):
+        found = f"{name} = {values[beyond[0]]:g}, {said}"
+        raise DataRefused(table.file, table.line(int(beyond[0])), found, unit, f"convert the column to {unit}")
 
 
 def _check_axes(log: AttitudeLog, table: Table) -> None:

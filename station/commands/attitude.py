@@ -40,6 +40,22 @@ def attitude(
         float | None,
         typer.Option("--gyro-bias-std", metavar="DEG_H", min=1e-6, help="1 sigma of the gyros' biases, if known."),
     ] = None,
+    accel_bias_std: Annotated[
+        float | None,
+        typer.Option(
+            "--accel-bias-std",
+            metavar="UG",
+            min=1e-3,
+            max=1e6,
+            help="1 sigma of the accelerometers' biases, if known: the floor of the vertical's sigma.",
+        ),
+    ] = None,
+    gnss_latency: Annotated[
+        float,
+        typer.Option(
+            "--gnss-latency", metavar="S", min=0, max=2, help="By how much velocities are older than their rows."
+        ),
+    ] = 0.0,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="OUT.csv", help="Write roll, pitch and down vector here.")
     ] = None,
@@ -75,17 +91,21 @@ def attitude(
     import numpy as np
 
     from procedures.attitude.attitude import AIDS, NEEDS, default_aid, estimate, takes_gains
-    from procedures.earth import DEG_PER_HOUR
+    from procedures.earth import DEG_PER_HOUR, STANDARD_GRAVITY
     from station.attitude.document import attitude_document, attitude_text, write_track
     from station.solution_json import write_solution
 
     chosen = aid or default_aid(read)
     if chosen not in AIDS:
         raise typer.BadParameter(f"found {chosen!r}, expected one of {', '.join(AIDS)}", param_hint="--aid")
-    if chosen in NEEDS and getattr(read, NEEDS[chosen]) is None:
+    needed = getattr(read, NEEDS[chosen]) if chosen in NEEDS else read.rate
+    if needed is None or not np.isfinite(needed).any():
         raise typer.BadParameter(f"{chosen} needs {NEEDS[chosen]}, which {log} has not", param_hint="--aid")
     if gains is not None and not takes_gains(chosen):
         raise typer.BadParameter(f"{chosen} has no gains; they belong to the mixing law", param_hint="--tau")
+    if gains is not None and gains.k1 * read.nominal > 1:
+        found = f"K1 {gains.k1:g} with samples {read.nominal:g} s apart"
+        raise typer.BadParameter(f"{found}, expected a product of at most 1", param_hint="--tau")
     if heading is not None and read.heading is None:
         given = np.full(len(read.t), np.nan)
         given[0] = np.radians(heading)
@@ -102,7 +122,11 @@ def attitude(
     else:
         here = None if latitude is None else float(np.radians(latitude))
         known = None if gyro_bias_std is None else gyro_bias_std * DEG_PER_HOUR
-        track = estimate(read, chosen, gains, gravity, here, gyro_bias_std=known)
+        floor = None if accel_bias_std is None else accel_bias_std * 1e-6 * STANDARD_GRAVITY
+        track = estimate(
+            read, chosen, gains, gravity, here, gyro_bias_std=known, force_bias_std=floor,
+            fix_latency=gnss_latency,
+        )  # fmt: skip
         document = attitude_document(read, track)
         text = attitude_text(read, document)
     if out is not None:

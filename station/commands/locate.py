@@ -14,13 +14,24 @@ class Source(StrEnum):
 
     inertial = "inertial"
     odometry = "odometry"
+    vision = "vision"
 
 
 def locate(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="A folder of fusion/1.")],
     source: Annotated[
-        Source | None, typer.Option("--source", help="Default: inertial where [imu] is, else odometry.")
+        Source | None,
+        typer.Option(
+            "--source", help="Default: inertial where [imu] is, else odometry; vision: camera tracks and IMU."
+        ),
     ] = None,
+    images: Annotated[
+        Path | None,
+        typer.Option("--images", metavar="DIR", help="Follow features through these, or a camera, into [tracks]."),
+    ] = None,
+    seconds: Annotated[
+        float, typer.Option("--seconds", metavar="S", min=0, help="How long to follow --images [s].")
+    ] = float("inf"),
     layers: Annotated[
         int,
         typer.Option("--layers", min=1, max=2, help="1: GNSS position in the IMU's own window; inertial only."),
@@ -36,11 +47,14 @@ def locate(
     ] = None,
     db: Database = None,
 ) -> None:
-    """Locate a recording: position and attitude of the IMU, East-North-Up, from IMU or odometry and GNSS.
+    """Locate a recording: position and attitude of the IMU, East-North-Up, from IMU, odometry or camera and GNSS.
 
     Trajectories are TUM lines `t x y z qx qy qz qw` in s and m, quaternions take the IMU's axes to East-North-Up.
     The online one uses nothing later than each pose and begins when heading and tilt are known; the smoothed one
     uses all. Where the folder has a [truth], position errors in m are reported, nothing aligned.
+
+    --images DIR holds images.csv (`t_s,file`) and the images it names; or it is a camera as /dev/video0 or a video
+    file. The tracks are written where [tracks] says, in place of what is there; the source is then vision.
 
     Exit code 2 if an extra is missing, 3 if the folder breaks a rule of fusion/1, 5 if it never could be
     initialised; the reason is said.
@@ -50,6 +64,11 @@ def locate(
     from station.fusion_folder import read_fusion
     from station.locate.command import locate_folder
 
+    if images is not None:
+        from station.locate.images import make_tracks
+
+        make_tracks(folder, images, seconds)
+        source = source or Source.vision
     log = read_fusion(folder)
     text = locate_folder(log, source and source.value, layers, out, batch, json)
     if text:

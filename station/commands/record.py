@@ -65,7 +65,7 @@ def record(
     from station.reader import Reader
     from station.recorder import recording
 
-    with ExitStack() as stack:
+    with ExitStack() as after, ExitStack() as stack:
         folder = stack.enter_context(new_folder(out, recording.NAME))
         reader = stack.enter_context(Reader(url, journal_path(folder)))
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
@@ -80,6 +80,8 @@ def record(
             if receiver is not None and timed is not None:
                 sky.look(receiver.trouble or timed.said)
 
+        # also of what Ctrl-C or a fault has ended, once its files are closed
+        after.callback(made, f"replay:{folder / recording.NAME}?format={feed.wire.name}")
         try:
             done = recording.record(feed, folder, seconds, timed, look)
         finally:
@@ -90,12 +92,13 @@ def record(
                 f"{counters.repeated} repeated, {counters.restarts} restarts, "
                 f"{framing.bad_crc} bad check, {framing.skipped_bytes} bytes in no frame"
             )
+            if zeros := feed.stream.decoder.kind.zeros:
+                typer.echo(f"{feed.wire.name} does not measure {', '.join(zeros)}: 0 stands there")
             if receiver is not None and timed is not None:
                 typer.echo(summary(receiver))
                 if timed.said:
                     typer.echo(f"warning: {timed.said}", err=True)
-    typer.echo(f"{done.seconds:.3f} s of device time, {done.samples} samples")
-    made(f"replay:{done.path}?format={feed.wire.name}")
+        typer.echo(f"{done.seconds:.3f} s of device time, {done.samples} samples")
 
 
 def _fusion(

@@ -8,6 +8,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.earth import normal_gravity
 from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries, Trajectory
+from procedures.fusion.tracks import Camera, Tracks
 from station.campaign_folder.files import MAX_LINE, open_inside
 from station.campaign_folder.toml_text import Key, line_of, read_tables
 from station.errors import DataRefused
@@ -24,6 +25,7 @@ from station.fusion_folder.columns import (
 )
 from station.fusion_folder.plausible import refuse_apart, refuse_far, refuse_units
 from station.fusion_folder.schema import FusionTable, GnssTable
+from station.fusion_folder.tracks import camera_of, read_tracks
 from station.fusion_folder.tum import read_tum
 
 NAME = "fusion.toml"
@@ -42,6 +44,8 @@ class FusionLog:
     noise: ImuNoise | None
     odometry: Trajectory | None
     truth: Trajectory | None
+    tracks: Tracks | None = None
+    camera: Camera | None = None
 
 
 def read_fusion(folder: Path) -> FusionLog:
@@ -52,7 +56,7 @@ def read_fusion(folder: Path) -> FusionLog:
     DataRefused
         If the folder breaks a rule of DESIGN 5: with file, line, found and expected.
     """
-    table, lines = _read_toml(folder)
+    table, lines = read_toml(folder)
     fixes = _fixes(folder, table.gnss, lines)
     imu = _imu(folder, table, lines)
     odometry = _trajectory(folder, table, "odometry", lines)
@@ -63,10 +67,12 @@ def read_fusion(folder: Path) -> FusionLog:
             refuse_apart(fixes, moved.t, what, folder / table.gnss.file)
     latitude = float(np.radians(table.site.latitude_deg))
     gravity = table.site.gravity_m_s2 or normal_gravity(latitude, table.site.height_m)
-    return FusionLog(folder, table, latitude, gravity, fixes, imu, _noise(table), odometry, truth)
+    tracks, camera = _camera(folder, table, lines, fixes)
+    return FusionLog(folder, table, latitude, gravity, fixes, imu, _noise(table), odometry, truth, tracks, camera)
 
 
-def _read_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
+def read_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
+    """Return the tables of a folder, and the line of each key; refuse what breaks a rule."""
     if not folder.is_dir():
         raise DataRefused(folder, None, "no such folder", f"a folder with a {NAME}", "name a fusion folder")
     with open_inside(folder, NAME, folder, None) as stream:
@@ -84,6 +90,16 @@ def _imu(folder: Path, table: FusionTable, lines: dict[Key, int]) -> ImuSeries |
     imu = ImuSeries(read.columns["t_s"], stacked(read, RATE), stacked(read, FORCE))
     refuse_units(imu, folder / table.imu.file)
     return imu
+
+
+def _camera(
+    folder: Path, table: FusionTable, lines: dict[Key, int], fixes: GnssFixes
+) -> tuple[Tracks | None, Camera | None]:
+    if table.tracks is None:
+        return None, None
+    tracks = read_tracks(folder, table.tracks.file, line_of(("tracks", "file"), lines))
+    refuse_apart(fixes, tracks.t, "tracks", folder / table.gnss.file)
+    return tracks, camera_of(table.tracks)
 
 
 def _noise(table: FusionTable) -> ImuNoise | None:

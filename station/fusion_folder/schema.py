@@ -68,7 +68,10 @@ class FileTable(_Table):
 
 
 class TracksTable(_Table):
-    """``[tracks]``: image points without distortion, pinhole intrinsics, camera to IMU."""
+    """``[tracks]``: image points without distortion, pinhole intrinsics, camera to IMU.
+
+    ``distortion`` (k1, k2, p1, p2[, k3], as OpenCV has them) is the lens's, for images yet to be followed.
+    """
 
     file: str
     std_px: Positive = 1.0
@@ -76,6 +79,7 @@ class TracksTable(_Table):
     fy_px: Positive
     cx_px: float
     cy_px: float
+    distortion: Annotated[list[float], Field(min_length=4, max_length=5)] = [0.0] * 4
     imu_from_camera: Rigid
 
 

@@ -23,11 +23,12 @@ from drivers.mavlink.signing import SignatureCheck, read_key
 from drivers.ports import parse_device_url
 from procedures.gnss import AirData, AveragedSite, GnssFix, TimeMark, averaged_site
 from procedures.time_line import TimeLine, fit_time_line
+from station.gnss.lasting import LastingReader
 from station.gnss.rates import Rates
 from station.gnss.trouble import Health
 from station.mcap_files.fix_reader import Record
 from station.mcap_files.fix_writer import FixWriter
-from station.reader import Chunk, GapMark, Reader
+from station.reader import Chunk, GapMark
 
 KEPT = 6000  # fixes: 20 minutes at 5 Hz
 AROUND_NS = 30 * 10**9  # of a moment: the marks its time is taken from
@@ -89,6 +90,8 @@ class GnssFeed:
             if isinstance(item, GapMark):
                 self._is_lost = not item.is_open
                 self._health.gap(item.reason, is_open=item.is_open)
+                if self._writer is not None:
+                    self._writer.mark(item.host_ns, item.reason, is_open=item.is_open)
             else:
                 self._take_bytes(item)
         self._health.look(self.decoder, self.latest)
@@ -189,7 +192,8 @@ class GnssFeed:
 def open_gnss(url: str, folder: Path) -> Iterator[GnssFeed]:
     """Read a receiver by a process of its own while the ``with`` lasts; its files go to ``folder``.
 
-    ``gnss_session_*.mcap`` has every byte (topic ``/gnss/raw``), ``gnss_*.mcap`` what they say.
+    ``gnss_session_*.mcap`` has every byte (topic ``/gnss/raw``), ``gnss_*.mcap`` what they say, and gap marks. A
+    reader process that dies is replaced by another, with a session file of its own.
 
     Raises
     ------
@@ -198,9 +202,8 @@ def open_gnss(url: str, folder: Path) -> Iterator[GnssFeed]:
     """
     if (address := parse_device_url(url)).scheme != "mavlink":
         raise BadDeviceUrl(url, f"scheme {address.scheme!r}", EXPECTED)
-    stamp = f"{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}"
-    with Reader(url, folder / f"gnss_session_{stamp}.mcap") as reader:
-        writer = FixWriter(folder / f"gnss_{stamp}.mcap")
+    with LastingReader(url, folder) as reader:
+        writer = FixWriter(folder / f"gnss_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap")
         try:
             yield GnssFeed(reader, writer)
         finally:

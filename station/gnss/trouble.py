@@ -5,9 +5,10 @@ from collections.abc import Callable
 
 from drivers.mavlink.decoder import MavlinkDecoder
 from procedures.gnss import FixType, GnssFix
+from station.reader.messages import LOST
 
-SILENT_S = 2.0
-HEARTBEAT_S = 2.5  # heartbeats are a second apart: who else is there
+SILENT_S = 1.8  # it is to be said within 2 s; heartbeats are a second apart
+STILL_COMING_S = 0.9  # frames of others after the last one read
 
 
 class Health:
@@ -51,7 +52,8 @@ class Health:
         if self.ended:
             return self.ended
         if self._away:
-            return f"{name}: {self._away}; it is tried again and again: check cable and power"
+            remedy = "check cable and power" if self._away.startswith(LOST) else "nothing is to be done"
+            return f"{name}: {self._away}; it is tried again and again: {remedy}"
         if now - self._bytes_at >= SILENT_S:
             return f"{name}: no bytes for {SILENT_S:g} s, expected MAVLink; check cable, address and power"
         if now - self._frames_at >= SILENT_S:
@@ -61,7 +63,7 @@ class Health:
                     f"{counters.replayed} replayed, expected frames signed with the key given; check key and clock"
                 )
             return f"{name}: bytes hold no MAVLink frame, expected some; check the baud rate"
-        if now - self._read_at >= HEARTBEAT_S:
+        if now - self._read_at >= SILENT_S and self._frames_at - self._read_at >= STILL_COMING_S:
             there = ", ".join(str(system) for system in sorted(decoder.systems))
             wanted = self._system or "an autopilot's heartbeat"
             return f"{name}: system {there} is there, expected {wanted}; give system=N in the address"

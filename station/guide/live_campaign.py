@@ -12,6 +12,8 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from drivers.errors import DriverError, LinkLost
+from drivers.url_files import anchored
+from drivers.wire import ALL_CHANNELS
 from fixtures_db.database import Database
 from procedures import hand_turns, twelve_position
 from procedures.campaign import Fixture
@@ -31,6 +33,7 @@ from station.guide.guide import Guide
 from station.guide.host_clock import HostClock
 from station.guide.identity import UnitRecord
 from station.guide.options import Options
+from station.guide.setup import RECORD_INSTEAD
 from station.guide.so_far import so_far
 from station.guide.unfinished import FolderLock, reopen
 from station.guide.view import Setup, View
@@ -133,6 +136,7 @@ def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
     """
     if setup.latitude_deg is None and not setup.gnss:
         raise DataRefused("set-up", None, "no latitude", "the slab's latitude in deg", "enter it")
+    setup = setup.model_copy(update={"url": anchored(setup.url), "gnss": anchored(setup.gnss)})
     steps = tuple(options.steps) or usual_steps(setup)
     fixture, table = cube_fixture(database, setup.cube or None, options.imu_axes)
     with ExitStack() as stack:
@@ -142,6 +146,9 @@ def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
         feed = open_feed(reader)
         gnss = stack.enter_context(open_gnss(setup.gnss, folder)) if setup.gnss else None
         unit = feed.identify(setup.model or None, setup.serial or None)
+        if missing := sorted(ALL_CHANNELS - feed.stream.decoder.kind.channels):
+            found = f"{feed.wire.name} without {', '.join(missing)}"
+            raise DataRefused(feed.address.name, None, found, "an IMU with six channels", RECORD_INSTEAD)
         given, setup = setup, setup if gnss is None else sited(setup, gnss, folder)
         write_setup(folder, setup)
         write_unit(folder, _record(feed, unit))

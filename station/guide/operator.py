@@ -12,6 +12,7 @@ from station.guide.view import Step, View
 
 SOAK_K = 15.0
 REST_MARGIN_S = 2.0  # the guide judges rest in blocks of 1 s that begin anywhere
+PATIENCE_S = 300.0  # of the device's time, after a move: the guide sees it late where time runs fast
 
 
 class HandsLost(DriverError):
@@ -40,13 +41,14 @@ class Nobody:
 class SimulatedOperator:
     """Moves the cube of a simulated device with its hands at ``address``; a move takes ``move_s`` of its time.
 
-    Each thing asked for is done once; what was rejected is done again. In a soak it warms the unit, and lets it
-    cool from the middle on.
+    Each thing asked for is done once; what was rejected is done again, and what is still asked for long after it
+    was done. In a soak it warms the unit, and lets it cool from the middle on.
     """
 
     def __init__(self, address: str, move_s: float) -> None:
         self._hands, self._move_s = SimulatedHands(address), move_s
         self._done: tuple[str, str, int] | None = None
+        self._until = 0.0  # device time [s] at which that was over
         self._heated = 0.0  # by how much the unit is warmer than it was
 
     def look(self, view: View) -> None:
@@ -59,17 +61,22 @@ class SimulatedOperator:
         what = "turn" if view.stage == "turn" else "place"
         rejected = max((event.number for event in view.events if event.sound == "rejected"), default=0)
         task = (what, f"{step.name} {step.attempts}", rejected)
-        if task == self._done or (what == "turn" and not is_ready):
+        if (what == "turn" and not is_ready) or (task == self._done and not self._is_overdue()):
             return
-        self._done = task
         try:
-            self._do(what, step, view.lean)
+            self._done, self._until = task, self._do(what, step, view.lean)
         except SimulatorError as error:
             raise HandsLost(str(error)) from error
 
     def close(self) -> None:
         """Let the hands go."""
         self._hands.close()
+
+    def _is_overdue(self) -> bool:
+        try:
+            return self._hands.time() > self._until + PATIENCE_S
+        except SimulatorError:
+            return False  # the device is gone for now: whoever reads it says so
 
     def _heat(self, view: View) -> None:
         """Warm the unit in the first half of a soak, let it cool in the second and after it."""
@@ -83,12 +90,12 @@ class SimulatedOperator:
             raise HandsLost(str(error)) from error
         self._heated = wanted
 
-    def _do(self, what: str, step: Step, lean: Lean | None) -> None:
+    def _do(self, what: str, step: Step, lean: Lean | None) -> float:
+        """Return the device time [s] at which it will be over."""
         if what == "place" and step.is_free:
-            self._hands.lean(lean or LEANS[0], self._move_s)
-        elif what == "place":
+            return self._hands.lean(lean or LEANS[0], self._move_s)
+        if what == "place":
             face = next((p for p in range(1, 13) if face_of(p) == step.up), 0)
-            self._hands.place(step.position or step.start_position or face, self._move_s)
-        else:
-            turn = Turn(step.axis, step.direction, step.revolutions, step.start_position, 0.0)
-            self._hands.turn(turn.axis, turn.direction, turn.revolutions, REST_MARGIN_S)
+            return self._hands.place(step.position or step.start_position or face, self._move_s)
+        turn = Turn(step.axis, step.direction, step.revolutions, step.start_position, 0.0)
+        return self._hands.turn(turn.axis, turn.direction, turn.revolutions, REST_MARGIN_S)

@@ -12,6 +12,8 @@ from pydantic import ValidationError
 
 from drivers.errors import DriverError
 from drivers.ports import list_ports
+from drivers.url_files import anchored
+from drivers.wire import ALL_CHANNELS
 from fixtures_db.campaigns import is_expired
 from fixtures_db.cubes import cubes
 from fixtures_db.database import Database
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from station.reader.look import Seen
 
 LOOK_S = 2.0
+RECORD_INSTEAD = "record its steps with `station record` and solve them as a campaign folder"
 TICK_S = 0.1
 BAD_SHARE = 0.01  # of the frames; beyond it the line is not good enough to begin
 
@@ -49,7 +52,7 @@ def load_setup() -> Setup:
 
 def save_setup(setup: Setup) -> None:
     """Remember a set-up; raise `CannotWrite` if the place cannot be written."""
-    path = setup_file()
+    path, setup = setup_file(), setup.model_copy(update={"url": anchored(setup.url), "gnss": anchored(setup.gnss)})
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -136,8 +139,10 @@ def _remedies(seen: "Seen", bad: int) -> list[str]:
         said += [
             f"{triad} {AXES[i]} puts out nothing, expected counts; check the unit"
             for i in range(3)
-            if not values[:, i].any()
+            if not values[:, i].any() and f"{triad[0]}{AXES[i]}" in seen.channels
         ]
+    if missing := sorted(ALL_CHANNELS - seen.channels):
+        said.append(f"{seen.format} sends no {', '.join(missing)}, expected six channels; {RECORD_INSTEAD}")
     return said
 
 

@@ -57,14 +57,15 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
         located,
         lever_arm=given.arm if given.lever_arm_std is None else located.lever_arm,
         time_offset=given.time_offset + (float(window.constants[3]) if given.time_offset_std else 0.0),
-        warnings=(*located.warnings, *_of_gaps(log, imu_gaps(log.imu))),
-        alignment=_alignment(aligned),
+        warnings=(*located.warnings, *of_gaps(log, imu_gaps(log.imu))),
+        alignment=alignment_of(aligned),
         gyro_bias=None if state is None else state.gyro_bias,
         accel_bias=None if state is None else state.accel_bias,
     )
 
 
-def _of_gaps(log: FusionLog, gaps: tuple[ImuGap, ...]) -> tuple[str, ...]:
+def of_gaps(log: FusionLog, gaps: tuple[ImuGap, ...]) -> tuple[str, ...]:
+    """Return what to say of gaps in the IMU's samples."""
     if not gaps or log.table.imu is None:
         return ()
     longest = max(gaps, key=lambda gap: gap.length)
@@ -88,7 +89,8 @@ def never(why: str) -> Located:
     return Located(nothing, nothing, None, why, 0, np.zeros(0))
 
 
-def _alignment(aligned: Aligned) -> Alignment:
+def alignment_of(aligned: Aligned) -> Alignment:
+    """Return an alignment in degrees."""
     yaw, tilt = yaw_and_tilt(aligned.C_now)
     return Alignment(yaw, float(np.degrees(aligned.yaw_std)), tilt, float(np.degrees(aligned.tilt_std)))
 

@@ -1,7 +1,5 @@
 """The outer graph of a run without end: renewed every half hour, so that neither memory nor time grows with it."""
 
-from dataclasses import replace
-
 from procedures.arrays import FloatArray
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.outer_graph import GlobalPose, OuterGraph, OuterSettings
@@ -40,20 +38,10 @@ class LiveGraph:
         """The lever arm (3,) [m] as it is known now."""
         return self._graph.constants[0]
 
-    @property
-    def lever_std(self) -> float:
-        """1 sigma [m] of it, 0 where it was given."""
-        return self._graph.lever_std
-
     def _renew(self) -> None:
         """Have an heir begin, or take over once it has run in."""
         if self._heir is None:
             if self._poses >= self._renewed:
-                self._heir = OuterGraph(self._settings_now())
+                self._heir = OuterGraph(self._settings)
         elif self._poses >= self._renewed + self._run_in and self._heir.begun_at is not None:
             self._graph, self._heir, self._poses = self._heir, None, self._run_in
-
-    def _settings_now(self) -> OuterSettings:
-        if self._settings.lever_arm_std is None:
-            return self._settings
-        return replace(self._settings, lever_arm=self.lever_arm, lever_arm_std=self.lever_std)

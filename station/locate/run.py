@@ -6,10 +6,11 @@ from station.fusion_folder import FusionLog
 from station.locate.inertial import by_imu
 from station.locate.recorded import by_odometry
 from station.locate.result import Located
+from station.locate.vision import by_vision
 
 MANY = 0.3  # of the fixes: more than any receiver's outliers
 DOUBT = "{} of {} fixes stand off by more than 5 sigma: look at their sigmas, units, clock and lever arm"
-SOURCES = {"inertial": by_imu, "odometry": by_odometry}
+SOURCES = {"inertial": by_imu, "odometry": by_odometry, "vision": by_vision}
 
 
 def locate(log: FusionLog, source: str, layers: int = 2) -> Located:

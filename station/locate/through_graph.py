@@ -1,6 +1,6 @@
 """A source through the outer graph, each online pose timed."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from time import perf_counter
 from typing import Protocol, TypeVar
 
@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.fusion.odometry import OdometrySource
-from procedures.fusion.outer_graph import OuterGraph, OuterSettings
+from procedures.fusion.outer_graph import GlobalPose, OuterGraph, OuterSettings
 from procedures.fusion.records import GnssFixes, Trajectory
 from station.fusion_folder import FusionLog
 from station.locate.result import Alignment, Located
@@ -36,13 +36,15 @@ def through_graph(
     after: float = -np.inf,
     settings: OuterSettings | None = None,
     fixes: GnssFixes | None = None,
+    told: Callable[[OuterGraph], None] | None = None,
 ) -> Located:
     """Locate by a source and the outer graph; poses before ``after`` [s] are not online.
 
-    ``settings`` and ``fixes`` stand for what the folder gives.
+    ``settings`` and ``fixes`` stand for what the folder gives; ``told`` is called after each pose.
     """
     graph = OuterGraph(settings or outer_settings(log))
-    poses, seconds = timed(graph.run(source, log.fixes if fixes is None else fixes))
+    run = graph.run(source, log.fixes if fixes is None else fixes)
+    poses, seconds = timed(_telling(run, graph, told))
     online = [k for k, pose in enumerate(poses) if pose.t >= after]
     smoothed, rejected = graph.smoothed()
     seen = graph.alignment
@@ -54,6 +56,15 @@ def through_graph(
         lever_arm=lever, time_offset=offset, warnings=warnings,
         covariance=np.array([poses[k].covariance for k in online]).reshape(-1, 4, 4),
     )  # fmt: skip
+
+
+def _telling(
+    poses: Iterable[GlobalPose], graph: OuterGraph, told: Callable[[OuterGraph], None] | None
+) -> Iterator[GlobalPose]:
+    for pose in poses:
+        if told is not None:
+            told(graph)
+        yield pose
 
 
 def outer_settings(log: FusionLog) -> OuterSettings:

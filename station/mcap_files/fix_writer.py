@@ -24,6 +24,7 @@ from station.mcap_files.fix_schemas import (
 FLUSH_S = 0.5
 TOPICS = {FIX: FIX_TOPIC, TIME: TIME_TOPIC, AIR: AIR_TOPIC}
 NAMES = {GnssFix: FIX, TimeMark: TIME, AirData: AIR}
+GAP = "station.gap"
 
 
 class FixWriter:
@@ -57,6 +58,16 @@ class FixWriter:
             )
             if time.monotonic() - self._flushed >= FLUSH_S:
                 self._flush()
+        except OSError as error:
+            raise CannotWrite(self.path, error.strerror or str(error)) from error
+
+    def mark(self, host_ns: int, reason: str, *, is_open: bool) -> None:
+        """Write that something may be missing from here on, as a metadata record; raise `CannotWrite`."""
+        try:
+            self._writer.add_metadata(
+                GAP, {"host_ns": str(host_ns), "reason": reason, "is_open": str(is_open).lower()}
+            )
+            self._flush()
         except OSError as error:
             raise CannotWrite(self.path, error.strerror or str(error)) from error
 

@@ -23,11 +23,15 @@ ANEW_S = 10.0  # put between what has no relation in time: the filter then begin
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Aiding:
-    """An aid's newest values, nan where there is none: ``airspeed`` [m/s], ``velocity`` (3,) NED, ``heading``."""
+    """An aid's newest values, nan where there is none: ``airspeed`` [m/s], ``velocity`` (3,) NED, ``heading``.
+
+    ``age`` [s] of velocity and heading at the tick's end.
+    """
 
     airspeed: float = np.nan
     velocity: tuple[float, float, float] = (np.nan, np.nan, np.nan)
     heading: float = np.nan
+    age: float = 0.0
 
 
 NO_AID = Aiding()
@@ -88,7 +92,7 @@ class AttitudeTrack:
             self._shift = np.nan
 
     def take(self, t: FloatArray, inputs: Inputs, aiding: Aiding = NO_AID) -> Attitude | None:
-        """Take ends (n,) [s] and inputs of a tick; None while aligning. The aid counts at its first sample."""
+        """Take ends (n,) [s] and inputs of a tick; None while aligning. The aid stands at its last sample."""
         if np.isnan(self._shift):
             assert self._last is not None
             self._shift = self._last + ANEW_S - float(t[0])
@@ -101,6 +105,7 @@ class AttitudeTrack:
             log = _joined(self._first)
             self._filter = JointFilter(self._aid, self._settings(log, bool(np.isfinite(self._heading))))
             self._first.clear()
+        self._filter.settings = self._filter.settings._replace(fix_latency=aiding.age)
         self._filter.run(log)
         self._learn_noise(self._filter, log)
         return self._found(self._find_north(self._filter, log), inputs)
@@ -137,10 +142,15 @@ class AttitudeTrack:
     def _log(self, t: FloatArray, inputs: Inputs, aiding: Aiding) -> AttitudeLog:
         n = len(t)
         airspeed, heading, velocity = np.full(n, np.nan), np.full(n, np.nan), np.full((n, 3), np.nan)
-        airspeed[0], heading[0], velocity[0] = aiding.airspeed, aiding.heading, aiding.velocity
-        if np.isnan(heading[0]) and self._last is None:
+        airspeed[-1], velocity[-1] = aiding.airspeed, aiding.velocity
+        heading[-1] = aiding.heading + aiding.age * self._turning(inputs)
+        if self._last is None and np.isnan(aiding.heading):
             heading[0] = self._heading
         return AttitudeLog(t, inputs.rate, inputs.force, airspeed, velocity, heading)
+
+    def _turning(self, inputs: Inputs) -> float:
+        """Return the rate of the heading [rad/s]; nought while aligning."""
+        return 0.0 if self._filter is None else float(self._filter.down @ inputs.rate.mean(axis=0))
 
     def _found(self, kept: JointFilter, inputs: Inputs) -> Attitude:
         down, force = kept.down, self._smoothed(inputs.force)

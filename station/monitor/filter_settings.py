@@ -19,10 +19,9 @@ from procedures.earth import EARTH_RATE, STANDARD_GRAVITY
 LEAST_NOISE = 1e-7  # rad/sqrt(s)
 TURN_ON = np.radians(1.0) / 3600  # rad/s: what a FOG's bias differs by from its calibration, 1 sigma
 WALK = 1e-6  # rad/s/sqrt(s), of a FOG's bias
-EARTH_WALK = 1e-5  # ... where the Earth's rate is part of it, which turns with the unit
 FORCE_WALK = 1e-6  # m/s2/sqrt(s)
 RESTING_VELOCITY = 1e-3  # m/s*sqrt(s)
-STEP = 0.5  # sqrt(s): a count's worth of velocity is uncertain for about a second
+STEP = 12**-0.5  # sqrt(s): evenly within a count's worth of velocity, for about a second
 COUNTED = 4 / 6  # quanta^2: second differences of counts that step up and down by one, as they show as noise
 RESTING_FORCE = 2e-4  # m/s/sqrt(s): a bench is never quite quiet
 
@@ -47,13 +46,12 @@ def settings_of(
         return base._replace(gyro_bias_std=float(np.hypot(base.gyro_bias_std, EARTH_RATE)))
     gyro = calibration["gyroscope"]
     scale = _relative(gyro["scale_factor"]) + _largest(gyro["misalignment"])
-    force = force_bias_std(calibration)
     bias = gyro_bias_std(calibration)
     return base._replace(
         gyro_bias_std=float(np.hypot(bias, 0.0 if knows_earth else EARTH_RATE)),
-        gyro_bias_walk=WALK if knows_earth else EARTH_WALK, rest_bias_walk=WALK if knows_earth else EARTH_WALK,
+        gyro_bias_walk=WALK, rest_bias_walk=WALK, unseen_rate=0.0 if knows_earth else EARTH_RATE,
         gyro_scale_std=max(scale, 1e-5), gyro_noise_per_rate=max(scale, 1e-4),
-        force_bias_std=max(force, 1e-5), force_bias_walk=FORCE_WALK,
+        force_bias_std=max(force_bias_std(calibration), 1e-5), force_bias_walk=FORCE_WALK,
         rest_force_noise=max(_noise(log.force, log.nominal, quantum), RESTING_FORCE),
         rest_velocity_noise=max(RESTING_VELOCITY, STEP * quantum * log.nominal),
     )  # fmt: skip
@@ -65,10 +63,16 @@ def gyro_bias_std(calibration: Mapping[str, Any]) -> float:
 
 
 def force_bias_std(calibration: Mapping[str, Any]) -> float:
-    """Return 1 sigma [m/s2] of what calibrated accelerometers are off by, scale factor and axes included."""
+    """Return 1 sigma [m/s2] of a calibrated accelerometer's error across gravity: the mean square of its axes.
+
+    A scale factor tells most at 45 deg, by half of its error.
+    """
     accel = calibration["accelerometer"]
-    parts = _largest(accel["bias"]) + _relative(accel["scale_factor"]) + _largest(accel["misalignment"])
-    return float(STANDARD_GRAVITY * parts)
+    names = ("bias", "scale_factor", "misalignment")
+    bias, scale, turned = (np.array(accel[name]["std"], dtype=np.float64) for name in names)
+    relative = scale / np.array(accel["scale_factor"]["value"], dtype=np.float64)
+    six = np.nansum(turned**2) / 6  # off the diagonal; the rest follows from the rows' unit length
+    return STANDARD_GRAVITY * float(np.sqrt(np.nanmean(bias**2) + 0.25 * np.nanmean(relative**2) + six))
 
 
 def _largest(part: Mapping[str, Any]) -> float:

@@ -1,9 +1,9 @@
 """A GNSS receiver over MAVLink as the monitor's aid: its velocity, or an autopilot's airspeed.
 
 What a receiver says is merged with the IMU's samples by the moments at which both were read, so that a replay
-gives the same to the last bit. A velocity counts at the tick in which its message was read: what it is late by
-(0.1 to 0.2 s of most receivers) is not made up for. A receiver that does not tell its vertical velocity is taken
-not to climb.
+gives the same to the last bit. A velocity counts at its own moment: what its message was late by, as the sender's
+clock tells it (else `USUAL_LATENCY`), and what passed since it was read are handed on as its age. A receiver that
+does not tell its vertical velocity is taken not to climb.
 """
 
 import math
@@ -17,6 +17,7 @@ from station.monitor.attitude import NO_AID, Aiding
 from station.monitor.view import Stream
 
 AIDS = ("gnss", "airspeed-filter")
+USUAL_LATENCY = 0.1  # s; of most receivers 0.1 to 0.2 s
 
 
 class GnssAid:
@@ -55,15 +56,18 @@ class GnssAid:
         )  # fmt: skip
 
 
-def aiding_of(records: Sequence[Record], aid: str) -> Aiding:
-    """Return the newest of what ``aid`` is about among records, nan where there is nothing."""
+def aiding_of(records: Sequence[Record], aid: str, host_ns: int) -> Aiding:
+    """Return the newest of what ``aid`` is about among records until a moment [ns], nan where there is nothing."""
     if aid == "airspeed-filter":
         airs = [record for record in records if isinstance(record, AirData)]
         return Aiding(airspeed=airs[-1].airspeed) if airs else NO_AID
     if aid == "gnss":
         for record in reversed(records):
             if isinstance(record, GnssFix) and (velocity := _velocity(record)) is not None:
-                return Aiding(velocity=velocity, heading=math.nan if record.heading is None else record.heading)
+                latency = USUAL_LATENCY if record.latency is None else record.latency
+                age = max((host_ns - record.host_ns) / 1e9 + latency, 0.0)
+                heading = math.nan if record.heading is None else record.heading
+                return Aiding(velocity=velocity, heading=heading, age=age)
     return NO_AID
 
 

@@ -4,38 +4,19 @@ import threading
 from contextlib import ExitStack
 from dataclasses import replace
 from queue import SimpleQueue
-from typing import Protocol
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.records import ImuSeries
-from station.guide.view import Sound
 from station.live.live_feed import LiveFeed
 from station.locate.imu_noise import NoiseOf
-from station.locate.live import LiveLocator, Taken
+from station.locate.live import LiveLocator
+from station.locate.taken import Taken
 from station.monitor.calibration import Applied
-from station.monitor.sensors import Sensors, Tick
-from station.monitor.view import Location
+from station.monitor.sensors import Sensors
+from station.monitor.where import Locating
 
 LEAVE_S = 2.0
-
-
-class Locating(Protocol):
-    """What a monitor tells of each tick, and asks where the unit is."""
-
-    @property
-    def location(self) -> Location:
-        """What is known now."""
-        ...
-
-    def take(self, taken: Taken) -> None:
-        """Go on by a tick."""
-        ...
-
-    def begin_anew(self) -> None:
-        """Begin again: the unit's time has no relation to what came before."""
-        ...
 
 
 class LocatorThread:
@@ -77,21 +58,6 @@ class LocatorThread:
         except Exception as error:  # the edge of a thread: the monitor goes on without a location and says why
             why = f"locating has stopped: {type(error).__name__}: {error}"
             self.location = replace(self.location, is_located=False, why=why)
-
-
-def in_imu_axes(tick: Tick, C: FloatArray, period: float) -> ImuSeries:
-    """Return a tick's samples in the middle of their intervals; ``C`` (3, 3) takes IMU axes to the body's."""
-    return ImuSeries(tick.t - period / 2, tick.calibrated.rate @ C, tick.calibrated.force @ C)
-
-
-def news_of(before: Location | None, found: Location) -> tuple[Sound, str] | None:
-    """Return what is to be said of a location, and how it sounds."""
-    was = before is not None and before.is_located
-    if found.is_located and not was:
-        return "accepted", "position and heading are known"
-    if was and not found.is_located:
-        return "rejected", f"position and heading are no longer known: {found.why}"
-    return None
 
 
 def locating(

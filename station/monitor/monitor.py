@@ -2,34 +2,33 @@
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from time import monotonic
-from typing import Protocol
 
 import numpy as np
 
 from drivers.errors import DriverError, LinkLost, ReplayEnded
-from procedures.arrays import FloatArray
 from procedures.attitude.joint_state import Settings
 from procedures.attitude.log import AttitudeLog
 from procedures.attitude.north import heading_at_rest
-from procedures.earth import STANDARD_GRAVITY
 from station.guide.view import Event, Sound
 from station.live.live_feed import LiveFeed
-from station.locate.live import Taken
+from station.locate.taken import Taken
 from station.mcap_files.fix_reader import Record
-from station.monitor.alarms import Alarm, Watch
+from station.monitor.alarms import Watch
 from station.monitor.at_rest import DEG_H, Rest
 from station.monitor.attitude import Aiding, Attitude, AttitudeTrack
 from station.monitor.calibration import Applied
 from station.monitor.filter_settings import gyro_bias_std, settings_of
 from station.monitor.gnss_aid import aiding_of
-from station.monitor.locating import Locating, in_imu_axes, news_of
+from station.monitor.moments import Moments
+from station.monitor.options import USUAL, Aid, Options
 from station.monitor.recording import Recording
 from station.monitor.sensors import Sensors, Tick
 from station.monitor.session import Verb
 from station.monitor.stream_health import StreamHealth
-from station.monitor.view import InUse, Location, Mode, Point, Reading, Stream, View
+from station.monitor.view import InUse, Location, Mode, Point, Reading, View
+from station.monitor.where import in_imu_axes, news_of
 
 TICK_S = 0.1
 HISTORY = 600  # points: a minute
@@ -37,53 +36,11 @@ EVENTS = 8
 LATEST_S = 0.5  # that a tick waits for the aid's reader, so that what was read before it counts in it
 
 
-class Aid(Protocol):
-    """What helps the IMU: a receiver."""
-
-    def advance(self) -> None:
-        """Take what has come."""
-        ...
-
-    @property
-    def up_to_ns(self) -> int:
-        """The moment [ns] up to which nothing more will come."""
-        ...
-
-    def take(self, until_ns: int) -> Sequence[Record]:
-        """Return what came since the last call and until a moment [ns], in order."""
-        ...
-
-    def stream(self) -> Stream:
-        """Return its health."""
-        ...
-
-    def utc(self, host_ns: int) -> float | None:
-        """Return UTC [s] at a moment of the station's clock [ns]."""
-        ...
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Options:
-    """How to monitor: ``aid`` by name, ``C`` (3, 3) IMU axes to forward-right-down; angles in rad, m/s2.
-
-    ``speed`` [m/s] of the aid is shown; latitude and ``heading`` of forward are None where not known.
-    """
-
-    aid: str = "none"
-    C: FloatArray | None = None
-    latitude: float | None = None
-    heading: float | None = None
-    gravity: float = STANDARD_GRAVITY
-    alarms: tuple[Alarm, ...] = ()
-    revive: Callable[[], None] | None = None  # has a reader that ended begin again
-    locating: Locating | None = None
-
-
 class Monitor:
     """Follows one unit; call `round` for ever. ``sinks`` are told each reading."""
 
     def __init__(
-        self, feed: LiveFeed, applied: Applied, options: Options = Options(), recording: Recording | None = None,
+        self, feed: LiveFeed, applied: Applied, options: Options = USUAL, recording: Recording | None = None,
         aid: Aid | None = None, sinks: tuple[Callable[[View], None], ...] = (), folder: str = "",
     ) -> None:  # fmt: skip
         self._feed, self._options, self._recording, self._aid = feed, options, recording, aid
@@ -104,6 +61,7 @@ class Monitor:
         self._numbers = self._marks = 0
         self._speed: float | None = None
         self._held_since: float | None = None
+        self._moments = Moments()
         unit = feed.unit
         self.view = View(
             unit=f"{unit.model} {unit.serial}" if unit else "", aid=options.aid, in_use=self._in_use, folder=folder
@@ -205,6 +163,7 @@ class Monitor:
         if tape.begin != self._begin:
             self._at, self._begin = tape.begin, tape.begin
             self._track.begin_anew()
+            self._moments.begin_anew()
             self._rest.begin_anew()
             if self._options.locating is not None:
                 self._options.locating.begin_anew()
@@ -213,13 +172,14 @@ class Monitor:
             self._noted = tape.end
         while tape.end - self._at >= self._size and self._has_come(tape.host_ns(self._at + self._size - 1)):
             self._at += self._size
-            first, host_ns = self._at - self._size, tape.host_ns(self._at - 1)
+            first = self._at - self._size
             tick = self._sensors.take(tape.block(first, self._at))
-            records = () if self._aid is None else self._aid.take(host_ns)
+            now_ns = self._moments.of(float(tick.t[-1]), tape.host_ns(self._at - 1))
+            records = () if self._aid is None else self._aid.take(now_ns)
             if self._options.locating is not None:
                 marks = [(at, float(tick.t[sample - first])) for at, sample in tape.marks(first, self._at)]
                 self._options.locating.take(Taken(in_imu_axes(tick, self._C, self._feed.period), marks, records))
-            self._go_on(tick, records)
+            self._go_on(tick, records, now_ns)
         tape.forget_before(self._at)
 
     def _has_come(self, host_ns: int) -> bool:
@@ -227,11 +187,12 @@ class Monitor:
         if self._aid is None or self._aid.up_to_ns >= host_ns:
             self._held_since = None
             return True
-        self._held_since = self._held_since or monotonic()
-        return monotonic() - self._held_since > LATEST_S
+        now = monotonic()
+        self._held_since = now if self._held_since is None else self._held_since
+        return now - self._held_since > LATEST_S
 
-    def _go_on(self, tick: Tick, records: Sequence[Record]) -> None:
-        aiding = aiding_of(records, self._options.aid)
+    def _go_on(self, tick: Tick, records: Sequence[Record], now_ns: int) -> None:
+        aiding = aiding_of(records, self._options.aid, now_ns)
         self._learn_speed(aiding)
         self._health.unhealthy += not tick.is_healthy
         if tick.not_applied and not self._in_use.note:

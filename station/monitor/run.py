@@ -26,13 +26,14 @@ from station.live.live_feed import LiveFeed, Source, open_feed
 from station.monitor.alarms import Alarm
 from station.monitor.calibration import Applied, find_calibration
 from station.monitor.lines import PlainMonitor, json_line, listen
-from station.monitor.locating import Locating, locating
-from station.monitor.monitor import Aid, Monitor, Options
+from station.monitor.monitor import Monitor
+from station.monitor.options import Aid, Options
 from station.monitor.recorded_gnss import RecordedGnss, recorded_aid, recorded_gnss
 from station.monitor.recording import EVENTS, Recording
 from station.monitor.replay import Replay, is_mcap
 from station.monitor.thread import MonitorThread
 from station.monitor.view import View
+from station.monitor.where import Locating
 from station.reader import Reader
 
 Output = Literal["screen", "plain", "json"]
@@ -158,6 +159,8 @@ def _locating(
 ) -> Locating | None:
     if not wanted.locate:
         return None
+    from station.monitor.locating import locating
+
     is_replay = isinstance(aid, RecordedGnss)
     if aid is None:
         raise DataRefused(feed.address.path, None, "no gnss_*.mcap beside it for --locate", "a receiver")

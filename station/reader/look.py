@@ -17,7 +17,10 @@ READ_BYTES = 65536
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seen:
-    """What came within ``seconds``; ``rate_hz`` is by the device's own time, None if it sends none."""
+    """What came within ``seconds``; ``rate_hz`` is by the device's own time, None if it sends none.
+
+    ``channels`` are those that it measures; the others are 0 in ``samples``.
+    """
 
     format: str
     model: str | None
@@ -28,6 +31,7 @@ class Seen:
     rate_hz: float | None
     counters: FrameCounters
     samples: SampleBlock
+    channels: frozenset[str]
 
 
 def look(url: str, seconds: float) -> Seen:
@@ -36,16 +40,18 @@ def look(url: str, seconds: float) -> Seen:
     Raises
     ------
     DriverError
-        If the port cannot be opened, no byte comes, or no frame of any format is among them.
+        If the port cannot be opened, no byte comes, no frame of any format is among them, or a DBC or a mapping
+        breaks a rule.
     """
     address = parse_device_url(url)
+    told = wire_of(address)  # a wrong DBC or mapping is said before a port is waited for
     began = time.monotonic()
     data = read_for(open_port(address), seconds)
     took = max(time.monotonic() - began, 1e-9)
     if not data:
         raise LinkSilent(address.name, seconds, address.baud)
     likely = sniff(data)
-    wire = wire_of(address) or (FORMATS[likely[0].format] if likely else None)
+    wire = told or (FORMATS[likely[0].format] if likely else None)
     seen = seen_as(wire, data, took) if wire else None
     if seen is None:
         wanted = wire.name if wire else " or ".join(FORMATS)
@@ -66,8 +72,9 @@ def seen_as(wire: WireFormat, data: bytes, seconds: float) -> Seen | None:
     steps = steps[np.isfinite(steps) & (steps > 0)]
     rate = float(1 / np.median(steps)) if len(steps) else None
     return Seen(
-        wire.name, decoder.model, decoder.serial, seconds, len(data), len(block), rate, decoder.counters, block
-    )
+        wire.name, decoder.model, decoder.serial, seconds, len(data), len(block), rate, decoder.counters, block,
+        decoder.kind.channels,
+    )  # fmt: skip
 
 
 def read_for(port: Port, seconds: float) -> bytes:

@@ -72,6 +72,7 @@ def survey(ports: Iterable[Found], seconds: float) -> list[Found]:
 def _looked_at(port: Found, seconds: float) -> Found:
     try:
         address = parse_device_url(port.url)
+        wire_of(address)  # a wrong DBC or mapping is said before a port is waited for
         if address.scheme != "serial" or "baud=" in port.url or address.format:
             return recognised(port, *_timed(_open(port.url), seconds))
         for baud in BAUDS:

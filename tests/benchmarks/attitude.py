@@ -1,13 +1,15 @@
 """Print roll and pitch errors and costs of the station beside vqf, imufusion and ahrs, all in one run.
 
 `python -m tests.benchmarks.attitude DATA` with the folder of the attitude logs (broad_*.csv, flight_*.csv,
-vehicle_*.csv), or of other `attitude-log/1` files with truth; parts by name: free, aided, paper, bench, speed.
+vehicle_*.csv), or of other `attitude-log/1` files with truth; parts by name: free, held, aided, late, paper,
+bench, speed (processor time).
 Peers are the extra `peers`, at their defaults, in the same axes and from the same first sample.
 """
 
 import argparse
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import imufusion
@@ -15,12 +17,12 @@ import numpy as np
 from ahrs.filters import Madgwick, Mahony
 from vqf import VQF
 
-from drivers.simulated.flight import LEVEL_S, paper_bench, paper_flight
-from procedures.arrays import FloatArray
-from procedures.attitude.attitude import estimate
+from drivers.simulated.flight import FORCE_UG, LEVEL_S, paper_bench, paper_flight
+from procedures.arrays import BoolArray, FloatArray
+from procedures.attitude.attitude import Track, estimate
 from procedures.attitude.frd import inclination, roll_pitch_of
 from procedures.attitude.joint import JointFilter
-from procedures.attitude.joint_state import DEFAULT, FREE
+from procedures.attitude.joint_state import DEFAULT, FREE, Settings
 from procedures.attitude.log import AttitudeLog
 from procedures.attitude.mixer import Mixer, mix
 from procedures.attitude.smoothing import smooth
@@ -28,6 +30,8 @@ from procedures.earth import STANDARD_GRAVITY
 from station.attitude.reading import read_log
 
 AFTER_S = 60.0  # aided logs count from here
+TABLE_1_FORCE = FORCE_UG * 1e-6 * STANDARD_GRAVITY
+WITHIN_95 = 1.73  # sigmas of a direction in two dimensions, inside which 95 % of the errors lie
 
 
 def up_to_down(quaternion: FloatArray) -> FloatArray:
@@ -66,14 +70,28 @@ PEERS: dict[str, Callable[[AttitudeLog], FloatArray]] = {
 }  # fmt: skip
 
 
-def rms_deg(log: AttitudeLog, down: FloatArray, after: float = -np.inf) -> float:
-    """Return the rms inclination error over scored rows."""
+def counted(log: AttitudeLog, after: float = -np.inf) -> BoolArray:
+    """Return the rows that count: scored, with truth, after a time."""
     truth = log.true_down
     assert truth is not None
     rows = np.isfinite(truth).all(axis=1) & (log.t > after)
-    if log.scored is not None:
-        rows &= log.scored
+    return rows if log.scored is None else rows & log.scored
+
+
+def rms_deg(log: AttitudeLog, down: FloatArray, after: float = -np.inf) -> float:
+    """Return the rms inclination error over the rows that count."""
+    rows, truth = counted(log, after), log.true_down
+    assert truth is not None
     return float(np.degrees(np.sqrt(np.mean(inclination(down[rows], truth[rows]) ** 2))))
+
+
+def honesty(log: AttitudeLog, track: Track, rows: BoolArray) -> tuple[float, float]:
+    """Return the rms of error over sigma (its square is the NEES per axis), and the share within 95 %."""
+    truth = log.true_down
+    assert truth is not None
+    assert track.sigma is not None
+    ratio = inclination(track.down[rows], truth[rows]) / track.sigma[rows]
+    return float(np.sqrt(np.mean(ratio**2))), float(np.mean(ratio < WITHIN_95))
 
 
 def print_free(logs: dict[str, AttitudeLog]) -> None:
@@ -84,6 +102,54 @@ def print_free(logs: dict[str, AttitudeLog]) -> None:
         errors = [rms_deg(log, run(log)) for log in logs.values()]
         print(f"  {name:18} mean {np.mean(errors):7.3f}   " + " ".join(f"{e:7.3f}" for e in errors), flush=True)
     print("  " + ", ".join(logs))
+    tracks = {name: estimate(log, "none") for name, log in logs.items()}
+    for name, moves in (("moving", True), ("at rest", False)):
+        found = np.array([
+            honesty(log, tracks[name], (log.t > log.t[0] + 5.0) & np.isfinite(log.roll) & (log.scored == moves))
+            for name, log in logs.items()
+        ])  # fmt: skip
+        print(f"  error/sigma {name:8} rms {np.sqrt(np.mean(found[:, 0] ** 2)):.2f}, within 95 % "
+              f"{100 * found[:, 1].mean():.0f} %:   " + " ".join(f"{z:7.2f}" for z in found[:, 0]))  # fmt: skip
+
+
+VARIED = (
+    "gyro_noise_per_rate", "gyro_bias_walk", "gyro_bias_std", "gyro_scale_std", "force_noise", "force_bias_std",
+    "speed_noise", "rest_rate", "rest_force", "rest_s", "rest_velocity_noise", "believed_sigma",
+)  # fmt: skip
+
+
+def print_held(logs: dict[str, AttitudeLog]) -> None:
+    """Print what a choice of settings is worth on a trial that had no say: each is halved and doubled."""
+    variants: dict[str, Settings] = {"as it is": FREE}
+    for name in VARIED:
+        for factor in (0.5, 2.0):
+            variants[f"{name} x {factor:g}"] = FREE._replace(**{name: factor * getattr(FREE, name)})
+    errors = np.array([
+        [[rms_deg(log, run(log, s)) for log in logs.values()] for s in variants.values()]
+        for run in (lambda log, s: estimate(log, "none", settings=s).down, lambda log, s: smooth(log, "none", s))
+    ])  # fmt: skip
+    for title, each in zip(("causal", "smoothed"), errors, strict=True):
+        means = dict(zip(variants, each.mean(axis=1), strict=True))
+        low, high = (f(means, key=means.__getitem__) for f in (min, max))
+        others = [np.delete(each, i, axis=1).mean(axis=1).argmin() for i in range(len(logs))]
+        held = np.mean([each[best, i] for i, best in enumerate(others)])
+        print(f"{title}: mean {means['as it is']:.4f}; best {means[low]:.4f} ({low}), worst {means[high]:.4f} "
+              f"({high}); each trial by the choice of the other five {held:.4f}")  # fmt: skip
+        print("  chosen: " + ", ".join(list(variants)[best] for best in others), flush=True)
+
+
+def print_late(logs: dict[str, AttitudeLog]) -> None:
+    """Print what fixes that come late cost, and what is left where their latency is told."""
+    print(f"\nGNSS fixes that are late, deg rms after {AFTER_S:.0f} s: latency not told, told 0.05 s wrong, told")
+    for name, log in logs.items():
+        assert log.velocity is not None
+        for seconds in (0.1, 0.15, 0.2):
+            rows = round(seconds / log.nominal)
+            velocity = np.vstack([np.full((rows, 3), np.nan), log.velocity[:-rows]])
+            late = replace(log, velocity=velocity)
+            told = (0.0, seconds - 0.05, seconds)
+            errors = [rms_deg(late, estimate(late, "gnss", fix_latency=s).down, AFTER_S) for s in told]
+            print(f"  {name:36} {seconds:.2f} s   " + " ".join(f"{e:8.4f}" for e in errors), flush=True)
 
 
 def print_aided(logs: dict[str, AttitudeLog]) -> None:
@@ -128,13 +194,33 @@ def turn_maximum(log: AttitudeLog, down: FloatArray) -> tuple[float, float]:
 def print_bench(seeds: int) -> None:
     """Print rest in the twelve positions: figure 5."""
     print(f"\nat rest in each position, errors of P2 table 1, {seeds} seeds: deg rms after 60 s (asked 0.02)")
-    for name, run in {"station, none": lambda log: estimate(log, "none").down, "vqf": by_vqf}.items():
-        errors = np.array(
-            [[rms_deg(log, run(log)) for log in (paper_bench(s, p) for s in range(seeds))] for p in range(1, 13)]
+    ways: dict[str, Callable[[AttitudeLog], Track]] = {
+        "accelerometers unknown": lambda log: estimate(log, "none"),
+        "140 ug told": lambda log: estimate(log, "none", force_bias_std=TABLE_1_FORCE),
+    }
+    for name, run in ways.items():
+        found = np.array([[_rest(paper_bench(s, p), run) for s in range(seeds)] for p in range(1, 13)])
+        by_position, z = (np.sqrt(np.mean(found[:, :, i] ** 2, axis=1)) for i in (0, 1))
+        print(
+            f"  {name:22} "
+            + " ".join(f"{e:.4f}" for e in by_position)
+            + f"   worst unit {found[..., 0].max():.4f}"
         )
-        by_position = np.sqrt(np.mean(errors**2, axis=1))
-        print(f"  {name:14} " + " ".join(f"{e:.4f}" for e in by_position) + f"   worst unit {errors.max():.4f}")
+        ratios, share = " ".join(f"{e:6.2f}" for e in z), 100 * found[..., 2].mean()
+        print(
+            f"  {'error/sigma':22} {ratios}   rms {np.sqrt(np.mean(z**2)):.2f}, within 95 % {share:.0f} %",
+            flush=True,
+        )
+    vqf = np.array(
+        [[rms_deg(log, by_vqf(log)) for log in (paper_bench(s, p) for s in range(seeds))] for p in (1, 9)]
+    )
+    print(f"  vqf, positions 1 and 9: {np.sqrt(np.mean(vqf**2)):.4f}, worst unit {vqf.max():.4f}")
     print("  140 ug of bias on each of two level axes are 0.0113 deg: no filter can see them")
+
+
+def _rest(log: AttitudeLog, run: Callable[[AttitudeLog], Track]) -> tuple[float, float, float]:
+    track = run(log)
+    return (rms_deg(log, track.down), *honesty(log, track, counted(log)))
 
 
 def print_speed() -> None:
@@ -153,9 +239,9 @@ def print_speed() -> None:
     best = dict.fromkeys(runs, np.inf)
     for _ in range(7):  # in turn, so that all see the same machine
         for name, run in runs.items():
-            start = time.perf_counter()
+            start = time.process_time()
             run()
-            best[name] = min(best[name], time.perf_counter() - start)
+            best[name] = min(best[name], time.process_time() - start)
     for name, seconds in best.items():
         print(f"  {name:18} {1e9 * seconds / n:7.0f}   {seconds / best['vqf']:.2f} x vqf")
     print_online(log)
@@ -177,17 +263,17 @@ def print_online(log: AttitudeLog) -> None:
     for name, step in steps.items():
         for i in range(100):
             step(i)
-        start = time.perf_counter()
+        start = time.process_time()
         for i in range(100, 20100):
             step(i)
-        print(f"  {name:18} {(time.perf_counter() - start) / 20000 * 1e6:7.2f}")
+        print(f"  {name:18} {(time.process_time() - start) / 20000 * 1e6:7.2f}")
 
 
 def main() -> None:
     """Print the parts asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("data", nargs="?", type=Path, default=Path("../shared/data/attitude"))
-    parser.add_argument("--parts", nargs="*", default=["speed", "bench", "paper", "aided", "free"])
+    parser.add_argument("--parts", nargs="*", default=["speed", "bench", "paper", "aided", "late", "free", "held"])
     parser.add_argument("--seeds", type=int, default=25)
     options = parser.parse_args()
     logs = {path.stem: read_log(path) for path in sorted(options.data.glob("*.csv"))}
@@ -196,6 +282,8 @@ def main() -> None:
         "speed": print_speed, "bench": lambda: print_bench(max(options.seeds // 5, 2)),
         "paper": lambda: print_paper(options.seeds), "aided": lambda: print_aided(aided),
         "free": lambda: print_free({name: log for name, log in logs.items() if name not in aided}),
+        "held": lambda: print_held({name: log for name, log in logs.items() if name not in aided}),
+        "late": lambda: print_late({name: log for name, log in aided.items() if log.nominal < 0.01}),
     }  # fmt: skip
     for part in options.parts:
         parts[part]()

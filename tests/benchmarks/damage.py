@@ -121,7 +121,7 @@ class Outcome:
 
 HEAD = (
     f"{'format':<30}{'damaged':>9}{'check-failed':>14}{'bad-length':>12}{'accepted':>10}"
-    f"{'wrong':>7}{'marked':>8}{'expected':>10}{'intact':>9}{'lost':>6}{'crashes':>9}{'s':>7}"
+    f"{'wrong':>7}{'marked':>8}{'expected':>10}{'intact':>9}{'lost':>8}{'crashes':>9}{'s':>7}"
 )
 
 
@@ -129,5 +129,5 @@ def row(got: Outcome) -> str:
     """Return an outcome as a line under `HEAD`."""
     return (
         f"{got.name:<30}{got.mutated:>9}{got.checks_failed:>14}{got.bad_length:>12}{got.accepted:>10}{got.wrong:>7}"
-        f"{got.wrong_marked:>8}{got.expected:>10.2g}{got.intact:>9}{got.lost:>6}{got.crashes:>9}{got.seconds:>7.1f}"
+        f"{got.wrong_marked:>8}{got.expected:>10.2g}{got.intact:>9}{got.lost:>8}{got.crashes:>9}{got.seconds:>7.1f}"
     )

@@ -1,8 +1,8 @@
 """Print how well the monitor reads a simulated FOG, and what it costs: `python -m tests.benchmarks.monitor`.
 
-Parts: ``rest`` (12 positions, level error and its ratio to 1 sigma after a minute), ``move`` (hand moves of 20 s
-from face to face, error at their end by the monitor's settings and the filter's own), ``cpu`` (the whole program
-on a pty of 80x24, IMU at 100 Hz).
+Parts: ``rest`` (12 positions, level error and its ratio to 1 sigma after a minute, each with a calibration that is
+wrong by as much as its sigmas say), ``move`` (hand moves of 20 s from face to face, error at their end by the
+monitor's settings and the filter's own), ``cpu`` (the whole program on a pty of 80x24, IMU at 100 Hz).
 """
 
 import argparse
@@ -15,6 +15,7 @@ import tempfile
 import threading
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -25,10 +26,10 @@ from procedures.frames import nominal_C_lb
 from station.monitor import monitor
 from station.monitor.body_axes import body_axes
 from station.monitor.filter_settings import settings_of
-from station.monitor.monitor import Options
+from station.monitor.options import Options
 from station.monitor.view import View
 from tests.station.monitor.rig import MonitorRig
-from tests.station.monitor.unit import write_calibration
+from tests.station.monitor.unit import calibration_of, write_calibration
 
 LATITUDE = np.radians(31.17)
 ASKED_CPU = 30.0
@@ -37,6 +38,15 @@ ASKED_CPU = 30.0
 def unit(seed: int) -> Truth:
     """Return a unit on a level slab."""
     return replace(Truth.example(seed), faces_rad=np.zeros((6, 2)), slab_tilt_rad=np.zeros(2))
+
+
+def drawn(calibration: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
+    """Return a calibration that is wrong by as much as its own sigmas say."""
+    for triad in ("gyroscope", "accelerometer"):
+        for part in calibration[triad].values():
+            value, std = np.array(part["value"]), np.array(part["std"])
+            part["value"] = (value + std * rng.standard_normal(value.shape)).tolist()
+    return calibration
 
 
 def off_deg(view: View, position: int) -> float:
@@ -51,7 +61,8 @@ def rest(seeds: int) -> None:
     offs, ratios = list[float](), list[float]()
     for seed in range(seeds):
         for position in range(1, 13):
-            rig = MonitorRig(unit(seed), Options(latitude=LATITUDE), position=position)
+            calibration = drawn(calibration_of(unit(seed)), np.random.default_rng([seed, position]))
+            rig = MonitorRig(unit(seed), Options(latitude=LATITUDE), position=position, calibration=calibration)
             rig.run(80.0)
             late = [view for view in rig.lines if view.reading is not None and view.reading.t > 62.0]
             offs += [off_deg(view, position) for view in late]

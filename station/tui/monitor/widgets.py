@@ -77,7 +77,8 @@ class Readings(Drawn[View]):
         steep = "  any: X is vertical" if abs(reading.pitch) > STEEP else ""
         p, q, r = (_short(rate, 3) for rate in reading.rate)
         x, y, z = (_short(bias, 2) for bias in reading.bias)
-        heading = "" if reading.heading is None else f"  HDG {reading.heading % 360:.1f}"
+        is_told = reading.heading is None or view.location is not None  # beside the place, as of the same moment
+        heading = "" if is_told else f"  HDG {(reading.heading or 0.0) % 360:.1f}"
         warm = "" if reading.temperature is None else f"   {reading.temperature:.1f} degC"
         return Content("\n").join((
             Content.assemble("ROLL   ", (f"{shown[0]:+9.3f} deg", "bold $accent"), (zero[0] + steep, "$warning")),

@@ -2,6 +2,7 @@
 
 import ast
 import csv
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,9 @@ from drivers.can.format import OWN_DBC, OWN_MAP, can_format
 from drivers.can.layout import words_of
 from drivers.errors import BadCanFile
 from drivers.framing import Decoder
+from drivers.wire import WireFormat
 from procedures.records import RateBlock
+from station import cli
 from tests.drivers.can.frames import DBC, needs_captures, samples
 
 SBG_MAP = """
@@ -140,3 +143,80 @@ def test_running_totals_become_increments_and_a_gap_begins_anew(tmp_path: Path) 
     )
     assert 50 + 1 in with_gap.tolist() or len(with_gap) < 150
     assert np.all(np.diff(with_gap) >= 1)
+
+
+FOREIGN = """VERSION ""
+NS_ :
+BS_:
+BU_: IMU
+BO_ 256 RATES: 8 IMU
+ SG_ X : 0|32@1- (1,0) [0|0] "rad/s" IMU
+ SG_ Y : 32|32@1- (1,0) [0|0] "rad/s" IMU
+BO_ 257 MORE: 8 IMU
+ SG_ Z : 0|32@1- (1,0) [0|0] "rad/s" IMU
+ SG_ FX : 32|32@1- (1,0) [0|0] "g" IMU
+BO_ 258 FORCES: 8 IMU
+ SG_ FY : 7|32@0- (1,0) [0|0] "g" IMU
+ SG_ FZ : 39|32@0- (1,0) [0|0] "g" IMU
+BO_ 259 SWITCHED: 8 IMU
+ SG_ WHICH M : 0|8@1+ (1,0) [0|0] "" IMU
+ SG_ AXIS m0 : 8|32@1- (1,0) [0|0] "rad/s" IMU
+BO_ 260 LONG: 64 IMU
+ SG_ FAR : 400|32@1- (1,0) [0|0] "rad/s" IMU
+SIG_VALTYPE_ 256 X : 1;
+SIG_VALTYPE_ 256 Y : 1;
+SIG_VALTYPE_ 257 Z : 1;
+SIG_VALTYPE_ 257 FX : 1;
+SIG_VALTYPE_ 258 FY : 1;
+SIG_VALTYPE_ 258 FZ : 1;
+"""
+FLOATS = """
+format = "can-map/1"
+output = "rate"
+sample_period_s = 0.01
+gyro = ["RATES.X", "RATES.Y", "MORE.Z"]
+accel = ["MORE.FX", "FORCES.FY", "FORCES.FZ"]
+first = "RATES"
+"""
+
+
+def foreign(folder: Path, mapping: str) -> WireFormat:
+    (folder / "imu.dbc").write_text(FOREIGN)
+    (folder / "imu.toml").write_text(mapping)
+    return can_format(str(folder / "imu.dbc"), str(folder / "imu.toml"))
+
+
+def test_float_signals_are_rates_as_cantools_reads_them(tmp_path: Path) -> None:
+    wire = foreign(tmp_path, FLOATS)
+    database = load_dbc(str(tmp_path / "imu.dbc"))
+    sent = {"RATES": {"X": 0.125, "Y": -1e-6}, "MORE": {"Z": 3.5, "FX": -0.25}, "FORCES": {"FY": 1e3, "FZ": -1.0}}
+    ids = {"RATES": 256, "MORE": 257, "FORCES": 258}
+    records = [record.pack(ids[name], 10**9, database.encode_message(ids[name], sent[name])) for name in ids]
+    block = Decoder(wire).feed(b"".join(records))
+    assert isinstance(block, RateBlock)
+    np.testing.assert_array_equal(block.gyro, np.array([[0.125, -1e-6, 3.5]], np.float32))
+    np.testing.assert_array_equal(block.accel, [[-0.25, 1e3, -1.0]])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("MORE.Z", "SWITCHED.AXIS", "SWITCHED.AXIS is multiplexed; expected a plain signal"),
+        (
+            "MORE.Z",
+            "LONG.FAR",
+            "LONG.FAR is in a frame of 64 bytes; expected a plain signal of a frame",
+        ),
+        ('"rate"', '"increments"', "RATES.X, which is no whole number of up to 64 bits; expected a count"),
+    ],
+)
+def test_what_cannot_be_read_is_refused_in_one_line(
+    old: str, new: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(BadCanFile, match=re.escape(said)):
+        foreign(tmp_path, FLOATS.replace(old, new))
+    files = f"dbc={tmp_path / 'imu.dbc'}&map={tmp_path / 'imu.toml'}"
+    assert cli.run(["devices", "--url", f"can://udp_multicast/239.74.163.2?{files}"]) == 3
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1

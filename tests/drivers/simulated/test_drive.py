@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from drivers.simulated.drive import SLOWEST
+from drivers.simulated.errors import TruthRefused
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
@@ -56,5 +57,5 @@ def test_a_track_stands_between_equal_points_and_after_its_end() -> None:
 def test_a_track_that_is_over_is_refused() -> None:
     imu = SimulatedImu(EXACT, None)
     imu.read(100)
-    with pytest.raises(ValueError, match="ended at 1 s"):
+    with pytest.raises(TruthRefused, match="ended at 1 s"):
         imu.drive(Track(np.array([0.0, 1.0]), np.zeros((2, 3))))

@@ -33,3 +33,15 @@ def test_without_pace_nothing_waits_and_chunks_stay_small() -> None:
     assert Pace(0.0, 0.02, Clock()).delay(10**9) == 0.0
     assert Pace(0.0, 0.02, Clock()).samples == MOST_SAMPLES
     assert Pace(1e6, 0.02, Clock()).samples == MOST_SAMPLES
+
+
+def test_a_device_held_up_on_purpose_goes_on_at_its_time() -> None:
+    clock = Clock()
+    pace = Pace(1.0, 0.02, clock)
+    pace.excuse(4.0)
+    clock.now += 4.0
+    assert pace.delay(1) == 0.0
+    assert pace.delay(250) == pytest.approx(1.0)
+    clock.now += 60.0  # once more, and not on purpose
+    assert pace.delay(300) == 0.0
+    assert pace.delay(350) == pytest.approx(1.0)

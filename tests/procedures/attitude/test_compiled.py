@@ -8,7 +8,7 @@ import pytest
 from procedures.attitude import aided_kernels, joint_kernels
 
 HERE = Path(joint_kernels.__file__).parent
-JOINT = ("compiled", "joint_state", "joint_strapdown", "joint_update", "joint_aids")
+JOINT = ("compiled", "joint_state", "joint_strapdown", "joint_update", "joint_aids", "joint_fix")
 
 
 @pytest.mark.parametrize(

@@ -52,6 +52,43 @@ def test_on_the_bench_every_position_reads_to_the_accelerometers_bias(position: 
     assert np.sqrt(np.mean(error**2)) < bias + np.radians(0.002)
 
 
+def test_at_rest_sigma_is_what_the_error_is_where_the_accelerometers_are_known() -> None:
+    """NEES over the twelve positions of two units: chi square of 2 x 24, within 4 of its own sigma."""
+    ratios = list[float]()
+    for seed in (3, 4):
+        for position in range(1, 13):
+            log = paper_bench(seed, position, seconds=70.0)
+            track = estimate(log, "none", force_bias_std=140e-6 * G)
+            assert log.true_down is not None
+            assert track.sigma is not None
+            ratios.append(float(inclination(track.down, log.true_down)[-1] / track.sigma[-1]))
+    assert np.mean(np.square(ratios)) == pytest.approx(1.0, abs=4 / np.sqrt(len(ratios)))
+    assert np.mean(np.square(ratios)) > 0.5
+
+
+def test_rest_teaches_nothing_of_a_tilt_however_long_it_lasts() -> None:
+    log = paper_bench(0, 1, seconds=300.0)
+    sigma = estimate(log, "none").sigma
+    assert sigma is not None
+    assert sigma[-1] > FREE.force_bias_std / G  # two axes of it, less what could be an error of the start
+
+
+@pytest.mark.parametrize("late_s", [0.1, 0.2])
+def test_a_late_velocity_counts_at_its_own_moment(late_s: float) -> None:
+    log, down = driving()
+    assert log.velocity is not None
+    rows = round(late_s / 0.01)
+    late = replace(log, velocity=np.vstack([np.full((rows, 3), np.nan), log.velocity[:-rows]]))
+
+    def error(log: AttitudeLog, **told: float) -> float:
+        off = inclination(estimate(log, "gnss", **told).down, down)  # type: ignore[arg-type]
+        return float(np.degrees(np.sqrt(np.mean(off[log.t > 40] ** 2))))
+
+    at_once, told = error(log), error(late, fix_latency=late_s)
+    assert told < 1.3 * at_once + 0.02
+    assert error(late) > 2 * told
+
+
 def test_one_sample_at_a_time_gives_what_a_log_gives() -> None:
     log, _ = driving(seconds=20.0)
     assert log.airspeed is not None

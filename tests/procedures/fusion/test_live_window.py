@@ -36,3 +36,4 @@ def test_a_window_that_is_lived_through_ends_where_the_recorded_one_does() -> No
     assert np.allclose(last.drift, recorded[-1].drift)
     assert len(live.values.keys()) == 0
     assert 0 < last.own_yaw_std < np.radians(3.0)
+    assert np.isclose(last.own_yaw_std, recorded[-1].own_yaw_std)

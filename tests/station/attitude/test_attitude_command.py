@@ -69,11 +69,20 @@ def test_without_an_aid_the_best_is_taken(log: Path, tmp_path: Path) -> None:
         ["--k1", "0.1"],
         ["--tau", "5", "--k1", "0.1", "--k2", "0.1"],
         ["--aid", "airspeed-filter", "--tau", "5"],
+        ["--aid", "none", "--tau", "1e-9"],
     ],
 )
 def test_wrong_usage_is_2_and_one_line(log: Path, wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["attitude", str(log), *wrong]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_an_aid_of_which_the_log_has_the_column_and_no_value_is_wrong_usage(
+    log: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log.write_text(log.read_text().replace(",30,", ",,"))
+    assert run(["attitude", str(log), "--aid", "airspeed-filter"]) == 2
+    assert "airspeed-filter needs airspeed" in capsys.readouterr().err
 
 
 def test_upside_down_is_legal_and_said(log: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -37,6 +37,9 @@ def put(line: int, text: str) -> Callable[[list[str]], list[str]]:
         (put(7, "0.05,0.001,0"), 7, "3 cells"),
         (lambda lines: [line.replace("-9.8", "-1.0") for line in lines], 2, "looks like g"),
         (lambda lines: lines[:1], 2, "a single row"),
+        (lambda lines: [line.replace("-9.8", "-999") for line in lines], 2, "looks like mg"),
+        (lambda lines: [f"{i},0,0,0,0,0,0" for i in range(9)], 2, "with gravity"),
+        (lambda lines: [f"{i}0,{ROW}" for i in range(50)], 3, "looks like ms"),
     ],
 )
 def test_a_bad_row_is_refused_with_its_line(
@@ -63,6 +66,22 @@ def test_half_a_velocity_and_a_score_of_2_are_refused(tmp_path: Path) -> None:
         read_log(write(tmp_path / "a.csv", [f"{r},1,2" for r in rows()], HEADER + ",vn_m_s,vd_m_s"))
     with pytest.raises(DataRefused, match=r"b.csv:2: found scored = 2, expected 0 or 1"):
         read_log(write(tmp_path / "b.csv", [f"{r},2" for r in rows()], HEADER + ",scored"))
+
+
+@pytest.mark.parametrize(
+    ("columns", "cells", "said"),
+    [
+        ("roll_rad,pitch_rad", "0.1,45", "pitch_rad = 45, beyond 1.571: looks like deg"),
+        ("heading_rad", "270", "heading_rad = 270, beyond 12.57: looks like deg"),
+        ("airspeed_m_s", "1e6", "airspeed_m_s = 1e+06, beyond 3000"),
+        ("vn_m_s,ve_m_s,vd_m_s", "1,2,-1e9", "vd_m_s = -1e+09, beyond 1e+04"),
+    ],
+)
+def test_aids_and_truth_beyond_what_is_possible_are_refused(
+    tmp_path: Path, columns: str, cells: str, said: str
+) -> None:
+    with pytest.raises(DataRefused, match=f"log.csv:2: found {said}".replace("e+0", r"e\+0")):
+        read_log(write(tmp_path / "log.csv", [f"{r},{cells}" for r in rows()], f"{HEADER},{columns}"))
 
 
 def test_optional_cells_may_be_empty(tmp_path: Path) -> None:

@@ -8,16 +8,21 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from drivers.can.format import OWN_DBC
+from drivers.can.format import OWN_DBC, OWN_MAP
 from drivers.device_url import parse_device_url
 from drivers.formats import wire_of
 from drivers.framing import seen_instead
 from drivers.ports import open_port
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
+from drivers.url_files import anchored
 from drivers.wire import WireFormat
+from fixtures_db.database import open_db
 from station import cli
 from station.campaign_folder import read_campaign, verify_folder
+from station.guide.live_campaign import begin, resume
+from station.guide.options import Options
+from station.guide.view import Setup
 from station.recorder import check_raw_bytes
 from tests.station.commands.program import Program
 
@@ -126,3 +131,37 @@ def test_simulate_serves_an_adapter_whose_address_can_be_opened(tmp_path: Path) 
 def test_a_transport_that_is_none_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["simulate", "--transport", "pigeon"]) == 2
     assert "slcan" in capsys.readouterr().err
+
+
+def test_files_named_from_one_folder_are_found_when_gone_on_from_another(
+    device: SimulatedDevice, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, original in (("my.dbc", OWN_DBC), ("my.toml", OWN_MAP)):
+        (tmp_path / name).write_text(Path(original).read_text())
+    monkeypatch.chdir(tmp_path)
+    url = f"{device.url}&dbc=my.dbc&map=my.toml"
+    setup = Setup(url=url, latitude_deg=31.17, folder=str(tmp_path / "c"), model="FOG", serial="CAN-5")
+    (tmp_path / "elsewhere").mkdir()
+    with open_db(str(tmp_path / "s.db")) as database:
+        begin(setup, database, Options(root=tmp_path)).close()
+        monkeypatch.chdir(tmp_path / "elsewhere")
+        resume(tmp_path / "c", database, Options(root=tmp_path)).close()
+
+
+@pytest.mark.parametrize(
+    ("given", "kept"),
+    [
+        ("can://slcan/dev/ttyACM0?dbc=my.dbc&bitrate=1000000&map=a%20b/m.toml",
+         "can://slcan/dev/ttyACM0?dbc={here}/my.dbc&bitrate=1000000&map={here}/a%20b/m.toml"),
+        ("can://socketcan/can0?dbc=/lab/my.dbc", "can://socketcan/can0?dbc=/lab/my.dbc"),
+        ("mavlink:udpin:0.0.0.0:14550?key=secret", "mavlink:udpin:0.0.0.0:14550?key={here}/secret"),
+        ("replay:run.mcap?format=can", "replay:{here}/run.mcap?format=can"),
+        ("serial:///dev/ttyUSB0?baud=115200&format=ch70", "serial:///dev/ttyUSB0?baud=115200&format=ch70"),
+        ("", ""),
+    ],
+)  # fmt: skip
+def test_only_the_files_of_an_address_become_whole_paths(
+    given: str, kept: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert anchored(given) == kept.format(here=tmp_path)

@@ -1,8 +1,10 @@
 """`station record --fusion`: a drive on one truth made a fusion folder and located; live; what it refuses."""
 
 import json
+import signal
 from dataclasses import replace
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 import pytest
@@ -14,7 +16,10 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
 from station.fusion_folder import read_fusion
+from station.mcap_files import read_step
+from station.mcap_files.fix_reader import Record, read_fixes
 from tests.drivers.simulated.drives import bends
+from tests.station.commands.program import Program
 from tests.station.monitor.driving import record_drive
 from tests.station.monitor.unit import write_calibration
 
@@ -35,6 +40,8 @@ def test_a_drive_is_made_a_folder_and_located_where_it_was(
     log = read_fusion(folder)
     assert log.imu is not None
     assert log.noise is not None
+    device = read_step(file).device_ns / 1e9
+    assert log.imu.t == pytest.approx(device - 0.01)  # the middle of each interval
     first = TRACK.position(float(log.fixes.t[0]))
     off = log.fixes.p_n - TRACK.positions(log.fixes.t) + first
     assert np.linalg.norm(off, axis=1).max() < 8 * 0.3  # the receiver's own error and the first fix's, up too
@@ -62,11 +69,17 @@ def _located(folder: Path, tmp_path: Path, first: np.ndarray) -> None:
     assert said["rejected_fixes"] == 0
 
 
-def test_a_live_run_leaves_the_folder_that_its_recording_gives(tmp_path: Path) -> None:
+def test_a_live_run_that_ctrl_c_ends_leaves_the_folder_that_its_recording_gives(tmp_path: Path) -> None:
     calibration = ["--calibration", str(write_calibration(tmp_path, TRUTH))]
     with SimulatedDevice(TRUTH, 5, speed=10.0) as imu, SimulatedGnss(TRUTH, AUTOPILOT, beside=imu) as gnss:
-        given = ["--gnss", gnss.url, "--out", str(tmp_path / "r"), "--seconds", "20"]
-        assert cli.run(["record", imu.url, *given, "--fusion", str(tmp_path / "one"), *calibration]) == 0
+        given = ["--gnss", gnss.url, "--out", str(tmp_path / "r"), "--fusion", str(tmp_path / "one")]
+        with Program("record", imu.url, *given, *calibration) as program:
+            while len(recorded(tmp_path / "r")) < 60:
+                Event().wait(0.05)
+            program.process.send_signal(signal.SIGINT)
+            code, out, _ = program.end()
+    assert code == 130
+    assert f"station locate {tmp_path / 'one'}" in out
     url = f"replay:{tmp_path / 'r' / 'recording.mcap'}"
     assert cli.run(["record", url, "--fusion", str(tmp_path / "two"), *calibration]) == 0
     for name in ("fusion.toml", "imu.csv", "gnss.csv"):
@@ -74,6 +87,10 @@ def test_a_live_run_leaves_the_folder_that_its_recording_gives(tmp_path: Path) -
     log = read_fusion(tmp_path / "one")
     assert log.table.gnss.lever_arm_m is None
     assert log.table.site.latitude_deg == pytest.approx(48.1, abs=1e-4)
+
+
+def recorded(folder: Path) -> list[Record]:
+    return [one for file in folder.glob("gnss_2*.mcap") if file.stat().st_size > 8 for one in read_fixes(file)]
 
 
 def test_without_fixes_or_a_place_to_write_to_it_is_said(

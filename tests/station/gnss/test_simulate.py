@@ -14,6 +14,7 @@ from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.truth import Truth
 from procedures.gnss import GnssFix
 from station import cli
+from station.mcap_files import read_step
 from tests.station.commands.program import Program
 
 FAULTS = """
@@ -63,3 +64,20 @@ def test_devices_says_who_is_on_a_link_and_what_was_answered(capsys: pytest.Capt
     assert "GPS2_RAW at 2 Hz: denied" in said
     assert cli.run(["devices", "--url", "mavlink:udpin:127.0.0.1:0x"]) == 2
     assert "udpin" in capsys.readouterr().err
+
+
+def test_a_track_carries_the_imu_along_and_one_that_is_over_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "t.csv").write_text("t_s,e_m,n_m,u_m\n" + "".join(f"{t},{t * t},0,0\n" for t in range(40)))
+    options = ("--speed", "20", "--track", str(tmp_path / "t.csv"), "--pty", str(tmp_path / "imu"))
+    with Program("simulate", "--example", "7", *options) as program:
+        program.until("control ")
+        url = f"serial://{tmp_path / 'imu'}?format=counts"
+        assert cli.run(["record", url, "--out", str(tmp_path / "r"), "--seconds", "5"]) == 0
+    step = read_step(tmp_path / "r" / "recording.mcap")
+    ahead = step.accel[:, 0].mean() / 0.02 / 1000  # 2 m/s2
+    assert ahead == pytest.approx(2.0 / 9.80665, abs=0.02)
+    (tmp_path / "t.csv").write_text("t_s,e_m,n_m,u_m\n-9,0,0,0\n-8,1,0,0\n")
+    assert cli.run(["simulate", "--example", "7", "--track", str(tmp_path / "t.csv")]) == 3
+    assert "a track that ended at -8 s" in capsys.readouterr().err

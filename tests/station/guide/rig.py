@@ -40,15 +40,16 @@ class GuideRig:
         warms_up: bool = False,
         asks: bool = True,
         bias_std: float | None = None,
+        format: str = "counts",
     ) -> None:
         self.folder = folder / "campaign"
         self.folder.mkdir()
         self.truth = Truth.example(1) if truth is None else truth
-        self.source = Source(self.truth, faults)
+        self.source = Source(self.truth, faults, format)
         self.feed = open_feed(self.source)
-        self.unit = self.feed.identify()
+        self.unit = self.feed.identify() if format == "counts" else self.feed.identify("FOG", "1")
         self.database = open_db(folder / "station.db")
-        self.recorder = open_campaign(self.folder, self.unit, SITE, self.database)
+        self.recorder = open_campaign(self.folder, self.unit, SITE, self.database, output=self.feed.wire.output)
         facts = Facts(
             float(np.radians(self.truth.latitude_deg)), 1e-3, 2e-4, Fixture(), bias_std=bias_std, asks=asks
         )

@@ -124,7 +124,7 @@ def test_with_nobody_to_ask_the_position_asked_for_is_believed(rig: Make) -> Non
 
 def test_a_knock_costs_the_disturbed_seconds_only_and_the_bar_never_falls(rig: Make) -> None:
     guided = rig(dwells(1, seconds=30.0))
-    guided.run(after(28.0))
+    guided.run(after(25.0))
     guided.hands("knock 7 0.05")
     guided.run(guided.done(1))
     seconds = accepted_seconds(guided)

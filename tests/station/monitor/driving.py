@@ -17,7 +17,8 @@ from station.mcap_files.fix_writer import FixWriter
 from station.monitor.body_axes import DEFAULT, body_axes
 from station.monitor.calibration import Applied
 from station.monitor.locating import locating
-from station.monitor.monitor import Monitor, Options
+from station.monitor.monitor import Monitor
+from station.monitor.options import Options
 from station.monitor.recording import Recording
 from station.monitor.view import InUse, Stream, View
 from tests.station.live.bench_in_memory import Source

@@ -8,7 +8,8 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from station.live import open_feed
 from station.monitor.calibration import Applied
-from station.monitor.monitor import Monitor, Options
+from station.monitor.monitor import Monitor
+from station.monitor.options import Options
 from station.monitor.recording import Recording
 from station.monitor.session import Verb
 from station.monitor.view import InUse, View

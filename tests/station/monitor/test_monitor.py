@@ -14,7 +14,7 @@ from procedures.frames import nominal_C_lb
 from station.mcap_files import read_step
 from station.monitor.alarms import Alarm
 from station.monitor.body_axes import body_axes
-from station.monitor.monitor import Options
+from station.monitor.options import Options
 from station.monitor.view import View
 from station.recorder import check_raw_bytes
 from tests.station.monitor.rig import MonitorRig

@@ -31,6 +31,7 @@ SPEED, PERIOD, SEED = 10.0, 0.02, 5
 TRUTH = Truth(sample_period_s=PERIOD, accel_noise_g=0.3, gyro_arw_deg_rt_s=0.01)  # no sample like another
 BEGIN_S, SLOT_S, LASTS_S, BACKLOG_S = 4.0, 8.0, 4.0, 5.0
 DEADLINE_S = 90.0
+BACK_S = 3.0
 TRANSPORTS = ("pty", "tcp", "slcan", "udp_multicast")
 
 
@@ -72,7 +73,7 @@ CASES = (
     Case("lost", Fault("lost", 0.0, count=3), {"*": "samples lost: 3"}, 0.1, {"*": 3}),
     Case("wrong check", Fault("bad_crc", 0.0, count=2), {"*": "wrong check"}, 0.1, {"*": 2}),
     Case("clock jump", Fault("clock_jump", 0.0, seconds=9.0), NO_CLOCK, 0.0, {"*": 0}),
-    Case("unplug", Fault("unplug", 0.0, seconds=LASTS_S), GONE, gone={"*": LASTING}),
+    Case("unplug", Fault("unplug", 0.0, seconds=LASTS_S), GONE, gone={"*": LASTING, "pty": -1}),
 )  # fmt: skip
 
 
@@ -81,14 +82,19 @@ def begins_s(case: Case) -> float:
     return 0.0 if case.fault.kind == "counter_wrap" else BEGIN_S + SLOT_S * CASES.index(case)
 
 
+def back_s(case: Case) -> float:
+    """Return how long after its end samples may be missing [s]; a port is opened again in real time."""
+    return BACK_S * (SPEED if case.fault.kind == "unplug" else 1.0)
+
+
 class WatchedFeed(LiveFeed):
     """A feed that keeps what it took: samples, and before which of them something is missing."""
 
-    def __init__(self, reader: Reader, wire: WireFormat) -> None:
+    def __init__(self, reader: Reader, wire: WireFormat, speed: float) -> None:
         self.samples: list[SampleBlock] = []
         self.marked: list[int] = []
         self.taken = 0
-        super().__init__(reader, wire, clock=lambda: time.monotonic() * SPEED)
+        super().__init__(reader, wire, clock=lambda: time.monotonic() * speed)
 
     def _take(self, chunk: Chunk) -> None:
         super()._take(chunk)
@@ -101,23 +107,25 @@ class WatchedFeed(LiveFeed):
 class Run:
     """What a station saw on a transport; ``index`` (n,): which sample of the truth each is, -1 none."""
 
-    def __init__(self, transport: str, folder: Path) -> None:
-        self.transport = transport
+    def __init__(self, transport: str, folder: Path, speed: float = SPEED) -> None:
+        self.transport, self._speed = transport, speed
         faults = [replace(case.fault, at_s=begins_s(case)) for case in CASES]
-        last_s = begins_s(CASES[-1]) + SLOT_S
+        last_s = begins_s(CASES[-1]) + SLOT_S + back_s(CASES[-1])
         memory = SimulatedImu(TRUTH, SEED).read(round(last_s / PERIOD) + 500)
         self._truth = {row.tobytes(): i for i, row in enumerate(np.hstack((memory.gyro, memory.accel)))}
         assert len(self._truth) == len(memory)
         self.said: list[tuple[int, str]] = []  # by which sample of the truth, and what
+        self.heard: list[tuple[float, str]] = []  # when by the station's clock [s], and what
+        self.came: list[tuple[float, int]] = []  # when by the same clock, and the newest sample of the truth
         self.blocks: list[IntArray] = []
         link = folder / "imu" if transport in {"pty", "slcan"} else None
         with SimulatedDevice(
-            TRUTH, SEED, speed=SPEED, transport=transport, link=link, faults=faults, hold=True
+            TRUTH, SEED, speed=speed, transport=transport, link=link, faults=faults, hold=True
         ) as device:
             with Reader(device.url, folder / "journal.mcap") as reader, SimulatedHands(device.control) as hands:
                 wire = wire_of(reader.address)
                 assert wire is not None
-                self.feed = WatchedFeed(reader, wire)
+                self.feed = WatchedFeed(reader, wire, speed)
                 hands.go()
                 self._follow(last_s)
                 self.is_alive = not reader.has_ended
@@ -130,7 +138,8 @@ class Run:
         return np.array([self._truth.get(row.tobytes(), -1) for row in rows], dtype=np.int64)
 
     def _follow(self, last_s: float) -> None:
-        feed, newest, deadline = self.feed, 0, time.monotonic() + DEADLINE_S
+        feed, newest = self.feed, 0
+        deadline = time.monotonic() + DEADLINE_S * SPEED / self._speed
         while newest < last_s / PERIOD:
             assert time.monotonic() < deadline, (self.transport, newest * PERIOD, self.said[-3:])
             try:
@@ -145,6 +154,9 @@ class Run:
                 newest = max(newest, int(self.which(feed.samples[-1])[-1]))
             if feed.trouble:
                 self.said.append((newest, feed.trouble))
+            now = time.monotonic() * self._speed
+            self.heard += [(now, text) for _, text in self.said[len(self.heard) :]]
+            self.came.append((now, newest))
             if feed.unit is None and feed.taken > 40:
                 feed.identify("SIM", None if feed.stream.decoder.serial else "7")
             for block in feed.ready() if feed.unit else ():
@@ -161,13 +173,13 @@ class Run:
         return [text for at, text in self.said if first - lead <= at < last]
 
 
-def run_all() -> dict[str, Run]:
+def run_all(speed: float = SPEED) -> dict[str, Run]:
     """Return a run on each transport, all at once."""
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor() as pool:
         runs = {}
         for transport in TRANSPORTS:
             (own := Path(folder) / transport).mkdir()
-            runs[transport] = pool.submit(Run, transport, own)
+            runs[transport] = pool.submit(Run, transport, own, speed)
         return {transport: run.result() for transport, run in runs.items()}
 
 

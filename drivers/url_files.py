@@ -1,0 +1,15 @@
+"""A device's URL whose files are found from any folder, so that it can be kept and used on another day."""
+
+import os
+import re
+from urllib.parse import quote, unquote, unquote_plus
+
+NAMES = ("dbc", "map", "key")
+_FILE = re.compile(rf"(?<=[?&])({'|'.join(NAMES)})=([^&]+)")
+_REPLAY = re.compile(r"^(replay:)([^?]+)")
+
+
+def anchored(url: str) -> str:
+    """Return a URL with its files as whole paths, those not yet such from the folder that the program runs in."""
+    found = _FILE.sub(lambda each: f"{each[1]}={quote(os.path.abspath(unquote_plus(each[2])), safe='/')}", url)
+    return _REPLAY.sub(lambda each: each[1] + quote(os.path.abspath(unquote(each[2])), safe="/"), found)

@@ -1,0 +1,186 @@
+"""P3's inner layer: tracks, IMU and GNSS velocity in one window of ten keyframes (numpy, no gtsam).
+
+Poses, velocities, biases, landmarks and where the camera sits are fitted together at each keyframe: reprojection
+with Huber's loss, preintegration, the biases' walks, GNSS velocity, and a prior from what has left (P3 IV.A). The
+landmarks are eliminated by hand, all at once in numpy: gtsam took 58 to 74 ms for such a window (FUSION.md 2), and
+its fixed-lag smoother fails on landmarks that leave. What leaves is marginalised with all its sights; landmarks
+that are still followed stay in the prior, so that nothing is used twice and nothing lost.
+
+GNSS velocities between two keyframes are carried to the later one by the IMU.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.fusion.alignment import Aligned
+from procedures.fusion.camera_keyframes import camera_keyframes
+from procedures.fusion.gnss_velocity import Antenna, velocities
+from procedures.fusion.inertial_increments import Grid, grid
+from procedures.fusion.inertial_terms import Site, predicted
+from procedures.fusion.landmarks import Landmarks
+from procedures.fusion.odometry import OdometryPose
+from procedures.fusion.outer_terms import rz
+from procedures.fusion.preintegration import Preintegrated, preintegrate
+from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
+from procedures.fusion.reprojection import residuals
+from procedures.fusion.tracks import Camera, Tracks
+from procedures.fusion.window_problem import Factor, Held, Prior, assemble, marginalised
+from procedures.fusion.window_state import COMMON, FRAME, Normal, WindowState
+
+FRAMES = 10
+ROUNDS = 4
+SMALL = 2e-2  # of a sigma, by which a last step may move
+ASTRAY = 4.0  # whitened length of a sight (two axes) that is no match: 3e-4 by chance
+CAMERA_TURN = np.radians(1.0)  # 1 sigma of what was given of the camera's place
+CAMERA_PLACE = 0.02  # m
+FREE_HEADING = 0.3  # rad on the first attitude: the alignment's own data are used again from there on
+FREE_TILT = 0.1
+FIXED = 1e-4  # rad, the heading of the window's own frame
+FREE_VELOCITY = 1.0  # m/s
+ANCHOR = 1e-3  # m, the origin of an odometry
+SLACK = 3.0  # of the drift that the window states: measured on real IMUs, docs/locate.md
+OUTAGE = 1.5  # s without a velocity from which the heading of the frame may drift
+YAW = np.radians(0.05)  # rad: GNSS's velocities hold the odometry's frame to n
+YAW_WALK = 1e-4  # rad/sqrt(s)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class VisionSettings:
+    """What is given; ``frames`` is the window's length."""
+
+    site: Site
+    camera: Camera
+    antenna: Antenna
+    frames: int = FRAMES
+
+
+def beginning(start: Aligned, camera: Camera, noise: ImuNoise) -> tuple[WindowState, Prior]:
+    """Return the first keyframe, and the little that is known of it: its heading is the window's own."""
+    none = np.zeros((1, 3))
+    state = WindowState(
+        start.C_nb[None], none, start.v_n[None], start.gyro_bias[None], start.accel_bias[None],
+        camera.C_bc, camera.t_bc, 0.0, np.zeros((0, 3)),
+    )  # fmt: skip
+    frame = np.repeat([FREE_TILT, ANCHOR, FREE_VELOCITY, noise.gyro_bias, noise.accel_bias], 3)
+    info = np.diag(np.r_[np.repeat([CAMERA_TURN, CAMERA_PLACE], 3), FREE_HEADING, frame] ** -2)
+    turn = slice(COMMON, COMMON + 3)
+    info[turn, turn] = start.C_nb.T @ np.diag([FREE_TILT**-2, FREE_TILT**-2, FIXED**-2]) @ start.C_nb
+    return state, Prior(Normal(info, np.zeros(COMMON + FRAME)), replace(state, bg=none, ba=none))
+
+
+class VisualInertialWindow:
+    """An odometry source from tracks, calibrated IMU samples and fixes, from where an alignment begins.
+
+    ``antenna`` may be set between two poses, as a graph learns of it.
+    """
+
+    def __init__(
+        self, settings: VisionSettings, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes, start: Aligned
+    ) -> None:
+        self.settings, self.tracks, self.fixes, self.start = settings, tracks, fixes, start
+        self.frames = camera_keyframes(tracks, imu, start.t0)
+        self.marks = Landmarks()
+        self.rejected = 0
+        self._grid = grid(imu, self.frames.t)
+        self.antenna = settings.antenna
+        self._velocities = velocities(fixes, imu, start.gyro_bias)
+        self._scale = np.array([settings.camera.fx, settings.camera.fy]) / settings.camera.std
+        self.state, self._prior = beginning(start, settings.camera, settings.site.noise)
+        self._held = Held([], np.zeros((1, 3)), np.zeros((1, 3)))
+        self._aided = bool(np.isfinite(fixes.v_n[:, :2]).all(axis=1).any())
+        self._p_o, self._p_n = np.zeros(3), np.zeros(3)
+
+    def poses(self) -> Iterator[OdometryPose]:
+        """Yield a pose for each keyframe; none uses anything later."""
+        before, since = self.frames.t[0], 0.0
+        for k in range(len(self.frames.t)):
+            self._advance(k)
+            t = float(self.frames.t[k])
+            dt, before = t - before, t
+            since = 0.0 if self._held.weight[-1].any() else since + dt
+            yield self._pose(t, dt, since)
+            if len(self.state.p) > self.settings.frames:
+                self._slide()
+
+    def _advance(self, k: int) -> None:
+        """Add keyframe k, solve, and reject sights that are no match."""
+        if k > 0:
+            part = self._between(k)
+            self.state = self.state.with_frame(
+                *predicted(self.state, part, self.settings.site), self.state.bg[-1], self.state.ba[-1]
+            )
+            C_nb, pull = self._heading() @ self.state.C_ob[-2], self.settings.site.pull(self.state.v[-2])
+            t0 = float(self.frames.t[k - 1])
+            v, weight = self._velocities.at_end(t0, part, C_nb, pull, self.antenna)
+            self._held = Held([*self._held.parts, part], np.vstack((self._held.v, v)),
+                              np.vstack((self._held.weight, weight)))  # fmt: skip
+        self._see(k)
+        self._solve()
+        self._reject()
+
+    def _between(self, k: int) -> Preintegrated:
+        g, site, state = self._grid, self.settings.site, self.state
+        rows = slice(int(g.at[k - 1]), int(g.at[k]))
+        part = Grid(g.dt[rows], g.omega_b[rows], g.f_b[rows], g.at[:0])
+        return preintegrate(part, state.bg[-1], state.ba[-1], state.C_ob[-1].T @ site.earth_n, site.noise)
+
+    def _see(self, k: int) -> None:
+        rows = self.frames.rows[k]
+        self.marks.add_frame(self.tracks.feature[rows], self.settings.camera.rays(self.tracks.uv[rows]))
+        self.marks.settle(self.state)
+
+    def _solve(self) -> None:
+        for _ in range(ROUNDS):
+            normal, free = assemble(
+                self.state, self._prior, self._held, self.settings.site, self.marks,
+                self.marks.sights.seen, self._scale,
+            )  # fmt: skip
+            self._factor = Factor(normal.A)
+            step = -self._factor.solve(normal.g)
+            self.state = self.state.moved(step)
+            self.marks.step(free.rows, free.step(step), self.state.held)
+            if step @ normal.A @ step < SMALL**2 * len(step):
+                break
+
+    def _reject(self) -> None:
+        s = self.marks.sights
+        ready = replace(s, seen=s.seen & self.marks.ready[:, None])
+        rows, frames, r, y = residuals(self.state, ready, self._scale)
+        bad = (np.linalg.norm(r, axis=1) > ASTRAY) | (y[:, 2] <= 0)
+        self.rejected += int(bad.sum())
+        self.marks.reject(rows[bad], frames[bad])
+
+    def _slide(self) -> None:
+        self._prior = marginalised(
+            self.state, self._prior, self._held, self.settings.site, self.marks, self._scale
+        )
+        self.state = replace(self.state.without_first(), held=self._prior.at.held)
+        h = self._held
+        self._held = Held(h.parts[1:], h.v[1:], h.weight[1:])
+
+    def _heading(self) -> FloatArray:
+        return rz(np.array(self.state.heading))[0]
+
+    def _pose(self, t: float, dt: float, since: float) -> OdometryPose:
+        """Return the newest pose in n; steps are turned by the heading as it is known then, once and for all."""
+        R = self._heading()
+        self._p_n = self._p_n + R @ (self.state.p[-1] - self._p_o)
+        self._p_o = self.state.p[-1]
+        return OdometryPose(t, self._p_n, R @ self.state.C_ob[-1], self._drift(dt, since), YAW, uses_velocity=True)
+
+    def _drift(self, dt: float, since: float) -> FloatArray:
+        """Return the covariance (4, 4) of a step: that of the window from end to end, spread over its time."""
+        last, first = self.state.frame(len(self.state.p) - 1).start, self.state.frame(0).start
+        if last == first:
+            return np.eye(4) * 1e-8
+        pick = np.zeros((self.state.size, 4))
+        pick[last + 3 : last + 6, :3], pick[first + 3 : first + 6, :3] = np.eye(3), -np.eye(3)
+        pick[last : last + 3, 3], pick[first : first + 3, 3] = self.state.C_ob[-1][2], -self.state.C_ob[0][2]
+        P = pick.T @ self._factor.solve(pick) * SLACK**2 * dt / sum(part.dt for part in self._held.parts)
+        P[3, :3], P[:3, 3] = 0.0, 0.0
+        P[3, 3] = P[3, 3] if since > OUTAGE else YAW_WALK**2 * dt
+        drift: FloatArray = P
+        return drift

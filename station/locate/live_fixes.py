@@ -1,0 +1,99 @@
+"""The fixes of a live run: on the IMU's clock, level about the first, and which keyframe each one asks for."""
+
+from collections import deque
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from procedures.fusion.keyframes import CLOSEST, SPACING
+from procedures.fusion.records import GnssFixes
+from procedures.geodesy import LocalLevel
+from procedures.gnss import GnssFix, TimeMark
+from procedures.level_fixes import antenna, is_usable, level_fixes, origin_at
+from station.gnss.fix_times import FixTimes
+from station.mcap_files.fix_reader import Record
+
+MARKS_NS = 60 * 10**9  # of the lines between the clocks
+BEHIND = (0.1, 1.0)  # s: how far behind the newest sample keyframes may stand
+EARLY_S = 0.06  # by which a fix is to be known before a keyframe comes near it
+AGES = 20  # fixes, whose lateness is looked at
+STRANGE_S = 5.0  # from the newest sample, beyond which a fix's time is none
+MOST, HALF = 2000, 1000  # fixes that are kept once they are taken
+
+
+class LiveFixes:
+    """``origin``: where the first fix stood; ``fixes``: those kept of ``count``; ``taken`` have a keyframe."""
+
+    def __init__(self, origin: LocalLevel | None = None) -> None:
+        self.origin = origin
+        self.fixes: GnssFixes | None = None
+        self.taken = self.count = 0
+        self._times = FixTimes(MARKS_NS)
+        self._source = ""
+        self._ages: deque[float] = deque(maxlen=AGES)
+
+    def mark(self, marks: Iterable[tuple[int, float]]) -> None:
+        """Take moments of reading [ns] and the device times [s] of the samples that came then."""
+        for host_ns, device_s in marks:
+            self._times.mark_imu(host_ns, device_s)
+
+    def take(self, records: Sequence[Record], now: float) -> GnssFixes | None:
+        """Return what is new among records, None where nothing is; ``now`` [s] is the newest sample's time."""
+        before = 0 if self.fixes is None else len(self.fixes.t)
+        for record in records:
+            if isinstance(record, TimeMark):
+                self._times.mark_sender(record)
+            elif isinstance(record, GnssFix) and is_usable(record):
+                self._source = self._source or antenna([record])
+                t = self._times.of(record) if record.source == self._source else None
+                if t is not None and abs(now - t) < STRANGE_S and (self.fixes is None or t > self.fixes.t[-1]):
+                    self._place(record, t, now)
+        return None if self.fixes is None or len(self.fixes.t) == before else self.fixes.part(slice(before, None))
+
+    def _place(self, fix: GnssFix, t: float, now: float) -> None:
+        self.origin = self.origin or origin_at(fix)
+        self._ages.append(now - t)
+        new = level_fixes(self.origin, np.array([t]), [fix])
+        self.fixes = new if self.fixes is None else self.fixes.followed_by(new)
+        self.count += 1
+
+    @property
+    def lateness(self) -> float:
+        """How far behind the newest sample [s] keyframes are to stand."""
+        return float(np.clip(max(self._ages, default=0.0) + EARLY_S, *BEHIND))
+
+    @property
+    def newest_taken(self) -> float:
+        """The time [s] of the newest fix that has its keyframe."""
+        assert self.fixes is not None
+        return float(self.fixes.t[max(self.taken - 1, 0)])
+
+    @property
+    def std(self) -> float:
+        """1 sigma [m] of each axis of that fix, as the receiver says."""
+        assert self.fixes is not None
+        return float(self.fixes.position_std[max(self.taken - 1, 0)])
+
+    def forget(self) -> None:
+        """Let old fixes go that have their keyframes."""
+        if self.fixes is not None and self.taken > MOST:
+            self.fixes, self.taken = self.fixes.part(slice(HALF, None)), self.taken - HALF
+
+    def next_keyframe(self, last: float, until: float) -> tuple[float, int] | None:
+        """Return time and fix (-1: none) of the keyframe after ``last`` [s]; None if it is after ``until``.
+
+        Keyframes stand at fixes, and between them evenly, at most `SPACING` apart.
+        """
+        assert self.fixes is not None
+        t = self.fixes.t
+        while self.taken < len(t) and t[self.taken] < last + CLOSEST:
+            self.taken += 1  # on the heels of a keyframe, or too late
+        if self.taken < len(t) and (gap := float(t[self.taken]) - last) < 2 * SPACING + CLOSEST:
+            parts = max(1, int(np.ceil(gap / SPACING - 0.5)))
+            at, fix = (float(t[self.taken]), self.taken) if parts == 1 else (last + gap / parts, -1)
+        else:
+            at, fix = last + SPACING, -1
+        if at > until:
+            return None
+        self.taken += fix >= 0
+        return at, fix

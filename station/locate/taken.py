@@ -1,0 +1,16 @@
+"""What a live locator is told at a time."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from procedures.fusion.records import ImuSeries
+from station.mcap_files.fix_reader import Record
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Taken:
+    """A tenth of a second: samples in SI, IMU axes; ``marks`` of reading [ns] and their device times [s]."""
+
+    imu: ImuSeries
+    marks: Sequence[tuple[int, float]]
+    records: Sequence[Record]

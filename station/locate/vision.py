@@ -1,0 +1,75 @@
+"""Locate by camera, IMU and GNSS velocity in a window, with the outer graph on it."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from procedures.earth import earth_rate_n
+from procedures.fusion.aligner import align_when_possible
+from procedures.fusion.alignment import Aligned, Waiting
+from procedures.fusion.gnss_velocity import Antenna
+from procedures.fusion.imu_gaps import imu_gaps
+from procedures.fusion.inertial_terms import Site
+from procedures.fusion.moving_aligner import MovingAligner
+from procedures.fusion.outer_graph import OuterGraph, OuterSettings
+from procedures.fusion.records import GnssFixes
+from procedures.fusion.visual_aligner import VisualAligner, align_by_camera
+from procedures.fusion.visual_inertial_window import VisionSettings, VisualInertialWindow
+from station.errors import DataRefused
+from station.fusion_folder import FusionLog
+from station.locate.inertial import alignment_of, never, of_gaps
+from station.locate.result import Located
+from station.locate.through_graph import outer_settings, through_graph
+
+
+def by_vision(log: FusionLog, _layers: int = 2) -> Located:
+    """Locate by tracks, IMU and GNSS velocity."""
+    for part, name in ((log.imu, "imu"), (log.tracks, "tracks")):
+        if part is None:
+            raise DataRefused(log.folder / "fusion.toml", None, f"no [{name}]", "one, for this source", "add it")
+    assert log.imu is not None and log.noise is not None  # noqa: PT018
+    assert log.tracks is not None and log.camera is not None  # noqa: PT018
+    given = outer_settings(log)
+    site = Site(log.gravity, earth_rate_n(log.latitude), log.noise)
+    settings = VisionSettings(site, log.camera, _antenna(given))
+    fixes = log.fixes.shifted(given.time_offset)
+    aligned = _aligned(log, settings, fixes)
+    if isinstance(aligned, Waiting):
+        return never(aligned.why)
+    given = _with_lever(given, aligned)
+    settings = replace(settings, antenna=_antenna(given))
+    window = VisualInertialWindow(settings, log.imu, log.tracks, fixes, aligned)
+    told = partial(_tell_lever, window) if given.layout.lever_arm else None
+    located = through_graph(log, window, after=aligned.t, settings=given, told=told)
+    bias = {"gyro_bias": window.state.bg[-1], "accel_bias": window.state.ba[-1]}
+    warnings = (*located.warnings, *of_gaps(log, imu_gaps(log.imu)))
+    return replace(located, alignment=alignment_of(aligned), warnings=warnings, **bias)
+
+
+def _with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:
+    """Return the settings with the lever arm as the alignment found it, where it did."""
+    if aligned.lever is None or given.lever_arm_std is None:
+        return given
+    std = float(np.sqrt(np.linalg.eigvalsh(aligned.covariance[12:15, 12:15])[-1]))
+    return replace(given, lever_arm=aligned.lever, lever_arm_std=std)
+
+
+def _antenna(given: OuterSettings) -> Antenna:
+    return Antenna(given.arm, given.lever_arm_std or 0.0)
+
+
+def _tell_lever(window: VisualInertialWindow, graph: OuterGraph) -> None:
+    window.antenna = Antenna(graph.constants[0], graph.lever_std)
+
+
+def _aligned(log: FusionLog, settings: VisionSettings, fixes: GnssFixes) -> Aligned | Waiting:
+    """Align by the camera; where that never works by the IMU alone, as at rest."""
+    assert log.imu is not None and log.tracks is not None  # noqa: PT018
+    found = align_by_camera(VisualAligner(settings), log.imu, log.tracks, fixes)
+    if not isinstance(found, Waiting):
+        return found.aligned
+    site, antenna = settings.site, settings.antenna
+    aligner = MovingAligner(site.noise, site.gravity, site.earth_n, antenna.lever, antenna.std or None)
+    other = align_when_possible(aligner, log.imu, fixes)
+    return other if isinstance(other, Aligned) else Waiting(f"{found.why}; without the camera: {other.why}")

@@ -1,0 +1,57 @@
+"""How a monitor is to run, and what it needs of what helps the IMU."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from procedures.arrays import FloatArray
+from procedures.earth import STANDARD_GRAVITY
+from station.mcap_files.fix_reader import Record
+from station.monitor.alarms import Alarm
+from station.monitor.view import Stream
+from station.monitor.where import Locating
+
+
+class Aid(Protocol):
+    """What helps the IMU: a receiver."""
+
+    def advance(self) -> None:
+        """Take what has come."""
+        ...
+
+    @property
+    def up_to_ns(self) -> int:
+        """The moment [ns] up to which nothing more will come."""
+        ...
+
+    def take(self, until_ns: int) -> Sequence[Record]:
+        """Return what came since the last call and until a moment [ns], in order."""
+        ...
+
+    def stream(self) -> Stream:
+        """Return its health."""
+        ...
+
+    def utc(self, host_ns: int) -> float | None:
+        """Return UTC [s] at a moment of the station's clock [ns]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Options:
+    """How to monitor: ``aid`` by name, ``C`` (3, 3) IMU axes to forward-right-down; angles in rad, m/s2.
+
+    ``speed`` [m/s] of the aid is shown; latitude and ``heading`` of forward are None where not known.
+    """
+
+    aid: str = "none"
+    C: FloatArray | None = None
+    latitude: float | None = None
+    heading: float | None = None
+    gravity: float = STANDARD_GRAVITY
+    alarms: tuple[Alarm, ...] = ()
+    revive: Callable[[], None] | None = None  # has a reader that ended begin again
+    locating: Locating | None = None
+
+
+USUAL = Options()

@@ -1,0 +1,173 @@
+"""Derivatives, covariances and the prior of the visual-inertial window, against numbers had in another way."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from procedures.arrays import FloatArray
+from procedures.frames import rotation
+from procedures.fusion.inertial_increments import Grid
+from procedures.fusion.inertial_terms import add_inertial, add_velocities, predicted
+from procedures.fusion.landmarks import Landmarks
+from procedures.fusion.preintegration import Preintegrated, preintegrate
+from procedures.fusion.reprojection import Sights, linearise, residuals
+from procedures.fusion.turns import log_rotation
+from procedures.fusion.window_problem import Held, Prior, assemble, marginalised
+from procedures.fusion.window_state import CAMERA, COMMON, WindowState, zero
+from tests.procedures.fusion.motions import NOISE
+from tests.procedures.fusion.seen import CAMERA as LENS
+from tests.procedures.fusion.seen import SITE
+
+SCALE = np.array([458.0, 457.0])
+ZERO = np.zeros(3)
+
+
+def samples(rng: np.random.Generator, n: int = 20) -> Grid:
+    omega, f = rng.normal(0, 0.5, 3) + np.zeros((n, 3)), rng.normal(0, 1, 3) + np.array([9.8, 0.0, 0.0])
+    return Grid(np.full(n, 0.005), omega, f + np.zeros((n, 3)), np.zeros(0, np.int64))
+
+
+def made(part: Grid, bias: FloatArray) -> Preintegrated:
+    return preintegrate(part, bias[:3], bias[3:], ZERO, NOISE)
+
+
+def state_of(rng: np.random.Generator, frames: int) -> WindowState:
+    """Return keyframes a decimetre apart that look along n's East."""
+    look = Rotation.from_euler("y", 90, degrees=True) * Rotation.from_rotvec(rng.normal(0, 0.05, (frames, 3)))
+    p = np.column_stack((np.zeros(frames), 0.3 * np.arange(frames), np.zeros(frames))) + rng.normal(
+        0, 0.02, (frames, 3)
+    )
+    small = [rng.normal(0, 0.1, (frames, 3)) for _ in range(3)]
+    return WindowState(look.as_matrix(), p, *small, LENS.C_bc, LENS.t_bc, 0.1, np.zeros((0, 3)))
+
+
+def sights_of(rng: np.random.Generator, state: WindowState, count: int) -> Sights:
+    """Return landmarks some metres East, seen from everywhere with a pixel's noise."""
+    C_oc, p_c = state.C_ob @ state.C_bc, state.p + state.C_ob @ state.t_bc
+    point = np.column_stack((rng.uniform(3, 6, count), rng.uniform(-1, 2, count), rng.uniform(-1, 1, count)))
+    y = np.einsum("kji,lkj->lki", C_oc, point[:, None] - p_c)
+    first = y[:, 0]
+    at = np.column_stack((first[:, :2] / first[:, 2:], 1 / first[:, 2]))
+    z = y[:, :, :2] / y[:, :, 2:] + rng.normal(0, 1, (*y.shape[:2], 2)) / SCALE
+    return Sights(
+        np.repeat(p_c[:1], count, axis=0), np.repeat(C_oc[:1], count, axis=0), at, z, np.ones(z.shape[:2], bool)
+    )
+
+
+def test_a_sample_error_carries_as_the_covariance_says() -> None:
+    rng = np.random.default_rng(3)
+    part = samples(rng)
+    mean = made(part, np.zeros(6))
+    ends = []
+    for _ in range(1000):
+        noisy = replace(
+            part,
+            omega_b=part.omega_b + rng.normal(size=part.omega_b.shape) * NOISE.gyro / 0.005**0.5,
+            f_b=part.f_b + rng.normal(size=part.f_b.shape) * NOISE.accel / 0.005**0.5,
+        )
+        end = made(noisy, np.zeros(6))
+        ends.append(np.r_[log_rotation(mean.turn.T @ end.turn), end.dv - mean.dv, end.dp - mean.dp])
+    stated = np.sqrt(np.diag(np.linalg.inv(mean.info)))[:6]
+    assert np.allclose(np.std(ends, axis=0)[:6], stated, rtol=5 / np.sqrt(2 * 1000))  # 5 sigma of a sigma
+    floor = np.hypot(np.std(ends, axis=0)[6:], np.sqrt(1e-8 * mean.dt))
+    assert np.allclose(floor, np.sqrt(np.diag(np.linalg.inv(mean.info)))[6:], rtol=0.12)
+
+
+def test_a_bias_carries_as_its_derivative_says() -> None:
+    part = samples(np.random.default_rng(4))
+    mean, h = made(part, np.zeros(6)), 1e-4
+    for i in range(6):
+        plus, minus = made(part, h * np.eye(6)[i]), made(part, -h * np.eye(6)[i])
+        turn = log_rotation(minus.turn.T @ plus.turn)
+        by_step = np.r_[turn, plus.dv - minus.dv, plus.dp - minus.dp] / (2 * h)
+        assert np.allclose(by_step, mean.by_bias[:, i], atol=2e-4 * np.abs(mean.by_bias[:, i]).max())
+
+
+def test_derivatives_of_sights_are_those_of_differences() -> None:
+    rng = np.random.default_rng(5)
+    state = state_of(rng, 3)
+    sights = sights_of(rng, state, 4)
+    visual = linearise(state, sights, SCALE)
+    h = 1e-6
+
+    def half_cost(at: WindowState, s: Sights) -> float:
+        r = residuals(at, s, SCALE)[2]
+        assert np.linalg.norm(r, axis=1).max() < 4.0
+        size = np.linalg.norm(r, axis=1)
+        return float(np.sum(np.where(size < 2.0, r.T**2 / 2, 0).sum(axis=0) + (size >= 2.0) * (2.0 * size - 2.0)))
+
+    for column in range(CAMERA + 6 * 3):
+        step = np.zeros(state.size)
+        at = column if column < CAMERA else COMMON + 15 * ((column - CAMERA) // 6) + (column - CAMERA) % 6
+        step[at] = h
+        slope = (half_cost(state.moved(step), sights) - half_cost(state.moved(-step), sights)) / (2 * h)
+        assert slope == pytest.approx(visual.g[column], rel=1e-4, abs=1e-2)
+    for mark in range(4):
+        for axis in range(3):
+            moved = np.zeros_like(sights.at)
+            moved[mark, axis] = h
+            pair = (half_cost(state, replace(sights, at=sights.at + sign * moved)) for sign in (1, -1))
+            slope = (next(pair) - next(pair)) / (2 * h)
+            assert slope == pytest.approx(visual.b[mark, axis], rel=1e-4, abs=1e-2)
+
+
+def test_a_state_that_follows_its_own_prediction_costs_nothing_and_a_step_off_it_what_it_should() -> None:
+    rng = np.random.default_rng(6)
+    one = state_of(rng, 1)
+    part = made(samples(rng), np.r_[one.bg[0], one.ba[0]])
+    two = one.with_frame(*predicted(one, part, SITE), one.bg[0], one.ba[0])
+    normal = zero(two.size)
+    add_inertial(normal, two, [part], SITE)
+    size = np.sqrt(np.diag(normal.A).clip(1e-12))
+    assert np.abs(normal.g / size).max() < 1e-6
+    step = rng.normal(size=two.size) * 0.01 / size  # whitened, so small
+    off = zero(two.size)
+    add_inertial(off, two.moved(step), [part], SITE)
+    assert np.allclose(off.g / size, normal.A @ step / size, atol=1e-3)
+
+
+def test_the_heading_turns_velocities_onto_those_of_gnss() -> None:
+    state = state_of(np.random.default_rng(7), 2)
+    v = state.v @ rotation(np.array([0.0, 0.0, state.heading])).T
+    normal = zero(state.size)
+    add_velocities(normal, state, v, np.ones((2, 3)))
+    assert np.abs(normal.g).max() < 1e-12
+    turned = zero(state.size)
+    add_velocities(turned, replace(state, heading=state.heading + 1e-4), v, np.ones((2, 3)))
+    assert turned.g[6] == pytest.approx(1e-4 * normal.A[6, 6], rel=1e-3)
+    assert normal.A[6, 6] == pytest.approx(np.sum(state.v[:, :2] ** 2))
+
+
+def test_what_was_marginalised_says_of_the_rest_what_it_said_before() -> None:
+    """The step of the frames that stay is the same, before a keyframe is eliminated and after."""
+    rng = np.random.default_rng(8)
+    state = state_of(rng, 3)
+    parts = [made(samples(rng), np.r_[state.bg[k], state.ba[k]]) for k in range(2)]
+    info = zero(COMMON + 15)
+    info.A[:] = np.diag(rng.uniform(1, 1e4, len(info.g)))
+    first = replace(state, C_ob=state.C_ob[:1], p=state.p[:1], v=state.v[:1], bg=state.bg[:1], ba=state.ba[:1])
+    prior = Prior(info, first)
+    held = Held(parts, state.v + 0.01, np.full((3, 3), 400.0))
+    marks = Landmarks()
+    sights = sights_of(rng, state, 12)
+    for k in range(3):
+        numbers = np.arange(12)[: 12 if k < 2 else 7]  # the last five are lost in the last frame
+        marks.add_frame(numbers, sights.z[numbers, k])
+    marks.settle(state)
+    before, _ = assemble(state, prior, held, SITE, marks, marks.sights.seen, SCALE)
+    step = -np.linalg.solve(before.A, before.g)
+    kept = np.r_[0:COMMON, COMMON + 15 : COMMON + 45]
+    left = marginalised(state, prior, held, SITE, marks, SCALE)
+    later = replace(state.without_first(), held=left.at.held)
+    assert len(left.at.held) == 7
+    rest = Held(parts[1:], held.v[1:], held.weight[1:])
+    after, _ = assemble(later, left, rest, SITE, marks, marks.sights.seen, SCALE)
+    again = -np.linalg.solve(after.A, after.g)
+    sigma = np.sqrt(np.diag(np.linalg.inv(before.A)))[kept]
+    size = len(kept)
+    # the heading alone may have walked meanwhile
+    assert np.abs((again[:size] - step[kept]) / sigma).max() < 0.02
+    ratio = np.sqrt(np.diag(np.linalg.inv(after.A)))[:size] / sigma
+    assert np.allclose(ratio, 1.0, atol=0.01)

@@ -1,0 +1,178 @@
+"""The visual-inertial window and its start follow a planted flight, judged by their own sigma."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivers.simulated.camera import View
+from procedures.fusion.alignment import Waiting
+from procedures.fusion.gnss_velocity import Antenna
+from procedures.fusion.outer_graph import OuterGraph
+from procedures.fusion.records import GnssFixes, ImuSeries
+from procedures.fusion.tracks import Camera, Tracks
+from procedures.fusion.turns import log_rotation
+from procedures.fusion.visual_aligner import VisualAligner, align_by_camera
+from procedures.fusion.visual_inertial_window import VisionSettings, VisualInertialWindow
+from procedures.fusion.visual_start import VisualStart
+from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GYRO_BIAS, Eight
+from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of, turned
+
+ZERO = np.zeros(3)
+SECONDS = 11.0
+VIEW = View(features=80, longest=6.0)
+
+
+@pytest.fixture(scope="module")
+def flight() -> Eight:
+    return Eight(SECONDS)
+
+
+@pytest.fixture(scope="module")
+def imu(flight: Eight) -> ImuSeries:
+    return flight.imu(np.random.default_rng(1), EARTH)
+
+
+@pytest.fixture(scope="module")
+def fixes(flight: Eight) -> GnssFixes:
+    return flight.fixes(np.random.default_rng(2))
+
+
+@pytest.fixture(scope="module")
+def tracks(flight: Eight) -> Tracks:
+    return tracks_of(flight, 3, view=VIEW)
+
+
+def begun(imu: ImuSeries, tracks: Tracks, fixes: GnssFixes, camera: Camera = CAMERA) -> VisualStart:
+    found = align_by_camera(VisualAligner(VisionSettings(SITE, camera, Antenna(ZERO))), imu, tracks, fixes)
+    assert isinstance(found, VisualStart), found
+    return found
+
+
+def window(imu: ImuSeries, tracks: Tracks, fixes: GnssFixes, camera: Camera = CAMERA) -> VisualInertialWindow:
+    start = begun(imu, tracks, fixes).aligned
+    return VisualInertialWindow(VisionSettings(SITE, camera, Antenna(ZERO)), imu, tracks, fixes, start)
+
+
+def turn_of(C_nb: np.ndarray, flight: Eight, t: float) -> np.ndarray:
+    """Return the error (3,) of an attitude about East, North and up [deg]."""
+    return np.degrees(log_rotation(C_nb @ flight.attitude(np.array(t)).as_matrix().T))
+
+
+def test_the_joint_fit_knows_scale_and_attitude_to_its_own_sigma(
+    flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
+) -> None:
+    aligner, found = VisualAligner(VisionSettings(SITE, CAMERA, Antenna(ZERO))), list[VisualStart]()
+    for now in np.arange(2.0, 10.0, 1.0):
+        if isinstance(each := aligner.align(imu, tracks, fixes, float(now)), VisualStart):
+            found.append(each)
+    assert len(found) >= 5
+    lengths = [np.linalg.norm(flight.p(each.t[-1:]) - flight.p(each.t[:1])) for each in found]
+    rough, refined = (
+        np.array([np.linalg.norm(way[-1] - way[0]) / true - 1 for way, true in zip(ways, lengths, strict=True)])
+        for ways in ([each.rough for each in found], [each.refined for each in found])
+    )
+    assert np.abs(refined).max() < 0.03
+    assert np.abs(rough).max() < 0.1
+    assert np.all(np.abs(refined) < 4 * np.array([each.scale_std for each in found]))
+    for each in found:
+        east, north, up = np.radians(turn_of(each.aligned.C_now, flight, each.aligned.t))
+        assert np.hypot(east, north) < 4 * each.aligned.tilt_std
+        assert abs(up) < 4 * each.aligned.yaw_std
+
+
+def test_the_start_waits_for_displacement_and_says_so(tracks: Tracks) -> None:
+    flight = Eight(6.0, still=6.0)
+    still = tracks_of(flight, 3)
+    rng = np.random.default_rng(1)
+    found = align_by_camera(
+        VisualAligner(VisionSettings(SITE, CAMERA, Antenna(ZERO))),
+        flight.imu(rng, EARTH),
+        still,
+        flight.fixes(rng),
+    )
+    assert isinstance(found, Waiting)
+    assert "move further" in found.why
+
+
+def test_features_that_are_never_the_same_are_no_motion(imu: ImuSeries, tracks: Tracks, fixes: GnssFixes) -> None:
+    rng = np.random.default_rng(5)
+    strange = replace(tracks, uv=rng.permuted(tracks.uv, axis=0))
+    found = VisualAligner(VisionSettings(SITE, CAMERA, Antenna(ZERO))).align(imu, strange, fixes, 6.0)
+    assert isinstance(found, Waiting)
+    assert "not that of one camera" in found.why
+
+
+def test_the_window_follows_the_flight_and_the_graph_stays_within_its_sigma(
+    flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
+) -> None:
+    source = window(imu, tracks, fixes)
+    poses = [pose for pose in OuterGraph().run(source, fixes) if pose.t > 5.0]
+    error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
+    assert np.linalg.norm(error, axis=1).mean() < 0.06
+    sigma = np.array([np.sqrt(np.diag(pose.covariance)[:3]) for pose in poses])
+    assert 0.1 < np.mean((error / sigma) ** 2) < 2.5
+    turn = np.array([turn_of(pose.C_nb, flight, pose.t) for pose in poses])
+    assert np.hypot(turn[:, 0], turn[:, 1]).max() < 1.0
+    assert np.sqrt(np.mean(turn[:, 2] ** 2)) < 1.0
+    assert np.abs(source.state.bg[-1] - GYRO_BIAS).max() < 1e-3
+    assert np.abs(source.state.ba[-1] - ACCEL_BIAS).max() < 0.05
+    wrong = 0.02 * len(tracks.t)  # that were displaced
+    assert 0.5 * wrong < source.rejected < 3.0 * wrong
+
+
+def test_where_the_camera_sits_is_found(flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes) -> None:
+    told = turned(CAMERA, 0.6, 0.01)
+    source = window(imu, tracks, fixes, told)
+    for _ in source.poses():
+        pass
+    off = np.degrees(log_rotation(CAMERA.C_bc.T @ source.state.C_bc))
+    assert np.linalg.norm(off) < 0.25 * np.linalg.norm(np.degrees(log_rotation(CAMERA.C_bc.T @ told.C_bc)))
+
+
+def test_without_gnss_it_drifts_by_centimetres(
+    flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
+) -> None:
+    early = fixes.part(fixes.t < 4.5)
+    source = window(imu, tracks, early)
+    poses = [pose for pose in OuterGraph().run(source, early) if pose.t > 4.0]
+    error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
+    size = np.linalg.norm(error - error[0], axis=1)
+    assert size.max() < 0.25  # 6.5 s, some 12 m of flight
+    sigma = np.array([np.sqrt(np.diag(pose.covariance)[:3]) for pose in poses])
+    assert sigma[-1].min() > sigma[0].min()
+    assert np.all(np.abs(error[-1]) < 4 * sigma[-1])
+
+
+def test_frames_that_fail_are_bridged_by_the_imu(
+    flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
+) -> None:
+    dark = (tracks.t > 5.0) & (tracks.t < 7.0)
+    torn = Tracks(tracks.t[~dark], tracks.feature[~dark], tracks.uv[~dark])
+    times, errors = list[float](), list[float]()
+    for pose in OuterGraph().run(window(imu, torn, fixes), fixes):
+        times.append(pose.t)
+        errors.append(float(np.linalg.norm(pose.p - flight.p(np.array(pose.t)))))
+    assert np.diff(times).max() < 0.11
+    assert max(errors[40:]) < 0.25
+
+
+def frames_of(tracks: Tracks) -> Iterator[tuple[float, set[int], np.ndarray]]:
+    t, begin = tracks.frames()
+    for i, now in enumerate(t):
+        rows = slice(int(begin[i]), int(begin[i + 1]))
+        yield float(now), set(tracks.feature[rows].tolist()), tracks.uv[rows]
+
+
+def test_equal_seeds_see_the_same_and_a_view_is_what_it_says(flight: Eight, tracks: Tracks) -> None:
+    again = tracks_of(flight, 3, view=VIEW)
+    assert np.array_equal(again.uv, tracks.uv)
+    assert not np.array_equal(tracks_of(flight, 4).uv, tracks.uv)
+    clean = tracks_of(flight, 3, replace(CAMERA, std=1e-9), View(outliers=0.0, longest=2.0))
+    lives = {number: clean.t[clean.feature == number] for number in np.unique(clean.feature).tolist()}
+    assert max(life[-1] - life[0] for life in lives.values()) <= 2.0
+    assert all(np.allclose(np.diff(life), 0.1) for life in lives.values())  # none comes back
+    for _, numbers, uv in frames_of(clean):
+        assert len(numbers) == len(uv) == 120
+        assert np.all((uv > -1e-6) & (uv < [752 + 1e-6, 480 + 1e-6]))

@@ -1,0 +1,35 @@
+"""The simulated hands do what is asked once, and again where it was undone and is asked for long after."""
+
+from contextlib import closing
+
+from drivers.ports import open_port
+from drivers.simulated.hands import SimulatedHands
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from station.guide.operator import PATIENCE_S, SimulatedOperator
+from station.guide.view import Step, View
+
+MOVE_S = 5.0
+WANTS_7 = View(stage="place", wanted="dwell_07", steps=(Step(name="dwell_07", state="todo", position=7),))
+
+
+def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None:
+    with (
+        SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
+        closing(SimulatedOperator(device.control, MOVE_S)) as operator,
+        SimulatedHands(device.control) as hands,
+        closing(open_port(device.url, 0.1)) as port,
+    ):
+
+        def wait_until(time: float) -> None:
+            while hands.time() <= time:
+                port.read(65536)
+
+        operator.look(WANTS_7)
+        over = hands.done()
+        wait_until(over + PATIENCE_S / 2)
+        operator.look(WANTS_7)
+        assert hands.done() <= hands.time()
+        wait_until(over + PATIENCE_S)
+        operator.look(WANTS_7)
+        assert hands.done() > over + PATIENCE_S
