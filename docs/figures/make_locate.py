@@ -48,7 +48,7 @@ def _track(axes: Axes, log: FusionLog, located: Located) -> None:
     axes.plot(*p[out, :2].T, color=ORANGE, lw=1.8, label="without GNSS")
     axes.set(xlabel="East [m]", ylabel="North [m]", aspect="equal")
     axes.set_title("the track", fontsize=9, loc="left")
-    axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.55, 0.85), framealpha=1.0)
+    axes.legend(fontsize=7, loc="lower right")
 
 
 def _honest(axes: Axes, log: FusionLog, located: Located, gap: tuple[float, float], title: str) -> None:
