@@ -10,7 +10,7 @@ from procedures.fusion.records import GnssFixes, ImuSeries
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Antenna:
+class LeverArm:
     """Where it is: ``lever`` (3,) [m] from the IMU in b, and 1 sigma of each axis."""
 
     lever: FloatArray
@@ -25,7 +25,7 @@ class Velocities:
     rate_b: FloatArray
 
     def at_end(
-        self, t0: float, part: Preintegrated, C_nb: FloatArray, pull: FloatArray, antenna: Antenna
+        self, t0: float, part: Preintegrated, C_nb: FloatArray, pull: FloatArray, antenna: LeverArm
     ) -> tuple[FloatArray, FloatArray]:
         """Return the IMU's velocity (3,) at the end of ``part`` by all fixes since ``t0``, and its weight (3,).
 

@@ -17,7 +17,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.fusion.alignment import Aligned
 from procedures.fusion.camera_keyframes import camera_keyframes
-from procedures.fusion.gnss_velocity import Antenna, velocities
+from procedures.fusion.gnss_velocity import LeverArm, velocities
 from procedures.fusion.inertial_increments import Grid, grid
 from procedures.fusion.inertial_terms import Site, predicted
 from procedures.fusion.landmarks import Landmarks
@@ -28,7 +28,7 @@ from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.reprojection import residuals
 from procedures.fusion.tracks import Camera, Tracks
 from procedures.fusion.window_problem import Factor, Held, Prior, assemble, marginalised
-from procedures.fusion.window_state import COMMON, FRAME, Normal, WindowState
+from procedures.fusion.window_state import COMMON, FRAME, HEADING, Normal, WindowState
 
 FRAMES = 10
 ROUNDS = 4
@@ -54,7 +54,7 @@ class VisionSettings:
 
     site: Site
     camera: Camera
-    antenna: Antenna
+    antenna: LeverArm
     frames: int = FRAMES
 
 
@@ -172,7 +172,16 @@ class VisualInertialWindow:
         R = self._heading()
         self._p_n = self._p_n + R @ (self.state.p[-1] - self._p_o)
         self._p_o = self.state.p[-1]
-        return OdometryPose(t, self._p_n, R @ self.state.C_ob[-1], self._drift(dt, since), YAW, uses_velocity=True)
+        C_nb, drift = R @ self.state.C_ob[-1], self._drift(dt, since)
+        if not self._aided:  # nothing but the graph turns its frame onto n
+            return OdometryPose(t, self._p_n, C_nb, drift)
+        return OdometryPose(t, self._p_n, C_nb, drift, YAW, uses_velocity=True, own_yaw_std=self._yaw_std())
+
+    def _yaw_std(self) -> float:
+        """Return 1 sigma [rad] of the newest keyframe's heading in n."""
+        pick, last = np.zeros(self.state.size), self.state.frame(len(self.state.p) - 1).start
+        pick[HEADING], pick[last : last + 3] = 1.0, self.state.C_ob[-1][2]
+        return SLACK * float(np.sqrt(pick @ self._factor.solve(pick)))
 
     def _drift(self, dt: float, since: float) -> FloatArray:
         """Return the covariance (4, 4) of a step: that of the window from end to end, spread over its time."""

@@ -8,7 +8,7 @@ import numpy as np
 from procedures.earth import earth_rate_n
 from procedures.fusion.aligner import align_when_possible
 from procedures.fusion.alignment import Aligned, Waiting
-from procedures.fusion.gnss_velocity import Antenna
+from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.imu_gaps import imu_gaps
 from procedures.fusion.inertial_terms import Site
 from procedures.fusion.moving_aligner import MovingAligner
@@ -55,12 +55,12 @@ def _with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:
     return replace(given, lever_arm=aligned.lever, lever_arm_std=std)
 
 
-def _antenna(given: OuterSettings) -> Antenna:
-    return Antenna(given.arm, given.lever_arm_std or 0.0)
+def _antenna(given: OuterSettings) -> LeverArm:
+    return LeverArm(given.arm, given.lever_arm_std or 0.0)
 
 
 def _tell_lever(window: VisualInertialWindow, graph: OuterGraph) -> None:
-    window.antenna = Antenna(graph.constants[0], graph.lever_std)
+    window.antenna = LeverArm(graph.constants[0], graph.lever_std)
 
 
 def _aligned(log: FusionLog, settings: VisionSettings, fixes: GnssFixes) -> Aligned | Waiting:

@@ -21,7 +21,7 @@ from drivers.simulated.camera import View, simulate_tracks
 from procedures.arrays import FloatArray
 from procedures.earth import earth_rate_n
 from procedures.fusion.alignment import Waiting
-from procedures.fusion.gnss_velocity import Antenna
+from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inertial_terms import Site
 from procedures.fusion.tracks import Camera
 from procedures.fusion.visual_aligner import VisualAligner
@@ -83,7 +83,7 @@ def starting(data: Path, seeds: int) -> None:
 
 def _settings(log: FusionLog) -> VisionSettings:
     assert log.noise is not None
-    return VisionSettings(Site(log.gravity, earth_rate_n(log.latitude), log.noise), CAMERA, Antenna(np.zeros(3)))
+    return VisionSettings(Site(log.gravity, earth_rate_n(log.latitude), log.noise), CAMERA, LeverArm(np.zeros(3)))
 
 
 def _starts(log: FusionLog) -> Iterator[tuple[VisualStart | Waiting, float]]:

@@ -8,7 +8,7 @@ import pytest
 
 from drivers.simulated.camera import View
 from procedures.fusion.alignment import Waiting
-from procedures.fusion.gnss_velocity import Antenna
+from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.outer_graph import OuterGraph
 from procedures.fusion.records import GnssFixes, ImuSeries
 from procedures.fusion.tracks import Camera, Tracks
@@ -45,14 +45,14 @@ def tracks(flight: Eight) -> Tracks:
 
 
 def begun(imu: ImuSeries, tracks: Tracks, fixes: GnssFixes, camera: Camera = CAMERA) -> VisualStart:
-    found = align_by_camera(VisualAligner(VisionSettings(SITE, camera, Antenna(ZERO))), imu, tracks, fixes)
+    found = align_by_camera(VisualAligner(VisionSettings(SITE, camera, LeverArm(ZERO))), imu, tracks, fixes)
     assert isinstance(found, VisualStart), found
     return found
 
 
 def window(imu: ImuSeries, tracks: Tracks, fixes: GnssFixes, camera: Camera = CAMERA) -> VisualInertialWindow:
     start = begun(imu, tracks, fixes).aligned
-    return VisualInertialWindow(VisionSettings(SITE, camera, Antenna(ZERO)), imu, tracks, fixes, start)
+    return VisualInertialWindow(VisionSettings(SITE, camera, LeverArm(ZERO)), imu, tracks, fixes, start)
 
 
 def turn_of(C_nb: np.ndarray, flight: Eight, t: float) -> np.ndarray:
@@ -63,7 +63,7 @@ def turn_of(C_nb: np.ndarray, flight: Eight, t: float) -> np.ndarray:
 def test_the_joint_fit_knows_scale_and_attitude_to_its_own_sigma(
     flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
 ) -> None:
-    aligner, found = VisualAligner(VisionSettings(SITE, CAMERA, Antenna(ZERO))), list[VisualStart]()
+    aligner, found = VisualAligner(VisionSettings(SITE, CAMERA, LeverArm(ZERO))), list[VisualStart]()
     for now in np.arange(2.0, 10.0, 1.0):
         if isinstance(each := aligner.align(imu, tracks, fixes, float(now)), VisualStart):
             found.append(each)
@@ -87,7 +87,7 @@ def test_the_start_waits_for_displacement_and_says_so(tracks: Tracks) -> None:
     still = tracks_of(flight, 3)
     rng = np.random.default_rng(1)
     found = align_by_camera(
-        VisualAligner(VisionSettings(SITE, CAMERA, Antenna(ZERO))),
+        VisualAligner(VisionSettings(SITE, CAMERA, LeverArm(ZERO))),
         flight.imu(rng, EARTH),
         still,
         flight.fixes(rng),
@@ -99,7 +99,7 @@ def test_the_start_waits_for_displacement_and_says_so(tracks: Tracks) -> None:
 def test_features_that_are_never_the_same_are_no_motion(imu: ImuSeries, tracks: Tracks, fixes: GnssFixes) -> None:
     rng = np.random.default_rng(5)
     strange = replace(tracks, uv=rng.permuted(tracks.uv, axis=0))
-    found = VisualAligner(VisionSettings(SITE, CAMERA, Antenna(ZERO))).align(imu, strange, fixes, 6.0)
+    found = VisualAligner(VisionSettings(SITE, CAMERA, LeverArm(ZERO))).align(imu, strange, fixes, 6.0)
     assert isinstance(found, Waiting)
     assert "not that of one camera" in found.why
 
