@@ -173,8 +173,8 @@ class VisualInertialWindow:
         self._p_n = self._p_n + R @ (self.state.p[-1] - self._p_o)
         self._p_o = self.state.p[-1]
         C_nb, drift = R @ self.state.C_ob[-1], self._drift(dt, since)
-        if not self._aided:  # nothing but the graph turns its frame onto n
-            return OdometryPose(t, self._p_n, C_nb, drift)
+        if not self._aided:  # its frame is turned as the alignment had it; more the graph must find
+            return OdometryPose(t, self._p_n, C_nb, drift, self.start.yaw_std)
         return OdometryPose(t, self._p_n, C_nb, drift, YAW, uses_velocity=True, own_yaw_std=self._yaw_std())
 
     def _yaw_std(self) -> float:

@@ -145,6 +145,18 @@ def test_without_gnss_it_drifts_by_centimetres(
     assert np.all(np.abs(error[-1]) < 4 * sigma[-1])
 
 
+def test_positions_alone_hold_it_once_it_knows_its_heading(
+    flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
+) -> None:
+    start = begun(imu, tracks, fixes).aligned
+    bare = replace(fixes, v_n=np.full_like(fixes.v_n, np.nan), velocity_std=np.full(len(fixes.t), np.nan))
+    source = VisualInertialWindow(VisionSettings(SITE, CAMERA, LeverArm(ZERO)), imu, tracks, bare, start)
+    poses = [pose for pose in OuterGraph().run(source, bare) if pose.t > 5.0]
+    assert poses[0].t < 5.2
+    error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
+    assert np.linalg.norm(error, axis=1).mean() < 0.15
+
+
 def test_frames_that_fail_are_bridged_by_the_imu(
     flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
 ) -> None:
