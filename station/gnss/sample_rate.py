@@ -24,6 +24,7 @@ LEAST = 100
 EVERY_S = 2.0
 SIGMAS = 4.0
 SPAN_S = 30.0  # of this machine's clock: one that is held up for a moment is no wrong rate
+PACE_S = 5.0  # the same for quite another pace
 LINE = 2.0  # scatters of a mark by which UTC at the two ends of the stamps may be off, each end as a whole
 
 
@@ -32,8 +33,9 @@ class SampleRate:
 
     ``scatter`` [s] is that of a mark about the line which ``utc`` reads. Stamps of many seconds share that line's
     error, which a fit through them does not see: above all at the beginning, when it goes through few marks.
-    ``by`` names the clock in words; with ``span_s`` [s] it is one of this machine's: nothing is said before, nor
-    of a device that goes at quite another pace, as simulated ones do.
+    ``by`` names the clock in words; with ``span_s`` [s] it is one of this machine's: no rate is judged before. A
+    device that goes at quite another pace is simulated, or its sample period is wrong: ``pace`` says so, and it is
+    no fault.
     """
 
     def __init__(
@@ -51,7 +53,7 @@ class SampleRate:
         self._next = 0.0
         self.clock: Callable[[], float] = time.monotonic
         self.rate: ClockRate | None = None
-        self.warning = ""
+        self.warning = self.pace = ""
         self._refused: DataRefused | None = None
 
     def look(self) -> None:
@@ -71,10 +73,19 @@ class SampleRate:
             raise self._refused
 
     def _fit(self) -> None:
-        span = self._stamps[-1][0] - self._stamps[0][0]
+        span, by_clock = (self._stamps[-1][i] - self._stamps[0][i] for i in (0, 1))
+        self.pace = self._pace_said(span / by_clock) if by_clock >= PACE_S else ""
         self.rate = fit_clock(*np.array(self._stamps).T) if span >= self._span_s else None
         if self.rate is not None and not (self._span_s and abs(self.rate.ppm) > PLAUSIBLE):
             self._judge(self.rate, LINE * self._scatter() / span)
+
+    def _pace_said(self, ratio: float) -> str:
+        if not self._span_s or abs(ratio - 1.0) * 1e6 <= PLAUSIBLE:
+            return ""
+        return (
+            f"the device's own time goes at {ratio:.3g} times {self._by}, expected 1; if it is not simulated, its "
+            f"sample period is not {self._feed.period:g} s: check its setting, or period_s in its address"
+        )
 
     def _judge(self, rate: ClockRate, line_std: float) -> None:
         off, surely = off_period(rate), SIGMAS * math.hypot(rate.std * 1e-6, line_std)
@@ -114,7 +125,7 @@ def said_of(rate: SampleRate) -> str:
         rate.look()
     except DataRefused as error:
         return str(error)
-    return rate.warning
+    return rate.warning or rate.pace
 
 
 class Timed:

@@ -2,22 +2,23 @@
 
 import itertools
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from station.errors import DataRefused
-from station.gnss.sample_rate import SampleRate
+from station.gnss.sample_rate import SampleRate, said_of
 
 NS = 10**9
 
 
-def watch(off: float, seconds: float, jitter: float = 2e-3) -> SampleRate:
+def watch(off: float, seconds: float, jitter: float = 2e-3, **settings: Any) -> SampleRate:
     """Return a watch that looked at a stream whose samples last ``off`` (relative) longer than it says."""
     rng = np.random.default_rng(1)
     stream = SimpleNamespace(counters=SimpleNamespace(restarts=0, clock_jumps=0))
     feed = SimpleNamespace(stamp=None, period=0.005, address=SimpleNamespace(name="imu"), stream=stream)
-    rate = SampleRate(feed, lambda host_ns: 1.78e9 + host_ns / NS + jitter * rng.standard_normal())  # type: ignore[arg-type]
+    rate = SampleRate(feed, lambda host_ns: 1.78e9 + host_ns / NS + jitter * rng.standard_normal(), **settings)  # type: ignore[arg-type]
     clock = itertools.count(0.0, 0.06)
     rate.clock = lambda: float(next(clock))
     for host in np.arange(0.1, seconds, 0.06):
@@ -41,3 +42,10 @@ def test_more_than_a_thousandth_off_is_a_warning_that_names_the_clock() -> None:
 def test_a_sync_line_at_another_rate_is_refused() -> None:
     with pytest.raises(DataRefused, match=r"3\.[89]\d% off .* sync line"):
         watch(0.039, 60.0)
+
+
+def test_quite_another_pace_than_this_machines_is_said_and_ends_nothing() -> None:
+    other = watch(9.0, 10.0, span_s=30.0, by="this machine's clock")
+    assert "goes at 0.1 times this machine's clock, expected 1" in said_of(other)
+    assert "sample period is not 0.005 s" in said_of(other)
+    assert said_of(watch(1e-4, 60.0, span_s=30.0)) == ""
