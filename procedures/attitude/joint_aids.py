@@ -15,6 +15,9 @@ from procedures.attitude.joint_state import (
     MEAN_FORCE,
     MEAN_RATE,
     RATE,
+    REST_FORCE,
+    REST_RATE,
+    REST_TIME,
     SCALE,
     SPEED,
     STILL,
@@ -166,19 +169,25 @@ def true_heading(s: State, c: Settings, heading: float) -> None:
 
 
 @inlined
-def rest(s: State, c: Settings, aided: bool) -> bool:
-    """Say whether the unit rests, and if so measure it: no velocity and, where an aid says so too, no rate.
+def judge_stillness(s: State, c: Settings) -> None:
+    """Say whether the unit stood still over a span of at least ``c.update_s``, whatever cut the update.
 
-    Rest is rates and specific force that stand still for a while, and no speed by the aid. Without aid a slow
-    steady turn looks the same, so that the rate is then left alone.
+    A fix or a heading cuts an update short, at worst to one sample. In that a count of a coarse unit is 0.05 g, as
+    if it were moved; over the span it is what it always is. Until the span is full the last word stands.
     """
     block = s.block
-    T = block[TIME]
+    block[REST_TIME] += block[TIME]
+    for i in range(3):
+        block[REST_RATE + i] += block[RATE + i]
+        block[REST_FORCE + i] += block[FORCE + i]
+    T = block[REST_TIME]
+    if T < c.update_s - 1e-9:
+        return
     share = min(T / REST_MEAN_S, 1.0)
     off_rate = off_force = norm2 = 0.0
     turns = False  # beyond what the gyros' biases may be
     for i in range(3):
-        rate, force = block[RATE + i] / T, block[FORCE + i] / T
+        rate, force = block[REST_RATE + i] / T, block[REST_FORCE + i] / T
         norm2 += force * force
         a, b = rate - block[MEAN_RATE + i], force - block[MEAN_FORCE + i]
         off_rate += a * a
@@ -190,6 +199,19 @@ def rest(s: State, c: Settings, aided: bool) -> bool:
     still = off_rate < c.rest_rate**2 and off_force < c.rest_force**2 and not turns
     still = still and abs(math.sqrt(norm2) - c.gravity) < REST_NORM * c.gravity
     block[STILL] = block[STILL] + T if still else 0.0
+    block[REST_TIME : REST_FORCE + 3] = 0.0
+
+
+@inlined
+def rest(s: State, c: Settings, aided: bool) -> bool:
+    """Say whether the unit rests, and if so measure it: no velocity and, where an aid says so too, no rate.
+
+    Rest is rates and specific force that stand still for a while, and no speed by the aid. Without aid a slow
+    steady turn looks the same, so that the rate is then left alone.
+    """
+    block = s.block
+    T = block[TIME]
+    judge_stillness(s, c)
     if block[AIR_ROWS] > 0:
         V, share = block[AIR] / block[AIR_ROWS], min(T / MEAN_SPEED_S, 1.0)
         block[SPEED] = V if math.isnan(block[SPEED]) else block[SPEED] + share * (V - block[SPEED])

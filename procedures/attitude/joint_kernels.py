@@ -23,7 +23,7 @@ NO_AID, AIRSPEED, GNSS = 0, 1, 2
 
 # Of the files that are compiled into these kernels. numba keeps compiled code until this file changes, whatever
 # those do: `test_compiled.py` asks for a new line here when one of them changed.
-COMPILED_IN = "5751fc22678a"
+COMPILED_IN = "59255c1da45d"
 
 
 @inlined

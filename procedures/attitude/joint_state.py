@@ -20,7 +20,8 @@ BIAS, SCALE, FORCE_BIAS, ALPHA, BETA = 0, 3, 6, 9, 10
 DV, TIME, TURNED2, AIR, AIR_ROWS, LOST_ANGLE, LOST_SPEED, RATE, FORCE = 0, 3, 4, 5, 6, 7, 8, 9, 12
 MEAN_RATE, MEAN_FORCE, STILL, SPEED, HEADING_KNOWN, STARTED, LAST_RATE, AT_REST = 15, 18, 21, 22, 23, 24, 25, 28
 VELOCITY_KNOWN, NEWEST = 29, 30
-BLOCK = 31
+REST_TIME, REST_RATE, REST_FORCE = 31, 32, 35  # sums over the span that rest is judged by
+BLOCK = 38
 PAST = 64  # updates that are remembered: three seconds, for fixes that come late
 
 
@@ -91,7 +92,7 @@ class State(NamedTuple):
     """The filter's memory; arrays are changed in place.
 
     ``C_nb`` (3, 3); ``v_n`` (3,) [m/s]; ``slow`` (11,); ``P`` (n, n); ``sums`` (3, 6), the integrals of C_nb and
-    of C_nb diag(rate); ``block`` (31,); ``past`` (64, 5), a ring of the last updates: seconds, velocity
+    of C_nb diag(rate); ``block`` (38,); ``past`` (64, 5), a ring of the last updates: seconds, velocity
     gained (3,) [m/s], angle turned about down [rad]. The others are scratch.
     """
 

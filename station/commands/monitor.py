@@ -92,6 +92,8 @@ def monitor(
     """
     import sys
 
+    from drivers.device_url import parse_device_url
+    from drivers.errors import PortNotFound
     from station.commands._lengths import lengths
     from station.monitor.alarms import parse_alarm
     from station.monitor.body_axes import body_axes
@@ -99,8 +101,6 @@ def monitor(
 
     if json and plain:
         raise typer.BadParameter("--json and --plain are two outputs; expected one of them")
-    if not (json or plain) and not (sys.stdin.isatty() and sys.stdout.isatty()):
-        raise typer.BadParameter("the screen needs a terminal; --plain writes lines of text, --json lines of JSON")
     if aid and aid not in AIDS:
         raise typer.BadParameter(f"found {aid!r}, expected one of {', '.join(AIDS)}", param_hint="--aid")
     if aid not in {"", "none"} and not (gnss or url.startswith("replay:")):
@@ -119,6 +119,11 @@ def monitor(
         C = body_axes(axes)
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--axes") from error
+    address = parse_device_url(url)
+    if address.scheme == "replay" and not Path(address.path).exists():
+        raise PortNotFound(address.path, "no such file", "check the file's name")
+    if not (json or plain) and not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise typer.BadParameter("the screen needs a terminal; --plain writes lines of text, --json lines of JSON")
     wanted = Wanted(
         url=url, C=C, aid=aid, gnss=gnss, mavlink_out=mavlink_out, calibration=calibration, latitude_deg=latitude,
         heading_deg=heading, gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds,

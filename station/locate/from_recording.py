@@ -17,14 +17,13 @@ from station.gnss.fix_times import FixTimes
 from station.live.live_feed import LiveFeed, open_feed
 from station.locate.imu_noise import LEAST_S, Rest, densities, longest_rest
 from station.mcap_files.fix_reader import Record
-from station.monitor.calibration import Applied, find_calibration
+from station.monitor.calibration import UNKNOWN, Applied, find_calibration
 from station.monitor.recorded_gnss import read_recorded
 from station.monitor.replay import Replay
 from station.monitor.sensors import Sensors
 
 TICK_S = 0.1
 KNOWN_STD, UNKNOWN_STD = 0.02, 0.1  # s: of fixes placed by their sender's clock, and by when they were read
-UNKNOWN = "unknown"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,6 +16,7 @@ from station.monitor.view import InUse
 from station.recorder.unit import Unit
 
 FORMAT = "calibration/1"
+UNKNOWN = "unknown"  # model or serial number that neither wire nor operator says
 TRIADS = ("accelerometer", "gyroscope")
 DAY_S = 86400.0
 
@@ -47,12 +48,18 @@ def find_calibration(file: Path | None, database: str | None, unit: Unit, wire: 
         return _applied(_checked(stored[0], stored[1][:12]), stored[1][:12], unit, now)
     nominal = next(iter(wire.scales.values()), None) if len(wire.scales) == 1 else wire.scales.get(unit.model)
     if nominal is None:
-        found = f"no calibration of {unit.model} {unit.serial}"
-        raise DataRefused(
-            "the database", None, found, "one, or a device with nominal scale factors",
-            "calibrate it, or give --calibration FILE",
-        )  # fmt: skip
+        raise _nothing_of(unit)
     return Applied(None, nominal, InUse(f"NONE: nominal scale factors of {nominal.model}", None, nominal.source))
+
+
+def _nothing_of(unit: Unit) -> DataRefused:
+    found, remedy = f"no calibration of {unit.model} {unit.serial}", "calibrate it"
+    if UNKNOWN in {unit.model, unit.serial}:
+        found, remedy = "a device that does not say who it is", "give --model and --serial"
+    return DataRefused(
+        "the database", None, found, "a stored calibration, or a device with nominal scale factors",
+        f"{remedy}, or give --calibration FILE",
+    )  # fmt: skip
 
 
 def _applied(document: Mapping[str, Any], name: str, unit: Unit, now: datetime) -> Applied:

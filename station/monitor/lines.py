@@ -35,7 +35,7 @@ def json_line(view: View) -> str:
     if view.alarms:
         told["alarms"] = list(view.alarms)
     if view.bought is not None:
-        told["at_rest"] = {"seconds": view.bought.seconds} | {
+        told["at_rest"] = {"seconds": view.bought.seconds, "earth": view.bought.earth} | {
             name: _side(side) for name, side in _sides(view.bought)
         }
     if view.location is not None:
@@ -107,7 +107,7 @@ def reading_line(view: View) -> str:
         with_it, without = view.bought.with_it, view.bought.without
         line += (
             f"; with and without calibration: level {with_it.level:.3f}, {without.level:.3f} deg, "
-            f"drift {with_it.drift:.2f}, {without.drift:.2f} deg/h"
+            f"drift {with_it.drift:.2f}, {without.drift:.2f} deg/h ({view.bought.earth})"
         )
     if view.location is not None:
         line += f"; {location_text(view.location)}"

@@ -24,7 +24,7 @@ from station.errors import DataRefused
 from station.guide.folder import journal_path, new_folder
 from station.live.live_feed import LiveFeed, Source, open_feed
 from station.monitor.alarms import Alarm
-from station.monitor.calibration import Applied, find_calibration
+from station.monitor.calibration import UNKNOWN, Applied, find_calibration
 from station.monitor.lines import PlainMonitor, json_line, listen
 from station.monitor.monitor import Monitor
 from station.monitor.options import Aid, Options
@@ -37,7 +37,6 @@ from station.monitor.where import Locating
 from station.reader import Reader
 
 Output = Literal["screen", "plain", "json"]
-UNKNOWN = "unknown"  # model or serial number that neither wire nor operator says
 RETRY_S = 1.0
 
 

@@ -140,6 +140,43 @@ def test_rest_is_denied_by_a_speed_and_teaches_the_bias_of_yaw() -> None:
             assert bias[2] == pytest.approx(0.004, abs=4 * std[2])
 
 
+def at_rest_in_coarse_counts(fix_hz: int | None) -> AttitudeLog:
+    """Ninety seconds on a bench at 50 Hz: a count of 1/1020 g s is 0.05 g in one sample; fixes of 5 cm/s."""
+    rng = np.random.default_rng(8)
+    n, dt, count = 4500, 0.02, G / 1020
+    true = np.cumsum(np.tile([0.05, -0.08, -G], (n, 1)) * dt + 6e-5 * rng.standard_normal((n, 3)), axis=0)
+    force = np.diff(np.floor(true / count), axis=0, prepend=0.0) * count / dt
+    velocity = np.full((n, 3), np.nan)
+    if fix_hz is not None:
+        velocity[:: round(1 / dt / fix_hz)] = 0.0
+        velocity += 0.05 * rng.standard_normal((n, 3))
+    return AttitudeLog(np.arange(n) * dt, 2e-4 * rng.standard_normal((n, 3)), force, velocity=velocity)
+
+
+@pytest.mark.parametrize("fix_hz", [2, 5, 10, 25, None])
+def test_fixes_that_cut_the_updates_of_coarse_counts_deny_no_rest(fix_hz: int | None) -> None:
+    log = at_rest_in_coarse_counts(fix_hz)
+    assert log.velocity is not None
+    kept = JointFilter("gnss", DEFAULT._replace(nominal_s=0.02))
+    resting = list[bool]()
+    for t, rate, force, velocity in zip(log.t, log.rate, log.force, log.velocity, strict=True):
+        kept.step(t, rate, force, velocity=velocity)
+        resting.append(kept.at_rest)
+    assert np.mean(resting) > 0.95
+
+
+def test_a_push_between_fixes_ends_a_rest_within_a_tenth_of_a_second() -> None:
+    log = at_rest_in_coarse_counts(5)
+    assert log.velocity is not None
+    kept = JointFilter("gnss", DEFAULT._replace(nominal_s=0.02))
+    for row in range(3000):
+        kept.step(log.t[row], log.rate[row], log.force[row], velocity=log.velocity[row])
+    assert kept.at_rest
+    for row in range(3000, 3006):
+        kept.step(log.t[row], log.rate[row] + np.array([0.1, 0, 0]), log.force[row], velocity=log.velocity[row])
+    assert not kept.at_rest
+
+
 def test_a_gap_widens_sigma_and_a_long_one_begins_anew() -> None:
     log = paper_bench(1, 9, seconds=40.0)
     for seconds, wider in ((2.0, 1.2), (60.0, 5.0)):

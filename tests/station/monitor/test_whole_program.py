@@ -151,7 +151,7 @@ def test_a_pulled_plug_is_said_and_gone_on_after(tmp_path: Path) -> None:
     [
         (["--alarm", "wind=3"], 2, "expected NAME=LIMIT"),
         (["--axes", "x,y,-z"], 2, "left-handed"),
-        (["--axes", "x,x,z"], 2, "left-handed or repeated"),
+        (["--axes", "x,-x,z"], 2, "names an axis twice"),
         (["--aid", "gnss"], 2, "give --gnss URL"),
         (["--aid", "wings"], 2, "expected one of none, gnss"),
         (["--plain"], 2, "--json and --plain"),
@@ -191,3 +191,19 @@ def test_body_axes_turn_what_stands_on_its_side_level(tmp_path: Path, capsys: py
     last = lines_of(capsys.readouterr().out)[-1]
     assert abs(last["roll_deg"]) < 3 * last["sigma_deg"]
     assert abs(last["pitch_deg"]) < 3 * last["sigma_deg"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["replay:nothere.mcap"], 4, "nothere.mcap"),
+        (["serial:///dev/ttyNONE", "--alarm", "foo=3"], 2, "expected NAME=LIMIT"),
+        (["serial:///dev/ttyNONE", "--axes", "x,x,z"], 2, "names an axis twice"),
+        (["serial:///dev/ttyNONE"], 2, "the screen needs a terminal"),
+    ],
+)
+def test_options_are_looked_at_before_the_terminal(
+    arguments: list[str], code: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["monitor", *arguments]) == code
+    assert said in capsys.readouterr().err
