@@ -84,7 +84,9 @@ def attitude(
     """
     gains = _gains(tau, k1, k2)
     from station.attitude.reading import read_log
+    from station.own_files import refuse_own
 
+    refuse_own((out, json), (log,))
     read = read_log(log)
     from dataclasses import replace
 
@@ -134,6 +136,8 @@ def attitude(
     if json is not None:
         write_solution(json, document)
     typer.echo(text if json is None else f"{json}: attitude of {log}, attitude/1")
+    if out is not None:
+        typer.echo(f"{out}: roll, pitch and down vector of {log}")
 
 
 def _gains(tau: float | None, k1: float | None, k2: float | None) -> "Gains | None":

@@ -77,6 +77,24 @@ def test_wrong_usage_is_2_and_one_line(log: Path, wrong: list[str], capsys: pyte
     assert capsys.readouterr().err.count("\n") == 1
 
 
+@pytest.mark.parametrize("command", [["attitude", "--out"], ["attitude", "--json"], ["tune", "--json"]])
+def test_the_log_is_never_written_over_by_whatever_path_it_is_named(
+    log: Path, command: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    before, link = log.read_bytes(), log.with_name("link.csv")
+    link.symlink_to(log)
+    for read, written in ((log, log), (link, log), (log, log.parent / "x" / ".." / log.name)):
+        (log.parent / "x").mkdir(exist_ok=True)
+        assert run([command[0], str(read), command[1], str(written)]) == 2
+        assert "it is read here" in capsys.readouterr().err
+    assert log.read_bytes() == before
+
+
+def test_what_was_written_is_named(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["attitude", str(log), "--out", str(tmp_path / "out.csv")]) == 0
+    assert f"{tmp_path / 'out.csv'}: roll, pitch and down vector" in capsys.readouterr().out
+
+
 def test_an_aid_of_which_the_log_has_the_column_and_no_value_is_wrong_usage(
     log: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
