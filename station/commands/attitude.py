@@ -119,8 +119,9 @@ def attitude(
         traced = trace(read, chosen, gains, gravity)
         track = traced.track
         document = attitude_document(read, track) | {"diagnosis": trace_document(traced)}
-        taken = "nothing was taken off" if traced.corrected is read else "with that taken off"
-        text = f"{trace_text(document['diagnosis'])}\n\n{taken}:\n{attitude_text(read, document)}"
+        is_whole = not traced.findings or traced.corrected is read
+        which = "the log as it is" if is_whole else "the log with that taken off"
+        text = f"{trace_text(document['diagnosis'])}\n\nattitude of {which}:\n{attitude_text(read, document)}"
     else:
         here = None if latitude is None else float(np.radians(latitude))
         known = None if gyro_bias_std is None else gyro_bias_std * DEG_PER_HOUR

@@ -95,6 +95,29 @@ def test_what_was_written_is_named(log: Path, tmp_path: Path, capsys: pytest.Cap
     assert f"{tmp_path / 'out.csv'}: roll, pitch and down vector" in capsys.readouterr().out
 
 
+def test_a_log_that_is_not_there_is_called_no_such_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["attitude", str(tmp_path / "nothere.csv")]) == 3
+    assert "found no such file, expected a CSV file of attitude-log/1" in capsys.readouterr().err
+
+
+def test_where_nothing_is_found_the_attitude_is_called_that_of_the_log_as_it_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = with_truth(100.0)
+    assert log.airspeed is not None
+    assert log.roll is not None
+    assert log.pitch is not None
+    table = np.column_stack([log.t, log.rate, log.force, log.airspeed, log.roll, log.pitch])
+    header = "t_s,p_rad_s,q_rad_s,r_rad_s,fx_m_s2,fy_m_s2,fz_m_s2,airspeed_m_s,roll_rad,pitch_rad"
+    np.savetxt(tmp_path / "drive.csv", table, "%.9g", ",", header=header, comments="")
+    assert run(["attitude", str(tmp_path / "drive.csv"), "--diagnose"]) == 0
+    shown = capsys.readouterr().out
+    assert "CONSISTENT" in shown
+    assert "attitude of the log as it is:\n" in shown
+
+
 def test_an_aid_of_which_the_log_has_the_column_and_no_value_is_wrong_usage(
     log: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -163,4 +186,5 @@ def test_diagnose_names_what_the_model_lacks_in_the_words_of_the_calibrations_lo
     assert run(["attitude", str(path), "--diagnose"]) == 0
     shown = capsys.readouterr().out
     assert "ESTABLISHED. The model lacks accelerometer.bias." in shown
+    assert "attitude of the log with that taken off:\n" in shown
     assert "which had no say" in shown
