@@ -122,7 +122,8 @@ def explain(error: BaseException) -> tuple[int, str]:
         code = error.code if isinstance(error, SystemExit) else error.exit_code
         return (code, "") if isinstance(code, int) else (2 if code else 0, str(code or ""))
     if callable(usage := getattr(error, "format_message", None)):  # every usage error of typer's click has one
-        return 2, f"{usage()} Try `station --help`."
+        context = getattr(error, "ctx", None)
+        return 2, f"{usage().rstrip('.')}. Try `{context.command_path if context else 'station'} --help`."
     for kind in type(error).__mro__:
         code = EXIT_CODES.get(f"{kind.__module__}.{kind.__qualname__}")
         if code is not None:

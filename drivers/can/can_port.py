@@ -138,7 +138,7 @@ def open_can(interface: str, channel: str, options: Mapping[str, str], timeout_s
         If it opens and is bus-off.
     """
     name = channel or interface
-    chosen = {**(SLCAN if interface == "slcan" else {}), **_options(interface, options)}
+    chosen = {**(SLCAN if interface == "slcan" else {}), **_options(interface, channel, options)}
     try:
         bus = can.Bus(channel=channel or None, interface=interface, **chosen)  # type: ignore[arg-type]
     except Exception as error:  # the edge to two dozen drivers, which raise what they like where theirs is missing
@@ -171,12 +171,11 @@ def _attended(bus: can.BusABC, name: str, timeout_s: float) -> CanPort:
     return port
 
 
-def _options(interface: str, options: Mapping[str, str]) -> dict[str, str | int | float | bool]:
+def _options(interface: str, channel: str, options: Mapping[str, str]) -> dict[str, str | int | float | bool]:
     """Return options as python-can wants them; it would swallow those that it does not know."""
+    url = f"can://{interface}/{channel.lstrip('/')}"
     if interface not in BACKENDS:
-        raise BadDeviceUrl(
-            f"can://{interface}", f"interface {interface!r}", f"one of {', '.join(sorted(BACKENDS))}"
-        )
+        raise BadDeviceUrl(url, f"interface {interface!r}", f"one of {', '.join(sorted(BACKENDS))}")
     module, name = BACKENDS[interface]
     try:
         backend = getattr(import_module(module), name)
@@ -185,7 +184,7 @@ def _options(interface: str, options: Mapping[str, str]) -> dict[str, str | int 
     accepted = [each for each in inspect.signature(backend.__init__).parameters if each not in NOT_OPTIONS]
     for option in options:
         if option not in accepted:
-            raise BadDeviceUrl(f"can://{interface}", f"option {option!r}", f"one of {', '.join(accepted)}")
+            raise BadDeviceUrl(url, f"option {option!r}", f"one of {', '.join(accepted)}")
     return {option: _value(text) for option, text in options.items()}
 
 

@@ -5,6 +5,7 @@ itself, so that a reader may come and go; closing the near end is what a reader 
 """
 
 import contextlib
+import errno
 import os
 import select
 import socket
@@ -53,9 +54,7 @@ class PtyLine:
     def plug(self) -> None:
         """Open a terminal and point the link at it; raise FileExistsError where the link is another file."""
         if self._link and self._link.exists() and not self._link.is_symlink():
-            raise FileExistsError(
-                f"{self._link}: exists and is not a link; choose another path for the simulated port"
-            )
+            raise FileExistsError(errno.EEXIST, "exists and is not a link; choose another path", str(self._link))
         self._near, self._far = os.openpty()
         tty.setraw(self._far)
         os.set_blocking(self._near, False)

@@ -69,8 +69,13 @@ def tune(
     rows = np.zeros(len(log.t), bool) if truth is None else np.isfinite(truth).all(axis=1)
     if log.scored is not None:
         rows &= log.scored
-    if truth is None or rows.sum() < 10 * FOLDS:
-        raise NotObservable("gains", ["rows with roll_rad and pitch_rad, scored, to compare with"])
+    if truth is None:
+        raise NotObservable("gains", ["roll_rad and pitch_rad to compare with"])
+    if rows.sum() < 10 * FOLDS:
+        which = "scored rows" if log.scored is not None else "rows"
+        raise NotObservable(
+            "gains", [f"{10 * FOLDS} {which} with roll_rad and pitch_rad, of which it has {rows.sum()}"]
+        )
     fold = np.arange(rows.sum()) * FOLDS // rows.sum()
     square = np.array(
         [inclination(estimate(log, aid, gains, gravity).down[rows], truth[rows]) ** 2 for gains in candidates]

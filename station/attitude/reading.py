@@ -62,6 +62,8 @@ def read_log(path: Path) -> AttitudeLog:
         If a column is missing or unknown, a cell is no number, time does not go forward, a rate is beyond any
         gyro, or gyros and accelerometers disagree on how gravity turns.
     """
+    if not path.exists():
+        raise DataRefused(path, None, "no such file", "a CSV file of attitude-log/1", "name one that is there")
     with open_inside(path.parent, path.name, path, None) as stream:
         table = read_csv(stream, path, LogColumns())
     _check_time(table)

@@ -84,7 +84,9 @@ def attitude(
     """
     gains = _gains(tau, k1, k2)
     from station.attitude.reading import read_log
+    from station.own_files import refuse_own
 
+    refuse_own((out, json), (log,))
     read = read_log(log)
     from dataclasses import replace
 
@@ -117,8 +119,9 @@ def attitude(
         traced = trace(read, chosen, gains, gravity)
         track = traced.track
         document = attitude_document(read, track) | {"diagnosis": trace_document(traced)}
-        taken = "nothing was taken off" if traced.corrected is read else "with that taken off"
-        text = f"{trace_text(document['diagnosis'])}\n\n{taken}:\n{attitude_text(read, document)}"
+        is_whole = not traced.findings or traced.corrected is read
+        which = "the log as it is" if is_whole else "the log with that taken off"
+        text = f"{trace_text(document['diagnosis'])}\n\nattitude of {which}:\n{attitude_text(read, document)}"
     else:
         here = None if latitude is None else float(np.radians(latitude))
         known = None if gyro_bias_std is None else gyro_bias_std * DEG_PER_HOUR
@@ -134,6 +137,8 @@ def attitude(
     if json is not None:
         write_solution(json, document)
     typer.echo(text if json is None else f"{json}: attitude of {log}, attitude/1")
+    if out is not None:
+        typer.echo(f"{out}: roll, pitch and down vector of {log}")
 
 
 def _gains(tau: float | None, k1: float | None, k2: float | None) -> "Gains | None":

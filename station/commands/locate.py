@@ -62,8 +62,11 @@ def locate(
     Example: station locate drives/2026-05-11 --out track.tum --json location.json
     """
     from station.fusion_folder import read_fusion
+    from station.fusion_folder.reading import files_of
     from station.locate.command import locate_folder
+    from station.own_files import refuse_own
 
+    refuse_own((out, batch, json), files_of(folder))
     if images is not None:
         from station.locate.images import make_tracks
 

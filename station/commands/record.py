@@ -90,6 +90,7 @@ def record(
                 f"{out / recording.NAME}: {counters.samples} samples of {feed.wire.name}, "
                 f"{counters.breaks} breaks ({counters.lost} frames lost), "
                 f"{counters.repeated} repeated, {counters.restarts} restarts, "
+                f"{feed.losses} gaps (port lost), "
                 f"{framing.bad_crc} bad check, {framing.skipped_bytes} bytes in no frame"
             )
             if zeros := feed.stream.decoder.kind.zeros:

@@ -2,7 +2,7 @@
 
 import contextlib
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -34,7 +34,10 @@ def simulate(
         Path | None, typer.Option("--pty", metavar="LINK", help="Keep this path pointing at the pty.")
     ] = None,
     tcp: Annotated[
-        int | None, typer.Option("--tcp", metavar="PORT", help="Serve on this loopback port instead; 0: any.")
+        int | None,
+        typer.Option(
+            "--tcp", metavar="PORT", min=0, max=65535, help="Serve on this loopback port instead; 0: any."
+        ),
     ] = None,
     transport: Annotated[
         str | None,
@@ -42,7 +45,9 @@ def simulate(
     ] = None,
     dbc: Annotated[str, typer.Option("--dbc", metavar="DBC", help="Frames on CAN; the station's own else.")] = "",
     mapping: Annotated[str, typer.Option("--map", metavar="TOML", help="What the DBC's signals are.")] = "",
-    control: Annotated[int, typer.Option("--control", metavar="PORT", help="Port of the hands; 0: any.")] = 0,
+    control: Annotated[
+        int, typer.Option("--control", metavar="PORT", min=0, max=65535, help="Port of the hands; 0: any.")
+    ] = 0,
     speed: Annotated[
         float, typer.Option("--speed", metavar="N", help="Device seconds per second; 0: as fast as read.")
     ] = 1.0,
@@ -81,13 +86,11 @@ def simulate(
     Example: station simulate --example 7 --pty /tmp/imu --speed 20
     """
     from drivers.errors import PortNotFound
-    from drivers.simulated.errors import SimulatorError
     from drivers.simulated.faults import load_faults
-    from drivers.simulated.server import TRANSPORTS, SimulatedDevice, serve
+    from drivers.simulated.server import CAN_TRANSPORTS, TRANSPORTS, SimulatedDevice, serve
     from drivers.simulated.track import load_track
     from drivers.simulated.truth import Truth, load_truth
     from drivers.wire import FORMATS
-    from station.errors import DataRefused
 
     if scenario is not None:
         _serve_scenario(scenario, context)
@@ -101,26 +104,31 @@ def simulate(
         raise typer.BadParameter(
             f"transport {transport!r}: expected one of {', '.join(TRANSPORTS)}, tcp with --tcp"
         )
+    if transport in CAN_TRANSPORTS and str(context.get_parameter_source("format")).endswith("COMMANDLINE"):
+        raise typer.BadParameter(f"--format and --transport {transport}; on CAN expected --dbc and --map instead")
+    if (dbc or mapping) and transport not in CAN_TRANSPORTS:
+        raise typer.BadParameter(f"--dbc or --map; expected with --transport {' or '.join(CAN_TRANSPORTS)} only")
     if format not in FORMATS:
         raise typer.BadParameter(f"format {format!r}: expected one of {', '.join(FORMATS)}")
     if not speed >= 0:
         raise typer.BadParameter(f"speed {speed:g}: expected 0 or more")
-    try:
+    with _blamed_on(truth):
         unit = (
             load_truth(_text(truth)) if truth is not None else Truth.example(seed if example is None else example)
         )
+    with _blamed_on(track):
+        path = load_track(_text(track, "a CSV file")) if track is not None else None
+    with _blamed_on(faults or truth, truth):
         planted = load_faults(_text(faults)) if faults is not None else ()
-        path = load_track(_text(track)) if track is not None else None
         beside = _autopilot(gnss, path, _text(faults) if faults else "")
         device = SimulatedDevice(
             unit, seed, format, speed,
             transport=transport, link=pty, port=tcp or 0, control_port=control,
             faults=planted, hold=hold, dbc=dbc, mapping=mapping,
         )  # fmt: skip
+    with _blamed_on(track):
         if path is not None:
             device.device.drive(path)
-    except SimulatorError as error:
-        raise DataRefused(truth or faults or "truth", None, str(error), "a truth as described") from error
     _end_on_signals()
     try:
         with ExitStack() as stack:
@@ -128,7 +136,8 @@ def simulate(
                 device, lambda served: _announce(served, stack.enter_context(beside(served)) if beside else None)
             )
     except OSError as error:
-        raise PortNotFound(str(pty or tcp or "pty"), str(error), "choose another path or port") from error
+        reason = (error.strerror or str(error)).partition(";")[0]
+        raise PortNotFound(str(pty or tcp or "pty"), reason, "choose another path or port") from error
 
 
 def _serve_scenario(path: Path, context: typer.Context) -> None:
@@ -170,8 +179,8 @@ def _autopilot(
     host, _, port = rest.rpartition(":")
     if (
         transport not in {"udp", "udpto", "tcp", "pty"}
-        or (transport != "pty" and rest and not port.isdigit())
-        or (transport == "udpto" and not host)
+        or (transport != "pty" and rest and not (port.isdecimal() and int(port) < 65536))
+        or (transport == "udpto" and not (int(port or 0) and _is_host(host)))
     ):
         raise typer.BadParameter(f"gnss {where!r}: expected udp[:PORT], udpto:HOST:PORT, tcp[:PORT] or pty[:PATH]")
     number = int(port) if transport != "pty" and port else 0
@@ -184,6 +193,15 @@ def _autopilot(
     )  # fmt: skip
 
 
+def _is_host(name: str) -> bool:
+    import socket
+
+    try:
+        return bool(name) and bool(socket.getaddrinfo(name, None, socket.AF_INET))
+    except (OSError, UnicodeError):
+        return False
+
+
 def _announce(device: "SimulatedDevice", gnss: "SimulatedGnss | None") -> None:
     typer.echo(f"url {device.url}")
     if gnss is not None:
@@ -194,10 +212,27 @@ def _announce(device: "SimulatedDevice", gnss: "SimulatedGnss | None") -> None:
         typer.echo("one clock for both: the receiver sends only while the IMU is read", err=True)
 
 
-def _text(path: Path) -> str:
+@contextlib.contextmanager
+def _blamed_on(file: Path | None, effects: Path | None = None) -> Iterator[None]:
+    """Have what the simulator refuses name the file it came from, unknown effects that which plants them."""
+    from drivers.simulated.errors import SimulatorError, TruthRefused, UnknownEffect
+    from station.errors import DataRefused
+
+    try:
+        yield
+    except TruthRefused as error:
+        raise DataRefused(file or "truth", None, error.found, error.expected) from error
+    except UnknownEffect as error:
+        accepted = f"one of {', '.join(error.accepted)}"
+        raise DataRefused(effects or file or "truth", None, f"effect {error.name!r}", accepted) from error
+    except SimulatorError as error:
+        raise DataRefused(file or "truth", None, str(error), "it as described") from error
+
+
+def _text(path: Path, kind: str = "a TOML file") -> str:
     from station.errors import DataRefused
 
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise DataRefused(path, None, f"no readable file ({error})", "a TOML file in UTF-8") from error
+        raise DataRefused(path, None, f"no readable file ({error})", f"{kind} in UTF-8") from error

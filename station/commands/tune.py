@@ -33,7 +33,9 @@ def tune(
     """
     from procedures.attitude.attitude import AIDS, NEEDS, takes_gains
     from station.attitude.reading import read_log
+    from station.own_files import refuse_own
 
+    refuse_own((json,), (log,))
     lawful = [name for name in AIDS if takes_gains(name)]
     if aid not in lawful:
         raise typer.BadParameter(f"found {aid!r}, expected one of {', '.join(lawful)}", param_hint="--aid")

@@ -82,6 +82,13 @@ def read_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
     return read_tables(content, folder / NAME, FusionTable)
 
 
+def files_of(folder: Path) -> list[Path]:
+    """Return the files that a folder consists of, there or not."""
+    table, _ = read_toml(folder)
+    parts = (table.imu, table.gnss, table.odometry, table.tracks, table.truth)
+    return [folder / NAME, *(folder / part.file for part in parts if part is not None)]
+
+
 def _imu(folder: Path, table: FusionTable, lines: dict[Key, int]) -> ImuSeries | None:
     if table.imu is None:
         return None

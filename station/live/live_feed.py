@@ -7,10 +7,11 @@ from typing import Protocol
 import numpy as np
 
 from drivers.device_url import DeviceUrl
-from drivers.errors import LinkLost, LinkSilent, WrongFormat
+from drivers.errors import LinkLost, LinkSilent, ReplayEnded, WrongFormat
 from drivers.formats import wire_of
 from drivers.framing import seen_instead, sniff
 from drivers.wire import FORMATS, WireFormat
+from station.errors import DataRefused
 from station.live.stillness import TICKS, Block, block_of
 from station.live.trouble import Trouble
 from station.reader import Chunk, GapMark
@@ -64,6 +65,7 @@ class LiveFeed:
         self._wrong: WrongFormat | None = None  # found so ...
         self._looked_s = 0.0  # ... after so long without a frame
         self._lost, self._is_anew = "", True
+        self.losses = 0  # how often the port went away
         self._clock, self._trouble = clock, Trouble(clock)
         self._pieces: list[Piece] = []  # the last ones taken
         self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
@@ -111,14 +113,23 @@ class LiveFeed:
         return float(known[-1]) if len(known) else None
 
     def identify(self, model: str | None = None, serial: str | None = None) -> Unit:
-        """Wait until it is known which unit this is; see `unit_of` for what it raises."""
+        """Wait until it is known which unit this is; see `unit_of` for what it raises.
+
+        Raises
+        ------
+        DataRefused
+            If a replayed file ends before.
+        """
         decoder, kind = self.stream.decoder, self.wire.identity
         says_who = kind is not None and kind is not self.wire.imu
         deadline = time.monotonic() + IDENTITY_S
         while (period := self.stream.period) is None or (
             says_who and not decoder.serial and time.monotonic() < deadline
         ):
-            self.advance()
+            try:
+                self.advance()
+            except ReplayEnded as error:
+                raise no_recording(error, self.wire.name) from error
         self.unit = unit_of(self.address.name, decoder.identity, round(period, 9), model, serial)
         return self.unit
 
@@ -218,6 +229,7 @@ class LiveFeed:
 
     def _mark(self, mark: GapMark) -> None:
         self._lost = "" if mark.is_open else mark.reason.removeprefix(LOST) or "gone"
+        self.losses += not mark.is_open
         self._silent_s = self._frameless_s = 0.0
         self.stream.begin_anew()
 
@@ -255,13 +267,18 @@ def open_feed(source: Source) -> LiveFeed:
     ------
     LinkSilent, WrongFormat
         If the format must be found and no byte comes for 2 s, or no frame of any.
+    DataRefused
+        If it must be found and a replayed file ends before.
     """
     address = source.address
     if (wire := wire_of(address)) is not None:
         return LiveFeed(source, wire)
     held, deadline = list[Chunk](), time.monotonic() + SILENT_S
     while time.monotonic() < deadline:
-        held += [item for item in source.poll(POLL_S) if isinstance(item, Chunk)]
+        try:
+            held += [item for item in source.poll(POLL_S) if isinstance(item, Chunk)]
+        except ReplayEnded as error:
+            raise no_recording(error, "any known format") from error
         data = b"".join(chunk.data for chunk in held)[:SNIFFED]
         found = sniff(data) if data else []
         if found and found[0].frames >= SURE_FRAMES:
@@ -270,3 +287,9 @@ def open_feed(source: Source) -> LiveFeed:
         raise LinkSilent(address.name, SILENT_S, address.baud)
     size = sum(len(chunk.data) for chunk in held)
     raise WrongFormat(address.name, " or ".join(FORMATS), size, address.baud)
+
+
+def no_recording(ended: ReplayEnded, wanted: str) -> DataRefused:
+    """Return the refusal of a replayed file that is at its end before it was known what it is."""
+    found = f"{ended.size} bytes without enough frames of {wanted}"
+    return DataRefused(ended.path, None, found, "bytes as a device sent them", "name a recording")

@@ -56,6 +56,8 @@ def look(url: str, seconds: float) -> Seen:
     if seen is None:
         wanted = wire.name if wire else " or ".join(FORMATS)
         instead = seen_instead(wire, data) if wire else ""
+        if address.scheme == "replay":
+            instead = instead or "name a file of bytes as a device sent them"
         raise WrongFormat(
             address.name, wanted, len(data), address.baud, likely[0].format if likely else None, instead
         )

@@ -54,7 +54,7 @@ class Reader:
             deadline = time.monotonic() + START_TIMEOUT_S
             while not self._is_open:
                 self._collect(max(0.0, deadline - time.monotonic()))
-                if self._ended is not None:
+                if self._ended is not None and not isinstance(self._ended, ReplayEnded):  # that is for `poll`
                     raise self._ended
                 if time.monotonic() > deadline:
                     raise LinkLost(self.address.name, "the reader process did not start")

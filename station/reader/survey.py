@@ -17,6 +17,7 @@ from drivers.framing import sniff
 from drivers.ports import Port, list_ports, open_port, parse_device_url
 from drivers.udp_port import open_udp
 from drivers.wire import FORMATS
+from procedures.gnss import GnssFix, averaged_site
 from station.reader.look import read_for, seen_as
 
 GROUND_STATION = "mavlink:udpin:127.0.0.1:14550"  # where routers of this machine send to; others: by --url
@@ -32,7 +33,8 @@ class Found:
 
     ``url`` opens it, ``about`` is what it says of itself, ``looks_like`` the format of its bytes, ``mavlink`` or
     ``slcan``, empty if none. Rates are per second; ``rate_hz`` is by the device's own time. ``errors`` are what
-    the framing counted, ``systems`` and ``messages`` MAVLink's frames per second. ``trouble`` says what is wrong.
+    the framing counted, ``position`` is where a receiver stands in words, ``systems`` and ``messages`` MAVLink's
+    frames per second. ``trouble`` says what is wrong.
     """
 
     url: str
@@ -44,6 +46,7 @@ class Found:
     bytes_s: float = 0.0
     rate_hz: float | None = None
     errors: dict[str, int] = field(default_factory=dict)
+    position: str = ""
     systems: dict[int, float] = field(default_factory=dict)
     messages: dict[str, float] = field(default_factory=dict)
     trouble: str = ""
@@ -122,9 +125,11 @@ def recognised(port: Found, data: bytes, seconds: float) -> Found:
 
 def _mavlink(port: Found, data: bytes, seconds: float) -> Found | None:
     from drivers.mavlink.decoder import MavlinkDecoder  # pymavlink: only where a port needs it
+    from station.gnss.summary import site_in_words
 
     decoder = MavlinkDecoder()
-    decoder.feed(data, time.monotonic_ns())
+    fixes = [one for one in decoder.feed(data, time.monotonic_ns()) if isinstance(one, GnssFix)]
+    site = averaged_site([fix for fix in fixes if fix.source == "GPS_RAW_INT"] or fixes)
     counters = decoder.framer.counters
     if not decoder.systems:
         return None
@@ -132,6 +137,7 @@ def _mavlink(port: Found, data: bytes, seconds: float) -> Found | None:
     return replace(
         port, looks_like="mavlink", url=port.url.replace("serial://", "mavlink:serial:"),
         frames_s=sum(decoder.systems.values()) / seconds, errors=errors,
+        position="no position" if site is None else site_in_words(site),
         systems={system: count / seconds for system, count in sorted(decoder.systems.items())},
         messages={name: count / seconds for name, count in sorted(decoder.messages.items())},
     )  # fmt: skip

@@ -36,6 +36,8 @@ def _lines(found: Found) -> list[str]:
     bad = [f"{count} {name.replace('_', ' ')}" for name, count in found.errors.items() if count]
     said = [", ".join(part for part in [*named, *rates] if part)]
     said += [f"system {system}: {rate:.1f} frames/s" for system, rate in found.systems.items()]
+    if found.position:
+        said.append(f"receiver: {found.position}")
     if found.messages:
         said.append(", ".join(f"{name} {rate:.1f} Hz" for name, rate in found.messages.items()))
     return [*lines, *(f"{'':{INDENT}}{text}" for text in [*said, f"errors: {', '.join(bad) or 'none'}"])]

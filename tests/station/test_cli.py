@@ -62,6 +62,9 @@ def test_wrong_usage_is_exit_2_and_one_line(
     assert cli.run(arguments) == 2
     error = capsys.readouterr().err
     assert said in error
+    command = " ".join(["station", *arguments[:1]]) if arguments[:1] == ["solve"] else "station"
+    assert error.endswith(f". Try `{command} --help`.\n")
+    assert ".." not in error
     assert error.count("\n") == 1
 
 

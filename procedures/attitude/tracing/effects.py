@@ -108,7 +108,7 @@ ATTITUDE_EFFECTS = (
                    force=lambda m: _turning(m, 0, m.speed)),
     AttitudeEffect("aid.time_offset", ("value",), "s", 0.5, "turns while the speed changes", needs_speed=True,
                    is_of_aid=True, force=lambda m: _turning(m, 0, m.speed_slope)),
-    AttitudeEffect("mounting.angle", AXES, "rad", 0.02, "a rest in two faces of a measured cube", needs_truth=True,
+    AttitudeEffect("mounting.angle", AXES, "rad", 0.02, "rests far apart in roll and pitch", needs_truth=True,
                    rate=lambda m: _crossed(m.log.rate), force=lambda m: _crossed(m.log.force)),
     AttitudeEffect("mounting.lever_arm", AXES, "m", 1.0, "fast turning on the spot", force=_lever),
     AttitudeEffect("gyroscope.bias", AXES, "rad/s", 0.02, "a minute of rest", rate=_unit),

@@ -60,8 +60,11 @@ def trace(log: AttitudeLog, aid: str, gains: Gains | None, gravity: float) -> Tr
     used = np.arange(len(log.t)) < USED * len(log.t)
     cut = windows(motion, base, gravity, used & _counts(log))
     if len(cut.rows) < LEAST_WINDOWS:
-        missing = f"{LEAST_WINDOWS} s of rows without gap (with truth, if any)"
-        raise NotObservable("what the model lacks", [missing])
+        scored = ", scored" if log.scored is not None else ""
+        span = f"{cut.rows.shape[1] * log.nominal:g} s without gap"
+        what = f"{span}, with roll_rad and pitch_rad{scored}" if cut.has_truth else span
+        where = f"in the log's first {USED:.0%}, which has {len(cut.rows)}"
+        raise NotObservable("what the model lacks", [f"{LEAST_WINDOWS} stretches of {what}, {where}"])
     free, held = _split(aid, speed is not None, cut.has_truth, has_filter)
     evidence, pool = evidence_of(motion, base, cut, free, held, gravity, aid != "none")
     adopted, tried = _adopt(evidence, pool)

@@ -198,6 +198,7 @@ def test_a_wrong_address_says_what_is_accepted(url: str, found: str) -> None:
     with pytest.raises(BadDeviceUrl, match="expected") as refused:
         open_port(url)
     assert found in str(refused.value)
+    assert refused.value.url.partition("?")[0] == url.partition("?")[0]
 
 
 def test_an_interface_without_its_driver_is_told() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.attitude.log import AttitudeLog
-from procedures.attitude.tracing.effects import Motion
+from procedures.attitude.tracing.effects import ATTITUDE_EFFECTS, Motion
 from procedures.attitude.tracing.evidence import NAMED
 from procedures.attitude.tracing.trace import trace
 from procedures.errors import NotObservable
@@ -89,3 +89,14 @@ def test_a_short_log_is_refused() -> None:
     few = slice(0, 2000)
     with pytest.raises(NotObservable, match="30 s"):
         trace(AttitudeLog(log.t[few], log.rate[few], log.force[few]), "none", None, G)
+
+
+def test_a_log_with_truth_that_is_not_scored_is_told_so() -> None:
+    log = with_truth(40.0)
+    unscored = replace(log, scored=np.zeros(len(log.t), bool))
+    with pytest.raises(NotObservable, match=r"with roll_rad and pitch_rad, scored, .* which has 0"):
+        trace(unscored, "none", None, G)
+
+
+def test_no_advice_for_a_vehicle_asks_for_a_cube() -> None:
+    assert not [effect.name for effect in ATTITUDE_EFFECTS if "cube" in effect.separate_by]

@@ -77,6 +77,47 @@ def test_wrong_usage_is_2_and_one_line(log: Path, wrong: list[str], capsys: pyte
     assert capsys.readouterr().err.count("\n") == 1
 
 
+@pytest.mark.parametrize("command", [["attitude", "--out"], ["attitude", "--json"], ["tune", "--json"]])
+def test_the_log_is_never_written_over_by_whatever_path_it_is_named(
+    log: Path, command: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    before, link = log.read_bytes(), log.with_name("link.csv")
+    link.symlink_to(log)
+    for read, written in ((log, log), (link, log), (log, log.parent / "x" / ".." / log.name)):
+        (log.parent / "x").mkdir(exist_ok=True)
+        assert run([command[0], str(read), command[1], str(written)]) == 2
+        assert "it is read here" in capsys.readouterr().err
+    assert log.read_bytes() == before
+
+
+def test_what_was_written_is_named(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["attitude", str(log), "--out", str(tmp_path / "out.csv")]) == 0
+    assert f"{tmp_path / 'out.csv'}: roll, pitch and down vector" in capsys.readouterr().out
+
+
+def test_a_log_that_is_not_there_is_called_no_such_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["attitude", str(tmp_path / "nothere.csv")]) == 3
+    assert "found no such file, expected a CSV file of attitude-log/1" in capsys.readouterr().err
+
+
+def test_where_nothing_is_found_the_attitude_is_called_that_of_the_log_as_it_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = with_truth(100.0)
+    assert log.airspeed is not None
+    assert log.roll is not None
+    assert log.pitch is not None
+    table = np.column_stack([log.t, log.rate, log.force, log.airspeed, log.roll, log.pitch])
+    header = "t_s,p_rad_s,q_rad_s,r_rad_s,fx_m_s2,fy_m_s2,fz_m_s2,airspeed_m_s,roll_rad,pitch_rad"
+    np.savetxt(tmp_path / "drive.csv", table, "%.9g", ",", header=header, comments="")
+    assert run(["attitude", str(tmp_path / "drive.csv"), "--diagnose"]) == 0
+    shown = capsys.readouterr().out
+    assert "CONSISTENT" in shown
+    assert "attitude of the log as it is:\n" in shown
+
+
 def test_an_aid_of_which_the_log_has_the_column_and_no_value_is_wrong_usage(
     log: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -145,4 +186,5 @@ def test_diagnose_names_what_the_model_lacks_in_the_words_of_the_calibrations_lo
     assert run(["attitude", str(path), "--diagnose"]) == 0
     shown = capsys.readouterr().out
     assert "ESTABLISHED. The model lacks accelerometer.bias." in shown
+    assert "attitude of the log with that taken off:\n" in shown
     assert "which had no say" in shown

@@ -43,6 +43,7 @@ def test_every_port_says_what_it_looks_like_and_nothing_else_is_asked(
     assert mavlink["url"] == f"{gnss.url}?baud=921600"
     assert set(mavlink["systems"]) == {"9"}
     assert mavlink["messages"]["GPS_RAW_INT"] > 5
+    assert "deg, " in mavlink["position"]
     assert "no bytes within" in silent["trouble"]
 
 
@@ -96,12 +97,14 @@ def test_the_table_fits_its_terminal_and_says_what_it_leaves_out() -> None:
     autopilot = Found(
         "mavlink:udpin:127.0.0.1:14550", "MAVLink, the ground station's port", looks_like="mavlink",
         systems={1: 61.0}, messages=messages, errors={"bad_crc": 2, "lost": 0},
+        position="31.170000, 121.400000 deg, 1 sigma 1.5 m, no height",
     )  # fmt: skip
     lines = survey_lines([autopilot, Found("serial:///dev/ttyNONE", trouble="no such port")])
     whole = fitted(lines, 80, 23)
     assert all(len(line) <= 80 for line in whole)
     assert " ".join(" ".join(whole).split()) == " ".join(" ".join(lines).split())
     assert "    errors: 2 bad crc" in whole
+    assert "    receiver: 31.170000, 121.400000 deg, 1 sigma 1.5 m, no height" in whole
     cut = fitted(lines, 80, 4)
     assert cut == [*whole[:3], f"... {len(whole) - 3} more lines: --url URL looks at one alone"]
 

@@ -1,5 +1,6 @@
 """`station record` says what is wrong on a line as it appears, and when it is over."""
 
+import signal
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,9 @@ def test_a_port_that_went_and_came_back_is_told_while_it_is_away(tmp_path: Path)
         with Program("record", url, "--out", str(tmp_path / "r")) as program:
             assert program.process.stderr is not None
             lines = [program.process.stderr.readline() for _ in range(2)]
+            program.process.send_signal(signal.SIGINT)
+            _, said, _ = program.end()
     assert "was lost" in lines[0]
     assert "it is tried again and again: check cable and power" in lines[0]
     assert "well again" in lines[1]
+    assert " 1 gaps (port lost), " in said

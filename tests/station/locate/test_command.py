@@ -51,6 +51,18 @@ def test_without_json_a_summary_is_said(tmp_path: Path, capsys: pytest.CaptureFi
     assert "nothing aligned" in said
 
 
+@pytest.mark.parametrize("option", ["--out", "--batch", "--json"])
+@pytest.mark.parametrize("name", ["fusion.toml", "gnss.csv", "odometry.tum", "truth.tum"])
+def test_a_file_of_the_folder_is_never_written_over(
+    tmp_path: Path, option: str, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = write_folder(tmp_path / "log", seconds=5.0)
+    before = (folder / name).read_bytes()
+    assert cli.run(["locate", str(folder), "--source", "odometry", option, str(folder / name)]) == 2
+    assert "it is read here" in capsys.readouterr().err
+    assert (folder / name).read_bytes() == before
+
+
 def test_what_never_moves_is_exit_5_and_says_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = write_folder(tmp_path / "log")
     for name in ("odometry.tum", "truth.tum"):

@@ -1,0 +1,63 @@
+"""What `station simulate` refuses: the right exit code, the right file, the right noun."""
+
+from pathlib import Path
+
+import pytest
+
+from station import cli
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ["--tcp", "99999"],
+        ["--tcp", "-1"],
+        ["--control", "99999"],
+        ["--gnss", "udp:99999"],
+        ["--gnss", "tcp:65536"],
+        ["--gnss", "udpto"],
+        ["--gnss", "udpto:127.0.0.1:0"],
+        ["--gnss", "udpto:300.1.1.1:9999"],
+        ["--transport", "slcan", "--format", "stim300"],
+        ["--transport", "udp_multicast", "--format", "counts"],
+        ["--dbc", "frames.dbc"],
+    ],
+)
+def test_wrong_usage_is_2_and_one_line(wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["simulate", *wrong]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def refused(tmp_path: Path, option: str, content: str, capsys: pytest.CaptureFixture[str]) -> str:
+    """Return what is said of a file that is refused, without its path."""
+    path = tmp_path / "file"
+    path.write_text(content)
+    assert cli.run(["simulate", option, str(path)]) == 3
+    said = capsys.readouterr().err
+    assert said.count(str(path)) == said.count("expected ") == said.count("found ") == 1
+    return said.removeprefix(f"{path}: ")
+
+
+def test_a_wrong_file_is_named_with_what_was_found_and_expected_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fault = '[[fault]]\nkind = "x"\nat_s = 1\n'
+    assert refused(tmp_path, "--faults", fault, capsys).startswith("found fault kind 'x', expected bad_crc, ")
+    on_can = fault.replace('"x"', '"babble"')
+    assert "not on CAN, expected bad_crc, " in refused(tmp_path, "--faults", on_can, capsys)
+    assert refused(tmp_path, "--truth", "x = 1", capsys).startswith("found key 'x', expected serial, ")
+    effect = '[effects."no.such"]\nx = 1\n'
+    assert refused(tmp_path, "--truth", effect, capsys).startswith("found effect 'no.such', expected one of ")
+    assert "expected t_s,e_m,n_m,u_m" in refused(tmp_path, "--track", "t\n1\n", capsys)
+
+
+def test_a_track_that_is_not_there_is_a_csv_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["simulate", "--track", str(tmp_path / "nothere")]) == 3
+    assert "expected a CSV file in UTF-8" in capsys.readouterr().err
+
+
+def test_a_file_in_the_links_place_is_named_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "imu").write_text("mine")
+    assert cli.run(["simulate", "--pty", str(tmp_path / "imu")]) == 4
+    said = capsys.readouterr().err
+    assert said.count(str(tmp_path / "imu")) == said.count("choose another") == 1
