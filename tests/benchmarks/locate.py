@@ -256,11 +256,17 @@ PARTS = {
     "times": times,
 }
 
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
+
+def main(parts: dict[str, Callable[[Path, int], None]], about: str | None) -> None:
+    """Run the parts that the command line names, or all."""
+    parser = argparse.ArgumentParser(description=about)
     parser.add_argument("data", type=Path)
-    parser.add_argument("parts", nargs="*", default=list(PARTS))
+    parser.add_argument("parts", nargs="*", default=list(parts))
     parser.add_argument("--seeds", type=int, default=10)
     given = parser.parse_args()
     for part in given.parts:
-        PARTS[part](given.data, given.seeds)
+        parts[part](given.data, given.seeds)
+
+
+if __name__ == "__main__":
+    main(PARTS, __doc__)

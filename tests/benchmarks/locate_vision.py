@@ -6,7 +6,6 @@ DATA holds fusion/1 folders with real IMU and truth. For every seed GNSS is draw
 Errors are without any alignment, over the poses later than the warm-up; median and worst over the seeds.
 """
 
-import argparse
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
@@ -29,7 +28,7 @@ from procedures.fusion.visual_inertial_window import VisionSettings, VisualInert
 from procedures.fusion.visual_start import VisualStart
 from station.fusion_folder import FusionLog, read_fusion
 from station.locate.vision import by_vision
-from tests.benchmarks.locate import HEADS, INERTIAL, OUTAGE, drawn, row, said
+from tests.benchmarks.locate import HEADS, INERTIAL, OUTAGE, drawn, main, row, said
 
 WRONG = 15.0  # deg of yaw beyond which an accepted alignment is a silent failure
 EVERY = 3.0  # s between the starts that are tried
@@ -133,10 +132,4 @@ def times(data: Path, _: int) -> None:
 PARTS = {"times": times, "outage": outage, "sequences": sequences, "starting": starting}
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("data", type=Path)
-    parser.add_argument("parts", nargs="*", default=list(PARTS))
-    parser.add_argument("--seeds", type=int, default=10)
-    given = parser.parse_args()
-    for part in given.parts:
-        PARTS[part](given.data, given.seeds)
+    main(PARTS, __doc__)
