@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.fusion.alignment import Aligned
 from procedures.fusion.camera_keyframes import camera_keyframes
 from procedures.fusion.gnss_velocity import LeverArm, velocities
@@ -95,45 +95,53 @@ class VisualInertialWindow:
         self._held = Held([], np.zeros((1, 3)), np.zeros((1, 3)))
         self._aided = bool(np.isfinite(fixes.v_n[:, :2]).all(axis=1).any())
         self._p_o, self._p_n = np.zeros(3), np.zeros(3)
+        self.t, self._since = start.t0, 0.0  # of the newest keyframe; s without a velocity
 
     def poses(self) -> Iterator[OdometryPose]:
         """Yield a pose for each keyframe; none uses anything later."""
-        before, since = self.frames.t[0], 0.0
-        for k in range(len(self.frames.t)):
-            self._advance(k)
-            t = float(self.frames.t[k])
-            dt, before = t - before, t
-            since = 0.0 if self._held.weight[-1].any() else since + dt
-            yield self._pose(t, dt, since)
-            if len(self.state.p) > self.settings.frames:
-                self._slide()
+        for k, rows in enumerate(self.frames.rows):
+            part = self._between(self._grid, slice(*self._grid.at[k - 1 : k + 1].tolist())) if k else None
+            yield self._add(float(self.frames.t[k]), part, self.tracks.feature[rows], self.tracks.uv[rows])
 
-    def _advance(self, k: int) -> None:
-        """Add keyframe k, solve, and reject sights that are no match."""
-        if k > 0:
-            part = self._between(k)
-            self.state = self.state.with_frame(
-                *predicted(self.state, part, self.settings.site), self.state.bg[-1], self.state.ba[-1]
-            )
-            C_nb, pull = self._heading() @ self.state.C_ob[-2], self.settings.site.pull(self.state.v[-2])
-            t0 = float(self.frames.t[k - 1])
-            v, weight = self._velocities.at_end(t0, part, C_nb, pull, self.antenna)
-            self._held = Held([*self._held.parts, part], np.vstack((self._held.v, v)),
-                              np.vstack((self._held.weight, weight)))  # fmt: skip
-        self._see(k)
+    @property
+    def velocity(self) -> FloatArray:
+        """The newest keyframe's velocity (3,) [m/s] in n."""
+        v: FloatArray = self._heading() @ self.state.v[-1]
+        return v
+
+    def _add(self, t: float, part: Preintegrated | None, feature: IntArray, uv: FloatArray) -> OdometryPose:
+        """Add a keyframe at ``t`` [s] that saw ``feature`` (m,) at ``uv`` (m, 2) [px], and return its pose.
+
+        ``part`` is the IMU since the keyframe before, None for the first.
+        """
+        if part is not None:
+            self._go_on_by(part)
+        self.marks.add_frame(feature, self.settings.camera.rays(uv))
+        self.marks.settle(self.state)
         self._solve()
         self._reject()
+        dt, self.t = t - self.t, t
+        self._since = 0.0 if self._held.weight[-1].any() else self._since + dt
+        pose = self._pose(t, dt, self._since)
+        if len(self.state.p) > self.settings.frames:
+            self._slide()
+        return pose
 
-    def _between(self, k: int) -> Preintegrated:
-        g, site, state = self._grid, self.settings.site, self.state
-        rows = slice(int(g.at[k - 1]), int(g.at[k]))
+    def _go_on_by(self, part: Preintegrated) -> None:
+        """Predict the next keyframe, and hold its velocity by GNSS's."""
+        self.state = self.state.with_frame(
+            *predicted(self.state, part, self.settings.site), self.state.bg[-1], self.state.ba[-1]
+        )
+        C_nb, pull = self._heading() @ self.state.C_ob[-2], self.settings.site.pull(self.state.v[-2])
+        v, weight = self._velocities.at_end(self.t, part, C_nb, pull, self.antenna)
+        self._held = Held([*self._held.parts, part], np.vstack((self._held.v, v)),
+                          np.vstack((self._held.weight, weight)))  # fmt: skip
+
+    def _between(self, g: Grid, rows: slice = slice(None)) -> Preintegrated:
+        """Return some rows of the IMU on a grid, integrated from the newest keyframe on."""
+        site, state = self.settings.site, self.state
         part = Grid(g.dt[rows], g.omega_b[rows], g.f_b[rows], g.at[:0])
         return preintegrate(part, state.bg[-1], state.ba[-1], state.C_ob[-1].T @ site.earth_n, self._shaken)
-
-    def _see(self, k: int) -> None:
-        rows = self.frames.rows[k]
-        self.marks.add_frame(self.tracks.feature[rows], self.settings.camera.rays(self.tracks.uv[rows]))
-        self.marks.settle(self.state)
 
     def _solve(self) -> None:
         for _ in range(ROUNDS):
