@@ -62,6 +62,7 @@ def record(
     from station.guide.folder import journal_path, new_folder
     from station.live.live_feed import open_feed
     from station.live.told import Told
+    from station.plural import plural
     from station.reader import Reader
     from station.recorder import recording
 
@@ -87,11 +88,11 @@ def record(
         finally:
             counters, framing = feed.stream.counters, feed.stream.decoder.counters
             typer.echo(
-                f"{out / recording.NAME}: {counters.samples} samples of {feed.wire.name}, "
-                f"{counters.breaks} breaks ({counters.lost} frames lost), "
-                f"{counters.repeated} repeated, {counters.restarts} restarts, "
-                f"{feed.losses} gaps (port lost), "
-                f"{framing.bad_crc} bad check, {framing.skipped_bytes} bytes in no frame"
+                f"{out / recording.NAME}: {plural(counters.samples, 'sample')} of {feed.wire.name}, "
+                f"{plural(counters.breaks, 'break')} ({plural(counters.lost, 'frame')} lost), "
+                f"{counters.repeated} repeated, {plural(counters.restarts, 'restart')}, "
+                f"{plural(feed.losses, 'gap')} (port lost), "
+                f"{framing.bad_crc} bad check, {plural(framing.skipped_bytes, 'byte')} in no frame"
             )
             if zeros := feed.stream.decoder.kind.zeros:
                 typer.echo(f"{feed.wire.name} does not measure {', '.join(zeros)}: 0 stands there")
@@ -99,7 +100,7 @@ def record(
                 typer.echo(summary(receiver))
                 if timed.said:
                     typer.echo(f"warning: {timed.said}", err=True)
-        typer.echo(f"{done.seconds:.3f} s of device time, {done.samples} samples")
+        typer.echo(f"{done.seconds:.3f} s of device time, {plural(done.samples, 'sample')}")
 
 
 def _fusion(
