@@ -45,6 +45,11 @@ def test_a_wrong_file_is_named_with_what_was_found_and_expected_once(
     effect = '[effects."no.such"]\nx = 1\n'
     assert refused(tmp_path, "--truth", effect, capsys).startswith("found effect 'no.such', expected one of ")
     assert "expected t_s,e_m,n_m,u_m" in refused(tmp_path, "--track", "t\n1\n", capsys)
+    for content in ("", "t_s,e_m,n_m,u_m\n", "t_s,e_m,n_m,u_m\n# none\n\n"):
+        assert refused(tmp_path, "--track", content, capsys).startswith(
+            "found no rows, expected two rows or more "
+        )
+    assert "is not finite" in refused(tmp_path, "--track", "t,e,n,u\n0,0,0,0\n1,nan,0,0\n", capsys)
 
 
 def test_a_wrong_faults_file_is_named_with_the_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
