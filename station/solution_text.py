@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from station.plural import plural
+
 ARCSEC = np.pi / 180 / 3600
 _AXES = ("x", "y", "z")
 
@@ -13,7 +15,7 @@ _AXES = ("x", "y", "z")
 def solution_text(document: Mapping[str, Any]) -> str:
     """Return the summary that ``station solve`` prints; +- is 1 sigma."""
     origin = document["provenance"]
-    lines = [f"{origin['model']} {origin['serial']}: {len(origin['files'])} files, +- is 1 sigma"]
+    lines = [f"{origin['model']} {origin['serial']}: {plural(len(origin['files']), 'file')}, +- is 1 sigma"]
     for name in ("accelerometer", "gyroscope"):
         lines += _triad(name, document.get(name))
     lines += _tilt(document) + _parallelism(document) + _residual(document.get("residual", {}))

@@ -4,13 +4,14 @@ Between points that are the same it stands (cubic Hermite interpolation without 
 """
 
 from dataclasses import dataclass, field
-from io import StringIO
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from drivers.simulated.errors import TruthRefused
 from procedures.arrays import FloatArray
+
+EXPECTED = "two rows or more t_s,e_m,n_m,u_m after a header"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,6 +23,8 @@ class Track:
     _line: PchipInterpolator = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        if not (np.isfinite(self.t).all() and np.isfinite(self.enu).all()):
+            raise TruthRefused("a track with a number that is not finite", "finite times and places")
         if len(self.t) < 2 or self.enu.shape != (len(self.t), 3) or not np.all(np.diff(self.t) > 0):
             raise TruthRefused(
                 f"a track of shape {self.enu.shape}", "two rows or more t_s,e_m,n_m,u_m, t_s increasing"
@@ -51,10 +54,13 @@ class Track:
 
 def load_track(text: str) -> Track:
     """Return the track of a CSV text ``t_s,e_m,n_m,u_m``; raise `TruthRefused` where it is none."""
+    lines = [line for line in text.splitlines()[1:] if line.partition("#")[0].strip()]
+    if not lines:
+        raise TruthRefused("no rows", EXPECTED)
     try:
-        rows = np.loadtxt(StringIO(text), delimiter=",", skiprows=1, ndmin=2)
+        rows = np.loadtxt(lines, delimiter=",", ndmin=2)
     except ValueError as error:
-        raise TruthRefused(str(error), "rows t_s,e_m,n_m,u_m after a header") from error
+        raise TruthRefused(str(error), EXPECTED) from error
     if rows.shape[1] != 4:
         raise TruthRefused(f"{rows.shape[1]} columns", "t_s,e_m,n_m,u_m")
     return Track(rows[:, 0], rows[:, 1:])

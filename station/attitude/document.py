@@ -10,6 +10,7 @@ from procedures.attitude.attitude import Track
 from procedures.attitude.frd import inclination, roll_pitch_of
 from procedures.attitude.log import AttitudeLog
 from station.campaign_folder.atomic import replace_file
+from station.plural import plural
 
 FORMAT = "attitude/1"
 AXES_UNIT = "rad/s"
@@ -95,4 +96,5 @@ def _of_gaps(log: AttitudeLog) -> list[str]:
     if not gaps:
         return []
     longest = max(end - start for start, end in gaps)
-    return [f"{len(gaps)} gaps in t_s, the longest {longest:.3g} s at {gaps[0][0]:.6g} s and later"]
+    said = f"{plural(len(gaps), 'gap')} in t_s, the first at {gaps[0][0]:.6g} s, the longest of {longest:.3g} s"
+    return [said]

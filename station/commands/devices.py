@@ -80,6 +80,7 @@ def _closely(url: str, seconds: float) -> None:
         for line in listen(url, seconds).lines():
             typer.echo(line)
         return
+    from station.plural import plural
     from station.reader.look import look
 
     seen = look(url, seconds)
@@ -94,11 +95,12 @@ def _closely(url: str, seconds: float) -> None:
     counters = seen.counters
     typer.echo(
         f"errors    {counters.bad_crc} bad check, {counters.bad_length} bad length, "
-        f"{counters.counter_jumps} breaks, {counters.bad_status} unhealthy, "
-        f"{counters.skipped_bytes} bytes in no frame"
+        f"{plural(counters.counter_jumps, 'break')}, {counters.bad_status} unhealthy, "
+        f"{plural(counters.skipped_bytes, 'byte')} in no frame"
     )
     if counters.incomplete or counters.late or counters.foreign or counters.bus_errors:
         typer.echo(
-            f"bus       {counters.incomplete} samples missing frames, {counters.late} frames late or repeated, "
-            f"{counters.foreign} of others, {counters.bus_errors} bus errors"
+            f"bus       {plural(counters.incomplete, 'sample')} missing frames, "
+            f"{plural(counters.late, 'frame')} late or repeated, "
+            f"{counters.foreign} of others, {plural(counters.bus_errors, 'bus error')}"
         )

@@ -68,8 +68,9 @@ def locate(
 
     refuse_own((out, batch, json), files_of(folder))
     if images is not None:
-        from station.locate.images import make_tracks
+        from station.locate.images import images_of, make_tracks
 
+        refuse_own((out, batch, json), images_of(images))
         make_tracks(folder, images, seconds)
         source = source or Source.vision
     log = read_fusion(folder)

@@ -3,11 +3,17 @@
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from station.commands import Database
+from station.plural import plural
+
+if TYPE_CHECKING:
+    from station.gnss import GnssFeed
+    from station.gnss.sample_rate import Timed
+    from station.live.live_feed import LiveFeed
 
 
 def record(
@@ -48,7 +54,8 @@ def record(
     clock, noise densities from the Allan deviation of the longest rest. `replay:FILE` with --fusion and without
     --out makes that folder of a recording that is there, of this command's or of `station monitor`'s.
 
-    Exit code 3 if there is no fix or no calibration for --fusion, 4 if port or device fail, 130 on Ctrl-C.
+    Exit code 3 if there is no fix or no calibration for --fusion, or no sample in a replayed file, 4 if port or
+    device fail, 130 on Ctrl-C.
 
     Example: station record serial:///dev/ttyUSB0?format=counts --seconds 60 --out r1
     """
@@ -56,11 +63,11 @@ def record(
     if out is None:
         made(url)
         return
+    from drivers.errors import ReplayEnded
     from station.gnss import open_gnss
     from station.gnss.sample_rate import Timed, by_this_machine, said_of
-    from station.gnss.summary import summary
     from station.guide.folder import journal_path, new_folder
-    from station.live.live_feed import open_feed
+    from station.live.live_feed import no_recording, open_feed
     from station.live.told import Told
     from station.reader import Reader
     from station.recorder import recording
@@ -84,22 +91,34 @@ def record(
         after.callback(made, f"replay:{folder / recording.NAME}?format={feed.wire.name}")
         try:
             done = recording.record(feed, folder, seconds, timed, look)
+        except ReplayEnded as error:
+            after.pop_all()
+            (folder / recording.NAME).unlink()  # so that nothing is left of the folder
+            raise no_recording(error, feed.wire.name) from error
         finally:
-            counters, framing = feed.stream.counters, feed.stream.decoder.counters
-            typer.echo(
-                f"{out / recording.NAME}: {counters.samples} samples of {feed.wire.name}, "
-                f"{counters.breaks} breaks ({counters.lost} frames lost), "
-                f"{counters.repeated} repeated, {counters.restarts} restarts, "
-                f"{feed.losses} gaps (port lost), "
-                f"{framing.bad_crc} bad check, {framing.skipped_bytes} bytes in no frame"
-            )
-            if zeros := feed.stream.decoder.kind.zeros:
-                typer.echo(f"{feed.wire.name} does not measure {', '.join(zeros)}: 0 stands there")
-            if receiver is not None and timed is not None:
-                typer.echo(summary(receiver))
-                if timed.said:
-                    typer.echo(f"warning: {timed.said}", err=True)
-        typer.echo(f"{done.seconds:.3f} s of device time, {done.samples} samples")
+            if (folder / recording.NAME).exists():
+                _say(out / recording.NAME, feed, receiver, timed)
+        typer.echo(f"{done.seconds:.3f} s of device time, {plural(done.samples, 'sample')}")
+
+
+def _say(file: Path, feed: "LiveFeed", receiver: "GnssFeed | None", timed: "Timed | None") -> None:
+    """Say what was recorded, and what was met."""
+    from station.gnss.summary import summary
+
+    counters, framing = feed.stream.counters, feed.stream.decoder.counters
+    typer.echo(
+        f"{file}: {plural(counters.samples, 'sample')} of {feed.wire.name}, "
+        f"{plural(counters.breaks, 'break')} ({plural(counters.lost, 'frame')} lost), "
+        f"{counters.repeated} repeated, {plural(counters.restarts, 'restart')}, "
+        f"{plural(feed.losses, 'gap')} (port lost), "
+        f"{framing.bad_crc} bad check, {plural(framing.skipped_bytes, 'byte')} in no frame"
+    )
+    if zeros := feed.stream.decoder.kind.zeros:
+        typer.echo(f"{feed.wire.name} does not measure {', '.join(zeros)}: 0 stands there")
+    if receiver is not None:
+        typer.echo(summary(receiver))
+    if timed is not None and timed.said:
+        typer.echo(f"warning: {timed.said}", err=True)
 
 
 def _fusion(

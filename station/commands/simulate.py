@@ -12,6 +12,7 @@ import typer
 from station.commands import Database
 
 if TYPE_CHECKING:
+    from drivers.simulated.gnss_faults import GnssFault
     from drivers.simulated.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
     from drivers.simulated.track import Track
@@ -86,11 +87,11 @@ def simulate(
     Example: station simulate --example 7 --pty /tmp/imu --speed 20
     """
     from drivers.errors import PortNotFound
-    from drivers.simulated.faults import load_faults
     from drivers.simulated.server import CAN_TRANSPORTS, TRANSPORTS, SimulatedDevice, serve
     from drivers.simulated.track import load_track
     from drivers.simulated.truth import Truth, load_truth
     from drivers.wire import FORMATS
+    from station.faults_file import read_faults
 
     if scenario is not None:
         _serve_scenario(scenario, context)
@@ -118,9 +119,10 @@ def simulate(
         )
     with _blamed_on(track):
         path = load_track(_text(track, "a CSV file")) if track is not None else None
-    with _blamed_on(faults or truth, truth):
-        planted = load_faults(_text(faults)) if faults is not None else ()
-        beside = _autopilot(gnss, path, _text(faults) if faults else "")
+    is_on_can = transport in CAN_TRANSPORTS
+    planted, of_gnss = read_faults(faults, is_on_can=is_on_can) if faults is not None else ((), ())
+    beside = _autopilot(gnss, path, of_gnss)
+    with _blamed_on(truth):
         device = SimulatedDevice(
             unit, seed, format, speed,
             transport=transport, link=pty, port=tcp or 0, control_port=control,
@@ -167,10 +169,9 @@ def _end_on_signals() -> None:
 
 
 def _autopilot(
-    where: str | None, path: "Track | None", faults: str
+    where: str | None, path: "Track | None", planted: "tuple[GnssFault, ...]"
 ) -> "Callable[[SimulatedDevice], SimulatedGnss] | None":
     """Return what makes the autopilot once the IMU is served, None where none is wanted."""
-    from drivers.simulated.gnss_faults import load_gnss_faults
     from drivers.simulated.gnss_server import SimulatedGnss
 
     if where is None:
@@ -184,7 +185,6 @@ def _autopilot(
     ):
         raise typer.BadParameter(f"gnss {where!r}: expected udp[:PORT], udpto:HOST:PORT, tcp[:PORT] or pty[:PATH]")
     number = int(port) if transport != "pty" and port else 0
-    planted = load_gnss_faults(faults)
     return lambda device: SimulatedGnss(
         device.truth, faults=planted, track=path, seed=device.seed, beside=device,
         transport=transport.removesuffix("to"), port=number,
@@ -213,8 +213,8 @@ def _announce(device: "SimulatedDevice", gnss: "SimulatedGnss | None") -> None:
 
 
 @contextlib.contextmanager
-def _blamed_on(file: Path | None, effects: Path | None = None) -> Iterator[None]:
-    """Have what the simulator refuses name the file it came from, unknown effects that which plants them."""
+def _blamed_on(file: Path | None) -> Iterator[None]:
+    """Have what the simulator refuses name the file it came from."""
     from drivers.simulated.errors import SimulatorError, TruthRefused, UnknownEffect
     from station.errors import DataRefused
 
@@ -224,7 +224,7 @@ def _blamed_on(file: Path | None, effects: Path | None = None) -> Iterator[None]
         raise DataRefused(file or "truth", None, error.found, error.expected) from error
     except UnknownEffect as error:
         accepted = f"one of {', '.join(error.accepted)}"
-        raise DataRefused(effects or file or "truth", None, f"effect {error.name!r}", accepted) from error
+        raise DataRefused(file or "truth", None, f"effect {error.name!r}", accepted) from error
     except SimulatorError as error:
         raise DataRefused(file or "truth", None, str(error), "it as described") from error
 

@@ -82,10 +82,10 @@ def read_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
     return read_tables(content, folder / NAME, FusionTable)
 
 
-def files_of(folder: Path) -> list[Path]:
-    """Return the files that a folder consists of, there or not."""
+def files_of(folder: Path, but: str = "") -> list[Path]:
+    """Return the files that a folder consists of, there or not, without that of the table ``but``."""
     table, _ = read_toml(folder)
-    parts = (table.imu, table.gnss, table.odometry, table.tracks, table.truth)
+    parts = (getattr(table, name) for name in ("imu", "gnss", "odometry", "tracks", "truth") if name != but)
     return [folder / NAME, *(folder / part.file for part in parts if part is not None)]
 
 

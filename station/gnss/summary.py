@@ -4,6 +4,7 @@ import numpy as np
 
 from procedures.gnss import AveragedSite
 from station.gnss.feed import GnssFeed
+from station.plural import plural
 
 
 def summary(feed: GnssFeed) -> str:
@@ -12,9 +13,9 @@ def summary(feed: GnssFeed) -> str:
     where = "no position" if site is None else site_in_words(site)
     rates = ", ".join(f"{name} {rate:.1f} Hz" for name, rate in sorted(feed.rates_hz().items()))
     return (
-        f"{feed.address.name}: system {feed.decoder.system or 'none'}, {len(feed.fixes)} fixes, {where}; "
+        f"{feed.address.name}: system {feed.decoder.system or 'none'}, {plural(len(feed.fixes), 'fix')}, {where}; "
         f"{rates or 'nothing of late'}; {counters.bad_crc} bad check, {counters.lost} lost, "
-        f"{counters.refused} refused, {counters.skipped_bytes} bytes in no frame"
+        f"{counters.refused} refused, {plural(counters.skipped_bytes, 'byte')} in no frame"
         + (f"; {feed.trouble}" if feed.trouble else "")
     )
 

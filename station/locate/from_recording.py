@@ -21,6 +21,7 @@ from station.monitor.calibration import UNKNOWN, Applied, find_calibration
 from station.monitor.recorded_gnss import read_recorded
 from station.monitor.replay import Replay
 from station.monitor.sensors import Sensors
+from station.plural import plural
 
 TICK_S = 0.1
 KNOWN_STD, UNKNOWN_STD = 0.02, 0.1  # s: of fixes placed by their sender's clock, and by when they were read
@@ -105,7 +106,9 @@ def _placed(file: Path, records: list[Record], times: FixTimes, imu: ImuSeries) 
             stamps.append(t)
     if len(used) < 2:
         raise DataRefused(
-            file, None, f"{len(used)} fixes with a place in three dimensions while the IMU was recorded", "fixes",
+            file, None,
+            f"{plural(len(used), 'fix')} with a place in three dimensions while the IMU was recorded",
+            "two or more",
             "give the receiver a view of the sky; --gnss URL records it beside the IMU",
         )  # fmt: skip
     origin = origin_at(used[0])

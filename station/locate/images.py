@@ -11,9 +11,10 @@ from procedures.fusion.feature_follower import FeatureFollower, FollowerSettings
 from procedures.fusion.tracks import Tracks
 from station.campaign_folder.files import open_inside
 from station.errors import DataRefused
-from station.fusion_folder.reading import NAME, read_toml
+from station.fusion_folder.reading import NAME, files_of, read_toml
 from station.fusion_folder.schema import TracksTable
 from station.fusion_folder.tracks import write_tracks
+from station.own_files import refuse_own
 
 LIST = "images.csv"
 HEADER = "t_s,file"
@@ -26,18 +27,29 @@ def make_tracks(folder: Path, images: Path, seconds: float) -> Path:
     ------
     DataRefused
         If the folder has no ``[tracks]`` with intrinsics, or an image cannot be read.
+    CannotWrite
+        If the tracks would be written over an image or another file of the folder.
     """
     table = read_toml(folder)[0].tracks
     if table is None:
         raise DataRefused(folder / NAME, None, "no [tracks]", "one, with file and intrinsics", "add it")
     if Path(table.file).name != table.file:
         raise DataRefused(folder / NAME, None, f"file {table.file!r}", "the name of a file in the folder itself")
+    made = folder / table.file
+    refuse_own((made,), [*files_of(folder, but="tracks"), *images_of(images)])
     pairs = listed_images(images, seconds) if images.is_dir() else camera_images(images, seconds)
     tracks = follow_all(pairs, lens_of(table))
     if not len(tracks.t):
         raise DataRefused(images, None, "no feature to follow", "images with corners")
-    write_tracks(folder / table.file, tracks)
-    return folder / table.file
+    write_tracks(made, tracks)
+    return made
+
+
+def images_of(images: Path) -> list[Path]:
+    """Return the files that are read where ``images`` is a folder of them, or a video."""
+    if not images.is_dir():
+        return [images]
+    return [images / LIST, *(images / name for _, _, name in _lines(images))]
 
 
 def lens_of(table: TracksTable) -> Lens:

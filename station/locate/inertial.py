@@ -19,6 +19,7 @@ from station.fusion_folder import FusionLog
 from station.locate.one_layer import one_layer
 from station.locate.result import Alignment, Located
 from station.locate.through_graph import outer_settings, through_graph, trajectory_of
+from station.plural import plural
 
 STILL = 1e-3  # m/s, of a bench
 BENCH_SPACING = 0.1  # s: poses at 10 Hz are promised
@@ -69,8 +70,8 @@ def of_gaps(log: FusionLog, gaps: tuple[ImuGap, ...]) -> tuple[str, ...]:
     if not gaps or log.table.imu is None:
         return ()
     longest = max(gaps, key=lambda gap: gap.length)
-    said = f"{len(gaps)} gaps, the longest of {longest.length:.2f} s at {longest.first:.2f} s"
-    return (f"{log.table.imu.file}: {said}, are bridged by straight lines",)
+    said = f"{plural(len(gaps), 'gap')}, the longest of {longest.length:.2f} s at {longest.first:.2f} s"
+    return (f"{log.table.imu.file}: {said}; bridged by straight lines",)
 
 
 def with_constants(given: OuterSettings, aligned: Aligned) -> OuterSettings:

@@ -7,6 +7,7 @@ from typing import Any
 
 from station.monitor.session import Session, Verb
 from station.monitor.view import Bought, Location, Side, View
+from station.plural import plural
 
 FORMAT = "monitor/1"
 EVERY_S = 1.0  # of the device's time, between two lines of text
@@ -117,13 +118,13 @@ def reading_line(view: View) -> str:
 def location_text(location: Location) -> str:
     """Return where it is, or what is missing, in words."""
     if not location.is_located:
-        return f"not located, {location.fixes} fixes: {location.why}"
+        return f"not located, {plural(location.fixes, 'fix')}: {location.why}"
     east, north, up = location.enu
     heading = "" if location.heading is None else f", heading {location.heading:.2f}"
     heading += "" if not heading or location.heading_std is None else f" +- {location.heading_std:.2f} deg"
     return (
         f"E {east:.2f}, N {north:.2f}, U {up:.2f} m +- {max(location.enu_std[:2]):.2f}{heading}, "
-        f"{location.fixes} fixes, {location.outliers} outliers"
+        f"{plural(location.fixes, 'fix')}, {plural(location.outliers, 'outlier')}"
     )
 
 

@@ -63,7 +63,7 @@ def record(
     Raises
     ------
     DriverError
-        What the stream refuses; the file is finished first.
+        What the stream refuses, `ReplayEnded` if a replayed file holds no sample; the file is finished first.
     CannotWrite
         If the disk refuses; what it took stays.
     """
@@ -91,7 +91,8 @@ def record(
                 if period and samples * period >= seconds:
                     break
         except ReplayEnded:
-            pass
+            if not samples:
+                raise
         finally:
             append_hash(folder, NAME, writer.close())
     return Recorded(writer.path, samples, samples * period)

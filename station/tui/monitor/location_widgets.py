@@ -5,6 +5,7 @@ from textwrap import wrap
 from textual.content import Content
 
 from station.monitor.view import Location, View
+from station.plural import plural
 from station.tui.monitor.map_picture import map_picture
 from station.tui.widgets.drawn import Drawn
 
@@ -35,18 +36,18 @@ class Where(Drawn[View]):
         """Draw five lines."""
         location, behind = self.value.location or Location(), _behind(self.value)
         if not location.is_located:
-            head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {location.fixes} fixes")
+            head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {plural(location.fixes, 'fix')}")
             why = wrap(location.why, max(self.content_size.width - 1, 20))[: LINES - 1]
             return Content("\n").join((head, *(Content(line) for line in why)))
         east, north, up = (f"{value:+.2f}" for value in location.enu)
-        outliers, newest = f"{location.outliers} outliers", f"newest {location.fix_age:.1f} s"
+        outliers, newest = plural(location.outliers, "outlier"), f"newest {location.fix_age:.1f} s"
         return Content("\n").join((
             Content.assemble("E ", (east, "bold $accent"), "  N ", (north, "bold $accent"), f"  U {up} m"),
             Content(f"{location.latitude:.7f}, {location.longitude:.7f} deg"),
             Content.assemble("HEADING ", *_heading(location)),
             Content(_sigmas(location)),
             Content.assemble(
-                (f"◎ {location.fixes} fixes", "bold $success"), "  ",
+                (f"◎ {plural(location.fixes, 'fix')}", "bold $success"), "  ",
                 (outliers, "bold $error" if location.outliers else ""), "  ",
                 (f"{behind:.0f} s behind", "bold $warning") if behind > LATE_S else newest,
             ),

@@ -3,6 +3,7 @@
 from textual.content import Content
 
 from station.guide.view import Link
+from station.plural import plural
 from station.tui.widgets.drawn import Drawn
 
 
@@ -31,7 +32,8 @@ class LinkLine(Drawn[Link]):
             return Content.styled(
                 f"… {link.name}  nothing received yet" if link.name else "… no IMU yet", "$muted"
             )
-        numbers = [f"{link.rate_hz:.1f} Hz", f"{link.bad_frames} bad", f"{link.lost} lost", f"{link.gaps} gaps"]
+        counted = [f"{link.bad_frames} bad", f"{link.lost} lost", plural(link.gaps, "gap")]
+        numbers = [f"{link.rate_hz:.1f} Hz", *counted]
         if link.temperature_c is not None:
             numbers.append(f"{link.temperature_c:.1f} °C")
         return Content.assemble(

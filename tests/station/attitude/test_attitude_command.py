@@ -51,7 +51,7 @@ def test_every_aid_writes_the_contract(log: Path, tmp_path: Path, aid: str) -> N
     assert len(document["gyro_bias_rad_s"]["value"]) == 3
     assert set(document["rms_deg"]) == {"roll", "pitch", "inclination"}
     assert document["rms_deg"]["inclination"] < 8
-    assert any("1 gaps" in warning for warning in document["warnings"])
+    assert any("1 gap in t_s, the first at 4.99 s" in warning for warning in document["warnings"])
 
 
 def test_without_an_aid_the_best_is_taken(log: Path, tmp_path: Path) -> None:

@@ -19,11 +19,20 @@ def test_monitor_refuses_it(
     assert f"{len(content)} bytes without enough frames of" in capsys.readouterr().err
 
 
-def test_record_refuses_it_and_leaves_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "s.csv").write_text(NOT_ONE)
-    assert cli.run(["record", f"replay:{tmp_path / 's.csv'}", "--out", str(tmp_path / "r")]) == 3
-    assert "name a recording" in capsys.readouterr().err
-    assert not (tmp_path / "r").exists()
+@pytest.mark.parametrize("options", ["", "?format=counts"])
+@pytest.mark.parametrize("content", ["", NOT_ONE])
+@pytest.mark.parametrize("fusion", [False, True])
+def test_record_refuses_it_and_leaves_nothing(
+    options: str, content: str, fusion: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "s.csv").write_text(content)
+    also = ["--fusion", str(tmp_path / "f")] if fusion else []
+    assert cli.run(["record", f"replay:{tmp_path / 's.csv'}{options}", "--out", str(tmp_path / "r"), *also]) == 3
+    out, error = capsys.readouterr()
+    assert (out, error.count("\n")) == ("", 1)
+    assert f"s.csv: found {len(content)} bytes without enough frames of" in error
+    assert "name a recording" in error
+    assert [path.name for path in tmp_path.iterdir() if path.name != "configuration"] == ["s.csv"]
 
 
 def test_devices_gives_no_advice_on_a_line_that_a_file_has_not(

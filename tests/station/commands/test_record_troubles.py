@@ -47,4 +47,4 @@ def test_a_port_that_went_and_came_back_is_told_while_it_is_away(tmp_path: Path)
     assert "was lost" in lines[0]
     assert "it is tried again and again: check cable and power" in lines[0]
     assert "well again" in lines[1]
-    assert " 1 gaps (port lost), " in said
+    assert " 1 gap (port lost), " in said

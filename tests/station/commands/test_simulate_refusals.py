@@ -41,14 +41,30 @@ def refused(tmp_path: Path, option: str, content: str, capsys: pytest.CaptureFix
 def test_a_wrong_file_is_named_with_what_was_found_and_expected_once(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    fault = '[[fault]]\nkind = "x"\nat_s = 1\n'
-    assert refused(tmp_path, "--faults", fault, capsys).startswith("found fault kind 'x', expected bad_crc, ")
-    on_can = fault.replace('"x"', '"babble"')
-    assert "not on CAN, expected bad_crc, " in refused(tmp_path, "--faults", on_can, capsys)
     assert refused(tmp_path, "--truth", "x = 1", capsys).startswith("found key 'x', expected serial, ")
     effect = '[effects."no.such"]\nx = 1\n'
     assert refused(tmp_path, "--truth", effect, capsys).startswith("found effect 'no.such', expected one of ")
     assert "expected t_s,e_m,n_m,u_m" in refused(tmp_path, "--track", "t\n1\n", capsys)
+    for content in ("", "t_s,e_m,n_m,u_m\n", "t_s,e_m,n_m,u_m\n# none\n\n"):
+        assert refused(tmp_path, "--track", content, capsys).startswith(
+            "found no rows, expected two rows or more "
+        )
+    assert "is not finite" in refused(tmp_path, "--track", "t,e,n,u\n0,0,0,0\n1,nan,0,0\n", capsys)
+
+
+def test_a_wrong_faults_file_is_named_with_the_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def told(content: str) -> str:
+        said = refused(tmp_path, "--faults", good + content, capsys)
+        return said.removeprefix(f"{tmp_path / 'file'}:")
+
+    good = '[[fault]]\nkind = "lost"\nat_s = 1\n\n'  # the next stands in line 5
+    fault = '[[fault]]\nkind = "x"\nat_s = 1\n'
+    assert told(fault).startswith("5: found fault kind 'x', expected bad_crc, ")
+    on_can = fault.replace('"x"', '"babble"')
+    assert told(on_can).startswith("5: found fault kind 'babble' of a device not on CAN, expected bad_crc, ")
+    assert told(f"[[gnss_fault]]\n{good}").startswith("5: found gnss_fault kind None, expected no_fix, ")
+    assert told("[gnss_fault]\n").startswith("5: found gnss_fault = as it stands, expected a valid list")
+    assert told("[[fault]\n").startswith("5: found no TOML (")
 
 
 def test_a_track_that_is_not_there_is_a_csv_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

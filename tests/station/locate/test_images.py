@@ -9,7 +9,7 @@ from drivers.camera import camera_images, open_camera
 from drivers.errors import PortNotFound
 from procedures.fusion.feature_follower import Lens
 from station import cli
-from station.errors import DataRefused
+from station.errors import CannotWrite, DataRefused
 from station.fusion_folder import read_fusion
 from station.locate.images import follow_all, listed_images, make_tracks
 from tests.procedures.fusion.rendered import FOCAL, HEIGHT, WIDTH, Scene, frames
@@ -113,3 +113,27 @@ def test_images_without_tracks_in_the_folder_are_exit_3(
 ) -> None:
     assert cli.run(["locate", str(write_folder(tmp_path / "bare")), "--images", str(images)]) == 3
     assert "found no [tracks]" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--out", "--batch", "--json"])
+@pytest.mark.parametrize("name", ["images.csv", "0100.png"])
+def test_what_is_seen_is_not_written_over(
+    option: str, name: str, folder: Path, images: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = (images / name).read_bytes()
+    assert cli.run(["locate", str(folder), "--images", str(images), option, str(images / name)]) == 2
+    assert "it is read here" in capsys.readouterr().err
+    assert (images / name).read_bytes() == before
+    assert not (folder / "tracks.csv").exists()
+
+
+@pytest.mark.parametrize("name", ["imu.csv", "images.csv"])
+def test_tracks_are_not_written_over_another_file(name: str, folder: Path, images: Path) -> None:
+    toml = folder / "fusion.toml"
+    toml.write_text(toml.read_text().replace("tracks.csv", name))
+    for file in images.iterdir():
+        file.rename(folder / file.name)
+    before = (folder / name).read_bytes()
+    with pytest.raises(CannotWrite, match="it is read here"):
+        make_tracks(folder, folder, np.inf)
+    assert (folder / name).read_bytes() == before
