@@ -64,13 +64,25 @@ def _show(found: "Sequence[Found]", *, json: bool, clear: bool) -> None:
     if json:
         typer.echo(dumps({"format": "devices/1", "devices": [asdict(each) for each in found]}))
     else:
-        lines = survey_lines(found)
+        lines = [line for each in found for line in (*survey_lines([each]), *_warning(each))]
         if sys.stdout.isatty():
             width, height = get_terminal_size()
             lines = fitted(lines, width, height - 2 if clear else len(lines) * width)
         head = [f"{datetime.now():%H:%M:%S}  {len(found)} looked at; Ctrl-C ends"] if clear else []
         typer.echo((CLEAR if clear and sys.stdout.isatty() else "") + "\n".join([*head, *lines]))
     sys.stdout.flush()
+
+
+def _warning(found: "Found") -> list[str]:
+    pace = _pace(found.url, found.frames_s, found.rate_hz)
+    return [f"    warning: {pace}"] if pace else []
+
+
+def _pace(url: str, came_hz: float, rate_hz: float | None) -> str:
+    """Return what to say of samples that come much faster or slower than they say, empty where they do not."""
+    if rate_hz is None or url.startswith("replay:") or abs(came_hz / rate_hz - 1) <= OFF_PACE:
+        return ""
+    return f"{came_hz:.3g} Hz by this machine's clock; check sample period and sync line"
 
 
 def _closely(url: str, seconds: float) -> None:
@@ -89,9 +101,8 @@ def _closely(url: str, seconds: float) -> None:
     typer.echo(f"received  {seen.frames / seen.seconds:.1f} frames/s, {seen.bytes / seen.seconds:.0f} bytes/s")
     if seen.rate_hz is not None:
         typer.echo(f"rate      {seen.rate_hz:.6g} Hz by the device's own time")
-        came_hz = seen.frames / seen.seconds
-        if not url.startswith("replay:") and abs(came_hz / seen.rate_hz - 1) > OFF_PACE:
-            typer.echo(f"warning   {came_hz:.3g} Hz by this machine's clock; check sample period and sync line")
+    if pace := _pace(url, seen.frames / seen.seconds, seen.rate_hz):
+        typer.echo(f"warning   {pace}")
     counters = seen.counters
     typer.echo(
         f"errors    {counters.bad_crc} bad check, {counters.bad_length} bad length, "

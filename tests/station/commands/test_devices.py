@@ -4,6 +4,7 @@ import json
 import os
 import signal
 from contextlib import closing, suppress
+from pathlib import Path
 from threading import Event, Thread
 
 import pytest
@@ -114,3 +115,17 @@ def test_without_a_url_all_ports_of_the_machine_are_listed(capsys: pytest.Captur
     said = capsys.readouterr().out
     assert all(f"serial://{port.device}" in said for port in list_ports())
     assert GROUND_STATION in said
+
+
+@pytest.mark.simulated_imu(format="counts", speed=20)
+def test_each_of_several_that_comes_at_a_wrong_pace_is_warned_of(
+    simulated_imu: SimulatedDevice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with closing(open_port(simulated_imu.url)) as port:
+        (tmp_path / "recorded").write_bytes(b"".join(port.read(4096) for _ in range(20)))
+    urls = [simulated_imu.url, f"replay:{tmp_path / 'recorded'}?format=counts"]  # a file comes as fast as it can
+    assert cli.run(["devices", "--seconds", "0.5", *[word for url in urls for word in ("--url", url)]]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (warned,) = [number for number, line in enumerate(lines) if line.startswith("    warning: ")]
+    assert "Hz by this machine's clock; check sample period" in lines[warned]
+    assert lines[warned + 1].startswith("replay:")

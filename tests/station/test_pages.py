@@ -1,0 +1,83 @@
+"""What the pages name is there: links, headings, files, commands with their options, benchmarks."""
+
+import re
+import shlex
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+
+from station import cli
+
+ROOT = Path(__file__).parents[2]
+PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+FENCE = re.compile(r"^\s*```.*?^\s*```", re.MULTILINE | re.DOTALL)
+SPAN = re.compile(r"`([^`]+)`")
+NAMED_FILE = re.compile(r"`((?:station|drivers|procedures|fixtures_db|tests|docs)/[\w./]+\.\w+)[`:]")
+BENCHMARK = re.compile(r"python -m\s+(tests\.benchmarks\.\w+)")
+COMMAND_LINE = re.compile(r"^ *(?:\$ )?(station [a-z].*)$", re.MULTILINE)
+every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+
+
+def prose(page: Path) -> str:
+    """Return a page without its blocks of code."""
+    return FENCE.sub("", page.read_text(encoding="utf-8"))
+
+
+def anchors(page: Path) -> set[str]:
+    """Return the anchors of a page's headings, as GitHub makes them."""
+    headings = re.findall(r"^#+ +(.+)$", prose(page), re.MULTILINE)
+    plain = (re.sub(r"[^\w\- ]", "", heading.lower()) for heading in headings)
+    return {heading.strip().replace(" ", "-") for heading in plain}
+
+
+@every_page
+def test_every_link_leads_somewhere(page: Path) -> None:
+    for target in LINK.findall(prose(page)):
+        if "://" in target:
+            continue
+        name, _, anchor = target.partition("#")
+        there = page.parent / name if name else page
+        assert there.exists(), target
+        assert not anchor or anchor in anchors(there), target
+
+
+def test_the_front_page_leads_to_every_other() -> None:
+    links = LINK.findall(prose(ROOT / "README.md"))
+    assert {f"docs/{page.name}" for page in PAGES if page.parent.name == "docs"} <= set(links)
+
+
+@every_page
+def test_every_file_and_benchmark_that_is_named_is_there(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    for name in (name for name in NAMED_FILE.findall(text) if "NAME" not in name):  # that is yet to be written
+        assert (ROOT / name).exists(), name
+    for module in BENCHMARK.findall(text):
+        assert find_spec(module), module
+
+
+def command_lines(page: Path) -> Iterator[list[str]]:
+    """Yield the words of each command line on a page, in a block or in the text, up to a pipe or a comment."""
+    text = page.read_text(encoding="utf-8")
+    spans = (" ".join(span.split()) for span in SPAN.findall(prose(page)))
+    lines = COMMAND_LINE.findall("\n".join(FENCE.findall(text)))
+    for line in (*lines, *(span for span in spans if re.match(r"station [a-z]", span))):
+        plain = re.split(r" [|;&>]", line.replace("[", " ").replace("]", " ").rstrip("\\ "))[0]
+        yield shlex.split(plain, comments=True)[1:]
+
+
+@every_page
+def test_every_command_and_option_that_is_named_exists(page: Path) -> None:
+    for words in command_lines(page) if page.stem != "CHANGELOG" else ():  # there stands what once was
+        command: Any = typer.main.get_command(cli.app)
+        options = [word.partition("=")[0] for word in words if word.startswith("--") and word != "--help"]
+        while hasattr(command, "get_command") and words:
+            name, *words = words
+            command = command.get_command(None, name)
+            assert command is not None, name
+        known = {option for given in command.params for option in (*given.opts, *given.secondary_opts)}
+        assert set(options) <= known, (command.name, options)
