@@ -3,7 +3,7 @@
 ``serial:///dev/ttyUSB0?baud=921600&format=rawimusx`` · ``tcp://host:port?format=counts`` · ``replay:FILE`` ·
 ``can://slcan/dev/ttyACM0?bitrate=1000000&dbc=FILE&map=FILE`` ·
 ``triad:?x=serial:///dev/ttyUSB0&y=serial:///dev/ttyUSB1&z=serial:///dev/ttyUSB2&format=ch70`` ·
-``mavlink:LINK:WHERE``, read by `drivers.mavlink.address`.
+``mavlink:LINK:WHERE``, read by `drivers.mavlink.address` · ``camera:WHERE``, read by `drivers.camera.address`.
 """
 
 import contextlib
@@ -67,6 +67,11 @@ class DeviceUrl:
         """The port in a few characters, as messages name it."""
         return f"{self.host}:{self.port}" if self.scheme == "tcp" else self.path or self.interface
 
+    @property
+    def told(self) -> str:
+        """The URL as it may be written down and shown."""
+        return self.text
+
 
 def parse_device_url(text: str) -> DeviceUrl:
     """Return the address in a URL; raise `BadDeviceUrl` naming what was found and what would be accepted."""
@@ -75,9 +80,16 @@ def parse_device_url(text: str) -> DeviceUrl:
         from drivers.mavlink.address import parse_mavlink_url
 
         return parse_mavlink_url(text)
+    if scheme == "camera":
+        from drivers.camera.address import parse_camera_url
+
+        return parse_camera_url(text)
     if not colon or scheme not in {*ACCEPTED, CAN}:
         found = f"scheme {scheme!r}" if colon else "no scheme"
-        accepted = "can://INTERFACE/CHANNEL, triad:?x=..., serial:///dev/NAME, tcp://HOST:PORT or replay:FILE"
+        accepted = (
+            "can://INTERFACE/CHANNEL, triad:?x=..., mavlink:LINK:WHERE, camera:http://HOST:PORT/PATH, "
+            "camera:/dev/NAME, serial:///dev/NAME, tcp://HOST:PORT or replay:FILE"
+        )
         raise BadDeviceUrl(text, found, accepted)
     if "%00" in text or not text.isprintable():
         raise BadDeviceUrl(text, "a character that cannot be printed", "printable text")

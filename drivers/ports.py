@@ -1,4 +1,4 @@
-"""Open a device's URL as a port of bytes: serial line, TCP, CAN bus, replayed file or MAVLink link."""
+"""Open a device's URL as a port of bytes: serial line, TCP, CAN bus, replayed file, MAVLink link or camera."""
 
 from contextlib import ExitStack
 from typing import Protocol
@@ -46,6 +46,8 @@ def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
 
         assert isinstance(address, MavlinkUrl)
         return open_mavlink(address, timeout_s)
+    if address.scheme == "camera":
+        return _open_camera(address, timeout_s)
     if address.scheme == "tcp":
         return open_tcp(address.host, address.port, timeout_s)
     if address.scheme == "triad":
@@ -57,6 +59,19 @@ def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
     if address.scheme == "replay":
         return open_replay(address.path)
     return open_serial(address.path, address.baud or 0, address.parity, timeout_s)
+
+
+def _open_camera(address: DeviceUrl, timeout_s: float) -> Port:
+    from drivers.camera.address import CameraUrl
+
+    assert isinstance(address, CameraUrl)
+    if address.path:
+        from drivers.camera.v4l2_port import open_v4l2  # OpenCV: only where it is wanted
+
+        return open_v4l2(address, timeout_s)
+    from drivers.camera.http_port import open_http_camera
+
+    return open_http_camera(address, timeout_s)
 
 
 def _open_triad(address: DeviceUrl, timeout_s: float) -> Port:

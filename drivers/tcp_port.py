@@ -13,12 +13,13 @@ class TcpPort:
 
     def __init__(self, connection: socket.socket, name: str, timeout_s: float) -> None:
         self.name = name
-        self._socket, self._timeout_s = connection, timeout_s
+        self.timeout_s = timeout_s  # of a read
+        self._socket = connection
 
     def read(self, max_bytes: int) -> bytes:
         """Return what has come, empty after the timeout."""
         try:
-            self._socket.settimeout(self._timeout_s)
+            self._socket.settimeout(self.timeout_s)
             data = self._socket.recv(max_bytes)
         except TimeoutError:
             return b""

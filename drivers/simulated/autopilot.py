@@ -21,8 +21,9 @@ from drivers.mavlink.messages import (
 )
 from drivers.mavlink.signing import signing_time
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_faults import GnssFault, active
+from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.gnss_receiver import Receiver, Seen
+from drivers.simulated.timed_faults import active
 from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
 

@@ -24,13 +24,17 @@ def drive(track: Track, C_bn: FloatArray, first: int, period: float) -> Segment:
     samples = int(np.ceil(track.t[-1] / period)) - first + 1
     if samples < 1:
         raise TruthRefused(f"a track that ended at {track.t[-1]:g} s", "one that goes on")
-    ahead_n = C_bn[0]
     t: FloatArray = np.float64(period) * np.arange(first, first + samples + 1)
     v = track.velocities(t)
-    moves = np.hypot(v[:, 0], v[:, 1]) > SLOWEST
-    angle = np.zeros(samples + 1)
-    if moves.any():
-        course: FloatArray = np.unwrap(np.arctan2(v[moves, 1], v[moves, 0]))
-        angle[:] = np.interp(t, t[moves], course) - np.arctan2(ahead_n[1], ahead_n[0])
     accel_n = np.diff(v, axis=0) / (period * STANDARD_GRAVITY)
-    return Segment(C_bn, samples, C_bn[:, 2], angle, accel_n)
+    return Segment(C_bn, samples, C_bn[:, 2], turned(t, v, C_bn), accel_n)
+
+
+def turned(t: FloatArray, v: FloatArray, C_bn: FloatArray) -> FloatArray:
+    """Return by how much (n,) [rad] the cube has turned about its up, ``v`` (n, 3) [m/s] being its velocities."""
+    moves = np.hypot(v[:, 0], v[:, 1]) > SLOWEST
+    if not moves.any():
+        return np.zeros(len(t))
+    course: FloatArray = np.unwrap(np.arctan2(v[moves, 1], v[moves, 0]))
+    angle: FloatArray = np.interp(t, t[moves], course) - np.arctan2(C_bn[0, 1], C_bn[0, 0])
+    return angle

@@ -6,10 +6,10 @@ the kind has one, ``size``.
 
 import tomllib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
 from typing import Any
 
 from drivers.simulated.errors import TruthRefused
+from drivers.simulated.timed_faults import TimedFault, timed_faults_from
 
 KINDS = {
     "no_fix": "the receiver sees too few satellites and loses UTC",
@@ -32,35 +32,15 @@ KINDS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class GnssFault:
-    """One fault, from true time ``at_s`` on for ``seconds``; see `KINDS`."""
+class GnssFault(TimedFault):
+    """One fault, see `KINDS`."""
 
-    kind: str
-    at_s: float
-    seconds: float = 1.0
-    size: float = 0.0
-
-
-def active(faults: Iterable[GnssFault], now: float, kind: str) -> list[GnssFault]:
-    """Return the faults of a kind that act at true time ``now`` [s]."""
-    return [fault for fault in faults if fault.kind == kind and fault.at_s <= now < fault.at_s + fault.seconds]
+    __slots__ = ()
 
 
 def gnss_faults_from(tables: Iterable[Mapping[str, Any]]) -> tuple[GnssFault, ...]:
     """Return the faults of parsed tables; raise `TruthRefused` naming what is accepted."""
-    accepted = {f.name for f in fields(GnssFault)}
-    found = []
-    for table in tables:
-        if unknown := sorted(set(table) - accepted):
-            raise TruthRefused(f"gnss_fault key {unknown[0]!r}", ", ".join(sorted(accepted)))
-        if table.get("kind") not in KINDS:
-            raise TruthRefused(f"gnss_fault kind {table.get('kind')!r}", ", ".join(KINDS))
-        for key, value in {"at_s": None, **table}.items():
-            if key != "kind" and (isinstance(value, bool) or not isinstance(value, (int, float))):
-                raise TruthRefused(f"gnss_fault {key} = {value!r}", "a number")
-        found.append(GnssFault(**table))
-    return tuple(found)
+    return timed_faults_from(tables, GnssFault, "gnss_fault", KINDS)
 
 
 def load_gnss_faults(text: str) -> tuple[GnssFault, ...]:

@@ -5,25 +5,18 @@ from collections.abc import Iterable
 from pathlib import Path
 from threading import Event, Thread
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Self
 
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_faults import GnssFault, active
+from drivers.simulated.gnss_faults import GnssFault
+from drivers.simulated.pace import TrueTime
 from drivers.simulated.talk import talk_on
+from drivers.simulated.timed_faults import active
 from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
 
 POLL_S = 0.002
-
-
-class TrueTime(Protocol):
-    """A device whose true time goes on, such as `drivers.simulated.server.SimulatedDevice`."""
-
-    @property
-    def true_time(self) -> float:
-        """True time [s] since it began."""
-        ...
 
 
 class SimulatedGnss:

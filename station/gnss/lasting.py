@@ -16,11 +16,13 @@ RETRY_S = 0.5  # between two tries
 class LastingReader:
     """Reads ``url`` by one process after another, each with its own journal in ``folder``; use it in a ``with``.
 
+    The journals are ``NAME_*.mcap``, of the session's ``name``.
+
     The death of a process and the beginning of the next are gap marks.
     """
 
-    def __init__(self, url: str, folder: Path) -> None:
-        self._url, self._folder = url, folder
+    def __init__(self, url: str, folder: Path, name: str = "gnss_session") -> None:
+        self._url, self._folder, self._name = url, folder, name
         self._closing = Event()
         self._aside = ThreadPoolExecutor(1, "reader")
         self._next: Future[Reader] | None = None
@@ -78,4 +80,4 @@ class LastingReader:
         return reader
 
     def _journal(self) -> Path:
-        return self._folder / f"gnss_session_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap"
+        return self._folder / f"{self._name}_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap"

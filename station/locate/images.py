@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.camera import camera_images
+from drivers.camera.video import camera_images
 from procedures.fusion.extra import opencv
 from procedures.fusion.feature_follower import FeatureFollower, FollowerSettings, Image, Lens
 from procedures.fusion.tracks import Tracks

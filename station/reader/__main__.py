@@ -15,7 +15,7 @@ from drivers.formats import told
 from drivers.ports import DeviceUrl, Port, open_port, parse_device_url
 from station.errors import CannotWrite
 from station.mcap_files.fix_schemas import GNSS_RAW_TOPIC
-from station.mcap_files.schemas import RAW_TOPIC
+from station.mcap_files.schemas import CAMERA_RAW_TOPIC, RAW_TOPIC
 from station.reader.journal import Journal
 from station.reader.messages import (
     LOST,
@@ -32,6 +32,7 @@ from station.reader.outbox import Outbox
 READ_BYTES = 65536
 REOPEN_S = (0.05, 0.1, 0.2, 0.4, 0.8)  # back-off; the last one again and again
 FAREWELL_S = 2.0
+TOPICS = {"mavlink": GNSS_RAW_TOPIC, "camera": CAMERA_RAW_TOPIC}  # what stands beside an IMU; its own is RAW_TOPIC
 
 
 def main(url: str, journal: str) -> None:
@@ -60,10 +61,9 @@ class _Session:
         self._refused = 0  # bytes that the station did not collect
         described = told(url)
         self._port = open_port(url)
-        session = {"url": url.text, "started_utc": datetime.now(UTC).isoformat(), "host_ns": str(self._now())}
+        session = {"url": url.told, "started_utc": datetime.now(UTC).isoformat(), "host_ns": str(self._now())}
         session |= described
-        topic = GNSS_RAW_TOPIC if url.scheme == "mavlink" else RAW_TOPIC
-        self._journal = Journal(journal, session, self._journal_failed, topic)
+        self._journal = Journal(journal, session, self._journal_failed, TOPICS.get(url.scheme, RAW_TOPIC))
 
     def run(self) -> None:
         """Read until the station closes stdin, the replay ends or the journal cannot be written."""
@@ -78,7 +78,7 @@ class _Session:
                 else:
                     if data:
                         self._hand_on(Chunk(self._now(), data))
-                    elif self._url.scheme == "mavlink":  # whoever merges it with another stream waits for this
+                    elif self._url.scheme in TOPICS:  # whoever merges it with another stream waits for this
                         self._outbox.put(packed(Kind.QUIET, self._now(), b""))
         except ReplayEnded as error:
             self._outbox.put(packed_refusal(self._now(), error), always=True)

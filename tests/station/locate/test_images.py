@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.camera import camera_images, open_camera
+from drivers.camera.video import camera_images, open_camera
 from drivers.errors import PortNotFound
 from procedures.fusion.feature_follower import Lens
 from station import cli

@@ -1,0 +1,106 @@
+"""Where a camera is.
+
+``camera:http://HOST:PORT/PATH`` is a stream of MJPEG, as mjpg-streamer, ustreamer and most network cameras serve
+it; ``USER:PASSWORD@`` before HOST is sent as Basic. ``camera:/dev/video0`` is one of Video4Linux 2; its options
+are ``size`` WIDTHxHEIGHT [px] and ``rate`` [Hz], as it has them.
+"""
+
+import re
+from dataclasses import dataclass
+from urllib.parse import parse_qsl, unquote, urlsplit
+
+from drivers.device_url import DeviceUrl
+from drivers.errors import BadDeviceUrl
+
+EXPECTED = "camera:http://HOST:PORT/PATH or camera:/dev/video0"
+OPTIONS = ("size", "rate")
+SIZE = re.compile(r"([1-9]\d{0,4})x([1-9]\d{0,4})", re.ASCII)
+DEVICE = re.compile(r"/dev/[^?/]")
+SECRET = re.compile(r"(http://[^/:@]*:)[^/]*@")
+HTTP_PORT = 80
+
+
+@dataclass(frozen=True, slots=True)
+class CameraUrl(DeviceUrl):
+    """A camera's address: ``host``, ``port`` and ``target`` of a stream, or ``path`` of a device.
+
+    ``size`` [px] and ``rate_hz`` are asked of a device, None for what it has.
+    """
+
+    target: str = ""
+    user: str = ""
+    password: str = ""
+    size: tuple[int, int] | None = None
+    rate_hz: float | None = None
+
+    @property
+    def name(self) -> str:
+        """The camera in a few characters, as messages name it."""
+        return self.path or f"{self.host}:{self.port}{self.target}"
+
+    @property
+    def told(self) -> str:
+        """The URL without its password."""
+        return SECRET.sub(r"\1***@", self.text)
+
+
+def parse_camera_url(text: str) -> CameraUrl:
+    """Return the address in a URL; raise `BadDeviceUrl` naming what was found and what would be accepted."""
+    if "%00" in text or not text.isprintable() or " " in text:
+        raise BadDeviceUrl(text, "a space, or a character that cannot be printed", "printable text")
+    where = text.partition(":")[2]
+    if where.startswith("http://"):
+        return _stream(text, where)
+    if DEVICE.match(where):
+        return _device(text, where)
+    found = where.partition("://")[0] + "://" if "://" in where else repr(where)
+    raise BadDeviceUrl(text, f"{found} for where it is", EXPECTED)
+
+
+def _stream(text: str, where: str) -> CameraUrl:
+    try:
+        parts = urlsplit(where)
+        host, port = parts.hostname, parts.port
+    except ValueError as error:
+        raise BadDeviceUrl(text, str(error), EXPECTED) from error
+    if not host or port == 0 or parts.fragment:
+        raise BadDeviceUrl(text, "no usable host and port", EXPECTED)
+    user, password = (unquote(each or "") for each in (parts.username, parts.password))
+    target = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
+    if not target.isascii():
+        raise BadDeviceUrl(text, "a path that is not ASCII", "it in %XX")
+    return CameraUrl(
+        text, "camera", host=host, port=port or HTTP_PORT, target=target, user=user, password=password
+    )
+
+
+def _device(text: str, where: str) -> CameraUrl:
+    path, _, query = where.partition("?")
+    pairs = parse_qsl(query, keep_blank_values=True)
+    options = dict(pairs)
+    if len(pairs) > len(options) or set(options) - set(OPTIONS) or (query and not pairs):
+        raise BadDeviceUrl(text, f"options {query!r}", f"each of {', '.join(OPTIONS)} once at most")
+    return CameraUrl(
+        text, "camera", path=unquote(path), size=_size(text, options.get("size")), rate_hz=_rate(text, options)
+    )
+
+
+def _size(text: str, value: str | None) -> tuple[int, int] | None:
+    if value is None:
+        return None
+    found = SIZE.fullmatch(value)
+    if found is None:
+        raise BadDeviceUrl(text, f"size {value!r}", "WIDTHxHEIGHT, as in size=640x480")
+    return int(found[1]), int(found[2])
+
+
+def _rate(text: str, options: dict[str, str]) -> float | None:
+    if "rate" not in options:
+        return None
+    try:
+        rate = float(options["rate"])
+    except ValueError:
+        rate = 0.0
+    if not 0.1 <= rate <= 1000:
+        raise BadDeviceUrl(text, f"rate {options['rate']!r}", "0.1 to 1000 [Hz]")
+    return rate

@@ -1,0 +1,199 @@
+"""A camera's bytes to JPEG images: multipart/x-mixed-replace as streamers and network cameras send it.
+
+An image begins where a part's header ends and ends where its markers say (`drivers.camera.jpeg`); where the header
+has a Content-Length it must agree. So a part that was cut, or lost bytes on the way, is no image, and the next one
+is found by its own header. Of a stream without any header images begin at SOI, and bytes lost within one show only
+where they break the markers.
+"""
+
+import re
+from collections import deque
+from dataclasses import dataclass
+
+from drivers.camera.jpeg import BEGIN, Broken, JpegScanner
+
+MOST_BYTES = 8 * 2**20  # of an image: 4K at a high quality
+HEADER_BYTES = 4096  # the longest header that is looked at
+GRAIN = 64  # bytes that share a stamp where reads are shorter: bounds how many are kept
+OLDEST_S = 60.0  # an age above is none
+FIELD = re.compile(rb"([A-Za-z][!-9;-~]{0,63}):[ \t]*([ -~]{0,512})\r?")
+BLANK_OR_BEGIN = re.compile(rb"\n\r?\n|\xff\xd8\xff")
+SECONDS = re.compile(r"(\d{1,10})(?:\.(\d{1,9}))?")
+
+
+@dataclass(frozen=True, slots=True)
+class CameraImage:
+    """An image and when it was taken.
+
+    ``host_ns`` [ns] of the station's clock: when its first byte was read, less the age that the part states
+    (``X-Age`` [s]). ``device_ns`` [ns] is the sender's stamp (``X-Timestamp`` [s]), None where there is none.
+    """
+
+    host_ns: int
+    device_ns: int | None
+    jpeg: bytes
+
+
+@dataclass(slots=True)
+class CameraCounters:
+    """What came: whole images, bytes in neither image nor header, parts that are no JPEG, images cut or broken."""
+
+    images: int = 0
+    skipped_bytes: int = 0
+    not_jpeg: int = 0
+    cut: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Header:
+    length: int | None = None
+    device_ns: int | None = None
+    age_ns: int = 0
+
+
+class CameraDecoder:
+    """Bytes as they come to images; never raises, and keeps no more than one image's bytes."""
+
+    def __init__(self) -> None:
+        self.counters = CameraCounters()
+        self._data = bytearray()
+        self._fed = 0  # bytes since the beginning, of which those before `_data` are done with
+        self._stamps: deque[tuple[int, int]] = deque()  # where reads began, and when they were
+        self._header: _Header | None = None  # it ended where `_data` begins
+        self._has_headers = False
+        self._boundary = b""  # the line before a header
+        self._scanner: JpegScanner | None = None  # of the image that begins `_data`
+
+    def feed(self, data: bytes, host_ns: int) -> list[CameraImage]:
+        """Return the images whose last byte has come with ``data``, read at ``host_ns`` [ns]."""
+        if not self._data:
+            self._stamps.clear()
+        if not self._stamps or self._fed - self._stamps[-1][0] >= GRAIN:
+            self._stamps.append((self._fed, host_ns))
+        self._data += data
+        self._fed += len(data)
+        images = list[CameraImage]()
+        while self._find_image() if self._scanner is None else self._finish_image(self._scanner, images):
+            pass
+        return images
+
+    def _find_image(self) -> bool:
+        """Go to where an image begins; False if there is none in what has come."""
+        if self._header is not None:
+            if len(self._data) < len(BEGIN) and BEGIN.startswith(self._data):
+                return False
+            if not self._data.startswith(BEGIN):
+                self._header = None
+                self.counters.not_jpeg += 1
+                return True
+            self._scanner = JpegScanner()
+            return True
+        found = BLANK_OR_BEGIN.search(self._data)
+        if found is None:
+            self._skip(len(self._data) - HEADER_BYTES)
+            return False
+        if found[0] != BEGIN:
+            self._read_header(found.end())
+        elif self._has_headers:  # such as what is left of an image whose header was damaged
+            self._skip(found.start() + 2)
+        else:
+            self._skip(found.start())
+            self._header, self._scanner = _Header(), JpegScanner()
+        return True
+
+    def _read_header(self, end: int) -> None:
+        """Take the header that a blank line ends at ``end``, if there is one."""
+        window = max(0, end - HEADER_BYTES)
+        begin, fields = _fields(bytes(self._data[window:end]))
+        junk = window + begin if fields else end
+        line = self._data.rfind(b"\n", 0, max(0, junk - 1)) + 1
+        if fields and self._data.startswith(b"--", line):  # the boundary, a line of its own
+            self._boundary, junk = bytes(self._data[line:junk]).rstrip(), line
+        self._skip(junk)
+        self._drop(end - junk)
+        if fields:
+            self._has_headers = True
+            self._header = _header(fields)
+
+    def _finish_image(self, scanner: JpegScanner, images: list[CameraImage]) -> bool:
+        """Take the image that begins the data to its end; False if more of it must come first."""
+        header = self._header or _Header()
+        try:
+            end = scanner.end(self._data)
+        except Broken as broken:
+            return self._give_up(broken.at)
+        if end is None:
+            if scanner.reached <= (header.length or MOST_BYTES) and len(self._data) <= MOST_BYTES:
+                return False
+            return self._give_up(scanner.last)
+        if header.length is None and self._next_part(end) is not None:  # a segment led into the next image
+            return self._give_up(end)
+        if header.length is not None and end != header.length:
+            padding = self._data[end : header.length]  # some cameras hand on buffers of even length
+            if end > header.length or padding.strip(b"\0\xff"):
+                return self._give_up(scanner.last)
+            if len(self._data) < header.length:
+                return False
+        images.append(CameraImage(self._read_at() - header.age_ns, header.device_ns, bytes(self._data[:end])))
+        self.counters.images += 1
+        self._drop(header.length or end)
+        self._header = self._scanner = None
+        return True
+
+    def _give_up(self, at: int) -> bool:
+        """Look for the next image after the last marker that was one, or where another part begins before it."""
+        self.counters.cut += 1
+        self._header = self._scanner = None
+        other = self._next_part(at)
+        self._skip(at + 2 if other is None else other)
+        return True
+
+    def _next_part(self, end: int) -> int | None:
+        """Return where a boundary stands before ``end``, if one does."""
+        at = self._data.find(b"\n" + self._boundary, 0, end) if self._boundary else -1
+        return None if at < 0 else at
+
+    def _skip(self, length: int) -> None:
+        """Let go of bytes that are of no image; line ends are not counted."""
+        if length > 0:
+            junk = self._data[:length]
+            self.counters.skipped_bytes += length - junk.count(b"\r") - junk.count(b"\n")
+            self._drop(length)
+
+    def _drop(self, length: int) -> None:
+        del self._data[:length]
+
+    def _read_at(self) -> int:
+        """Return when the first byte held was read [ns]."""
+        at = self._fed - len(self._data)
+        while len(self._stamps) > 1 and self._stamps[1][0] <= at:
+            self._stamps.popleft()
+        return self._stamps[0][1]
+
+
+def _fields(text: bytes) -> tuple[int, dict[bytes, bytes]]:
+    """Return the header that ends a text with its blank line, by names in small letters, and where it begins."""
+    lines = text.split(b"\n")
+    begin, fields = len(text) - len(lines[-2]) - 1, dict[bytes, bytes]()
+    for line in reversed(lines[:-2]):
+        found = FIELD.fullmatch(line)
+        if found is None:
+            break
+        begin -= len(line) + 1
+        fields[found[1].lower()] = found[2].strip()
+    return begin, fields
+
+
+def _header(fields: dict[bytes, bytes]) -> _Header:
+    length = fields.get(b"content-length", b"")
+    age = _nanoseconds(fields.get(b"x-age", b""))
+    return _Header(
+        int(length) if length.isdigit() and len(length) < 9 and 0 < int(length) <= MOST_BYTES else None,
+        _nanoseconds(fields.get(b"x-timestamp", b"")),
+        age if age is not None and age <= OLDEST_S * 1e9 else 0,
+    )
+
+
+def _nanoseconds(text: bytes) -> int | None:
+    found = SECONDS.fullmatch(text.decode("ascii"))
+    return None if found is None else int(found[1]) * 10**9 + int((found[2] or "").ljust(9, "0"))

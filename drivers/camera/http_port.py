@@ -1,0 +1,106 @@
+"""A camera's stream over HTTP: asked for once, then read like any other device.
+
+HTTP/1.0 is spoken, so that no server divides the stream into chunks of its own.
+"""
+
+import time
+from base64 import b64encode
+
+from drivers.camera.address import CameraUrl
+from drivers.errors import LinkLost, PortNotFound
+from drivers.tcp_port import TcpPort, open_tcp
+
+ANSWER_S = 5.0
+SILENT_S = 5.0  # a camera that lost its power does not hang up
+LONGEST_ANSWER = 65536  # bytes before the stream begins
+STREAM = "multipart/x-mixed-replace"
+PATHS = "check the path: ustreamer has /stream, mjpg-streamer /?action=stream"
+
+
+class HttpCameraPort:
+    """An open stream; ``begun`` is what of it came with the answer."""
+
+    def __init__(self, connection: TcpPort, name: str, begun: bytes) -> None:
+        self.name = name
+        self._connection, self._begun = connection, begun
+        self._heard = time.monotonic()
+
+    def read(self, max_bytes: int) -> bytes:
+        """Return what has come, empty after the timeout; raise `LinkLost` after 5 s of nothing."""
+        if self._begun:
+            data, self._begun = self._begun[:max_bytes], self._begun[max_bytes:]
+            return data
+        data = self._connection.read(max_bytes)
+        now = time.monotonic()
+        if data:
+            self._heard = now
+        elif now - self._heard > SILENT_S:
+            raise LinkLost(self.name, f"nothing for {SILENT_S:.0f} s")
+        return data
+
+    def write(self, data: bytes) -> None:
+        """Send nothing: a stream takes nothing."""
+
+    def close(self) -> None:
+        """Hang up."""
+        self._connection.close()
+
+
+def open_http_camera(address: CameraUrl, timeout_s: float) -> HttpCameraPort:
+    """Ask for a stream.
+
+    Raises
+    ------
+    PortNotFound
+        If nobody answers within 5 s, or the answer is no stream of images.
+    LinkLost
+        If it hangs up before it has answered.
+    """
+    connection = open_tcp(address.host, address.port, ANSWER_S)
+    try:
+        connection.write(_request(address))
+        head, begun = _answer(connection, address.name)
+        _check(head, address)
+    except BaseException:
+        connection.close()
+        raise
+    connection.timeout_s = timeout_s
+    return HttpCameraPort(connection, address.name, begun)
+
+
+def _request(address: CameraUrl) -> bytes:
+    host = f"[{address.host}]" if ":" in address.host else address.host
+    lines = [f"GET {address.target} HTTP/1.0", f"Host: {host}:{address.port}", f"Accept: {STREAM}, image/*"]
+    if address.user or address.password:
+        secret = b64encode(f"{address.user}:{address.password}".encode()).decode()
+        lines.append(f"Authorization: Basic {secret}")
+    return "\r\n".join([*lines, "", ""]).encode()
+
+
+def _answer(connection: TcpPort, name: str) -> tuple[str, bytes]:
+    """Return the answer's head and what follows it."""
+    data, until = b"", time.monotonic() + ANSWER_S
+    while b"\r\n\r\n" not in data:
+        if time.monotonic() > until or len(data) > LONGEST_ANSWER:
+            found = f"{len(data)} bytes that are no answer of HTTP within {ANSWER_S:.0f} s"
+            raise PortNotFound(name, found, "check the port")
+        data += connection.read(LONGEST_ANSWER)
+    head, _, begun = data.partition(b"\r\n\r\n")
+    return head.decode("latin-1"), begun
+
+
+def _check(head: str, address: CameraUrl) -> None:
+    status, *lines = head.split("\r\n")
+    words = status.split(None, 2)
+    if len(words) < 2 or not words[0].startswith("HTTP/"):
+        raise PortNotFound(address.name, f"{status[:40]!r} for an answer of HTTP", "check the port")
+    fields = {name.strip().lower(): value.strip() for name, _, value in (line.partition(":") for line in lines)}
+    if words[1] == "401":
+        raise PortNotFound(address.name, "it asks who you are", "say camera:http://USER:PASSWORD@HOST:PORT/PATH")
+    if words[1] != "200":
+        moved = f" (it names {fields['location'][:80]})" if "location" in fields else ""
+        raise PortNotFound(address.name, f"the answer is {' '.join(words[1:])[:60]}{moved}", PATHS)
+    kind = fields.get("content-type", "no content type")
+    if not kind.lower().startswith(STREAM) or "transfer-encoding" in fields:
+        found = kind if "transfer-encoding" not in fields else f"transfer-encoding {fields['transfer-encoding']}"
+        raise PortNotFound(address.name, f"it sends {found[:60]}, not {STREAM}", PATHS)

@@ -1,0 +1,70 @@
+"""What a simulated camera sends: images of the room at their times, as parts of a multipart stream."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from drivers.camera.parts import part
+from drivers.simulated.camera_faults import CameraFault
+from drivers.simulated.camera_room import Room
+from drivers.simulated.camera_texture import Floats
+from drivers.simulated.camera_truth import CameraTruth
+from drivers.simulated.mounted import Mounted
+from drivers.simulated.timed_faults import active
+from drivers.simulated.track import Track
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
+from procedures.fusion.extra import opencv
+from procedures.fusion.feature_follower import Image
+
+BLACK = 4.0  # grey of an image in the dark
+NOISE = 2**17  # drawn once: images differ in where they begin among it
+
+
+class CameraImages:
+    """A camera carried with the IMU of ``truth`` along ``track``; image ``k`` is taken at ``k / rate_hz``.
+
+    Equal seeds give equal images. ``seed`` None: no noise.
+    """
+
+    def __init__(
+        self,
+        truth: Truth,
+        camera: CameraTruth,
+        faults: Iterable[CameraFault] = (),
+        track: Track | None = None,
+        seed: int | None = 1,
+    ) -> None:
+        self._cv = opencv()
+        self.camera, self.faults, self.room = camera, tuple(faults), Room(track)
+        self._mounted = Mounted(truth, camera, track)
+        self._size = camera.height, camera.width
+        rng = np.random.default_rng([seed or 0, 0xCA3E])
+        noise = rng.standard_normal(NOISE + camera.height * camera.width, dtype=np.float32)
+        self._noise = noise * np.float32(0 if seed is None else camera.noise)
+
+    def pose(self, t: float) -> tuple[FloatArray, FloatArray]:
+        """Return ``C_nc`` (3, 3), camera to East-North-Up, and its place (3,) [m] at true time ``t`` [s]."""
+        return self._mounted.pose(t)
+
+    def image(self, t: float) -> Image:
+        """Return what is seen at true time ``t`` [s], 8 bit grey (h, w)."""
+        is_dark = active(self.faults, t, "dark")
+        grey = np.full(self._size, BLACK, np.float32) if is_dark else self.room.image(self.camera, *self.pose(t))
+        image: Image = np.clip(np.rint(grey + self._drawn(t)), 0, 255).astype(np.uint8)
+        return image
+
+    def jpeg(self, t: float) -> bytes:
+        """Return the image at true time ``t`` [s], compressed."""
+        options = [self._cv.IMWRITE_JPEG_QUALITY, self.camera.quality]
+        _, encoded = self._cv.imencode(".jpg", self.image(t), options)
+        return bytes(encoded)
+
+    def part(self, t: float) -> bytes:
+        """Return the image at true time ``t`` [s] as it is sent."""
+        sent = part(self.jpeg(t), None if active(self.faults, t, "no_stamp") else self.camera.stamp(t))
+        return sent[: len(sent) // 2] if active(self.faults, t, "cut") else sent
+
+    def _drawn(self, t: float) -> Floats:
+        begin = int(np.random.default_rng(round(t * 1e6)).integers(NOISE))
+        return self._noise[begin:][: self._size[0] * self._size[1]].reshape(self._size)

@@ -1,0 +1,135 @@
+"""A closed room around a track with pillars beside it: where rays from a camera end, and what is seen there.
+
+Boxes stand along East, North and Up; a ray meets one where it is within all three of its slabs (Kay, Kajiya 1986).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivers.simulated.camera_texture import Floats, grey
+from drivers.simulated.camera_truth import CameraTruth
+from drivers.simulated.track import Track
+from procedures.arrays import FloatArray
+
+MARGIN = 9.0  # m, from the track to the walls
+EYE, CEILING = 1.6, 9.0  # m, from the track down and up
+APART = 7.0  # m, between pillars
+CLEAR = 2.5  # m, from the track to a pillar's middle at least
+WITHIN = 18.0  # m, of the track: pillars further off are not needed
+NEAREST = 0.05  # m
+SEEN_FROM = 45.0  # m: pillars further off are not drawn
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hits:
+    """Where rays end: ``depth`` along them, ``axis`` of the surface's normal, ``box`` 0 for the room."""
+
+    depth: Floats
+    axis: np.ndarray
+    box: np.ndarray
+
+
+class Room:
+    """The room; ``low`` and ``high`` (boxes, 3) [m] are the corners, the room's own first."""
+
+    def __init__(self, track: Track | None, seed: int = 1) -> None:
+        points = np.zeros((1, 3)) if track is None else track.positions(np.arange(track.t[0], track.t[-1], 0.1))
+        rng = np.random.default_rng([seed, 0x5CE6])
+        low: FloatArray = points.min(axis=0) - np.array([MARGIN, MARGIN, EYE])
+        high: FloatArray = points.max(axis=0) + np.array([MARGIN, MARGIN, CEILING])
+        pillars = _pillars(low, high, points, rng)
+        self.low = np.vstack((low, pillars[0])).astype(np.float32)
+        self.high = np.vstack((high, pillars[1])).astype(np.float32)
+        self._shift = rng.uniform(0, 100, (len(self.low), 2)).astype(np.float32)  # of each box's texture
+
+    def image(self, camera: CameraTruth, C_nc: FloatArray, p_c: FloatArray) -> Floats:
+        """Return what a camera at ``p_c`` (3,) [m] sees, (h, w) grey."""
+        rays = _rays(camera, np.arange(camera.width), np.arange(camera.height)[:, None])
+        d = np.einsum("ij,j...->i...", C_nc.astype(np.float32), rays)
+        o = p_c.astype(np.float32)
+        hits = self._walls(o, d)
+        for box in self._near(o):
+            if (part := self._covered(box, camera, C_nc, p_c)) is not None:
+                self._against(box, o, d[:, *part], Hits(hits.depth[part], hits.axis[part], hits.box[part]))
+        return self._painted(o, d, hits, np.einsum("i...,i...->...", rays, rays) / np.float32(camera.fx))
+
+    def ends(self, camera: CameraTruth, C_nc: FloatArray, p_c: FloatArray, uv: FloatArray) -> FloatArray:
+        """Return the places (n, 3) [m] that stand at image points (n, 2) [px]."""
+        d = np.einsum("ij,jn->in", C_nc.astype(np.float32), _rays(camera, uv[:, 0], uv[:, 1]))
+        o = p_c.astype(np.float32)
+        hits = self._walls(o, d)
+        for box in self._near(o):
+            self._against(box, o, d, hits)
+        ends: FloatArray = (o + (hits.depth * d).T).astype(np.float64)
+        return ends
+
+    def _walls(self, o: Floats, d: Floats) -> Hits:
+        """Return where rays meet the room from inside."""
+        with np.errstate(divide="ignore"):
+            far = (np.where(d > 0, _up(self.high[0], d), _up(self.low[0], d)) - _up(o, d)) / d
+        axis = far.argmin(axis=0).astype(np.int8)
+        return Hits(far.min(axis=0), axis, np.zeros(axis.shape, np.int32))
+
+    def _near(self, o: Floats) -> np.ndarray:
+        middle = (self.low[1:, :2] + self.high[1:, :2]) / 2
+        return 1 + np.flatnonzero(np.hypot(*(middle - o[:2]).T) < SEEN_FROM)
+
+    def _covered(
+        self, box: int, camera: CameraTruth, C_nc: FloatArray, p_c: FloatArray
+    ) -> tuple[slice, slice] | None:
+        """Return rows and columns of the image in which a box may stand, None where it is out of sight."""
+        corners = np.array(np.meshgrid(*zip(self.low[box], self.high[box], strict=True))).reshape(3, 8).T
+        y = (corners - p_c) @ C_nc
+        if (y[:, 2] < NEAREST).all():
+            return None
+        if (y[:, 2] < NEAREST).any():
+            return slice(0, camera.height), slice(0, camera.width)
+        uv = (y / y[:, 2:]) @ camera.K.T
+        low, high = np.floor(uv.min(axis=0)), np.ceil(uv.max(axis=0)) + 1
+        size = camera.width, camera.height
+        (u0, v0), (u1, v1) = (np.clip(each[:2], 0, size).astype(int).tolist() for each in (low, high))
+        return (slice(v0, v1), slice(u0, u1)) if u0 < u1 and v0 < v1 else None
+
+    def _against(self, box: int, o: Floats, d: Floats, hits: Hits) -> None:
+        """Let rays that meet a box before anything else end there."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            one, two = ((_up(each[box] - o, d)) / d for each in (self.low, self.high))
+        enter, leave = np.minimum(one, two), np.maximum(one, two)
+        near, far = enter.max(axis=0), leave.min(axis=0)
+        met = (near < far) & (near > NEAREST) & (near < hits.depth)
+        hits.depth[met], hits.axis[met], hits.box[met] = near[met], enter.argmax(axis=0)[met], box
+
+    def _painted(self, o: Floats, d: Floats, hits: Hits, pixel: Floats) -> Floats:
+        """Return the grey where rays end; a pixel covers ``pixel`` times depth over slant there."""
+        at = _up(o, d) + hits.depth * d
+        u = np.where(hits.axis == 0, at[1], at[0]) + self._shift[hits.box, 0]
+        v = np.where(hits.axis == 2, at[1], at[2]) + self._shift[hits.box, 1]
+        slant: Floats = np.abs(np.choose(hits.axis, d)).astype(np.float32)
+        return grey(u, v, hits.depth * pixel / slant)
+
+
+def _rays(camera: CameraTruth, u: np.ndarray, v: np.ndarray) -> Floats:
+    """Return rays (3, ...) of depth 1 through image points."""
+    x, y = np.broadcast_arrays((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy)
+    return np.stack((x, y, np.ones(x.shape))).astype(np.float32)
+
+
+def _up(vector: Floats, like: Floats) -> Floats:
+    """Return a vector (3,) with as many axes as ``like`` (3, ...)."""
+    return vector.reshape(3, *(1,) * (like.ndim - 1))
+
+
+def _pillars(
+    low: FloatArray, high: FloatArray, points: FloatArray, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    """Return the corners of pillars that stand beside the track."""
+    east, north = np.meshgrid(*(np.arange(low[i] + 2, high[i] - 2, APART) for i in (0, 1)))
+    grid = np.column_stack((east.ravel(), north.ravel()))
+    middle = grid + rng.uniform(-0.3 * APART, 0.3 * APART, grid.shape)
+    half = rng.uniform(0.25, 0.9, grid.shape)
+    away = np.linalg.norm(middle[:, None] - points[None, :, :2], axis=2).min(axis=1)
+    kept = (away - half.max(axis=1) > CLEAR) & (away < WITHIN)
+    middle, half = middle[kept], half[kept]
+    top = low[2] + rng.uniform(1.5, 8.0, len(middle))
+    return np.column_stack((middle - half, np.full(len(middle), low[2]))), np.column_stack((middle + half, top))

@@ -1,0 +1,55 @@
+"""What is true of a simulated camera."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from drivers.simulated.errors import TruthRefused
+from procedures.arrays import FloatArray
+
+# x right, y down, z along the view: to the left of the vehicle and 35 deg ahead, level
+OBLIQUE = np.array([
+    [np.sin(np.radians(55)), 0.0, np.cos(np.radians(55))],
+    [-np.cos(np.radians(55)), 0.0, np.sin(np.radians(55))],
+    [0.0, -1.0, 0.0],
+])  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class CameraTruth:
+    """A pinhole camera, integer pixels at their middles as OpenCV has them, fixed to the IMU.
+
+    ``C_bc`` (3, 3) takes camera to IMU axes, ``t_bc`` (3,) [m] is the camera in the IMU's axes. ``latency_s``
+    passes from taking an image to sending it. The camera's own clock says ``clock_offset_s`` at true time 0 and is
+    ``clock_ppm`` fast. ``noise`` is 1 sigma of a pixel's grey.
+    """
+
+    width: int = 376
+    height: int = 240
+    fx: float = 230.0
+    fy: float = 230.0
+    cx: float = 187.5
+    cy: float = 119.5
+    rate_hz: float = 15.0
+    C_bc: FloatArray = field(default_factory=OBLIQUE.copy)
+    t_bc: FloatArray = field(default_factory=lambda: np.array([0.3, 0.2, 0.1]))
+    latency_s: float = 0.04
+    clock_offset_s: float = 1000.0
+    clock_ppm: float = 20.0
+    quality: int = 90
+    noise: float = 1.5
+
+    def __post_init__(self) -> None:
+        if self.C_bc.shape != (3, 3) or np.abs(self.C_bc @ self.C_bc.T - np.eye(3)).max() > 1e-6:
+            raise TruthRefused(f"C_bc {self.C_bc.tolist()}", "a rotation matrix, camera to IMU axes")
+        if self.t_bc.shape != (3,):
+            raise TruthRefused(f"t_bc {self.t_bc.tolist()}", "three numbers [m]")
+
+    @property
+    def K(self) -> FloatArray:
+        """The intrinsics as a matrix (3, 3)."""
+        return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
+
+    def stamp(self, t: float) -> float:
+        """Return the camera's own time [s] at true time ``t`` [s]."""
+        return self.clock_offset_s + t * (1 + 1e-6 * self.clock_ppm)
