@@ -14,8 +14,9 @@ from procedures.arrays import FloatArray
 
 MARGIN = 9.0  # m, from the track to the walls
 EYE, CEILING = 1.6, 9.0  # m, from the track down and up
-APART = 7.0  # m, between pillars
-CLEAR = 2.5  # m, from the track to a pillar's middle at least
+APART = 10.0  # m, between pillars
+HALF = 0.8, 2.5  # m, of a pillar's width; thin ones are all edges, beside which features go astray
+CLEAR = 2.5  # m, from the track to a pillar at least
 WITHIN = 18.0  # m, of the track: pillars further off are not needed
 NEAREST = 0.05  # m
 SEEN_FROM = 45.0  # m: pillars further off are not drawn
@@ -127,9 +128,9 @@ def _pillars(
     east, north = np.meshgrid(*(np.arange(low[i] + 2, high[i] - 2, APART) for i in (0, 1)))
     grid = np.column_stack((east.ravel(), north.ravel()))
     middle = grid + rng.uniform(-0.3 * APART, 0.3 * APART, grid.shape)
-    half = rng.uniform(0.25, 0.9, grid.shape)
+    half = rng.uniform(*HALF, grid.shape)
     away = np.linalg.norm(middle[:, None] - points[None, :, :2], axis=2).min(axis=1)
-    kept = (away - half.max(axis=1) > CLEAR) & (away < WITHIN)
+    kept = (away - np.hypot(*half.T) > CLEAR) & (away < WITHIN)
     middle, half = middle[kept], half[kept]
     top = low[2] + rng.uniform(1.5, 8.0, len(middle))
     return np.column_stack((middle - half, np.full(len(middle), low[2]))), np.column_stack((middle + half, top))

@@ -1,8 +1,8 @@
 """What walls look like: blots of every size, periodic, in a pyramid of ever coarser images (Williams 1983).
 
-The spectrum falls as 1/f, so that there is as much to see from near as from far. Looked up between texels and
-between levels, so that an image changes smoothly with the pose; no level is looked up whose texels are finer than
-the pixels, so that nothing flickers.
+The spectrum falls with frequency, so that there is much to see from near and from far. Looked up between texels
+and between levels, so that an image changes smoothly with the pose; no level is looked up whose texels are much
+finer than the pixels, so that nothing flickers.
 """
 
 from functools import cache
@@ -16,6 +16,8 @@ SIZE = 1024  # texels, a power of two
 TEXEL = 0.015  # m, of the finest level
 LEVELS = 9
 SOFT = 0.22  # cycles a texel, above which there is nothing: a texel's edge must not show from near
+FALL = 0.6  # of the amplitude with frequency; with 1, the eye's, features were followed half as well
+SHARP = 0.7  # texels to a pixel's width: with 1 features were followed a tenth worse
 MEAN, CONTRAST = 127.0, 48.0  # grey
 Floats = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
 
@@ -27,7 +29,7 @@ def pyramid(seed: int = 7) -> tuple[Floats, np.ndarray]:
     across, down = rfftfreq(SIZE), np.fft.fftfreq(SIZE)[:, None]
     f = np.hypot(across, down)
     f[0, 0] = 1.0
-    size = np.exp(-((f / SOFT) ** 4)) / f
+    size = np.exp(-((f / SOFT) ** 4)) / f**FALL
     size[0, 0] = 0.0
     spectrum = size * (rng.normal(size=f.shape) + 1j * rng.normal(size=f.shape))
     level: FloatArray = irfft2(spectrum, (SIZE, SIZE))
@@ -51,7 +53,7 @@ def _halved(level: FloatArray) -> FloatArray:
 def grey(u: Floats, v: Floats, pixel: Floats) -> Floats:
     """Return the grey at places (u, v) [m] of a wall where a pixel covers ``pixel`` [m]; all of one shape."""
     texels, begin = pyramid()
-    fine = np.clip(np.log2(np.maximum(pixel, 1e-6) / TEXEL), 0, LEVELS - 1.001, dtype=np.float32)
+    fine = np.clip(np.log2(np.maximum(pixel, 1e-6) * (SHARP / TEXEL)), 0, LEVELS - 1.001, dtype=np.float32)
     level = fine.astype(np.int32)
     share = fine - level
     near, far = (_between(texels, begin, u, v, level + k) for k in (0, 1))

@@ -29,9 +29,10 @@ def devices(
 
     Every port is read for --seconds: the format that its bytes look like, frames/s, samples/s, errors. Nothing is
     sent to a port that is only listed. Of a MAVLink link with --url: who is on it, what each message's rate is,
-    and where its receiver stands.
+    and where its receiver stands. Of a camera: images/s, size in px, bytes/s.
 
-    Exit code 4 if a port given with --url cannot be opened, is silent, or sends no frame of any known format.
+    Exit code 4 if a port given with --url cannot be opened, is silent, or sends no frame of any known format, a
+    camera no image.
 
     Example: station devices --url serial:///dev/ttyUSB0?baud=921600
     """
@@ -90,6 +91,12 @@ def _closely(url: str, seconds: float) -> None:
         from station.gnss.listening import listen
 
         for line in listen(url, seconds).lines():
+            typer.echo(line)
+        return
+    if url.startswith("camera:"):
+        from station.reader.look_camera import look_at_camera
+
+        for line in look_at_camera(url, seconds).lines():
             typer.echo(line)
         return
     from station.plural import plural

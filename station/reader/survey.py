@@ -19,6 +19,7 @@ from drivers.udp_port import open_udp
 from drivers.wire import FORMATS
 from procedures.gnss import GnssFix, averaged_site
 from station.reader.look import read_for, seen_as
+from station.reader.look_camera import FORMAT, look_at_camera
 
 GROUND_STATION = "mavlink:udpin:127.0.0.1:14550"  # where routers of this machine send to; others: by --url
 BAUDS = tuple(dict.fromkeys((DEFAULT_BAUD, *(wire.baud for wire in FORMATS.values()), 115200, 57600)))
@@ -75,6 +76,8 @@ def survey(ports: Iterable[Found], seconds: float) -> list[Found]:
 def _looked_at(port: Found, seconds: float) -> Found:
     try:
         address = parse_device_url(port.url)
+        if address.scheme == "camera":
+            return _camera(port, seconds)
         wire_of(address)  # a wrong DBC or mapping is said before a port is waited for
         if address.scheme != "serial" or "baud=" in port.url or address.format:
             return recognised(port, *_timed(_open(port.url), seconds))
@@ -87,6 +90,14 @@ def _looked_at(port: Found, seconds: float) -> Found:
         return replace(found, url=port.url, trouble=f"{found.trouble} at {', '.join(map(str, BAUDS))} baud")
     except DriverError as error:
         return replace(port, trouble=str(error))
+
+
+def _camera(port: Found, seconds: float) -> Found:
+    seen = look_at_camera(port.url, seconds, TIMEOUT_S)
+    return replace(
+        port, about=seen.size, looks_like=FORMAT, frames_s=seen.images / seen.seconds,
+        bytes_s=seen.bytes / seen.seconds, rate_hz=seen.rate_hz, errors=seen.errors,
+    )  # fmt: skip
 
 
 def _open(url: str) -> Port:

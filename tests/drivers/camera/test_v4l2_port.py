@@ -1,0 +1,127 @@
+"""A Video4Linux camera as a port of bytes, up to OpenCV's capture; there is no such device where tests run.
+
+The capture is a video file read by OpenCV itself, or one that says what a device would.
+"""
+
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from threading import Event
+
+import numpy as np
+import pytest
+
+from drivers.camera import CameraDecoder, CameraImage
+from drivers.camera.jpeg import jpeg_size
+from drivers.camera.v4l2_port import KEPT, V4l2Port
+from drivers.errors import LinkLost, PortNotFound
+from drivers.ports import open_port
+from tests.drivers.camera.images import HEIGHT, WIDTH, jpegs
+
+cv2 = pytest.importorskip("cv2", reason="opencv is not installed")
+GREY = np.tile(np.arange(WIDTH, dtype=np.uint8) * 3, (HEIGHT, 1))
+
+
+class Device:
+    """What a camera's capture gives, each buffer 0.1 s after the one before; then it waits to be released."""
+
+    def __init__(self, buffers: list[np.ndarray], then: bool = True) -> None:
+        self._buffers, self._at, self._then = iter(buffers), 50.0, then
+        self.over = Event()
+
+    def read(self) -> tuple[bool, np.ndarray | None]:
+        self._at += 0.1
+        buffer = next(self._buffers, None)
+        if buffer is None and self._then:
+            self.over.wait(30.0)
+        return buffer is not None, buffer
+
+    def get(self, what: int) -> float:
+        assert what == cv2.CAP_PROP_POS_MSEC
+        return self._at * 1e3
+
+    def release(self) -> None:
+        self.over.set()
+
+
+def images_of(port: V4l2Port, count: int) -> Iterator[CameraImage]:
+    decoder, got = CameraDecoder(), 0
+    while got < count:
+        for image in decoder.feed(port.read(1000), 10**18):
+            got += 1
+            yield image
+
+
+def port_of(device: Device) -> V4l2Port:
+    return V4l2Port("/dev/video9", device, 5.0, clock=lambda: 51.0)
+
+
+def test_a_cameras_own_jpeg_is_handed_on_as_it_is_with_the_kernels_stamp() -> None:
+    device = Device([np.frombuffer(jpeg, np.uint8)[None] for jpeg in jpegs()])
+    port = port_of(device)
+    got = list(images_of(port, 4))
+    device.over.set()
+    port.close()
+    assert [image.jpeg for image in got] == [*jpegs()]
+    assert [image.device_ns for image in got] == [50_100_000_000 + i * 100_000_000 for i in range(4)]
+    assert [10**18 - image.host_ns for image in got] == [900_000_000 - i * 100_000_000 for i in range(4)]
+
+
+@pytest.mark.parametrize(
+    "buffer",
+    [GREY, np.stack((GREY, np.full_like(GREY, 128)), axis=-1), np.stack((GREY, GREY, GREY), axis=-1)],
+    ids=["grey", "yuyv", "bgr"],
+)
+def test_other_images_become_grey_jpeg(buffer: np.ndarray) -> None:
+    device = Device([buffer])
+    port = port_of(device)
+    [image] = images_of(port, 1)
+    device.over.set()
+    port.close()
+    assert jpeg_size(image.jpeg) == (WIDTH, HEIGHT)
+    seen = cv2.imdecode(np.frombuffer(image.jpeg, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert seen.ndim == 2
+    assert np.abs(seen.astype(float) - GREY).mean() < 2.0
+
+
+def test_a_camera_that_gives_no_more_images_is_lost_after_those_it_gave() -> None:
+    with closing(port_of(Device([GREY], then=False))) as port:
+        assert len(list(images_of(port, 1))) == 1
+        with pytest.raises(LinkLost, match="no image for 5 s"):
+            port.read(1000)
+
+
+def test_what_opencv_raises_is_a_loss_that_says_why() -> None:
+    with closing(port_of(Device([np.zeros((4, 4, 9), np.uint8)]))) as port, pytest.raises(LinkLost):
+        while True:
+            port.read(1000)
+
+
+def test_nothing_is_nothing_and_old_images_make_room() -> None:
+    device = Device([np.frombuffer(jpegs()[i % 4], np.uint8)[None] for i in range(KEPT + 5)])
+    port = V4l2Port("/dev/video9", device, 0.01)
+    while port.dropped < 5:  # nobody reads
+        pass
+    assert len(list(images_of(port, KEPT))) == KEPT
+    assert port.read(1000) == b""
+    device.over.set()
+    port.close()
+
+
+def test_a_video_read_by_opencv_gives_its_images(tmp_path: Path) -> None:
+    path = tmp_path / "seen.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 10.0, (WIDTH, HEIGHT), isColor=False)
+    for shift in range(5):
+        writer.write(np.roll(GREY, shift, axis=1))
+    writer.release()
+    with closing(V4l2Port(str(path), cv2.VideoCapture(str(path)), 5.0)) as port:
+        got = list(images_of(port, 5))
+    assert np.diff([image.device_ns for image in got]) == pytest.approx(1e8, abs=1e6)
+    assert {image.host_ns for image in got} == {10**18}  # a time in a file is no age
+
+
+def test_no_device_is_said(tmp_path: Path) -> None:
+    with pytest.raises(PortNotFound, match=r"no such device.*/dev/video"):
+        open_port("camera:/dev/video77")
+    with pytest.raises(PortNotFound, match="no images can be had"):
+        open_port("camera:/dev/null")

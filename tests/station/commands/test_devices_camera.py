@@ -1,0 +1,60 @@
+"""`station devices` on cameras."""
+
+import json
+
+import pytest
+
+from drivers.simulated.camera_faults import CameraFault
+from drivers.simulated.camera_server import SimulatedCamera
+from drivers.simulated.camera_truth import CameraTruth
+from drivers.simulated.truth import Truth
+from station import cli
+
+pytest.importorskip("cv2", reason="opencv is not installed")
+SMALL = CameraTruth(width=160, height=120, fx=100.0, fy=100.0, cx=79.5, cy=59.5)
+
+
+def run(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
+    code = cli.run(["devices", *words])
+    said = capsys.readouterr()
+    return code, said.out, said.err
+
+
+def test_a_camera_says_images_size_bytes_and_rate(capsys: pytest.CaptureFixture[str]) -> None:
+    with SimulatedCamera(Truth(), SMALL, speed=4) as camera:
+        code, out, _ = run(capsys, "--url", camera.url, "--seconds", "0.6")
+        several, more, _ = run(capsys, "--url", camera.url, "--json", "--seconds", "0.6")
+    assert (code, several) == (0, 0)
+    lines = dict(line.split(None, 1) for line in out.splitlines())
+    assert lines["format"] == "MJPEG"
+    assert lines["size"] == "160 x 120 px"
+    assert float(lines["received"].split()[0]) > 5
+    assert lines["rate"] == "14.9997 Hz by its own time"
+    assert lines["errors"].startswith("0 images cut short or broken, 0 parts that are no JPEG, 0 bytes")
+    [found] = json.loads(more)["devices"]
+    assert (found["looks_like"], found["about"], found["trouble"]) == ("MJPEG", "160 x 120 px", "")
+    assert found["frames_s"] > 5
+
+
+def test_a_camera_of_which_no_image_comes_is_exit_4(capsys: pytest.CaptureFixture[str]) -> None:
+    faults = [CameraFault("cut", at_s=0.0, seconds=1000.0)]
+    with SimulatedCamera(Truth(), SMALL, faults) as camera:
+        code, _, err = run(capsys, "--url", camera.url, "--seconds", "0.5")
+    assert code == 4
+    assert "hold no JPEG image frame" in err
+    assert "images cut short or broken" in err
+
+
+def test_silence_and_a_wrong_path_are_exit_4(capsys: pytest.CaptureFixture[str]) -> None:
+    faults = [CameraFault("stall", at_s=0.0, seconds=1000.0)]
+    with SimulatedCamera(Truth(), SMALL, faults) as camera:
+        code, _, err = run(capsys, "--url", camera.url, "--seconds", "0.2")
+        wrong, _, said = run(capsys, "--url", camera.url + "?/", "--url", camera.url[:-1], "--seconds", "0.2")
+    assert (code, wrong) == (4, 4)
+    assert "no bytes for 0.2 s, expected a stream; check that the camera is on" in err
+
+
+def test_a_mistyped_camera_is_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = run(capsys, "--url", "camera:video0")
+    assert code == 2
+    assert "expected camera:http://HOST:PORT/PATH or camera:/dev/video0" in err
