@@ -10,6 +10,7 @@ from drivers.camera.decoder import CameraCounters
 from drivers.camera.jpeg import jpeg_size
 from drivers.errors import LinkSilent, WrongFormat
 from drivers.ports import open_port, parse_device_url
+from station.plural import plural
 from station.reader.look import READ_BYTES
 
 FORMAT = "MJPEG"
@@ -49,8 +50,8 @@ class SeenCamera:
             f"size      {self.size}",
             f"received  {self.images / self.seconds:.1f} images/s, {self.bytes / self.seconds:.0f} bytes/s",
             f"rate      {rate}",
-            f"errors    {counters.cut} images cut short or broken, {counters.not_jpeg} parts that are no JPEG, "
-            f"{counters.skipped_bytes} bytes in no image",
+            f"errors    {plural(counters.cut, 'image')} cut short or broken, "
+            f"{plural(counters.not_jpeg, 'part')} of another kind, {plural(counters.skipped_bytes, 'byte')} in no image",
         ]
 
 
@@ -77,10 +78,8 @@ def look_at_camera(url: str, seconds: float, timeout_s: float = 0.05) -> SeenCam
         raise LinkSilent(address.name, seconds, advice="check that the camera is on and not in use elsewhere")
     if not images:
         counters = decoder.counters
-        seen = f"{counters.cut} images cut short or broken, {counters.not_jpeg} parts that are no JPEG among them"
-        raise WrongFormat(
-            address.name, "JPEG image", came, seen=f"{seen}; look for longer, or check what it sends"
-        )
+        seen = f"{plural(counters.cut, 'image')} cut short or broken, {plural(counters.not_jpeg, 'part')} of another kind"
+        raise WrongFormat(address.name, "JPEG", came, seen=f"{seen}; look for longer, or check what it sends")
     sizes = tuple(dict.fromkeys(jpeg_size(image.jpeg) for image in images))
     return SeenCamera(took, came, len(images), sizes, _rate(images), decoder.counters)
 

@@ -92,8 +92,8 @@ def test_a_camera_that_gives_no_more_images_is_lost_after_those_it_gave() -> Non
 
 
 def test_what_opencv_raises_is_a_loss_that_says_why() -> None:
-    with closing(port_of(Device([np.zeros((4, 4, 9), np.uint8)]))) as port, pytest.raises(LinkLost):
-        while True:
+    with closing(port_of(Device([np.zeros((4, 4, 9), np.uint8)]))) as port:
+        with pytest.raises(LinkLost, match=r"cvtColor|channels|scn"):
             port.read(1000)
 
 
