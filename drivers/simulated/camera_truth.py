@@ -53,3 +53,22 @@ class CameraTruth:
     def stamp(self, t: float) -> float:
         """Return the camera's own time [s] at true time ``t`` [s]."""
         return self.clock_offset_s + t * (1 + 1e-6 * self.clock_ppm)
+
+
+def camera_toml(camera: CameraTruth, url: str) -> str:
+    """Return the description of the camera, ``camera/1``, as it truly is and served at ``url``."""
+    imu_from_camera = np.eye(4)
+    imu_from_camera[:3, :3], imu_from_camera[:3, 3] = camera.C_bc, camera.t_bc
+    rows = ",\n".join(f"  [{', '.join(f'{float(value)!r}' for value in row)}]" for row in imu_from_camera)
+    return f"""format = "camera/1"
+url = "{url}"
+std_px = 1.0
+fx_px = {float(camera.fx)!r}
+fy_px = {float(camera.fy)!r}
+cx_px = {float(camera.cx)!r}
+cy_px = {float(camera.cy)!r}
+distortion = [0.0, 0.0, 0.0, 0.0]
+imu_from_camera = [
+{rows},
+]
+"""

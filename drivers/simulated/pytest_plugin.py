@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
+    from drivers.simulated.camera_server import SimulatedCamera
     from drivers.simulated.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
     from drivers.simulated.truth import Truth
@@ -20,6 +21,7 @@ MARKERS = {
     "simulated_imu": "truth, seed, faults, format, speed, transport ('pty', 'tcp'), hold ...",
     "simulated_can_imu": "truth, seed, faults, speed, transport ('slcan', 'udp_multicast'), dbc, mapping ...",
     "simulated_gnss": "truth, seed, faults, autopilot, track, speed, transport ('udp', 'tcp', 'pty') ...",
+    "simulated_camera": "truth, seed, faults, camera, track, speed, port",
 }
 AS_FAST_AS_READ = 0.0
 ALONE_SPEED = 10.0  # of a receiver that no IMU's clock goes beside: a fix each 20 ms
@@ -64,6 +66,28 @@ def simulated_gnss(request: pytest.FixtureRequest) -> Iterator[SimulatedGnss]:
         yield gnss
     if gnss.failure is not None:
         raise gnss.failure
+
+
+@pytest.fixture
+def simulated_camera(request: pytest.FixtureRequest) -> Iterator[SimulatedCamera]:
+    """Serve a camera over HTTP; beside the test's simulated IMU, on its truth and clock."""
+    from drivers.simulated.camera_faults import CameraFault, camera_faults_from
+    from drivers.simulated.camera_server import SimulatedCamera
+    from drivers.simulated.camera_truth import CameraTruth
+
+    settings = _settings(request, "simulated_camera")
+    beside = _imu_of(request)
+    truth = _truth(settings, beside.truth if beside else None)
+    if isinstance(camera := settings.pop("camera", None), Mapping):
+        camera = CameraTruth(**camera)
+    faults = [
+        fault if isinstance(fault, CameraFault) else camera_faults_from([fault])[0]
+        for fault in settings.pop("faults", ())
+    ]
+    with SimulatedCamera(truth, camera, faults, beside=beside, **settings) as served:
+        yield served
+    if served.failure is not None:
+        raise served.failure
 
 
 def _served(request: pytest.FixtureRequest, name: str, usual: Mapping[str, Any]) -> Iterator[SimulatedDevice]:

@@ -1,12 +1,14 @@
 """Images of the simulated camera are those of its pose: features move where true projections have them."""
 
+import tomllib
+
 import numpy as np
 import pytest
 
 from drivers.simulated.bench import stand
 from drivers.simulated.camera_faults import CameraFault
 from drivers.simulated.camera_images import CameraImages
-from drivers.simulated.camera_truth import CameraTruth
+from drivers.simulated.camera_truth import CameraTruth, camera_toml
 from drivers.simulated.drive import drive
 from drivers.simulated.errors import TruthRefused
 from drivers.simulated.imu import LYING
@@ -106,3 +108,12 @@ def test_without_a_track_it_stands() -> None:
 def test_a_mounting_that_cannot_be_is_refused(wrong: dict[str, np.ndarray]) -> None:
     with pytest.raises(TruthRefused):
         CameraTruth(**wrong)
+
+
+def test_the_description_is_that_of_the_camera() -> None:
+    told = tomllib.loads(camera_toml(CAMERA, "camera:http://127.0.0.1:8080/stream"))
+    assert (told["format"], told["url"]) == ("camera/1", "camera:http://127.0.0.1:8080/stream")
+    assert [told[name] for name in ("fx_px", "fy_px", "cx_px", "cy_px")] == [230.0, 230.0, 187.5, 119.5]
+    T = np.array(told["imu_from_camera"])
+    assert np.array_equal(T[:3, :3], CAMERA.C_bc)
+    assert T[:, 3].tolist() == [*CAMERA.t_bc, 1.0]
