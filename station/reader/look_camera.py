@@ -44,15 +44,18 @@ class SeenCamera:
     def lines(self) -> list[str]:
         """Return it in lines."""
         rate = "no stamps" if self.rate_hz is None else f"{self.rate_hz:.6g} Hz by its own time"
-        counters = self.counters
         return [
             f"format    {FORMAT}",
             f"size      {self.size}",
             f"received  {self.images / self.seconds:.1f} images/s, {self.bytes / self.seconds:.0f} bytes/s",
             f"rate      {rate}",
-            f"errors    {plural(counters.cut, 'image')} cut short or broken, "
-            f"{plural(counters.not_jpeg, 'part')} of another kind, {plural(counters.skipped_bytes, 'byte')} in no image",
+            f"errors    {_troubles(self.counters)}",
         ]
+
+
+def _troubles(counters: CameraCounters) -> str:
+    cut, other, skipped = plural(counters.cut, "image"), plural(counters.not_jpeg, "part"), counters.skipped_bytes
+    return f"{cut} cut short or broken, {other} of another kind, {plural(skipped, 'byte')} in no image"
 
 
 def look_at_camera(url: str, seconds: float, timeout_s: float = 0.05) -> SeenCamera:
@@ -77,9 +80,8 @@ def look_at_camera(url: str, seconds: float, timeout_s: float = 0.05) -> SeenCam
     if not came:
         raise LinkSilent(address.name, seconds, advice="check that the camera is on and not in use elsewhere")
     if not images:
-        counters = decoder.counters
-        seen = f"{plural(counters.cut, 'image')} cut short or broken, {plural(counters.not_jpeg, 'part')} of another kind"
-        raise WrongFormat(address.name, "JPEG", came, seen=f"{seen}; look for longer, or check what it sends")
+        seen = f"{_troubles(decoder.counters)}; look for longer, or check what it sends"
+        raise WrongFormat(address.name, "JPEG", came, seen=seen)
     sizes = tuple(dict.fromkeys(jpeg_size(image.jpeg) for image in images))
     return SeenCamera(took, came, len(images), sizes, _rate(images), decoder.counters)
 
