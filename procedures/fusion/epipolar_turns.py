@@ -72,7 +72,8 @@ class EpipolarTurns:
         L = np.linalg.inv(np.linalg.cholesky(V / size + TINY * np.eye(3)))
         _, X = np.linalg.eigh(L @ (N / size) @ np.swapaxes(L, 1, 2))
         ways: FloatArray = np.swapaxes(L, 1, 2) @ X
-        return ways / np.linalg.norm(ways, axis=1)[:, None]
+        ways /= np.linalg.norm(ways, axis=1)[:, None]
+        return ways
 
     def _settled(self, R: FloatArray, u: FloatArray, n: FloatArray, t: FloatArray, rounds: int) -> FloatArray:
         for _ in range(rounds):
@@ -115,4 +116,5 @@ def _medians(values: FloatArray, there: FloatArray) -> FloatArray:
     """Return the median (p, 1) of what is there of each row (p, k)."""
     counts = there.sum(axis=1).astype(np.int64)
     risen = np.sort(np.where(there > 0, values, np.inf), axis=1)
-    return risen[np.arange(len(risen)), counts // 2][:, None]
+    medians: FloatArray = risen[np.arange(len(risen)), counts // 2][:, None]
+    return medians
