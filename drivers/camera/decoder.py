@@ -15,6 +15,7 @@ from drivers.camera.jpeg import BEGIN, Broken, JpegScanner
 MOST_BYTES = 8 * 2**20  # of an image: 4K at a high quality
 HEADER_BYTES = 4096  # the longest header that is looked at
 GRAIN = 64  # bytes that share a stamp where reads are shorter: bounds how many are kept
+DISTINCT = 6  # characters of a boundary that an image does not have by chance
 OLDEST_S = 60.0  # an age above is none
 FIELD = re.compile(rb"([A-Za-z][!-9;-~]{0,63}):[ \t]*([ -~]{0,512})\r?")
 BLANK_OR_BEGIN = re.compile(rb"\n\r?\n|\xff\xd8\xff")
@@ -123,9 +124,10 @@ class CameraDecoder:
         except Broken as broken:
             return self._give_up(broken.at)
         if end is None:
-            if scanner.reached <= (header.length or MOST_BYTES) and len(self._data) <= MOST_BYTES:
-                return False
-            return self._give_up(scanner.last)
+            is_led_astray = scanner.reached > len(self._data) and self._next_part(len(self._data)) is not None
+            if scanner.reached > (header.length or MOST_BYTES) or len(self._data) > MOST_BYTES or is_led_astray:
+                return self._give_up(scanner.last)
+            return False
         if header.length is None and self._next_part(end) is not None:  # a segment led into the next image
             return self._give_up(end)
         if header.length is not None and end != header.length:
@@ -150,7 +152,9 @@ class CameraDecoder:
 
     def _next_part(self, end: int) -> int | None:
         """Return where a boundary stands before ``end``, if one does."""
-        at = self._data.find(b"\n" + self._boundary, 0, end) if self._boundary else -1
+        if len(self._boundary) < DISTINCT:
+            return None
+        at = self._data.find(self._boundary, 0, end)
         return None if at < 0 else at
 
     def _skip(self, length: int) -> None:
@@ -180,7 +184,7 @@ def _fields(text: bytes) -> tuple[int, dict[bytes, bytes]]:
         if found is None:
             break
         begin -= len(line) + 1
-        fields[found[1].lower()] = found[2].strip()
+        fields.setdefault(found[1].lower(), found[2].strip())  # what stands nearest to the image counts
     return begin, fields
 
 

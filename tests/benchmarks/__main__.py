@@ -17,6 +17,8 @@ RUNS = (
     ("hostile_mavlink", "--frames", "100000"),
     ("mavlink_rate",),
     ("hostile_slcan", "--lines", "100000"),
+    ("hostile_camera", "--parts", "100000"),
+    ("camera_cost",),
     ("can_decode",),
     ("can_rate", "--seconds", "30"),
     ("replug", "--times", "20"),

@@ -10,6 +10,7 @@ from drivers.camera import CameraDecoder, CameraImage
 from drivers.camera.decoder import HEADER_BYTES, MOST_BYTES
 from drivers.camera.jpeg import Broken, jpeg_size
 from drivers.camera.parts import part
+from tests.benchmarks.hostile_camera import ROWS, attack
 from tests.drivers.camera.images import HEIGHT, WIDTH, jpegs, with_thumbnail
 
 pytest.importorskip("cv2", reason="opencv is not installed")
@@ -94,7 +95,7 @@ def test_damage_anywhere_never_raises_and_later_images_come_back(
 
 @given(st.integers(3, len(IMAGES[1]) - 1))
 def test_an_image_that_was_cut_is_none_and_the_next_is_found(at: int) -> None:
-    cut = b"--b\r\nContent-Type: image/jpeg\r\n\r\n" + IMAGES[1][:at] + b"\r\n"
+    cut = b"--boundary\r\nContent-Type: image/jpeg\r\n\r\n" + IMAGES[1][:at]
     for header in (cut, cut.replace(b"image/jpeg", b"image/jpeg\r\nContent-Length: %d" % len(IMAGES[1]))):
         decoder, images = decoded(part(IMAGES[0]) + header + STREAM)
         assert [image.jpeg for image in images] == [IMAGES[0], *IMAGES]
@@ -165,6 +166,13 @@ def test_memory_is_bounded_whatever_comes() -> None:
     decoder.feed(b"\n\n" + b"a:b\n" * 10**5, 0)
     assert len(decoder._data) <= HEADER_BYTES  # noqa: SLF001
     assert len(decoder.feed(STREAM, 0)) == 4
+
+
+def test_hostile_parts_neither_crash_nor_pass_for_images() -> None:
+    got = attack(3000, 5, ROWS["with Content-Length"])
+    assert (got.crashes, got.wrong) == (0, 0)
+    assert got.lost <= got.intact // 1000
+    assert attack(500, 5, ROWS["without headers"]).wrong > 0  # the test can see some
 
 
 @pytest.mark.parametrize("data", [b"", b"\xff\xd8\xff\xd9", IMAGES[0][:-1], b"\xff\xd8\xff\xe0\x00\x01"])

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from drivers.simulated.bench import SimulatedBench
+from drivers.simulated.camera_faults import KINDS as CAMERA_KINDS
 from drivers.simulated.effects import EFFECTS
 from drivers.simulated.faults import CAN_KINDS, KINDS, load_faults
 from drivers.simulated.truth import load_truth
@@ -23,4 +24,4 @@ def test_every_effect_and_fault_has_its_row() -> None:
     for effect in EFFECTS.values():
         assert effect.unit in rows[effect.name], effect.name
         assert effect.equation.replace("|", "&#124;") in rows[effect.name], effect.name
-    assert {*KINDS, *CAN_KINDS} <= set(rows)
+    assert {*KINDS, *CAN_KINDS, *CAMERA_KINDS} <= set(rows)
