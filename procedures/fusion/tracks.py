@@ -47,6 +47,10 @@ class Tracks:
     feature: IntArray
     uv: FloatArray
 
+    def shifted(self, offset: float) -> "Tracks":
+        """Return the tracks with ``offset`` [s] added to their time stamps."""
+        return Tracks(self.t + offset, self.feature, self.uv)
+
     def frames(self) -> tuple[FloatArray, IntArray]:
         """Return the times (n,) of the frames, and where their rows begin (n + 1,)."""
         first = np.flatnonzero(np.r_[True, np.diff(self.t) > 0]) if len(self.t) else np.zeros(0, np.int64)

@@ -70,7 +70,8 @@ class FileTable(_Table):
 class TracksTable(_Table):
     """``[tracks]``: image points without distortion, pinhole intrinsics, camera to IMU.
 
-    ``distortion`` (k1, k2, p1, p2[, k3], as OpenCV has them) is the lens's, for images yet to be followed.
+    ``distortion`` (k1, k2, p1, p2[, k3], as OpenCV has them) is the lens's, for images yet to be followed;
+    ``time_offset_s`` is added to the tracks' times, and estimated about that where it has a sigma.
     """
 
     file: str
@@ -81,6 +82,8 @@ class TracksTable(_Table):
     cy_px: float
     distortion: Annotated[list[float], Field(min_length=4, max_length=5)] = [0.0] * 4
     imu_from_camera: Rigid
+    time_offset_s: Annotated[float, Field(ge=-5, le=5)] | None = None
+    time_offset_std_s: Annotated[float, Field(gt=0, le=0.3)] | None = None
 
 
 class FusionTable(_Table):

@@ -24,6 +24,8 @@ def location_document(located: Located, source: str, truth: Trajectory | None) -
         "accel_bias_m_s2": _list(located.accel_bias),
         "lever_arm_m": _list(located.lever_arm),
         "time_offset_s": located.time_offset,
+        "camera_time_offset_s": located.camera_time_offset,
+        "camera_time_offset_std_s": located.camera_time_offset_std,
         "rejected_fixes": located.rejected,
         "solve_ms": _times(located),
         "error_m": truth and _errors(located, truth),

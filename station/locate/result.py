@@ -24,7 +24,8 @@ class Located:
     ``begun_at`` [s] is None where it never could, and ``why_not`` says why. ``seconds`` (n,): how long each online
     pose took. ``layers`` is what was used, ``rejected`` of ``fixes`` stand
     off the smoothed trajectory. Biases and ``time_offset`` are the last; what was neither given nor
-    estimated is None.
+    estimated is None. ``camera_time_offset`` [s] is that of the camera's stamps, with 1 sigma where it was
+    estimated.
     """
 
     online: Trajectory
@@ -38,6 +39,8 @@ class Located:
     accel_bias: FloatArray | None = None
     lever_arm: FloatArray | None = None
     time_offset: float | None = None
+    camera_time_offset: float | None = None
+    camera_time_offset_std: float | None = None
     warnings: tuple[str, ...] = ()
     layers: int = 2
     covariance: FloatArray | None = None

@@ -21,6 +21,10 @@ def location_text(document: dict[str, Any], fixes: int) -> str:
             lines.append(f"{name:<22}{', '.join(f'{part:.4g}' for part in document[key])} {unit}")
     if "time_offset_s" in document:
         lines.append(f"GNSS time offset      {document['time_offset_s'] * 1e3:.1f} ms")
+    if "camera_time_offset_s" in document:
+        std = document.get("camera_time_offset_std_s")
+        said = "" if std is None else f" +- {std * 1e3:.1f}"
+        lines.append(f"camera time offset    {document['camera_time_offset_s'] * 1e3:.1f}{said} ms")
     lines.append(f"rejected fixes        {document['rejected_fixes']} of {fixes}")
     for name, said in (("online", "error, online"), ("batch", "error, smoothed")):
         if error := document.get("error_m", {}).get(name):

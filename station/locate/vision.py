@@ -14,13 +14,17 @@ from procedures.fusion.inertial_terms import Site
 from procedures.fusion.moving_aligner import MovingAligner
 from procedures.fusion.outer_graph import OuterGraph, OuterSettings
 from procedures.fusion.records import GnssFixes
+from procedures.fusion.tracks import Tracks
 from procedures.fusion.visual_aligner import VisualAligner, align_by_camera
 from procedures.fusion.visual_inertial_window import VisionSettings, VisualInertialWindow
 from station.errors import DataRefused
 from station.fusion_folder import FusionLog
+from station.locate.camera_clock import on_imu_clock, suspicion
 from station.locate.inertial import alignment_of, never, of_gaps
 from station.locate.result import Located
 from station.locate.through_graph import outer_settings, through_graph
+
+STRANGE_CLOCK = "do not fit each other"  # what an alignment says whose camera may be late
 
 
 def by_vision(log: FusionLog, _layers: int = 2) -> Located:
@@ -34,17 +38,25 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     site = Site(log.gravity, earth_rate_n(log.latitude), log.noise)
     settings = VisionSettings(site, log.camera, _antenna(given))
     fixes = log.fixes.shifted(given.time_offset)
-    aligned = _aligned(log, settings, fixes)
+    clocked = on_imu_clock(log)
+    if isinstance(clocked, Waiting):
+        return never(f"the camera's time offset: {clocked.why}")
+    aligned = _aligned(log, clocked.tracks, settings, fixes)
     if isinstance(aligned, Waiting):
         return never(aligned.why)
     given = _with_lever(given, aligned)
     settings = replace(settings, antenna=_antenna(given))
-    window = VisualInertialWindow(settings, log.imu, log.tracks, fixes, aligned)
+    window = VisualInertialWindow(settings, log.imu, clocked.tracks, fixes, aligned)
     told = partial(_tell_lever, window) if given.layout.lever_arm else None
-    located = through_graph(log, window, after=aligned.t, settings=given, told=told)
+    located = through_graph(log, window, after=max(aligned.t, clocked.since), settings=given, told=told)
     bias = {"gyro_bias": window.state.bg[-1], "accel_bias": window.state.ba[-1]}
     warnings = (*located.warnings, *of_gaps(log, imu_gaps(log.imu)))
-    return replace(located, alignment=alignment_of(aligned), warnings=warnings, **bias)
+    located = replace(located, alignment=alignment_of(aligned), warnings=warnings, **bias)
+    if clocked.found is None:
+        return replace(located, camera_time_offset=clocked.told)
+    if located.begun_at is None:
+        located = replace(located, why_not="the camera's time offset was known at the end only")
+    return replace(located, camera_time_offset=clocked.found.offset, camera_time_offset_std=clocked.found.std)
 
 
 def _with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:
@@ -63,13 +75,16 @@ def _tell_lever(window: VisualInertialWindow, graph: OuterGraph) -> None:
     window.antenna = LeverArm(graph.constants[0], graph.lever_std)
 
 
-def _aligned(log: FusionLog, settings: VisionSettings, fixes: GnssFixes) -> Aligned | Waiting:
+def _aligned(log: FusionLog, tracks: Tracks, settings: VisionSettings, fixes: GnssFixes) -> Aligned | Waiting:
     """Align by the camera; where that never works by the IMU alone, as at rest."""
-    assert log.imu is not None and log.tracks is not None  # noqa: PT018
-    found = align_by_camera(VisualAligner(settings), log.imu, log.tracks, fixes)
+    assert log.imu is not None
+    found = align_by_camera(VisualAligner(settings), log.imu, tracks, fixes)
     if not isinstance(found, Waiting):
         return found.aligned
     site, antenna = settings.site, settings.antenna
     aligner = MovingAligner(site.noise, site.gravity, site.earth_n, antenna.lever, antenna.std or None)
     other = align_when_possible(aligner, log.imu, fixes)
-    return other if isinstance(other, Aligned) else Waiting(f"{found.why}; without the camera: {other.why}")
+    if isinstance(other, Aligned):
+        return other
+    hint = suspicion(log) if STRANGE_CLOCK in found.why else ""
+    return Waiting(f"{found.why}{hint}; without the camera: {other.why}")

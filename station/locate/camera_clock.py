@@ -1,0 +1,69 @@
+"""Tracks of a folder on the IMU's clock: by what was told of the camera's, or by what its turns say."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.fusion.aligner import between
+from procedures.fusion.alignment import Waiting
+from procedures.fusion.camera_time import CameraOffset, camera_offset
+from procedures.fusion.records import ImuSeries
+from procedures.fusion.tracks import Tracks
+from station.fusion_folder import FusionLog
+
+FIRST = 5.0  # s of tracks after which it is worth a try
+STEP = 1.0  # s between attempts
+SPAN = 20.0  # s that are looked at
+UNASKED = 0.1  # s, 1 sigma, where nothing was said
+SURE = 5.0  # sigmas from which an offset is one
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClockedTracks:
+    """Tracks on the IMU's clock; ``told`` [s] and ``found`` of their offset, which was known ``since`` [s]."""
+
+    tracks: Tracks
+    told: float | None
+    found: CameraOffset | None = None
+    since: float = -np.inf
+
+
+def on_imu_clock(log: FusionLog) -> ClockedTracks | Waiting:
+    """Shift a folder's tracks by the offset that is told, or found where ``time_offset_std_s`` asks for it.
+
+    What is found uses nothing later than ``since``; what a folder never tells is waited for.
+    """
+    assert log.imu is not None and log.tracks is not None and log.table.tracks is not None  # noqa: PT018
+    told, std = log.table.tracks.time_offset_s, log.table.tracks.time_offset_std_s
+    if std is None:
+        return ClockedTracks(log.tracks.shifted(told or 0.0), told)
+    why = Waiting(f"IMU and camera overlap for less than {FIRST:g} s")
+    start, end = (pick(log.imu.t[at], log.tracks.t[at]) for pick, at in ((max, 0), (min, -1)))
+    for now in np.arange(start + FIRST, end, STEP):
+        found = _attempt(log, log.imu, log.tracks, float(now), told or 0.0, std)
+        if isinstance(found, CameraOffset):
+            return ClockedTracks(log.tracks.shifted(found.offset), told, found, float(now))
+        why = found
+    return why
+
+
+def suspicion(log: FusionLog) -> str:
+    """Return what the turns at the beginning say of a camera's clock that nothing was said of, or nothing."""
+    assert log.imu is not None and log.tracks is not None and log.table.tracks is not None  # noqa: PT018
+    if log.table.tracks.time_offset_s is not None or log.table.tracks.time_offset_std_s is not None:
+        return ""
+    found = _attempt(log, log.imu, log.tracks, float(log.tracks.t[0]) + SPAN, 0.0, UNASKED)
+    if isinstance(found, Waiting) or abs(found.offset) < SURE * found.std:
+        return ""
+    said = f"{found.offset * 1e3:.1f} +- {found.std * 1e3:.1f} ms"
+    return f" (the camera's stamps are off by {said}: say time_offset_s in [tracks])"
+
+
+def _attempt(
+    log: FusionLog, imu: ImuSeries, tracks: Tracks, now: float, about: float, std: float
+) -> CameraOffset | Waiting:
+    """Try with the last data before ``now`` [s]."""
+    assert log.camera is not None
+    rows = slice(*np.searchsorted(tracks.t, (now - SPAN, now)).tolist())
+    part = Tracks(tracks.t[rows], tracks.feature[rows], tracks.uv[rows])
+    return camera_offset(between(imu, now - SPAN - abs(about) - 1.0, now), part, log.camera, about, std)
