@@ -28,6 +28,12 @@ def _check_block(block: "SampleBlock") -> None:
         _check(block, n, name, 3)
 
 
+def _check_series(series: "Series") -> None:
+    _check(series, len(series.t), "temperature", None)
+    for name in ("gyro", "accel"):
+        _check(series, len(series.t), name, 3)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class CountBlock:
     """Consecutive IMU frames in device counts, as decoded, before any scale factor.
@@ -117,10 +123,7 @@ class CountSeries:
     extra: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        n = len(self.t)
-        _check(self, n, "temperature", None)
-        for name in ("gyro", "accel"):
-            _check(self, n, name, 3)
+        _check_series(self)
 
     def __len__(self) -> int:
         return len(self.t)
@@ -139,10 +142,7 @@ class RateSeries:
     extra: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        n = len(self.t)
-        _check(self, n, "temperature", None)
-        for name in ("gyro", "accel"):
-            _check(self, n, name, 3)
+        _check_series(self)
 
     def __len__(self) -> int:
         return len(self.t)

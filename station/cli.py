@@ -99,10 +99,11 @@ def run(arguments: list[str]) -> int:
     try:
         result = app(arguments, prog_name="station", standalone_mode=False)
         sys.stdout.flush()
-    except BrokenPipeError:  # whoever read our output has left, as `head` does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except BaseException as error:
+        if isinstance(error.__context__ if isinstance(error, SystemExit) else error, BrokenPipeError):
+            # whoever read our output has left, as `head` does; typer makes exit 1 of it
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 0
         if os.environ.get("STATION_TRACEBACK"):
             raise
         code, line = explain(error)

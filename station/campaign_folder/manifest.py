@@ -40,6 +40,8 @@ def read_hashes(folder: Path) -> dict[str, tuple[str, int]]:
     DataRefused
         If there is no readable ``SHA256SUMS``.
     """
+    if not (folder / NAME).exists():
+        raise DataRefused(folder, None, f"no {NAME}", "a folder that the station recorded", "name one")
     with open_inside(folder, NAME, folder, None) as stream:
         content = stream.read(64 * MAX_LINE)
     hashes = dict[str, tuple[str, int]]()

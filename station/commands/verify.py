@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
+from station.plural import plural
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
@@ -102,7 +103,7 @@ def _folder(folder: Path, db: str | None) -> None:
     from station.fixture_files.csv_folder import verify_csv
 
     names = verify_csv(folder)
-    typer.echo(f"{folder}: {len(names)} files are as recorded")
+    typer.echo(f"{folder}: {plural(len(names), 'file')} as recorded")
     where = str(default_path()) if db is None else db
     if "://" in where or Path(where).exists():  # a check makes no database
         with open_db(where) as database:
@@ -170,7 +171,7 @@ def _rows(database: "OpenDatabase", folder: Path) -> str:
         inputs = calibrated_inputs(session, key)
         if (kept := inputs.get(TOML)) is not None and (now := sha256_of(folder / TOML)) != kept:
             raise Altered(folder / TOML, f"sha256 {now}", f"{kept} in the calibration")
-        return f"{database.url}: {len(row.steps)} accepted steps are as stored"
+        return f"{database.url}: {plural(len(row.steps), 'accepted step')} as stored"
 
 
 def _refuse(faults: Sequence["ChainFault"]) -> None:

@@ -102,8 +102,9 @@ def read_correction(path: Path, accel: float | None = None, gyro: float | None =
 
 
 def _document(path: Path) -> dict[str, Any]:
+    content = read_text_file(path)
     try:
-        document = json.loads(read_text_file(path))
+        document = json.loads(content)
     except ValueError as error:
         raise DataRefused(path, None, f"no JSON ({error})", f"a {FORMAT}") from None
     found = document.get("format") if isinstance(document, dict) else None

@@ -5,8 +5,6 @@ import time
 from dataclasses import fields
 from pathlib import Path
 
-from mcap.writer import CompressionType, Writer
-
 from procedures.gnss import AirData, GnssFix, TimeMark
 from station.campaign_folder.atomic import sync_folder
 from station.errors import CannotWrite
@@ -20,6 +18,7 @@ from station.mcap_files.fix_schemas import (
     TIME,
     TIME_TOPIC,
 )
+from station.mcap_files.new_file import new_channel, new_file
 
 FLUSH_S = 0.5
 TOPICS = {FIX: FIX_TOPIC, TIME: TIME_TOPIC, AIR: AIR_TOPIC}
@@ -33,18 +32,9 @@ class FixWriter:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.fixes = 0
-        try:
-            self._stream = path.open("xb")
-        except OSError as error:
-            raise CannotWrite(path, error.strerror or str(error)) from error
-        self._writer = Writer(self._stream, compression=CompressionType.ZSTD, enable_data_crcs=True)
-        self._writer.start(profile="", library="station")
-        self._channels = {name: self._register(name, topic) for name, topic in TOPICS.items()}
+        self._stream, self._writer = new_file(path)
+        self._channels = {n: new_channel(self._writer, topic, n, FIX_SCHEMA) for n, topic in TOPICS.items()}
         self._flushed = time.monotonic()
-
-    def _register(self, name: str, topic: str) -> int:
-        schema = self._writer.register_schema(name=name, encoding="protobuf", data=FIX_SCHEMA)
-        return self._writer.register_channel(topic=topic, message_encoding="protobuf", schema_id=schema)
 
     def write(self, record: GnssFix | TimeMark | AirData) -> None:
         """Write one; raise `CannotWrite` if the disk refuses."""

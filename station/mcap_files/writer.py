@@ -7,12 +7,11 @@ from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
-from mcap.writer import CompressionType, Writer
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.records import RateSeries, SampleBlock, Series
 from station.campaign_folder.atomic import sync_folder
-from station.errors import CannotWrite
+from station.mcap_files.new_file import new_channel, new_file
 from station.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES, RATES, RAW, RAW_TOPIC, SCHEMA
 
 _WORD = 0xFFFFFFFF
@@ -27,20 +26,11 @@ class StepWriter:
 
     def __init__(self, path: Path, output: str = COUNTS) -> None:
         self.path = path
-        try:
-            self._stream = path.open("xb")
-        except OSError as error:
-            raise CannotWrite(path, error.strerror or str(error)) from error
-        self._writer = Writer(self._stream, compression=CompressionType.ZSTD, enable_data_crcs=True)
-        self._writer.start(profile="", library="station")
+        self._stream, self._writer = new_file(path)
         self._sample, self._raw = MESSAGES[output], MESSAGES[RAW]
-        self._counts = self._register(COUNTS_TOPIC, output)
-        self._bytes = self._register(RAW_TOPIC, RAW)
+        self._counts = new_channel(self._writer, COUNTS_TOPIC, output, SCHEMA)
+        self._bytes = new_channel(self._writer, RAW_TOPIC, RAW, SCHEMA)
         self.samples = 0
-
-    def _register(self, topic: str, message: str) -> int:
-        schema = self._writer.register_schema(name=message, encoding="protobuf", data=SCHEMA)
-        return self._writer.register_channel(topic=topic, message_encoding="protobuf", schema_id=schema)
 
     def write_raw(self, host_ns: int, data: bytes) -> None:
         """Write bytes as they were read from the port; ``host_ns`` is when, in ns since the epoch."""

@@ -82,8 +82,9 @@ def _note(document: Mapping[str, Any], unit: Unit, now: datetime) -> str:
 
 
 def _read(file: Path) -> Any:
+    content = read_text_file(file)
     try:
-        return json.loads(read_text_file(file))
+        return json.loads(content)
     except ValueError as error:
         raise DataRefused(file, None, f"no JSON ({error})", f"a {FORMAT}") from None
 

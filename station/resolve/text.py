@@ -5,6 +5,7 @@ from statistics import median
 from textwrap import wrap
 from typing import Any
 
+from station.plural import plural
 from station.resolve.diagnoses import diagnosis_remarks, is_otherwise
 from station.solution_parameters import Parameter, Shift, largest
 
@@ -27,7 +28,7 @@ def exit_code(document: Mapping[str, Any]) -> int:
 def resolve_text(document: Mapping[str, Any]) -> str:
     """Return the summary; a path longer than a line is not broken."""
     entries = document["campaigns"]
-    lines = _fold(f"{len(entries)} campaigns, {document['software']}: {_counted(entries)}", "")
+    lines = _fold(f"{plural(len(entries), 'campaign')}, {document['software']}: {_counted(entries)}", "")
     lines += _shift_lines(entries)
     for entry in entries:
         if said := list(_remarks(entry)):

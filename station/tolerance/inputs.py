@@ -73,8 +73,9 @@ def paper_unit(K2: float) -> Unit:
 
 def unit_of_solution(path: Path, K2: float) -> Unit:
     """Return the accelerometers of a ``solution/1``, the IMU's axes being the cube's; refuse what is none."""
+    content = read_text_file(path)
     try:
-        part = json.loads(read_text_file(path))["accelerometer"]
+        part = json.loads(content)["accelerometer"]
         E, D = np.array(part["misalignment"]["value"], float), np.array(part["bias"]["value"], float)
     except (ValueError, KeyError, TypeError) as error:
         raise DataRefused(path, None, f"{error!r}", "a solution/1 with accelerometers") from None

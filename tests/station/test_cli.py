@@ -95,6 +95,16 @@ def test_a_line_for_people_is_one_line() -> None:
     assert cli.one_line("a\nb\x1b[31m\tc\u2028d") == "a b [31m c d"
 
 
+def test_a_reader_that_leaves_is_no_failure() -> None:
+    program = "from station.cli import run; raise SystemExit(run(['devices', '--watch', '--seconds', '0.1']))"
+    command = [sys.executable, "-c", program]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as station:
+        assert station.stdout is not None and station.stderr is not None  # noqa: PT018
+        station.stdout.readline()
+        station.stdout.close()
+        assert (station.wait(), station.stderr.read()) == (0, b"")
+
+
 def test_ctrl_c_is_130_and_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     def interrupted(path: object) -> object:
         raise KeyboardInterrupt

@@ -84,7 +84,7 @@ def test_k2_stays_in_every_bias_but_is_no_fault_of_the_cube(
         (("CUBE-99",), 3, "it has P1"),
         (("P1", "--want-ug", "1", "--k2-ug", "5"), 3, "a perfect cube leaves that"),
         (("P1", "--want-ug", "0"), 2, "more than zero"),
-        (("P1", "--unit", "no.json"), 3, "no.json"),
+        (("P1", "--unit", "no.json"), 3, "no.json: found no readable file"),
     ],
 )
 def test_what_cannot_be_answered_is_refused_in_words(

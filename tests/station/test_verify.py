@@ -22,7 +22,7 @@ def recorded(tmp_path: Path) -> Path:
 
 def test_an_untouched_folder_verifies(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["verify", str(recorded)]) == 0
-    assert "3 files are as recorded" in capsys.readouterr().out
+    assert "3 files as recorded" in capsys.readouterr().out
 
 
 def test_sha256sum_agrees(recorded: Path) -> None:
@@ -51,7 +51,7 @@ def test_the_first_altered_file_is_named(recorded: Path, change: str, capsys: py
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("", "SHA256SUMS'"),
+        ("", "campaign: found no SHA256SUMS, expected a folder that the station recorded"),
         ("abc  x", "SHA256SUMS:1: found 'abc  x'"),
         (f"{'0' * 64}  ../x", "which leads to"),
     ],

@@ -199,3 +199,8 @@ def test_what_is_no_calibration_is_refused(
     assert cli.run(["export", str(tmp_path / "c.json"), "--to", "px4"]) == 3
     assert said in capsys.readouterr().err
     assert cli.run(["export", str(tmp_path / "c.json"), "--to", "px4", "--nominal-gyro", "-1"]) == 2
+
+
+def test_a_file_that_is_not_there_is_refused_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["export", str(tmp_path / "c.json"), "--to", "px4"]) == 3
+    assert capsys.readouterr().err.count("found") == 1

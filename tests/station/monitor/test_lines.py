@@ -34,3 +34,5 @@ def test_without_calibration_and_scale_it_says_what_to_do(unit: Unit, said: str,
     database = str(tmp_path / "s.db")
     with open_db(database), pytest.raises(DataRefused, match=said):
         find_calibration(None, database, unit, FORMATS["counts"])
+    with pytest.raises(DataRefused, match="no readable file"):
+        find_calibration(tmp_path / "c.json", database, unit, FORMATS["counts"])
