@@ -67,14 +67,19 @@ def camera_offset(
 
 
 def _spanned(imu: ImuSeries, pairs: FramePairs, about: float, reach: float) -> FramePairs:
-    """Return the pairs that the IMU spans without a gap, wherever they are tried."""
+    """Return the pairs that the IMU spans without a gap, wherever they are tried; of many those that tell most."""
     if len(imu.t) < 2:
         return pairs.part(slice(0, 0))
     first, last = pairs.t0 + about - reach - 2 * NEAR, pairs.t1 + about + reach + 2 * NEAR
     good = (first >= imu.t[0]) & (last <= imu.t[-1])
     for gap in imu_gaps(imu):
         good &= (last < gap.first) | (first > gap.last)
-    return pairs.part(np.flatnonzero(good)[:: -(-int(good.sum()) // MOST) or 1])
+    pairs = pairs.part(np.flatnonzero(good))
+    if len(pairs) <= MOST:
+        return pairs
+    gyro = GyroTurns(imu, np.zeros(3))
+    change = np.linalg.norm(gyro.rate(pairs.t1 + about) - gyro.rate(pairs.t0 + about), axis=1)
+    return pairs.part(np.sort(change.argsort()[-MOST:]))  # a change of rate is what an offset shows by
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,4 +1,4 @@
-"""The window with a camera while it is being lived through: keyframes are added as frames, samples and fixes come."""
+"""The window with a camera while it is lived through: keyframes are added as frames, samples and fixes come."""
 
 from dataclasses import dataclass
 

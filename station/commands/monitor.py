@@ -29,6 +29,10 @@ def monitor(
     lever_arm: Annotated[
         str, typer.Option("--lever-arm", metavar="X,Y,Z", help="For --locate: IMU to antenna [m], IMU axes.")
     ] = "",
+    camera: Annotated[
+        Path | None,
+        typer.Option("--camera", metavar="FILE", help="For --locate: a camera/1 file; extra `camera`."),
+    ] = None,
     calibration: Annotated[
         Path | None,
         typer.Option(
@@ -83,7 +87,8 @@ def monitor(
     recording.mcap bytes and counts, events.csv marks and alarms; `replay:FILE` gives the same attitude again. On
     the screen: m mark, r record, z zero (of the display only), n anew, q leave.
 
-    --locate adds place [m, East-North-Up of the first fix] and true heading [deg] with sigmas, by IMU and GNSS.
+    --locate adds place [m, East-North-Up of the first fix] and true heading [deg] with sigmas, by IMU and GNSS;
+    with --camera also by what a camera sees, whose file docs/locate-vision.md describes.
 
     Exit code 2 if the disk refuses or an extra is missing, 3 if there is no calibration, 4 if the port cannot be
     opened, 130 on Ctrl-C.
@@ -107,6 +112,8 @@ def monitor(
         raise typer.BadParameter(f"{aid} needs a source: give --gnss URL", param_hint="--aid")
     if locate and not (gnss or url.startswith("replay:")):
         raise typer.BadParameter("locating needs a receiver: give --gnss URL", param_hint="--locate")
+    if camera is not None and not locate:
+        raise typer.BadParameter("a camera is for locating: give --locate", param_hint="--camera")
     try:
         arm = lengths(lever_arm)
     except ValueError as error:
@@ -128,5 +135,6 @@ def monitor(
         url=url, C=C, aid=aid, gnss=gnss, mavlink_out=mavlink_out, calibration=calibration, latitude_deg=latitude,
         heading_deg=heading, gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds,
         speed=speed, model=model, serial=serial, database=db, locate=locate, lever_arm=arm,
+        camera=camera,
     )  # fmt: skip
     run(wanted, "json" if json else "plain" if plain else "screen", slow=slow, quiet=quiet)

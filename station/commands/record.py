@@ -24,6 +24,9 @@ def record(
     gnss: Annotated[
         str, typer.Option("--gnss", metavar="URL", help="A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")
     ] = "",
+    camera: Annotated[
+        Path | None, typer.Option("--camera", metavar="FILE", help="A camera, as its camera/1 file describes it.")
+    ] = None,
     seconds: Annotated[
         float, typer.Option("--seconds", metavar="S", min=0.0, help="Device time to record.")
     ] = float("inf"),
@@ -50,6 +53,9 @@ def record(
     --gnss also gnss_session_*.mcap (its bytes) and gnss_*.mcap (its fixes), and UTC beside the rows. What is
     wrong with either is said on stderr as it appears, and when it is over.
 
+    With --camera also camera_session_*.mcap (its bytes: every image) and camera.toml, and with --fusion the tracks
+    of the features that were followed through its images.
+
     With --fusion, IMU (calibrated: rad/s, m/s2) and fixes (m East-North-Up of the first) are then written on one
     clock, noise densities from the Allan deviation of the longest rest. `replay:FILE` with --fusion and without
     --out makes that folder of a recording that is there, of this command's or of `station monitor`'s.
@@ -64,6 +70,8 @@ def record(
         made(url)
         return
     from drivers.errors import ReplayEnded
+    from station.camera.description import read_description
+    from station.camera.feed import open_camera
     from station.gnss import open_gnss
     from station.gnss.sample_rate import Timed, by_this_machine, said_of
     from station.guide.folder import journal_path, new_folder
@@ -72,20 +80,25 @@ def record(
     from station.reader import Reader
     from station.recorder import recording
 
+    described = None if camera is None else read_description(camera)
     with ExitStack() as after, ExitStack() as stack:
         folder = stack.enter_context(new_folder(out, recording.NAME))
         reader = stack.enter_context(Reader(url, journal_path(folder)))
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
+        view = stack.enter_context(open_camera(described, folder)) if described else None
         feed = open_feed(reader)
         timed = Timed(receiver, feed) if receiver else None
         rate = by_this_machine(feed)
-        names = (feed.address.name, receiver.address.name if receiver else "")
-        line, sky = (Told(name, lambda text: typer.echo(text, err=True)) for name in names)
+        names = (feed.address.name, receiver.address.name if receiver else "", view.address.name if view else "")
+        line, sky, sight = (Told(name, lambda text: typer.echo(text, err=True)) for name in names)
 
         def look() -> None:
             line.look(feed.amiss or ("" if receiver else said_of(rate)))
             if receiver is not None and timed is not None:
                 sky.look(receiver.trouble or timed.said)
+            if view is not None:
+                view.advance()
+                sight.look(view.trouble)
 
         # also of what Ctrl-C or a fault has ended, once its files are closed
         after.callback(made, f"replay:{folder / recording.NAME}?format={feed.wire.name}")
@@ -98,6 +111,8 @@ def record(
         finally:
             if (folder / recording.NAME).exists():
                 _say(out / recording.NAME, feed, receiver, timed)
+                if view is not None:
+                    typer.echo(view.summary)
         typer.echo(f"{done.seconds:.3f} s of device time, {plural(done.samples, 'sample')}")
 
 

@@ -67,14 +67,13 @@ class FileTable(_Table):
     file: str
 
 
-class TracksTable(_Table):
-    """``[tracks]``: image points without distortion, pinhole intrinsics, camera to IMU.
+class LensTable(_Table):
+    """A camera: pinhole intrinsics, 1 sigma of an image point, the lens's distortion, where it sits on the IMU.
 
-    ``distortion`` (k1, k2, p1, p2[, k3], as OpenCV has them) is the lens's, for images yet to be followed;
-    ``time_offset_s`` is added to the tracks' times, and estimated about that where it has a sigma.
+    ``distortion`` is k1, k2, p1, p2[, k3], as OpenCV has them. ``time_offset_s`` is added to the camera's stamps,
+    and estimated about that where it has a sigma.
     """
 
-    file: str
     std_px: Positive = 1.0
     fx_px: Positive
     fy_px: Positive
@@ -84,6 +83,12 @@ class TracksTable(_Table):
     imu_from_camera: Rigid
     time_offset_s: Annotated[float, Field(ge=-5, le=5)] | None = None
     time_offset_std_s: Annotated[float, Field(gt=0, le=0.3)] | None = None
+
+
+class TracksTable(LensTable):
+    """``[tracks]``: image points without distortion; that of the lens is for images yet to be followed."""
+
+    file: str
 
 
 class FusionTable(_Table):

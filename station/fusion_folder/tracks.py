@@ -5,19 +5,25 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.fusion.feature_follower import Lens
 from procedures.fusion.tracks import Camera, Tracks
 from station.campaign_folder.atomic import replace_file
 from station.errors import DataRefused
 from station.fusion_folder.columns import TRACKS, read_table, refuse_time, stacked
-from station.fusion_folder.schema import TracksTable
+from station.fusion_folder.schema import LensTable
 
 LARGEST = 2.0**53  # of a feature's number
 
 
-def camera_of(table: TracksTable) -> Camera:
-    """Return the camera that ``[tracks]`` describes."""
+def camera_of(table: LensTable) -> Camera:
+    """Return the camera that a table describes."""
     T = np.array(table.imu_from_camera)
     return Camera(table.fx_px, table.fy_px, table.cx_px, table.cy_px, table.std_px, T[:3, :3], T[:3, 3])
+
+
+def lens_of(table: LensTable) -> Lens:
+    """Return the lens that a table describes."""
+    return Lens(table.fx_px, table.fy_px, table.cx_px, table.cy_px, np.array(table.distortion))
 
 
 def read_tracks(folder: Path, name: str, line: int) -> Tracks:

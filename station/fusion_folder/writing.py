@@ -7,12 +7,24 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
+from procedures.fusion.tracks import Tracks
 from procedures.geodesy import LocalLevel
 from station.campaign_folder.atomic import replace_file
 from station.fusion_folder.columns import FORCE, GNSS, POSITION, RATE, VELOCITY
 from station.fusion_folder.reading import NAME
+from station.fusion_folder.schema import LensTable
+from station.fusion_folder.tracks import write_tracks
 
-IMU_FILE, GNSS_FILE = "imu.csv", "gnss.csv"
+IMU_FILE, GNSS_FILE, TRACKS_FILE = "imu.csv", "gnss.csv", "tracks.csv"
+UNKNOWN_STD = 0.1  # s, of a camera's stamps where nothing is told of them
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """What a camera saw, and the camera; where nothing is told of its time offset that is to be estimated."""
+
+    tracks: Tracks
+    lens: LensTable
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,6 +41,7 @@ class Recorded:
     fixes: GnssFixes
     time_offset_std: float
     lever_arm: tuple[float, ...] = ()
+    seen: Seen | None = None
 
 
 def write_fusion(folder: Path, recorded: Recorded) -> None:
@@ -39,6 +52,8 @@ def write_fusion(folder: Path, recorded: Recorded) -> None:
     assert set(columns) <= set(GNSS.columns)
     rows = np.c_[fixes.t, fixes.p_n, fixes.v_n, fixes.position_std, fixes.velocity_std]
     _write(folder / GNSS_FILE, columns, rows)
+    if recorded.seen is not None:
+        write_tracks(folder / TRACKS_FILE, recorded.seen.tracks)
     replace_file(folder / NAME, _table(recorded).encode())
 
 
@@ -74,4 +89,13 @@ def _table(recorded: Recorded) -> str:
     ]
     if recorded.lever_arm:
         lines.append(f"lever_arm_m = {list(recorded.lever_arm)}")
+    if recorded.seen is not None:
+        lines.extend(_tracks_table(recorded.seen))
     return "\n".join(lines) + "\n"
+
+
+def _tracks_table(seen: Seen) -> list[str]:
+    told = seen.lens.model_dump(include=set(LensTable.model_fields), exclude_none=True)
+    if "time_offset_s" not in told:
+        told |= {"time_offset_s": 0.0, "time_offset_std_s": UNKNOWN_STD}
+    return ["[tracks]", f'file = "{TRACKS_FILE}"', *(f"{name} = {value}" for name, value in told.items())]

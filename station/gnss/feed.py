@@ -23,17 +23,17 @@ from drivers.mavlink.signing import SignatureCheck, read_key
 from drivers.ports import parse_device_url
 from procedures.gnss import AirData, AveragedSite, GnssFix, TimeMark, averaged_site
 from procedures.time_line import TimeLine, fit_time_line
-from station.gnss.lasting import LastingReader
 from station.gnss.rates import Rates
 from station.gnss.trouble import Health
 from station.mcap_files.fix_reader import Record
 from station.mcap_files.fix_writer import FixWriter
 from station.reader import Chunk, GapMark
+from station.reader.lasting import FOR_EVER, LastingReader
 
 KEPT = 6000  # fixes: 20 minutes at 5 Hz
 AROUND_NS = 30 * 10**9  # of a moment: the marks its time is taken from
 REFIT_NS = 10**9  # how old the newest line may be
-FOR_EVER = 2**63 - 1  # ns
+
 EXPECTED = "a GNSS source: mavlink:LINK:WHERE"
 
 

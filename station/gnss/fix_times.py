@@ -6,15 +6,25 @@ not known the moment it was read must do.
 """
 
 from collections import deque
+from typing import Protocol
 
 import numpy as np
 
-from procedures.gnss import GnssFix, TimeMark
+from procedures.gnss import TimeMark
 from procedures.time_line import TimeLine, fit_time_line
 
 REFIT_NS = 10**9
 REBOOT_NS = 10**9
 Marks = deque[tuple[int, int]]
+
+
+class Stamped(Protocol):
+    """What was read at ``host_ns`` [ns], and stamped ``device_ns`` [ns] by its sender, None where it was not."""
+
+    @property
+    def host_ns(self) -> int: ...  # noqa: D102
+    @property
+    def device_ns(self) -> int | None: ...  # noqa: D102
 
 
 class FixTimes:
@@ -39,8 +49,8 @@ class FixTimes:
             self._sender.clear()
         self._sender.append((mark.host_ns, mark.device_ns))
 
-    def of(self, fix: GnssFix) -> float | None:
-        """Return when a fix was valid [s of the IMU's clock]; None where the marks do not tell yet."""
+    def of(self, fix: Stamped) -> float | None:
+        """Return when what came was valid [s of the IMU's clock]; None where the marks do not tell yet."""
         imu = self._line("imu", self._imu)
         if imu is None:
             return None

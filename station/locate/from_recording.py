@@ -11,8 +11,9 @@ from procedures.fusion.records import GnssFixes, ImuSeries
 from procedures.geodesy import LocalLevel
 from procedures.gnss import GnssFix, TimeMark
 from procedures.level_fixes import antenna, is_usable, level_fixes, origin_at
+from station.camera.tracks import recorded_tracks
 from station.errors import DataRefused
-from station.fusion_folder.writing import Recorded, write_fusion
+from station.fusion_folder.writing import Recorded, Seen, write_fusion
 from station.gnss.fix_times import FixTimes
 from station.live.live_feed import LiveFeed, open_feed
 from station.locate.imu_noise import LEAST_S, Rest, densities, longest_rest
@@ -52,7 +53,7 @@ def fusion_from_recording(url: str, folder: Path, asked: Asked) -> list[str]:
     file = Path(feed.address.path)
     times, imu, sensors = FixTimes(), *_calibrated(feed, applied)
     for host_ns, sample in feed.tape.marks(feed.tape.begin, feed.tape.end):
-        times.mark_imu(host_ns, float(feed.tape.block(sample, sample + 1).device_time[0]))
+        times.mark_imu(host_ns, _device_s(feed, sample))
     origin, fixes = _placed(file, read_recorded(file), times, imu)
     counts = sensors.quanta() if feed.wire.output == "increments" else (0.0, 0.0)
     rest = longest_rest(imu, counts[1])
@@ -60,8 +61,14 @@ def fusion_from_recording(url: str, folder: Path, asked: Asked) -> list[str]:
     noise = densities(imu, rest, feed.period, applied.document, counts)
     std = KNOWN_STD if times.knows_sender else UNKNOWN_STD
     folder.mkdir(parents=True, exist_ok=True)
-    write_fusion(folder, Recorded(origin, gravity, imu, noise, fixes, std, asked.lever_arm))
-    return _said(folder, imu, fixes, rest, applied)
+    marks = feed.tape.marks(feed.tape.begin, feed.tape.end)
+    seen = recorded_tracks(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
+    write_fusion(folder, Recorded(origin, gravity, imu, noise, fixes, std, asked.lever_arm, seen))
+    return _said(folder, imu, fixes, rest, applied, seen)
+
+
+def _device_s(feed: LiveFeed, sample: int) -> float:
+    return float(feed.tape.block(sample, sample + 1).device_time[0])
 
 
 def _read(url: str, asked: Asked) -> tuple[LiveFeed, Applied]:
@@ -115,12 +122,16 @@ def _placed(file: Path, records: list[Record], times: FixTimes, imu: ImuSeries) 
     return origin, level_fixes(origin, np.array(stamps), used)
 
 
-def _said(folder: Path, imu: ImuSeries, fixes: GnssFixes, rest: Rest, applied: Applied) -> list[str]:
+def _said(
+    folder: Path, imu: ImuSeries, fixes: GnssFixes, rest: Rest, applied: Applied, seen: Seen | None
+) -> list[str]:
     rested = f"noise from {rest.seconds:.0f} s of rest"
     if rest.seconds < LEAST_S:
         rested = f"warning: no rest of {LEAST_S:g} s, the noise is that of the quietest seconds"
+    what = [f"{imu.t[-1] - imu.t[0]:.1f} s of IMU", plural(len(fixes.t), "fix")]
+    what += [] if seen is None else [f"{plural(len(seen.tracks.frames()[0]), 'frame')} of the camera"]
     return [
-        f"{folder}: {imu.t[-1] - imu.t[0]:.1f} s of IMU, {len(fixes.t)} fixes, calibration {applied.in_use.text}",
+        f"{folder}: {', '.join(what)}, calibration {applied.in_use.text}",
         rested,
-        f"station locate {folder}",
+        f"station locate {folder}{'' if seen is None else ' --source vision'}",
     ]

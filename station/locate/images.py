@@ -12,8 +12,7 @@ from procedures.fusion.tracks import Tracks
 from station.campaign_folder.files import open_inside
 from station.errors import DataRefused
 from station.fusion_folder.reading import NAME, files_of, read_toml
-from station.fusion_folder.schema import TracksTable
-from station.fusion_folder.tracks import write_tracks
+from station.fusion_folder.tracks import lens_of, write_tracks
 from station.own_files import refuse_own
 
 LIST = "images.csv"
@@ -50,11 +49,6 @@ def images_of(images: Path) -> list[Path]:
     if not images.is_dir():
         return [images]
     return [images / LIST, *(images / name for _, _, name in _lines(images))]
-
-
-def lens_of(table: TracksTable) -> Lens:
-    """Return the lens that ``[tracks]`` describes."""
-    return Lens(table.fx_px, table.fy_px, table.cx_px, table.cy_px, np.array(table.distortion))
 
 
 def follow_all(

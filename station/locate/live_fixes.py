@@ -22,7 +22,7 @@ MOST, HALF = 2000, 1000  # fixes that are kept once they are taken
 
 
 class LiveFixes:
-    """``origin``: where the first fix stood; ``fixes``: those kept of ``count``; ``taken`` have a keyframe."""
+    """``origin``: where the first fix stood; ``fixes``: those kept of ``count``; ``taken`` lie behind."""
 
     def __init__(self, origin: LocalLevel | None = None) -> None:
         self.origin = origin
@@ -85,15 +85,18 @@ class LiveFixes:
         Keyframes stand at fixes, and between them evenly, at most `SPACING` apart.
         """
         assert self.fixes is not None
-        t = self.fixes.t
-        while self.taken < len(t) and t[self.taken] < last + CLOSEST:
-            self.taken += 1  # on the heels of a keyframe, or too late
-        if self.taken < len(t) and (gap := float(t[self.taken]) - last) < 2 * SPACING + CLOSEST:
+        t, k = self.fixes.t, self.taken
+        while k < len(t) and t[k] < last + CLOSEST:
+            k += 1  # on the heels of a keyframe, or too late
+        if k < len(t) and (gap := float(t[k]) - last) < 2 * SPACING + CLOSEST:
             parts = max(1, int(np.ceil(gap / SPACING - 0.5)))
-            at, fix = (float(t[self.taken]), self.taken) if parts == 1 else (last + gap / parts, -1)
+            at, fix = (float(t[k]), k) if parts == 1 else (last + gap / parts, -1)
         else:
             at, fix = last + SPACING, -1
-        if at > until:
-            return None
-        self.taken += fix >= 0
-        return at, fix
+        return None if at > until else (at, fix)
+
+    def passed(self, t: float) -> range:
+        """Return which fixes a keyframe at ``t`` [s] leaves behind that none has before."""
+        assert self.fixes is not None
+        first, self.taken = self.taken, max(self.taken, int(np.searchsorted(self.fixes.t, t, "right")))
+        return range(first, self.taken)

@@ -38,6 +38,11 @@ class LiveGraph:
         """The lever arm (3,) [m] as it is known now."""
         return self._graph.constants[0]
 
+    @property
+    def lever_std(self) -> float:
+        """1 sigma [m] of its least known component, 0 where it was given."""
+        return self._graph.lever_std
+
     def _renew(self) -> None:
         """Have an heir begin, or take over once it has run in."""
         if self._heir is None:

@@ -3,7 +3,6 @@
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.live_window import LiveWindow
 from procedures.fusion.outer_graph import REJECTED, GlobalPose
 from procedures.geodesy import LocalLevel
 from station.locate.live_fixes import LiveFixes
@@ -29,12 +28,11 @@ class Told:
         if np.linalg.norm((fix - place) / np.hypot(std, self._std)) > REJECTED:
             self._track.add_outlier(fix)
 
-    def location(self, pose: GlobalPose, window: LiveWindow, origin: LocalLevel, fixes: LiveFixes) -> Location:
-        """Return what is known at a pose, the newest of a window.
+    def location(self, pose: GlobalPose, velocity: FloatArray, origin: LocalLevel, fixes: LiveFixes) -> Location:
+        """Return what is known at a pose, with its ``velocity`` (3,) [m/s].
 
         The place is no better than the receiver says of itself: its errors last for minutes, they do not average.
         """
-        assert window.state is not None
         self._track.add(pose.p)
         std = np.sqrt(np.diag(pose.covariance))
         self._std = std[:3]
@@ -43,7 +41,7 @@ class Told:
         latitude, longitude, height = origin.geodetic(pose.p)
         return Location(
             is_located=True, t=pose.t, enu=_three(pose.p), enu_std=_three(np.hypot(std[:3], fixes.std)),
-            velocity=_three(window.state.v),
+            velocity=_three(velocity),
             heading=float(np.degrees(np.arctan2(ahead[0], ahead[1])) % 360) if is_level else None,
             heading_std=float(np.degrees(std[3])),
             latitude=float(np.degrees(latitude)), longitude=float(np.degrees(longitude)), height=height,

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from drivers.camera import CameraImage
 from procedures.fusion.records import ImuSeries
 from station.mcap_files.fix_reader import Record
 
@@ -14,3 +15,4 @@ class Taken:
     imu: ImuSeries
     marks: Sequence[tuple[int, float]]
     records: Sequence[Record]
+    images: Sequence[CameraImage] = ()

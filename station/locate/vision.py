@@ -36,7 +36,7 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     assert log.tracks is not None and log.camera is not None  # noqa: PT018
     given = outer_settings(log)
     site = Site(log.gravity, earth_rate_n(log.latitude), log.noise)
-    settings = VisionSettings(site, log.camera, _antenna(given))
+    settings = VisionSettings(site, log.camera, antenna_of(given))
     fixes = log.fixes.shifted(given.time_offset)
     clocked = on_imu_clock(log)
     if isinstance(clocked, Waiting):
@@ -44,8 +44,8 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     aligned = _aligned(log, clocked.tracks, settings, fixes)
     if isinstance(aligned, Waiting):
         return never(aligned.why)
-    given = _with_lever(given, aligned)
-    settings = replace(settings, antenna=_antenna(given))
+    given = with_lever(given, aligned)
+    settings = replace(settings, antenna=antenna_of(given))
     window = VisualInertialWindow(settings, log.imu, clocked.tracks, fixes, aligned)
     told = partial(_tell_lever, window) if given.layout.lever_arm else None
     located = through_graph(log, window, after=max(aligned.t, clocked.since), settings=given, told=told)
@@ -59,7 +59,7 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     return replace(located, camera_time_offset=clocked.found.offset, camera_time_offset_std=clocked.found.std)
 
 
-def _with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:
+def with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:
     """Return the settings with the lever arm as the alignment found it, where it did."""
     if aligned.lever is None or given.lever_arm_std is None:
         return given
@@ -67,7 +67,8 @@ def _with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:
     return replace(given, lever_arm=aligned.lever, lever_arm_std=std)
 
 
-def _antenna(given: OuterSettings) -> LeverArm:
+def antenna_of(given: OuterSettings) -> LeverArm:
+    """Return the lever arm to begin with."""
     return LeverArm(given.arm, given.lever_arm_std or 0.0)
 
 

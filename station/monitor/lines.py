@@ -47,6 +47,8 @@ def json_line(view: View) -> str:
 def _location(location: Location) -> dict[str, Any]:
     """Return where it is, for JSON."""
     told: dict[str, Any] = {"state": "located" if location.is_located else "waiting", "fixes": location.fixes}
+    if location.camera:
+        told["camera"] = location.camera
     if not location.is_located:
         return told | {"why": location.why}
     told |= {
@@ -117,14 +119,15 @@ def reading_line(view: View) -> str:
 
 def location_text(location: Location) -> str:
     """Return where it is, or what is missing, in words."""
+    camera = f"; camera: {location.camera}" if location.camera else ""
     if not location.is_located:
-        return f"not located, {plural(location.fixes, 'fix')}: {location.why}"
+        return f"not located, {plural(location.fixes, 'fix')}: {location.why}{camera}"
     east, north, up = location.enu
     heading = "" if location.heading is None else f", heading {location.heading:.2f}"
     heading += "" if not heading or location.heading_std is None else f" +- {location.heading_std:.2f} deg"
     return (
         f"E {east:.2f}, N {north:.2f}, U {up:.2f} m +- {max(location.enu_std[:2]):.2f}{heading}, "
-        f"{plural(location.fixes, 'fix')}, {plural(location.outliers, 'outlier')}"
+        f"{plural(location.fixes, 'fix')}, {plural(location.outliers, 'outlier')}{camera}"
     )
 
 

@@ -8,9 +8,14 @@ from queue import SimpleQueue
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.fusion.camera_time import CameraOffset
+from station.camera.description import Description
+from station.camera.following import Following
+from station.fusion_folder.tracks import camera_of, lens_of
 from station.live.live_feed import LiveFeed
 from station.locate.imu_noise import NoiseOf
 from station.locate.live import LiveLocator
+from station.locate.live_camera import LiveCamera
 from station.locate.taken import Taken
 from station.monitor.calibration import Applied
 from station.monitor.sensors import Sensors
@@ -61,15 +66,24 @@ class LocatorThread:
 
 
 def locating(
-    feed: LiveFeed, applied: Applied, C: FloatArray, lever_arm: tuple[float, ...], stack: ExitStack, *, live: bool
-) -> Locating:
+    feed: LiveFeed, applied: Applied, C: FloatArray, lever_arm: tuple[float, ...], stack: ExitStack, *, live: bool,
+    camera: LiveCamera | None = None,
+) -> Locating:  # fmt: skip
     """Return what locates the unit of a feed; ``C`` (3, 3) takes IMU axes to forward-right-down."""
     counts = feed.wire.output == "increments"
     sensors = Sensors(applied.document, applied.nominal, np.eye(3), feed.period, counts=counts)
     noise_of = NoiseOf(feed.period, applied.document, sensors.quanta() if counts else (0.0, 0.0))
-    locator = LiveLocator(noise_of, C[0], np.array(lever_arm) if lever_arm else None)
+    locator = LiveLocator(noise_of, C[0], np.array(lever_arm) if lever_arm else None, camera)
     if not live:
         return locator
     thread = LocatorThread(locator)
     stack.callback(thread.close)
     return thread
+
+
+def live_camera(described: Description) -> LiveCamera:
+    """Return what follows features through a camera's images; raise `ExtraMissing` without OpenCV."""
+    table = described.table
+    about, std = table.time_offset_s, table.time_offset_std_s
+    known = CameraOffset(about, std or 0.0) if about is not None else None
+    return LiveCamera(camera_of(table), Following(lens_of(table)), known)

@@ -33,7 +33,7 @@ from station.monitor.where import in_imu_axes, news_of
 TICK_S = 0.1
 HISTORY = 600  # points: a minute
 EVENTS = 8
-LATEST_S = 0.5  # that a tick waits for the aid's reader, so that what was read before it counts in it
+LATEST_S = 0.5  # that a tick waits for other readers, so that what was read before it counts in it
 
 
 class Monitor:
@@ -45,6 +45,7 @@ class Monitor:
     ) -> None:  # fmt: skip
         self._feed, self._options, self._recording, self._aid = feed, options, recording, aid
         self._sinks, self._in_use = sinks, applied.in_use
+        self._beside = tuple(each for each in (aid, options.camera) if each is not None)
         heading = np.nan if options.heading is None else options.heading
         C = self._C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
         counts = feed.wire.output == "increments"
@@ -88,8 +89,8 @@ class Monitor:
             self._is_well(str(error))
             if self._options.revive is not None:
                 self._options.revive()
-        if self._aid is not None:
-            self._aid.advance()
+        for each in self._beside:
+            each.advance()
         self._take()
         self._show()
 
@@ -178,13 +179,15 @@ class Monitor:
             records = () if self._aid is None else self._aid.take(now_ns)
             if self._options.locating is not None:
                 marks = [(at, float(tick.t[sample - first])) for at, sample in tape.marks(first, self._at)]
-                self._options.locating.take(Taken(in_imu_axes(tick, self._C, self._feed.period), marks, records))
+                images = () if self._options.camera is None else self._options.camera.take(now_ns)
+                imu = in_imu_axes(tick, self._C, self._feed.period)
+                self._options.locating.take(Taken(imu, marks, records, images))
             self._go_on(tick, records, now_ns)
         tape.forget_before(self._at)
 
     def _has_come(self, host_ns: int) -> bool:
-        """Say whether all that the aid read until a moment [ns] is here; its reader is not waited for for ever."""
-        if self._aid is None or self._aid.up_to_ns >= host_ns:
+        """Say whether all read beside the IMU until a moment [ns] is here; it is not waited for for ever."""
+        if all(each.up_to_ns >= host_ns for each in self._beside):
             self._held_since = None
             return True
         now = monotonic()
@@ -263,7 +266,7 @@ class Monitor:
             self._recording.note(event, text, reading.t if reading else float("nan"), self._at - 1)
 
     def _show(self) -> None:
-        streams = (self._health.look(),) if self._aid is None else (self._health.look(), self._aid.stream())
+        streams = (self._health.look(), *(each.stream() for each in self._beside))
         recording = self._recording.name if self._recording is not None else ""
         self._change(
             streams=streams, bought=self._rest.bought, history=tuple(self._history), events=tuple(self._events),

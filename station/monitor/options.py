@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from drivers.camera import CameraImage
 from procedures.arrays import FloatArray
 from procedures.earth import STANDARD_GRAVITY
 from station.mcap_files.fix_reader import Record
@@ -12,8 +13,8 @@ from station.monitor.view import Stream
 from station.monitor.where import Locating
 
 
-class Aid(Protocol):
-    """What helps the IMU: a receiver."""
+class Beside(Protocol):
+    """What is read beside the IMU."""
 
     def advance(self) -> None:
         """Take what has come."""
@@ -24,16 +25,28 @@ class Aid(Protocol):
         """The moment [ns] up to which nothing more will come."""
         ...
 
-    def take(self, until_ns: int) -> Sequence[Record]:
-        """Return what came since the last call and until a moment [ns], in order."""
-        ...
-
     def stream(self) -> Stream:
         """Return its health."""
         ...
 
+
+class Aid(Beside, Protocol):
+    """What helps the IMU: a receiver."""
+
+    def take(self, until_ns: int) -> Sequence[Record]:
+        """Return what came since the last call and until a moment [ns], in order."""
+        ...
+
     def utc(self, host_ns: int) -> float | None:
         """Return UTC [s] at a moment of the station's clock [ns]."""
+        ...
+
+
+class Seeing(Beside, Protocol):
+    """What sees where the IMU goes: a camera."""
+
+    def take(self, until_ns: int) -> Sequence[CameraImage]:
+        """Return the images that came since the last call and until a moment [ns], in order."""
         ...
 
 
@@ -52,6 +65,7 @@ class Options:
     alarms: tuple[Alarm, ...] = ()
     revive: Callable[[], None] | None = None  # has a reader that ended begin again
     locating: Locating | None = None
+    camera: Seeing | None = None  # of which ``locating`` is told
 
 
 USUAL = Options()

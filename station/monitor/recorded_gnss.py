@@ -11,10 +11,10 @@ from pathlib import Path
 
 from procedures.gnss import GnssFix
 from station.errors import DataRefused
-from station.gnss.feed import FOR_EVER
 from station.mcap_files.fix_reader import Record, read_fixes
 from station.monitor.recording import EVENTS
 from station.monitor.view import Stream
+from station.reader.lasting import FOR_EVER
 
 RATE_NS = 5 * 10**9
 

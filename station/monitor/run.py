@@ -1,10 +1,8 @@
 """`station monitor` put together: source, calibration, engine, and who looks at it."""
 
-import contextlib
 import sys
 import tempfile
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -16,28 +14,30 @@ import numpy as np
 import platformdirs
 
 from drivers.device_url import parse_device_url
-from drivers.errors import DriverError
 from procedures.arrays import FloatArray
 from procedures.earth import STANDARD_GRAVITY, normal_gravity
-from procedures.fusion.extra import gtsam
+from procedures.fusion.extra import gtsam, opencv
+from station.camera.description import NAME as CAMERA_FILE
+from station.camera.description import Description, read_description
+from station.camera.feed import open_camera
+from station.camera.recorded import RecordedCamera
 from station.errors import DataRefused
-from station.guide.folder import journal_path, new_folder
+from station.guide.folder import new_folder
 from station.live.live_feed import LiveFeed, Source, open_feed
 from station.monitor.alarms import Alarm
 from station.monitor.calibration import UNKNOWN, Applied, find_calibration
 from station.monitor.lines import PlainMonitor, json_line, listen
 from station.monitor.monitor import Monitor
-from station.monitor.options import Aid, Options
+from station.monitor.options import Aid, Options, Seeing
 from station.monitor.recorded_gnss import RecordedGnss, recorded_aid, recorded_gnss
 from station.monitor.recording import EVENTS, Recording
 from station.monitor.replay import Replay, is_mcap
+from station.monitor.revival import Revival
 from station.monitor.thread import MonitorThread
 from station.monitor.view import View
 from station.monitor.where import Locating
-from station.reader import Reader
 
 Output = Literal["screen", "plain", "json"]
-RETRY_S = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +56,7 @@ class Wanted:
     alarms: tuple[Alarm, ...] = ()
     locate: bool = False
     lever_arm: tuple[float, ...] = ()
+    camera: Path | None = None  # its file
     folder: Path | None = None
     records: bool = True
     seconds: float = float("inf")
@@ -91,19 +92,21 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
     DriverError, CannotWrite, DataRefused
         What port, disk or calibration refuse; nothing is left behind.
     """
+    described = _described(wanted)
     if wanted.locate:
-        gtsam()  # said before anything is begun
+        (gtsam if described is None else opencv)()  # said before anything is begun
     with ExitStack() as stack:
         folder = _folder(wanted, stack)
         source, revive = _source(wanted, folder or Path(stack.enter_context(tempfile.TemporaryDirectory())), stack)
         feed = open_feed(source)
-        if isinstance(revive, _Revival):
+        if isinstance(revive, Revival):
             revive.feed = feed
         unknown = UNKNOWN if feed.wire.identity is None else None
         unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
         applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
         aid, aid_name = _aid(wanted, source, folder, stack)
-        where = _locating(wanted, feed, applied, aid, stack)
+        camera = None if described is None else _camera(described, source, folder, stack)
+        where = _locating(wanted, feed, applied, aid, described, stack)
         if wanted.mavlink_out:
             sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
         recording = None if folder is None else Recording(folder, feed.wire, aid.utc if aid else None)
@@ -119,7 +122,7 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
                 aid=aid_name, C=wanted.C, latitude=latitude,
                 heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
                 gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
-                alarms=wanted.alarms, revive=revive, locating=where,
+                alarms=wanted.alarms, revive=revive, locating=where, camera=camera,
             ),
             recording, aid, sinks, "" if folder is None else str(folder),
         )  # fmt: skip
@@ -154,49 +157,42 @@ def _aid(wanted: Wanted, source: Source, folder: Path | None, stack: ExitStack) 
 
 
 def _locating(
-    wanted: Wanted, feed: LiveFeed, applied: Applied, aid: Aid | None, stack: ExitStack
+    wanted: Wanted, feed: LiveFeed, applied: Applied, aid: Aid | None, camera: Description | None, stack: ExitStack
 ) -> Locating | None:
     if not wanted.locate:
         return None
-    from station.monitor.locating import locating
+    from station.monitor.locating import live_camera, locating
 
     is_replay = isinstance(aid, RecordedGnss)
     if aid is None:
         raise DataRefused(feed.address.path, None, "no gnss_*.mcap beside it for --locate", "a receiver")
-    return locating(feed, applied, wanted.C, wanted.lever_arm, stack, live=not is_replay)
+    eye = None if camera is None else live_camera(camera)
+    return locating(feed, applied, wanted.C, wanted.lever_arm, stack, live=not is_replay, camera=eye)
 
 
-def _source(wanted: Wanted, folder: Path, stack: ExitStack) -> tuple[Source, "_Revival | None"]:
+def _described(wanted: Wanted) -> Description | None:
+    """Return the camera's file that was named, or that a recording has; None where nothing is located by it."""
+    address = parse_device_url(wanted.url)
+    beside = Path(address.path).parent / CAMERA_FILE
+    file = wanted.camera or (beside if address.scheme == "replay" and beside.exists() else None)
+    return None if file is None or not wanted.locate else read_description(file)
+
+
+def _camera(described: Description, source: Source, folder: Path | None, stack: ExitStack) -> Seeing:
+    """Return the camera, live or recorded."""
+    if isinstance(source, Replay):
+        return RecordedCamera(Path(source.address.path).parent)
+    beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+    return stack.enter_context(open_camera(described, beside))
+
+
+def _source(wanted: Wanted, folder: Path, stack: ExitStack) -> tuple[Source, "Revival | None"]:
     address = parse_device_url(wanted.url)
     if address.scheme == "replay" and is_mcap(Path(address.path)):
         return Replay(wanted.url, wanted.speed), None
-    revival = _Revival(wanted.url, folder)
+    revival = Revival(wanted.url, folder)
     stack.callback(revival.close)
     return revival.reader, revival
-
-
-class _Revival:
-    """A reader process that is begun again, in the same folder, when it has ended."""
-
-    def __init__(self, url: str, folder: Path) -> None:
-        self._url, self._folder = url, folder
-        self.reader = Reader(url, journal_path(folder))
-        self.reader.start()
-        self.feed: LiveFeed | None = None
-        self._retry_at = 0.0
-
-    def __call__(self) -> None:
-        if self.feed is None or not self.reader.has_ended or time.monotonic() < self._retry_at:
-            return
-        self._retry_at = time.monotonic() + RETRY_S
-        self.reader.close()
-        self.reader = Reader(self._url, journal_path(self._folder))
-        with contextlib.suppress(DriverError):  # tried again and again
-            self.reader.start()
-            self.feed.replace_source(self.reader)
-
-    def close(self) -> None:
-        self.reader.close()
 
 
 def _mavlink_out(where: str, stack: ExitStack) -> Callable[[View], None]:

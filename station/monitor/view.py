@@ -86,7 +86,8 @@ class Location:
     """Where the unit is, East-North-Up of the first fix [m], as of ``t``; ``why`` says what is still missing.
 
     ``heading`` is of forward, from north [deg]; sigmas are of each axis. ``track`` and outlying fixes ``far`` are
-    places East, North; ``fix_age`` [s] is how long before ``t`` the newest fix was that counts in it.
+    places East, North; ``fix_age`` [s] is how long before ``t`` the newest fix was that counts in it. ``camera``
+    says how one does, in words, empty where there is none.
     """
 
     why: str = ""
@@ -105,6 +106,7 @@ class Location:
     fix_age: float = 0.0
     track: tuple[tuple[float, float], ...] = ()
     far: tuple[tuple[float, float], ...] = ()
+    camera: str = ""
 
 
 @dataclass(frozen=True, slots=True)

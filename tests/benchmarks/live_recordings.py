@@ -1,30 +1,54 @@
 """Print how a live location does on recordings of a real IMU: `python -m tests.benchmarks.live_recordings DATA`.
 
 Samples in tenths of a second and fixes 0.1 s late go through what `station monitor --locate` runs; errors as of
-`tests.benchmarks.locate`: nothing aligned, the first 15 s left out.
+`tests.benchmarks.locate`: nothing aligned, the first 15 s left out. With a camera its tracks are those of
+`tests.benchmarks.locate_vision`, stamped when they are read, 60 ms late, which nobody tells.
 """
 
 import argparse
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
+from drivers.camera import CameraImage
 from procedures.arrays import FloatArray
 from procedures.fusion.records import ImuNoise, ImuSeries
+from procedures.fusion.tracks import Tracks
 from procedures.geodesy import LocalLevel
 from procedures.gnss import FixType, GnssFix, TimeMark
+from station.camera.following import Seen
 from station.fusion_folder import FusionLog, read_fusion
 from station.locate.imu_noise import NoiseOf
 from station.locate.live import LiveLocator
+from station.locate.live_camera import LiveCamera
 from station.locate.taken import Taken
 from station.mcap_files.fix_reader import Record
 from station.monitor.view import Location
+from tests.benchmarks.locate import INERTIAL, OUTAGE
+from tests.benchmarks.locate_vision import seen
 
 FOLDERS = ("mh03_inertial", "v201_inertial", "v203_inertial", "v203_1hz", "mh03_outliers", "v201_outage")
-LATE_S, TICK_S, WARM_UP_S = 0.1, 0.1, 15.0
+LATE_S, SEEN_LATE_S, TICK_S, WARM_UP_S = 0.1, 0.06, 0.1, 15.0
+
+
+class Tracked:
+    """A camera of which tracks are there already: `station.camera.following.Follow`."""
+
+    def __init__(self, tracks: Tracks) -> None:
+        self._tracks = tracks
+        self._t, self._begin = tracks.frames()
+        self.images = [
+            CameraImage(round((t + SEEN_LATE_S) * 1e9), None, str(i).encode()) for i, t in enumerate(self._t)
+        ]
+
+    def __call__(self, image: CameraImage) -> Seen:
+        i = int(image.jpeg)
+        rows = slice(int(self._begin[i]), int(self._begin[i + 1]))
+        return self._tracks.feature[rows], self._tracks.uv[rows]
 
 
 class Stated(NoiseOf):
@@ -56,15 +80,17 @@ def place(origin: LocalLevel, location: Location) -> FloatArray:
     return origin.enu(float(np.radians(location.latitude)), float(np.radians(location.longitude)), location.height)
 
 
-def locate(folder: Path) -> None:
-    log = read_fusion(folder)
+def locate(log: FusionLog, name: str) -> None:
     assert log.imu is not None
     assert log.noise is not None
     assert log.truth is not None
     origin, imu = LocalLevel(log.latitude, 0.1, 100.0), log.imu
     arm = log.table.gnss.lever_arm_m
-    locator = LiveLocator(Stated(log.noise), np.array([1.0, 0, 0]), None if arm is None else np.array(arm))
-    fixes = list(records(log, origin))
+    follow = None if log.tracks is None else Tracked(log.tracks)
+    camera = None if follow is None or log.camera is None else LiveCamera(log.camera, follow)
+    lever = None if arm is None else np.array(arm)
+    locator = LiveLocator(Stated(log.noise), np.array([1.0, 0, 0]), lever, camera)
+    fixes, images = list(records(log, origin)), [] if follow is None else list(follow.images)
     found, began = list[tuple[float, FloatArray]](), time.process_time()
     edges = np.searchsorted(imu.t, np.arange(imu.t[0], imu.t[-1], TICK_S))
     for a, b in pairwise(edges.tolist()):
@@ -73,7 +99,9 @@ def locate(folder: Path) -> None:
         while fixes and fixes[0].host_ns <= now * 1e9:
             new.append(fixes.pop(0))
         part = ImuSeries(imu.t[a:b], imu.omega_b[a:b], imu.f_b[a:b])
-        locator.take(Taken(part, [(round(now * 1e9), now)], new))
+        come = [image for image in images if image.host_ns <= now * 1e9]
+        images = images[len(come) :]
+        locator.take(Taken(part, [(round(now * 1e9), now)], new, come))
         if locator.location.is_located:
             found.append((locator.location.t, place(origin, locator.location)))
     cost = (time.process_time() - began) / (imu.t[-1] - imu.t[0]) * 1e3
@@ -81,13 +109,16 @@ def locate(folder: Path) -> None:
     truth = np.stack([np.interp(t, log.truth.t, log.truth.p[:, i]) for i in range(3)], axis=1)
     off = np.linalg.norm(p - truth, axis=1)[t > t[0] + WARM_UP_S]
     print(
-        f"{folder.name:14} located at {t[0]:.1f} s, mean {off.mean():.4f} m, worst {off.max():.2f} m, "
-        f"{locator.location.outliers} outliers, {cost:.0f} ms a second"
+        f"{name:14} located at {t[0]:.1f} s, mean {off.mean():.4f} m, worst {off.max():.2f} m, "
+        f"{locator.location.outliers} outliers, {cost:.0f} ms a second {locator.location.camera}"
     )
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("data", type=Path)
-    for name in FOLDERS:
-        locate(parser.parse_args().data / name)
+    data = parser.parse_args().data
+    for each in FOLDERS:
+        locate(replace(read_fusion(data / each), tracks=None), each)
+    for each in (*INERTIAL, "v201_outage"):
+        locate(seen(data, each, 1, OUTAGE if each == "v201_outage" else None), f"{each}, camera")

@@ -37,13 +37,14 @@ class Where(Drawn[View]):
         location, behind = self.value.location or Location(), _behind(self.value)
         if not location.is_located:
             head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {plural(location.fixes, 'fix')}")
-            why = wrap(location.why, max(self.content_size.width - 1, 20))[: LINES - 1]
+            width = max(self.content_size.width - 1, 20)
+            why = [line for part in (location.camera, location.why) for line in wrap(part, width)][: LINES - 1]
             return Content("\n").join((head, *(Content(line) for line in why)))
         east, north, up = (f"{value:+.2f}" for value in location.enu)
         outliers, newest = plural(location.outliers, "outlier"), f"newest {location.fix_age:.1f} s"
         return Content("\n").join((
             Content.assemble("E ", (east, "bold $accent"), "  N ", (north, "bold $accent"), f"  U {up} m"),
-            Content(f"{location.latitude:.7f}, {location.longitude:.7f} deg"),
+            Content(location.camera or f"{location.latitude:.7f}, {location.longitude:.7f} deg"),
             Content.assemble("HEADING ", *_heading(location)),
             Content(_sigmas(location)),
             Content.assemble(

@@ -36,6 +36,7 @@ HELP_LOCATED = (
     "and hardly believed. Heading is of forward, from true north. Residual is the angle between what the "
     "accelerometers say is down and the attitude. The zero is of the display only."
 )
+MANY = 2  # streams that leave room for all charts on a short screen
 LEAVE = "The recording is finished and complete; everything stays in its folder."
 
 
@@ -60,6 +61,8 @@ class MonitorScreen(Screen[None]):
     MonitorScreen Map, MonitorScreen Where { display: none; }
     MonitorScreen.-map Where, MonitorScreen.-map.-placed Map { display: block; }
     MonitorScreen.-map Comparison, MonitorScreen.-map.-placed Horizon { display: none; }
+    MonitorScreen.-short.-crowded #charts { grid-size: 2 2; height: 4; }
+    MonitorScreen.-short.-crowded #aid, MonitorScreen.-short.-crowded #sigma { display: none; }
     MonitorScreen.-tall #upper { height: 16; }
     MonitorScreen.-tall Readings { margin: 1 0 2 0; }
     MonitorScreen.-tall #charts { grid-rows: 5; height: 15; margin-top: 1; }
@@ -122,6 +125,7 @@ class MonitorScreen(Screen[None]):
             chart.show(view.history)
         self.events.show(view.events)
         self.streams.show(view.streams)
+        self.set_class(len(view.streams) > MANY, "-crowded")
         self.calibration.show(view.in_use)
         self.calibration.set_class(bool(view.in_use.note), "noted")
 
@@ -174,8 +178,9 @@ def state_of(view: View) -> tuple[str, str, str]:
     if view.is_over:
         return "■ ENDED", "$foreground", view.line
     if view.trouble:
-        is_imu = bool(view.streams[0].trouble)  # the first stream; a receiver beside it stops nothing
-        return "✗ NO DATA" if is_imu else "✗ GNSS", "$error", view.trouble
+        ailing = next((stream for stream in view.streams if stream.trouble), view.streams[0])
+        is_imu = ailing is view.streams[0]  # what stands beside it stops nothing
+        return "✗ NO DATA" if is_imu else f"✗ {ailing.name.split()[0].upper()}", "$error", view.trouble
     if view.alarms:
         return "✗ ALARM", "$error", "; ".join(view.alarms)
     if view.line:

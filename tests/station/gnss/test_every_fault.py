@@ -23,8 +23,8 @@ from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.truth import Truth
 from procedures.gnss import FixType
 from station.gnss import GnssFeed
-from station.gnss.lasting import LastingReader
 from station.mcap_files.fix_writer import FixWriter
+from station.reader.lasting import LastingReader
 
 TRUTH = Truth(latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
 SPEED, POLL_S, DEADLINE_S = 2.0, 0.01, 60.0

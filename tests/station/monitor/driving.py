@@ -10,8 +10,10 @@ from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
+from procedures.fusion.camera_time import CameraOffset
 from procedures.gnss import AirData, GnssFix, TimeMark
 from station.live import open_feed
+from station.locate.live_camera import LiveCamera
 from station.mcap_files.fix_reader import Record
 from station.mcap_files.fix_writer import FixWriter
 from station.monitor.body_axes import DEFAULT, body_axes
@@ -22,6 +24,7 @@ from station.monitor.options import Options
 from station.monitor.recording import Recording
 from station.monitor.view import InUse, Stream, View
 from tests.station.live.bench_in_memory import Source
+from tests.station.monitor.sighted import CAMERA, Sight
 from tests.station.monitor.unit import calibration_of
 
 
@@ -62,11 +65,16 @@ class Receiver:
 
 
 class DriveRig:
-    """`run` lets device time pass; ``lines`` are the views that a sink was told."""
+    """`run` lets device time pass; ``lines`` are the views that a sink was told.
+
+    With ``sees``, how late [s] images are read and between which times [s] there are none, a camera is there; its
+    delay is ``told`` or not.
+    """
 
     def __init__(
         self, truth: Truth, track: Track, autopilot: AutopilotTruth, faults: Sequence[GnssFault] = (),
         lever_arm: tuple[float, ...] = (0.0, 0.0, 0.0), folder: Path | None = None, seed: int = 1,
+        sees: tuple[float, tuple[float, float]] | None = None, told: float | None = None,
     ) -> None:  # fmt: skip
         self.source = Source(truth, seed=seed)
         self.source.device.drive(track)
@@ -75,15 +83,22 @@ class DriveRig:
         self.lines: list[View] = []
         applied = Applied(calibration_of(truth), None, InUse("by hand", 1.0))
         C = body_axes(DEFAULT)
-        where = None if folder else locating(self.feed, applied, C, lever_arm, ExitStack(), live=False)
+        sight = None if sees is None else Sight(self.source, track, *sees)
+        eye = (
+            None
+            if sight is None
+            else LiveCamera(CAMERA, sight.follow, None if told is None else CameraOffset(told, 0.0))
+        )
+        where = None if folder else locating(self.feed, applied, C, lever_arm, ExitStack(), live=False, camera=eye)
         self.writer = None if folder is None else FixWriter(folder / "gnss_1.mcap")
         receiver = Receiver(self.source, Autopilot(truth, autopilot, faults, track, seed), self.writer)
         recording = None if folder is None else Recording(folder, self.feed.wire)
         if recording is not None:
             recording.begin()
         self.monitor = Monitor(
-            self.feed, applied, Options(C=C, aid="gnss", locating=where), recording, receiver, (self.lines.append,)
-        )
+            self.feed, applied, Options(C=C, aid="gnss", locating=where, camera=sight), recording, receiver,
+            (self.lines.append,),
+        )  # fmt: skip
 
     @property
     def view(self) -> View:

@@ -90,10 +90,26 @@ LOCATED = _with(
         outliers=3, fix_age=0.2, track=_EIGHT, far=((10.0, 20.0), (12.0, 19.0), (-30.0, 5.0)),
     ),
 )  # fmt: skip
+SEEING = _with(
+    LOCATED, streams=(IMU, GNSS, Stream("camera 10.0.0.7:8080", 19.8, 0.1, 16000, 0, 0, 0)),
+    location=_with(LOCATED.location, camera="118 features, stamps 43 ms late"),
+)  # fmt: skip
+BLIND = _with(
+    SEEING,
+    streams=(IMU, GNSS, Stream(
+        "camera 10.0.0.7:8080", 0.0, 4.1, 16000, 0, 2, 0,
+        trouble="10.0.0.7:8080: no bytes for 1.8 s, expected images; check the camera",
+    )),
+    location=Location(
+        why="the image moves by 1.8 sigmas more than by a turn, 4 are needed: move further; without the camera: "
+        "at rest the Earth's rate gives yaw to 5.7 deg and gravity tilt to 0.0 deg 1 sigma, 4 and 1 are needed",
+        fixes=98, camera="no image for 4 s",
+    ),
+)  # fmt: skip
 BEHIND = _with(LOCATED, reading=_with(LOCATED.reading, t=824.0))
 VIEWS = {
     "behind": BEHIND,
-    "not_located": WAITING_TO_LOCATE, "located": LOCATED,
+    "not_located": WAITING_TO_LOCATE, "located": LOCATED, "seeing": SEEING, "blind": BLIND,
     "waiting": View(), "moving": MOVING, "resting": RESTING, "zeroed": ZEROED, "alarming": ALARMING,
     "silent": SILENT, "aided": AIDED, "steep": STEEP, "uncalibrated": UNCALIBRATED,
     "ended": _with(RESTING, is_over=True, line="ended"),

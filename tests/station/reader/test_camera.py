@@ -12,9 +12,9 @@ from drivers.errors import PortNotFound
 from drivers.simulated.camera_faults import CameraFault
 from drivers.simulated.camera_server import SimulatedCamera
 from drivers.simulated.truth import Truth
-from station.gnss.lasting import LastingReader
 from station.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.reader import Chunk, GapMark, Reader
+from station.reader.lasting import LastingReader
 
 pytest.importorskip("cv2", reason="opencv is not installed")
 DEADLINE_S = 60.0

@@ -17,7 +17,7 @@ LOOKS = [
     ("waiting", SMALL, ""), ("moving", SMALL, ""), ("resting", SMALL, ""), ("alarming", SMALL, ""),
     ("silent", SMALL, ""), ("zeroed", SMALL, ""), ("steep", SMALL, ""), ("resting", SMALL, "question_mark"),
     ("moving", LARGE, ""), ("aided", LARGE, ""), ("not_located", SMALL, ""), ("located", SMALL, ""),
-    ("located", LARGE, ""), ("located", SMALL, "question_mark"),
+    ("located", LARGE, ""), ("located", SMALL, "question_mark"), ("seeing", SMALL, ""), ("blind", SMALL, ""),
 ]  # fmt: skip
 
 
@@ -39,6 +39,7 @@ async def test_nothing_is_cut_off(size: tuple[int, int]) -> None:
                 await seen.show(view)
                 await seen.pilot.pause()
                 assert not cut_off(seen), name
+                assert seen.app.screen.max_scroll_y == 0, name
 
 
 def cut_off(seen: Shown) -> list[object]:
@@ -75,6 +76,16 @@ def cut_off(seen: Shown) -> list[object]:
         (
             "located",
             ("HEADING 329.20 deg 1 sigma 0.11", "1 sigma 0.21 m, up 0.34 m", "4051 fixes 3 outliers", "20 m"),
+        ),
+        ("seeing", ("118 features, stamps 43 ms late", "camera 10.0.0.7:8080 19.8 Hz")),
+        (
+            "blind",
+            (
+                "✗ CAMERA 10.0.0.7:8080: no bytes",
+                "✗ camera 10.0.0.7:8080",
+                "no image for 4 s",
+                "4 are needed: move further",
+            ),
         ),
         ("behind", ("3 outliers 12 s behind",)),
         ("waiting", ("waiting for the first samples", "no attitude yet")),

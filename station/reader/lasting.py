@@ -11,6 +11,7 @@ from drivers.errors import DriverError
 from station.reader import Chunk, GapMark, Reader
 
 RETRY_S = 0.5  # between two tries
+FOR_EVER = 2**63 - 1  # ns: the moment up to which nothing more comes of what is gone
 
 
 class LastingReader:

@@ -1,0 +1,145 @@
+"""The camera of a live run: frames on the IMU's clock, how late they are, and which keyframes they ask for.
+
+Images are stamped by the camera's own clock where it tells one, else by when they were read. What its stamps are
+late by all the same (exposure, read-out, the way here) is told, or found out while the unit turns.
+"""
+
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+
+from drivers.camera import CameraImage
+from procedures.fusion.camera_keyframes import CLOSEST, SPACING
+from procedures.fusion.camera_time import CameraOffset, camera_offset
+from procedures.fusion.live_visual_window import Frame, filled, no_frame
+from procedures.fusion.records import ImuSeries
+from procedures.fusion.tracks import Camera, Tracks
+from procedures.gnss import TimeMark
+from station.camera.following import Follow
+from station.gnss.fix_times import FixTimes
+from station.plural import plural
+
+MARKS_NS = 60 * 10**9  # of the lines between the clocks
+KEPT_S = 60.0  # of frames: by them the delay is found
+SPARSER = 1.2  # attempts are as much farther apart each time, up to
+MOST_S = 5.0
+AGES = 20  # frames, whose lateness is looked at
+LATEST_S = 1.0  # that is waited for a frame
+EARLY_S = 0.06  # by which a frame is to be known before a keyframe comes near it
+SILENT_S = 2.0
+UNTOLD = CameraOffset(0.0, 0.1)
+FINE_S = 0.001  # 1 sigma of the delay: better is not looked for
+BETTER = 0.7  # of the sigma in use: less of a gain is not worth a leap in time
+
+
+class LiveCamera:
+    """``told`` is the offset to be added to the camera's stamps; with a sigma, or None, it is found.
+
+    ``why`` says what is missing.
+    """
+
+    def __init__(self, camera: Camera, follow: Follow, told: CameraOffset | None = None) -> None:
+        self.camera, self._follow, self._told = camera, follow, told
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Let all go that hangs on the unit's time."""
+        self.offset = self._told if self._told is not None and not self._told.std else None
+        self.why = "no image yet"
+        self._times = FixTimes(MARKS_NS)
+        self._frames: deque[Frame] = deque()  # by the camera's stamps, without the offset
+        self._ages: deque[float] = deque(maxlen=AGES)
+        self._now, self._try_at, self._pause = -np.inf, -np.inf, 1.0
+
+    def mark(self, marks: Iterable[tuple[int, float]]) -> None:
+        """Take moments of reading [ns] and the device times [s] of the samples that came then."""
+        for host_ns, device_s in marks:
+            self._times.mark_imu(host_ns, device_s)
+
+    def take(self, images: Sequence[CameraImage], now: float) -> None:
+        """Follow features through new images; ``now`` [s] is the newest sample's time."""
+        self._now = now
+        for image in images:
+            if image.device_ns is not None:
+                self._times.mark_sender(TimeMark(image.host_ns, image.device_ns, None))
+            t, seen = self._times.of(image), self._follow(image)
+            if t is not None and seen is not None and abs(now - t) < KEPT_S and t > self._newest:
+                self._frames.append(Frame(t, *seen))
+                self._ages.append(now - t)
+        while self._frames and self._frames[0].t < now - KEPT_S:
+            self._frames.popleft()
+
+    @property
+    def is_learning(self) -> bool:
+        """Whether what the stamps are late by is still to be found, or known better."""
+        return self.offset is None or self.offset.std > FINE_S
+
+    @property
+    def is_due(self) -> bool:
+        """Whether it is time for an attempt."""
+        return self.is_learning and self._now - self._newest < SILENT_S and self._now >= self._try_at
+
+    def learn(self, imu: ImuSeries) -> None:
+        """Find out what the stamps are late by; what was found before gives way to what is known much better."""
+        self._pause = min(self._pause * SPARSER, MOST_S)
+        self._try_at = self._now + self._pause
+        known = self._told or UNTOLD
+        found = camera_offset(imu, self._tracks(-np.inf, 0.0), self.camera, known.offset, known.std)
+        if isinstance(found, CameraOffset):
+            self.offset = found if self.offset is None or found.std < BETTER * self.offset.std else self.offset
+        elif self.offset is None:
+            self.why = f"what its stamps are late by is not known: {found.why}"
+
+    @property
+    def lateness(self) -> float:
+        """How far behind the newest sample [s] keyframes are to stand."""
+        late = max(self._ages, default=0.0) - (self.offset.offset if self.offset is not None else 0.0)
+        return float(np.clip(late + EARLY_S, 0.0, LATEST_S))
+
+    @property
+    def _newest(self) -> float:
+        return self._frames[-1].t if self._frames else -np.inf
+
+    def tracks(self, first: float = -np.inf) -> Tracks:
+        """Return what was seen from ``first`` [s] on by the IMU's clock; nothing where that is not known yet."""
+        if self.offset is None:
+            return self._tracks(np.inf, 0.0)
+        return self._tracks(first - self.offset.offset, self.offset.offset)
+
+    def _tracks(self, first: float, offset: float) -> Tracks:
+        frames = [frame for frame in self._frames if frame.t >= first and len(frame.feature)]
+        return Tracks(
+            np.concatenate([np.zeros(0), *(np.full(len(frame.feature), frame.t + offset) for frame in frames)]),
+            np.concatenate([np.zeros(0, np.int64), *(frame.feature for frame in frames)]),
+            np.concatenate([np.zeros((0, 2)), *(frame.uv for frame in frames)]),
+        )
+
+    def due(self, last: float, until: float) -> Iterator[Frame]:
+        """Yield the keyframes after ``last`` [s] that are due up to ``until``: at frames, and as often without."""
+        while (frame := self._next(last, until)) is not None:
+            yield from filled(last, frame)
+            last = frame.t
+
+    def _next(self, last: float, until: float) -> Frame | None:
+        found: Frame | None = None
+        if self.offset is not None:
+            for frame in reversed(self._frames):
+                if (t := frame.t + self.offset.offset) < last + CLOSEST:
+                    break
+                found = Frame(t, frame.feature, frame.uv)
+        if found is not None and found.t <= until:
+            return found
+        return no_frame(last + SPACING) if until - last > 1.5 * SPACING else None
+
+    @property
+    def said(self) -> str:
+        """How the camera does, in words."""
+        silent = self._now - self._newest
+        if SILENT_S < silent < np.inf:
+            return f"no image for {silent:.0f} s"
+        if self.offset is None or not self._frames:
+            return self.why
+        return (
+            f"{plural(len(self._frames[-1].feature), 'feature')}, stamps {-self.offset.offset * 1e3:.0f} ms late"
+        )

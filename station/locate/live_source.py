@@ -1,0 +1,56 @@
+"""What a live locator draws poses from: the window in which alignment, samples and fixes come together."""
+
+from collections.abc import Iterator
+from typing import Protocol
+
+from procedures.arrays import FloatArray
+from procedures.fusion.inertial_window import WindowSettings
+from procedures.fusion.live_window import LiveWindow
+from procedures.fusion.odometry import OdometryPose
+from procedures.fusion.records import ImuSeries
+from station.locate.live_beginning import Begun
+from station.locate.live_fixes import LiveFixes
+
+
+class LiveSource(Protocol):
+    """Go through `begin` first, then through what is `due` for ever."""
+
+    @property
+    def velocity(self) -> FloatArray:
+        """The newest keyframe's velocity (3,) [m/s] in n."""
+        ...
+
+    def begin(self) -> Iterator[OdometryPose]:
+        """Yield the poses of the alignment's own data."""
+        ...
+
+    def due(self, imu: ImuSeries, until: float) -> Iterator[OdometryPose]:
+        """Yield the keyframes that are due up to a time [s]; ``imu`` has the samples since the last one."""
+        ...
+
+    def learn(self, lever: FloatArray, std: float) -> None:
+        """Take the lever arm (3,) [m] and 1 sigma of it, as the graph knows them now."""
+        ...
+
+
+class LiveInertial:
+    """IMU and GNSS velocity: `LiveSource` with a keyframe at each fix and between them."""
+
+    def __init__(self, settings: WindowSettings, begun: Begun, given: LiveFixes) -> None:
+        self._window, self._given = LiveWindow(settings, begun.imu, begun.fixes, begun.aligned), given
+
+    @property
+    def velocity(self) -> FloatArray:  # noqa: D102
+        assert self._window.state is not None
+        return self._window.state.v
+
+    def begin(self) -> Iterator[OdometryPose]:  # noqa: D102
+        yield from self._window.poses()
+
+    def due(self, imu: ImuSeries, until: float) -> Iterator[OdometryPose]:  # noqa: D102
+        while (due := self._given.next_keyframe(float(self._window.frames.t[-1]), until)) is not None:
+            assert self._given.fixes is not None
+            yield self._window.go_on(due[0], imu, self._given.fixes, due[1])
+
+    def learn(self, lever: FloatArray, std: float) -> None:
+        """Leave it: this window estimates the lever arm itself."""

@@ -1,0 +1,85 @@
+"""Locating live by a camera as well: when it may begin, and the window that it goes on in."""
+
+from collections.abc import Iterator
+
+from procedures.arrays import FloatArray
+from procedures.fusion.aligner import between
+from procedures.fusion.gnss_velocity import LeverArm
+from procedures.fusion.inertial_terms import Site
+from procedures.fusion.live_visual_window import LiveVisualWindow
+from procedures.fusion.moving_aligner import MovingAligner
+from procedures.fusion.odometry import OdometryPose
+from procedures.fusion.outer_graph import OuterSettings
+from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
+from procedures.fusion.visual_aligner import VisualAligner
+from procedures.fusion.visual_inertial_window import VisionSettings
+from procedures.fusion.visual_start import VisualStart
+from station.locate.live_beginning import Beginning, Begun
+from station.locate.live_camera import LiveCamera
+from station.locate.live_fixes import LiveFixes
+from station.locate.vision import antenna_of
+
+BEFORE = 1.0  # s of samples before the first keyframe
+
+
+class VisualBeginning:
+    """Tries by the camera, and by the IMU alone where that cannot do it yet; ``why`` says what both miss."""
+
+    def __init__(self, aligner: MovingAligner, camera: LiveCamera) -> None:
+        self._inertial, self._camera = Beginning(aligner), camera
+        site = Site(aligner.gravity, aligner.earth_n, aligner.noise)
+        antenna = LeverArm(aligner.lever, aligner.lever_std or 0.0)
+        self._aligner = VisualAligner(VisionSettings(site, camera.camera, antenna))
+        self.why = self._inertial.why
+
+    @property
+    def noise(self) -> ImuNoise:
+        """The IMU's noise."""
+        return self._inertial.noise
+
+    def attempt(self, imu: ImuSeries, fixes: GnssFixes) -> Begun | None:
+        """Return a beginning if it is time for an attempt and that succeeds."""
+        if (begun := self._by_camera(imu, fixes)) is not None:
+            return begun
+        begun = self._inertial.attempt(imu, fixes)
+        self.why = f"{self.why}; without the camera: {self._inertial.why}"
+        return begun
+
+    def _by_camera(self, imu: ImuSeries, fixes: GnssFixes) -> Begun | None:
+        tracks = self._camera.tracks()
+        if not len(tracks.t):
+            self.why = f"camera: {self._camera.said}"
+            return None
+        now = min(float(tracks.t[-1]), float(imu.t[-1]), float(fixes.t[-1]))
+        found = self._aligner.align(imu, tracks, fixes, now)
+        if not isinstance(found, VisualStart):
+            self.why = found.why
+            return None
+        aligned = found.aligned
+        return Begun(aligned, between(imu, aligned.t0 - BEFORE, float(tracks.t[-1])), fixes)
+
+
+class LiveVision:
+    """Camera, IMU and GNSS velocity: `station.locate.live_source.LiveSource` with a keyframe at each frame."""
+
+    def __init__(
+        self, site: Site, given: OuterSettings, begun: Begun, fixes: LiveFixes, camera: LiveCamera
+    ) -> None:
+        settings, tracks = VisionSettings(site, camera.camera, antenna_of(given)), camera.tracks(begun.aligned.t0)
+        self._window = LiveVisualWindow(settings, begun.imu, tracks, begun.fixes, begun.aligned)
+        self._camera, self._fixes = camera, fixes
+
+    @property
+    def velocity(self) -> FloatArray:  # noqa: D102
+        return self._window.velocity
+
+    def begin(self) -> Iterator[OdometryPose]:  # noqa: D102
+        yield from self._window.poses()
+
+    def due(self, imu: ImuSeries, until: float) -> Iterator[OdometryPose]:  # noqa: D102
+        for frame in self._camera.due(self._window.t, min(until, float(imu.t[-1]) - self._camera.lateness)):
+            assert self._fixes.fixes is not None
+            yield self._window.go_on(frame, imu, self._fixes.fixes)
+
+    def learn(self, lever: FloatArray, std: float) -> None:  # noqa: D102
+        self._window.antenna = LeverArm(lever, std)

@@ -1,0 +1,79 @@
+"""A drive in memory with a camera: located as soon as it moves, also in the dark, judged by its own sigma."""
+
+import numpy as np
+import pytest
+
+from drivers.simulated.autopilot_truth import AutopilotTruth
+from station.monitor.lines import json_line, reading_line
+from station.monitor.view import Location, View
+from tests.drivers.simulated.drives import bends
+from tests.station.monitor.driving import DriveRig
+from tests.station.monitor.test_driving import TRUTH, off, turned
+
+TRACK = bends(60.0, still=16.0)  # as of test_driving
+AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0)
+DARK = (28.0, 33.0)
+
+
+@pytest.fixture(scope="module")
+def drive() -> DriveRig:
+    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, DARK), told=-0.04)
+    rig.run(38.0)
+    return rig
+
+
+def located(drive: DriveRig) -> list[tuple[View, Location]]:
+    return [(view, view.location) for view in drive.lines if view.location and view.location.is_located]
+
+
+def test_it_is_located_within_three_seconds_of_setting_off(drive: DriveRig) -> None:
+    waiting = [view.location for view in drive.lines if view.location and not view.location.is_located]
+    assert waiting[-1].why.startswith("the image moves by")
+    assert "move further; without the camera: at rest" in waiting[-1].why
+    assert 16.0 < located(drive)[0][1].t < 19.0
+
+
+def test_heading_and_place_are_the_truth_within_their_sigma(drive: DriveRig) -> None:
+    settled = [location for _, location in located(drive) if location.t > 19.0]
+    assert len(settled) > 150
+    assert all(off(each) < 4 * np.sqrt(2) * max(each.enu_std[:2]) for each in settled)
+    assert all(abs(turned(each)) < 4 * (each.heading_std or 0.0) for each in settled[::5])
+    assert settled[-1].heading_std is not None
+    assert settled[-1].heading_std < 0.4
+    last = settled[-1]
+    assert np.linalg.norm(np.array(last.velocity) - TRACK.velocity(last.t)) < 0.15
+    assert all(view.reading.t - each.t < 0.5 for view, each in located(drive) if view.reading)
+
+
+def test_it_goes_on_without_images_and_says_so(drive: DriveRig) -> None:
+    said = {
+        location.camera for view, location in located(drive) if view.reading and DARK[0] < view.reading.t < 33.0
+    }
+    assert "no image for 4 s" in said
+    after = [location for view, location in located(drive) if view.reading and view.reading.t > 33.5]
+    assert all(location.camera == "80 features, stamps 40 ms late" for location in after)
+    times = [location.t for _, location in located(drive)]
+    assert max(np.diff(times)) < 0.35
+
+
+def test_lines_and_streams_tell_of_the_camera(drive: DriveRig) -> None:
+    view, location = located(drive)[-1]
+    assert reading_line(view).endswith(f"; camera: {location.camera}")
+    assert f'"camera": "{location.camera}"' in json_line(view)
+    assert [stream.name for stream in view.streams][-1] == "camera simulated"
+
+
+def test_a_unit_that_begins_anew_is_located_anew(drive: DriveRig) -> None:
+    drive.feed.begin_anew()
+    drive.run(1.0)
+    assert drive.view.location is not None
+    assert not drive.view.location.is_located
+
+
+def test_of_a_delay_that_nobody_knows_the_imu_begins_alone() -> None:
+    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 100.0)))
+    rig.run(30.0)
+    assert rig.view.location is not None
+    assert rig.view.location.is_located
+    assert rig.view.location.camera == "no image yet"
+    assert abs(turned(rig.view.location)) < 4 * (rig.view.location.heading_std or 0.0)
