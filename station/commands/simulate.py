@@ -12,6 +12,7 @@ import typer
 from station.commands import Database
 
 if TYPE_CHECKING:
+    from drivers.simulated.camera_server import SimulatedCamera
     from drivers.simulated.gnss_faults import GnssFault
     from drivers.simulated.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
@@ -202,14 +203,21 @@ def _is_host(name: str) -> bool:
         return False
 
 
-def _announce(device: "SimulatedDevice", gnss: "SimulatedGnss | None") -> None:
+def _announce(
+    device: "SimulatedDevice", gnss: "SimulatedGnss | None", camera: "SimulatedCamera | None" = None
+) -> None:
     typer.echo(f"url {device.url}")
     if gnss is not None:
         typer.echo(f"gnss {gnss.url}")
+    if camera is not None:
+        typer.echo(f"camera {camera.url}")
     typer.echo(f"control {device.control}")
     typer.echo(f"serving {device.truth.model} {device.truth.serial}; Ctrl-C ends it", err=True)
-    if gnss is not None:
-        typer.echo("one clock for both: the receiver sends only while the IMU is read", err=True)
+    if gnss is not None or camera is not None:
+        others = " and ".join(
+            name for name, each in (("the receiver", gnss), ("the camera", camera)) if each is not None
+        )
+        typer.echo(f"one clock for all: {others} send only while the IMU is read", err=True)
 
 
 @contextlib.contextmanager

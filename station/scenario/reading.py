@@ -6,9 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from drivers.errors import DriverError
 from drivers.mavlink.signing import read_key
 from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.camera_faults import CameraFault, camera_faults_from
+from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.device import ByteDevice, Move
 from drivers.simulated.effects import planted
 from drivers.simulated.errors import TruthRefused, UnknownEffect
@@ -19,7 +23,7 @@ from drivers.simulated.track import Track, load_track
 from drivers.simulated.truth import Truth, truth_from
 from station.campaign_folder.toml_text import Key, line_of, read_tables, read_text_file
 from station.errors import DataRefused
-from station.scenario.schema import GnssTable, HandsTable, ScenarioTable
+from station.scenario.schema import CameraTable, GnssTable, HandsTable, ScenarioTable
 
 EARLIEST = 1e-6  # s: a move may begin so much before the one before is over
 F = TypeVar("F")
@@ -27,7 +31,7 @@ F = TypeVar("F")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scenario:
-    """What is to be served; ``table`` has the ports."""
+    """What is to be served; ``table`` has the ports. ``drive`` is the IMU's track, ``track`` the receiver's."""
 
     path: Path
     table: ScenarioTable
@@ -37,6 +41,9 @@ class Scenario:
     autopilot: AutopilotTruth | None
     track: Track | None
     gnss_faults: tuple[GnssFault, ...]
+    drive: Track | None
+    camera: CameraTruth | None
+    camera_faults: tuple[CameraFault, ...]
 
     def beside(self, name: str) -> str:
         """Return the path of a file that is named in the scenario, from the folder it stands in."""
@@ -52,6 +59,9 @@ def read_scenario(path: Path) -> Scenario:
     kinds = {**KINDS, **CAN_KINDS} if is_can else KINDS
     if table.gnss is None and table.gnss_fault:
         raise where.refusal(("gnss_fault", 0), "a fault of a receiver that is not there", "a table [gnss]")
+    if table.camera is None and table.camera_fault:
+        raise where.refusal(("camera_fault", 0), "a fault of a camera that is not there", "a table [camera]")
+    drive = _drive(table, truth, path, where)
     return Scenario(
         path,
         table,
@@ -59,8 +69,11 @@ def read_scenario(path: Path) -> Scenario:
         tuple(_moves(table, truth, where)),
         tuple(_faults(table.fault, "fault", _of_kinds(kinds), where)),
         _autopilot(table.gnss, path, where),
-        _track(table.gnss, path, where),
+        _track(table.gnss.track if table.gnss else "", ("gnss", "track"), path, where) or drive,
         tuple(_faults(table.gnss_fault, "gnss_fault", gnss_faults_from, where)),
+        drive,
+        _camera(table.camera, where),
+        tuple(_faults(table.camera_fault, "camera_fault", camera_faults_from, where)),
     )
 
 
@@ -152,9 +165,37 @@ def _autopilot(gnss: GnssTable | None, path: Path, where: _Lines) -> AutopilotTr
     return AutopilotTruth(**given)
 
 
-def _track(gnss: GnssTable | None, path: Path, where: _Lines) -> Track | None:
-    if gnss is None or not gnss.track:
+def _track(name: str, key: Key, path: Path, where: _Lines) -> Track | None:
+    if not name:
         return None
-    text = read_text_file(path.parent / gnss.track).decode("utf-8", "replace")
-    with where.at("gnss", "track"):
+    text = read_text_file(path.parent / name).decode("utf-8", "replace")
+    with where.at(*key):
         return load_track(text)
+
+
+def _drive(table: ScenarioTable, truth: Truth, path: Path, where: _Lines) -> Track | None:
+    track = _track(table.imu.track, ("imu", "track"), path, where)
+    if track is None:
+        return None
+    if table.hands:
+        raise where.refusal(("hands", 0), "hands, and an IMU that is driven along a track", "one of them")
+    with where.at("imu", "track"):
+        ByteDevice(truth, table.seed, "counts").drive(track)
+    return track
+
+
+def _camera(table: CameraTable | None, where: _Lines) -> CameraTruth | None:
+    if table is None:
+        return None
+    given = table.model_dump(exclude={"port", "imu_from_camera"})
+    named = {name.removesuffix("_px"): value for name, value in given.items()}
+    for name, size in (("cx", table.width), ("cy", table.height)):  # the image's middle, where it is not said
+        named[name] = (size - 1) / 2 if named[name] is None else named[name]
+    if table.imu_from_camera is not None:
+        if [len(row) for row in table.imu_from_camera] != [4, 4, 4, 4]:
+            found = f"rows of {[len(row) for row in table.imu_from_camera]}"
+            raise where.refusal(("camera", "imu_from_camera"), found, "4 rows of 4")
+        matrix = np.array(table.imu_from_camera)
+        named |= {"C_bc": matrix[:3, :3], "t_bc": matrix[:3, 3]}
+    with where.at("camera", "imu_from_camera"):
+        return CameraTruth(**named)

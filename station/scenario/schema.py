@@ -16,7 +16,10 @@ class _Table(BaseModel):
 
 
 class ImuTable(_Table):
-    """``[imu]``: how the IMU is connected; ``link`` and ``port`` as those of `station simulate`."""
+    """``[imu]``: how the IMU is connected; ``link`` and ``port`` as those of `station simulate`.
+
+    ``track`` is a CSV file along which it is driven, and receiver and camera with it.
+    """
 
     transport: Literal["pty", "tcp", "slcan", "udp_multicast"] = "pty"
     format: str = "counts"
@@ -25,6 +28,7 @@ class ImuTable(_Table):
     control: Port = 0
     dbc: str = ""
     map: str = ""
+    track: str = ""
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
@@ -55,7 +59,10 @@ class AutopilotTable(_Table):
 
 
 class GnssTable(_Table):
-    """``[gnss]``: an autopilot with a receiver; ``to`` is where UDP is sent to, ``track`` a CSV file."""
+    """``[gnss]``: an autopilot with a receiver; ``to`` is where UDP is sent to.
+
+    ``track`` is a CSV file along which the receiver goes alone; without it, where the IMU goes.
+    """
 
     transport: Literal["udp", "tcp", "pty"] = "udp"
     link: str = ""
@@ -81,6 +88,25 @@ class GnssTable(_Table):
         return (host, int(port)) if host and port.isascii() and port.isdigit() and int(port) < 65536 else None
 
 
+class CameraTable(_Table):
+    """``[camera]``: see `CameraTruth`; names as in ``camera/1``. What is not given is as it is there."""
+
+    port: Port = 0
+    width: Annotated[int, Field(ge=16, le=4096)] = 376
+    height: Annotated[int, Field(ge=16, le=4096)] = 240
+    fx_px: Annotated[float, Field(gt=0)] = 230.0
+    fy_px: Annotated[float, Field(gt=0)] = 230.0
+    cx_px: float | None = None
+    cy_px: float | None = None
+    imu_from_camera: list[list[float]] | None = None
+    rate_hz: Annotated[float, Field(gt=0, le=100)] = 15.0
+    latency_s: Annotated[float, Field(ge=0, le=10)] = 0.04
+    clock_offset_s: Annotated[float, Field(ge=0)] = 1000.0
+    clock_ppm: Annotated[float, Field(ge=-1000, le=1000)] = 20.0
+    quality: Annotated[int, Field(ge=1, le=100)] = 90
+    noise: Annotated[float, Field(ge=0, le=100)] = 1.5
+
+
 class HandsTable(_Table):
     """``[[hands]]``: a command of the hands, at a device time; without ``at_s`` when the one before is over."""
 
@@ -89,7 +115,7 @@ class HandsTable(_Table):
 
 
 class ScenarioTable(_Table):
-    """All of it. ``truth``, ``fault`` and ``gnss_fault`` are read by `drivers.simulated`."""
+    """All of it. ``truth``, ``fault``, ``gnss_fault`` and ``camera_fault`` are read by `drivers.simulated`."""
 
     format: Literal["scenario/1"]
     title: str = ""
@@ -99,6 +125,8 @@ class ScenarioTable(_Table):
     truth: dict[str, Any] = Field(default_factory=dict)
     imu: ImuTable = Field(default_factory=ImuTable)
     gnss: GnssTable | None = None
+    camera: CameraTable | None = None
     hands: list[HandsTable] = Field(default_factory=list)
     fault: list[dict[str, Any]] = Field(default_factory=list)
     gnss_fault: list[dict[str, Any]] = Field(default_factory=list)
+    camera_fault: list[dict[str, Any]] = Field(default_factory=list)

@@ -2,12 +2,20 @@
 
 import re
 import signal
+from contextlib import closing
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from drivers.camera import CameraDecoder
+from drivers.framing import Decoder
+from drivers.ports import open_port
+from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.device import ByteDevice, Move
 from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
+from procedures.records import joined_blocks
 from station import cli
 from station.errors import DataRefused
 from station.scenario import read_scenario
@@ -22,7 +30,7 @@ SMALLEST = 'format = "scenario/1"\n'
 def test_the_shipped_examples_can_be_served_and_stand_on_the_page(path: Path) -> None:
     scenario = read_scenario(path)
     assert scenario.table.title
-    assert scenario.moves
+    assert scenario.moves or scenario.drive
     assert f"scenarios/{path.name}" in (DOCS / "testing.md").read_text(encoding="utf-8")
 
 
@@ -84,6 +92,12 @@ def test_moves_at_set_times_give_the_same_bytes_however_they_are_taken() -> None
         (SMALLEST + "[[gnss_fault]]\nkind='jump'\nat_s=1", 2, "not there", "[gnss]"),
         (SMALLEST + "[gnss]\n[[gnss_fault]]\nkind='luck'\nat_s=1", 3, "'luck'", "no_fix"),
         (SMALLEST + "[gnss]\n[gnss.autopilot]\nkey = 'nofile'", 4, "nofile", "key file"),
+        (SMALLEST + "[[camera_fault]]\nkind='dark'\nat_s=1", 2, "not there", "[camera]"),
+        (SMALLEST + "[camera]\n[[camera_fault]]\nkind='luck'\nat_s=1", 3, "'luck'", "no_stamp"),
+        (SMALLEST + "[camera]\nwidth = 1", 3, "camera.width = 1", "16"),
+        (SMALLEST + "[camera]\nimu_from_camera = [[1.0]]", 3, "rows of [1]", "4 rows of 4"),
+        (SMALLEST + f"[camera]\nimu_from_camera = {[[1.0] * 4] * 4}", 3, "C_bc", "rotation"),
+        (SMALLEST + "[imu]\ntrack = 's.toml'", 3, "could not convert", "t_s,e_m,n_m,u_m"),
         (SMALLEST + "speed =\nseed = 1", 2, "no TOML", "valid TOML"),
     ],
 )
@@ -123,6 +137,36 @@ def test_a_bench_is_served_and_tells_what_happens(tmp_path: Path) -> None:
     assert re.findall(r"^ *(\d+\.\d) s  (.*)$", told, re.MULTILINE) == [
         ("2.0", "hands: place 3 5"), ("4.0", "fault: lost"),
     ]  # fmt: skip
+
+
+def test_imu_receiver_and_camera_go_along_one_track(tmp_path: Path) -> None:
+    pytest.importorskip("cv2", reason="opencv is not installed")
+    scenario = read_scenario(DOCS / "scenarios/drive.toml")
+    assert scenario.drive is scenario.track
+    assert scenario.camera is not None
+    assert np.array_equal(scenario.camera.C_bc, CameraTruth().C_bc)
+    text = (DOCS / "scenarios/drive.toml").read_text(encoding="utf-8")
+    (tmp_path / "s.toml").write_text(text.replace("drive.csv", str(DOCS / "scenarios/drive.csv")))
+    with Program("simulate", "--scenario", str(tmp_path / "s.toml"), "--speed", "4") as program:
+        said = "".join(program.until("control "))
+        (imu,) = re.findall(r"^url (tcp:\S+)$", said, re.MULTILINE)
+        (camera,) = re.findall(r"^camera (camera:http://127.0.0.1:\d+/stream)$", said, re.MULTILINE)
+        with closing(open_port(camera)) as seen, closing(open_port(imu)) as felt:
+            wire, cameras, images, samples = Decoder(FORMATS["counts"]), CameraDecoder(), [], []
+            while len(images) < 3:  # one clock for all: it goes on while the IMU is read
+                samples.append(wire.feed(felt.read(4096)))
+                images += cameras.feed(seen.read(2**20), 0)
+        program.process.send_signal(signal.SIGINT)
+        assert program.end()[0] == 0
+    last_s = joined_blocks(samples).device_time[-1]
+    assert 0 <= images[-1].device_ns / 1e9 - scenario.camera.clock_offset_s < last_s + 1.0
+
+
+def test_hands_cannot_move_what_is_driven(tmp_path: Path) -> None:
+    text = f"{SMALLEST}[imu]\ntrack = '{DOCS}/scenarios/drive.csv'\n[[hands]]\ndo = 'rest 1'\n"
+    (tmp_path / "s.toml").write_text(text)
+    with pytest.raises(DataRefused, match="driven along a track"):
+        read_scenario(tmp_path / "s.toml")
 
 
 def test_the_scenario_on_the_page_can_be_served(tmp_path: Path) -> None:
