@@ -3,7 +3,8 @@
 DATA holds fusion/1 folders with real IMU and truth. For every seed a simulated camera flies along the truth as in
 `tests.benchmarks.locate_vision`, its stamps off by up to 0.15 s, and the offset is sought in every stretch of the
 recording. The truth's own stamps wander against its IMU, on V203 by 9 ms in a minute and a half; what they are off
-over a stretch is fitted to the truth's attitudes, without a camera, and taken off: the camera has the truth's clock.
+over a stretch is fitted to the truth's attitudes, without a camera, and taken off: the camera has the truth's
+clock.
 """
 
 from collections import Counter
