@@ -12,7 +12,8 @@ from procedures.fusion.tracks import Tracks
 from station.fusion_folder import FusionLog
 
 FIRST = 5.0  # s of tracks after which it is worth a try
-STEP = 1.0  # s between attempts
+STEP = 1.0  # s between attempts until it is found
+AGAIN = 10.0  # s after which it is found anew
 SPAN = 20.0  # s that are looked at
 UNASKED = 0.1  # s, 1 sigma, where nothing was said
 SURE = 5.0  # sigmas from which an offset is one
@@ -21,7 +22,7 @@ HARMLESS = 0.005  # s, that a window hardly feels: docs/locate-vision.md
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClockedTracks:
-    """Tracks on the IMU's clock; ``told`` [s] and ``found`` of their offset, which was known ``since`` [s]."""
+    """Tracks on the IMU's clock; ``told`` [s] and the last ``found`` of their offset, first known at ``since``."""
 
     tracks: Tracks
     told: float | None
@@ -32,20 +33,35 @@ class ClockedTracks:
 def on_imu_clock(log: FusionLog) -> ClockedTracks | Waiting:
     """Shift a folder's tracks by the offset that is told, or found where ``time_offset_std_s`` asks for it.
 
-    What is found uses nothing later than ``since``; what a folder never tells is waited for.
+    A camera's own clock walks away from the IMU's, 3 ms in a minute at 50 ppm: what was found is found again all
+    along. Frames later than ``since`` are shifted by what was known before them.
     """
     assert log.imu is not None and log.tracks is not None  # noqa: PT018
     told, std = _told(log)
     if std is None:
         return ClockedTracks(log.tracks.shifted(told or 0.0), told)
     why = Waiting(f"IMU and camera overlap for less than {FIRST:g} s")
-    start, end = (pick(log.imu.t[at], log.tracks.t[at]) for pick, at in ((max, 0), (min, -1)))
-    for now in np.arange(start + FIRST, end, STEP):
-        found = _attempt(log, log.imu, log.tracks, float(now), told or 0.0, std)
+    now, end = (pick(log.imu.t[at], log.tracks.t[at]) for pick, at in ((max, 0), (min, -1)))
+    now += FIRST
+    known = list[tuple[float, CameraOffset]]()
+    while now < end:
+        found = _attempt(log, log.imu, log.tracks, now, told or 0.0, std)
         if isinstance(found, CameraOffset):
-            return ClockedTracks(log.tracks.shifted(found.offset), told, found, float(now))
-        why = found
-    return why
+            known.append((now, found))
+        else:
+            why = found
+        now += AGAIN if known else STEP
+    if not known:
+        return why
+    return ClockedTracks(followed(log.tracks, known), told, known[-1][1], known[0][0])
+
+
+def followed(tracks: Tracks, known: list[tuple[float, CameraOffset]]) -> Tracks:
+    """Shift each frame by what was known when it was taken, the first ones by the first; none runs back."""
+    later = np.searchsorted([now for now, _ in known[1:]], tracks.t + known[0][1].offset, "right")
+    t = tracks.t + np.array([found.offset for _, found in known])[later]
+    rows = t >= np.maximum.accumulate(t)
+    return Tracks(t[rows], tracks.feature[rows], tracks.uv[rows])
 
 
 def suspicion(log: FusionLog) -> str:
