@@ -50,7 +50,8 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     told = partial(_tell_lever, window) if given.layout.lever_arm else None
     located = through_graph(log, window, after=max(aligned.t, clocked.since), settings=given, told=told)
     bias = {"gyro_bias": window.state.bg[-1], "accel_bias": window.state.ba[-1]}
-    warnings = (*located.warnings, *of_gaps(log, imu_gaps(log.imu)))
+    late = suspicion(log)
+    warnings = (*located.warnings, *of_gaps(log, imu_gaps(log.imu)), *([late] if late else []))
     located = replace(located, alignment=alignment_of(aligned), warnings=warnings, **bias)
     if clocked.found is None:
         return replace(located, camera_time_offset=clocked.told)
@@ -88,4 +89,4 @@ def _aligned(log: FusionLog, tracks: Tracks, settings: VisionSettings, fixes: Gn
     if isinstance(other, Aligned):
         return other
     hint = suspicion(log) if STRANGE_CLOCK in found.why else ""
-    return Waiting(f"{found.why}{hint}; without the camera: {other.why}")
+    return Waiting(f"{found.why}{hint and f' ({hint})'}; without the camera: {other.why}")

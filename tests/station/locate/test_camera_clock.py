@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from procedures.fusion.alignment import Waiting
+from procedures.fusion.camera_time import CameraOffset
+from procedures.fusion.tracks import Tracks
 from station import cli
 from station.fusion_folder import FusionLog, read_fusion
 from station.fusion_folder.tracks import write_tracks
-from station.locate.camera_clock import ClockedTracks, on_imu_clock, suspicion
+from station.locate.camera_clock import ClockedTracks, followed, on_imu_clock, suspicion
 from station.locate.text import location_text
 from tests.procedures.fusion.motions import Eight
 from tests.procedures.fusion.seen import tracks_of
@@ -74,6 +76,21 @@ def test_what_is_found_uses_nothing_later_than_it_is_known(log: FusionLog) -> No
     assert other.found == whole.found
 
 
+def test_a_clock_that_walks_away_is_followed_and_no_frame_runs_back() -> None:
+    t = np.repeat(np.arange(0.0, 30.0, 0.05), 2)
+    tracks = Tracks(t, np.tile([0, 1], len(t) // 2), np.zeros((len(t), 2)))
+    known = [(8.0, CameraOffset(0.01, 1e-3)), (18.0, CameraOffset(0.012, 1e-3)), (28.0, CameraOffset(-0.15, 1e-3))]
+    shifted = followed(replace(tracks, uv=np.c_[t, t]), known)
+    times, begin = shifted.frames()
+    assert np.all(np.diff(times) > 0)
+    assert np.all(np.diff(begin) == 2)
+    offset = shifted.t - shifted.uv[:, 0]
+    assert np.allclose(offset[shifted.t < 18.0], 0.01)
+    assert np.allclose(offset[(shifted.t > 18.02) & (shifted.t < 27.8)], 0.012)
+    assert np.allclose(offset[-20:], -0.15)
+    assert len(times) == len(t) // 2 - 3  # those that a jump back would have overtaken
+
+
 def test_an_offset_that_is_told_is_added(log: FusionLog) -> None:
     told = on_imu_clock(said_of(log, time_offset_s=LATE, time_offset_std_s=None))
     assert isinstance(told, ClockedTracks)
@@ -85,7 +102,9 @@ def test_an_offset_that_is_told_is_added(log: FusionLog) -> None:
 
 def test_a_clock_that_nothing_was_said_of_is_suspected(tmp_path: Path) -> None:
     silent = read_fusion(write_late(tmp_path / "log", 14.0))
-    assert re.search(r"stamps are off by -(7|8)\d\.\d \+- [345]\.\d ms: say time_offset_s", suspicion(silent))
+    assert re.search(
+        r"stamps seem to be off by -(7|8)\d\.\d \+- [345]\.\d ms: say time_offset_s", suspicion(silent)
+    )
     assert suspicion(said_of(silent, time_offset_s=0.0)) == ""  # told: as good as known
 
 
