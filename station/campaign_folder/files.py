@@ -34,6 +34,8 @@ def open_inside(folder: Path, name: str, named_in: str | Path, line: int | None)
         _check(os.stat(target), folder / name)
         descriptor = os.open(target, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     except FileNotFoundError:
+        if line is None:  # no file names it: every such folder has one
+            raise DataRefused(named_in, None, f"no {name}", "one", "check the name") from None
         raise DataRefused(named_in, line, f"{name!r}, which does not exist", expected) from None
     except OSError as error:
         raise DataRefused(named_in, line, f"{name!r} ({error.strerror})", expected) from error

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
+from station.commands._earth import Heading, Latitude
 
 if TYPE_CHECKING:
     from procedures.attitude.gains import Gains
@@ -28,14 +29,8 @@ def attitude(
     k1: Annotated[float | None, typer.Option("--k1", help="K1 of the mixing law [1/s].")] = None,
     k2: Annotated[float | None, typer.Option("--k2", help="K2 of the mixing law [1/s].")] = None,
     gravity: Annotated[float, typer.Option("--gravity", metavar="M_S2", min=9.7, max=9.9)] = 9.80665,
-    latitude: Annotated[
-        float | None,
-        typer.Option("--latitude", metavar="DEG", min=-90, max=90, help="Takes the Earth's rate off."),
-    ] = None,
-    heading: Annotated[
-        float | None,
-        typer.Option("--heading", metavar="DEG", min=-360, max=360, help="True heading at the start."),
-    ] = None,
+    latitude: Latitude = None,
+    heading: Heading = None,
     gyro_bias_std: Annotated[
         float | None,
         typer.Option("--gyro-bias-std", metavar="DEG_H", min=1e-6, help="1 sigma of the gyros' biases, if known."),

@@ -81,7 +81,7 @@ def _warning(found: "Found") -> list[str]:
 
 def _pace(url: str, came_hz: float, rate_hz: float | None) -> str:
     """Return what to say of samples that come much faster or slower than they say, empty where they do not."""
-    if rate_hz is None or url.startswith("replay:") or abs(came_hz / rate_hz - 1) <= OFF_PACE:
+    if rate_hz is None or url.startswith(("replay:", "camera:")) or abs(came_hz / rate_hz - 1) <= OFF_PACE:
         return ""
     return f"{came_hz:.3g} Hz by this machine's clock; check sample period and sync line"
 

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
+from station.commands._earth import Heading, Latitude
 
 AIDS = ("none", "gnss", "airspeed-filter")
 
@@ -43,14 +44,8 @@ def monitor(
         str,
         typer.Option("--axes", metavar="F,R,D", help="Which IMU axes point forward, right, down."),
     ] = "x,-y,-z",
-    latitude: Annotated[
-        float | None,
-        typer.Option("--latitude", metavar="DEG", min=-90, max=90, help="Takes the Earth's rate off."),
-    ] = None,
-    heading: Annotated[
-        float | None,
-        typer.Option("--heading", metavar="DEG", min=-360, max=360, help="True heading of forward, at the start."),
-    ] = None,
+    latitude: Latitude = None,
+    heading: Heading = None,
     gravity: Annotated[
         float | None, typer.Option("--gravity", metavar="M/S2", min=9.7, max=9.9, help="Surveyed; else normal.")
     ] = None,

@@ -60,7 +60,7 @@ REFUSED = {
         _replace("one.csv", lambda p: None),
         "campaign.toml:14: found 'one.csv', which does not exist",
     ),
-    "no campaign.toml": (_replace("campaign.toml", lambda p: None), "found 'campaign.toml', which does not exist"),
+    "no campaign.toml": (_replace("campaign.toml", lambda p: None), "found no campaign.toml, expected one"),
     "wrong header": (_csv("t_s,gx", "time,gx"), "one.csv:1: found column 'time', expected columns out of t_s,gx"),
     "unknown column": (_csv("temp_c", "temperature"), "one.csv:1: found column 'temperature'"),
     "column twice": (_csv("temp_c", "gx"), "one.csv:1: found column gx twice"),

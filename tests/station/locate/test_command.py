@@ -63,6 +63,14 @@ def test_a_file_of_the_folder_is_never_written_over(
     assert (folder / name).read_bytes() == before
 
 
+def test_one_result_is_never_written_over_another(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder, out = write_folder(tmp_path / "log", seconds=5.0), tmp_path / "track.tum"
+    both = ["--out", str(out), "--batch", str(tmp_path / "log" / ".." / "track.tum")]
+    assert cli.run(["locate", str(folder), "--source", "odometry", *both]) == 2
+    assert "another result goes there" in capsys.readouterr().err
+    assert not out.exists()
+
+
 def test_what_never_moves_is_exit_5_and_says_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = write_folder(tmp_path / "log")
     for name in ("odometry.tum", "truth.tum"):

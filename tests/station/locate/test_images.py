@@ -103,6 +103,11 @@ def test_images_that_cannot_be_are_refused_in_one_line(images: Path, lines: str,
     assert "\n" not in str(refused.value)
 
 
+def test_a_folder_without_a_list_of_images_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DataRefused, match=r"found no images.csv, expected one; check the name"):
+        list(listed_images(tmp_path))
+
+
 def test_no_camera_is_a_device_fault(tmp_path: Path) -> None:
     with pytest.raises(PortNotFound, match="no images can be had"):
         open_camera(tmp_path / "video7")
