@@ -4,6 +4,7 @@ import contextlib
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,7 +24,7 @@ def simulate(
     context: typer.Context,
     scenario: Annotated[
         Path | None,
-        typer.Option("--scenario", metavar="TOML", help="A whole bench in a file; only --speed goes with it."),
+        typer.Option("--scenario", metavar="TOML", help="A whole bench in a file; see below."),
     ] = None,
     truth: Annotated[
         Path | None, typer.Option("--truth", metavar="TOML", help="What is true of the unit and its bench.")
@@ -69,6 +70,10 @@ def simulate(
         Path | None,
         typer.Option("--track", metavar="CSV", help="Where both go: t_s,e_m,n_m,u_m. Else they stand."),
     ] = None,
+    camera_file: Annotated[
+        Path | None,
+        typer.Option("--camera-file", metavar="FILE", help="Describe a scenario's camera here, camera/1."),
+    ] = None,
     hold: Annotated[bool, typer.Option("--hold", help="Begin when the hands say go.")] = False,
     db: Database = None,
 ) -> None:
@@ -81,7 +86,7 @@ def simulate(
     On CAN the URL has the sample period in it; `--transport slcan --pty LINK` keeps a link to the adapter.
 
     With --scenario all of it stands in one file, the operator's moves and the faults at their times too, and what
-    happens is told as it happens: docs/testing.md.
+    happens is told as it happens: docs/testing.md. Only --speed and --camera-file go with it.
 
     Exit code 3 if the truth, the faults or the scenario are wrong, 4 if the port cannot be made.
 
@@ -95,8 +100,12 @@ def simulate(
     from station.faults_file import read_faults
 
     if scenario is not None:
-        _serve_scenario(scenario, context)
+        _serve_scenario(scenario, context, camera_file)
         return
+    if camera_file is not None:
+        raise typer.BadParameter(
+            "a camera stands in a scenario; expected with --scenario", param_hint="--camera-file"
+        )
     if truth is not None and example is not None:
         raise typer.BadParameter("--truth and --example are two truths; expected one of them")
     if pty is not None and tcp is not None:
@@ -143,20 +152,22 @@ def simulate(
         raise PortNotFound(str(pty or tcp or "pty"), reason, "choose another path or port") from error
 
 
-def _serve_scenario(path: Path, context: typer.Context) -> None:
+def _serve_scenario(path: Path, context: typer.Context, camera_file: Path | None) -> None:
     from drivers.errors import PortNotFound
     from station.scenario import read_scenario, serve_scenario
 
     given = {name for name in context.params if str(context.get_parameter_source(name)).endswith("COMMANDLINE")}
-    if other := sorted(given - {"scenario", "speed", "db"}):
+    if other := sorted(given - {"scenario", "speed", "camera_file", "db"}):
         raise typer.BadParameter(f"--{other[0]} and --scenario; expected it in the scenario's file")
     scenario = read_scenario(path)
+    if camera_file is not None and scenario.camera is None:
+        raise typer.BadParameter(f"no [camera] in {path}", param_hint="--camera-file")
     _end_on_signals()
     try:
         with contextlib.suppress(KeyboardInterrupt):
             serve_scenario(
                 scenario,
-                _announce,
+                partial(_announce, camera_file=camera_file),
                 lambda line: typer.echo(line, err=True),
                 context.params["speed"] if "speed" in given else None,
             )
@@ -204,13 +215,16 @@ def _is_host(name: str) -> bool:
 
 
 def _announce(
-    device: "SimulatedDevice", gnss: "SimulatedGnss | None", camera: "SimulatedCamera | None" = None
-) -> None:
+    device: "SimulatedDevice", gnss: "SimulatedGnss | None", camera: "SimulatedCamera | None" = None,
+    camera_file: Path | None = None,
+) -> None:  # fmt: skip
     typer.echo(f"url {device.url}")
     if gnss is not None:
         typer.echo(f"gnss {gnss.url}")
     if camera is not None:
         typer.echo(f"camera {camera.url}")
+        if camera_file is not None:
+            _describe(camera, camera_file)
     typer.echo(f"control {device.control}")
     typer.echo(f"serving {device.truth.model} {device.truth.serial}; Ctrl-C ends it", err=True)
     if gnss is not None or camera is not None:
@@ -218,6 +232,13 @@ def _announce(
             name for name, each in (("the receiver", gnss), ("the camera", camera)) if each is not None
         )
         typer.echo(f"one clock for all: {others} send only while the IMU is read", err=True)
+
+
+def _describe(camera: "SimulatedCamera", file: Path) -> None:
+    from drivers.simulated.camera_truth import camera_toml
+    from station.campaign_folder.atomic import replace_file
+
+    replace_file(file, camera_toml(camera.camera, camera.url).encode())
 
 
 @contextlib.contextmanager

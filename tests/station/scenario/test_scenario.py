@@ -17,6 +17,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.records import joined_blocks
 from station import cli
+from station.camera.description import read_description
 from station.errors import DataRefused
 from station.scenario import read_scenario
 from tests.station.commands.program import Program
@@ -147,10 +148,14 @@ def test_imu_receiver_and_camera_go_along_one_track(tmp_path: Path) -> None:
     assert np.array_equal(scenario.camera.C_bc, CameraTruth().C_bc)
     text = (DOCS / "scenarios/drive.toml").read_text(encoding="utf-8")
     (tmp_path / "s.toml").write_text(text.replace("drive.csv", str(DOCS / "scenarios/drive.csv")))
-    with Program("simulate", "--scenario", str(tmp_path / "s.toml"), "--speed", "4") as program:
+    eye = tmp_path / "eye.toml"
+    with Program(
+        "simulate", "--scenario", str(tmp_path / "s.toml"), "--speed", "4", "--camera-file", str(eye)
+    ) as program:
         said = "".join(program.until("control "))
         (imu,) = re.findall(r"^url (tcp:\S+)$", said, re.MULTILINE)
         (camera,) = re.findall(r"^camera (camera:http://127.0.0.1:\d+/stream)$", said, re.MULTILINE)
+        assert read_description(eye).address.text == camera
         with closing(open_port(camera)) as seen, closing(open_port(imu)) as felt:
             wire, cameras, images, samples = Decoder(FORMATS["counts"]), CameraDecoder(), [], []
             while len(images) < 3:  # one clock for all: it goes on while the IMU is read
