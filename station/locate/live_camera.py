@@ -89,7 +89,7 @@ class LiveCamera:
         if isinstance(found, CameraOffset):
             self.offset = found if self.offset is None or found.std < BETTER * self.offset.std else self.offset
         elif self.offset is None:
-            self.why = f"what its stamps are late by is not known: {found.why}"
+            self.why = f"its delay is not known: {found.why}"
 
     @property
     def lateness(self) -> float:
@@ -138,8 +138,10 @@ class LiveCamera:
         silent = self._now - self._newest
         if SILENT_S < silent < np.inf:
             return f"no image for {silent:.0f} s"
-        if self.offset is None or not self._frames:
+        if not self._frames:
             return self.why
+        if self.offset is None:
+            return "its delay is not known: turn it unevenly"
         return (
             f"{plural(len(self._frames[-1].feature), 'feature')}, stamps {-self.offset.offset * 1e3:.0f} ms late"
         )

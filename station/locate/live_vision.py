@@ -48,7 +48,7 @@ class VisualBeginning:
     def _by_camera(self, imu: ImuSeries, fixes: GnssFixes) -> Begun | None:
         tracks = self._camera.tracks()
         if not len(tracks.t):
-            self.why = f"camera: {self._camera.said}"
+            self.why = f"camera: {self._camera.why}"
             return None
         now = min(float(tracks.t[-1]), float(imu.t[-1]), float(fixes.t[-1]))
         found = self._aligner.align(imu, tracks, fixes, now)

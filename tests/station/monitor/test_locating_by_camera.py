@@ -107,7 +107,7 @@ def test_live_images_are_followed_and_recorded(tmp_path: Path) -> None:
         given = ["--plain", "--gnss", gnss.url, "--folder", str(tmp_path / "r"), *asked(tmp_path)]
         given += ["--locate", "--camera", str(tmp_path / "eye.toml")]
         with Program("monitor", imu.url, *given) as program:
-            program.until("camera: what its stamps are late by is not known: its clock is known to")
+            program.until("camera: its delay is not known: its clock is known to")
             program.press("q")
             code, _, error = program.end()
     assert (code, error) == (0, "")
