@@ -74,12 +74,16 @@ def _spanned(imu: ImuSeries, pairs: FramePairs, about: float, reach: float) -> F
     good = (first >= imu.t[0]) & (last <= imu.t[-1])
     for gap in imu_gaps(imu):
         good &= (last < gap.first) | (first > gap.last)
-    pairs = pairs.part(np.flatnonzero(good))
-    if len(pairs) <= MOST:
+    return _telling(imu, pairs.part(np.flatnonzero(good)), about, reach, MOST)
+
+
+def _telling(imu: ImuSeries, pairs: FramePairs, about: float, reach: float, most: int) -> FramePairs:
+    """Return those pairs over which the rate changes most, for that is what an offset shows by."""
+    if len(pairs) <= most:
         return pairs
-    gyro = GyroTurns(imu, np.zeros(3))
-    change = np.linalg.norm(gyro.rate(pairs.t1 + about) - gyro.rate(pairs.t0 + about), axis=1)
-    return pairs.part(np.sort(change.argsort()[-MOST:]))  # a change of rate is what an offset shows by
+    gyro, tried = GyroTurns(imu, np.zeros(3)), (about - reach / 2, about, about + reach / 2)
+    change = [np.linalg.norm(gyro.rate(pairs.t1 + d) - gyro.rate(pairs.t0 + d), axis=1) for d in tried]
+    return pairs.part(np.sort(np.max(change, axis=0).argsort()[-most:]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,8 +114,8 @@ class _Fit:
     def __init__(self, imu: ImuSeries, pairs: FramePairs, camera: Camera, about: float, std: float) -> None:
         self.imu, self.pairs, self.camera, self.about, self.known = imu, pairs, camera, about, std
         self.std = camera.std / np.array([camera.fx, camera.fy])
-        spacing = float(np.median(np.diff(pairs.t0)))
-        self._overlap = max(1, round(float(np.median(pairs.t1 - pairs.t0)) / spacing))
+        self._overlapping = np.abs(pairs.t0[:, None] - pairs.t0) <= np.median(pairs.t1 - pairs.t0) + NEAR
+        self._overlap = max(1.0, float(self._overlapping.sum(axis=1).mean()) / 2)
         self.prior = np.r_[std, np.full(3, BIAS), np.full(3, MOUNT)] ** -2
 
     def offset(self) -> CameraOffset | Waiting:
@@ -145,11 +149,11 @@ class _Fit:
 
     def _search(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return offsets (n,), and what each costs with the best bias and mount for it, in sigmas squared."""
-        every = -(-len(self.pairs) // ROUGH_PAIRS)
-        some = self.pairs.part(slice(None, None, every), ROUGH_POINTS)
+        reach = REACH * self.known
+        some = _telling(self.imu, self.pairs, self.about, reach, ROUGH_PAIRS).part(slice(None), ROUGH_POINTS)
         seen, gyro = EpipolarTurns(some, self.std, ROUGH_LOSS, ROUGH_ROUNDS), GyroTurns(self.imu, x[1:4])
-        half = int(np.ceil(REACH * self.known / STEP - SMALL))
-        grid = self.about + np.linspace(-REACH * self.known, REACH * self.known, 2 * half + 1)
+        half = int(np.ceil(reach / STEP - SMALL))
+        grid = self.about + np.linspace(-reach, reach, 2 * half + 1)
         costs = [self._rough(seen, gyro, np.r_[d, x[1:]]) for d in grid]
         return grid, np.array([_total(each) for each in costs])
 
@@ -197,7 +201,7 @@ class _Fit:
         """Return 1 sigma [s]: as the weights have it, or as the pairs scatter, those that overlap together."""
         P = np.linalg.inv(normal.A)
         moved = normal.parts @ P[0]
-        scatter = moved @ moved + 2 * sum(float(moved[k:] @ moved[:-k]) for k in range(1, self._overlap + 1))
+        scatter = float(moved @ self._overlapping @ moved)
         return SLACK * float(np.sqrt(max(P[0, 0], scatter)))
 
 
