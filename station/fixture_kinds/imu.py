@@ -6,6 +6,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.errors import NotInDatabase
 from fixtures_db.history import history
 from fixtures_db.schema import ImuRow
+from station.plural import plural
 
 
 def lines(session: Session) -> list[str]:
@@ -26,4 +27,6 @@ def _rows(session: Session) -> list[ImuRow]:
 
 def _calibrations(session: Session, row: ImuRow) -> str:
     own = [stored for stored in history(session, row.serial) if stored.imu_id == row.id]
-    return f"{len(own)} calibrations, the last of {own[-1].accepted_utc:%Y-%m-%d}" if own else "no calibration"
+    if not own:
+        return "no calibration"
+    return f"{plural(len(own), 'calibration')}, the last of {own[-1].accepted_utc:%Y-%m-%d}"

@@ -16,6 +16,7 @@ from procedures.history.adjusted import holm
 from procedures.history.fleet import Off, fleet, significant
 from procedures.history.groups import GroupShift, group_shift
 from station.history.tracks import Held, columns, numbers
+from station.plural import plural
 
 ALPHA = 0.05
 FAMILIES = 2
@@ -35,7 +36,9 @@ def population_document(model: str, runs: Sequence[Run]) -> dict[str, Any]:
     distinct = turn_ons(runs)
     held, left_out = columns(distinct)
     if len(distinct) < len(runs):
-        left_out.append(f"{len(runs) - len(distinct)} calibrations of recordings that were solved again later")
+        left_out.append(
+            f"{plural(len(runs) - len(distinct), 'calibration')} of recordings that were solved again later"
+        )
     groups, untold = _groups(held)
     return {
         "format": "population/1",

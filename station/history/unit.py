@@ -15,6 +15,7 @@ from procedures.history.prediction import FARTHEST, LEAST, Forecast, farthest, f
 from procedures.history.repeatability import TOGETHER_DAYS, Repeatability, turn_on_repeatability
 from procedures.history.series import Series
 from station.history.tracks import DAY_S, Track, tracks
+from station.plural import plural
 from station.solution_parameters import applied, parameters, shifts
 
 HORIZON_DAYS = 3652  # how far ahead a limit's date is looked for
@@ -63,7 +64,9 @@ def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | Non
     limit_of = {limit.parameter: limit for limit in limits}
     left_out = list(found.left_out)
     if len(distinct) < len(runs):
-        left_out.append(f"{len(runs) - len(distinct)} calibrations of recordings that were solved again later")
+        left_out.append(
+            f"{plural(len(runs) - len(distinct), 'calibration')} of recordings that were solved again later"
+        )
     return {
         "model": distinct[-1].model,
         "turn_ons": len(distinct),
@@ -133,7 +136,7 @@ def _needs(
     if chart is None:
         needs.append(f"control chart: {BEFORE + 1} turn-ons, {len(series)} there")
     if ahead is None:
-        there = f"{len(series)} turn-ons over {series.day[-1] - series.day[0]:.3g} days"
+        there = f"{plural(len(series), 'turn-on')} over {series.day[-1] - series.day[0]:.3g} days"
         further = f"{LEAST} more than {TOGETHER_DAYS:g} days apart, over a third of the days ahead"
         needs.append(f"prediction: {there}; needs {further}")
     return needs

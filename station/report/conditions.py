@@ -8,6 +8,7 @@ from procedures.arrays import FloatArray
 from procedures.campaign import Campaign
 from procedures.frames import AXES, FACES
 from procedures.solution import Solution
+from station.plural import plural
 from station.report.rounding import MINUS, decimals, fixed, significant
 
 
@@ -46,7 +47,7 @@ def _procedure(campaign: Campaign) -> list[tuple[str, str]]:
     return [
         ("Heading of a position", f"1\u03c3\u00a0{significant(float(np.degrees(sigma.heading)))}\u00b0"),
         ("Closure of a turn", f"1\u03c3\u00a0{significant(float(np.degrees(sigma.closure)))}\u00b0"),
-        ("Steps", f"{len(campaign.dwells)} dwells, {len(campaign.turns)} turns"),
+        ("Steps", f"{plural(len(campaign.dwells), 'dwell')}, {plural(len(campaign.turns), 'turn')}"),
     ]
 
 

@@ -74,7 +74,7 @@ def test_a_recording_solved_again_is_one_turn_on() -> None:
     ]
     found = analysis([*runs, again], LIMITS, None)
     assert found["turn_ons"] == 4
-    assert found["left_out"] == ["1 calibrations of recordings that were solved again later"]
+    assert found["left_out"] == ["1 calibration of recordings that were solved again later"]
 
 
 def test_turn_ons_within_a_week_give_the_repeatability() -> None:
