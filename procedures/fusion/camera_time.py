@@ -27,6 +27,7 @@ from procedures.fusion.records import ImuSeries
 from procedures.fusion.tracks import Camera, Tracks
 
 SETTLED = 0.005  # s, 1 sigma with which an offset is accepted
+MOST_TURNS = 0.95  # quantile of the changes of rate of which what is left counts
 REACH = 3.0  # sigmas of what is known before, that are searched
 STEP = 0.02  # s of the search: a vehicle does not swing to and fro within a few of them
 FEWEST, MOST = 20, 200  # pairs of frames
@@ -53,17 +54,18 @@ class CameraOffset:
 
 
 def camera_offset(
-    imu: ImuSeries, tracks: Tracks, camera: Camera, about: float = 0.0, std: float = 0.1
+    imu: ImuSeries, tracks: Tracks, camera: Camera, about: float = 0.0, std: float = 0.1, gentle: float = SETTLED
 ) -> CameraOffset | Waiting:
     """Return the offset of the camera's stamps, or what is missing to know it.
 
     Known before is ``about`` and 1 sigma ``std`` [s]. Some 10 to 30 s of both are wanted; frames that the IMU does
-    not span at all offsets that are tried are not used.
+    not span at all offsets that are tried are not used. Where turns are so even that what is left of them is
+    within their noise, 1 sigma up to ``gentle`` [s] is accepted.
     """
     pairs = _spanned(imu, frame_pairs(tracks, camera), about, REACH * std)
     if len(pairs) < FEWEST:
         return Waiting(f"{len(pairs)} pairs of frames within the IMU's time share features, {FEWEST} are needed")
-    return _Fit(imu, pairs, camera, about, std).offset()
+    return _Fit(imu, pairs, camera, about, std, gentle).offset()
 
 
 def _spanned(imu: ImuSeries, pairs: FramePairs, about: float, reach: float) -> FramePairs:
@@ -111,8 +113,11 @@ class _Fitted:
 class _Fit:
     """Pairs of frames and the gyro; what is fitted is offset, bias (3,) and the camera's turn (3,)."""
 
-    def __init__(self, imu: ImuSeries, pairs: FramePairs, camera: Camera, about: float, std: float) -> None:
+    def __init__(
+        self, imu: ImuSeries, pairs: FramePairs, camera: Camera, about: float, std: float, gentle: float
+    ) -> None:
         self.imu, self.pairs, self.camera, self.about, self.known = imu, pairs, camera, about, std
+        self._gentle = gentle
         self.std = camera.std / np.array([camera.fx, camera.fy])
         self._overlapping = np.abs(pairs.t0[:, None] - pairs.t0) <= np.median(pairs.t1 - pairs.t0) + NEAR
         self._overlap = max(1.0, float(self._overlapping.sum(axis=1).mean()) / 2)
@@ -141,11 +146,17 @@ class _Fit:
                 f"at no offset do the camera's turns fit the gyro's (mean square {fit.normal.misfit:.1f}, at most "
                 f"{STRANGE:g}, with the camera turned by {np.degrees(away):.0f} deg): is imu_from_camera right?"
             )
-        if sigma > SETTLED:
-            return Waiting(f"its clock is known to {sigma * 1e3:.0f} ms, needed {SETTLED * 1e3:.0f}: {UNEVEN}")
+        if sigma > (needed := self._needed(fit.x)):
+            return Waiting(f"its clock is known to {sigma * 1e3:.0f} ms, needed {needed * 1e3:.0f}: {UNEVEN}")
         if abs(fit.x[0] - self.about) > REACH * self.known:
             return Waiting(f"its clock seems {fit.x[0] * 1e3:.0f} ms off, beyond what was searched: say so")
         return None
+
+    def _needed(self, x: FloatArray) -> float:
+        """Return 1 sigma [s] of the offset that suffices: what it leaves of turns is within their noise `TURN`."""
+        gyro, t0, t1 = GyroTurns(self.imu, x[1:4]), self.pairs.t0 + x[0], self.pairs.t1 + x[0]
+        change = np.linalg.norm(gyro.rate(t1) - gyro.rate(t0), axis=1)
+        return float(np.clip(TURN / max(float(np.quantile(change, MOST_TURNS)), TINY), SETTLED, self._gentle))
 
     def _search(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return offsets (n,), and what each costs with the best bias and mount for it, in sigmas squared."""

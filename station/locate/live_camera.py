@@ -29,6 +29,7 @@ LATEST_S = 1.0  # that is waited for a frame
 EARLY_S = 0.06  # by which a frame is to be known before a keyframe comes near it
 SILENT_S = 2.0
 UNTOLD = CameraOffset(0.0, 0.1)
+GENTLE_S = 0.015  # 1 sigma of the delay that does where all turns are gentle: it is known better later
 FINE_S = 0.001  # 1 sigma of the delay: better is not looked for
 BETTER = 0.7  # of the sigma in use: less of a gain is not worth a leap in time
 
@@ -85,7 +86,7 @@ class LiveCamera:
         self._pause = min(self._pause * SPARSER, MOST_S)
         self._try_at = self._now + self._pause
         known = self._told or UNTOLD
-        found = camera_offset(imu, self._tracks(-np.inf, 0.0), self.camera, known.offset, known.std)
+        found = camera_offset(imu, self._tracks(-np.inf, 0.0), self.camera, known.offset, known.std, GENTLE_S)
         if isinstance(found, CameraOffset):
             self.offset = found if self.offset is None or found.std < BETTER * self.offset.std else self.offset
         elif self.offset is None:

@@ -131,3 +131,22 @@ def test_samples_that_the_imu_lost_do_no_harm() -> None:
     assert isinstance(found, CameraOffset), found
     assert found.std < SETTLED
     assert abs(found.offset - LATE) < 4 * found.std
+
+
+def weaving(t: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return a drive on the spot through gentle bends, for a camera that looks about: some 8 deg/s2 at most."""
+    zero, s = np.zeros_like(t), np.maximum(t - 2.0, 0.0)
+    return np.stack([zero, 0.4 * np.sin(0.6 * s), zero], axis=1), np.stack([0.3 * s, zero, 2.0 * s], axis=1)
+
+
+def test_of_an_even_motion_less_will_do_where_that_is_asked() -> None:
+    imu, tracks = seen(weaving, view=View(features=60))
+    refused = camera_offset(imu, tracks, CAMERA)
+    assert isinstance(refused, Waiting)
+    assert f"needed {SETTLED * 1e3:.0f}" in refused.why
+    found = camera_offset(imu, tracks, CAMERA, gentle=0.015)
+    assert isinstance(found, CameraOffset)
+    assert SETTLED < found.std < 0.015
+    assert abs(found.offset - LATE) < 4 * found.std
+    quick, seen_quickly = seen(rocking, view=View(features=40))
+    assert camera_offset(quick, seen_quickly, CAMERA) == camera_offset(quick, seen_quickly, CAMERA, gentle=0.015)
