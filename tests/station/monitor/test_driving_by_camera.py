@@ -70,10 +70,22 @@ def test_a_unit_that_begins_anew_is_located_anew(drive: DriveRig) -> None:
     assert not drive.view.location.is_located
 
 
-def test_of_a_delay_that_nobody_knows_the_imu_begins_alone() -> None:
-    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 100.0)))
-    rig.run(30.0)
+def test_a_camera_joins_an_imu_that_began_alone_without_a_leap() -> None:
+    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 30.0)), told=-0.04)
+    rig.run(29.0)
     assert rig.view.location is not None
     assert rig.view.location.is_located
     assert rig.view.location.camera == "no image yet"
     assert abs(turned(rig.view.location)) < 4 * (rig.view.location.heading_std or 0.0)
+    rig.run(6.0)
+    found = [location for _, location in located(rig) if location.t > 28.0]
+    off_by = np.array([np.array(each.enu) - TRACK.position(each.t) for each in found])
+    assert np.abs(np.diff(off_by, axis=0)).max() < 0.5
+    assert found[-1].camera.endswith("features, stamps 40 ms late")
+    assert found[-1].outliers == 0
+
+
+def test_a_delay_that_nobody_told_is_said_to_be_missing() -> None:
+    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 0.0)))
+    rig.run(30.0)
+    assert "its delay is not known: turn it unevenly" in {location.camera for _, location in located(rig)}

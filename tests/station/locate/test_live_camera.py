@@ -1,0 +1,113 @@
+"""A live camera's frames: on the IMU's clock, late by what is found, and the keyframes they ask for."""
+
+import numpy as np
+import pytest
+
+from drivers.camera import CameraImage
+from procedures.fusion.camera_keyframes import SPACING
+from procedures.fusion.camera_time import CameraOffset
+from procedures.fusion.tracks import Tracks
+from station.camera.following import Seen
+from station.locate.live_camera import LiveCamera
+from tests.procedures.fusion.seen import CAMERA
+from tests.procedures.fusion.test_camera_time import rocking, seen
+
+LATE_S, CLOCK_S = 0.06, 1000.0
+
+
+class Eye:
+    """A camera of tracks that are there already, read `LATE_S` late; ``stamps`` of a clock of its own, or none."""
+
+    def __init__(self, tracks: Tracks, *, stamps: bool) -> None:
+        self._tracks, self._stamps = tracks, stamps
+        self.t, self._begin = tracks.frames()
+
+    def image(self, i: int) -> CameraImage:
+        taken = float(self.t[i])
+        device_ns = round((taken * (1 + 2e-5) + CLOCK_S) * 1e9) if self._stamps else None
+        return CameraImage(round((taken + LATE_S) * 1e9), device_ns, str(i).encode())
+
+    def follow(self, image: CameraImage) -> Seen | None:
+        if image.jpeg == b"spoilt":
+            return None
+        rows = slice(*self._begin[int(image.jpeg) : int(image.jpeg) + 2].tolist())
+        return self._tracks.feature[rows], self._tracks.uv[rows]
+
+
+def fed(live: LiveCamera, eye: Eye, until: float, first: int = 0) -> int:
+    """Let time pass by tenths of a second up to ``until`` [s]; return the next image."""
+    start = 0.1 if not first else float(eye.t[first])
+    for now in np.arange(start, until, 0.1).tolist():
+        live.mark([(round(now * 1e9), now)])
+        come = [i for i in range(first, len(eye.t)) if eye.t[i] + LATE_S <= now]
+        live.take([eye.image(i) for i in come], now)
+        first = come[-1] + 1 if come else first
+    return first
+
+
+@pytest.mark.parametrize("stamps", [False, True], ids=["read", "stamped"])
+def test_what_stamps_are_late_by_is_found_and_known_better_later(stamps: bool) -> None:
+    imu, tracks = seen(rocking, offset=0.0)
+    eye = Eye(tracks, stamps=stamps)
+    live = LiveCamera(CAMERA, eye.follow)
+    assert live.said == "no image yet"
+    first = fed(live, eye, 1.9)  # it stands still
+    assert live.is_due
+    live.learn(imu)
+    assert live.offset is None
+    assert live.said == "its delay is not known: turn it unevenly"
+    assert live.why.startswith("its delay is not known: ")
+    assert not len(live.tracks().t)
+    first = fed(live, eye, 4.0, first)
+    live.learn(imu)
+    begun = live.offset
+    assert begun is not None
+    assert abs(begun.offset + LATE_S) < 4 * begun.std
+    fed(live, eye, 11.5, first)
+    live.learn(imu)
+    assert live.offset is not None
+    assert live.offset.std <= begun.std
+    assert abs(live.offset.offset + LATE_S) < 4 * live.offset.std + 1e-3
+    assert np.abs(live.tracks(5.0).t[0] - eye.t[np.searchsorted(eye.t, 5.0)]) < 0.005
+    assert live.lateness == pytest.approx(LATE_S + 0.06, abs=0.11)
+
+
+def test_what_is_told_is_kept() -> None:
+    _, tracks = seen(rocking, offset=0.0)
+    eye = Eye(tracks, stamps=False)
+    live = LiveCamera(CAMERA, eye.follow, CameraOffset(-LATE_S, 0.0))
+    fed(live, eye, 3.0)
+    assert not live.is_learning
+    assert live.said == "120 features, stamps 60 ms late"
+    live.begin_anew()
+    assert live.said == "no image yet"
+    assert live.offset == CameraOffset(-LATE_S, 0.0)
+
+
+def test_keyframes_stand_at_frames_and_as_often_without() -> None:
+    _, tracks = seen(rocking, offset=0.0)
+    dark = (tracks.t > 4.05) & (tracks.t < 4.95)
+    eye = Eye(Tracks(tracks.t[~dark], tracks.feature[~dark], tracks.uv[~dark]), stamps=False)
+    live = LiveCamera(CAMERA, eye.follow, CameraOffset(-LATE_S, 0.0))
+    fed(live, eye, 6.0)
+    due = list(live.due(3.0, 5.55))
+    t = np.array([each.t for each in due])
+    assert 5.55 - 1.5 * SPACING < t[-1] <= 5.55
+    assert np.diff(t).max() < 1.5 * SPACING
+    empty = np.array([not len(each.feature) for each in due])
+    assert np.all(empty == ((t > 4.05) & (t < 4.95)))
+    assert not list(live.due(float(t[-1]), 5.55))
+
+
+def test_images_that_are_none_are_passed_over() -> None:
+    _, tracks = seen(rocking, offset=0.0)
+    eye = Eye(tracks, stamps=False)
+    live = LiveCamera(CAMERA, eye.follow, CameraOffset(-LATE_S, 0.0))
+    first = fed(live, eye, 2.0)
+    before = len(live.tracks().t)
+    live.take([CameraImage(round(2.05e9), None, b"spoilt")], 2.1)
+    assert len(live.tracks().t) == before
+    live.take([eye.image(first - 1)], 2.1)  # again, as after a gap
+    assert len(live.tracks().t) == before
+    live.take([], 6.0)
+    assert live.said == "no image for 4 s"
