@@ -6,7 +6,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.fusion.camera_keyframes import SPACING
-from procedures.fusion.gnss_velocity import velocities
+from procedures.fusion.gnss_velocity import CLIMBED, velocities
 from procedures.fusion.inertial_increments import grid
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.records import GnssFixes, ImuSeries
@@ -39,11 +39,11 @@ class LiveVisualWindow(VisualInertialWindow):
     def go_on(self, frame: Frame, imu: ImuSeries, fixes: GnssFixes) -> OdometryPose:
         """Return the pose of a new keyframe.
 
-        ``imu`` has the samples since the last keyframe and around both ends; ``fixes`` those since then, older
-        ones do no harm.
+        ``imu`` has the samples since the last keyframe and around both ends; ``fixes`` those since some seconds
+        before it.
         """
         part = self._between(grid(imu, np.array([self.t, frame.t])))
-        since = int(np.searchsorted(fixes.t, self.t, "right"))
-        self._velocities = velocities(fixes.part(slice(since, None)), imu, self.start.gyro_bias)
-        self._aided = self._aided or bool(np.isfinite(fixes.v_n[since:, :2]).all(axis=1).any())
+        recent = fixes.part(fixes.t > self.t - CLIMBED - 1.0)
+        self._velocities = velocities(recent, imu, self.start.gyro_bias)
+        self._aided = self._aided or bool(np.isfinite(recent.v_n[:, :2]).all(axis=1).any())
         return self._add(frame.t, part, frame.feature, frame.uv)
