@@ -16,9 +16,10 @@ MARGIN = 9.0  # m, from the track to the walls
 EYE, CEILING = 1.6, 9.0  # m, from the track down and up
 APART = 10.0  # m, between pillars
 HALF = 0.8, 2.5  # m, of a pillar's width; thin ones are all edges, beside which features go astray
-CLEAR = 2.5  # m, from the track to a pillar at least
+CLEAR = 4.0  # m, from the track to a pillar at least: what is nearer goes by faster than features are followed
 WITHIN = 18.0  # m, of the track: pillars further off are not needed
 NEAREST = 0.05  # m
+LEAST = 1e-9  # of a ray's parts: all are divided by
 SEEN_FROM = 45.0  # m: pillars further off are not drawn
 
 
@@ -47,7 +48,7 @@ class Room:
     def image(self, camera: CameraTruth, C_nc: FloatArray, p_c: FloatArray) -> Floats:
         """Return what a camera at ``p_c`` (3,) [m] sees, (h, w) grey."""
         rays = _rays(camera, np.arange(camera.width), np.arange(camera.height)[:, None])
-        d = np.einsum("ij,j...->i...", C_nc.astype(np.float32), rays)
+        d = _turned(rays, C_nc)
         o = p_c.astype(np.float32)
         hits = self._walls(o, d)
         for box in self._near(o):
@@ -57,7 +58,7 @@ class Room:
 
     def ends(self, camera: CameraTruth, C_nc: FloatArray, p_c: FloatArray, uv: FloatArray) -> FloatArray:
         """Return the places (n, 3) [m] that stand at image points (n, 2) [px]."""
-        d = np.einsum("ij,jn->in", C_nc.astype(np.float32), _rays(camera, uv[:, 0], uv[:, 1]))
+        d = _turned(_rays(camera, uv[:, 0], uv[:, 1]), C_nc)
         o = p_c.astype(np.float32)
         hits = self._walls(o, d)
         for box in self._near(o):
@@ -67,8 +68,7 @@ class Room:
 
     def _walls(self, o: Floats, d: Floats) -> Hits:
         """Return where rays meet the room from inside."""
-        with np.errstate(divide="ignore"):
-            far = (np.where(d > 0, _up(self.high[0], d), _up(self.low[0], d)) - _up(o, d)) / d
+        far = (np.where(d > 0, _up(self.high[0], d), _up(self.low[0], d)) - _up(o, d)) / d
         axis = far.argmin(axis=0).astype(np.int8)
         return Hits(far.min(axis=0), axis, np.zeros(axis.shape, np.int32))
 
@@ -94,8 +94,7 @@ class Room:
 
     def _against(self, box: int, o: Floats, d: Floats, hits: Hits) -> None:
         """Let rays that meet a box before anything else end there."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            one, two = ((_up(each[box] - o, d)) / d for each in (self.low, self.high))
+        one, two = (_up(each[box] - o, d) / d for each in (self.low, self.high))
         enter, leave = np.minimum(one, two), np.maximum(one, two)
         near, far = enter.max(axis=0), leave.min(axis=0)
         met = (near < far) & (near > NEAREST) & (near < hits.depth)
@@ -114,6 +113,13 @@ def _rays(camera: CameraTruth, u: np.ndarray, v: np.ndarray) -> Floats:
     """Return rays (3, ...) of depth 1 through image points."""
     x, y = np.broadcast_arrays((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy)
     return np.stack((x, y, np.ones(x.shape))).astype(np.float32)
+
+
+def _turned(rays: Floats, C_nc: FloatArray) -> Floats:
+    """Return rays (3, ...) in East-North-Up; none is along a surface for good."""
+    d: Floats = np.einsum("ij,j...->i...", C_nc.astype(np.float32), rays)
+    d[np.abs(d) < LEAST] = LEAST
+    return d
 
 
 def _up(vector: Floats, like: Floats) -> Floats:

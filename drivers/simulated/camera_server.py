@@ -5,18 +5,16 @@ An image is rendered when its time has come and somebody looks; who reads too sl
 
 import contextlib
 import socket
-import time
+from collections import deque
 from collections.abc import Iterable, Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from threading import Condition, Event, Thread
-from types import TracebackType
-from typing import Self
+from threading import Condition, Thread
 
 from drivers.camera.parts import CONTENT_TYPE
+from drivers.simulated.beside import Beside, TrueTime
 from drivers.simulated.camera_faults import CameraFault
 from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.pace import TrueTime
 from drivers.simulated.timed_faults import active
 from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
@@ -25,7 +23,7 @@ POLL_S = 0.002
 PATH = "/stream"
 
 
-class SimulatedCamera:
+class SimulatedCamera(Beside[CameraFault]):
     """A camera on a TCP port of the loopback while the ``with`` block lasts.
 
     Parameters
@@ -50,42 +48,22 @@ class SimulatedCamera:
         speed: float = 1.0,
         port: int = 0,
     ) -> None:
-        self.images = CameraImages(truth, camera or CameraTruth(), faults, track, seed)
+        super().__init__("simulated camera", faults, beside, speed)
+        self.images = CameraImages(truth, camera or CameraTruth(), self.faults, track, seed)
         self.camera = self.images.camera
-        self._beside, self._speed, self._port = beside, speed, port
+        self._port = port
         self._server: _Server | None = None
-        self._stop = Event()
-        self._thread = Thread(target=self._run, name="simulated camera", daemon=True)
-        self._began = 0.0
-        self.sent = 0
-        self.failure: Exception | None = None
+        self._number = 0  # of the next image
+        self._waiting: deque[tuple[float, bytes]] = deque()  # until the camera is through with them
 
     @property
     def url(self) -> str:
         """The URL by which a station opens it."""
         return f"camera:http://127.0.0.1:{self._port}{PATH}"
 
-    @property
-    def now(self) -> float:
-        """True time [s]."""
-        return self._beside.true_time if self._beside else (time.monotonic() - self._began) * self._speed
-
     def plant(self, kind: str, seconds: float) -> None:
         """Have a fault act from now on, see `drivers.simulated.camera_faults.KINDS`."""
-        self.images.faults = (*self.images.faults, CameraFault(kind, self.now, seconds))
-
-    def __enter__(self) -> Self:
-        self._plug()
-        self._began = time.monotonic()
-        self._thread.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._stop.set()
-        self._thread.join()
-        self._unplug()
+        self.faults = self.images.faults = (*self.faults, CameraFault(kind, self.now, seconds))
 
     def _plug(self) -> None:
         self._server = _Server(self._port)
@@ -96,34 +74,20 @@ class SimulatedCamera:
             self._server.end()
             self._server = None
 
-    def _run(self) -> None:
-        try:
-            number = 0
-            while not self._stop.is_set():
-                now = self.now
-                self._look_after_the_port(now)
-                taken = number / self.camera.rate_hz
-                if now < taken + self.camera.latency_s:
-                    self._stop.wait(POLL_S)
-                    continue
-                if self._server is not None and self._server.lookers and not active(self._faults, taken, "stall"):
-                    self._server.show(self.images.part(taken))
-                    self.sent += 1
-                late = now - self.camera.latency_s  # images whose time is over are left out
-                number = max(number + 1, int(late * self.camera.rate_hz))
-        except Exception as error:  # the edge of a thread: kept for whoever asks, and the line goes silent
-            self.failure = error
-
-    @property
-    def _faults(self) -> tuple[CameraFault, ...]:
-        return self.images.faults
-
-    def _look_after_the_port(self, now: float) -> None:
-        wanted = not active(self._faults, now, "unplug")
-        if wanted and self._server is None:
-            self._plug()
-        elif not wanted:
-            self._unplug()
+    def _step(self, now: float, *, is_plugged: bool) -> None:
+        """Take the image that is due, and show those whose latency is over."""
+        server, rate = self._server, self.camera.rate_hz
+        taken = self._number / rate
+        if now >= taken:
+            if server is not None and server.lookers and not active(self.faults, taken, "stall"):
+                self._waiting.append((taken + self.camera.latency_s, self.images.part(taken)))
+            self._number = max(self._number + 1, int(now * rate))  # images whose time is over are left out
+        elif self._waiting and self._waiting[0][0] <= now:
+            _, sent = self._waiting.popleft()
+            if server is not None:
+                server.show(sent)
+        else:
+            self._stop.wait(POLL_S)
 
 
 class _Server(ThreadingHTTPServer):

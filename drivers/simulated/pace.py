@@ -2,20 +2,10 @@
 
 import time
 from collections.abc import Callable
-from typing import Protocol
 
 MOST_SAMPLES = 50  # of a chunk: bounds how late a command acts
 CHUNK_S = 0.01  # wall time a paced chunk aims at
 BEHIND_S = 0.25  # a device later than this starts its pace anew instead of hurrying after it
-
-
-class TrueTime(Protocol):
-    """A device whose true time goes on, such as `drivers.simulated.server.SimulatedDevice`."""
-
-    @property
-    def true_time(self) -> float:
-        """True time [s] since it began."""
-        ...
 
 
 class Pace:

@@ -6,8 +6,8 @@ is like is said by a marker of the fixture's name, its keyword arguments those o
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import pytest
 
@@ -23,6 +23,8 @@ MARKERS = {
     "simulated_gnss": "truth, seed, faults, autopilot, track, speed, transport ('udp', 'tcp', 'pty') ...",
     "simulated_camera": "truth, seed, faults, camera, track, speed, port",
 }
+D = TypeVar("D", "SimulatedDevice", "SimulatedGnss", "SimulatedCamera")
+F = TypeVar("F")
 AS_FAST_AS_READ = 0.0
 ALONE_SPEED = 10.0  # of a receiver that no IMU's clock goes beside: a fix each 20 ms
 
@@ -57,15 +59,9 @@ def simulated_gnss(request: pytest.FixtureRequest) -> Iterator[SimulatedGnss]:
     truth = _truth(settings, beside.truth if beside else None)
     if isinstance(autopilot := settings.pop("autopilot", None), Mapping):
         autopilot = AutopilotTruth(**autopilot)
-    faults = [
-        fault if isinstance(fault, GnssFault) else gnss_faults_from([fault])[0]
-        for fault in settings.pop("faults", ())
-    ]
+    faults = _faults(settings, GnssFault, gnss_faults_from)
     settings.setdefault("speed", ALONE_SPEED)
-    with SimulatedGnss(truth, autopilot, faults, beside=beside, **settings) as gnss:
-        yield gnss
-    if gnss.failure is not None:
-        raise gnss.failure
+    yield from _until_over(SimulatedGnss(truth, autopilot, faults, beside=beside, **settings))
 
 
 @pytest.fixture
@@ -80,14 +76,8 @@ def simulated_camera(request: pytest.FixtureRequest) -> Iterator[SimulatedCamera
     truth = _truth(settings, beside.truth if beside else None)
     if isinstance(camera := settings.pop("camera", None), Mapping):
         camera = CameraTruth(**camera)
-    faults = [
-        fault if isinstance(fault, CameraFault) else camera_faults_from([fault])[0]
-        for fault in settings.pop("faults", ())
-    ]
-    with SimulatedCamera(truth, camera, faults, beside=beside, **settings) as served:
-        yield served
-    if served.failure is not None:
-        raise served.failure
+    faults = _faults(settings, CameraFault, camera_faults_from)
+    yield from _until_over(SimulatedCamera(truth, camera, faults, beside=beside, **settings))
 
 
 def _served(request: pytest.FixtureRequest, name: str, usual: Mapping[str, Any]) -> Iterator[SimulatedDevice]:
@@ -96,10 +86,12 @@ def _served(request: pytest.FixtureRequest, name: str, usual: Mapping[str, Any])
 
     settings = {"seed": 1, "speed": AS_FAST_AS_READ, **usual, **_settings(request, name)}
     truth = _truth(settings)
-    faults = [
-        fault if isinstance(fault, Fault) else faults_from([fault])[0] for fault in settings.pop("faults", ())
-    ]
-    with SimulatedDevice(truth, faults=faults, **settings) as device:
+    faults = _faults(settings, Fault, faults_from)
+    yield from _until_over(SimulatedDevice(truth, faults=faults, **settings))
+
+
+def _until_over(device: D) -> Iterator[D]:
+    with device:
         yield device
     if device.failure is not None:
         raise device.failure
@@ -113,6 +105,14 @@ def _settings(request: pytest.FixtureRequest, name: str) -> dict[str, Any]:
     if marker.args:
         raise pytest.UsageError(f"marker {name}: found {marker.args[0]!r}; expected keywords: {MARKERS[name]}")
     return dict(marker.kwargs)
+
+
+def _faults(
+    settings: dict[str, Any], kind: type[F], read: Callable[[Iterable[Mapping[str, Any]]], tuple[F, ...]]
+) -> list[F]:
+    """Take ``faults`` out of the settings: faults, or tables of a fault file."""
+    given = settings.pop("faults", ())
+    return [fault if isinstance(fault, kind) else read([fault])[0] for fault in given]
 
 
 def _truth(settings: dict[str, Any], beside: Truth | None = None) -> Truth:

@@ -8,6 +8,7 @@ import pytest
 from drivers.simulated.bench import stand
 from drivers.simulated.camera_faults import CameraFault
 from drivers.simulated.camera_images import CameraImages
+from drivers.simulated.camera_room import Room
 from drivers.simulated.camera_truth import CameraTruth, camera_toml
 from drivers.simulated.drive import drive
 from drivers.simulated.errors import TruthRefused
@@ -82,6 +83,12 @@ def test_the_camera_turns_and_goes_with_the_imu() -> None:
     assert C_nc == pytest.approx(mounted.pose(10.0)[0] @ CAMERA.C_bc, abs=1e-9)
     v = TRACK.velocity(10.0)
     assert mounted.pose(10.0)[0][:, 0] @ v == pytest.approx(np.linalg.norm(v), rel=1e-2)  # x ahead, but for slopes
+
+
+def test_rays_along_the_walls_are_no_trouble() -> None:
+    level = CameraTruth(cx=188.0, cy=120.0)
+    image = Room(TRACK).image(level, np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]), np.zeros(3))
+    assert np.isfinite(image).all()
 
 
 def test_images_are_had_again_and_differ_by_their_seed() -> None:

@@ -1,0 +1,79 @@
+"""What stands beside a simulated IMU on a port of its own: on the IMU's time, or alone on the host's."""
+
+import time
+from collections.abc import Iterable
+from threading import Event, Thread
+from types import TracebackType
+from typing import Generic, Protocol, Self, TypeVar
+
+from drivers.simulated.timed_faults import TimedFault, active
+
+F = TypeVar("F", bound=TimedFault)
+
+
+class TrueTime(Protocol):
+    """A device whose true time goes on, such as `drivers.simulated.server.SimulatedDevice`."""
+
+    @property
+    def true_time(self) -> float:
+        """True time [s] since it began."""
+        ...
+
+
+class Beside(Generic[F]):
+    """Served by a thread while the ``with`` block lasts; what is to be said is a subclass's.
+
+    ``beside`` is the device whose time it shares; without one time is the host's, ``speed`` times as fast. Of its
+    ``faults``, which a subclass may read, ``unplug`` is acted on here.
+    """
+
+    def __init__(self, name: str, faults: Iterable[F], beside: TrueTime | None, speed: float) -> None:
+        self.faults = tuple(faults)
+        self._beside, self._speed = beside, speed
+        self._stop = Event()
+        self._thread = Thread(target=self._run, name=name, daemon=True)
+        self._began = 0.0
+        self.failure: Exception | None = None
+
+    @property
+    def now(self) -> float:
+        """True time [s]."""
+        return self._beside.true_time if self._beside else (time.monotonic() - self._began) * self._speed
+
+    def __enter__(self) -> Self:
+        self._plug()
+        self._began = time.monotonic()
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stop.set()
+        self._thread.join()
+        self._unplug()
+
+    def _run(self) -> None:
+        try:
+            is_plugged = True
+            while not self._stop.is_set():
+                now = self.now
+                wanted = not active(self.faults, now, "unplug")
+                if wanted != is_plugged:
+                    (self._plug if wanted else self._unplug)()
+                    is_plugged = wanted
+                self._step(now, is_plugged=is_plugged)
+        except Exception as error:  # the edge of a thread: kept for whoever asks, and the line goes silent
+            self.failure = error
+
+    def _plug(self) -> None:
+        """Make the port be there."""
+        raise NotImplementedError
+
+    def _unplug(self) -> None:
+        """Make the port be gone; may be called twice."""
+        raise NotImplementedError
+
+    def _step(self, now: float, *, is_plugged: bool) -> None:
+        """Say what is due at true time ``now`` [s]; wait a little where nothing is."""
+        raise NotImplementedError
