@@ -1,8 +1,8 @@
 """A camera of Video4Linux 2 as a port of bytes: its images as parts of a stream, for `drivers.camera.decoder`.
 
-The buffers of a camera that gives MJPEG are handed on as they are; other images become grey JPEG. ``X-Timestamp``
-is the kernel's stamp of the monotonic clock, ``X-Age`` how long ago that was when the part is handed on. OpenCV
-waits for an image for seconds: a thread does, so that a read returns in time.
+MJPEG is asked for, and its buffers are handed on as they are; what a camera without it gives OpenCV converts, and
+it becomes grey JPEG. ``X-Timestamp`` is the kernel's stamp of the monotonic clock, ``X-Age`` how long ago that was
+when the part is handed on. OpenCV waits 10 s for an image: a thread does, so that a read returns in time.
 """
 
 import errno
@@ -21,8 +21,7 @@ from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
 from procedures.fusion.extra import ExtraMissing, opencv
 
 MS = 1e-3  # s
-WAIT_MS = 5000  # for an image
-CLOSE_S = 6.0  # until a wait for an image is over
+CLOSE_S = 1.0  # for an image under way; the thread lets go of the device when its wait is over
 QUALITY = 95  # of what the camera does not compress itself
 KEPT = 8  # images that nobody has read; the oldest go
 OLDEST_S = 10.0  # a stamp further off is not of the monotonic clock
@@ -100,7 +99,7 @@ class V4l2Port:
     def _take(self) -> None:
         read, image = self._capture.read()
         if not read:
-            self._lose(f"no image for {WAIT_MS * MS:.0f} s")
+            self._lose("it gives no more images")
             return
         stamp = float(self._capture.get(self._cv.CAP_PROP_POS_MSEC)) * MS
         jpeg = self._jpeg(image)
@@ -117,13 +116,11 @@ class V4l2Port:
             self._came.notify_all()
 
     def _jpeg(self, image: Any) -> bytes:
-        """Return a camera's own JPEG, or one of the brightness that it gave: grey, YUYV or BGR."""
+        """Return a camera's own JPEG, or one of the grey or BGR image that OpenCV made of what it gave."""
         buffer: bytes = image.tobytes() if min(image.shape[:2]) == 1 else b""
         if buffer.startswith(BEGIN):
             return buffer
-        grey = image
-        if image.ndim == 3:
-            grey = image[..., 0] if image.shape[2] < 3 else self._cv.cvtColor(image, self._cv.COLOR_BGR2GRAY)
+        grey = image if image.ndim == 2 else self._cv.cvtColor(image, self._cv.COLOR_BGR2GRAY)
         _, encoded = self._cv.imencode(
             ".jpg", np.ascontiguousarray(grey), [self._cv.IMWRITE_JPEG_QUALITY, QUALITY]
         )
@@ -144,16 +141,33 @@ def open_v4l2(address: CameraUrl, timeout_s: float) -> V4l2Port:
     except ExtraMissing as error:
         raise PortNotFound(address.path, str(error).partition(";")[0], str(error).partition("; ")[2]) from error
     _look(address.path)
-    options = [cv.CAP_PROP_READ_TIMEOUT_MSEC, WAIT_MS, cv.CAP_PROP_FOURCC, cv.VideoWriter_fourcc(*"MJPG")]
-    if address.size is not None:
-        options += [cv.CAP_PROP_FRAME_WIDTH, address.size[0], cv.CAP_PROP_FRAME_HEIGHT, address.size[1]]
-    if address.rate_hz is not None:
-        options += [cv.CAP_PROP_FPS, round(address.rate_hz)]
-    capture = cv.VideoCapture(address.path, cv.CAP_V4L2, options)
+    capture = cv.VideoCapture(address.path, cv.CAP_V4L2)  # options here that it has not would keep it from opening
     if not capture.isOpened():
         raise PortNotFound(address.path, "no images can be had", "name one that `v4l2-ctl --list-devices` lists")
-    capture.set(cv.CAP_PROP_CONVERT_RGB, 0)  # the buffers as they are
+    try:
+        set_up(capture, address, cv)
+    except PortNotFound:
+        capture.release()
+        raise
     return V4l2Port(address.path, capture, timeout_s)
+
+
+def set_up(capture: Any, address: CameraUrl, cv: Any) -> None:
+    """Ask for MJPEG, size and rate; refuse another size, for which the intrinsics would be wrong."""
+    mjpeg = cv.VideoWriter_fourcc(*"MJPG")
+    capture.set(cv.CAP_PROP_FOURCC, mjpeg)
+    if address.size is not None:
+        capture.set(cv.CAP_PROP_FRAME_WIDTH, address.size[0])
+        capture.set(cv.CAP_PROP_FRAME_HEIGHT, address.size[1])
+    if address.rate_hz is not None:
+        capture.set(cv.CAP_PROP_FPS, round(address.rate_hz))
+    if int(capture.get(cv.CAP_PROP_FOURCC)) == mjpeg:
+        capture.set(cv.CAP_PROP_CONVERT_RGB, 0)  # the buffers as they are
+    got = int(capture.get(cv.CAP_PROP_FRAME_WIDTH)), int(capture.get(cv.CAP_PROP_FRAME_HEIGHT))
+    if address.size is not None and got != address.size:
+        found, asked = ("x".join(map(str, each)) for each in (got, address.size))
+        advice = f"say size={found}, or one that `v4l2-ctl --list-formats-ext` lists"
+        raise PortNotFound(address.path, f"it gives {found} px where {asked} was asked", advice)
 
 
 def _look(path: str) -> None:

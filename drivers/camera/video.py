@@ -13,7 +13,6 @@ from procedures.fusion.extra import opencv
 from procedures.fusion.feature_follower import Image
 
 MS = 1e-3  # s
-WAIT_MS = 5000  # for a device's next image
 
 
 def open_camera(path: str | Path) -> "Camera":
@@ -28,8 +27,8 @@ def open_camera(path: str | Path) -> "Camera":
     """
     cv = opencv()
     device = Path(path).is_char_device()
-    options = [cv.CAP_PROP_READ_TIMEOUT_MSEC, WAIT_MS] if device else []
-    capture = cv.VideoCapture(str(path), cv.CAP_V4L2 if device else cv.CAP_ANY, options)
+    # no options for a device: Video4Linux's backend refuses to open where it lacks one, such as a timeout
+    capture = cv.VideoCapture(str(path), cv.CAP_V4L2 if device else cv.CAP_ANY)
     if not capture.isOpened():
         raise PortNotFound(str(path), "no images can be had", "name a camera such as /dev/video0 or a video file")
     return Camera(str(path), capture, cv, device)
@@ -51,7 +50,7 @@ class Camera:
         while True:
             read, image = self._capture.read()
             if not read and self._device:
-                raise LinkLost(self.path, f"no image for {WAIT_MS * MS:.0f} s")
+                raise LinkLost(self.path, "it gives no more images")
             if not read:
                 return
             t = float(self._capture.get(self._cv.CAP_PROP_POS_MSEC)) * MS
