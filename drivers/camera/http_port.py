@@ -11,7 +11,7 @@ from drivers.errors import LinkLost, PortNotFound
 from drivers.tcp_port import TcpPort, open_tcp
 
 ANSWER_S = 5.0
-SILENT_S = 5.0  # a camera that lost its power does not hang up
+SILENT_S = 10.0  # a camera that lost its power does not hang up; as long as OpenCV waits for a device
 LONGEST_ANSWER = 65536  # bytes before the stream begins
 STREAM = "multipart/x-mixed-replace"
 PATHS = "check the path: ustreamer has /stream, mjpg-streamer /?action=stream"
@@ -26,7 +26,7 @@ class HttpCameraPort:
         self._heard = time.monotonic()
 
     def read(self, max_bytes: int) -> bytes:
-        """Return what has come, empty after the timeout; raise `LinkLost` after 5 s of nothing."""
+        """Return what has come, empty after the timeout; raise `LinkLost` after 10 s of nothing."""
         if self._begun:
             data, self._begun = self._begun[:max_bytes], self._begun[max_bytes:]
             return data

@@ -7,7 +7,7 @@ import numpy as np
 from drivers.camera.parts import part
 from drivers.simulated.camera_faults import CameraFault
 from drivers.simulated.camera_room import Room
-from drivers.simulated.camera_texture import Floats
+from drivers.simulated.camera_texture import Floats, pyramid
 from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.mounted import Mounted
 from drivers.simulated.timed_faults import active
@@ -37,6 +37,7 @@ class CameraImages:
     ) -> None:
         self._cv = opencv()
         self.camera, self.faults, self.room = camera, tuple(faults), Room(track)
+        pyramid()  # made now, so that the first image is in time
         self._mounted = Mounted(truth, camera, track)
         self._size = camera.height, camera.width
         rng = np.random.default_rng([seed or 0, 0xCA3E])

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.camera import CameraDecoder
+from drivers.camera import CameraDecoder, http_port
 from drivers.framing import Decoder
 from drivers.ports import open_port
 from drivers.simulated.camera_truth import CameraTruth
@@ -140,8 +140,9 @@ def test_a_bench_is_served_and_tells_what_happens(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
-def test_imu_receiver_and_camera_go_along_one_track(tmp_path: Path) -> None:
+def test_imu_receiver_and_camera_go_along_one_track(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("cv2", reason="opencv is not installed")
+    monkeypatch.setattr(http_port, "SILENT_S", 100.0)  # on a machine however loaded
     scenario = read_scenario(DOCS / "scenarios/drive.toml")
     assert scenario.drive is scenario.track
     assert scenario.camera is not None
