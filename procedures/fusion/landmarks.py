@@ -41,7 +41,8 @@ class Landmarks:
         if not len(new):
             return
         s, first = self.sights, self.sights.seen[new].argmax(axis=1)
-        C_oc, p_c = state.C_ob @ state.C_bc, state.p + state.C_ob @ state.t_bc
+        C_ob, p = state.exposed()
+        C_oc, p_c = C_ob @ state.C_bc, p + C_ob @ state.t_bc
         s.a[new], s.A[new] = p_c[first], C_oc[first]
         s.at[new, :2] = s.z[new, first]
         s.at[new, 2] = _inverse_depth(s, new, C_oc, p_c)

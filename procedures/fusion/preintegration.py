@@ -18,6 +18,8 @@ from procedures.frames import rotation
 from procedures.fusion.inertial_increments import Grid, products, skew
 from procedures.fusion.records import ImuNoise
 
+ENDS = 6  # samples
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Preintegrated:
@@ -25,7 +27,8 @@ class Preintegrated:
 
     ``by_bias`` (9, 6) is their derivative by gyro and accelerometer bias, rows rotation (right), velocity,
     position; ``info`` (9, 9) the inverse of the covariance in the same order. ``dv_from`` (m + 1, 3) is the
-    velocity increment up to each edge ``edges`` (m + 1,) [s] of the samples.
+    velocity increment up to each edge ``edges`` (m + 1,) [s] of the samples; ``rates`` (2, 3) [rad/s] are those
+    in b at its beginning and its end.
     """
 
     dt: float
@@ -38,6 +41,7 @@ class Preintegrated:
     info: FloatArray
     edges: FloatArray
     dv_from: FloatArray
+    rates: FloatArray
 
 
 def preintegrate(
@@ -65,8 +69,14 @@ def preintegrate(
     scaled = G / np.sqrt(dt)[:, :, None] * np.repeat([noise.gyro, noise.accel], 3)
     covariance = np.einsum("nij,nkj->ik", scaled, scaled)
     return Preintegrated(
-        float(edges[-1]), C[-1], v[-1], p[-1], bg, ba, -G.sum(axis=0), _inverse(covariance, edges[-1]), edges, v
-    )
+        float(edges[-1]), C[-1], v[-1], p[-1], bg, ba, -G.sum(axis=0), _inverse(covariance, edges[-1]), edges, v,
+        _rates(turn, dt),
+    )  # fmt: skip
+
+
+def _rates(turn: FloatArray, dt: FloatArray) -> FloatArray:
+    """Return the rates at both ends, each the mean of `ENDS` samples: one alone is vibration."""
+    return np.array([turn[part].sum(axis=0) / dt[part].sum() for part in (slice(ENDS), slice(-ENDS, None))])
 
 
 def _inverse(covariance: FloatArray, dt: float) -> FloatArray:

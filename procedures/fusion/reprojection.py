@@ -6,7 +6,9 @@ point a and fixed axes A, not from an estimated keyframe: (x, y, rho) are then m
 
     y = C_bc' (C_k' (rho (a - p_k) + A (x, y, 1)) - rho t_bc),   r = (fx, fy) / std (y_12 / y_3 - z)
 
-which is finite for a point at infinity.
+which is finite for a point at infinity. Where the camera's time offset d is not given, C_k and p_k are those of
+the moment at which the frame was truly taken, C_k exp(d [w_k]x) and p_k + d v_k (Li, Mourikis 2014; Qin, Shen
+2018 move the image point instead).
 """
 
 from dataclasses import dataclass
@@ -15,9 +17,10 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.fusion.inertial_increments import skew
-from procedures.fusion.window_state import CAMERA, WindowState
+from procedures.fusion.window_state import WindowState
 
 HUBER = 2.0  # of a whitened image point (two axes)
+SEEING = 7  # numbers of the camera: turn, shift, time offset
 CLOSEST = 0.02  # of rho times depth: nearer to the camera's plane, or behind it, says nothing
 
 
@@ -36,8 +39,8 @@ class Sights:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Visual:
-    """Normal equations of sights: poses ``H`` (6 + 6 k square) with ``g``, ties ``W`` (l, 3, 6 + 6 k), landmarks
-    ``L`` (l, 3, 3) with ``b`` (l, 3).
+    """Normal equations of sights: poses ``H`` (7 + 6 k square: camera and offset, keyframes) with ``g``, ties
+    ``W`` (l, 3, 7 + 6 k), landmarks ``L`` (l, 3, 3) with ``b`` (l, 3).
     """  # noqa: D205
 
     H: FloatArray
@@ -55,7 +58,8 @@ def residuals(
     ray = np.column_stack((s.at[:, :2], np.ones(len(s.at))))
     far = np.einsum("lij,lj->li", s.A, ray)
     rho = s.at[i, 2:]
-    y_b = np.einsum("mji,mj->mi", state.C_ob[k], rho * (s.a[i] - state.p[k]) + far[i])
+    C_ob, p = state.exposed()
+    y_b = np.einsum("mji,mj->mi", C_ob[k], rho * (s.a[i] - p[k]) + far[i])
     y = (y_b - rho * state.t_bc) @ state.C_bc
     r = scale * (y[:, :2] / np.maximum(y[:, 2:], CLOSEST) - s.z[i, k])
     return i, k, r, y
@@ -80,18 +84,20 @@ def _jacobians(
     y: FloatArray,
     weight: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the weighted derivatives (m, 2, 12) by camera and keyframe, and (m, 2, 3) by the landmark."""
+    """Return the weighted derivatives (m, 2, 13) by camera and keyframe, and (m, 2, 3) by the landmark."""
     rho, depth = s.at[i, 2], y[:, 2]
     P = np.zeros((len(i), 2, 3))
     P[:, range(2), range(2)] = scale * weight / depth[:, None]
     P[:, :, 2] = -P[:, range(2), range(2)] * y[:, :2] / depth[:, None]
     PC = P @ state.C_bc.T
-    PCC = PC @ np.swapaxes(state.C_ob, 1, 2)[k]
+    C_ob, p = state.exposed()
+    PCC = PC @ np.swapaxes(C_ob, 1, 2)[k]
     y_b = y @ state.C_bc.T + rho[:, None] * state.t_bc
-    pose = np.concatenate(
-        (P @ skew(y), -rho[:, None, None] * PC, PC @ skew(y_b), -rho[:, None, None] * PCC), axis=2
-    )
-    p_c = state.p + state.C_ob @ state.t_bc
+    turn, place = PC @ skew(y_b), -rho[:, None, None] * PCC
+    rate, v = state.swept()
+    late = turn @ rate[k][:, :, None] + place @ v[k][:, :, None]
+    pose = np.concatenate((P @ skew(y), -rho[:, None, None] * PC, late, turn, place), axis=2)
+    p_c = p + C_ob @ state.t_bc
     along = (PCC @ (s.a[i] - p_c[k])[:, :, None])[:, :, 0]
     return pose, np.concatenate((PCC @ s.A[i][:, :, :2], along[:, :, None]), axis=2)
 
@@ -105,17 +111,17 @@ def _normal(
     pose: FloatArray,
     point: FloatArray,
 ) -> Visual:
-    count, size = len(s.at), CAMERA + 6 * frames
+    count, size = len(s.at), SEEING + 6 * frames
     H, g, W = np.zeros((size, size)), np.zeros(size), np.zeros((count, 3, size))
     for frame in range(frames):
-        J = pose[k == frame].reshape(-1, 12)
-        both = np.r_[0:CAMERA, CAMERA + 6 * frame : CAMERA + 6 * frame + 6]
+        J = pose[k == frame].reshape(-1, 13)
+        both = np.r_[0:SEEING, SEEING + 6 * frame : SEEING + 6 * frame + 6]
         H[np.ix_(both, both)] += J.T @ J
         g[both] += J.T @ r[k == frame].ravel()
     Jt = np.swapaxes(point, 1, 2)
     tied = Jt @ pose
-    W[:, :, CAMERA:].reshape(count, 3, frames, 6)[i, :, k] = tied[:, :, CAMERA:]
-    W[:, :, :CAMERA] = _summed(tied[:, :, :CAMERA], i, count)
+    W[:, :, SEEING:].reshape(count, 3, frames, 6)[i, :, k] = tied[:, :, SEEING:]
+    W[:, :, :SEEING] = _summed(tied[:, :, :SEEING], i, count)
     return Visual(H, g, W, _summed(Jt @ point, i, count), _summed((Jt @ r[:, :, None])[:, :, 0], i, count))
 
 

@@ -27,8 +27,8 @@ from procedures.fusion.preintegration import Preintegrated, preintegrate
 from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.reprojection import residuals
 from procedures.fusion.tracks import Camera, Tracks
-from procedures.fusion.window_problem import Factor, Held, Prior, assemble, marginalised
-from procedures.fusion.window_state import COMMON, FRAME, HEADING, Normal, WindowState
+from procedures.fusion.window_problem import Factor, Held, Prior, assemble, marginalised, walked
+from procedures.fusion.window_state import COMMON, FRAME, HEADING, OFFSET, Normal, WindowState
 
 FRAMES = 10
 ROUNDS = 4
@@ -40,6 +40,8 @@ FREE_HEADING = 0.3  # rad on the first attitude: the alignment's own data are us
 FREE_TILT = 0.1
 FIXED = 1e-4  # rad, the heading of the window's own frame
 FREE_VELOCITY = 1.0  # m/s
+GIVEN = 1e-6  # s, of a camera's stamps
+OFFSET_WALK = 3e-4  # s/sqrt(s): 50 ppm of a camera's own clock are 3 ms in a minute
 ANCHOR = 1e-3  # m, the origin of an odometry
 SHAKEN = 2.5  # what vibration, scale factors and misalignment make of an IMU's noise on a flight (EuRoC)
 SLACK = 2.0  # of the drift that the window states: measured on real IMUs, docs/locate-vision.md
@@ -50,23 +52,32 @@ YAW_WALK = 1e-4  # rad/sqrt(s)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VisionSettings:
-    """What is given; ``frames`` is the window's length."""
+    """What is given; ``frames`` is the window's length.
+
+    ``offset_std`` [s] is how well the camera's stamps are known by the IMU's clock: where it is not 0, what they
+    are off is fitted too.
+    """
 
     site: Site
     camera: Camera
     antenna: LeverArm
     frames: int = FRAMES
+    offset_std: float = 0.0
 
 
-def beginning(start: Aligned, camera: Camera, noise: ImuNoise) -> tuple[WindowState, Prior]:
+def beginning(
+    start: Aligned, camera: Camera, noise: ImuNoise, offset_std: float = 0.0
+) -> tuple[WindowState, Prior]:
     """Return the first keyframe, and the little that is known of it: its heading is the window's own."""
     none = np.zeros((1, 3))
     state = WindowState(
         start.C_nb[None], none, start.v_n[None], start.gyro_bias[None], start.accel_bias[None],
-        camera.C_bc, camera.t_bc, 0.0, np.zeros((0, 3)),
+        camera.C_bc, camera.t_bc, 0.0, np.zeros((0, 3)), rate=none if offset_std else None,
     )  # fmt: skip
     frame = np.repeat([FREE_TILT, ANCHOR, FREE_VELOCITY, noise.gyro_bias, noise.accel_bias], 3)
-    info = np.diag(np.r_[np.repeat([CAMERA_TURN, CAMERA_PLACE], 3), FREE_HEADING, frame] ** -2)
+    info = np.diag(
+        np.r_[np.repeat([CAMERA_TURN, CAMERA_PLACE], 3), FREE_HEADING, offset_std or GIVEN, frame] ** -2
+    )
     turn = slice(COMMON, COMMON + 3)
     info[turn, turn] = start.C_nb.T @ np.diag([FREE_TILT**-2, FREE_TILT**-2, FIXED**-2]) @ start.C_nb
     return state, Prior(Normal(info, np.zeros(COMMON + FRAME)), replace(state, bg=none, ba=none))
@@ -91,7 +102,7 @@ class VisualInertialWindow:
         self.antenna = settings.antenna
         self._velocities = velocities(fixes, imu, start.gyro_bias)
         self._scale = np.array([settings.camera.fx, settings.camera.fy]) / settings.camera.std
-        self.state, self._prior = beginning(start, settings.camera, settings.site.noise)
+        self.state, self._prior = beginning(start, settings.camera, settings.site.noise, settings.offset_std)
         self._held = Held([], np.zeros((1, 3)), np.zeros((1, 3)))
         self._aided = bool(np.isfinite(fixes.v_n[:, :2]).all(axis=1).any())
         self._p_n = np.zeros(3)
@@ -108,6 +119,11 @@ class VisualInertialWindow:
         """The newest keyframe's velocity (3,) [m/s] in n."""
         v: FloatArray = self._heading() @ self.state.v[-1]
         return v
+
+    @property
+    def offset_std(self) -> float:
+        """1 sigma of the camera's time offset [s]."""
+        return SLACK * float(np.sqrt(self._factor.variance(OFFSET)))
 
     def _add(self, t: float, part: Preintegrated | None, feature: IntArray, uv: FloatArray) -> OdometryPose:
         """Add a keyframe at ``t`` [s] that saw ``feature`` (m,) at ``uv`` (m, 2) [px], and return its pose.
@@ -129,8 +145,10 @@ class VisualInertialWindow:
 
     def _go_on_by(self, part: Preintegrated) -> None:
         """Predict the next keyframe, and hold its velocity by GNSS's."""
+        if self.state.rate is not None and len(self.state.p) == 1:
+            self.state = replace(self.state, rate=part.rates[:1])
         self.state = self.state.with_frame(
-            *predicted(self.state, part, self.settings.site), self.state.bg[-1], self.state.ba[-1]
+            *predicted(self.state, part, self.settings.site), self.state.bg[-1], self.state.ba[-1], part.rates[-1]
         )
         C_nb, pull = self._heading() @ self.state.C_ob[-2], self.settings.site.pull(self.state.v[-2])
         v, weight = self._velocities.at_end(self.t, part, C_nb, pull, self.antenna)
@@ -170,6 +188,9 @@ class VisualInertialWindow:
         )
         self.state = replace(self.state.without_first(), held=self._prior.at.held)
         h = self._held
+        if self.settings.offset_std:
+            known = walked(self._prior.normal, OFFSET, OFFSET_WALK**2 * h.parts[0].dt)
+            self._prior = replace(self._prior, normal=known)
         self._held = Held(h.parts[1:], h.v[1:], h.weight[1:])
 
     def _heading(self) -> FloatArray:

@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation, Slerp
 from procedures.arrays import FloatArray, IntArray
 from procedures.frames import rotation
 from procedures.fusion.landmarks import Landmarks
-from procedures.fusion.reprojection import linearise, residuals
+from procedures.fusion.reprojection import SEEING, linearise, residuals
 from procedures.fusion.two_view import FEWEST, two_view
-from procedures.fusion.window_state import CAMERA, WindowState
+from procedures.fusion.window_state import WindowState
 
 BENT = 4.0  # sigmas of an image point that no mere turn explains, median
 PARALLAX = 20.0  # sigmas of an image point, median over what two frames share, turning taken off
@@ -100,7 +100,7 @@ def _resect(state: WindowState, marks: Landmarks, rows: IntArray, scale: FloatAr
     for _ in range(ROUNDS):
         visual = linearise(state, marks.sights, scale)
         for k in inner:
-            at = slice(CAMERA + 6 * k, CAMERA + 6 * k + 6)
+            at = slice(SEEING + 6 * k, SEEING + 6 * k + 6)
             H = visual.H[at, at]
             damped = H + DAMPING * np.diag(np.diag(H)) + np.eye(6)
             step: FloatArray = np.asarray(-np.linalg.solve(damped, visual.g[at]), np.float64)
@@ -126,8 +126,8 @@ def _adjusted(state: WindowState, marks: Landmarks, scale: FloatArray) -> Struct
 
 def _fitted(state: WindowState, marks: Landmarks, scale: FloatArray) -> WindowState:
     """Return the state after some rounds of Levenberg and Marquardt, the landmarks moved with it."""
-    free = np.arange(CAMERA + 6, CAMERA + 6 * len(state.p))
-    along = CAMERA + 6 * (len(state.p) - 1) + 3 + int(np.abs(state.p[-1]).argmax())
+    free = np.arange(SEEING + 6, SEEING + 6 * len(state.p))
+    along = SEEING + 6 * (len(state.p) - 1) + 3 + int(np.abs(state.p[-1]).argmax())
     free = free[free != along]
     for _ in range(ROUNDS):
         visual = linearise(state, marks.sights, scale)
@@ -143,7 +143,7 @@ def _fitted(state: WindowState, marks: Landmarks, scale: FloatArray) -> WindowSt
         moves = -(inverse @ (visual.b + W @ step[free])[:, :, None])[:, :, 0]
         every = np.zeros(state.size)
         for k in range(len(state.p)):
-            every[state.frame(k)][:6] = step[CAMERA + 6 * k : CAMERA + 6 * k + 6]
+            every[state.frame(k)][:6] = step[SEEING + 6 * k : SEEING + 6 * k + 6]
         state = state.moved(every)
         marks.step(np.ones(len(moves), bool), moves, state.held)
         if np.abs(step).max() < 1e-5:

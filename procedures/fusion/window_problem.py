@@ -11,7 +11,16 @@ from procedures.fusion.inertial_terms import Site, add_inertial, add_velocities
 from procedures.fusion.landmarks import FREE, LOST, USUAL, Landmarks
 from procedures.fusion.preintegration import Preintegrated
 from procedures.fusion.reprojection import Visual, linearise
-from procedures.fusion.window_state import CAMERA, COMMON, FRAME, HEADING, Normal, WindowState, zero
+from procedures.fusion.window_state import (
+    CAMERA,
+    COMMON,
+    FRAME,
+    HEADING,
+    OFFSET,
+    Normal,
+    WindowState,
+    zero,
+)
 
 DEPTH_STD = 1.0  # 1/m about `USUAL`: says nothing to sights, keeps the normal equations regular
 RAY_WEIGHT = 1e-2  # of a ray, whose sights weigh 1e5
@@ -78,7 +87,7 @@ def _add_visual(
     normal: Normal, state: WindowState, visual: Visual, marks: Landmarks, rows: BoolArray
 ) -> Eliminated:
     starts = COMMON + FRAME * np.arange(len(state.p))
-    columns = np.r_[0:CAMERA, (starts[:, None] + np.arange(6)).ravel()]
+    columns = np.r_[0:CAMERA, OFFSET, (starts[:, None] + np.arange(6)).ravel()]
     free = rows & (marks.slot == FREE)
     visual.L[free] += np.diag([RAY_WEIGHT, RAY_WEIGHT, 1 / DEPTH_STD**2])
     visual.b[free, 2] += (marks.sights.at[free, 2] - USUAL) / DEPTH_STD**2
@@ -104,6 +113,12 @@ class Factor:
     def __init__(self, A: FloatArray) -> None:
         self._size = 1 / np.sqrt(np.diag(A))
         self._factor = cho_factor(A * np.outer(self._size, self._size), lower=True, check_finite=False)
+
+    def variance(self, at: int) -> float:
+        """Return the variance of one unknown."""
+        pick = np.zeros(len(self._size))
+        pick[at] = 1.0
+        return float(self.solve(pick)[at])
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return the solution for right sides (n,) or (n, m)."""
@@ -158,15 +173,15 @@ def _reduced(
     marks.slot[held] = (np.cumsum(kept) - 1)[marks.slot[held]]
     marks.keep(~rows)
     marks.drop_first_frame()
-    walked = _walked(Normal((left + left.T) / 2, g), HEADING, HEADING_WALK**2 * dt)
-    return Prior(walked, replace(state.without_first(), held=state.held[kept]))
+    known = walked(Normal((left + left.T) / 2, g), HEADING, HEADING_WALK**2 * dt)
+    return Prior(known, replace(state.without_first(), held=state.held[kept]))
 
 
-def _walked(normal: Normal, at: int, variance: float) -> Normal:
+def walked(normal: Normal, at: int, variance: float) -> Normal:
     """Return what is known after the unknown ``at`` has walked by ``variance``."""
     A, g, stiff = normal.A, normal.g, 1 / variance
     row, pull, whole = A[at].copy(), float(g[at]), float(A[at, at]) + stiff
-    walked, moved = A - np.outer(row, row) / whole, g - row * pull / whole
-    walked[at], walked[:, at] = row * stiff / whole, row * stiff / whole
+    loose, moved = A - np.outer(row, row) / whole, g - row * pull / whole
+    loose[at], loose[:, at] = row * stiff / whole, row * stiff / whole
     moved[at] = pull * stiff / whole
-    return Normal(walked, moved)
+    return Normal(loose, moved)

@@ -12,56 +12,43 @@ from procedures.fusion.tracks import Tracks
 from station.fusion_folder import FusionLog
 
 FIRST = 5.0  # s of tracks after which it is worth a try
-STEP = 1.0  # s between attempts until it is found
-AGAIN = 10.0  # s after which it is found anew
+STEP = 1.0  # s between attempts
+FINEST = 0.001  # s, 1 sigma with which the window goes on
+UNTOLD = 0.01  # s, 1 sigma of a clock of which nothing was said
 SPAN = 20.0  # s that are looked at
-UNASKED = 0.1  # s, 1 sigma, where nothing was said
+SUSPECTED = 0.1  # s, 1 sigma about 0, within which such a clock is looked for
 SURE = 5.0  # sigmas from which an offset is one
 HARMLESS = 0.005  # s, that a window hardly feels: docs/locate-vision.md
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClockedTracks:
-    """Tracks on the IMU's clock; ``told`` [s] and the last ``found`` of their offset, first known at ``since``."""
+    """Tracks on the IMU's clock: ``offset`` [s] was added, known ``since``; 1 sigma ``std`` [s], 0 if given."""
 
     tracks: Tracks
-    told: float | None
-    found: CameraOffset | None = None
+    offset: float
+    std: float
     since: float = -np.inf
 
 
 def on_imu_clock(log: FusionLog) -> ClockedTracks | Waiting:
     """Shift a folder's tracks by the offset that is told, or found where ``time_offset_std_s`` asks for it.
 
-    A camera's own clock walks away from the IMU's, 3 ms in a minute at 50 ppm: what was found is found again all
-    along. Frames later than ``since`` are shifted by what was known before them.
+    What is found uses nothing later than ``since``. The window refines what is not given.
     """
     assert log.imu is not None and log.tracks is not None  # noqa: PT018
     told, std = _told(log)
     if std is None:
-        return ClockedTracks(log.tracks.shifted(told or 0.0), told)
+        return ClockedTracks(log.tracks.shifted(told or 0.0), told or 0.0, UNTOLD if told is None else 0.0)
     why = Waiting(f"IMU and camera overlap for less than {FIRST:g} s")
-    now, end = (pick(log.imu.t[at], log.tracks.t[at]) for pick, at in ((max, 0), (min, -1)))
-    now += FIRST
-    known = list[tuple[float, CameraOffset]]()
-    while now < end:
-        found = _attempt(log, log.imu, log.tracks, now, told or 0.0, std)
+    start, end = (pick(log.imu.t[at], log.tracks.t[at]) for pick, at in ((max, 0), (min, -1)))
+    for now in np.arange(start + FIRST, end, STEP):
+        found = _attempt(log, log.imu, log.tracks, float(now), told or 0.0, std)
         if isinstance(found, CameraOffset):
-            known.append((now, found))
-        else:
-            why = found
-        now += AGAIN if known else STEP
-    if not known:
-        return why
-    return ClockedTracks(followed(log.tracks, known), told, known[-1][1], known[0][0])
-
-
-def followed(tracks: Tracks, known: list[tuple[float, CameraOffset]]) -> Tracks:
-    """Shift each frame by what was known when it was taken, the first ones by the first; none runs back."""
-    later = np.searchsorted([now for now, _ in known[1:]], tracks.t + known[0][1].offset, "right")
-    t = tracks.t + np.array([found.offset for _, found in known])[later]
-    rows = t >= np.maximum.accumulate(t)
-    return Tracks(t[rows], tracks.feature[rows], tracks.uv[rows])
+            found_std = max(found.std, FINEST)
+            return ClockedTracks(log.tracks.shifted(found.offset), found.offset, found_std, float(now))
+        why = found
+    return why
 
 
 def suspicion(log: FusionLog) -> str:
@@ -70,7 +57,7 @@ def suspicion(log: FusionLog) -> str:
     if _told(log) != (None, None):
         return ""
     for now in np.arange(log.tracks.t[0] + SPAN, log.tracks.t[-1] + SPAN, SPAN):
-        found = _attempt(log, log.imu, log.tracks, float(now), 0.0, UNASKED)
+        found = _attempt(log, log.imu, log.tracks, float(now), 0.0, SUSPECTED)
         if isinstance(found, CameraOffset):
             if abs(found.offset) < max(SURE * found.std, HARMLESS):
                 return ""

@@ -45,7 +45,7 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     if isinstance(aligned, Waiting):
         return never(aligned.why)
     given = with_lever(given, aligned)
-    settings = replace(settings, antenna=antenna_of(given))
+    settings = replace(settings, antenna=antenna_of(given), offset_std=clocked.std)
     window = VisualInertialWindow(settings, log.imu, clocked.tracks, fixes, aligned)
     told = partial(_tell_lever, window) if given.layout.lever_arm else None
     located = through_graph(log, window, after=max(aligned.t, clocked.since), settings=given, told=told)
@@ -53,11 +53,12 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     late = suspicion(log)
     warnings = (*located.warnings, *of_gaps(log, imu_gaps(log.imu)), *([late] if late else []))
     located = replace(located, alignment=alignment_of(aligned), warnings=warnings, **bias)
-    if clocked.found is None:
-        return replace(located, camera_time_offset=clocked.told)
     if located.begun_at is None:
-        located = replace(located, why_not="the camera's time offset was known at the end only")
-    return replace(located, camera_time_offset=clocked.found.offset, camera_time_offset_std=clocked.found.std)
+        return replace(located, why_not="the camera's time offset was known at the end only")
+    if not clocked.std:
+        return replace(located, camera_time_offset=clocked.offset)
+    offset = clocked.offset + window.state.offset
+    return replace(located, camera_time_offset=offset, camera_time_offset_std=window.offset_std)
 
 
 def with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:

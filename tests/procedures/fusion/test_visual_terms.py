@@ -15,7 +15,7 @@ from procedures.fusion.preintegration import Preintegrated, preintegrate
 from procedures.fusion.reprojection import Sights, linearise, residuals
 from procedures.fusion.turns import log_rotation
 from procedures.fusion.window_problem import Held, Prior, assemble, marginalised
-from procedures.fusion.window_state import CAMERA, COMMON, WindowState, zero
+from procedures.fusion.window_state import CAMERA, COMMON, OFFSET, WindowState, zero
 from tests.procedures.fusion.motions import NOISE
 from tests.procedures.fusion.seen import CAMERA as LENS
 from tests.procedures.fusion.seen import SITE
@@ -85,9 +85,11 @@ def test_a_bias_carries_as_its_derivative_says() -> None:
         assert np.allclose(by_step, mean.by_bias[:, i], atol=2e-4 * np.abs(mean.by_bias[:, i]).max())
 
 
-def test_derivatives_of_sights_are_those_of_differences() -> None:
+@pytest.mark.parametrize("is_given", [True, False], ids=["offset given", "offset fitted"])
+def test_derivatives_of_sights_are_those_of_differences(is_given: bool) -> None:
     rng = np.random.default_rng(5)
     state = state_of(rng, 3)
+    state = replace(state, rate=None if is_given else rng.normal(0, 0.5, (3, 3)))
     sights = sights_of(rng, state, 4)
     visual = linearise(state, sights, SCALE)
     h = 1e-6
@@ -98,9 +100,10 @@ def test_derivatives_of_sights_are_those_of_differences() -> None:
         size = np.linalg.norm(r, axis=1)
         return float(np.sum(np.where(size < 2.0, r.T**2 / 2, 0).sum(axis=0) + (size >= 2.0) * (2.0 * size - 2.0)))
 
-    for column in range(CAMERA + 6 * 3):
+    for column, at in enumerate(
+        [*range(CAMERA), OFFSET, *(COMMON + 15 * k + i for k in range(3) for i in range(6))]
+    ):
         step = np.zeros(state.size)
-        at = column if column < CAMERA else COMMON + 15 * ((column - CAMERA) // 6) + (column - CAMERA) % 6
         step[at] = h
         slope = (half_cost(state.moved(step), sights) - half_cost(state.moved(-step), sights)) / (2 * h)
         assert slope == pytest.approx(visual.g[column], rel=1e-4, abs=1e-2)

@@ -188,3 +188,15 @@ def test_equal_seeds_see_the_same_and_a_view_is_what_it_says(flight: Eight, trac
     for _, numbers, uv in frames_of(clean):
         assert len(numbers) == len(uv) == 120
         assert np.all((uv > -1e-6) & (uv < [752 + 1e-6, 480 + 1e-6]))
+
+
+def test_an_offset_left_in_the_cameras_stamps_is_found_by_the_window(
+    flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
+) -> None:
+    start = begun(imu, tracks, fixes).aligned
+    settings = VisionSettings(SITE, CAMERA, LeverArm(ZERO), offset_std=0.02)
+    source = VisualInertialWindow(settings, imu, tracks.shifted(0.015), fixes, start)
+    poses = [pose for pose in OuterGraph().run(source, fixes) if pose.t > 5.0]
+    assert abs(source.state.offset + 0.015) < 4 * source.offset_std < 0.02
+    turn = np.array([turn_of(pose.C_nb, flight, pose.t) for pose in poses])
+    assert np.hypot(turn[:, 0], turn[:, 1]).max() < 1.0
