@@ -79,7 +79,7 @@ class LiveLocator:
     def _keep(self, imu: ImuSeries, now: float) -> None:
         """Keep the samples that an alignment needs, or a camera's delay, or else the next keyframes."""
         self._imu.append(imu)
-        is_learnt = self._source is not None and (self._camera is None or not self._camera.is_learning)
+        is_learnt = self._source is not None and (self._camera is None or self._camera.offset is not None)
         while now - self._imu[0].t[-1] > (2 * BEHIND[1] if is_learnt else KEPT):
             self._imu.popleft()
 

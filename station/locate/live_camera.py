@@ -29,9 +29,7 @@ LATEST_S = 1.0  # that is waited for a frame
 EARLY_S = 0.06  # by which a frame is to be known before a keyframe comes near it
 SILENT_S = 2.0
 UNTOLD = CameraOffset(0.0, 0.1)
-GENTLE_S = 0.015  # 1 sigma of the delay that does where all turns are gentle: it is known better later
-FINE_S = 0.001  # 1 sigma of the delay: better is not looked for
-BETTER = 0.7  # of the sigma in use: less of a gain is not worth a leap in time
+GENTLE_S = 0.015  # 1 sigma of the delay that does where all turns are gentle: the window goes on fitting it
 
 
 class LiveCamera:
@@ -52,6 +50,7 @@ class LiveCamera:
         self._frames: deque[Frame] = deque()  # by the camera's stamps, without the offset
         self._ages: deque[float] = deque(maxlen=AGES)
         self._now, self._try_at, self._pause = -np.inf, -np.inf, 1.0
+        self.fitted = 0.0  # s, what a window has to add to the offset
 
     def mark(self, marks: Iterable[tuple[int, float]]) -> None:
         """Take moments of reading [ns] and the device times [s] of the samples that came then."""
@@ -72,25 +71,25 @@ class LiveCamera:
             self._frames.popleft()
 
     @property
-    def is_learning(self) -> bool:
-        """Whether what the stamps are late by is still to be found, or known better."""
-        return self.offset is None or self.offset.std > FINE_S
-
-    @property
     def is_due(self) -> bool:
-        """Whether it is time for an attempt."""
-        return self.is_learning and self._now - self._newest < SILENT_S and self._now >= self._try_at
+        """Whether it is time to find out what the stamps are late by."""
+        return self.offset is None and self._now - self._newest < SILENT_S and self._now >= self._try_at
 
     def learn(self, imu: ImuSeries) -> None:
-        """Find out what the stamps are late by; what was found before gives way to what is known much better."""
+        """Find out what the stamps are late by."""
         self._pause = min(self._pause * SPARSER, MOST_S)
         self._try_at = self._now + self._pause
         known = self._told or UNTOLD
         found = camera_offset(imu, self._tracks(-np.inf, 0.0), self.camera, known.offset, known.std, GENTLE_S)
         if isinstance(found, CameraOffset):
-            self.offset = found if self.offset is None or found.std < BETTER * self.offset.std else self.offset
-        elif self.offset is None:
+            self.offset = found
+        else:
             self.why = f"its delay is not known: {found.why}"
+
+    @property
+    def offset_std(self) -> float:
+        """1 sigma [s] of what a window has to add to the offset; 0 where that was told."""
+        return GENTLE_S if self._told is None or self._told.std else 0.0
 
     @property
     def lateness(self) -> float:
@@ -143,6 +142,5 @@ class LiveCamera:
             return self.why
         if self.offset is None:
             return "its delay is not known: turn it unevenly"
-        return (
-            f"{plural(len(self._frames[-1].feature), 'feature')}, stamps {-self.offset.offset * 1e3:.0f} ms late"
-        )
+        features, late = plural(len(self._frames[-1].feature), "feature"), -self.offset.offset - self.fitted
+        return f"{features}, stamps {late * 1e3:.0f} ms late"

@@ -65,7 +65,8 @@ class LiveVision:
     def __init__(
         self, site: Site, given: OuterSettings, begun: Begun, fixes: LiveFixes, camera: LiveCamera
     ) -> None:
-        settings, tracks = VisionSettings(site, camera.camera, antenna_of(given)), camera.tracks(begun.aligned.t0)
+        settings = VisionSettings(site, camera.camera, antenna_of(given), offset_std=camera.offset_std)
+        tracks = camera.tracks(begun.aligned.t0)
         self._window = LiveVisualWindow(settings, begun.imu, tracks, begun.fixes, begun.aligned)
         self._camera, self._fixes = camera, fixes
 
@@ -80,6 +81,7 @@ class LiveVision:
         for frame in self._camera.due(self._window.t, min(until, float(imu.t[-1]) - self._camera.lateness)):
             assert self._fixes.fixes is not None
             yield self._window.go_on(frame, imu, self._fixes.fixes)
+            self._camera.fitted = self._window.state.offset
 
     def learn(self, lever: FloatArray, std: float) -> None:  # noqa: D102
         self._window.antenna = LeverArm(lever, std)

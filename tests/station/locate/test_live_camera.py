@@ -46,7 +46,7 @@ def fed(live: LiveCamera, eye: Eye, until: float, first: int = 0) -> int:
 
 
 @pytest.mark.parametrize("stamps", [False, True], ids=["read", "stamped"])
-def test_what_stamps_are_late_by_is_found_and_known_better_later(stamps: bool) -> None:
+def test_what_stamps_are_late_by_is_found(stamps: bool) -> None:
     imu, tracks = seen(rocking, offset=0.0)
     eye = Eye(tracks, stamps=stamps)
     live = LiveCamera(CAMERA, eye.follow)
@@ -60,15 +60,15 @@ def test_what_stamps_are_late_by_is_found_and_known_better_later(stamps: bool) -
     assert not len(live.tracks().t)
     first = fed(live, eye, 4.0, first)
     live.learn(imu)
-    begun = live.offset
-    assert begun is not None
-    assert abs(begun.offset + LATE_S) < 4 * begun.std
-    fed(live, eye, 11.5, first)
-    live.learn(imu)
     assert live.offset is not None
-    assert live.offset.std <= begun.std
-    assert abs(live.offset.offset + LATE_S) < 4 * live.offset.std + 1e-3
-    assert np.abs(live.tracks(5.0).t[0] - eye.t[np.searchsorted(eye.t, 5.0)]) < 0.005
+    assert abs(live.offset.offset + LATE_S) < 4 * live.offset.std
+    assert not live.is_due
+    assert live.offset_std > 0.01
+    fed(live, eye, 11.5, first)
+    assert live.said == f"120 features, stamps {-live.offset.offset * 1e3:.0f} ms late"
+    live.fitted = 0.01
+    assert live.said == f"120 features, stamps {-live.offset.offset * 1e3 - 10:.0f} ms late"
+    assert np.abs(live.tracks(4.95).t[0] - eye.t[np.searchsorted(eye.t, 4.95)]) < 0.005
     assert live.lateness == pytest.approx(LATE_S + 0.06, abs=0.11)
 
 
@@ -77,7 +77,8 @@ def test_what_is_told_is_kept() -> None:
     eye = Eye(tracks, stamps=False)
     live = LiveCamera(CAMERA, eye.follow, CameraOffset(-LATE_S, 0.0))
     fed(live, eye, 3.0)
-    assert not live.is_learning
+    assert not live.is_due
+    assert live.offset_std == 0.0
     assert live.said == "120 features, stamps 60 ms late"
     live.begin_anew()
     assert live.said == "no image yet"
