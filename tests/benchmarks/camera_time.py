@@ -160,7 +160,7 @@ def untold(_: Path, seeds: int) -> None:
 
 def left(data: Path, seeds: int) -> None:
     """What an offset left in does to the location, and what it is when it is estimated."""
-    for name in ("mh03_inertial", "v201_inertial", "v203_inertial"):
+    for name in ("v203_inertial", "mh03_inertial", "v201_inertial"):
         for late in (0.0, 0.005, 0.02, 0.05):
             told = {"time_offset_s": 0.0}
             said(f"{name}, {late * 1e3:g} ms left in", list(_located(data, name, seeds, late, told)), LOCATED)
