@@ -1,8 +1,11 @@
 """A monitor of a simulated drive in memory: IMU and receiver on one truth, read at one clock, no waiting."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.simulated.autopilot import Autopilot
@@ -120,3 +123,12 @@ def record_drive(folder: Path, truth: Truth, track: Track, autopilot: AutopilotT
     assert rig.writer is not None
     rig.writer.close()
     return folder / "recording.mcap"
+
+
+def stands_on(track: Track, location: Mapping[str, Any]) -> bool:
+    """Say whether a location of `monitor/1` is where and which way a track goes: the fixes are good to a metre."""
+    east, north, _ = track.velocity(location["t_s"])
+    turned = location["heading_deg"] - np.degrees(np.arctan2(east, north))
+    gone = track.position(location["t_s"]) - track.position(0.0)
+    off = np.linalg.norm(np.array(location["enu_m"]) - gone)
+    return bool(abs((turned + 180) % 360 - 180) < 4 * location["heading_std_deg"] and off < 2.5)

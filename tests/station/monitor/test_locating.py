@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 from threading import Event
 
-import numpy as np
 import pytest
 
 from drivers.simulated.autopilot_truth import AutopilotTruth
@@ -17,7 +16,7 @@ from station import cli
 from station.monitor.locating import LocatorThread
 from tests.drivers.simulated.drives import bends
 from tests.station.commands.program import Program
-from tests.station.monitor.driving import DriveRig, record_drive
+from tests.station.monitor.driving import DriveRig, record_drive, stands_on
 from tests.station.monitor.unit import write_calibration
 
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
@@ -39,11 +38,7 @@ def test_a_recorded_drive_is_located_the_same_each_time(
     said = capsys.readouterr().out
     last = json.loads(said.splitlines()[-1])["location"]
     assert last["state"] == "located"
-    east, north, _ = TRACK.velocity(last["t_s"])
-    turned = last["heading_deg"] - np.degrees(np.arctan2(east, north))
-    assert abs((turned + 180) % 360 - 180) < 4 * last["heading_std_deg"]
-    gone = TRACK.position(last["t_s"]) - TRACK.position(0.0)
-    assert np.linalg.norm(np.array(last["enu_m"]) - gone) < 2.5  # the receiver's own error, and the first fix's
+    assert stands_on(TRACK, last)
     assert cli.run(replay) == 0
     assert capsys.readouterr().out == said
     (alone := tmp_path / "alone").mkdir()

@@ -20,7 +20,7 @@ from station.reader import Chunk
 from station.reader.journal import Journal
 from tests.drivers.simulated.drives import bends
 from tests.station.commands.program import Program
-from tests.station.monitor.driving import record_drive
+from tests.station.monitor.driving import record_drive, stands_on
 from tests.station.monitor.unit import write_calibration
 
 pytest.importorskip("cv2", reason="opencv is not installed: `make locate`")
@@ -62,11 +62,7 @@ def test_a_recorded_drive_is_located_by_its_images_the_same_each_time(
     assert located[0]["t_s"] < 14.0  # by IMU alone it takes 6 s of motion more
     last = located[-1]
     assert "features, stamps 40 ms late" in last["camera"]
-    east, north, _ = TRACK.velocity(last["t_s"])
-    turned = last["heading_deg"] - np.degrees(np.arctan2(east, north))
-    assert abs((turned + 180) % 360 - 180) < 4 * last["heading_std_deg"]
-    gone = TRACK.position(last["t_s"]) - TRACK.position(0.0)
-    assert np.linalg.norm(np.array(last["enu_m"]) - gone) < 2.5  # the receiver's own error, and the first fix's
+    assert stands_on(TRACK, last)
     assert cli.run(replay) == 0
     assert capsys.readouterr().out == said
 
