@@ -12,7 +12,8 @@ class AutopilotTruth:
     ``default_hz`` what it sends unasked; ``most_hz`` above which an interval is DENIED, as are those of
     ``denies``; without ``knows_intervals`` SET_MESSAGE_INTERVAL is UNSUPPORTED; unless it ``obeys``, what is asked
     for is accepted and nothing comes of it. ``states_utc``: GPS_RAW_INT is
-    stamped with UTC, else with the time since boot; ``states_accuracy``: its extension fields are filled.
+    stamped with UTC, else with the time since boot; ``states_accuracy``: its extension fields are filled;
+    ``states_velocity``: speed and course are.
     """
 
     system: int = 1
@@ -25,6 +26,7 @@ class AutopilotTruth:
     obeys: bool = True
     states_utc: bool = False
     states_accuracy: bool = True
+    states_velocity: bool = True
     latency_s: float = 0.1
     position_std_m: float = 1.0
     velocity_std_m_s: float = 0.05

@@ -33,6 +33,7 @@ class Seen:
     has_fix: bool
     position_std: float
     velocity_std: float
+    tells_velocity: bool
 
     def gps_raw_int(self, stamp_us: int) -> "dialect.MAVLink_message":
         """Return a GPS_RAW_INT."""
@@ -52,10 +53,12 @@ class Seen:
     def _common(self) -> tuple[int, ...]:
         if not self.has_fix:
             return 1, 0, 0, 0, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, 3
-        speed = float(np.hypot(self.v_n[0], self.v_n[1]))
-        course = float(np.degrees(np.arctan2(self.v_n[0], self.v_n[1]))) % 360
+        speed, course = UNKNOWN, UNKNOWN
+        if self.tells_velocity:
+            speed = round(float(np.hypot(self.v_n[0], self.v_n[1])) * 100)
+            course = round(float(np.degrees(np.arctan2(self.v_n[0], self.v_n[1]))) % 360 * 100) % 36000
         where = round(self.latitude * 1e7), round(self.longitude * 1e7), round(self.altitude * 1e3)
-        return 3, *where, 90, 140, round(speed * 100), round(course * 100) % 36000, 14
+        return 3, *where, 90, 140, speed, course, 14
 
     def _extension(self, *, yaw_first: bool = False) -> tuple[int, ...]:
         known = self.has_fix and self.position_std > 0
@@ -95,6 +98,7 @@ class Receiver:
             has_fix=has_fix,
             position_std=self._autopilot.position_std_m if self._autopilot.states_accuracy else 0.0,
             velocity_std=self._autopilot.velocity_std_m_s,
+            tells_velocity=self._autopilot.states_velocity,
         )
 
     def _drawn(self, t: float) -> FloatArray:

@@ -21,7 +21,7 @@ from station.locate.inertial import with_constants
 from station.locate.live_beginning import KEPT, Beginning, Begun, joined
 from station.locate.live_camera import LiveCamera
 from station.locate.live_fixes import BEHIND, LiveFixes
-from station.locate.live_graph import LiveGraph
+from station.locate.live_graph import Graph, LiveGraph, NoGraph
 from station.locate.live_source import LiveInertial, LiveSource
 from station.locate.live_told import Told
 from station.locate.live_vision import LiveVision, VisualBeginning
@@ -56,7 +56,7 @@ class LiveLocator:
         self._imu: deque[ImuSeries] = deque()
         self._beginning: Beginning | VisualBeginning | None = None
         self._source: LiveSource | None = None
-        self._graph: LiveGraph | None = None
+        self._graph: Graph | None = None
         self._try_at = -np.inf
         self.location = Location(why="no fix yet")
 
@@ -95,9 +95,7 @@ class LiveLocator:
         begun = None
         if self._beginning is None and (noise := self._noise_of(imu)) is not None:
             self._beginning = self._beginning_of(noise)
-        if self._camera is None and not np.isfinite(fixes.v_n[:, 0]).any():
-            why = "the receiver tells no speed and course, which it needs"
-        elif self._beginning is None:
+        if self._beginning is None:
             why = "keep it still for 10 s: its noise is learnt"
         else:
             begun = self._beginning.attempt(imu, fixes)
@@ -115,13 +113,17 @@ class LiveLocator:
         given = OuterSettings(lever_arm=self._arm)
         if self._camera is None:
             given = with_constants(given, begun.aligned)
-            settings = WindowSettings(a.noise, a.gravity, a.earth_n, given.arm, lever_std=a.lever_std)
-            self._source = LiveInertial(settings, begun, self._given)
+            told = np.isfinite(fixes.v_n[:, :2]).all(axis=1).any()  # else nothing would hold a window's velocity
+            settings = WindowSettings(
+                a.noise, a.gravity, a.earth_n, given.arm, 2 if told else 1, lever_std=a.lever_std
+            )
+            self._source = source = LiveInertial(settings, begun, self._given)
+            self._graph = LiveGraph(given) if told else NoGraph(source.window)
         else:
             given = with_lever(replace(given, lever_arm_std=a.lever_std), begun.aligned)
             site = Site(a.gravity, a.earth_n, a.noise)
             self._source = LiveVision(site, given, begun, self._given, self._camera)
-        self._graph = LiveGraph(given)
+            self._graph = LiveGraph(given)
         self._graph.add(fixes)
         self._given.taken = 0
         for pose in self._source.begin():
@@ -138,7 +140,7 @@ class LiveLocator:
             return MovingAligner(noise, gravity, earth_n, self._arm)
         return MovingAligner(noise, gravity, earth_n, np.zeros(3), FREE_ARM)
 
-    def _go_on(self, source: LiveSource, graph: LiveGraph, now: float) -> None:
+    def _go_on(self, source: LiveSource, graph: Graph, now: float) -> None:
         """Add the keyframes that are due."""
         for pose in source.due(joined(list(self._imu)), now - self._given.lateness):
             if (known := graph.take(pose)) is not None:
@@ -147,7 +149,7 @@ class LiveLocator:
                     source.learn(graph.lever_arm, graph.lever_std)
         self._given.forget()
 
-    def _show(self, source: LiveSource, graph: LiveGraph, pose: GlobalPose, passed: range) -> None:
+    def _show(self, source: LiveSource, graph: Graph, pose: GlobalPose, passed: range) -> None:
         fixes, origin = self._given.fixes, self._given.origin
         assert fixes is not None
         assert origin is not None

@@ -1,12 +1,61 @@
 """The outer graph of a run without end: renewed every half hour, so that neither memory nor time grows with it."""
 
+from typing import Protocol
+
 from procedures.arrays import FloatArray
+from procedures.fusion.inertial_window import InertialWindow
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.outer_graph import GlobalPose, OuterGraph, OuterSettings
 from procedures.fusion.records import GnssFixes
 
 RENEWED = 36_000  # poses: half an hour
 RUN_IN = 1_200  # poses that a new graph goes along before it takes over: a minute, six of its windows
+
+
+class Graph(Protocol):
+    """What makes a window's poses those in n."""
+
+    def add(self, fixes: GnssFixes) -> None:
+        """Take fixes that come after all so far."""
+        ...
+
+    def take(self, pose: OdometryPose) -> GlobalPose | None:
+        """Return a pose in n; None before the moment of alignment."""
+        ...
+
+    @property
+    def lever_arm(self) -> FloatArray:
+        """The lever arm (3,) [m] as it is known now."""
+        ...
+
+    @property
+    def lever_std(self) -> float:
+        """1 sigma [m] of its least known component, 0 where it is another's to find."""
+        ...
+
+
+class NoGraph:
+    """One layer: the window holds the fixes' positions itself, as where a receiver tells nothing else."""
+
+    lever_std = 0.0
+
+    def __init__(self, window: InertialWindow) -> None:
+        self._window = window
+
+    def add(self, fixes: GnssFixes) -> None:
+        """Leave them: the window has them."""
+
+    def take(self, pose: OdometryPose) -> GlobalPose | None:
+        """Return the window's newest pose."""
+        state = self._window.state
+        assert state is not None
+        return GlobalPose(pose.t, state.p, state.C_nb, self._window.global_covariance())
+
+    @property
+    def lever_arm(self) -> FloatArray:
+        """The lever arm (3,) [m] as the window knows it."""
+        arm: FloatArray = self._window.constants[:3]
+        return arm
 
 
 class LiveGraph:

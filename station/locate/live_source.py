@@ -37,20 +37,20 @@ class LiveInertial:
     """IMU and GNSS velocity: `LiveSource` with a keyframe at each fix and between them."""
 
     def __init__(self, settings: WindowSettings, begun: Begun, given: LiveFixes) -> None:
-        self._window, self._given = LiveWindow(settings, begun.imu, begun.fixes, begun.aligned), given
+        self.window, self._given = LiveWindow(settings, begun.imu, begun.fixes, begun.aligned), given
 
     @property
     def velocity(self) -> FloatArray:  # noqa: D102
-        assert self._window.state is not None
-        return self._window.state.v
+        assert self.window.state is not None
+        return self.window.state.v
 
     def begin(self) -> Iterator[OdometryPose]:  # noqa: D102
-        yield from self._window.poses()
+        yield from self.window.poses()
 
     def due(self, imu: ImuSeries, until: float) -> Iterator[OdometryPose]:  # noqa: D102
-        while (due := self._given.next_keyframe(float(self._window.frames.t[-1]), until)) is not None:
+        while (due := self._given.next_keyframe(float(self.window.frames.t[-1]), until)) is not None:
             assert self._given.fixes is not None
-            yield self._window.go_on(due[0], imu, self._given.fixes, due[1])
+            yield self.window.go_on(due[0], imu, self._given.fixes, due[1])
 
     def learn(self, lever: FloatArray, std: float) -> None:
         """Leave it: this window estimates the lever arm itself."""

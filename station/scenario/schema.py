@@ -54,6 +54,7 @@ class AutopilotTable(_Table):
     obeys: bool = True
     states_utc: bool = False
     states_accuracy: bool = True
+    states_velocity: bool = True
     airspeed_m_s: Annotated[float, Field(ge=0)] = 0.0
     key: str = ""
 

@@ -98,3 +98,15 @@ def test_a_unit_that_begins_anew_is_located_anew(drive: DriveRig) -> None:
     assert drive.view.location is not None
     assert not drive.view.location.is_located
     assert any("no longer known" in event.text for event in drive.view.events)
+
+
+def test_a_receiver_that_tells_positions_alone_is_enough() -> None:
+    rig = DriveRig(TRUTH, TRACK, replace(AUTOPILOT, states_velocity=False))
+    rig.run(46.0)
+    assert not any("speed and course" in view.location.why for view in rig.lines if view.location)
+    settled = [view.location for view in located(rig) if view.location and view.location.t > 38.0]
+    assert len(settled) > 50
+    assert all(off(location) < 4 * np.sqrt(2) * max(location.enu_std[:2]) for location in settled)
+    assert all(abs(turned(location)) < 4 * (location.heading_std or 0.0) for location in settled[::10])
+    assert (settled[-1].heading_std or 99.0) < 3.0
+    assert np.linalg.norm(np.array(settled[-1].velocity) - TRACK.velocity(settled[-1].t)) < 0.5
