@@ -133,7 +133,7 @@ class VisualInertialWindow:
         if part is not None:
             self._go_on_by(part)
         self.marks.add_frame(feature, self.settings.camera.rays(uv))
-        self.marks.settle(self.state)
+        self.marks.settle(self.state, self._scale)
         self._solve()
         self._reject()
         dt, self.t = t - self.t, t
