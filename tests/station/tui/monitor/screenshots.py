@@ -11,6 +11,7 @@ PICTURES = {
     "monitor": (views.RESTING, SMALL),
     "monitor_moving": (views.AIDED, LARGE),
     "monitor_map": (views.LOCATED, SMALL),
+    "monitor_camera": (views.SEEING, SMALL),
 }
 
 
