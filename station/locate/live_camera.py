@@ -29,6 +29,7 @@ LATEST_S = 1.0  # that is waited for a frame
 EARLY_S = 0.06  # by which a frame is to be known before a keyframe comes near it
 SILENT_S = 2.0
 TURN = "its delay is not known: turn it unevenly"
+AMISS = "its turns are not the gyro's: check its file"
 UNTOLD = CameraOffset(0.0, 0.1)
 GENTLE_S = 0.015  # 1 sigma of the delay that does where all turns are gentle: the window goes on fitting it
 
@@ -88,7 +89,7 @@ class LiveCamera:
             self.offset = found
         else:
             self.why = f"its delay is not known: {found.why}"
-            self._hint = f"it does not turn as the gyro does: {MISPLACED}" if MISPLACED in found.why else TURN
+            self._hint = AMISS if MISPLACED in found.why else TURN
 
     @property
     def offset_std(self) -> float:
@@ -148,5 +149,7 @@ class LiveCamera:
             return self.why
         if self.offset is None:
             return self._hint
+        if (age := min(self._ages) - self.offset.offset) > LATEST_S:
+            return f"images are {age:.1f} s late, of use up to {LATEST_S:g} s"
         features, late = plural(len(self._frames[-1].feature), "feature"), -self.offset.offset - self.fitted
         return f"{features}, stamps {late * 1e3:.0f} ms late"

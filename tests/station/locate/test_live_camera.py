@@ -128,4 +128,11 @@ def test_a_camera_that_sits_otherwise_than_told_is_not_asked_to_turn() -> None:
     fed(live, eye, 6.0)
     live.learn(imu)
     assert live.offset is None
-    assert live.said == "it does not turn as the gyro does: is imu_from_camera right?"
+    assert live.said == "its turns are not the gyro's: check its file"
+
+
+def test_images_that_come_too_late_to_count_are_not_said_to_be_followed() -> None:
+    _, tracks = seen(rocking, offset=0.0)
+    live = LiveCamera(CAMERA, Eye(tracks, stamps=False).follow, CameraOffset(-3.0, 0.0))
+    fed(live, Eye(tracks, stamps=False), 4.0)
+    assert live.said == "images are 3.0 s late, of use up to 1 s"
