@@ -43,6 +43,7 @@ ASIDE = 0.06  # s from the offset that are away from it
 FAR = np.radians(10.0)  # from where the camera was said to sit
 STRANGE = 6.0  # mean square, of 1, of the pairs that tell: these are not the turns of this camera on this IMU
 UNEVEN = "it must turn unevenly: to and fro, about any axis, for some seconds"
+MISPLACED = "is imu_from_camera right?"
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +145,7 @@ class _Fit:
         if fit.normal.misfit > STRANGE or away > FAR:
             return Waiting(
                 f"at no offset do the camera's turns fit the gyro's (mean square {fit.normal.misfit:.1f}, at most "
-                f"{STRANGE:g}, with the camera turned by {np.degrees(away):.0f} deg): is imu_from_camera right?"
+                f"{STRANGE:g}, with the camera turned by {np.degrees(away):.0f} deg): {MISPLACED}"
             )
         if sigma > (needed := self._needed(fit.x)):
             return Waiting(f"its clock is known to {sigma * 1e3:.0f} ms, needed {needed * 1e3:.0f}: {UNEVEN}")

@@ -29,10 +29,10 @@ def recorded_tracks(folder: Path, marks: Iterable[tuple[int, float]]) -> Seen | 
     """
     if not (folder / NAME).exists():
         return None
-    table, times = read_description(folder / NAME).table, FixTimes()
+    table, times = read_description(folder / NAME).table, FixTimes(in_order=True)
     for host_ns, device_s in marks:
         times.mark_imu(host_ns, device_s)
-    for image in recorded_images(folder):  # all of them, so that one line holds for all
+    for image in recorded_images(folder):  # all of them, so that one line holds for all of a clock
         if image.device_ns is not None:
             times.mark_sender(TimeMark(image.host_ns, image.device_ns, None))
     return Seen(_followed(folder, times, Following(lens_of(table))), table)

@@ -6,6 +6,7 @@ not known the moment it was read must do.
 """
 
 from collections import deque
+from itertools import islice
 from typing import Protocol
 
 import numpy as np
@@ -15,6 +16,8 @@ from procedures.time_line import TimeLine, fit_time_line
 
 REFIT_NS = 10**9
 REBOOT_NS = 10**9
+AHEAD_NS = 10**8  # nothing is read before it was sent: a sender's clock that is ahead by more was set
+RECENT = 20  # marks of a sender with which a new one is compared
 Marks = deque[tuple[int, int]]
 
 
@@ -28,33 +31,45 @@ class Stamped(Protocol):
 
 
 class FixTimes:
-    """Marks of the last ``span_ns`` [ns] of the station's clock; of all where it is None."""
+    """Marks of the last ``span_ns`` [ns] of the station's clock; of all where it is None.
 
-    def __init__(self, span_ns: int | None = None) -> None:
-        self._span_ns = span_ns
+    ``in_order``: a sender's marks never overtake each other, so that any time that goes back is a new clock's.
+    """
+
+    def __init__(self, span_ns: int | None = None, *, in_order: bool = False) -> None:
+        self._span_ns, self._back_ns = span_ns, 0 if in_order else REBOOT_NS
         self._imu, self._sender = Marks(), Marks()
+        self._past = list[tuple[int, TimeLine | None]]()  # until when [ns] a clock of the sender's held
         self._lines: dict[str, tuple[tuple[int, int], TimeLine | None]] = {}
 
     def begin_anew(self) -> None:
         """Let the IMU's marks go: its time has begun anew."""
         self._imu.clear()
+        self._lines.pop("imu", None)
 
     def mark_imu(self, host_ns: int, device_s: float) -> None:
         """Take the moment at which a sample of the IMU was read [ns], and the sample's own time [s]."""
         self._imu.append((host_ns, round(device_s * 1e9)))
 
     def mark_sender(self, mark: TimeMark) -> None:
-        """Take the moment at which the sender's time was read; a time that goes back is a restart."""
-        if self._sender and mark.device_ns < self._sender[-1][1] - REBOOT_NS:
+        """Take the moment at which the sender's time was read; one that goes back, or leaps, is a new clock's."""
+        if self._sender and self._is_new(mark):
+            self._past.append((self._sender[-1][0], fit_time_line(*np.array(self._sender, dtype=np.int64).T)))
             self._sender.clear()
+            self._lines.pop("sender", None)
         self._sender.append((mark.host_ns, mark.device_ns))
+
+    def _is_new(self, mark: TimeMark) -> bool:
+        soonest = max(device_ns - host_ns for host_ns, device_ns in islice(reversed(self._sender), RECENT))
+        leaps = mark.device_ns - mark.host_ns > soonest + AHEAD_NS
+        return leaps or mark.device_ns < self._sender[-1][1] - self._back_ns
 
     def of(self, fix: Stamped) -> float | None:
         """Return when what came was valid [s of the IMU's clock]; None where the marks do not tell yet."""
         imu = self._line("imu", self._imu)
         if imu is None:
             return None
-        sender = None if fix.device_ns is None else self._line("sender", self._sender)
+        sender = None if fix.device_ns is None else self._sender_line(fix.host_ns)
         if sender is None or fix.device_ns is None:
             return imu.at(fix.host_ns)
         return imu.at(sender.when(fix.device_ns))
@@ -63,6 +78,13 @@ class FixTimes:
     def knows_sender(self) -> bool:
         """Whether fixes are placed by their sender's clock."""
         return self._line("sender", self._sender) is not None
+
+    def _sender_line(self, host_ns: int) -> TimeLine | None:
+        """Return the line of the clock that the sender had at a moment [ns]."""
+        for until, line in self._past:
+            if host_ns <= until:
+                return line
+        return self._line("sender", self._sender)
 
     def _line(self, name: str, marks: Marks) -> TimeLine | None:
         if not marks:

@@ -60,9 +60,9 @@ def fusion_from_recording(url: str, folder: Path, asked: Asked) -> list[str]:
     gravity = normal_gravity(origin.latitude, origin.height)
     noise = densities(imu, rest, feed.period, applied.document, counts)
     std = KNOWN_STD if times.knows_sender else UNKNOWN_STD
-    folder.mkdir(parents=True, exist_ok=True)
     marks = feed.tape.marks(feed.tape.begin, feed.tape.end)
     seen = recorded_tracks(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
+    folder.mkdir(parents=True, exist_ok=True)
     write_fusion(folder, Recorded(origin, gravity, imu, noise, fixes, std, asked.lever_arm, seen))
     return _said(folder, imu, fixes, rest, applied, seen)
 

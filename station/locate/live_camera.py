@@ -11,7 +11,7 @@ import numpy as np
 
 from drivers.camera import CameraImage
 from procedures.fusion.camera_keyframes import CLOSEST, SPACING
-from procedures.fusion.camera_time import CameraOffset, camera_offset
+from procedures.fusion.camera_time import MISPLACED, CameraOffset, camera_offset
 from procedures.fusion.live_visual_window import Frame, filled, no_frame
 from procedures.fusion.records import ImuSeries
 from procedures.fusion.tracks import Camera, Tracks
@@ -28,6 +28,8 @@ AGES = 20  # frames, whose lateness is looked at
 LATEST_S = 1.0  # that is waited for a frame
 EARLY_S = 0.06  # by which a frame is to be known before a keyframe comes near it
 SILENT_S = 2.0
+TURN = "its delay is not known: turn it unevenly"
+AMISS = "its turns are not the gyro's: check its file"
 UNTOLD = CameraOffset(0.0, 0.1)
 GENTLE_S = 0.015  # 1 sigma of the delay that does where all turns are gentle: the window goes on fitting it
 
@@ -45,11 +47,12 @@ class LiveCamera:
     def begin_anew(self) -> None:
         """Let all go that hangs on the unit's time."""
         self.offset = self._told if self._told is not None and not self._told.std else None
-        self.why = "no image yet"
-        self._times = FixTimes(MARKS_NS)
+        self.why, self._hint = "no image yet", TURN
+        self._times = FixTimes(MARKS_NS, in_order=True)
         self._frames: deque[Frame] = deque()  # by the camera's stamps, without the offset
         self._ages: deque[float] = deque(maxlen=AGES)
         self._now, self._try_at, self._pause = -np.inf, -np.inf, 1.0
+        self._spoilt_at = -np.inf
         self.fitted = 0.0  # s, what a window has to add to the offset
 
     def mark(self, marks: Iterable[tuple[int, float]]) -> None:
@@ -64,6 +67,7 @@ class LiveCamera:
             if image.device_ns is not None:
                 self._times.mark_sender(TimeMark(image.host_ns, image.device_ns, None))
             t, seen = self._times.of(image), self._follow(image)
+            self._spoilt_at = now if seen is None else self._spoilt_at
             if t is not None and seen is not None and abs(now - t) < KEPT_S and t > self._newest:
                 self._frames.append(Frame(t, *seen))
                 self._ages.append(now - t)
@@ -85,6 +89,7 @@ class LiveCamera:
             self.offset = found
         else:
             self.why = f"its delay is not known: {found.why}"
+            self._hint = AMISS if MISPLACED in found.why else TURN
 
     @property
     def offset_std(self) -> float:
@@ -136,11 +141,15 @@ class LiveCamera:
     def said(self) -> str:
         """How the camera does, in words."""
         silent = self._now - self._newest
+        if silent > SILENT_S >= self._now - self._spoilt_at:
+            return "images are no JPEG, or of another size than the first"
         if SILENT_S < silent < np.inf:
             return f"no image for {silent:.0f} s"
         if not self._frames:
             return self.why
         if self.offset is None:
-            return "its delay is not known: turn it unevenly"
+            return self._hint
+        if (age := min(self._ages) - self.offset.offset) > LATEST_S:
+            return f"images are {age:.1f} s late, of use up to {LATEST_S:g} s"
         features, late = plural(len(self._frames[-1].feature), "feature"), -self.offset.offset - self.fitted
         return f"{features}, stamps {late * 1e3:.0f} ms late"

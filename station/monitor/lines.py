@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from station.monitor.session import Session, Verb
-from station.monitor.view import Bought, Location, Side, View
+from station.monitor.view import LATE_S, Bought, Location, Side, View
 from station.plural import plural
 
 FORMAT = "monitor/1"
@@ -113,8 +113,12 @@ def reading_line(view: View) -> str:
             f"drift {with_it.drift:.2f}, {without.drift:.2f} deg/h ({view.bought.earth})"
         )
     if view.location is not None:
-        line += f"; {location_text(view.location)}"
+        line += f"; {location_text(view.location)}{_behind(view)}"
     return line + "".join(f"; ALARM {alarm}" for alarm in view.alarms)
+
+
+def _behind(view: View) -> str:
+    return f"; {view.behind:.0f} s behind" if view.behind > LATE_S else ""
 
 
 def location_text(location: Location) -> str:

@@ -85,5 +85,5 @@ def live_camera(described: Description) -> LiveCamera:
     """Return what follows features through a camera's images; raise `ExtraMissing` without OpenCV."""
     table = described.table
     about, std = table.time_offset_s, table.time_offset_std_s
-    known = CameraOffset(about, std or 0.0) if about is not None else None
+    known = None if about is None and std is None else CameraOffset(about or 0.0, std or 0.0)
     return LiveCamera(camera_of(table), Following(lens_of(table)), known)

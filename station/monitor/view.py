@@ -8,6 +8,8 @@ from typing import Literal, NamedTuple
 
 from station.guide.view import Event
 
+LATE_S = 2.0  # by which a location may be older than the attitude
+
 Mode = Literal["waiting", "aligning", "at rest", "moving"]
 
 
@@ -142,6 +144,12 @@ class View:
     def trouble(self) -> str:
         """What is wrong with the first stream that is not well."""
         return next((stream.trouble for stream in self.streams if stream.trouble), "")
+
+    @property
+    def behind(self) -> float:
+        """By how much the location is older than the attitude [s]: where the machine is too slow for it."""
+        location, reading = self.location, self.reading
+        return reading.t - location.t if reading and location and location.is_located else 0.0
 
     @property
     def shown(self) -> tuple[float, float] | None:

@@ -4,13 +4,12 @@ from textwrap import wrap
 
 from textual.content import Content
 
-from station.monitor.view import Location, View
+from station.monitor.view import LATE_S, Location, View
 from station.plural import plural
 from station.tui.monitor.map_picture import map_picture
 from station.tui.widgets.drawn import Drawn
 
 LINES = 5
-LATE_S = 2.0
 
 
 class Map(Drawn[Location]):
@@ -34,7 +33,7 @@ class Where(Drawn[View]):
 
     def render(self) -> Content:
         """Draw five lines."""
-        location, behind = self.value.location or Location(), _behind(self.value)
+        location, behind = self.value.location or Location(), self.value.behind
         if not location.is_located:
             head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {plural(location.fixes, 'fix')}")
             width = max(self.content_size.width - 1, 20)
@@ -53,11 +52,6 @@ class Where(Drawn[View]):
                 (f"{behind:.0f} s behind", "bold $warning") if behind > LATE_S else newest,
             ),
         ))  # fmt: skip
-
-
-def _behind(view: View) -> float:
-    """Return by how much the location is older than the attitude [s]: where the machine is too slow for it."""
-    return 0.0 if view.reading is None or view.location is None else view.reading.t - view.location.t
 
 
 def _heading(location: Location) -> tuple[Content | tuple[str, str], ...]:

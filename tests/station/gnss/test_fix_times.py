@@ -51,3 +51,37 @@ def test_a_sender_that_restarts_is_learnt_anew() -> None:
         times.mark_sender(TimeMark(EPOCH + round(t * 1e9), round((t - 29.0) * 1e9), None))
     restarted = GnssFix("GPS_RAW_INT", 1, EPOCH + round(38.0 * 1e9), FixType.FIX_3D, device_ns=round(8.5 * 1e9))
     assert times.of(restarted) == pytest.approx(7.0 + 37.5, abs=0.005)
+
+
+@pytest.mark.parametrize("set_by", [0.3, 5.0, 1e6, -0.3, -5.0])
+def test_a_clock_that_is_set_while_it_runs_makes_no_stamp_wrong(set_by: float) -> None:
+    times, read = FixTimes(60 * 10**9, in_order=True), list[tuple[float, GnssFix]]()
+    for t in np.arange(0.0, 60.0, 0.1).tolist():
+        host_ns, device_ns = EPOCH + round(t * 1e9), round((1e7 + t - 0.03 + (set_by if t > 40 else 0.0)) * 1e9)
+        times.mark_imu(host_ns, 7.0 + t)
+        times.mark_sender(TimeMark(host_ns, device_ns, None))
+        image = GnssFix("image", 1, host_ns, FixType.FIX_3D, device_ns=device_ns)
+        read.append((7.0 + t, image))
+        if t > 1.0:
+            assert times.of(image) == pytest.approx(7.0 + t, abs=0.005)
+    for at, image in read:  # each by the clock of its time
+        assert times.of(image) == pytest.approx(at, abs=0.005)
+
+
+def test_a_sender_that_was_held_up_has_not_set_its_clock() -> None:
+    times = clocks(30.0)
+    for t in np.arange(30.0, 31.0, 0.1).tolist():  # read 5 s late, the next one in time
+        times.mark_sender(TimeMark(EPOCH + round((t + 5.0) * 1e9), round((50.0 + t) * 1e9), None))
+    times.mark_sender(TimeMark(EPOCH + round(36.0 * 1e9), round(86.0 * 1e9), None))
+    times.mark_imu(EPOCH + round(36.0 * 1e9), 43.0)
+    assert times.of(fix(36.0, read=0.9)) == pytest.approx(43.0, abs=0.01)
+
+
+def test_an_imu_whose_time_begins_anew_is_not_placed_by_its_old_time() -> None:
+    times = FixTimes(20 * 10**9)
+    for t in np.arange(0.0, 5.0, 0.1).tolist():
+        times.mark_imu(EPOCH + round(t * 1e9), 7.0 + t)
+    assert times.of(fix(4.0, boot=None)) == pytest.approx(11.3, abs=0.001)
+    times.begin_anew()
+    times.mark_imu(EPOCH + round(4.95 * 1e9), 0.0)
+    assert times.of(fix(4.7, boot=None)) is None

@@ -1,5 +1,7 @@
 """A live camera's frames: on the IMU's clock, late by what is found, and the keyframes they ask for."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -112,3 +114,25 @@ def test_images_that_are_none_are_passed_over() -> None:
     assert len(live.tracks().t) == before
     live.take([], 6.0)
     assert live.said == "no image for 4 s"
+    live.take([CameraImage(round(5.95e9), None, b"spoilt")], 6.1)
+    assert live.said == "images are no JPEG, or of another size than the first"
+    live.take([], 8.2)
+    assert live.said == "no image for 6 s"
+
+
+def test_a_camera_that_sits_otherwise_than_told_is_not_asked_to_turn() -> None:
+    imu, tracks = seen(rocking, offset=0.0)
+    eye = Eye(tracks, stamps=False)
+    turned = replace(CAMERA, C_bc=CAMERA.C_bc @ np.diag([-1.0, -1.0, 1.0]))
+    live = LiveCamera(turned, eye.follow)
+    fed(live, eye, 6.0)
+    live.learn(imu)
+    assert live.offset is None
+    assert live.said == "its turns are not the gyro's: check its file"
+
+
+def test_images_that_come_too_late_to_count_are_not_said_to_be_followed() -> None:
+    _, tracks = seen(rocking, offset=0.0)
+    live = LiveCamera(CAMERA, Eye(tracks, stamps=False).follow, CameraOffset(-3.0, 0.0))
+    fed(live, Eye(tracks, stamps=False), 4.0)
+    assert live.said == "images are 3.0 s late, of use up to 1 s"

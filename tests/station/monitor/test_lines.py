@@ -12,7 +12,7 @@ from station.errors import DataRefused
 from station.monitor.calibration import UNKNOWN, find_calibration
 from station.monitor.lines import json_line, reading_line
 from station.recorder.unit import Unit
-from tests.station.monitor.views import RESTING
+from tests.station.monitor.views import BEHIND, LOCATED, RESTING
 
 
 def test_what_a_drift_holds_of_the_earth_stands_beside_it() -> None:
@@ -36,3 +36,8 @@ def test_without_calibration_and_scale_it_says_what_to_do(unit: Unit, said: str,
         find_calibration(None, database, unit, FORMATS["counts"])
     with pytest.raises(DataRefused, match="no readable file"):
         find_calibration(tmp_path / "c.json", database, unit, FORMATS["counts"])
+
+
+def test_a_location_that_lags_behind_is_said_to() -> None:
+    assert reading_line(BEHIND).endswith("; 12 s behind")
+    assert "behind" not in reading_line(LOCATED)
