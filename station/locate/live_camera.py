@@ -28,6 +28,7 @@ AGES = 20  # frames, whose lateness is looked at
 LATEST_S = 1.0  # that is waited for a frame
 EARLY_S = 0.06  # by which a frame is to be known before a keyframe comes near it
 SILENT_S = 2.0
+SOONEST_S = 0.03  # between images that are followed
 TURN = "its delay is not known: turn it unevenly"
 AMISS = "its turns are not the gyro's: check its file"
 UNTOLD = CameraOffset(0.0, 0.1)
@@ -53,6 +54,7 @@ class LiveCamera:
         self._ages: deque[float] = deque(maxlen=AGES)
         self._now, self._try_at, self._pause = -np.inf, -np.inf, 1.0
         self._spoilt_at = -np.inf
+        self._followed_at = -np.inf
         self.fitted = 0.0  # s, what a window has to add to the offset
 
     def mark(self, marks: Iterable[tuple[int, float]]) -> None:
@@ -66,7 +68,10 @@ class LiveCamera:
         for image in images:
             if image.device_ns is not None:
                 self._times.mark_sender(TimeMark(image.host_ns, image.device_ns, None))
-            t, seen = self._times.of(image), self._follow(image)
+            t = self._times.of(image)
+            if t is not None and self._followed_at < t < self._followed_at + SOONEST_S:
+                continue  # more often than it is worth: a machine that cannot keep up falls behind
+            seen, self._followed_at = self._follow(image), t if t is not None else -np.inf
             self._spoilt_at = now if seen is None else self._spoilt_at
             if t is not None and seen is not None and abs(now - t) < KEPT_S and t > self._newest:
                 self._frames.append(Frame(t, *seen))

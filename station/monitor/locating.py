@@ -22,6 +22,7 @@ from station.monitor.sensors import Sensors
 from station.monitor.where import Locating
 
 LEAVE_S = 2.0
+FAR_BEHIND = 100  # ticks: ten seconds
 
 
 class LocatorThread:
@@ -36,8 +37,8 @@ class LocatorThread:
         self._thread.start()
 
     def take(self, taken: Taken) -> None:
-        """Go on by a tick, soon."""
-        self._given.put(taken)
+        """Go on by a tick, soon; without images while it is far behind."""
+        self._given.put(taken if self._given.qsize() < FAR_BEHIND else replace(taken, images=()))
 
     def begin_anew(self) -> None:
         """Begin again, soon."""

@@ -19,7 +19,7 @@ from procedures.earth import STANDARD_GRAVITY, normal_gravity
 from procedures.fusion.extra import gtsam, opencv
 from station.camera.description import NAME as CAMERA_FILE
 from station.camera.description import Description, read_description
-from station.camera.feed import open_camera
+from station.camera.feed import SESSION, open_camera
 from station.camera.recorded import RecordedCamera
 from station.errors import DataRefused
 from station.guide.folder import new_folder
@@ -181,7 +181,12 @@ def _described(wanted: Wanted) -> Description | None:
 def _camera(described: Description, source: Source, folder: Path | None, stack: ExitStack) -> Seeing:
     """Return the camera, live or recorded."""
     if isinstance(source, Replay):
-        return RecordedCamera(Path(source.address.path).parent)
+        recorded = Path(source.address.path).parent
+        if not any(recorded.glob(f"{SESSION}_*.mcap")):
+            raise DataRefused(
+                recorded, None, f"no {SESSION}_*.mcap", "the images of a camera", "name another recording"
+            )
+        return RecordedCamera(recorded)
     beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
     return stack.enter_context(open_camera(described, beside))
 

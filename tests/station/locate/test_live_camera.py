@@ -136,3 +136,14 @@ def test_images_that_come_too_late_to_count_are_not_said_to_be_followed() -> Non
     live = LiveCamera(CAMERA, Eye(tracks, stamps=False).follow, CameraOffset(-3.0, 0.0))
     fed(live, Eye(tracks, stamps=False), 4.0)
     assert live.said == "images are 3.0 s late, of use up to 1 s"
+
+
+def test_images_come_no_oftener_than_they_are_worth() -> None:
+    _, tracks = seen(rocking, offset=0.0)
+    eye = Eye(tracks, stamps=False)
+    live = LiveCamera(CAMERA, eye.follow, CameraOffset(-LATE_S, 0.0))
+    first = fed(live, eye, 2.0)
+    before = len(live.tracks().frames()[0])
+    i, at_ns = first - 1, round((eye.t[first - 1] + LATE_S) * 1e9)
+    live.take([CameraImage(at_ns + k * 10_000_000, None, str(i).encode()) for k in range(1, 10)], 2.1)
+    assert len(live.tracks().frames()[0]) == before + 3
