@@ -13,6 +13,7 @@ from procedures.attitude.log import AttitudeLog
 from procedures.attitude.north import heading_at_rest
 from station.guide.view import Event, Sound
 from station.live.live_feed import LiveFeed
+from station.live.told import words_of
 from station.locate.taken import Taken
 from station.mcap_files.fix_reader import Record
 from station.monitor.alarms import Watch
@@ -27,7 +28,7 @@ from station.monitor.recording import Recording
 from station.monitor.sensors import Sensors, Tick
 from station.monitor.session import Verb
 from station.monitor.stream_health import StreamHealth
-from station.monitor.view import InUse, Location, Mode, Point, Reading, View
+from station.monitor.view import InUse, Location, Mode, Point, Reading, Stream, View
 from station.monitor.where import in_imu_axes, news_of
 
 TICK_S = 0.1
@@ -63,6 +64,7 @@ class Monitor:
         self._speed: float | None = None
         self._held_since: float | None = None
         self._moments = Moments()
+        self._heard: dict[str, str] = {}  # by stream, the words of its trouble
         unit = feed.unit
         self.view = View(
             unit=f"{unit.model} {unit.serial}" if unit else "", aid=options.aid, in_use=self._in_use, folder=folder
@@ -258,6 +260,13 @@ class Monitor:
             self._health.trouble = trouble
             self._say("rejected" if trouble else "accepted", "stream", trouble or "data are coming again")
 
+    def _hear_of(self, stream: Stream) -> None:
+        """Say what is wrong with what stands beside the IMU as it appears, and when it is over."""
+        if (words := words_of(stream.trouble)) != self._heard.get(stream.name, ""):
+            self._heard[stream.name] = words
+            well = f"{stream.name}: well again"
+            self._say("rejected" if words else "accepted", "stream", stream.trouble or well)
+
     def _say(self, sound: Sound, event: str, text: str) -> None:
         self._numbers += 1
         self._events.append(Event(number=self._numbers, sound=sound, text=text))
@@ -267,6 +276,8 @@ class Monitor:
 
     def _show(self) -> None:
         streams = (self._health.look(), *(each.stream() for each in self._beside))
+        for each in streams[1:]:
+            self._hear_of(each)
         recording = self._recording.name if self._recording is not None else ""
         self._change(
             streams=streams, bought=self._rest.bought, history=tuple(self._history), events=tuple(self._events),

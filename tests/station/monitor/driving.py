@@ -86,7 +86,7 @@ class DriveRig:
         self.lines: list[View] = []
         applied = Applied(calibration_of(truth), None, InUse("by hand", 1.0))
         C = body_axes(DEFAULT)
-        sight = None if sees is None else Sight(self.source, track, *sees)
+        self.sight = sight = None if sees is None else Sight(self.source, track, *sees)
         eye = (
             None
             if sight is None

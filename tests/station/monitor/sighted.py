@@ -41,6 +41,8 @@ class Sight:
         self._t, self._begin = self.tracks.frames()
         self._open = [i for i, t in enumerate(self._t) if not dark[0] <= t < dark[1]]
 
+    trouble = ""
+
     def follow(self, image: CameraImage) -> Seen:
         rows = slice(*self._begin[int(image.jpeg) : int(image.jpeg) + 2].tolist())
         return self.tracks.feature[rows], self.tracks.uv[rows]
@@ -60,4 +62,4 @@ class Sight:
         return found
 
     def stream(self) -> Stream:
-        return Stream("camera simulated", 10.0, 0.0, self._count, 0, 0, 0)
+        return Stream("camera simulated", 10.0, 0.0, self._count, 0, 0, 0, trouble=self.trouble)

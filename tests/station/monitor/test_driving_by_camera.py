@@ -89,3 +89,13 @@ def test_a_delay_that_nobody_told_is_said_to_be_missing() -> None:
     rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 0.0)))
     rig.run(30.0)
     assert "its delay is not known: turn it unevenly" in {location.camera for _, location in located(rig)}
+
+
+def test_what_is_wrong_with_the_camera_is_said_once_and_when_it_is_over() -> None:
+    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 0.0)), told=-0.04)
+    for trouble in ("", "eye: no bytes for 2.0 s", "eye: no bytes for 2.1 s", ""):
+        assert rig.sight is not None
+        rig.sight.trouble = trouble
+        rig.run(0.3)
+    said = [event.text for event in rig.view.events if "eye" in event.text or "camera" in event.text]
+    assert said == ["eye: no bytes for 2.0 s", "camera simulated: well again"]

@@ -28,6 +28,7 @@ TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_
 TRACK = bends(30.0, still=11.0)
 AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0)
 CAMERA = CameraTruth(rate_hz=10.0)
+SMALL = CameraTruth(width=160, height=120, fx=100.0, fy=100.0, cx=79.5, cy=59.5, rate_hz=5.0)
 ON, OFF = 9.0, 17.0  # s, when the camera is switched on, and when all ends
 TOLD = f"time_offset_s = {-CAMERA.latency_s}\n"
 
@@ -97,13 +98,13 @@ def test_live_images_are_followed_and_recorded(tmp_path: Path) -> None:
     with (
         SimulatedDevice(TRUTH, 5, speed=3.0) as imu,
         SimulatedGnss(TRUTH, AUTOPILOT, beside=imu) as gnss,
-        SimulatedCamera(TRUTH, CAMERA, beside=imu) as camera,
+        SimulatedCamera(TRUTH, SMALL, beside=imu) as camera,
     ):
-        (tmp_path / "eye.toml").write_text(camera_toml(CAMERA, camera.url))
+        (tmp_path / "eye.toml").write_text(camera_toml(SMALL, camera.url))
         given = ["--plain", "--gnss", gnss.url, "--folder", str(tmp_path / "r"), *asked(tmp_path)]
         given += ["--locate", "--camera", str(tmp_path / "eye.toml")]
         with Program("monitor", imu.url, *given) as program:
-            program.until("camera: its delay is not known: its clock is known to")
+            program.until("camera: its delay is not known")
             program.press("q")
             code, _, error = program.end()
     assert (code, error) == (0, "")
