@@ -33,25 +33,30 @@ def read_faults(path: Path, *, is_on_can: bool) -> tuple[tuple[Fault, ...], tupl
         With the line of the table that is no fault, or is one of CAN while the device is not on it.
     """
     table, lines = read_tables(read_text_file(path), path, FaultsTable)
-    read = faults_from if is_on_can else _off_can
     return (
-        tuple(_each(table.fault, "fault", read, path, lines)),
-        tuple(_each(table.gnss_fault, "gnss_fault", gnss_faults_from, path, lines)),
+        tuple(each_fault(table.fault, "fault", faults_of(is_on_can=is_on_can), path, lines)),
+        tuple(each_fault(table.gnss_fault, "gnss_fault", gnss_faults_from, path, lines)),
     )
 
 
-def _each(
+def each_fault(
     tables: list[dict[str, Any]],
     name: str,
     read: Callable[[list[Mapping[str, Any]]], tuple[F, ...]],
     path: Path,
     lines: dict[Key, int],
 ) -> Iterator[F]:
+    """Yield what ``read`` makes of tables called ``name``; one that is no fault is refused with its line."""
     for number, table in enumerate(tables):
         try:
             yield from read([table])
         except TruthRefused as error:
             raise DataRefused(path, line_of((name, number), lines), error.found, error.expected) from error
+
+
+def faults_of(*, is_on_can: bool) -> Callable[[list[Mapping[str, Any]]], tuple[Fault, ...]]:
+    """Return what reads tables of a device's faults."""
+    return faults_from if is_on_can else _off_can
 
 
 def _off_can(tables: list[Mapping[str, Any]]) -> tuple[Fault, ...]:

@@ -5,6 +5,7 @@ HTTP/1.0 is spoken, so that no server divides the stream into chunks of its own.
 
 import time
 from base64 import b64encode
+from contextlib import ExitStack
 
 from drivers.camera.address import CameraUrl
 from drivers.errors import LinkLost, PortNotFound
@@ -56,14 +57,13 @@ def open_http_camera(address: CameraUrl, timeout_s: float) -> HttpCameraPort:
     LinkLost
         If it hangs up before it has answered.
     """
-    connection = open_tcp(address.host, address.port, ANSWER_S)
-    try:
+    with ExitStack() as opened:
+        connection = open_tcp(address.host, address.port, ANSWER_S)
+        opened.callback(connection.close)
         connection.write(_request(address))
         head, begun = _answer(connection, address.name)
         _check(head, address)
-    except BaseException:
-        connection.close()
-        raise
+        opened.pop_all()  # it is a stream: from now on it is the port's
     connection.timeout_s = timeout_s
     return HttpCameraPort(connection, address.name, begun)
 

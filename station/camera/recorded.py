@@ -3,14 +3,10 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from mcap.records import Channel, Message
-
 from drivers.camera import CameraDecoder, CameraImage
 from station.camera.feed import SESSION
-from station.errors import DataRefused
-from station.mcap_files.reader import DAMAGE
-from station.mcap_files.records import CutShort, file_records
 from station.mcap_files.schemas import CAMERA_RAW_TOPIC, MESSAGES, RAW
+from station.mcap_files.topics import topic_messages
 from station.monitor.view import Stream
 from station.reader.lasting import FOR_EVER
 
@@ -57,23 +53,11 @@ def recorded_images(folder: Path) -> Iterator[CameraImage]:
     """
     for path in sorted(folder.glob(f"{SESSION}_*.mcap")):
         decoder = CameraDecoder()
-        for host_ns, data in _chunks(path):
+        for host_ns, data in topic_messages(path, {CAMERA_RAW_TOPIC: _chunk}):
             yield from decoder.feed(data, host_ns)
 
 
-def _chunks(path: Path) -> Iterator[tuple[int, bytes]]:
-    """Yield what was read, and when [ns]."""
-    topics, count = dict[int, str](), 0
-    try:
-        with path.open("rb") as stream:
-            for record in file_records(stream):
-                if isinstance(record, Channel):
-                    topics[record.id] = record.topic
-                elif isinstance(record, Message) and topics[record.channel_id] == CAMERA_RAW_TOPIC:
-                    raw, count = MESSAGES[RAW].FromString(record.data), count + 1
-                    yield raw.host_ns, raw.data
-    except CutShort:
-        pass
-    except DAMAGE as error:
-        what = " ".join(str(error).split())[:120] or type(error).__name__
-        raise DataRefused(path, None, f"damage after record {count} ({what})", "an intact file") from error
+def _chunk(data: bytes) -> tuple[int, bytes]:
+    """Return when [ns] bytes were read, and them."""
+    raw = MESSAGES[RAW].FromString(data)
+    return raw.host_ns, raw.data

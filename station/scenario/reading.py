@@ -1,10 +1,9 @@
 """A scenario file to what is to be served; what cannot be done is refused with its line, before anything is."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,17 +15,17 @@ from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.device import ByteDevice, Move
 from drivers.simulated.effects import planted
 from drivers.simulated.errors import TruthRefused, UnknownEffect
-from drivers.simulated.faults import CAN_KINDS, KINDS, Fault, faults_from
+from drivers.simulated.faults import Fault
 from drivers.simulated.gnss_faults import GnssFault, gnss_faults_from
 from drivers.simulated.server import CAN_TRANSPORTS
 from drivers.simulated.track import Track, load_track
 from drivers.simulated.truth import Truth, truth_from
 from station.campaign_folder.toml_text import Key, line_of, read_tables, read_text_file
 from station.errors import DataRefused
+from station.faults_file import each_fault, faults_of
 from station.scenario.schema import CameraTable, GnssTable, HandsTable, ScenarioTable
 
 EARLIEST = 1e-6  # s: a move may begin so much before the one before is over
-F = TypeVar("F")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +55,6 @@ def read_scenario(path: Path) -> Scenario:
     where = _Lines(path, lines)
     truth = _truth(table, where)
     is_can = table.imu.transport in CAN_TRANSPORTS
-    kinds = {**KINDS, **CAN_KINDS} if is_can else KINDS
     if table.gnss is None and table.gnss_fault:
         raise where.refusal(("gnss_fault", 0), "a fault of a receiver that is not there", "a table [gnss]")
     if table.camera is None and table.camera_fault:
@@ -67,13 +65,13 @@ def read_scenario(path: Path) -> Scenario:
         table,
         truth,
         tuple(_moves(table, truth, where)),
-        tuple(_faults(table.fault, "fault", _of_kinds(kinds), where)),
+        tuple(each_fault(table.fault, "fault", faults_of(is_on_can=is_can), path, where.lines)),
         _autopilot(table.gnss, path, where),
         _track(table.gnss.track if table.gnss else "", ("gnss", "track"), path, where) or drive,
-        tuple(_faults(table.gnss_fault, "gnss_fault", gnss_faults_from, where)),
+        tuple(each_fault(table.gnss_fault, "gnss_fault", gnss_faults_from, path, where.lines)),
         drive,
         _camera(table.camera, where),
-        tuple(_faults(table.camera_fault, "camera_fault", camera_faults_from, where)),
+        tuple(each_fault(table.camera_fault, "camera_fault", camera_faults_from, path, where.lines)),
     )
 
 
@@ -129,28 +127,6 @@ def _begin(hands: HandsTable, free_s: float, where: _Lines, number: int) -> floa
     return hands.at_s
 
 
-def _faults(
-    tables: list[dict[str, Any]],
-    name: str,
-    read: Callable[[list[Mapping[str, Any]]], tuple[F, ...]],
-    where: _Lines,
-) -> Iterator[F]:
-    for number, table in enumerate(tables):
-        with where.at(name, number):
-            yield from read([table])
-
-
-def _of_kinds(kinds: Mapping[str, str]) -> Callable[[list[Mapping[str, Any]]], tuple[Fault, ...]]:
-    def read(tables: list[Mapping[str, Any]]) -> tuple[Fault, ...]:
-        faults = faults_from(tables)
-        for fault in faults:
-            if fault.kind not in kinds:
-                raise TruthRefused(f"fault kind {fault.kind!r} of a device not on CAN", ", ".join(kinds))
-        return faults
-
-    return read
-
-
 def _autopilot(gnss: GnssTable | None, path: Path, where: _Lines) -> AutopilotTruth | None:
     if gnss is None:
         return None
@@ -192,9 +168,6 @@ def _camera(table: CameraTable | None, where: _Lines) -> CameraTruth | None:
     for name, size in (("cx", table.width), ("cy", table.height)):  # the image's middle, where it is not said
         named[name] = (size - 1) / 2 if named[name] is None else named[name]
     if table.imu_from_camera is not None:
-        if [len(row) for row in table.imu_from_camera] != [4, 4, 4, 4]:
-            found = f"rows of {[len(row) for row in table.imu_from_camera]}"
-            raise where.refusal(("camera", "imu_from_camera"), found, "4 rows of 4")
         matrix = np.array(table.imu_from_camera)
         named |= {"C_bc": matrix[:3, :3], "t_bc": matrix[:3, 3]}
     with where.at("camera", "imu_from_camera"):

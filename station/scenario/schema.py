@@ -6,6 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from drivers.simulated.server import CAN_TRANSPORTS
 from drivers.wire import FORMATS
+from station.fusion_folder.schema import Rigid
 
 Port = Annotated[int, Field(ge=0, le=65535)]
 Seconds = Annotated[float, Field(ge=0, lt=1e9)]
@@ -99,7 +100,7 @@ class CameraTable(_Table):
     fy_px: Annotated[float, Field(gt=0)] = 230.0
     cx_px: float | None = None
     cy_px: float | None = None
-    imu_from_camera: list[list[float]] | None = None
+    imu_from_camera: Rigid | None = None
     rate_hz: Annotated[float, Field(gt=0, le=100)] = 15.0
     latency_s: Annotated[float, Field(ge=0, le=10)] = 0.04
     clock_offset_s: Annotated[float, Field(ge=0)] = 1000.0
