@@ -17,7 +17,7 @@ from time import process_time
 import numpy as np
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from drivers.simulated.camera import View, simulate_tracks
+from drivers.simulated.camera_tracks import View, simulate_tracks
 from procedures.arrays import FloatArray
 from procedures.fusion.aligner import between
 from procedures.fusion.camera_time import CameraOffset, camera_offset

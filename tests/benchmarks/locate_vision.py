@@ -1,8 +1,8 @@
 """Print what a camera brings: `python -m tests.benchmarks.locate_vision DATA [PART ...] --seeds 10`.
 
 DATA holds fusion/1 folders with real IMU and truth. For every seed GNSS is drawn anew from the truth as in
-`tests.benchmarks.locate`, and a simulated camera (`drivers.simulated.camera`: 10 Hz, 120 features at 2 to 8 m,
-1 px, 2 % of the points displaced, intrinsics and place on the IMU of EuRoC's left camera) flies along it.
+`tests.benchmarks.locate`, and a simulated camera (`drivers.simulated.camera_tracks`: 10 Hz, 120 features at 2 to
+8 m, 1 px, 2 % of the points displaced, intrinsics and place on the IMU of EuRoC's left camera) flies along it.
 Errors are without any alignment, over the poses later than the warm-up; median and worst over the seeds.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from drivers.simulated.camera import View, simulate_tracks
+from drivers.simulated.camera_tracks import View, simulate_tracks
 from procedures.arrays import FloatArray
 from procedures.earth import earth_rate_n
 from procedures.fusion.alignment import Waiting

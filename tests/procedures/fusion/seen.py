@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drivers.simulated.camera import View, simulate_tracks
+from drivers.simulated.camera_tracks import View, simulate_tracks
 from procedures.fusion.inertial_terms import Site
 from procedures.fusion.records import Trajectory
 from procedures.fusion.tracks import Camera, Tracks

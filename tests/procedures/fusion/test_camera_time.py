@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from drivers.simulated.camera import View, simulate_tracks
+from drivers.simulated.camera_tracks import View, simulate_tracks
 from procedures.arrays import FloatArray
 from procedures.fusion.alignment import Waiting
 from procedures.fusion.camera_time import SETTLED, CameraOffset, camera_offset

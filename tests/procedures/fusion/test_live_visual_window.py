@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from drivers.simulated.camera import View
+from drivers.simulated.camera_tracks import View
 from procedures.fusion.aligner import between
 from procedures.fusion.camera_keyframes import CLOSEST, SPACING
 from procedures.fusion.gnss_velocity import LeverArm

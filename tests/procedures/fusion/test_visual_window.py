@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.simulated.camera import View
+from drivers.simulated.camera_tracks import View
 from procedures.fusion.alignment import Waiting
 from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.outer_graph import OuterGraph

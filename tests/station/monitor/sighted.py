@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drivers.camera import CameraImage
-from drivers.simulated.camera import View, simulate_tracks
+from drivers.simulated.camera_tracks import View, simulate_tracks
 from drivers.simulated.drive import SLOWEST
 from drivers.simulated.track import Track
 from procedures.fusion.records import Trajectory
