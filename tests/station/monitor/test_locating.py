@@ -8,12 +8,16 @@ from threading import Event
 
 import pytest
 
+from drivers.camera import CameraImage
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
+from procedures.fusion.records import ImuSeries
 from station import cli
-from station.monitor.locating import LocatorThread
+from station.locate.taken import Taken
+from station.monitor.locating import FAR_BEHIND, LocatorThread
+from station.monitor.view import Location
 from tests.drivers.simulated.drives import bends
 from tests.station.commands.program import Program
 from tests.station.monitor.driving import DriveRig, record_drive, stands_on
@@ -92,3 +96,36 @@ def test_without_a_receiver_or_the_extra_it_is_exit_2(
     assert not (tmp_path / "r").exists()
     assert cli.run([*wanted, *where, "--lever-arm", "1,2"]) == 2
     assert "three lengths X,Y,Z" in capsys.readouterr().err
+
+
+class Slow:
+    """A locator that takes nothing in before it is let go."""
+
+    location = Location()
+
+    def __init__(self) -> None:
+        self.go, self.images = Event(), list[int]()
+
+    def take(self, taken: Taken) -> None:
+        self.go.wait()
+        self.images.append(len(taken.images))
+
+    def begin_anew(self) -> None:
+        self.images.append(-1)
+
+
+def test_a_thread_that_is_far_behind_goes_on_without_images() -> None:
+    slow, none = Slow(), np.zeros((1, 3))
+    thread = LocatorThread(slow)
+    tick = Taken(ImuSeries(np.zeros(1), none, none), (), (), (CameraImage(0, None, b""),))
+    for _ in range(2 * FAR_BEHIND):
+        thread.take(tick)
+    thread.begin_anew()
+    slow.go.set()
+    while -1 not in slow.images:
+        Event().wait(0.01)
+    thread.close()
+    kept = sum(slow.images[:-1])
+    assert FAR_BEHIND <= kept <= FAR_BEHIND + 1  # the one it held was none of those that wait
+    assert slow.images[:kept] == [1] * kept
+    assert len(slow.images) == 2 * FAR_BEHIND + 1
