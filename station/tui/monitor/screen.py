@@ -6,7 +6,6 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Grid, Horizontal, Vertical
 from textual.screen import Screen
-from textual.widgets import Footer
 
 from station.monitor.session import Verb
 from station.monitor.view import Location, View
@@ -24,6 +23,7 @@ from station.tui.monitor.widgets import (
 from station.tui.screens.confirm import Confirm
 from station.tui.screens.help import Help
 from station.tui.widgets.event_lines import EventLines
+from station.tui.widgets.key_line import KeyLine
 
 HELP = (
     "Roll and pitch of forward-right-down axes. Residual is the angle between what the accelerometers say is down "
@@ -56,7 +56,6 @@ class MonitorScreen(Screen[None]):
     MonitorScreen #upper { height: 11; }
     MonitorScreen #charts { grid-size: 2 3; grid-rows: 2; height: 6; grid-gutter: 0 1; }
     MonitorScreen EventLines { min-height: 1; }
-    MonitorScreen Footer { padding-left: 1; }
     MonitorScreen.-wide Horizon, MonitorScreen.-wide Map { width: 58; }
     MonitorScreen Map, MonitorScreen Where { display: none; }
     MonitorScreen.-map Where, MonitorScreen.-map.-placed Map { display: block; }
@@ -104,7 +103,7 @@ class MonitorScreen(Screen[None]):
         yield self.events
         yield self.streams
         yield self.calibration
-        yield Footer(compact=True, show_command_palette=False)
+        yield KeyLine()
 
     def show(self, view: View) -> None:
         """Take a new view; with the first location its numbers come up, and the map once there is a place."""

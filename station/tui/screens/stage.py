@@ -6,12 +6,12 @@ from typing import ClassVar
 from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding
 from textual.screen import Screen
-from textual.widgets import Footer
 
 from station.guide.command import Command, Verb
 from station.guide.view import Stage, View
 from station.tui.screens.confirm import Confirm
 from station.tui.screens.help import Help
+from station.tui.widgets.key_line import KeyLine
 from station.tui.widgets.title_bar import TitleBar
 
 RUNNING: tuple[Stage, ...] = (
@@ -42,9 +42,6 @@ class StageScreen(Screen[None]):
         Binding("c", "cancel", "Cancel", tooltip="give the campaign up; the database stays as it was"),
         Binding("question_mark", "help", "Help", key_display="?", tooltip="what goes on, and all keys"),
     ]
-    DEFAULT_CSS = """
-    StageScreen Footer { padding-left: 1; }
-    """
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (112, "-wide")]
     VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]
     HELPS: ClassVar[dict[Stage, str]] = {}
@@ -61,7 +58,7 @@ class StageScreen(Screen[None]):
         """Lay out the title, the body and the keys."""
         yield self.title_bar
         yield from self.body()
-        yield Footer(compact=True, show_command_palette=False)
+        yield KeyLine()
 
     def body(self) -> ComposeResult:
         """Lay out what is between title and keys."""

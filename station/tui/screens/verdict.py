@@ -32,9 +32,13 @@ class VerdictScreen(StageScreen):
         Binding("s", "store", "Store", tooltip="put the calibration into the database"),
         Binding("o", "open_report", "Open report", tooltip="show the report in a browser"),
         Binding("d", "diagnose", "Diagnose", tooltip="how to look for what the model lacks"),
+        Binding("down,pagedown", "roll(1)", "More", key_display="↑↓", tooltip="scroll the facts and the numbers"),
+        Binding("up,pageup", "roll(-1)", "More", show=False),
+        Binding("right", "shift(1)", "Right", show=False),
+        Binding("left", "shift(-1)", "Left", show=False),
     ]
     DEFAULT_CSS = """
-    VerdictScreen #facts { height: auto; margin: 1 0; }
+    VerdictScreen #facts { height: auto; margin-bottom: 1; }
     VerdictScreen #scroll { height: 1fr; scrollbar-size: 1 1; }
     """
 
@@ -48,9 +52,9 @@ class VerdictScreen(StageScreen):
     def body(self) -> ComposeResult:
         """Lay out the sentence, the facts and the table."""
         yield self.sentence
-        with Vertical(id="facts"):
-            yield from (self.status, self.residual, self.change, self.diagnosis, self.warnings, self.stored)
-        with ScrollableContainer(id="scroll"):
+        with ScrollableContainer(id="scroll", can_focus=False):
+            with Vertical(id="facts"):
+                yield from (self.stored, self.status, self.residual, self.change, self.diagnosis, self.warnings)
             yield self.table
 
     def draw(self, view: View) -> None:
@@ -88,6 +92,15 @@ class VerdictScreen(StageScreen):
     def action_diagnose(self) -> None:
         """Say how to diagnose."""
         self.notify(f"station diagnose {self.view.folder}", title="In a shell", markup=False, timeout=30)
+
+    def action_roll(self, down: int) -> None:
+        """Scroll by half of what is in sight."""
+        scroll = self.query_one("#scroll")
+        scroll.scroll_relative(y=down * max(scroll.size.height // 2, 1), animate=False)
+
+    def action_shift(self, right: int) -> None:
+        """Scroll sideways."""
+        self.query_one("#scroll").scroll_relative(x=right * 8, animate=False)
 
     def action_leave(self) -> None:
         """Leave; once all is stored there is nothing to go on with."""

@@ -44,6 +44,12 @@ class Screens:
     async def press(self, *keys: str) -> None:
         await self.pilot.press(*keys)
 
+    def lines(self) -> list[str]:
+        """Return the text that stands in the terminal, row by row."""
+        screen = self.app.screen
+        strips = screen._compositor.render_strips(screen.size)  # noqa: SLF001  what is written, not what is meant
+        return ["".join(segment.text for segment in strip) for strip in strips]
+
 
 @asynccontextmanager
 async def screens(view: View, size: tuple[int, int] = SMALL) -> AsyncIterator[Screens]:

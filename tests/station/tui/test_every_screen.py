@@ -182,3 +182,61 @@ async def test_all_keys_of_the_footer_are_in_the_palette() -> None:
             assert shown
             assert shown - offered == set()
             assert {"Sound", "High contrast", "Theme"} <= offered
+
+
+def keys_missing(seen: Screens) -> list[str]:
+    """Return what works now and stands nowhere in the terminal's last line with a key that does it."""
+    offered: dict[str, list[str]] = {}
+    for active in seen.app.screen.active_bindings.values():
+        if active.binding.show and active.enabled:
+            key = f"{seen.app.get_key_display(active.binding)} {active.binding.description}"
+            offered.setdefault(active.binding.action, []).append(key)
+    assert offered
+    return [keys[0] for keys in offered.values() if not any(key in seen.lines()[-1] for key in keys)]
+
+
+@pytest.mark.parametrize("has_focus", [True, False], ids=["in focus", "out of focus"])
+async def test_every_key_that_works_stands_in_the_terminal_also_while_another_window_has_the_focus(
+    has_focus: bool,
+) -> None:
+    async with screens(View()) as seen:
+        seen.app.app_focus = has_focus
+        for name, view in views.VIEWS.items():
+            if view.question is None:
+                await seen.show(view)
+                await seen.pilot.pause()
+                assert keys_missing(seen) == [], name
+
+
+@pytest.mark.parametrize(
+    ("name", "pressed", "expected"),
+    [
+        ("asking", "", ("3  north: position 3", "o  neither", "Esc: not now, a asks again")),
+        ("turning", "c", ("y  Yes, cancel", "n  No, go on")),
+        ("passed", "s", ("y  Yes, store it", "n  No, go on")),
+        ("warming", "question_mark", ("Esc closes", "s  begin now", "q  end here")),
+        ("passed", "question_mark", ("Esc closes", "s  put the calibration into the database")),
+    ],
+)
+async def test_what_lies_over_a_screen_shows_its_keys(name: str, pressed: str, expected: tuple[str, ...]) -> None:
+    async with screens(views.VIEWS[name]) as seen:
+        if pressed:
+            await seen.press(pressed)
+        await seen.pilot.pause()
+        said = "\n".join(seen.lines())
+        assert [text for text in expected if text not in said] == []
+
+
+@pytest.mark.parametrize("has_focus", [True, False], ids=["in focus", "out of focus"])
+async def test_a_verdict_of_many_words_scrolls_and_keeps_its_keys(has_focus: bool) -> None:
+    words = tuple(f"warning {n}: {'word ' * 30}" for n in range(8))
+    verdict = views.PASSED.verdict.model_copy(update={"warnings": words})
+    async with screens(views.SOLVING) as seen:
+        seen.app.app_focus = has_focus
+        await seen.show(views.PASSED.model_copy(update={"verdict": verdict}))
+        await seen.pilot.pause()
+        assert "s Store" in seen.lines()[-1]
+        for _ in range(20):
+            await seen.press("down")
+        assert "gyroscope bias z" in "\n".join(seen.lines())
+        assert "s Store" in seen.lines()[-1]

@@ -1,0 +1,30 @@
+"""The keys that work now, in the last line of every screen."""
+
+from textual.screen import Screen
+from textual.widgets import Footer
+
+
+class KeyLine(Footer):
+    """A footer that is drawn whether the terminal has the focus or not.
+
+    Textual's own is not composed while another window has the focus, which is so whenever a screen changes under
+    a technician who looks at the cube, or whose browser shows another tab.
+    """
+
+    DEFAULT_CSS = """
+    KeyLine { padding-left: 1; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(compact=True, show_command_palette=False)
+
+    def bindings_changed(self, screen: Screen[object]) -> None:
+        """Draw the keys anew."""
+        self._bindings_ready = True
+        if self.is_attached and screen is self.screen:
+            self.call_after_refresh(self.recompose)
+
+    def on_mount(self) -> None:
+        """Draw the keys that work from the beginning: a screen that is shown out of focus is told of no change."""
+        super().on_mount()
+        self.bindings_changed(self.screen)
