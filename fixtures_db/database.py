@@ -55,6 +55,8 @@ class Database:
                 try:
                     session.connection()
                 except OperationalError as error:
+                    if "lock" not in str(error.orig):  # a file that may not be written, say
+                        raise
                     raise DatabaseBusy(self.url, BUSY_TIMEOUT_S) from error
                 yield session
         except OperationalError as error:

@@ -87,7 +87,11 @@ class NotWritten(DatabaseError, OSError):
 
     def __init__(self, url: str, reason: str) -> None:
         self.url, self.reason = url, reason
-        super().__init__(f"{url}: cannot be written ({reason}), expected room on a disk that takes it; make room")
+        if "full" in reason or "No space" in reason:  # as SQLite and PostgreSQL say it
+            text = "disk full, expected room for a few MB; make room there"
+        else:
+            text = f"cannot be written ({reason}); give write access to it, or name another by --db"
+        super().__init__(f"{url}: {text}")
 
 
 class DatabaseBusy(DatabaseError, TimeoutError):

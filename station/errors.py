@@ -3,11 +3,14 @@
 StationError
 ├── DataRefused        a campaign folder or a file in it breaks a rule
 ├── CannotWrite        a result has nowhere to go
+│   └── DiskFull       there is no room for it
 ├── Incomplete         a certificate lacks what it must say
 ├── NoPdf              the extra that makes PDF is not installed
 └── Altered            a recorded file or a stored row no longer is what was recorded
 """
 
+import errno
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -33,6 +36,29 @@ class CannotWrite(StationError, OSError):
     def __init__(self, path: str | Path, reason: str) -> None:
         self.path, self.reason = str(path), reason
         super().__init__(f"{path}: cannot be written ({reason}); name a place where you may write")
+
+
+class DiskFull(CannotWrite):
+    """The disk, or the user's share of it, is full; ``needed`` and ``free`` are bytes, None where not known."""
+
+    def __init__(self, path: str | Path, needed: int | None = None, free: int | None = None) -> None:
+        super().__init__(path, "disk full")
+        self.needed, self.free = needed, free
+        room = [f"{megabytes(free)} free"] if free is not None else []
+        room += [f"{megabytes(needed)} needed"] if needed is not None else []
+        self.args = (f"{', '.join([f'{path}: disk full', *room])}; make room, or name a folder on another disk",)
+
+
+def cannot_write(path: str | Path, error: OSError, needed: int | None = None) -> CannotWrite:
+    """Return what the system said of a write as the refusal of ``path``; ``needed`` is bytes, where known."""
+    if error.errno in {errno.ENOSPC, errno.EDQUOT}:
+        return DiskFull(path, needed)
+    return CannotWrite(path, error.strerror or str(error))
+
+
+def megabytes(size: int) -> str:
+    """Return bytes in words, rounded up to what is worth saying."""
+    return f"{math.ceil(size / 1e6)} MB" if size > 1e6 else f"{math.ceil(size / 1e3)} kB"
 
 
 class Incomplete(StationError, ValueError):

@@ -4,7 +4,7 @@ import os
 import secrets
 from pathlib import Path
 
-from station.errors import CannotWrite
+from station.errors import cannot_write
 
 
 def replace_file(path: Path, content: bytes) -> None:
@@ -27,7 +27,7 @@ def replace_file(path: Path, content: bytes) -> None:
             aside.unlink(missing_ok=True)
         sync_folder(path.parent)
     except OSError as error:
-        raise CannotWrite(path, error.strerror or str(error)) from error
+        raise cannot_write(path, error, len(content)) from error
 
 
 def sync_folder(folder: Path) -> None:

@@ -11,7 +11,7 @@ from station.campaign_folder.atomic import replace_file
 from station.cluster.attempt import Answer
 from station.cluster.code_hash import code_hash
 from station.cluster.engine import Engine
-from station.errors import CannotWrite
+from station.errors import cannot_write
 
 I = TypeVar("I")  # noqa: E741
 Result = Mapping[str, Any]
@@ -88,6 +88,6 @@ def _keep(folder: Path, key: str, result: Result) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise CannotWrite(folder, error.strerror or str(error)) from error
+        raise cannot_write(folder, error) from error
     document = {"format": FORMAT, "key": key, "sha256": digest(canonical(dict(result))), "result": result}
     replace_file(folder / f"{key}.json", json.dumps(document, allow_nan=False).encode())

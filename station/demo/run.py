@@ -15,7 +15,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.database import open_db
 from station.demo.truth_values import truth_values
-from station.errors import CannotWrite
+from station.errors import CannotWrite, cannot_write
 from station.guide.headless import record
 from station.guide.operator import SimulatedOperator
 from station.guide.options import Options
@@ -101,7 +101,7 @@ def clear(folder: Path) -> None:
     except CannotWrite:
         raise
     except OSError as error:
-        raise CannotWrite(folder, error.strerror or str(error)) from error
+        raise cannot_write(folder, error) from error
 
 
 def _campaign_name(request: DemoRequest) -> str:

@@ -15,7 +15,7 @@ from station.campaign_folder.atomic import replace_file
 from station.campaign_folder.manifest import NAME as HASHES
 from station.campaign_folder.manifest import append_hash, verify_folder
 from station.campaign_folder.toml_text import read_text_file
-from station.errors import Altered, CannotWrite, DataRefused
+from station.errors import Altered, CannotWrite, DataRefused, cannot_write
 from station.fixture_files.tables import TABLES, FixturesTable
 from station.fixture_files.toml_file import MAX_BYTES
 
@@ -33,7 +33,7 @@ def write_csv(folder: Path, rows: Rows) -> None:
         if any(folder.iterdir()):
             raise CannotWrite(folder, "there are files in it")
     except OSError as error:
-        raise error if isinstance(error, CannotWrite) else CannotWrite(folder, error.strerror or "") from error
+        raise error if isinstance(error, CannotWrite) else cannot_write(folder, error) from error
     for name, table in rows.items():
         if table:
             text = _text(table)

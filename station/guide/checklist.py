@@ -35,11 +35,16 @@ class Checklist:
     @property
     def wanted(self) -> Step | None:
         """The step to do next; None once all are done."""
-        open_steps = [step for step in self.steps if self.is_open(step)]
+        open_steps = self.open_steps
         for name in (self._chosen, *self._redo):
             if found := next((step for step in open_steps if step.name == name), None):
                 return found
         return open_steps[0] if open_steps else None
+
+    @property
+    def open_steps(self) -> list[Step]:
+        """The steps that are to be done, in the order suggested."""
+        return [step for step in self.steps if self.is_open(step)]
 
     def is_open(self, step: Step) -> bool:
         """Say whether a step is to be done, for the first time or again."""
@@ -98,7 +103,7 @@ class Checklist:
 
     def remaining_s(self) -> float:
         """Return how long the open steps will take with no break."""
-        return sum(duration(step) for step in self.steps if self.is_open(step))
+        return sum(duration(step) for step in self.open_steps)
 
     def views(self, live: str) -> tuple[view.Step, ...]:
         """Return the steps as a screen shows them; ``live`` is being recorded."""

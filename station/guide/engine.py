@@ -15,7 +15,7 @@ from drivers.errors import DriverError
 from fixtures_db.database import Database
 from fixtures_db.errors import DatabaseError
 from procedures.errors import ProcedureError
-from station.errors import CannotWrite, DataRefused, StationError
+from station.errors import CannotWrite, DataRefused, DiskFull, StationError
 from station.guide.command import Command
 from station.guide.gnss_beside import FIXES, WAIT_S
 from station.guide.live_campaign import LiveCampaign, begin, resume
@@ -191,6 +191,8 @@ class Engine:
         self._end("cancelled", f"cancelled; the database is as it was, the recordings stay in {campaign.folder}")
 
     def _fail(self, error: CannotWrite | DatabaseError) -> None:
+        if isinstance(error, DiskFull) and self._campaign is not None:  # what it failed on is the smallest part
+            error = DiskFull(error.path, self._campaign.disk.needed, self._campaign.disk.free)
         if not self._options.is_patient:
             raise error
         if self._campaign is not None:

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
-from station.errors import CannotWrite
+from station.errors import CannotWrite, cannot_write
 
 
 @contextmanager
@@ -24,7 +24,7 @@ def new_folder(folder: Path, sign: str) -> Iterator[Path]:
     except OSError as error:
         if isinstance(error, CannotWrite):
             raise
-        raise CannotWrite(folder, error.strerror or str(error)) from error
+        raise cannot_write(folder, error) from error
     try:
         yield folder
     finally:

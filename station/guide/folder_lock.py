@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 from types import TracebackType
 
-from station.errors import CannotWrite
+from station.errors import CannotWrite, cannot_write
 
 NAME = ".lock"
 PATIENCE_S = 0.5  # whoever only looks holds the lock for less than this
@@ -49,7 +49,7 @@ class FolderLock:
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
         except OSError as error:
-            raise CannotWrite(path, error.strerror or str(error)) from error
+            raise cannot_write(path, error) from error
         if _lock(descriptor) and _is_at(path, descriptor):
             self._descriptor = descriptor
             return True

@@ -24,6 +24,7 @@ from station.gnss import GnssFeed, open_gnss
 from station.guide.checklist import Checklist
 from station.guide.command import Command
 from station.guide.desk import Desk, Facts
+from station.guide.disk import WARM_UP_S, Disk, disk_for, refuse_full
 from station.guide.fixture import cube_fixture
 from station.guide.folder import journal_path, new_folder
 from station.guide.folder_notes import keep_plan, kept_plan, read_setup, read_unit, write_setup, write_unit
@@ -104,6 +105,11 @@ class LiveCampaign:
         """Do as the operator says."""
         self.guide.obey(command)
 
+    @property
+    def disk(self) -> Disk:
+        """The room that the open steps need, and what there is."""
+        return disk_for(self.folder, self.guide.desk.checklist.open_steps, 1 / self.unit.period, 0.0)
+
     def close(self) -> None:
         """Let the device and the folder go; may be called twice."""
         self._reader.close()
@@ -149,6 +155,7 @@ def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
         if missing := sorted(ALL_CHANNELS - feed.stream.decoder.kind.channels):
             found = f"{feed.wire.name} without {', '.join(missing)}"
             raise DataRefused(feed.address.name, None, found, "an IMU with six channels", RECORD_INSTEAD)
+        refuse_full(folder, steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         given, setup = setup, setup if gnss is None else sited(setup, gnss, folder)
         write_setup(folder, setup)
         write_unit(folder, _record(feed, unit))
@@ -191,6 +198,7 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         fixture, _ = cube_fixture(database, recorder.tables.fixture.id, recorder.tables.fixture.imu_axes)
         before, turns, seconds, leaned = so_far(folder) if recorder.accepted else ([], {}, {}, {})
         checklist = Checklist(steps, recorder.accepted, seconds)
+        refuse_full(folder, checklist.open_steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         facts = _facts(recorder.tables, fixture, setup, options)
         desk = Desk(feed, checklist, facts, FolderRecorder(recorder), before, turns, leaned)
         record = read_unit(folder)

@@ -21,7 +21,7 @@ from fixtures_db.slabs import slabs
 from procedures.frames import AXES
 from procedures.records import RateBlock, SampleBlock, block_rows
 from station.campaign_folder.atomic import replace_file
-from station.errors import CannotWrite
+from station.errors import cannot_write
 from station.guide.unfinished import unfinished
 from station.guide.view import Check, Choice, Setup, Start
 from station.live.counted import RATE_UNIT
@@ -56,7 +56,7 @@ def save_setup(setup: Setup) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise CannotWrite(path.parent, error.strerror or str(error)) from error
+        raise cannot_write(path.parent, error) from error
     replace_file(path, (setup.model_dump_json(indent=1) + "\n").encode())
 
 

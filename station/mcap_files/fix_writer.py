@@ -7,7 +7,7 @@ from pathlib import Path
 
 from procedures.gnss import AirData, GnssFix, TimeMark
 from station.campaign_folder.atomic import sync_folder
-from station.errors import CannotWrite
+from station.errors import cannot_write
 from station.mcap_files.fix_schemas import (
     AIR,
     AIR_TOPIC,
@@ -49,7 +49,7 @@ class FixWriter:
             if time.monotonic() - self._flushed >= FLUSH_S:
                 self._flush()
         except OSError as error:
-            raise CannotWrite(self.path, error.strerror or str(error)) from error
+            raise cannot_write(self.path, error) from error
 
     def mark(self, host_ns: int, reason: str, *, is_open: bool) -> None:
         """Write that something may be missing from here on, as a metadata record; raise `CannotWrite`."""
@@ -59,7 +59,7 @@ class FixWriter:
             )
             self._flush()
         except OSError as error:
-            raise CannotWrite(self.path, error.strerror or str(error)) from error
+            raise cannot_write(self.path, error) from error
 
     def close(self) -> None:
         """Finish the file on the disk; a second call changes nothing."""
@@ -69,7 +69,7 @@ class FixWriter:
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._flush()
         except OSError as error:
-            raise CannotWrite(self.path, error.strerror or str(error)) from error
+            raise cannot_write(self.path, error) from error
         finally:
             self._stream.close()
         sync_folder(self.path.parent)

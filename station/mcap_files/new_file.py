@@ -5,7 +5,7 @@ from typing import BinaryIO
 
 from mcap.writer import CompressionType, Writer
 
-from station.errors import CannotWrite
+from station.errors import cannot_write
 
 
 def new_file(path: Path) -> tuple[BinaryIO, Writer]:
@@ -13,7 +13,7 @@ def new_file(path: Path) -> tuple[BinaryIO, Writer]:
     try:
         stream = path.open("xb")
     except OSError as error:
-        raise CannotWrite(path, error.strerror or str(error)) from error
+        raise cannot_write(path, error) from error
     writer = Writer(stream, compression=CompressionType.ZSTD, enable_data_crcs=True)
     writer.start(profile="", library="station")
     return stream, writer

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from drivers.wire import FrameKind, WireFormat
 from station.campaign_folder import append_hash
-from station.errors import CannotWrite
+from station.errors import cannot_write
 from station.mcap_files import BY_OUTPUT, StepWriter
 from station.recorder.row_times import RowTimes, Utc
 from station.recorder.tape import Tape
@@ -62,7 +62,7 @@ class Recording:
                 writer.flush()
                 self._flushed = time.monotonic()
         except OSError as error:
-            raise CannotWrite(writer.path, error.strerror or str(error)) from error
+            raise cannot_write(writer.path, error) from error
 
     def end(self) -> str:
         """Finish the file and return its name, empty if none was open."""
@@ -83,4 +83,4 @@ class Recording:
                     rows.writerow(COLUMNS)
                 rows.writerow((datetime.now(UTC).isoformat(), f"{device_s:.6f}", sample, event, text))
         except OSError as error:
-            raise CannotWrite(path, error.strerror or str(error)) from error
+            raise cannot_write(path, error) from error

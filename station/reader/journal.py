@@ -14,7 +14,7 @@ from queue import Empty, SimpleQueue
 from mcap.writer import CompressionType, Writer
 
 from station.campaign_folder.atomic import sync_folder
-from station.errors import CannotWrite
+from station.errors import CannotWrite, cannot_write
 from station.mcap_files.schemas import MESSAGES, RAW, RAW_TOPIC, SCHEMA
 from station.reader.messages import Chunk, GapMark, Item
 
@@ -46,7 +46,7 @@ class Journal:
             self._flush(sync=True)
             sync_folder(path.parent)
         except OSError as error:
-            raise CannotWrite(path, error.strerror or str(error)) from error
+            raise cannot_write(path, error) from error
         self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
         self._thread.start()
 
@@ -66,7 +66,7 @@ class Journal:
             self._flush(sync=True)
             self._stream.close()
         except OSError as error:
-            self._on_failure(CannotWrite(self.path, error.strerror or str(error)))
+            self._on_failure(cannot_write(self.path, error))
 
     def _write_all(self) -> None:
         flushed = synced = time.monotonic()

@@ -8,7 +8,7 @@ from enum import IntEnum
 
 from drivers import errors
 from drivers.errors import DriverError
-from station.errors import CannotWrite
+from station.errors import CannotWrite, DiskFull
 
 HEAD = struct.Struct("<BqI")  # kind, host_ns, length of what follows
 LOST = "port lost: "  # what a gap mark's reason begins with where the port went
@@ -63,7 +63,8 @@ def packed_refusal(host_ns: int, error: DriverError) -> bytes:
 
 def packed_not_written(host_ns: int, error: CannotWrite) -> bytes:
     """Return the journal's failure as a message."""
-    return packed(Kind.NOT_WRITTEN, host_ns, json.dumps([error.path, error.reason]).encode())
+    told = {"is_full": isinstance(error, DiskFull), "path": error.path, "reason": error.reason}
+    return packed(Kind.NOT_WRITTEN, host_ns, json.dumps(told).encode())
 
 
 def unpacked(buffer: bytearray) -> Iterator[tuple[Kind, int, bytes]]:
@@ -90,7 +91,7 @@ def refusal(kind: Kind, content: bytes) -> DriverError | CannotWrite:
     """Return the error that the reader process met, as it was there."""
     told = json.loads(content)
     if kind is Kind.NOT_WRITTEN:
-        return CannotWrite(*told)
+        return DiskFull(told["path"]) if told["is_full"] else CannotWrite(told["path"], told["reason"])
     error_type: type[DriverError] = getattr(errors, told["kind"])
     error = error_type.__new__(error_type)
     BaseException.__init__(error, told["text"])  # its own constructor would make the text again

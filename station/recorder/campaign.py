@@ -33,7 +33,7 @@ from station.campaign_folder.schema import (
     StepTable,
     TurnTable,
 )
-from station.errors import CannotWrite
+from station.errors import cannot_write
 from station.mcap_files import BY_OUTPUT, StepWriter
 from station.recorder.row_times import RowTimes, Utc
 from station.recorder.tape import Run, Tape
@@ -72,7 +72,7 @@ class CampaignRecorder:
             os.rename(part, path)
             sync_folder(self.folder)
         except OSError as error:
-            raise CannotWrite(path, error.strerror or str(error)) from error
+            raise cannot_write(path, error) from error
         append_hash(self.folder, path.name, sha256)
         tables = _with_step(self.tables, step, path.name)
         write_tables(self.folder, tables)
@@ -177,7 +177,7 @@ def _write(path: Path, tape: Tape, runs: Sequence[Run], output: str, utc: Utc | 
         return writer.close()
     except OSError as error:
         writer.abandon()
-        raise CannotWrite(path, error.strerror or str(error)) from error
+        raise cannot_write(path, error) from error
 
 
 def _with_step(tables: CampaignTable, step: Step, file: str) -> CampaignTable:

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from drivers.errors import ReplayEnded
 from station.campaign_folder import append_hash
-from station.errors import CannotWrite
+from station.errors import CannotWrite, cannot_write
 from station.mcap_files import BY_OUTPUT, StepWriter
 from station.recorder.row_times import RowTimes
 from station.recorder.stream import Piece, SampleStream
@@ -105,4 +105,4 @@ def _the_disk_refusing(path: Path) -> Iterator[None]:
     except (CannotWrite, ConnectionError, TimeoutError):  # said already, or the device's
         raise
     except OSError as error:
-        raise CannotWrite(path, error.strerror or str(error)) from error
+        raise cannot_write(path, error) from error

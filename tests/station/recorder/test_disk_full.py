@@ -1,6 +1,9 @@
 """A disk that fills up: what was accepted stays whole, what was not is said, and with room again it goes on."""
 
+import contextlib
+import re
 import subprocess
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,7 +19,8 @@ from fixtures_db.errors import NotWritten
 from procedures.steps import Dwell
 from station import cli
 from station.campaign_folder import read_campaign, verify_folder
-from station.errors import CannotWrite
+from station.campaign_folder.atomic import replace_file
+from station.errors import CannotWrite, DiskFull
 from station.live import LiveFeed, open_feed
 from station.live.spans import merged
 from station.recorder import CampaignRecorder, check_raw_bytes, open_campaign
@@ -27,7 +31,7 @@ PAGE = 4096
 
 
 class SmallDisk:
-    """A disk of 1 MiB."""
+    """A disk of 1 MiB, unless a test asks for another size."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -35,11 +39,11 @@ class SmallDisk:
     def fill(self, but: int) -> None:
         """Leave no more than ``but`` bytes."""
         with (self.path / "ballast").open("wb", buffering=0) as stream:
-            try:
-                while True:
-                    stream.write(bytes(PAGE))
-            except OSError:
-                stream.truncate(stream.tell() - but)
+            for size in (256 * PAGE, PAGE):
+                with contextlib.suppress(OSError):
+                    while True:
+                        stream.write(bytes(size))
+            stream.truncate(stream.tell() - but)
 
     def empty(self) -> None:
         """Make room again."""
@@ -47,10 +51,11 @@ class SmallDisk:
 
 
 @pytest.fixture
-def disk(tmp_path: Path) -> Iterator[SmallDisk]:
+def disk(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[SmallDisk]:
     path = tmp_path / "disk"
     path.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", str(path)]
+    size = getattr(request, "param", "1m")
+    mount = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(path)]
     done = subprocess.run(mount, capture_output=True, text=True, check=False)
     if done.returncode:
         pytest.skip(f"no small disk can be mounted here: {done.stderr.strip()}")
@@ -106,9 +111,10 @@ def test_wherever_the_disk_is_full_the_accepted_steps_stay_whole(disk: SmallDisk
     assert_whole(folder)
     assert [dwell.position for dwell in read_campaign(folder).campaign.dwells] == [1, 2, 3]
     for where in (".dwell_02.mcap.part", "SHA256SUMS", "station.db"):
-        assert any(where in line and "cannot be written" in line for line in refused), refused
+        assert any(where in line and "disk full" in line for line in refused), refused
 
 
+@pytest.mark.parametrize("disk", ["64m"], indirect=True)
 def test_a_disk_that_fills_up_during_a_dwell_ends_the_program_and_resume_goes_on(disk: SmallDisk) -> None:
     folder, database = disk.path / "c", ("--db", str(disk.path / "s.db"))
     short = ("--latitude", "31.17", "--dwell-s", "5", "--turns", "1", "--move-s", "5", "--out", str(folder))
@@ -120,12 +126,44 @@ def test_a_disk_that_fills_up_during_a_dwell_ends_the_program_and_resume_goes_on
             code, _, error = program.end()
         assert code == 2
         assert error.count("\n") == 1
-        assert "cannot be written (No space left on device)" in error
+        assert re.search(r"disk full, \d+ kB free, \d+ MB needed", error) or "s.db: disk full" in error, error
+        assert "name a place where you may write" not in error
         names = [dwell.name for dwell in read_campaign(folder).campaign.dwells]
-        assert names == ["dwell_01.mcap", "dwell_02.mcap"]
+        assert names[:2] == ["dwell_01.mcap", "dwell_02.mcap"]
         disk.empty()
         assert cli.run(["verify", str(folder), *database]) == 0
         with open_db(database[1]) as opened:
             assert rows_of(folder, opened) == names
         with Program("resume", str(folder), *hands, *database) as program:
-            program.until("accepted: position 3, 3 of 18 done")
+            program.until(f"{len(names) + 1} of 18 done")
+
+
+def test_a_campaign_without_room_is_refused_before_it_begins_with_what_it_needs(disk: SmallDisk) -> None:
+    with SimulatedDevice(Truth.example(5), 5, speed=100) as device:
+        where = ("--device", device.url, "--latitude", "31.17", "--out", str(disk.path / "c"))
+        with Program("calibrate", "--headless", *where, "--db", str(disk.path / "s.db")) as program:
+            code, _, error = program.end()
+    assert code == 2
+    assert re.search(r"c: disk full, \d+ (MB|kB) free, \d+ MB needed; make room, or name a folder", error), error
+    assert not (disk.path / "c").exists()
+
+
+def test_a_record_command_on_a_full_disk_says_so(disk: SmallDisk) -> None:
+    with SimulatedDevice(Truth.example(5), 5, speed=100) as device:
+        with Program("record", device.url, "--out", str(disk.path / "r")) as program:
+            for _ in range(200):
+                if (disk.path / "r" / "recording.mcap").exists():
+                    break
+                time.sleep(0.05)
+            disk.fill(but=0)
+            code, _, error = program.end()
+    assert code == 2
+    assert "disk full" in error
+    assert error.count("\n") == 1
+
+
+def test_every_file_that_is_written_whole_says_how_much_room_it_wanted(disk: SmallDisk) -> None:
+    disk.fill(but=PAGE)
+    with pytest.raises(DiskFull, match=r"report.html: disk full, 3 MB needed"):
+        replace_file(disk.path / "report.html", bytes(3_000_000))
+    assert [path.name for path in disk.path.iterdir()] == ["ballast"]
