@@ -18,11 +18,12 @@ class CalibrationFacts:
 
     ``inputs`` holds the SHA-256 of each file used, by name; ``software`` is name, version and commit;
     ``temperature_range_c`` the least and the greatest temperature seen, None if never measured; ``status`` is
-    ``measured`` where a reference had expired, ``status_reason`` says which. ``verdict`` is the one against
-    ``limits``, the model's as they were then; None where nobody judged. ``judged`` holds what each limit was held
-    against. What a certificate needs and only the station knew is there too: ``residual`` as in solution/1, how it
-    was measured (``procedure``), where (``site``) and with what (``references``), and ``uncertainty``, a budget/1
-    of its parameters; ``diagnosis`` is the verdict on the residual with its findings; all JSON-ready.
+    ``measured`` where a reference lacked or had expired, ``status_reason`` says which. ``verdict`` is the one
+    against ``limits``, the model's as they were then; None where nobody judged. ``judged`` holds what each limit
+    was held against. What a certificate needs and only the station knew is there too: ``residual`` as in
+    solution/1, how it was measured (``procedure``), where (``site``) and with what (``references``), and
+    ``uncertainty``, a budget/1 of its parameters; ``diagnosis`` is the verdict on the residual with its findings;
+    all JSON-ready.
     """
 
     model: str

@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.chain import GENESIS, ChainFault, canonical, digest
 from fixtures_db.errors import AlreadyThere, CampaignInUse, NotInDatabase
-from fixtures_db.schema import CalibrationRow, CampaignRow, CubeRow, ImuRow, SiteRow, SlabRow, StepRow
+from fixtures_db.schema import CalibrationRow, CampaignRow, ImuRow, StepRow
 
 STATES = ("recording", "recorded", "accepted", "cancelled")
 
@@ -76,23 +76,6 @@ def in_state(session: Session, state: str) -> Sequence[CampaignRow]:
     """Return the campaigns in a state, newest first."""
     rows = select(CampaignRow).where(CampaignRow.state == state)
     return session.scalars(rows.order_by(CampaignRow.started_utc.desc(), CampaignRow.id.desc())).all()
-
-
-def expired_references(session: Session, folder: str) -> list[str]:
-    """Say which certificates had run out when a campaign's last step was accepted; none of an unknown campaign."""
-    if (row := known_campaign(session, folder)) is None:
-        return []
-    measured = last_accepted(row).astimezone().date()
-    named = (
-        ("cube", row.cube_id and session.get(CubeRow, row.cube_id)),
-        ("slab", row.slab_id and session.get(SlabRow, row.slab_id)),
-        ("site", row.site_id and session.get(SiteRow, row.site_id)),
-    )
-    return [
-        f"the certificate of {kind} {reference.id} expired on {reference.due_date}"
-        for kind, reference in named
-        if reference and is_expired(reference.due_date, measured)
-    ]
 
 
 def last_accepted(row: CampaignRow) -> datetime:

@@ -1,13 +1,13 @@
 """What a campaign was measured with: cube, slab and site, each with the certificate that held for it then."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import date, datetime
 from typing import Any
 
 from sqlalchemy.orm import Session
 
 from fixtures_db.calibration import utc_text
-from fixtures_db.campaigns import known_campaign, last_accepted
+from fixtures_db.campaigns import is_expired, known_campaign, last_accepted
 from fixtures_db.chained import Measured, in_force
 from fixtures_db.schema import CubeMeasurementRow, CubeRow, FaceCertificateRow, SiteRow, SlabLevelRow, SlabRow
 
@@ -23,17 +23,48 @@ def references(session: Session, folder: str) -> list[dict[str, Any]]:
     """
     if (row := known_campaign(session, folder)) is None:
         return []
-    until, found = last_accepted(row), list[dict[str, Any]]()
-    if cube := row.cube_id and session.get(CubeRow, row.cube_id):
-        found.append({"kind": "cube", "id": cube.id, "side_mm": cube.side_mm, **_of_cube(cube, until)})
-    if slab := row.slab_id and session.get(SlabRow, row.slab_id):
-        level = in_force(_until(slab.levels, until))
-        said = _dates(slab.certificate_date, slab.due_date) if level is None else _certified([level])
-        found.append({"kind": "slab", "id": slab.id, **said})
-    if site := row.site_id and session.get(SiteRow, row.site_id):
-        source = {} if site.gravity_source is None else {"source": site.gravity_source}
-        found.append({"kind": "site", "id": site.id, **source, **_dates(site.gravity_date, site.due_date)})
-    return found
+    until = last_accepted(row)
+    rows = (
+        row.cube_id and session.get(CubeRow, row.cube_id),
+        row.slab_id and session.get(SlabRow, row.slab_id),
+        row.site_id and session.get(SiteRow, row.site_id),
+    )
+    return [reference(one, until) for one in rows if one]
+
+
+def reference(row: CubeRow | SlabRow | SiteRow, until: datetime) -> dict[str, Any]:
+    """Return one of `references`, with the certificate that holds for it at a moment."""
+    match row:
+        case CubeRow():
+            return {"kind": "cube", "id": row.id, "side_mm": row.side_mm, **_of_cube(row, until)}
+        case SlabRow():
+            level = in_force(_until(row.levels, until))
+            said = _dates(row.certificate_date, row.due_date) if level is None else _certified([level])
+            return {"kind": "slab", "id": row.id, **said}
+        case SiteRow():
+            source = {} if row.gravity_source is None else {"source": row.gravity_source}
+            return {"kind": "site", "id": row.id, **source, **_dates(row.gravity_date, row.due_date)}
+
+
+def why_measured(references: Sequence[Mapping[str, Any]], on: date) -> list[str]:
+    """Say why a calibration that was finished ``on`` a day is `measured`, not `calibrated`; empty if it is.
+
+    It is calibrated with a cube and a slab that each have a certificate: a record of who measured it. None of
+    these, nor the survey of the gravity used, may have expired on that day.
+    """
+    return list(_weaknesses({one["kind"]: one for one in references}, on))
+
+
+def _weaknesses(used: Mapping[str, Mapping[str, Any]], on: date) -> Iterator[str]:
+    for kind in ("cube", "slab", "site"):
+        one = used.get(kind)
+        if one is None:
+            if kind != "site":
+                yield f"no {kind} is named"
+        elif (due := one.get("due_date")) is not None and is_expired(date.fromisoformat(due), on):
+            yield f"the certificate of {kind} {one['id']} expired on {due}"
+        elif kind != "site" and "source" not in one:
+            yield f"{kind} {one['id']} has no certificate"
 
 
 def _of_cube(cube: CubeRow, until: datetime) -> dict[str, Any]:

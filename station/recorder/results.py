@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from fixtures_db.calibration import CalibrationFacts
-from fixtures_db.campaigns import expired_references, set_state
+from fixtures_db.campaigns import known_campaign, last_accepted, set_state
 from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyStored
 from fixtures_db.history import accept_calibration, calibration
 from fixtures_db.limits import limits_of
+from fixtures_db.references import references, why_measured
 from procedures.solution import Solution
 from station.campaign_folder import read_for_solve
 from station.campaign_folder.atomic import replace_file
@@ -31,9 +32,9 @@ if TYPE_CHECKING:
 class Results:
     """A solved campaign: its verdict, and where its results are.
 
-    ``status`` is ``measured`` where a certificate had expired when the campaign was recorded, ``status_reason``
-    says which. ``calibration_file`` is there once `store` was called. ``diagnosis`` is the `diagnosis/1`,
-    ``effects`` what the calibration carries of it.
+    ``status`` is ``measured`` where cube or slab or a certificate of theirs lacked, or one had expired, when the
+    campaign was recorded; ``status_reason`` says which. ``calibration_file`` is there once `store` was called.
+    ``diagnosis`` is the `diagnosis/1`, ``effects`` what the calibration carries of it.
     """
 
     folder: Path
@@ -72,19 +73,19 @@ def make_results(
     document = solution_document(closed.solution, [loaded])
     with database.read() as session:
         limits = limits_of(session, loaded.tables.imu.model)
-        expired = expired_references(session, str(folder.resolve()))
+        reasons = _why_measured(session, str(folder.resolve()))
     budgets = closed.budgets()
     outcome = judge(document, limits, {one.name: one.std for one in budgets})
     if left := left_said(closed.document, budgets):
         outcome = replace(outcome, reason=f"{outcome.reason}; {left}")
-    status_reason = "; ".join(expired)
-    status: Literal["calibrated", "measured"] = "measured" if expired else "calibrated"
+    status_reason = "; ".join(reasons)
+    status: Literal["calibrated", "measured"] = "measured" if reasons else "calibrated"
     context = replace(
         report_context(closed.solution, [loaded.campaign], document, budgets),
         verdict=outcome.word,
         verdict_reason=outcome.reason,
         truth=truth or {},
-        bench={"Status": f"{status}: {status_reason}" if expired else status},
+        bench={"Status": f"{status}: {status_reason}" if reasons else status},
         diagnosis=section_html(closed.document, closed.diagnosis),
     )
     results = Results(
@@ -96,6 +97,12 @@ def make_results(
     write_solution(into / DIAGNOSIS, closed.document)
     write_report(results.report_file, context)
     return results
+
+
+def _why_measured(session: "Session", folder: str) -> list[str]:
+    row = known_campaign(session, folder)
+    on = datetime.now(UTC) if row is None else last_accepted(row)
+    return why_measured(references(session, folder), on.astimezone().date())
 
 
 def store(results: Results, database: Database) -> str:

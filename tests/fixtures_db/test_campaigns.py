@@ -1,23 +1,19 @@
-from datetime import date, datetime, timedelta
+from datetime import datetime
 
 import pytest
 from sqlalchemy import text
-from sqlalchemy.orm import Session
 
 from fixtures_db.campaigns import (
     accept_step,
     campaign,
-    expired_references,
     manifest_head,
     set_state,
     start_campaign,
     verify_steps,
 )
 from fixtures_db.chain import GENESIS
-from fixtures_db.cubes import add_cube
 from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyThere, NotInDatabase
-from fixtures_db.slabs import add_slab
 from tests.fixtures_db.factory import NOON
 
 
@@ -53,38 +49,6 @@ def test_wrong_names_and_times_are_refused(db: Database) -> None:
         start_campaign(session, "/data/2", model="FOG-3", serial="S1", started_utc=datetime(2026, 1, 1))
     with pytest.raises(Exception, match=r"(?i)foreign ?key"), db.write() as session:
         start_campaign(session, "/data/3", model="FOG-3", serial="S1", started_utc=NOON, cube_id="no such cube")
-
-
-def _measured(session: Session, cube_due: date | None, slab_due: date | None) -> list[str]:
-    add_cube(session, "C", side_mm=400.0, due_date=cube_due)
-    add_slab(session, "S", due_date=slab_due)
-    start_campaign(
-        session,
-        "/data/1",
-        model="FOG-3",
-        serial="S1",
-        started_utc=NOON - timedelta(days=2),
-        cube_id="C",
-        slab_id="S",
-    )
-    accept_step(session, "/data/1", name="dwell_01", file="a", sha256="0" * 64, accepted_utc=NOON)
-    return expired_references(session, "/data/1")
-
-
-def test_a_certificate_must_hold_when_the_last_step_is_accepted(db: Database) -> None:
-    day = NOON.astimezone().date()
-    before = day - timedelta(days=1)
-    for cube_due, slab_due, said in (
-        (None, None, []),
-        (day, day, []),
-        (before, day, [f"the certificate of cube C expired on {before}"]),
-        (None, before, [f"the certificate of slab S expired on {before}"]),
-    ):
-        with pytest.raises(RuntimeError, match="undo"), db.write() as session:  # noqa: PT012
-            assert _measured(session, cube_due, slab_due) == said
-            raise RuntimeError("undo")
-    with db.read() as session:
-        assert expired_references(session, "/data/9") == []
 
 
 @pytest.mark.parametrize(

@@ -3,19 +3,22 @@
 import json
 import shutil
 from collections.abc import Iterator
-from datetime import date
+from datetime import UTC, date, datetime
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import campaign
-from fixtures_db.cubes import add_cube
+from fixtures_db.cubes import add_cube, certify_faces
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import AlreadyStored, NotInDatabase
 from fixtures_db.history import history, verify_chain
 from fixtures_db.limits import Limit, set_limits
-from fixtures_db.slabs import add_slab
+from fixtures_db.slabs import add_level, add_slab
+from procedures.campaign import FaceCertificate
+from procedures.frames import FACES
 from station.campaign_folder import read_campaign, write_campaign
 from station.campaign_folder.atomic import replace_file
 from station.certificate.model_said import diagnosis_said
@@ -57,7 +60,8 @@ def test_a_campaign_is_solved_judged_and_stored_once(db: Database, tmp_path: Pat
     assert verdict.sentence.startswith(
         "PASS: SIM-FOG3 SIM-7 is within all 7 limits of its model; the tightest is "
     )
-    assert (verdict.change, verdict.status) == ("the first calibration of this unit", "calibrated")
+    assert (verdict.change, verdict.status) == ("the first calibration of this unit", "measured")
+    assert verdict.status_reason == "no cube is named; no slab is named"
     assert len(verdict.rows) == 25
     assert "the limit of 4" in verdict.worst_residual
     report = results.report_file.read_text()
@@ -68,7 +72,7 @@ def test_a_campaign_is_solved_judged_and_stored_once(db: Database, tmp_path: Pat
     assert sha256 not in report
     assert sha256 in results.report_file.read_text()
     document = json.loads(stored)
-    assert (document["verdict"], document["status"], document["operator"]) == ("PASS", "calibrated", "M. Curie")
+    assert (document["verdict"], document["status"], document["operator"]) == ("PASS", "measured", "M. Curie")
     assert document["limits"][-1] == {"parameter": "residual.p_value", "low": 1e-9, "unit": "1", "guard_band": 0.0}
     assert document["uncertainty"]["format"] == "budget/1"
     assert len(document["uncertainty"]["parameters"]) == 24
@@ -124,22 +128,30 @@ def db_document(db: Database, sha256: str) -> str:
         return next(row.document for row in history(session, "SIM-7") if row.sha256 == sha256)
 
 
-@pytest.mark.parametrize("expired", ["cube", "slab"])
+@pytest.mark.parametrize("expired", ["cube", "slab", ""])
 def test_an_expired_certificate_makes_it_measured_and_says_which(
     db: Database, tmp_path: Path, expired: str
 ) -> None:
     past, ahead = date(2020, 1, 1), date(2100, 1, 1)
+    said = {"source": "CMM 12", "measured_utc": datetime(2019, 1, 1, tzinfo=UTC)}
+    face = FaceCertificate(np.zeros(2), np.eye(2) * 25e-12)
     with db.write() as session:
-        add_cube(session, "CUBE-7", side_mm=400.0, due_date=past if expired == "cube" else ahead)
-        add_slab(session, "SLAB-1", due_date=past if expired == "slab" else ahead)
+        add_cube(session, "CUBE-7", side_mm=400.0)
+        due = past if expired == "cube" else ahead
+        certify_faces(session, "CUBE-7", dict.fromkeys(FACES, face), **said, due_date=due)
+        add_slab(session, "SLAB-1")
+        due = past if expired == "slab" else ahead
+        add_level(session, "SLAB-1", tilt_rad=(0.0, 0.0), std_rad=(1e-5, 1e-5), **said, due_date=due)
     results = make_results(recorded(tmp_path / "c", db, cube_id="CUBE-7", slab_id="SLAB-1"), db)
-    reason = f"the certificate of {expired} {'CUBE-7' if expired == 'cube' else 'SLAB-1'} expired on 2020-01-01"
-    assert (results.status, results.status_reason) == ("measured", reason)
+    names = {"cube": "CUBE-7", "slab": "SLAB-1"}
+    reason = f"the certificate of {expired} {names[expired]} expired on 2020-01-01" if expired else ""
+    status = "measured" if expired else "calibrated"
+    assert (results.status, results.status_reason) == (status, reason)
     assert reason in results.report_file.read_text()
     verdict = verdict_view(results, db)
-    assert (verdict.word, verdict.status, verdict.status_reason) == ("NOT_MEASURED", "measured", reason)
+    assert (verdict.word, verdict.status, verdict.status_reason) == ("NOT_MEASURED", status, reason)
     document = json.loads(db_document(db, store(results, db)))
-    assert (document["status"], document["status_reason"]) == ("measured", reason)
+    assert (document["status"], document.get("status_reason", "")) == (status, reason)
 
 
 def test_what_cannot_be_stored_leaves_no_calibration(
