@@ -6,7 +6,8 @@ ProcedureError
 ├── FitsNoFace         a dwell's output is that of no face, as from a damaged sample
 ├── WrongMounting      the IMU does not sit in the cube as the campaign says
 ├── TurnsDisagree      two turns about one axis contradict each other's direction or revolutions
-└── TooShort           a dwell has too few samples to say anything
+├── TooShort           a dwell has too few samples to say anything
+└── DoesNotFit         a model with an effect in it cannot be fitted: of the effect, never of the data
 """
 
 from collections.abc import Sequence
@@ -74,3 +75,7 @@ class TooShort(ProcedureError, ValueError):
         super().__init__(
             f"{step} has {samples} samples, expected at least {least}; record it longer or leave it out"
         )
+
+
+class DoesNotFit(ProcedureError, ValueError):
+    """A model with effects added to it cannot be fitted: a word on the effects, never on the data."""

@@ -7,6 +7,7 @@ its place, and the whole against noise.
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +22,7 @@ from procedures.diagnosis.faces import faces_as_positions
 from procedures.diagnosis.groups import groups
 from procedures.diagnosis.model import LinearFit, fit_linear, significance
 from procedures.diagnosis.naming import named, other_seatings, settled
-from procedures.diagnosis.preliminary import preliminary
+from procedures.diagnosis.preliminary import Preliminary, preliminary
 from procedures.diagnosis.pure_fixture import with_channels
 from procedures.diagnosis.rate_tables import RateTables
 from procedures.diagnosis.result import Diagnosis, Finding, Test, Verdict
@@ -39,7 +40,7 @@ from procedures.diagnosis.unexplained import excess, log_p_of
 from procedures.diagnosis.within_dwells import within_dwells
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
-from procedures.errors import NotObservable
+from procedures.errors import DoesNotFit, NotObservable, ProcedureError
 from procedures.solution import Solution
 
 AGAIN = "the same campaign in another order, on another day: what does not come back is no effect"
@@ -69,16 +70,26 @@ def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS)
 
 def _of_steps(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagnosis:
     """Diagnose dwells, turns and rests, put right first where that is no matter of a linear model."""
-    found_before = preliminary([faces_as_positions(campaign) for campaign in campaigns])
+    found_before, bench = _put_right(campaigns)
     effects = [effect for effect in effects if effect.name not in found_before.settled]
-    steps = reduce_steps(found_before.campaigns)
-    found = _closed(Bench(steps, fit_reduced(steps)), effects)
+    found = _closed(bench, effects)
     findings = with_channels((*found_before.findings, *found.findings), found.solution_before)
     verdict = _verdict(findings, found.log_p)
     return replace(
         found, verdict=verdict, findings=findings,
         tried=(*found_before.tests, *found.tried), next_measurement=_next(findings, verdict),
     )  # fmt: skip
+
+
+def _put_right(campaigns: Sequence[Campaign]) -> tuple[Preliminary, Bench]:
+    """Return what was put right, and the base model; campaigns that can only be solved as they are stay so."""
+    try:
+        before = preliminary([faces_as_positions(campaign) for campaign in campaigns])
+        steps = reduce_steps(before.campaigns)
+        return before, Bench(steps, fit_reduced(steps))
+    except ProcedureError:
+        steps = reduce_steps(campaigns)
+        return Preliminary(tuple(campaigns), (), (), frozenset()), Bench(steps, fit_reduced(steps))
 
 
 def _closed(subject: Subject, effects: Sequence[Effect]) -> Diagnosis:
@@ -88,12 +99,10 @@ def _closed(subject: Subject, effects: Sequence[Effect]) -> Diagnosis:
     for _ in range(MOST):
         found = try_all(state.now.evidence, state.pool, state.adopted)
         tried = tried or found
-        new = next_effect(state.now.evidence, found, state.adopted, groups(state.now.evidence))
-        if new is None:
+        grown = _grown(state, found, effects)
+        if grown is None:
             break
-        both = (*state.adopted, new)
-        state = replace(state, adopted=both) if new.candidate.is_of_model else stand(subject, both, effects)
-        state = _dropped(settled(state, effects), effects)
+        state = _dropped(settled(grown, effects), effects)
     state = _lasting(_honest(state, effects), effects)
     state, findings = named(state, len(first.pool), effects)
     left = _left(state)
@@ -109,13 +118,28 @@ def _closed(subject: Subject, effects: Sequence[Effect]) -> Diagnosis:
     )  # fmt: skip
 
 
+def _grown(state: State, found: Sequence[Tried], effects: Sequence[Effect]) -> State | None:
+    """Adopt the best effect with which the model can be solved; None where none is left."""
+    left = list(found)
+    while new := next_effect(state.now.evidence, left, state.adopted, groups(state.now.evidence)):
+        both = (*state.adopted, new)
+        if new.candidate.is_of_model:
+            return replace(state, adopted=both)
+        try:
+            return stand(state.subject, both, effects)
+        except DoesNotFit:
+            left.remove(new.tried)
+    return None
+
+
 def _reported(state: State, effects: Sequence[Effect]) -> Solution:
     """Return what was solved, its sigmas holding the seatings that could be in the place of one."""
     found = state.subject.report(state.now)
     for each in state.adopted:
         for way in other_seatings(state, each.candidate):
             instead = [replace(a, candidate=way) if a is each else a for a in state.adopted]
-            found = either(found, state.subject.report(stand(state.subject, instead, effects).now))
+            with suppress(DoesNotFit):
+                found = either(found, state.subject.report(stand(state.subject, instead, effects).now))
     return found
 
 
@@ -139,7 +163,14 @@ def _has_gone(state: State, candidate: Candidate) -> bool:
 
 
 def _without(state: State, gone: Adopted, effects: Sequence[Effect]) -> State:
-    return stand(state.subject, [each for each in state.adopted if each is not gone], effects)
+    """Return where the loop stands without an effect; those that do not fit without it go with it."""
+    left = [each for each in state.adopted if each is not gone]
+    while left:
+        try:
+            return stand(state.subject, left, effects)
+        except DoesNotFit:
+            left.pop()
+    return stand(state.subject, (), effects)
 
 
 def _left(state: State) -> float:

@@ -1,6 +1,7 @@
 """Which name a finding goes by, how sure it is, and what else it could be."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,7 @@ from procedures.diagnosis.selection import CLAIMED, GAIN, Adopted, gain_of
 from procedures.diagnosis.sign_flip import TOLD, sign_flip_p
 from procedures.diagnosis.state import State, stand
 from procedures.effects.effect import Effect
+from procedures.errors import DoesNotFit
 from procedures.frames import FACES
 
 RANK = {"bench": 0, "procedure": 1, "instrument": 2}
@@ -24,7 +26,8 @@ def named(state: State, tried: int, effects: Sequence[Effect]) -> tuple[State, t
     """Name every finding, or the group it cannot be told from."""
     renamed = tuple(_renamed(state, each, effects) for each in state.adopted)
     if any(new.candidate is not old.candidate for new, old in zip(renamed, state.adopted, strict=True)):
-        state = stand(state.subject, _once(renamed), effects)
+        with suppress(DoesNotFit):  # by the other name it does not fit: it keeps its own
+            state = stand(state.subject, _once(renamed), effects)
     return state, tuple(_finding(state, each, tried) for each in state.adopted)
 
 
@@ -78,7 +81,10 @@ def _renamed(state: State, adopted: Adopted, effects: Sequence[Effect]) -> Adopt
 def _exact_gain(state: State, adopted: Adopted, instead: Candidate, effects: Sequence[Effect]) -> float:
     """Return how well the left-out rows are foretold with another effect in the place of one, bent as it is."""
     others = [each for each in state.adopted if each is not adopted]
-    there = stand(state.subject, [*others, replace(adopted, candidate=instead)], effects)
+    try:
+        there = stand(state.subject, [*others, replace(adopted, candidate=instead)], effects)
+    except DoesNotFit:
+        return -np.inf
     fit = fit_linear(there.now.evidence, there.beside(), factor=state.now.linear.factor)
     return held_out(there.now.evidence, fit, groups(there.now.evidence))[0]
 
@@ -92,7 +98,9 @@ def settled(state: State, effects: Sequence[Effect]) -> State:
     if not any(each.effect.added for each in group):
         return state
     renamed = _renamed(state, last, effects)
-    return state if renamed is last else stand(state.subject, (*state.adopted[:-1], renamed), effects)
+    with suppress(DoesNotFit):
+        state = state if renamed is last else stand(state.subject, (*state.adopted[:-1], renamed), effects)
+    return state
 
 
 def _finding(state: State, adopted: Adopted, tried: int) -> Finding:
@@ -100,7 +108,7 @@ def _finding(state: State, adopted: Adopted, tried: int) -> Finding:
     beside = state.beside(candidate)
     fit, left_out = candidate.fit(evidence, beside), groups(evidence)
     test = significance(evidence, fit)
-    ways = len(state.pool[candidate.effect.name])
+    ways = max(len(state.pool.get(candidate.effect.name, ())), 1)
     log_p = min(test.log_p + np.log(tried * ways), 0.0)
     gain = gain_of(evidence, candidate, beside, left_out)
     aliases = tuple(dict.fromkeys(each.effect.name for each in _others(state, candidate)))
@@ -139,5 +147,5 @@ def other_seatings(state: State, finding: Candidate) -> list[Candidate]:
         return []
     evidence = state.now.evidence
     fit = finding.fit(evidence, state.beside(finding))
-    ways = state.pool[finding.effect.name]
+    ways = state.pool.get(finding.effect.name, ())
     return [way for way in ways if way is not finding and takes_its_place(evidence, fit, way.term)]

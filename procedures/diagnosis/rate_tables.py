@@ -6,6 +6,7 @@ blocks are left out in turn.
 """
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -21,6 +22,7 @@ from procedures.diagnosis.rate_points import Points, noise_of, read_points
 from procedures.diagnosis.refit import ROUNDS, SMALL, Refit, beyond_linear, part_of, terms_at
 from procedures.diagnosis.result import TableSensor
 from procedures.diagnosis.tail import log_chi2_sf
+from procedures.diagnosis.trial import trial
 from procedures.effects.effect import Seen, SeenStep
 from procedures.frames import AXES
 from procedures.solution import FitQuality, Solution
@@ -96,7 +98,17 @@ class RateTables:
         )  # fmt: skip
 
     def refit(self, added: Sequence[Candidate]) -> Refit:
-        """Fit line and effects together; what an effect adds beyond its columns is taken off."""
+        """Fit line and effects together; what an effect adds beyond its columns is taken off.
+
+        Raises
+        ------
+        DoesNotFit
+            If the line with the effects in it cannot be fitted.
+        """
+        with trial() if added else nullcontext():
+            return self._refit(added)
+
+    def _refit(self, added: Sequence[Candidate]) -> Refit:
         values, at = [np.zeros(len(each.columns.coefficients)) for each in added], self
         for _ in range(ROUNDS):
             evidence = at.evidence()

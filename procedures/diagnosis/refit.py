@@ -6,6 +6,7 @@ model: it holds what the coefficients leave open.
 """
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +16,9 @@ from procedures.calibration import Fits, Reduced, fit_reduced
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.evidence import KINDS, Evidence, evidence_of
 from procedures.diagnosis.model import LinearFit, Term, fit_linear
+from procedures.diagnosis.trial import trial
 from procedures.effects.effect import Columns
+from procedures.errors import DoesNotFit
 from procedures.least_squares import Fit
 from procedures.twelve_position import JointFit
 
@@ -39,8 +42,19 @@ class Refit:
 
 
 def refit(steps: Reduced, base: Fits, added: Sequence[Candidate]) -> Refit:
-    """Solve everything again with the candidates ``added`` to the model; those of the model itself are in it."""
+    """Solve everything again with the candidates ``added`` to the model; those of the model itself are in it.
+
+    Raises
+    ------
+    DoesNotFit
+        If the model with them in it cannot be fitted. Without any it is the base's own.
+    """
     added = [each for each in added if not each.is_of_model]
+    with trial() if added else nullcontext():
+        return _refit(steps, base, added)
+
+
+def _refit(steps: Reduced, base: Fits, added: Sequence[Candidate]) -> Refit:
     values = [np.zeros(len(each.columns.coefficients)) for each in added]
     fits = base
     for _ in range(ROUNDS):
@@ -56,16 +70,21 @@ def refit(steps: Reduced, base: Fits, added: Sequence[Candidate]) -> Refit:
         values = [c for c, _ in found]
         if max(moved, default=0.0) < SMALL:
             break
-        fits = fit_reduced(_without(steps, fits, evidence, added, values))
+        fits = _fit_without(steps, fits, evidence, added, values)
     covariances = tuple(C for _, C in found)
     return Refit(_with_covariance(fits, evidence, linear), evidence, linear, tuple(values), covariances)
 
 
 def refit_with(steps: Reduced, base: Fits, added: Sequence[Candidate], values: Sequence[FloatArray]) -> Refit:
-    """Solve everything but the coefficients: they are ``values``, of effects found elsewhere."""
+    """Solve everything but the coefficients, which are ``values``, found elsewhere; raises as `refit`."""
+    with trial() if added else nullcontext():
+        return _refit_with(steps, base, added, values)
+
+
+def _refit_with(steps: Reduced, base: Fits, added: Sequence[Candidate], values: Sequence[FloatArray]) -> Refit:
     fits = base
     for _ in range(GIVEN_ROUNDS if added else 0):
-        fits = fit_reduced(_without(steps, fits, evidence_of(fits), added, values))
+        fits = _fit_without(steps, fits, evidence_of(fits), added, values)
     evidence = evidence_of(fits)
     terms, beyond = terms_at(evidence, added, values)
     left = beyond_linear(evidence, terms, values, beyond)
@@ -75,11 +94,11 @@ def refit_with(steps: Reduced, base: Fits, added: Sequence[Candidate], values: S
 
 
 def same_way(candidate: Candidate, evidence: Evidence) -> Columns:
-    """Return a candidate's columns at another evidence's nodes."""
+    """Return a candidate's columns at another evidence's nodes; `DoesNotFit` where it does not act there."""
     for columns in candidate.effect.columns(evidence.seen):
         if columns.where == candidate.columns.where and columns.shape == candidate.columns.shape:
             return columns
-    raise LookupError(f"{candidate.effect.name} no longer acts as {candidate.columns.where}")
+    raise DoesNotFit(f"{candidate.effect.name} no longer acts as {candidate.columns.where}")
 
 
 def terms_at(
@@ -121,6 +140,17 @@ def beyond_linear(
     for term, c, more in zip(terms, values, beyond, strict=True):
         residual += np.where(taken_off, term.H @ c, -more)
     return replace(evidence, residual=residual)
+
+
+def _fit_without(
+    steps: Reduced, fits: Fits, evidence: Evidence, added: Sequence[Candidate], values: Sequence[FloatArray]
+) -> Fits:
+    """Fit the base model to the steps less the effects; it must be determined as it was with them."""
+    found = fit_reduced(_without(steps, fits, evidence, added, values))
+    for triad in ("accelerometer", "gyroscope"):
+        if (getattr(found, triad) is None) != (getattr(fits, triad) is None):
+            raise DoesNotFit(f"without the effects the {triad} is no longer determined")
+    return found
 
 
 def _without(

@@ -8,6 +8,7 @@ did.
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,6 +27,8 @@ from procedures.diagnosis.model import (
     without_rows,
 )
 from procedures.diagnosis.repeats import log_p_of_repeats
+from procedures.diagnosis.trial import trial
+from procedures.errors import DoesNotFit
 
 # Of the adjusted p. The words would allow 0.05 for likely; that names what is not there in more than 1 %.
 CLAIMED = np.log(0.01)
@@ -70,13 +73,21 @@ def try_all(
     found = list[Tried]()
     for name, ways in pool.items():
         free = [way for way in ways if way.is_tried and (name, str(way.columns.where)) not in taken]
-        free = [way for way in free if usable(way, evidence, terms)]
-        tests = [significance(evidence, way.fit(evidence, terms)) for way in free]
+        tests = [(way, test) for way in free if (test := _tested(evidence, way, terms)) is not None]
         if tests:
-            best = int(np.argmin([test.log_p for test in tests]))
-            found.append(Tried(free[best], tests[best], min(tests[best].log_p + np.log(len(tests)), 0.0)))
+            way, test = min(tests, key=lambda each: each[1].log_p)
+            found.append(Tried(way, test, min(test.log_p + np.log(len(tests)), 0.0)))
     found.sort(key=lambda each: each.log_p)
     return holm(found)
+
+
+def _tested(evidence: Evidence, way: Candidate, terms: Sequence[Term]) -> Significance | None:
+    """Return the test of one way, None where the model leaves too little of it to see."""
+    try:
+        with trial():
+            return significance(evidence, way.fit(evidence, terms)) if usable(way, evidence, terms) else None
+    except DoesNotFit:
+        return None
 
 
 def holm(found: Sequence[Tried]) -> list[Tried]:
@@ -96,15 +107,16 @@ def next_effect(
     for each in tried:
         if each.log_p_adjusted >= CLAIMED:
             return None
-        gain = gain_of(evidence, each.candidate, terms, left_out)
-        if (
-            is_plausible(each)
-            and gain > 0
-            and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < CLAIMED
-            and stands_without_any(evidence, each.candidate, terms, left_out)
-            and holds_in_every_campaign(evidence, each.candidate, terms)
-        ):
-            return Adopted(each.candidate, each, gain)
+        with suppress(DoesNotFit), trial():
+            gain = gain_of(evidence, each.candidate, terms, left_out)
+            if (
+                is_plausible(each)
+                and gain > 0
+                and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < CLAIMED
+                and stands_without_any(evidence, each.candidate, terms, left_out)
+                and holds_in_every_campaign(evidence, each.candidate, terms)
+            ):
+                return Adopted(each.candidate, each, gain)
     return None
 
 

@@ -21,6 +21,7 @@ from procedures.diagnosis.groups import groups
 from procedures.diagnosis.preliminary import preliminary
 from procedures.diagnosis.refit import refit_with, same_way
 from procedures.diagnosis.result import Diagnosis, Errors
+from procedures.errors import DoesNotFit
 
 OF_THE_CUBE = "fixture.face_tilt"
 OF_THE_UNIT = "auxiliary.channel"  # beside all that is of the instrument: it is the sensor that feels the channel
@@ -31,6 +32,7 @@ def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Error
 
     ``before`` and ``after`` are their residual, ``held_out_*`` the error of each position, turn and rest foretold
     by the others of these campaigns; where none can be foretold, the residual, which was held out of the finding.
+    ``after`` is nan where these campaigns cannot be fitted with the effects in.
 
     Raises
     ------
@@ -45,7 +47,11 @@ def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Error
         for candidate, value in zip(diagnosis.added, diagnosis.values, strict=True)
         if _is_carried(candidate, diagnosis, campaigns) and _acts(candidate, evidence)
     ]
-    after = refit_with(steps, base, [candidate for candidate, _ in carried], [value for _, value in carried])
+    try:
+        after = refit_with(steps, base, [candidate for candidate, _ in carried], [value for _, value in carried])
+    except DoesNotFit:
+        without = errors_made(evidence, refit_with(steps, base, (), ()), groups(evidence))
+        return tuple(replace(_held_out(each), after=np.nan, held_out_after=np.nan) for each in without)
     return tuple(_held_out(each) for each in errors_made(evidence, after, groups(evidence)))
 
 
@@ -61,7 +67,7 @@ def _acts(candidate: Candidate, evidence: Evidence) -> bool:
     """Say whether what an effect depends on is known in the other campaigns."""
     try:
         H: FloatArray = evidence.column(same_way(candidate, evidence))
-    except LookupError:
+    except DoesNotFit:
         return False
     return bool(np.all(np.isfinite(H)))
 

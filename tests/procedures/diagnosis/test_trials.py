@@ -1,0 +1,99 @@
+"""An effect that cannot be fitted is an effect that does not fit: whatever a solve takes, a diagnosis takes."""
+
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench import simulate_campaign
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
+from procedures.calibration import Fits, Reduced, solve
+from procedures.campaign import Campaign, DwellRecord, ProcedureSigma, Site
+from procedures.diagnosis import refit as refit_module
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.diagnosis import diagnose
+from procedures.diagnosis.evidence import Evidence
+from procedures.diagnosis.validation import validate
+from procedures.errors import FitsNoFace, ProcedureError
+from procedures.frames import face_normal, face_of, rotation
+from procedures.records import RateSeries
+
+OFFSET = np.array([0.5, -0.6, 0.4])  # m/s2
+
+
+def six_faces(seed: int, tilt_deg: float, heading_deg: float) -> Campaign:
+    """A sensor of a phone's grade, held by hand on six faces, of whose headings nothing is known."""
+    rng, dwells = np.random.default_rng(seed), list[DwellRecord]()
+    for i, position in enumerate((1, 3, 5, 7, 9, 11)):
+        held = rotation(np.radians(tilt_deg) * rng.standard_normal((1, 3)))[0]
+        up = held @ face_normal(face_of(position))
+        accel = 9.8 * up + OFFSET + 0.015 * rng.standard_normal((500, 3))
+        t = 0.01 * np.arange(1, 501) + 10 * i
+        series = RateSeries(t, None, accel, np.full(500, np.nan), 0.01)
+        dwells.append(DwellRecord(f"dwell_{position:02d}", position, series))
+    sigma = ProcedureSigma(heading=float(np.radians(heading_deg)))
+    return Campaign("M", "S", False, Site(0.87, 9.81, 5e-4), tuple(dwells), (), sigma)
+
+
+@pytest.mark.parametrize(
+    ("seed", "tilt_deg", "heading_deg"), [(0, 0.5, 45), (1, 2, 180), (5, 8, 180), (12, 2, 45)]
+)
+def test_six_faces_that_a_solve_takes_are_diagnosed_whatever_their_headings(
+    seed: int, tilt_deg: float, heading_deg: float
+) -> None:
+    campaign = six_faces(seed, tilt_deg, heading_deg)
+    assert solve([campaign]).accelerometer is not None
+    assert diagnose([campaign]).solution.accelerometer is not None
+
+
+@pytest.mark.parametrize(
+    "error", [FitsNoFace("dwell_03", 3), np.linalg.LinAlgError("singular"), FloatingPointError()]
+)
+def test_an_effect_whose_refit_fails_is_not_found_and_another_may_be(
+    monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    planted = {"accelerometer.quadratic": {"x": 4e-5, "y": -6e-5, "z": 5e-5}}
+    truth = replace(Truth.example(3), effects=MappingProxyType(planted))
+    campaign = simulate_campaign(truth, 3, dwell_s=20.0, turns=(), certificate_sigma=2e-6)
+    assert "accelerometer.quadratic" in {each.effect for each in diagnose([campaign]).findings}
+    plain = refit_module._fit_without  # noqa: SLF001 - the step of a refit that can fail
+
+    def fails(
+        steps: Reduced, fits: Fits, evidence: Evidence, added: list[Candidate], values: list[FloatArray]
+    ) -> Fits:
+        if any(each.effect.name == "accelerometer.quadratic" for each in added):
+            raise error
+        return plain(steps, fits, evidence, added, values)
+
+    monkeypatch.setattr(refit_module, "_fit_without", fails)
+    assert "accelerometer.quadratic" not in {each.effect for each in diagnose([campaign]).findings}
+
+
+def test_campaigns_on_which_the_findings_cannot_be_fitted_are_told_without_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    planted = {"accelerometer.quadratic": {"x": 4e-5, "y": -6e-5, "z": 5e-5}}
+    truth = replace(Truth.example(3), effects=MappingProxyType(planted))
+    first, other = (simulate_campaign(truth, s, dwell_s=20.0, turns=(), certificate_sigma=2e-6) for s in (3, 4))
+    found = diagnose([first])
+    assert found.added
+
+    def refuses(*_: object) -> object:
+        raise FitsNoFace("dwell_03", 3)
+
+    monkeypatch.setattr(refit_module, "_fit_without", refuses)
+    errors = validate(found, [other])
+    assert errors
+    assert all(np.isfinite(each.before) and np.isnan(each.after) for each in errors)
+
+
+def test_what_only_cannot_be_solved_when_put_right_is_diagnosed_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    campaign = simulate_campaign(Truth.example(3), 3, dwell_s=20.0, turns=())
+
+    def spoils(_: object) -> object:
+        raise ProcedureError("put right, it cannot be solved")
+
+    monkeypatch.setattr("procedures.diagnosis.diagnosis.preliminary", spoils)
+    assert diagnose([campaign]).solution.accelerometer is not None
