@@ -12,6 +12,7 @@ from typing import Any
 
 from station.certificate.conformity import judge_previous
 from station.certificate.results import Measured, measured, to_two_digits, unit_of
+from station.guide.judgement import stored_verdict_said
 from station.solution_parameters import applied, parameters, title_of
 
 COVERAGE = 2.0
@@ -65,7 +66,7 @@ def as_found(document: Mapping[str, Any], previous: Mapping[str, Any], sha256: s
         sha256,
         previous["accepted_utc"],
         previous["status"],
-        previous.get("verdict", "").replace("_", " "),
+        stored_verdict_said(previous, ""),
         "" if outcome is None else outcome.word.replace("_", " "),
         "" if outcome is None else outcome.reason,
         tuple(rows),

@@ -38,14 +38,31 @@ class Outcome:
     reason: str
 
     @property
+    def said(self) -> str:
+        """The verdict's word as people read it."""
+        return word_said(self.word, has_limits=bool(self.judged))
+
+    @property
     def sentence(self) -> str:
         """The verdict and its reason."""
-        return f"{self.word.replace('_', ' ')}: {self.reason}"
+        return f"{self.said}: {self.reason}"
 
     @property
     def exit_code(self) -> int:
         """What a command ends with: 1 on FAIL."""
         return int(self.word == "FAIL")
+
+
+def word_said(word: str, *, has_limits: bool) -> str:
+    """Return a stored verdict's word as people read it: without limits values were measured and not judged."""
+    return "NO LIMITS" if word == "NOT_MEASURED" and not has_limits else word.replace("_", " ")
+
+
+def stored_verdict_said(document: Mapping[str, Any], otherwise: str) -> str:
+    """Return the word of a `calibration/1` as people read it, ``otherwise`` where nobody judged it."""
+    if "verdict" not in document:
+        return otherwise
+    return word_said(document["verdict"], has_limits=bool(document.get("limits")))
 
 
 def judge(document: Mapping[str, Any], limits: Sequence[Limit], std: Mapping[str, float] | None = None) -> Outcome:

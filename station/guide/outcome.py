@@ -43,6 +43,7 @@ def verdict_view(results: "Results", database: Database) -> Verdict:
     moved = {} if previous is None else shifts(applied(found), parameters(previous))
     return Verdict(
         word=results.outcome.word,
+        said=results.outcome.said,
         sentence=results.outcome.sentence,
         status=results.status,
         status_reason=results.status_reason,
@@ -93,7 +94,7 @@ def verdict_rows(found: Mapping[str, Parameter], outcome: Outcome, moved: Mappin
 
 
 def _row(name: str, parameter: Parameter | None, judged: Judged | None, moved: Shift | None) -> Row:
-    value, unit = ("not estimated", "") if parameter is None else shown(parameter)
+    value, unit = ("not measured", "") if parameter is None else shown(parameter)
     return Row(
         name=title_of(name),
         value=value,

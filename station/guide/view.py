@@ -245,6 +245,7 @@ class Verdict(_Value):
     """The end: one sentence, then what stands behind it."""
 
     word: Literal["PASS", "FAIL", "NOT_MEASURED"]
+    said: str = ""  # the word as people read it, where that is another one
     sentence: str
     status: Literal["calibrated", "measured"]
     status_reason: str = ""

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from textwrap import wrap
 from typing import Any
 
+from station.guide.judgement import word_said
 from station.report.rounding import decimals
 from station.solution_parameters import Parameter, Shift, largest, shown, shown_scale, shown_sigma, title_of
 
@@ -22,7 +23,7 @@ def history_text(document: dict[str, Any]) -> str:
 
 
 def _entry(entry: dict[str, Any]) -> Iterator[str]:
-    verdict = entry.get("verdict", "not judged").replace("_", " ")
+    verdict = word_said(entry.get("verdict", "not judged"), has_limits=entry["limited"] > 0)
     when = entry["accepted_utc"][:16].replace("T", " ")
     yield f"{when} UTC  {entry['model']}  {verdict}, {entry['status']}  {entry['sha256'][:12]}"
     found = {name: Parameter(name, **values) for name, values in entry["parameters"].items()}

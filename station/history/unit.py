@@ -33,6 +33,7 @@ def entries(runs: Sequence[Run]) -> list[dict[str, Any]]:
             {
                 "sha256": run.sha256,
                 **{key: run.document[key] for key in _SAID if key in run.document},
+                "limited": len(run.document.get("limits", ())),
                 "measured_utc": utc_text(run.ended),
                 **run.made_with,
                 "parameters": {

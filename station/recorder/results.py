@@ -83,6 +83,7 @@ def make_results(
     context = replace(
         report_context(closed.solution, [loaded.campaign], document, budgets),
         verdict=outcome.word,
+        has_limits=bool(limits),
         verdict_reason=outcome.reason,
         truth=truth or {},
         bench={"Status": f"{status}: {status_reason}" if reasons else status},

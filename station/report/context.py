@@ -20,6 +20,7 @@ class ReportContext:
     files: ``accelerometer.bias.x`` in g. ``calibration_sha256`` is the head of the database's hash chain.
     ``bench`` adds lines to the conditions, such as a certificate's number and due date. ``budgets`` are the
     uncertainty budgets of the parameters. ``diagnosis`` is the section on what the model lacks, as HTML.
+    ``has_limits``: the model has some.
     """
 
     solution: Solution
@@ -28,6 +29,7 @@ class ReportContext:
     software: str
     created_utc: str
     verdict: str = "NOT_MEASURED"
+    has_limits: bool = False
     verdict_reason: str = "no limits are stored for this IMU model"
     truth: Mapping[str, float] = field(default_factory=dict)
     calibration_sha256: str | None = None

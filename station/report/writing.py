@@ -8,6 +8,7 @@ from markupsafe import Markup
 
 from procedures.solution import Solution, TriadCalibration
 from station.campaign_folder.atomic import replace_file
+from station.guide.judgement import word_said
 from station.report.allan_plot import allan_svg
 from station.report.budget import budget_tables
 from station.report.conditions import condition_lines
@@ -44,7 +45,7 @@ def render(context: ReportContext) -> str:
             context=context,
             model=first.model,
             serial=first.serial,
-            verdict=context.verdict.replace("_", " "),
+            verdict=word_said(context.verdict, has_limits=context.has_limits),
             verdict_mark=VERDICT_MARK[context.verdict],
             quality=solution.quality,
             facts=_facts(solution),

@@ -45,10 +45,15 @@ def compare(now: Mapping[str, Any], before: Before | None, limits: Sequence[Limi
     """Return what changed between a `solution/1` and what was known, as the campaign's part of `resolve/1`."""
     verdict = judge(now, limits)
     if before is None:
-        return {"verdict": {"now": verdict.word, "reason": verdict.reason}}
+        return {"verdict": {"now": verdict.word, "limits": len(limits), "reason": verdict.reason}}
     new, old = applied(parameters(now)), applied(parameters(before.document))
     said: dict[str, Any] = {
-        "verdict": {"before": _verdict(before, limits), "now": verdict.word, "reason": verdict.reason},
+        "verdict": {
+            "before": _verdict(before, limits),
+            "now": verdict.word,
+            "limits": len(limits),
+            "reason": verdict.reason,
+        },
         "shifts": {name: _row(one, old[name]) for name, one in own_shifts(new, old).items()},
         "lost": [name for name in old if name not in new],
         "gained": [name for name in new if name not in old],

@@ -5,6 +5,7 @@ from statistics import median
 from textwrap import wrap
 from typing import Any
 
+from station.guide.judgement import word_said
 from station.plural import plural
 from station.resolve.diagnoses import diagnosis_remarks, is_otherwise
 from station.solution_parameters import Parameter, Shift, largest
@@ -95,7 +96,7 @@ def _remarks(entry: Entry) -> Iterator[str]:
         yield f"{again}: {entry['reason']}"
     if _is_changed(entry):
         verdict = entry["verdict"]
-        was, now = (verdict[when].replace("_", " ") for when in ("before", "now"))
+        was, now = (word_said(verdict[when], has_limits=verdict["limits"] > 0) for when in ("before", "now"))
         yield f"{was} before, {now} now: {verdict['reason']}"
     if (shift := shift_of(entry)) is not None and abs(shift.sigmas) >= MOVED:
         yield f"moved: {shift.parameter.title} {shift}"

@@ -32,6 +32,6 @@ class VerdictSentence(Drawn[Verdict | None]):
         if self.value is None:
             return Content("")
         symbol, colour = LOOKS[self.value.word]
-        plain = self.value.word.replace("_", " ")
+        plain = self.value.said or self.value.word.replace("_", " ")
         sentence = self.value.sentence.removeprefix(f"{plain}: ")
         return Content.assemble((f" {symbol} {plain} ", f"$background on {colour}"), f"  {sentence}")

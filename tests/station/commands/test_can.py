@@ -52,7 +52,7 @@ def test_a_campaign_over_can_becomes_a_calibration_and_its_bytes_give_its_counts
     with Program("calibrate", *live, *short, *where) as program:
         code, said, error = program.end()
     assert (code, error) == (0, "")
-    assert "NOT MEASURED" in said
+    assert "NO LIMITS" in said
     loaded = read_campaign(tmp_path / "c")
     assert (loaded.tables.imu.serial, loaded.tables.imu.sample_period_s) == ("CAN-5", PERIOD_S)
     names = verify_folder(tmp_path / "c")

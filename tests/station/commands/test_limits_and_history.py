@@ -1,15 +1,21 @@
 """Limits come from a file; a unit's history is listed with its drift."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from fixtures_db.history import accept_calibration
 from station import cli
+from station.demo.truth_values import truth_values
+from station.errors import DataRefused
+from station.limits_example import example_limits
+from station.limits_toml import limits_in
 from tests.fixtures_db.factory import facts, solution
 
 LIMITS = """model = "FOG-3"
@@ -42,8 +48,8 @@ def test_limits_are_imported_and_listed(tmp_path: Path, capsys: pytest.CaptureFi
     assert code == 0
     assert text.splitlines() == [
         "FOG-3: 4 limits",
-        *(f"  accelerometer.bias.{axis}: from -0.002 to 0.002 g, guard band 1.64 sigma" for axis in "xyz"),
-        "  residual.p_value: from 0.01 1",
+        *(f"  accelerometer.bias.{axis}: +-2000 ug less 1.64 sigma" for axis in "xyz"),
+        "  residual.p_value: at least 0.01",
     ]
     assert run(capsys, "fixtures", "limits", *db) == (0, "FOG-3\n")
     code, text = run(capsys, "fixtures", "limits", "FOG-4", *db)
@@ -60,7 +66,10 @@ def test_limits_are_imported_and_listed(tmp_path: Path, capsys: pytest.CaptureFi
         ),
         (("low = -0.002", 'low = "x"'), "limits.toml:4: found limit.low = 'x'"),
         (("guard_band", "guardband"), "limits.toml:7: found unknown key"),
-        (("residual.p_value", "accelerometer.bias.y"), "expected the unit of accelerometer.bias.y to be g"),
+        (
+            ("residual.p_value", "accelerometer.bias.y"),
+            "expected the unit of accelerometer.bias.y to be one of g, mg, ug",
+        ),
         (
             ('"1"', '"1"\n[[limit]]\nparameter = "accelerometer.bias.y"\nhigh = 1\nunit = "g"'),
             ":12: found a second",
@@ -79,6 +88,71 @@ def test_a_file_that_holds_no_limits_is_refused_with_its_line(
     assert said in text
     code, text = run(capsys, "fixtures", "limits", "--db", str(tmp_path / "s.db"))
     assert text == "no IMU model has limits\n"
+
+
+def of_unit(parameter: str, *lines: str) -> bytes:
+    return "\n".join(['model = "M"', "[[limit]]", f'parameter = "{parameter}"', *lines]).encode()
+
+
+@pytest.mark.parametrize(
+    ("parameter", "lines", "expected"),
+    [
+        ("accelerometer.bias.x", ("low = -2000", "high = 2000", 'unit = "ug"'), (-2e-3, 2e-3, "g")),
+        ("accelerometer.bias.x", ("high = 2", 'unit = "mg"'), (None, 2e-3, "g")),
+        ("accelerometer.bias.x", ("high = 9.80665e-3", 'unit = "m/s2"'), (None, 1e-3, "g")),
+        ("gyroscope.bias.x", ("high = 1e-3", 'unit = "deg/s"'), (None, 3.6, "deg/h")),
+        ("gyroscope.misalignment.xy", ("high = 206.26480624709637", 'unit = "arcsec"'), (None, 1e-3, "1")),
+        ("gyroscope.misalignment.xy", ("high = 1000", 'unit = "ppm"'), (None, 1e-3, "1")),
+        ("slab.tilt.east", ("high = 206.26480624709637", 'unit = "arcsec"'), (None, 1e-3, "rad")),
+        ("gyroscope.scale_factor.x", ("high = 37000", 'unit = "count/deg"'), (None, 37000.0, "count/deg")),
+        (
+            "gyroscope.scale_factor.x",
+            ("nominal = 36000", "low = -1000", "high = 500", 'unit = "ppm"'),
+            (35964.0, 36018.0, "count/deg"),
+        ),
+    ],
+)
+def test_a_limit_is_taken_in_the_unit_of_the_screen(
+    parameter: str, lines: tuple[str, ...], expected: tuple[float | None, float | None, str]
+) -> None:
+    _, (found,) = limits_in(of_unit(parameter, *lines), Path("limits.toml"))
+    assert (found.low, found.high) == pytest.approx(expected[:2], rel=1e-12)
+    assert found.unit == expected[2]
+
+
+@pytest.mark.parametrize(
+    ("parameter", "lines", "said"),
+    [
+        ("gyroscope.scale_factor.x", ("high = 1", 'unit = "ppm"'), "a nominal value in count/deg"),
+        ("gyroscope.bias.x", ("high = 1", "nominal = 3", 'unit = "deg/h"'), "nominal above 0 of a scale factor"),
+        ("gyroscope.bias.x", ("high = 1", 'unit = "arcsec"'), "to be one of deg/h, deg/s, rad/s"),
+        ("gyroscope.scale_factor.x", ("high = 1", 'unit = "g"'), "count/deg, output/(deg/s), ppm with a nominal"),
+        ("residual.p_value", ("high = 1", 'unit = "%"'), "to be one of 1"),
+    ],
+)
+def test_a_unit_that_does_not_fit_is_refused_with_those_that_do(
+    parameter: str, lines: tuple[str, ...], said: str
+) -> None:
+    with pytest.raises(DataRefused, match=re.escape(said)):
+        limits_in(of_unit(parameter, *lines), Path("limits.toml"))
+
+
+def test_the_sample_is_one_that_can_be_imported_and_all_simulated_units_pass_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    db = ("--db", str(tmp_path / "s.db"))
+    code, sample = run(capsys, "fixtures", "limits", "FOG-A", "--example", *db)
+    (tmp_path / "limits.toml").write_text(sample)
+    assert (code, run(capsys, "fixtures", "limits", "FOG-A", "--import", str(tmp_path / "limits.toml"), *db)[0]) \
+        == (0, 0)  # fmt: skip
+    code, text = run(capsys, "fixtures", "limits", "FOG-A", *db)
+    assert "  accelerometer.bias.x: +-12000 ug less 2 sigma\n" in text
+    assert "  gyroscope.misalignment.xy: +-900 arcsec less 2 sigma\n" in text
+    model, limits = limits_in(example_limits().encode(), Path("limits.toml"))
+    assert model == Truth.example(1).model
+    for seed in range(1, 200):
+        values = truth_values(Truth.example(seed))
+        assert all(low <= values[one.parameter] <= high for one in limits for low, high in [one.accepted(None)])
 
 
 def test_an_import_needs_a_model_and_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -44,7 +44,7 @@ def test_a_campaign_over_a_pty_becomes_a_stored_calibration(device: SimulatedDev
         code, said, error = program.end()
     assert (code, error) == (0, "")
     assert len(re.findall("^accepted: ", said, re.MULTILINE)) == 18
-    assert "NOT MEASURED" in said
+    assert "NO LIMITS" in said
     loaded = read_campaign(tmp_path / "c")
     assert (loaded.tables.imu.serial, loaded.tables.imu.sample_period_s) == ("SIM-5", 0.02)
     assert (len(loaded.campaign.dwells), len(loaded.campaign.turns)) == (12, 6)

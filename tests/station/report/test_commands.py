@@ -71,7 +71,7 @@ def test_report_writes_one_file_with_the_folder_s_hashes_and_unused_steps(folder
     assert "S0101" in text
     assert "soak" in text
     assert "dwell_01.csv" in text
-    assert "NOT MEASURED" in text
+    assert "NO LIMITS" in text
     assert "What the model lacks" in text
 
 

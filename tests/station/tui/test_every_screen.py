@@ -131,7 +131,7 @@ async def test_the_end_says_what_became_of_the_data_and_a_key_closes_it(key: str
     [
         (views.PASSED, " ✓ PASS   All values are within the limits of SIM-FOG3."),
         (views.FAILED, " ✗ FAIL   The gyroscope bias x is 0.134 deg/h, the limit is 0.1 deg/h."),
-        (views.NOT_MEASURED, " ? NOT MEASURED   there are no limits for SIM-FOG3."),  # the word is not said twice
+        (views.NOT_MEASURED, " ? NO LIMITS   no limits are stored for SIM-FOG3."),  # the word is not said twice
     ],
 )
 async def test_the_verdict_is_a_word_a_symbol_and_one_sentence(view: View, said: str) -> None:

@@ -295,7 +295,8 @@ NOT_MEASURED = PASSED.model_copy(
         "verdict": PASSED.verdict.model_copy(
             update={
                 "word": "NOT_MEASURED",
-                "sentence": "NOT MEASURED: there are no limits for SIM-FOG3.",
+                "said": "NO LIMITS",
+                "sentence": "NO LIMITS: no limits are stored for SIM-FOG3.",
                 "change": "",
             }
         )
