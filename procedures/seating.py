@@ -10,19 +10,24 @@ that its residual and its row of the Jacobian are what the others predict of it:
 The first dwell of a face shows face tilt, bias and misalignment in one sum; the second shows the same sum and the
 slab's tilt reversed. So there is nothing to say of the first, and until one pair is complete the slab is only
 known to be level within its plausible range.
+
+Dwells that contradict each other, as one on a crumb and its clean partner do, predict nothing to their own sigma:
+the prediction's is then wider by the Birge ratio, the square root of chi2 over what the dwells leave free (Birge,
+Phys. Rev. 40, 1932). What no fit explains is not judged at all.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
 from procedures.bench_model import Bench, Placement
 from procedures.campaign import Campaign, Fixture, ProcedureSigma, Site
 from procedures.earth import STANDARD_GRAVITY
 from procedures.frames import AXES, cross_axes, face_normal, face_of
-from procedures.least_squares import Fit, minimise
+from procedures.least_squares import Fit, minimise_if_determined
 from procedures.twelve_position import mountings, specific_force
 
 SCALE_RANGE = 0.1  # 1 sigma of k about what a vertical accelerometer counts, or the others do
@@ -35,6 +40,9 @@ ARCSEC = float(np.radians(1 / 3600))  # rad
 SURE = 5.0  # sigma
 FLOOR = 3 * ARCSEC  # as well as a clean cube comes back to a clean slab
 GROSS, FINE = 60 * ARCSEC, 15 * ARCSEC
+STRANGE = 1e-4  # probability of a chi2 above which the dwells before contradict each other
+MOST_OFF = 0.1  # rad: a cube whose face passed for upright is not tilted by more; such a fit has failed
+PLAUSIBLE = 1e-3  # rad: what a cube's own faces may be tilted by, as `procedures.bench_model.FACE_RANGE`
 
 Rates = tuple[int, FloatArray, FloatArray]
 """Position 1..12, accelerometer rates (3,) and 1 sigma (3,) [count/s], IMU axes, raw."""
@@ -63,23 +71,29 @@ class Seating:
 def seating(accepted: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: float) -> Seating | None:
     """Compare a dwell, while it is being recorded, with what the accepted ones predict of it.
 
-    None while no other dwell has this face up. Dwells in the position of ``now`` are left out: they are what is
-    being done again. ``heading_std`` [rad] is how well a position's heading is set.
+    None while no other dwell has this face up, or where the dwells before contradict each other so much that they
+    predict nothing. Dwells in the position of ``now`` are left out: they are what is being done again; so should
+    be those that are known to sit badly. ``heading_std`` [rad] is how well a position's heading is set.
     """
     position, _, std = now
     face = face_of(position)
     before = [each for each in accepted if each[0] != position]
     if not any(face_of(each[0]) == face for each in before):
         return None
-    fit = _fit(before, now, fixture, heading_std)
-    row = slice(3 * len(before), 3 * len(before) + 3)
     k = _scale(before, fixture.C_ib)
+    fit = _fit(before, now, fixture, heading_std)
+    if fit is None or not _is_plausible(fit.x[:9].reshape(3, 3), k):
+        return None
+    row = slice(3 * len(before), 3 * len(before) + 3)
     to_tilt = (fixture.C_ib.T @ np.linalg.inv(fit.x[:9].reshape(3, 3)))[list(cross_axes(face))]
     J = BLIND * to_tilt @ (k[:, None] * fit.jacobian[row])
     predicted: FloatArray = np.sqrt(np.einsum("ip,pq,iq->i", J, fit.covariance, J))
+    off: FloatArray = BLIND * to_tilt @ (k * fit.residual[row])
+    if not np.all(np.abs(off) < MOST_OFF):
+        return None
     return Seating(
-        off=BLIND * to_tilt @ (k * fit.residual[row]),
-        predicted_std=predicted,
+        off=off,
+        predicted_std=_birge_ratio(fit, 3 * len(before)) * predicted,
         measured_std=np.sqrt(to_tilt**2 @ std**2),
         axes="".join(AXES[i] for i in cross_axes(face)),
     )
@@ -104,7 +118,21 @@ def judge(seating: Seating) -> str:
     return f"tilted by {abs(off):.0f} arcsec along {way}, limit {most:.0f}"
 
 
-def _fit(before: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: float) -> Fit:
+def _is_plausible(K: FloatArray, k: FloatArray) -> bool:
+    """Say whether K is the scale factors ``k`` but for what units differ by; five sigma are granted."""
+    off = np.abs(K / k[:, None] - np.eye(3))
+    return bool(np.all(off < 5 * np.where(np.eye(3), SCALE_RANGE, MISALIGNMENT_RANGE)))
+
+
+def _birge_ratio(fit: Fit, rows: int) -> float:
+    """Return by how much wider sigma is than the first ``rows`` rows say, which are those of the dwells before."""
+    if fit.chi2 <= chdtri(fit.dof, STRANGE):
+        return 1.0
+    free = float(np.sum(1 - fit.leverage[:rows]))
+    return float(np.sqrt(fit.chi2 / max(free, 1.0)))
+
+
+def _fit(before: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: float) -> Fit | None:
     """Fit K (9), b (3) and the bench's parameters; the last dwell's three rows carry no weight."""
     site = Site(0.0, STANDARD_GRAVITY, GRAVITY_STD)
     campaign = Campaign("", "", True, site, (), (), ProcedureSigma(heading_std), fixture)
@@ -128,7 +156,8 @@ def _fit(before: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: flo
         )
 
     start = np.concatenate((centre.ravel(), np.zeros(3 + bench.size)))
-    return minimise(residual, start, np.concatenate((np.full(12, np.abs(k).max()), np.full(bench.size, 0.1))))
+    scale = np.concatenate((np.full(12, np.abs(k).max()), np.full(bench.size, 0.1)))
+    return minimise_if_determined(residual, start, scale)
 
 
 def _scale(dwells: Sequence[Rates], C_ib: FloatArray) -> FloatArray:

@@ -79,6 +79,7 @@ def read_campaign(folder: Path) -> LoadedCampaign:
     warnings = [
         *remarks,
         *_measured_by_itself(tables),
+        *_badly_seated(tables),
         *(w for step in steps if step.data for w in step.data.warnings),
     ]
     used = [step for step in steps if _is_used(step)]
@@ -188,6 +189,16 @@ def _measured_by_itself(tables: CampaignTable) -> list[str]:
     return [
         f"{NAME}: fixture.measured comes from campaigns of {unit} itself; its K2 is in both, and the two agree "
         f"better than either is right"
+    ]
+
+
+def _badly_seated(tables: CampaignTable) -> list[str]:
+    """Warn of dwells whose seat was judged to be off, and kept."""
+    return [
+        f"{dwell.file}: kept though the cube sat tilted by {np.degrees(np.hypot(*dwell.kept_seat_rad)):.2g} deg; "
+        f"record position {dwell.position} again"
+        for dwell in tables.dwell
+        if dwell.kept_seat_rad is not None
     ]
 
 

@@ -158,7 +158,9 @@ class _Attitude(_Table):
 
 
 class DwellTable(_Attitude):
-    """``[[dwell]]``: at rest."""
+    """``[[dwell]]``: at rest. ``kept_seat_rad``: the operator kept a seat that was judged to be off by so much."""
+
+    kept_seat_rad: Pair | None = None
 
 
 class SoakTable(_Attitude):

@@ -1,6 +1,6 @@
 """What the stages of a guided campaign share: stream, judge, checklist, and where steps are accepted."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -14,6 +14,7 @@ from procedures.steps import Dwell, Soak, Step
 from station.guide.checklist import Checklist
 from station.guide.judge import Judge
 from station.guide.rested import Rested, rested
+from station.guide.so_far import SoFar
 from station.guide.story import Story
 from station.guide.wording import title
 from station.live.live_feed import LiveFeed
@@ -21,12 +22,16 @@ from station.live.spans import series
 from station.live.stillness import LEAST, TICKS
 from station.recorder.tape import Run, Tape
 
+NOTHING = SoFar()
+
 
 class Recorder(Protocol):
     """Where accepted steps go: on the disk and in the database when `accept` returns."""
 
-    def accept(self, step: Step, tape: Tape, runs: Sequence[Run]) -> object:
-        """Record ``step`` as the samples of ``runs``."""
+    def accept(
+        self, step: Step, tape: Tape, runs: Sequence[Run], kept_seat: Sequence[float] | None = None
+    ) -> object:
+        """Record ``step`` as the samples of ``runs``; ``kept_seat`` (2,) [rad]: kept though it sits so far off."""
         ...
 
     def keep_steps(self, steps: Sequence[Step]) -> None:
@@ -68,26 +73,30 @@ class Desk:
         checklist: Checklist,
         facts: Facts,
         recorder: Recorder,
-        before: Sequence[Rested] = (),
-        turns: Mapping[str, float] | None = None,
-        leaned: Mapping[str, FloatArray] | None = None,
+        done: SoFar = NOTHING,
     ) -> None:
         self.feed, self.checklist, self.facts, self._recorder = feed, checklist, facts, recorder
         self.story, self.judge = Story(), Judge(facts.fixture.C_ib)
         self.rested: dict[int, Rested] = {}
-        self.turns: dict[str, float] = dict(turns or {})  # counts per revolution, by step
-        self.leaned: dict[str, FloatArray] = dict(leaned or {})  # accelerometer count rates (3,), by step
+        self.turns: dict[str, float] = dict(done.turns)  # counts per revolution, by step
+        self.leaned: dict[str, FloatArray] = dict(done.leaned)  # accelerometer count rates (3,), by step
         self.position = 0
         self.seats: dict[int, FloatArray] = {}  # how the cube sat when it was found off, by position
-        self.kept_seats: set[int] = set()  # positions in which the operator takes the cube as it sits
+        self.kept_seats: dict[int, FloatArray] = {}  # how it sits where the operator keeps it so, by position
         self.off_seat = 0  # the position in which it was just found off
-        for each in before:
+        self.badly_seated: set[int] = set(done.badly_seated)  # positions recorded with a seat known to be bad
+        for each in done.before:
             self._learn(each)
 
     @property
     def C_ib(self) -> FloatArray:
         """Takes the cube's axes to the IMU's (3, 3)."""
         return self.facts.fixture.C_ib
+
+    @property
+    def well_seated(self) -> list[Rested]:
+        """The dwells by which a seat can be judged: a seat that is known to be bad would mislead."""
+        return [each for each in self.rested.values() if each.position not in self.badly_seated]
 
     @property
     def known(self) -> list[Known]:
@@ -106,13 +115,18 @@ class Desk:
         """Return the gyros' scale factor [count/rad], as if the Earth were all they show if it is not known."""
         return self.gyro_k or float(np.linalg.norm(rest)) / EARTH_RATE
 
-    def accept(self, step: Step, runs: Sequence[Run], note: str = "") -> None:
-        """Record a step; it is said to be accepted once it is on the disk and in the database."""
+    def accept(self, step: Step, runs: Sequence[Run], note: str = "", kept_seat: FloatArray | None = None) -> None:
+        """Record a step; it is said to be accepted once it is on the disk and in the database.
+
+        ``kept_seat`` (2,) [rad]: how far off it sits, where the operator keeps it so.
+        """
         tape, period = self.feed.tape, self.feed.period
-        self._recorder.accept(step, tape, runs)
+        self._recorder.accept(step, tape, runs, None if kept_seat is None else kept_seat.tolist())
         self.checklist.accept(step, sum(last - first for first, last in runs) * period, note)
         if isinstance(step, Dwell):
             self.position = step.position
+            self.kept_seats.pop(step.position, None)
+            (self.badly_seated.discard if kept_seat is None else self.badly_seated.add)(step.position)
             found = rested(step.position, series(tape, runs, period))
             if not self.rested:
                 rate = np.concatenate((found.gyro, found.accel))

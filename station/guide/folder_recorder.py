@@ -16,9 +16,11 @@ class FolderRecorder:
     def __init__(self, recorder: CampaignRecorder) -> None:
         self._recorder = recorder
 
-    def accept(self, step: Step, tape: Tape, runs: Sequence[Run]) -> None:
-        """Record ``step`` as the samples of ``runs``."""
-        self._recorder.accept(step, tape, runs)
+    def accept(
+        self, step: Step, tape: Tape, runs: Sequence[Run], kept_seat: Sequence[float] | None = None
+    ) -> None:
+        """Record ``step`` as the samples of ``runs``; ``kept_seat`` (2,) [rad]: kept though it sits so far off."""
+        self._recorder.accept(step, tape, runs, {} if kept_seat is None else {"kept_seat_rad": list(kept_seat)})
 
     def keep_steps(self, steps: Sequence[Step]) -> None:
         """Keep what the campaign is to have."""

@@ -12,6 +12,7 @@ import numpy as np
 from drivers.errors import DriverError
 from procedures.arrays import FloatArray
 from procedures.leaning import APART_DEG, nearest_deg
+from station.guide.asking import Asking
 from station.guide.command import Command
 from station.guide.desk import Desk
 from station.guide.identity import UnitRecord
@@ -20,6 +21,7 @@ from station.guide.leaning import Leaning
 from station.guide.placing import Placing
 from station.guide.recognising import Recognising
 from station.guide.resting import Resting
+from station.guide.seat import keep_question
 from station.guide.stage import Stage
 from station.guide.turning import Turning
 from station.guide.view import Gates, Link, View
@@ -190,15 +192,24 @@ class Guide:
             self.desk.story.say("", "going on")
 
     def _answer(self, command: Command) -> None:
-        if isinstance(self._stage, Resting | Turning | Recognising | Leaning):
+        if isinstance(self._stage, Resting | Turning | Recognising | Leaning | Asking):
             self._stage.answer(command.key)
 
     def _keep_seating(self, _: Command) -> None:
+        if not self.desk.off_seat:
+            return
+        if (question := keep_question(self.desk)) is None:
+            self._stage = self._kept(self.desk.off_seat)
+        else:
+            position = self.desk.off_seat
+            then = {"y": lambda: self._kept(position), "n": lambda: _set_down_again(self.desk)}
+            self._stage = Asking(self.desk, question, then)
+
+    def _kept(self, position: int) -> Stage:
         desk = self.desk
-        if desk.off_seat:
-            desk.kept_seats.add(desk.off_seat)
-            desk.off_seat = 0
-            self._stage = Placing(desk, must_move=False)
+        desk.kept_seats[position] = desk.seats[position]
+        desk.off_seat = 0
+        return Placing(desk, must_move=False)
 
     def _skip_warm_up(self, _: Command) -> None:
         if isinstance(self._stage, Warming):
@@ -207,6 +218,10 @@ class Guide:
 
 def _warming(desk: Desk) -> Stage:
     return Warming(desk, _placing)
+
+
+def _set_down_again(desk: Desk) -> Stage:
+    return Placing(desk, must_move=bool(desk.off_seat), why="lift, wipe, set down")
 
 
 def _placing(desk: Desk) -> Stage:

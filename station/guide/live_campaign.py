@@ -35,7 +35,7 @@ from station.guide.host_clock import HostClock
 from station.guide.identity import UnitRecord
 from station.guide.options import Options
 from station.guide.setup import RECORD_INSTEAD
-from station.guide.so_far import so_far
+from station.guide.so_far import SoFar, so_far
 from station.guide.unfinished import FolderLock, reopen
 from station.guide.view import Setup, View
 from station.live.live_feed import LiveFeed, open_feed
@@ -196,11 +196,11 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         imu = recorder.tables.imu
         unit = feed.identify(imu.model, imu.serial)
         fixture, _ = cube_fixture(database, recorder.tables.fixture.id, recorder.tables.fixture.imu_axes)
-        before, turns, seconds, leaned = so_far(folder) if recorder.accepted else ([], {}, {}, {})
-        checklist = Checklist(steps, recorder.accepted, seconds)
+        done = so_far(folder) if recorder.accepted else SoFar()
+        checklist = Checklist(steps, recorder.accepted, done.seconds)
         refuse_full(folder, checklist.open_steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         facts = _facts(recorder.tables, fixture, setup, options)
-        desk = Desk(feed, checklist, facts, FolderRecorder(recorder), before, turns, leaned)
+        desk = Desk(feed, checklist, facts, FolderRecorder(recorder), done)
         record = read_unit(folder)
         unsure = record if record is not None and not record.serial_from_wire else None
         guide = Guide(desk, warms_up=options.warms_up, unsure=unsure)

@@ -164,7 +164,7 @@ class Resting:
             return self._again(desk, why, must_move=True)
         if why := "" if self._how == ANY else self._nothing_left():
             return self._again(desk, why, must_move=True)
-        desk.accept(self._step, dwelling.runs())
+        desk.accept(self._step, dwelling.runs(), kept_seat=None if self._is_soak else self._seat.kept)
         return self._again(desk, "", must_move=True)
 
     def _crept(self) -> str:

@@ -7,14 +7,18 @@ be off. What comes back the same after lifting, wiping and setting down is no cr
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.seating import Seating, judge, seating
+from procedures.seating import PLAUSIBLE, Seating, judge, seating
 from station.guide.desk import Desk
 from station.guide.dwelling import Dwelling
 from station.guide.rested import estimates, rates
+from station.guide.view import Choice, Question
 from station.live.spans import series
 
 LOOKS_S = (3.0, 6.0, 10.0, 20.0, 40.0, 70.0)  # of accepted seconds
 ALIKE_RAD = 5e-5  # 10 arcsec, or three sigma
+KEPT_SHARE = 0.2  # of a kept seat's tilt: by so much it may move as it is let go
+FIRST = "the first on this face: nothing to compare it with yet"
+CONTRADICTORY = "not judged: the seats before contradict each other"
 
 
 class Seat:
@@ -24,6 +28,12 @@ class Seat:
         self._desk, self._face = desk, face
         self._looks = list(LOOKS_S)
         self.words, self.is_off = "", False
+        self._off: FloatArray | None = None  # as it was last found
+
+    @property
+    def kept(self) -> FloatArray | None:
+        """How far off (2,) [rad] the cube sits that the operator takes so; None where it sits well."""
+        return self._off if self.is_off else None
 
     def fault(self, dwelling: Dwelling, position: int) -> str:
         """Look when it is time to; return why the cube should be lifted, empty if it need not."""
@@ -38,18 +48,27 @@ class Seat:
         desk = self._desk
         recorded = series(desk.feed.tape, dwelling.runs(), desk.feed.period)
         accel, std = rates(estimates(recorded.accel, recorded))
-        before = [(each.position, each.accel, each.accel_std) for each in desk.rested.values()]
+        before = [(each.position, each.accel, each.accel_std) for each in desk.well_seated]
         facts = desk.facts
         found = seating(before, (position, accel, std), facts.fixture, facts.heading_std)
         if found is None:
-            self.words = "the first on this face: nothing to compare it with yet"
+            is_first = not any(each.face == self._face for each in desk.well_seated)
+            self.words = FIRST if is_first else CONTRADICTORY
+            self.is_off, self._off = False, None
             return ""
         why = judge(found)
-        self.is_off, self.words = bool(why), why or _words(found)
-        if not why or position in desk.kept_seats or self._is_known(position, found):
+        self.is_off, self.words, self._off = bool(why), why or _words(found), found.off
+        if not why or self._is_kept(position, found) or self._is_known(position, found):
             return ""
         desk.seats[position], desk.off_seat = found.off, position
         return f"not seated: {why}; lift, wipe, set down"
+
+    def _is_kept(self, position: int, found: Seating) -> bool:
+        """Say whether this is the seat that the operator keeps, and not another one."""
+        if (kept := self._desk.kept_seats.get(position)) is None:
+            return False
+        near = max(ALIKE_RAD, 3 * float(found.measured_std.max()), KEPT_SHARE * float(np.linalg.norm(kept)))
+        return bool(np.linalg.norm(found.off - kept) < near)
 
     def _is_known(self, position: int, found: Seating) -> bool:
         """Say whether the cube sat just so before it was lifted: then it is the bench."""
@@ -59,6 +78,19 @@ class Seat:
         if alike := bool(np.all(np.abs(found.off - before) < near)):
             self.words, self.is_off = "the same again after lifting: taken as it is", False
         return alike
+
+
+def keep_question(desk: Desk) -> Question | None:
+    """Return what is to be asked before the cube is kept as it sits; None where that is plausible."""
+    off = float(np.linalg.norm(desk.seats[desk.off_seat]))
+    if off <= PLAUSIBLE:
+        return None
+    text = (
+        f"The cube sits tilted by {np.degrees(off):.2f} deg: no clean seat does. Kept so, it is recorded as "
+        f"tilted and spoils the calibration. Keep it?"
+    )
+    choices = (Choice(key="n", title="no: lift, wipe, set down"), Choice(key="y", title="yes, keep it as it sits"))
+    return Question(text=text, choices=choices)
 
 
 def _words(found: Seating) -> str:

@@ -1,5 +1,7 @@
 """What the accepted steps of a campaign that is gone on with leave for those after them."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -15,11 +17,23 @@ from station.live.counted import counted_series
 from station.recorder.campaign import step_of
 
 
-def so_far(folder: Path) -> tuple[list[Rested], dict[str, float], dict[str, float], dict[str, FloatArray]]:
-    """Return what the accepted steps leave for those after them.
+@dataclass(frozen=True, slots=True, eq=False)
+class SoFar:
+    """What accepted steps leave, by step name where not said otherwise.
 
-    Dwells; turns by counts per revolution; how long each step is [s]; free attitudes by count rates (3,).
+    ``before`` are the dwells; ``turns`` counts per revolution; ``seconds`` how long each step is;
+    ``leaned`` free attitudes by count rates (3,); ``badly_seated`` the positions whose seat is known to be bad.
     """
+
+    before: tuple[Rested, ...] = ()
+    turns: Mapping[str, float] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    leaned: Mapping[str, FloatArray] = field(default_factory=dict)
+    badly_seated: frozenset[int] = frozenset()
+
+
+def so_far(folder: Path) -> SoFar:
+    """Return what the accepted steps leave for those after them."""
     folder_read = read_campaign(folder)
     loaded = folder_read.campaign
     before = [rested(d.position, counted_series(d.series)) for d in loaded.dwells]
@@ -32,7 +46,8 @@ def so_far(folder: Path) -> tuple[list[Rested], dict[str, float], dict[str, floa
         seconds[step.name] = len(series) * series.period
         if isinstance(step, FreePosition | Soak) and is_free(step):
             leaned[step.name] = np.asarray(counted_series(series).accel).mean(axis=0) / series.period
-    return before, turns, seconds, leaned
+    bad = frozenset(one.position for one in folder_read.tables.dwell if one.position and one.kept_seat_rad)
+    return SoFar(tuple(before), turns, seconds, leaned, bad)
 
 
 def _name(turn: TurnRecord) -> str:

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
+from types import MappingProxyType
 from typing import Literal
 
 from sqlalchemy.orm import Session
@@ -59,8 +60,12 @@ class CampaignRecorder:
         self._database = database
         self._key = str(folder.resolve())
 
-    def accept(self, step: Step, tape: Tape, runs: Sequence[Run]) -> Path:
+    def accept(
+        self, step: Step, tape: Tape, runs: Sequence[Run], said: Mapping[str, object] = MappingProxyType({})
+    ) -> Path:
         """Record ``step`` as the samples of ``runs``; it is accepted when this returns its file.
+
+        ``said`` is what else its table in ``campaign.toml`` holds, by key.
 
         A step of the same name recorded before is superseded: its file stays, the campaign no longer names it.
         """
@@ -74,7 +79,7 @@ class CampaignRecorder:
         except OSError as error:
             raise cannot_write(path, error) from error
         append_hash(self.folder, path.name, sha256)
-        tables = _with_step(self.tables, step, path.name)
+        tables = _with_step(self.tables, step, path.name, said)
         write_tables(self.folder, tables)
         with self._database.write() as session:
             accept_step(
@@ -180,9 +185,10 @@ def _write(path: Path, tape: Tape, runs: Sequence[Run], output: str, utc: Utc | 
         raise cannot_write(path, error) from error
 
 
-def _with_step(tables: CampaignTable, step: Step, file: str) -> CampaignTable:
+def _with_step(tables: CampaignTable, step: Step, file: str, said: Mapping[str, object]) -> CampaignTable:
     """Return the tables with ``step`` in ``file``, the recording before of the same step left out."""
     kind, table = _table(step, file)
+    table = type(table).model_validate(table.model_dump() | dict(said))
     kept = [one for one in getattr(tables, kind) if (known := step_of(one)) is None or known.name != step.name]
     return tables.model_copy(update={kind: [*kept, table]})
 

@@ -17,7 +17,7 @@ from fixtures_db.references import references
 from fixtures_db.schema import CampaignRow, SiteRow
 from procedures.campaign import Campaign
 from procedures.frames import POSITIONS
-from station.campaign_folder.schema import CampaignTable, ProcedureTable
+from station.campaign_folder.schema import CampaignTable
 from station.guide.folder_notes import read_unit
 from station.guide.judgement import Judged
 
@@ -37,7 +37,7 @@ def circumstances(
     row, used = campaign(session, folder), references(session, folder)
     survey = next((one.get("source") for one in used if one["kind"] == "site"), None)
     return {
-        "procedure": _procedure(row, measured, tables.procedure, document),
+        "procedure": _procedure(row, measured, tables, document),
         "site": _site(session, row, measured, tables, survey),
         "references": used,
     }
@@ -78,8 +78,9 @@ def procedure_name(measured: Campaign) -> str:
 
 
 def _procedure(
-    row: CampaignRow, measured: Campaign, table: ProcedureTable, document: Mapping[str, Any]
+    row: CampaignRow, measured: Campaign, tables: CampaignTable, document: Mapping[str, Any]
 ) -> dict[str, Any]:
+    table = tables.procedure
     said: dict[str, Any] = {
         "name": procedure_name(measured),
         "steps": list(dict.fromkeys(step.name for step in row.steps)),
@@ -88,18 +89,24 @@ def _procedure(
         "heading_std_deg": table.heading_std_deg,
         "closure_std_deg": table.closure_std_deg,
     }
-    lists = {"deviations": _deviations(row, table, document)}
+    lists = {"deviations": _deviations(row, tables, document)}
     lists |= {name: list(document.get(name, ())) for name in ("warnings", "not_observable")}
     return said | {name: texts for name, texts in lists.items() if texts}
 
 
-def _deviations(row: CampaignRow, table: ProcedureTable, document: Mapping[str, Any]) -> list[str]:
-    said = list[str]()
+def _deviations(row: CampaignRow, tables: CampaignTable, document: Mapping[str, Any]) -> list[str]:
+    table, said = tables.procedure, list[str]()
     if (unit := read_unit(Path(row.folder))) is not None and not unit.serial_from_wire:
         said.append("the serial number was typed in: the unit does not send one")
     if table.unsettled_gyro_deg_h or table.unsettled_accelerometer_g:
         gyro, accel = table.unsettled_gyro_deg_h or 0.0, (table.unsettled_accelerometer_g or 0.0) * 1e6
         said.append(f"warm-up was skipped: biases may drift by {gyro:.2g} deg/h and {accel:.2g} ug (1 sigma)")
+    said += [
+        f"position {dwell.position} was kept though the cube sat tilted by "
+        f"{np.degrees(np.hypot(*dwell.kept_seat_rad)):.2g} deg"
+        for dwell in tables.dwell
+        if dwell.kept_seat_rad is not None
+    ]
     said += [f"{step} was not used" for step in document.get("unused_steps", ())]
     times = Counter(step.name for step in row.steps)
     said += [f"{name} was recorded {n} times, the last one is used" for name, n in times.items() if n > 1]

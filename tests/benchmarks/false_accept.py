@@ -40,7 +40,7 @@ class Accepted:
 
     steps: list[tuple[Step, float, float]] = field(default_factory=list)
 
-    def accept(self, step: Step, tape: Tape, runs: Sequence[Run]) -> None:
+    def accept(self, step: Step, tape: Tape, runs: Sequence[Run], *_: object) -> None:
         first, last = tape.block(runs[0][0], runs[0][0] + 1), tape.block(runs[-1][1] - 1, runs[-1][1])
         self.steps.append((step, float(first.device_time[0]), float(last.device_time[0])))
 

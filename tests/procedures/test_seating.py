@@ -163,3 +163,29 @@ def test_a_crumb_is_caught_in_seconds_and_a_clean_cube_is_left_alone(k: float) -
     crumb = replace(stand(truth), seatings={10: np.cross(face_normal("z_up"), tilt)})
     series = SimulatedBench(truth, 12, world=crumb).perform(Dwell(10, 10.0))
     assert "along +y" in judge(seen(accepted, recorded(10, series, 6.0)))
+
+
+@pytest.mark.parametrize("bad", [1, 4])
+@pytest.mark.parametrize(("tilt_deg", "noise"), [(0.3, 1e-5), (0.3, 1e-7), (2.5, 1e-7)])
+def test_a_bad_seat_among_the_dwells_before_never_condemns_a_good_one(
+    bad: int, tilt_deg: float, noise: float
+) -> None:
+    """A bad first pair shows in the seat after it, and no later; nothing is off by what no upright face is."""
+    for seed in (2, 3):
+        unit, accepted, judged = Unit(seed, noise), list[Rates](), []
+        for position in range(1, 13):
+            now = unit.rests(position, (float(np.radians(tilt_deg)), 0.0) if position == bad else (0.0, 0.0))
+            found = seating(accepted, now, PLAIN, HEADING_STD)
+            if found is not None:
+                assert np.abs(found.off).max() < 0.1
+                judged += [position] if judge(found) else []
+            accepted.append(now)
+        assert len(judged) <= 1
+        assert judged == [] or judged[0] in (bad, bad + 1, 4)
+
+
+def test_a_bad_seat_that_is_left_out_leaves_the_judge_as_sharp_as_it_was() -> None:
+    unit = Unit(7, 1e-6)
+    accepted = [unit.rests(p) for p in (1, 2, 3, 5, 6, 7)]
+    assert judge(seen(accepted, unit.rests(8))) == ""
+    assert judge(seen(accepted, unit.rests(8, (30 * ARCSEC, 0.0))))

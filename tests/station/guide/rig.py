@@ -15,6 +15,8 @@ from station.guide.command import Command
 from station.guide.desk import Desk, Facts
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
+from station.guide.so_far import so_far
+from station.guide.unfinished import reopen
 from station.guide.view import View
 from station.live import open_feed
 from station.recorder import open_campaign
@@ -50,13 +52,22 @@ class GuideRig:
         self.unit = self.feed.identify() if format == "counts" else self.feed.identify("FOG", "1")
         self.database = open_db(folder / "station.db")
         self.recorder = open_campaign(self.folder, self.unit, SITE, self.database, output=self.feed.wire.output)
-        facts = Facts(
+        self.facts = Facts(
             float(np.radians(self.truth.latitude_deg)), 1e-3, 2e-4, Fixture(), bias_std=bias_std, asks=asks
         )
-        self.desk = Desk(self.feed, Checklist(steps), facts, FolderRecorder(self.recorder))
+        self.desk = Desk(self.feed, Checklist(steps), self.facts, FolderRecorder(self.recorder))
         self.guide = Guide(self.desk, warms_up=warms_up)
         self.seen: list[View] = []
         self.said: dict[int, str] = {}
+
+    def resume(self) -> None:
+        """Go on as after a kill: all that is known comes from the folder and the database."""
+        self.recorder = reopen(self.folder, self.database)
+        done, steps = so_far(self.folder), self.desk.checklist.steps
+        checklist = Checklist(steps, self.recorder.accepted, done.seconds)
+        self.desk = Desk(self.feed, checklist, self.facts, FolderRecorder(self.recorder), done)
+        self.guide = Guide(self.desk, warms_up=False)
+        self.said.clear()
 
     def hands(self, command: str) -> None:
         answer = self.source.device.obey(command)

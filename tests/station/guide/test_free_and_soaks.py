@@ -152,10 +152,10 @@ def test_what_is_gone_on_with_knows_the_attitudes_taken_and_the_soaks(rig: Make)
     guided.hands("place 1 8")
     guided.run(guided.done(2))
     assert reopen(guided.folder, guided.database).accepted == {"free_01": 1, "soak_01": 1}
-    *_, seconds, leaned = so_far(guided.folder)
-    assert seconds == pytest.approx({"free_01": 10.0, "soak_01": 10.0}, rel=1e-6)
-    assert list(leaned) == ["free_01"]
-    assert angle_deg(guided.desk.judge.way_up(leaned["free_01"]), up_of(guided, "free_01")) < 0.01
+    done = so_far(guided.folder)
+    assert done.seconds == pytest.approx({"free_01": 10.0, "soak_01": 10.0}, rel=1e-6)
+    assert list(done.leaned) == ["free_01"]
+    assert angle_deg(guided.desk.judge.way_up(done.leaned["free_01"]), up_of(guided, "free_01")) < 0.01
 
 
 def test_the_ways_wanted_are_far_from_faces_and_from_each_other() -> None:
