@@ -103,7 +103,7 @@ def _deviations(row: CampaignRow, tables: CampaignTable, document: Mapping[str, 
         said.append(f"warm-up was skipped: biases may drift by {gyro:.2g} deg/h and {accel:.2g} ug (1 sigma)")
     said += [
         f"position {dwell.position} was kept though the cube sat tilted by "
-        f"{np.degrees(np.hypot(*dwell.kept_seat_rad)):.2g} deg"
+        f"{np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg"
         for dwell in tables.dwell
         if dwell.kept_seat_rad is not None
     ]
