@@ -195,8 +195,8 @@ def _measured_by_itself(tables: CampaignTable) -> list[str]:
 def _badly_seated(tables: CampaignTable) -> list[str]:
     """Warn of dwells whose seat was judged to be off, and kept."""
     return [
-        f"{dwell.file}: kept though the cube sat tilted by {np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg; "
-        f"record position {dwell.position} again"
+        f"{dwell.file}: kept though the cube sat tilted by "
+        f"{np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg; record position {dwell.position} again"
         for dwell in tables.dwell
         if dwell.kept_seat_rad is not None
     ]
