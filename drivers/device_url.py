@@ -4,14 +4,17 @@
 ``can://slcan/dev/ttyACM0?bitrate=1000000&dbc=FILE&map=FILE`` ·
 ``triad:?x=serial:///dev/ttyUSB0&y=serial:///dev/ttyUSB1&z=serial:///dev/ttyUSB2&format=ch70`` ·
 ``mavlink:LINK:WHERE``, read by `drivers.mavlink.address` · ``camera:WHERE``, read by `drivers.camera.address`.
+What people type instead, such as ``/dev/ttyUSB0`` or ``imu.local:5000``: `drivers.bare_address`.
 """
 
 import contextlib
+import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import TypedDict
 from urllib.parse import parse_qsl, unquote, urlencode, urlsplit
 
+from drivers.bare_address import Role, whole_url
 from drivers.errors import BadDeviceUrl
 from drivers.wire import FORMATS
 
@@ -73,8 +76,12 @@ class DeviceUrl:
         return self.text
 
 
-def parse_device_url(text: str) -> DeviceUrl:
-    """Return the address in a URL; raise `BadDeviceUrl` naming what was found and what would be accepted."""
+def parse_device_url(typed: str, role: Role = "imu") -> DeviceUrl:
+    """Return the address in a URL, or in what `drivers.bare_address` makes one of.
+
+    Raises `BadDeviceUrl` naming what was found and what would be accepted.
+    """
+    text = whole_url(typed, role)
     scheme, colon, rest = text.partition(":")
     if scheme == "mavlink":
         from drivers.mavlink.address import parse_mavlink_url
@@ -85,12 +92,7 @@ def parse_device_url(text: str) -> DeviceUrl:
 
         return parse_camera_url(text)
     if not colon or scheme not in {*ACCEPTED, CAN}:
-        found = f"scheme {scheme!r}" if colon else "no scheme"
-        accepted = (
-            "can://INTERFACE/CHANNEL, triad:?x=..., mavlink:LINK:WHERE, camera:http://HOST:PORT/PATH, "
-            "camera:/dev/NAME, serial:///dev/NAME, tcp://HOST:PORT or replay:FILE"
-        )
-        raise BadDeviceUrl(text, found, accepted)
+        raise BadDeviceUrl(text, *_unknown(text, scheme if colon else ""))
     if "%00" in text or not text.isprintable():
         raise BadDeviceUrl(text, "a character that cannot be printed", "printable text")
     if scheme == "replay":
@@ -120,6 +122,19 @@ def parse_device_url(text: str) -> DeviceUrl:
     )
 
 
+def _unknown(text: str, scheme: str) -> tuple[str, str]:
+    """Return what was found and what to type instead."""
+    if re.fullmatch(r"COM\d+", text, re.IGNORECASE):
+        return "a port of Windows", "one of this machine, such as /dev/ttyUSB0; `station devices` lists them"
+    if re.fullmatch(r"[\w-]+(\.[\w-]+)+", text):
+        return "a host without a port, or a file that is not there", f"HOST:PORT, as in {text}:5000"
+    found = f"scheme {scheme!r}" if scheme else "no address"
+    return found, (
+        "/dev/NAME, HOST:PORT, can0, a file to replay, can://INTERFACE/CHANNEL, triad:?x=..., mavlink:LINK:WHERE, "
+        "camera:http://HOST:PORT/PATH, serial:///dev/NAME, tcp://HOST:PORT or replay:FILE"
+    )
+
+
 def _replay(text: str, rest: str) -> DeviceUrl:
     path, _, query = rest.partition("?")
     if not path:
@@ -138,7 +153,7 @@ def _triad(text: str, rest: str) -> DeviceUrl:
     for axis in "xyz":
         if axis not in options:
             raise BadDeviceUrl(text, f"no {axis}", "triad:?x=URL&y=URL&z=URL")
-        own = options[axis]
+        own = whole_url(options[axis])
         names = ("format",) if own.startswith("tcp:") else ("format", "baud", "parity")
         more = {name: options[name] for name in names if name in options and f"{name}=" not in own}
         address = parse_device_url(f"{own}{'&' if '?' in own else '?'}{urlencode(more)}")

@@ -79,7 +79,9 @@ class LinkSilent(DriverError, TimeoutError):
 
 
 class WrongFormat(DriverError):
-    """Bytes arrive but no frame of the expected format; ``likely`` names the format they look like, if any.
+    """Bytes arrive but no frame of the expected format, of any known one where that is empty.
+
+    ``likely`` names the format they look like, if any.
 
     ``seen`` says what was among them instead, if that is known.
     """
@@ -99,7 +101,8 @@ class WrongFormat(DriverError):
         advice = (
             f"they look like {likely}: say format={likely}" if likely else seen or "check baud rate and format"
         )
-        super().__init__(f"{port}: {bytes_seen} bytes{at} hold no {format_name} frame; {advice}")
+        frame = f"{format_name} frame" if format_name else "frame of any known format"
+        super().__init__(f"{port}: {bytes_seen} bytes{at} hold no {frame}; {advice}")
 
 
 class LinkLost(DriverError, ConnectionError):

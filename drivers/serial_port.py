@@ -11,6 +11,7 @@ from serial.tools import list_ports as serial_list_ports
 
 from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound
 from drivers.latency_timer import latency_ms, shorten_latency
+from drivers.reasons import reason_of
 
 WRITE_TIMEOUT_S = 1.0
 PTYS = "/dev/pts/"
@@ -32,7 +33,7 @@ class SerialPort:
             more = min(self._serial.in_waiting, max_bytes - 1) if first else 0
             return first + self._serial.read(more) if more else first
         except LINK_ERRORS as error:
-            raise LinkLost(self.device, str(error)) from error
+            raise LinkLost(self.device, reason_of(error)) from error
 
     def fileno(self) -> int:
         """Return what `select` takes."""
@@ -44,7 +45,7 @@ class SerialPort:
         try:
             self._serial.write(data)
         except LINK_ERRORS as error:
-            raise LinkLost(self.device, str(error)) from error
+            raise LinkLost(self.device, reason_of(error)) from error
 
     def close(self) -> None:
         """Give the line back."""
@@ -63,7 +64,9 @@ def open_serial(device: str, baud: int, parity: str, timeout_s: float) -> Serial
     except LINK_ERRORS as error:
         raise _refusal(device, error) from error
     except ValueError as error:
-        raise BadDeviceUrl(device, f"baud {baud}: {error}", "a rate that this adapter can do") from error
+        raise BadDeviceUrl(
+            device, f"baud {baud} ({reason_of(error)})", "a rate that this adapter can do"
+        ) from error
     # FTDI adapters hold bytes back for 16 ms otherwise (pyserial issue 287); ptys cannot and need not.
     with contextlib.suppress(ValueError, NotImplementedError):
         line.set_low_latency_mode(True)
@@ -101,5 +104,10 @@ def _refusal(device: str, error: Exception) -> DriverError:
         return PortDenied(device)
     names = ", ".join(port.device for port in list_ports())
     present = f"serial ports present: {names}" if names else "no serial port is present"
-    reason = f"not usable as a serial port ({error})" if os.path.exists(device) else "no such port"
+    if not os.path.exists(device):
+        reason = "no such port"
+    elif code == errno.ENOTTY or "Inappropriate ioctl" in str(error):
+        reason = "no serial port but something else"
+    else:
+        reason = f"not usable as a serial port ({reason_of(error)})"
     return PortNotFound(device, reason, f"{present}; check the cable and the name")

@@ -3,6 +3,7 @@
 import socket
 
 from drivers.errors import LinkLost, PortNotFound
+from drivers.reasons import reason_of
 
 CONNECT_TIMEOUT_S = 5.0
 SEND_TIMEOUT_S = 1.0
@@ -24,7 +25,7 @@ class TcpPort:
         except TimeoutError:
             return b""
         except OSError as error:
-            raise LinkLost(self.name, error.strerror or str(error)) from error
+            raise LinkLost(self.name, reason_of(error)) from error
         if not data:
             raise LinkLost(self.name, "closed by the other side")
         return data
@@ -39,7 +40,7 @@ class TcpPort:
             self._socket.settimeout(SEND_TIMEOUT_S)
             self._socket.sendall(data)
         except OSError as error:
-            raise LinkLost(self.name, error.strerror or str(error)) from error
+            raise LinkLost(self.name, reason_of(error)) from error
 
     def close(self) -> None:
         """Hang up."""
@@ -52,11 +53,11 @@ def open_tcp(host: str, port: int, timeout_s: float) -> TcpPort:
     try:
         connection = socket.create_connection((host, port), timeout=CONNECT_TIMEOUT_S)
     except (OSError, UnicodeError) as error:  # the latter from a host name that is none
-        reason = f"no connection ({getattr(error, 'strerror', None) or error})"
+        reason = f"no connection ({reason_of(error)})"
         raise PortNotFound(name, reason, "check address, port and that the server runs") from error
     try:
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     except OSError as error:  # the other side has already hung up
         connection.close()
-        raise LinkLost(name, error.strerror or str(error)) from error
+        raise LinkLost(name, reason_of(error)) from error
     return TcpPort(connection, name, timeout_s)

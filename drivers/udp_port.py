@@ -7,6 +7,7 @@ import socket
 from collections import deque
 
 from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
+from drivers.reasons import reason_of
 
 LARGEST = 65535
 BUFFER = 2**20  # bytes: a burst of many seconds while the reader is held up
@@ -39,7 +40,7 @@ class UdpPort:
                 parts.append(data)
                 size += len(data)
         except (OSError, ValueError) as error:  # ValueError: select on a closed socket
-            raise LinkLost(self.name, getattr(error, "strerror", None) or str(error)) from error
+            raise LinkLost(self.name, reason_of(error)) from error
         return b"".join(parts)
 
     def write(self, data: bytes) -> None:
@@ -80,7 +81,7 @@ def open_udp(host: str, port: int, timeout_s: float, *, listens: bool) -> UdpPor
         family, _, _, _, where = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
         bound = socket.socket(family, socket.SOCK_DGRAM)
     except (OSError, UnicodeError) as error:
-        raise PortNotFound(name, f"no such address ({error})", "check host and port") from error
+        raise PortNotFound(name, f"no such address ({reason_of(error)})", "check host and port") from error
     try:
         bound.setblocking(False)
         with contextlib.suppress(OSError):
@@ -93,5 +94,5 @@ def open_udp(host: str, port: int, timeout_s: float, *, listens: bool) -> UdpPor
             raise PortBusy(name) from error
         if error.errno in {errno.EACCES, errno.EPERM}:
             raise PortDenied(name) from error
-        raise PortNotFound(name, error.strerror or str(error), "use an address of this machine") from error
+        raise PortNotFound(name, reason_of(error), "use an address of this machine") from error
     return UdpPort(bound, name, timeout_s, None if listens else (str(where[0]), int(where[1])))

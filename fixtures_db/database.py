@@ -102,7 +102,9 @@ def open_db(where: str | Path | None = None) -> Database:
         if url.get_backend_name() == "sqlite" and url.database:
             Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
         engine = _engine(url)
-    except (ArgumentError, NoSuchModuleError, ImportError, OSError) as error:
+    except OSError as error:
+        raise NotADatabase(name, f"{error.filename}: {error.strerror}") from error
+    except (ArgumentError, NoSuchModuleError, ImportError) as error:
         raise NotADatabase(name, str(error)) from error
     try:
         _upgrade(engine, name)

@@ -14,29 +14,10 @@ import typer
 from typer.core import TyperGroup
 
 from station.commands import COMMANDS, Command
+from station.exit_codes import exit_code
 
 CANCELLED = 130
 BUG = 70
-
-EXIT_CODES = {  # by full name, so that no command's imports are paid for by another
-    "station.errors.DataRefused": 3,
-    "station.errors.CannotWrite": 2,
-    "station.errors.Altered": 1,
-    "station.errors.Incomplete": 3,
-    "station.errors.NoPdf": 2,
-    "station.cluster.errors.NoCluster": 2,
-    "station.cluster.errors.ClusterLost": 4,
-    "station.web.errors.CannotServe": 2,
-    "procedures.fusion.extra.ExtraMissing": 2,
-    "procedures.errors.NotObservable": 5,
-    "procedures.errors.WrongFace": 3,
-    "procedures.errors.ProcedureError": 3,
-    "drivers.errors.BadDeviceUrl": 2,
-    "drivers.errors.BadCanFile": 3,
-    "drivers.errors.DriverError": 4,
-    "fixtures_db.errors.NotADatabase": 2,
-    "fixtures_db.errors.DatabaseError": 3,
-}
 
 
 class LazyGroup(TyperGroup):
@@ -125,10 +106,8 @@ def explain(error: BaseException) -> tuple[int, str]:
     if callable(usage := getattr(error, "format_message", None)):  # every usage error of typer's click has one
         context = getattr(error, "ctx", None)
         return 2, f"{usage().rstrip('.')}. Try `{context.command_path if context else 'station'} --help`."
-    for kind in type(error).__mro__:
-        code = EXIT_CODES.get(f"{kind.__module__}.{kind.__qualname__}")
-        if code is not None:
-            return code, str(error)
+    if (code := exit_code(error)) is not None:
+        return code, str(error)
     return (
         BUG,
         f"{type(error).__name__}: {error}; a bug: run again with STATION_TRACEBACK=1 and report what it says",

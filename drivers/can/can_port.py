@@ -18,6 +18,7 @@ from can.interfaces import BACKENDS
 from drivers.can.record import ERROR, EXTENDED, RECORD, REMOTE, STANDARD, WIDE, pack
 from drivers.can.slcan_line import SlcanLine
 from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound
+from drivers.reasons import reason_of
 
 REMEDY = "check bit rate, wiring and termination"
 NOT_OPTIONS = {"self", "channel", "kwargs", "interface", "can_filters"}
@@ -54,7 +55,7 @@ class CanPort:
             elif time.monotonic() - self._heard > SILENT_S:
                 self._ask(time.monotonic())
         except Exception as error:  # the same edge; the reader opens the port again
-            raise LinkLost(self.name, str(error) or type(error).__name__) from error
+            raise LinkLost(self.name, reason_of(error)) from error
         return b"".join(records)
 
     def write(self, data: bytes) -> None:
@@ -167,7 +168,7 @@ def _attended(bus: can.BusABC, name: str, timeout_s: float) -> CanPort:
         port.close()
         if isinstance(error, DriverError):
             raise
-        raise LinkLost(name, str(error)) if line.received else _refusal(name, error) from error
+        raise LinkLost(name, reason_of(error)) if line.received else _refusal(name, error) from error
     return port
 
 
@@ -204,4 +205,6 @@ def _refusal(name: str, error: Exception) -> DriverError:
         return PortDenied(name)
     if codes & {errno.EBUSY, errno.EAGAIN}:
         return PortBusy(name)
-    return PortNotFound(name, f"no CAN bus ({error})", "check the adapter, its name, and what the interface needs")
+    return PortNotFound(
+        name, f"no CAN bus ({reason_of(error)})", "check the adapter, its name, and what the interface needs"
+    )

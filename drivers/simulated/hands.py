@@ -8,6 +8,7 @@ import socket
 from types import TracebackType
 from typing import Self
 
+from drivers.reasons import reason_of
 from drivers.simulated.errors import HandsRefused
 
 ANSWER_TIMEOUT_S = 5.0
@@ -62,7 +63,7 @@ class SimulatedHands:
             answer = self._ask(command)
         except OSError as error:
             self.close()
-            raise HandsRefused(self.address, command, str(error)) from error
+            raise HandsRefused(self.address, command, reason_of(error)) from error
         words = answer.split()
         if words[:1] != ["ok"]:
             raise HandsRefused(self.address, command, answer)

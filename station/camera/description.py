@@ -42,7 +42,7 @@ def read_description(path: Path) -> Description:
     content = read_text_file(path)
     table, lines = read_tables(content, path, CameraTable)
     try:
-        address = parse_device_url(table.url)
+        address = parse_device_url(table.url, "camera")
     except BadDeviceUrl as error:
         raise DataRefused(path, line_of(("url",), lines), repr(table.url), error.expected) from error
     if address.scheme != SCHEME:

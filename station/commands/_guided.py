@@ -17,7 +17,6 @@ from station.commands._tables import checked
 from station.guide.view import Setup, View
 
 if TYPE_CHECKING:
-    from station.guide.client import Connection
     from station.guide.process import EngineOptions
 
 WarmUp = Annotated[
@@ -87,7 +86,7 @@ def guide(options: "EngineOptions", screen: Screen) -> int:
     from station.guide.process import engine_process
 
     with engine_process(options) as socket:
-        return _code(_serve(socket, screen) if screen.web else _look(socket, screen))
+        return _code(_serve(socket, screen) if screen.web else _look(socket, screen, options))
 
 
 def _serve(socket: Path, screen: Screen) -> View:
@@ -113,40 +112,29 @@ def _nothing() -> None:
     pass
 
 
-def _look(socket: Path, screen: Screen) -> View:
+def _look(socket: Path, screen: Screen, options: "EngineOptions") -> View:
     from station.guide.client import Connection
 
     changed = threading.Event()
     with Connection(socket, changed.set) as connection:
         if screen.plain:
-            _follow(connection, changed, rings=not screen.quiet)
-        else:
-            from station.tui.run import run_screens
+            from station.commands._plain import follow
 
-            run_screens(connection, slow=screen.slow, quiet=screen.quiet)
+            return follow(connection, changed, options.first, rings=not screen.quiet)
+        from station.tui.run import run_screens
+
+        run_screens(connection, slow=screen.slow, quiet=screen.quiet)
         return connection.view
-
-
-def _follow(connection: "Connection", changed: threading.Event, *, rings: bool) -> None:
-    """Write lines and take keys until the campaign has ended."""
-    from station.guide.plain import OVER, PlainScreen, listen
-
-    screen = PlainScreen(typer.echo, rings=rings)
-    threading.Thread(target=listen, args=(connection, sys.stdin, typer.echo), daemon=True).start()
-    while True:
-        changed.wait()
-        changed.clear()
-        view = connection.view
-        screen.show(view)
-        if view.stage in OVER:
-            return
 
 
 def _code(view: View) -> int:
     """Return the exit code of a campaign that ended so."""
     if view.stage == "failed":
         typer.echo(f"{view.error}; {view.hint}" if view.hint else view.error, err=True)
-        return CANNOT_GO_ON
+        return view.code or CANNOT_GO_ON
+    if view.code:
+        typer.echo(view.line, err=True)
+        return view.code
     if view.stage == "cancelled":
         typer.echo(view.line, err=True)
         return CANCELLED

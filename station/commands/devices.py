@@ -36,8 +36,10 @@ def devices(
 
     Example: station devices --url serial:///dev/ttyUSB0?baud=921600
     """
+    from drivers.bare_address import whole_url
     from station.reader.survey import Found, ports_present, survey
 
+    url = [whole_url(each) for each in url or ()]
     if url and len(url) == 1 and not watch and not json:
         _closely(url[0], seconds)
         return

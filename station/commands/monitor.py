@@ -92,6 +92,7 @@ def monitor(
     """
     import sys
 
+    from drivers.bare_address import whole_url
     from drivers.device_url import parse_device_url
     from drivers.errors import PortNotFound
     from station.commands._lengths import lengths
@@ -99,6 +100,7 @@ def monitor(
     from station.monitor.body_axes import body_axes
     from station.monitor.run import Wanted, run
 
+    url = whole_url(url)
     if json and plain:
         raise typer.BadParameter("--json and --plain are two outputs; expected one of them")
     if aid and aid not in AIDS:

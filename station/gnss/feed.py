@@ -200,9 +200,9 @@ def open_gnss(url: str, folder: Path) -> Iterator[GnssFeed]:
     DriverError, CannotWrite
         What address, port or disk refuse.
     """
-    if (address := parse_device_url(url)).scheme != "mavlink":
+    if (address := parse_device_url(url, "receiver")).scheme != "mavlink":
         raise BadDeviceUrl(url, f"scheme {address.scheme!r}", EXPECTED)
-    with LastingReader(url, folder) as reader:
+    with LastingReader(address.text, folder) as reader:
         writer = FixWriter(folder / f"gnss_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap")
         try:
             yield GnssFeed(reader, writer)

@@ -55,7 +55,7 @@ def listen(url: str, seconds: float, fixes: float = float("inf")) -> Heard:
     DriverError
         If the port cannot be opened, no byte comes, or no frame is among them.
     """
-    address = parse_device_url(url)
+    address = parse_device_url(url, "receiver")
     if not isinstance(address, MavlinkUrl):
         raise BadDeviceUrl(url, f"scheme {address.scheme!r}", EXPECTED)
     port = open_port(address)

@@ -30,7 +30,7 @@ class Checklist:
         self._notes: dict[str, str] = {}
         self._redo: list[str] = []
         self._chosen = ""
-        self.latest = ""  # the step accepted last
+        self.latest = next(reversed([n for n, count in (attempts or {}).items() if count]), "")  # accepted last
 
     @property
     def wanted(self) -> Step | None:

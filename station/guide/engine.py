@@ -16,9 +16,12 @@ from fixtures_db.database import Database
 from fixtures_db.errors import DatabaseError
 from procedures.errors import ProcedureError
 from station.errors import CannotWrite, DataRefused, DiskFull, StationError
+from station.exit_codes import exit_code
+from station.guide.campaign import Campaign
 from station.guide.command import Command
+from station.guide.finished import FinishedCampaign, finished
 from station.guide.gnss_beside import FIXES, WAIT_S
-from station.guide.live_campaign import LiveCampaign, begin, resume
+from station.guide.live_campaign import begin, resume
 from station.guide.options import Options
 from station.guide.outcome import verdict_view
 from station.guide.receiver import check_receiver
@@ -35,6 +38,7 @@ FOR_UNIT = "waiting for the unit to say who it is"
 FOR_FIXES = f"waiting for the unit, and up to {WAIT_S:g} s for {FIXES} positions of the receiver"
 WHOLE = "all is recorded: leave, and diagnose it together with the campaign that it complements"
 OVER = frozenset({"cancelled", "left", "failed"})
+AGAIN = frozenset({"redo", "choose"})  # what needs the device of a campaign that is complete
 LOOKS = {"check": ("check", "is_checking"), "listen": ("receiver", "is_listening")}  # by verb, what `Start` says
 
 
@@ -43,7 +47,7 @@ class Engine:
 
     def __init__(self, database: Database, options: Options, publish: Callable[[View], None]) -> None:
         self._database, self._options, self._publish = database, options, publish
-        self._campaign: LiveCampaign | None = None
+        self._campaign: Campaign | None = None
         self._aside = ThreadPoolExecutor(len(LOOKS), "look")
         self._looks: dict[str, Future[Check]] = {}  # under way, by verb
         self._outcome = _Outcome()
@@ -61,7 +65,7 @@ class Engine:
         try:
             campaign.round()
             self._show(campaign)
-            if not campaign.guide.is_complete:
+            if not campaign.is_complete:
                 self._refused = ""
             elif self._outcome.verdict is None and not self._refused:
                 self._finish(campaign)
@@ -70,12 +74,13 @@ class Engine:
         except DataRefused as error:  # GNSS time says that all it records is wrong
             if not self._options.is_patient:
                 raise
-            self._end("left", str(error))
+            self._end("left", str(error), exit_code(error) or 0)
 
     @property
     def is_busy(self) -> bool:
         """Whether there is a stream to follow."""
-        return self._campaign is not None and self.view.stage not in OVER
+        is_over = self.view.stage in OVER
+        return not (self._campaign is None or is_over or isinstance(self._campaign, FinishedCampaign))
 
     def obey(self, command: Command) -> None:
         """Do as the operator says; what is refused is said in the view."""
@@ -84,7 +89,11 @@ class Engine:
         except (CannotWrite, DatabaseError) as error:
             self._fail(error)
         except UnitChanged as error:
-            self._end("left", str(error))
+            self._end("left", str(error), exit_code(error) or 0)
+
+    def hands_lost(self, error: DriverError) -> None:
+        """End: whoever moves the cube does so no more."""
+        self._fail(error)
 
     def close(self) -> None:
         """Let everything go; a campaign can be resumed."""
@@ -106,10 +115,27 @@ class Engine:
             self._finish(campaign)
         elif command.verb == "store":
             self._store()
+        elif command.verb in AGAIN and isinstance(campaign, FinishedCampaign):
+            self._do_again(campaign, command)
         else:
             self._outcome = _Outcome() if command.verb == "redo" else self._outcome
             campaign.obey(command)
             self._show(campaign)
+
+    def _do_again(self, campaign: FinishedCampaign, command: Command) -> None:
+        """Open the device of a campaign that is complete, to do a step again; what refuses changes nothing."""
+        folder = campaign.folder
+        self._publish(self.view.model_copy(update={"stage": "connecting", "line": "connecting", "hint": FOR_UNIT}))
+        campaign.close()
+        try:
+            self._campaign = resume(folder, self._database, self._options)
+        except REFUSALS as error:
+            self._campaign = again = finished(folder, self._database)
+            assert again is not None  # it was, and nobody else held it meanwhile
+            again.say("rejected", f"not done again: {error}")
+            self._show(again)
+        else:
+            self._obey(command)
 
     def _obey_at_start(self, command: Command) -> None:
         if command.verb in LOOKS:
@@ -124,11 +150,14 @@ class Engine:
             setup = command.setup
             self._start(lambda: begin(setup, self._database, self._options), FOR_FIXES if setup.gnss else FOR_UNIT)
         elif command.verb == "resume":
-            self._start(lambda: resume(Path(command.folder), self._database, self._options))
+            folder, options = Path(command.folder), self._options
+            if command.url:
+                options = replace(options, setup=options.setup.model_copy(update={"url": command.url}))
+            self._start(lambda: finished(folder, self._database) or resume(folder, self._database, options))
         elif command.verb in {"cancel", "leave"}:
             self._end("cancelled", "nothing was begun; the database is as it was")
 
-    def _start(self, make: Callable[[], LiveCampaign], hint: str = FOR_UNIT) -> None:
+    def _start(self, make: Callable[[], Campaign], hint: str = FOR_UNIT) -> None:
         start = self.view.start
         self._publish(View(stage="connecting", line="connecting", hint=hint))
         wait(self._looks.values())  # they hold the ports
@@ -138,15 +167,15 @@ class Engine:
             if not self._options.is_patient:
                 raise
             self.view = View(stage="start", start=start)
-            self._show_start(refused=str(error))
+            self._show_start(refused=str(error), refused_code=exit_code(error) or 0)
         else:
             self._show(self._campaign)
 
-    def _show(self, campaign: LiveCampaign) -> None:
+    def _show(self, campaign: Campaign) -> None:
         view = campaign.view(View())
         if self._outcome.verdict is not None:
             view = view.model_copy(update=self._outcome.shown())
-        elif self._refused and campaign.guide.is_complete:
+        elif self._refused and campaign.is_complete:
             view = view.model_copy(update={"line": WHOLE, "hint": self._refused})
         self.view = view
 
@@ -154,7 +183,7 @@ class Engine:
         start = self.view.start or Start()
         self.view = self.view.model_copy(update={"start": start.model_copy(update=changes)})
 
-    def _finish(self, campaign: LiveCampaign) -> None:
+    def _finish(self, campaign: Campaign) -> None:
         from station.recorder.results import make_results  # scipy and matplotlib: not before they are wanted
 
         self._publish(self.view.model_copy(update={"stage": "solving", "line": "solving"}))
@@ -165,7 +194,7 @@ class Engine:
             if isinstance(error, CannotWrite) or not self._options.is_patient:
                 raise
             self._refused = f"it cannot be solved by itself: {error}"
-            campaign.guide.desk.story.say("rejected", self._refused)
+            campaign.say("rejected", self._refused)
         self._show(campaign)
 
     def _store(self) -> None:
@@ -182,7 +211,7 @@ class Engine:
         else:
             self.view = self.view.model_copy(update=self._outcome.shown())
 
-    def _cancel(self, campaign: LiveCampaign) -> None:
+    def _cancel(self, campaign: Campaign) -> None:
         if self._outcome.sha256:
             self._end("left", "the calibration is stored; there is nothing to cancel")
             return
@@ -190,7 +219,7 @@ class Engine:
         cancel_campaign(campaign.folder, self._database)
         self._end("cancelled", f"cancelled; the database is as it was, the recordings stay in {campaign.folder}")
 
-    def _fail(self, error: CannotWrite | DatabaseError) -> None:
+    def _fail(self, error: CannotWrite | DatabaseError | DriverError) -> None:
         if isinstance(error, DiskFull) and self._campaign is not None:  # what it failed on is the smallest part
             error = DiskFull(error.path, self._campaign.disk.needed, self._campaign.disk.free)
         if not self._options.is_patient:
@@ -199,13 +228,17 @@ class Engine:
             self._campaign.close()
         done = f"{self.view.done} accepted steps are safe; `station resume` goes on with them"
         self.view = self.view.model_copy(
-            update={"stage": "failed", "line": "the campaign cannot go on", "error": str(error), "hint": done}
-        )
+            update={
+                "stage": "failed", "line": "the campaign cannot go on", "error": str(error), "hint": done,
+                "code": exit_code(error) or 0,
+            }
+        )  # fmt: skip
 
-    def _end(self, stage: Stage, line: str) -> None:
+    def _end(self, stage: Stage, line: str, code: int = 0) -> None:
         if self._campaign is not None:
             self._campaign.close()
-        self.view = self.view.model_copy(update={"stage": stage, "line": line, "hint": "", "question": None})
+        ended = {"stage": stage, "line": line, "hint": "", "question": None, "code": code}
+        self.view = self.view.model_copy(update=ended)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

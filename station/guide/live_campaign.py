@@ -37,7 +37,7 @@ from station.guide.options import Options
 from station.guide.setup import RECORD_INSTEAD
 from station.guide.so_far import SoFar, so_far
 from station.guide.unfinished import FolderLock, reopen
-from station.guide.view import Setup, View
+from station.guide.view import Setup, Sound, View
 from station.live.live_feed import LiveFeed, open_feed
 from station.reader import Reader
 from station.recorder import CampaignRecorder, Unit, UnitChanged, open_campaign
@@ -68,6 +68,15 @@ class LiveCampaign:
     def folder(self) -> Path:
         """Where it is recorded."""
         return self.recorder.folder
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether nothing is left to record."""
+        return self.guide.is_complete
+
+    def say(self, sound: Sound, text: str) -> None:
+        """Tell the operator."""
+        self.guide.desk.story.say(sound, text)
 
     def round(self) -> None:
         """Take what has come, waiting for it a moment.
@@ -142,7 +151,7 @@ def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
     """
     if setup.latitude_deg is None and not setup.gnss:
         raise DataRefused("set-up", None, "no latitude", "the slab's latitude in deg", "enter it")
-    setup = setup.model_copy(update={"url": anchored(setup.url), "gnss": anchored(setup.gnss)})
+    setup = setup.model_copy(update={"url": anchored(setup.url), "gnss": anchored(setup.gnss, "receiver")})
     steps = tuple(options.steps) or usual_steps(setup)
     fixture, table = cube_fixture(database, setup.cube or None, options.imu_axes)
     with ExitStack() as stack:

@@ -9,7 +9,7 @@ from fixtures_db.database import Database
 from fixtures_db.history import last_calibration
 from procedures.frames import AXES
 from procedures.solution import StepResidual
-from station.diagnosis.text import warnings_of
+from station.diagnosis.text import diagnosis_text, warnings_of
 from station.diagnosis.wording import verdict_sentence
 from station.guide.judgement import Judged, Outcome, judge, limit_in_words
 from station.guide.view import Row, Verdict
@@ -50,6 +50,7 @@ def verdict_view(results: "Results", database: Database) -> Verdict:
         worst_residual=worst_residual(results.solution.residuals),
         change=change_in_words(moved, previous),
         diagnosis=verdict_sentence(results.diagnosis),
+        diagnosis_text=diagnosis_text(results.diagnosis),
         rows=verdict_rows(found, results.outcome, moved),
         warnings=tuple(warnings_of(results.document)),
         report=str(results.report_file),

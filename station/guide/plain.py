@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from station.guide.command import Command
 from station.guide.session import Session
 from station.guide.soaking import in_words
-from station.guide.view import Event, Sound, Verdict, View
+from station.guide.view import Event, Sound, Stage, Verdict, View
 
 OVER = frozenset({"cancelled", "left", "failed"})
 BELLS: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}
@@ -24,14 +24,24 @@ HELP = (
     "next, p pause, g go on, k keep the cube as it sits, w skip the warm-up, f finish with what is there, "
     "s store, q leave to resume later, c cancel; a question is answered with the key it names"
 )
+AT_THE_END: dict[Stage, str] = {  # what can be typed then, each followed by Enter
+    "verdict": "s store the calibration, d the diagnosis, o the report, r STEP do a step again (such as "
+    "r dwell_03), q leave: it can be stored another day, c cancel",
+    "stored": "d the diagnosis, o the report, q leave",
+}
+REFUSED = "g try again, an address (such as serial:///dev/ttyUSB1) try that one, q leave: nothing was recorded"
+SHORTEST_ADDRESS = 4  # a shorter line is a slip
 SAID_STAGES = frozenset({"place", "settle", "paused", "connecting", "solving", *OVER})
 
 
 class PlainScreen:
-    """Writes what is new in each view through ``say``; ``rings`` adds the terminal's bell."""
+    """Writes what is new in each view through ``say``; ``rings`` adds the terminal's bell.
 
-    def __init__(self, say: Callable[[str], None], *, rings: bool) -> None:
-        self._say, self._rings = say, rings
+    ``asks``: a person is there to type, and is told what can be typed where nothing goes on without them.
+    """
+
+    def __init__(self, say: Callable[[str], None], *, rings: bool, asks: bool = False) -> None:
+        self._say, self._rings, self._asks = say, rings, asks
         self._told = {
             "task": "",
             "hint": "",
@@ -40,6 +50,8 @@ class PlainScreen:
             "verdict": "",
             "stored": "",
             "seconds": "",
+            "prompt": "",
+            "refused": "",
         }
         self._event = 0
 
@@ -64,6 +76,17 @@ class PlainScreen:
             self._once("question", f"{view.question.text} {choices}")
         else:
             self._told["question"] = ""
+        self._prompt(view)
+
+    def _prompt(self, view: View) -> None:
+        """Say what can be typed where all waits for it."""
+        if view.stage == "connecting":
+            self._told["refused"] = ""  # the same refusal is told again
+        if not self._asks:
+            return
+        if view.start and view.start.refused:
+            self._once("refused", f"refused: {view.start.refused}\n{REFUSED}")
+        self._once("prompt", AT_THE_END.get(view.stage, ""))
 
     def _verdict(self, verdict: Verdict) -> None:
         self._once("verdict", "\n".join(verdict_lines(verdict)))
@@ -94,7 +117,8 @@ class PlainScreen:
             return
         if text != self._told[kind]:
             self._told[kind] = text
-            self._say(text)
+            if text:
+                self._say(text)
 
 
 def verdict_lines(verdict: Verdict) -> list[str]:
@@ -112,9 +136,11 @@ def verdict_lines(verdict: Verdict) -> list[str]:
     return [*lines, verdict.report, verdict.solution]
 
 
-def command_of(line: str, view: View) -> Command | None:
-    """Return what a line of input asks for, None if it asks for nothing."""
+def command_of(line: str, view: View, first: Command | None = None) -> Command | None:
+    """Return what a line of input asks for, None if it asks for nothing; ``first`` is what was refused."""
     key, _, rest = line.strip().partition(" ")
+    if view.start and view.start.refused and first is not None:
+        return _once_more(line.strip(), first)
     if view.question and key in {choice.key for choice in view.question.choices}:
         return Command(verb="answer", key=key)
     if key == "n" and rest:
@@ -124,10 +150,33 @@ def command_of(line: str, view: View) -> Command | None:
     return KEYS.get(key)
 
 
-def listen(session: Session, lines: Iterable[str], say: Callable[[str], None]) -> None:
-    """Turn lines of input into commands until there are no more."""
+def _once_more(typed: str, first: Command) -> Command | None:
+    """Return the first command again, with another address if one was typed."""
+    if typed in {"q", "c"}:
+        return Command(verb="leave")
+    if typed in {"", "g"}:
+        return first
+    if len(typed) < SHORTEST_ADDRESS:
+        return None
+    setup = first.setup and first.setup.model_copy(update={"url": typed})
+    return first.model_copy(update={"setup": setup} if setup else {"url": typed})
+
+
+def shown_at_end(line: str, view: View) -> str:
+    """Return what a line of input asks to be shown of a verdict, empty if it asks for something else."""
+    if view.verdict is None:
+        return ""
+    return {"d": view.verdict.diagnosis_text, "o": view.verdict.report}.get(line.strip(), "")
+
+
+def listen(
+    session: Session, lines: Iterable[str], say: Callable[[str], None], first: Command | None = None
+) -> None:
+    """Turn lines of input into commands until there are no more; ``first`` is what may be refused."""
     for line in lines:
-        if (command := command_of(line, session.view)) is not None:
+        if text := shown_at_end(line, session.view):
+            say(text)
+        elif (command := command_of(line, session.view, first)) is not None:
             session.send(command)
         else:
             say(HELP)

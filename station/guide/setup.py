@@ -52,7 +52,10 @@ def load_setup() -> Setup:
 
 def save_setup(setup: Setup) -> None:
     """Remember a set-up; raise `CannotWrite` if the place cannot be written."""
-    path, setup = setup_file(), setup.model_copy(update={"url": anchored(setup.url), "gnss": anchored(setup.gnss)})
+    path, setup = (
+        setup_file(),
+        setup.model_copy(update={"url": anchored(setup.url), "gnss": anchored(setup.gnss, "receiver")}),
+    )
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:

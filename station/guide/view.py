@@ -110,6 +110,7 @@ class Start(_Value):
     is_listening: bool = False
     unfinished: tuple[Unfinished, ...] = ()
     refused: str = ""  # why what was sent could not begin
+    refused_code: int = 0  # the program's exit code for it, where nobody is there to try again
 
 
 class Step(_Value):
@@ -252,6 +253,7 @@ class Verdict(_Value):
     worst_residual: str = ""
     change: str = ""
     diagnosis: str = ""
+    diagnosis_text: str = ""  # all of it, as `station diagnose` prints it
     rows: tuple[Row, ...] = ()
     warnings: tuple[str, ...] = ()
     report: str = ""  # path
@@ -291,6 +293,7 @@ class View(_Value):
     events: tuple[Event, ...] = ()  # the last few
     verdict: Verdict | None = None
     error: str = ""
+    code: int = 0  # the program's exit code for an end that was nobody's wish
 
     def step(self, name: str) -> Step | None:
         """Return a step by its name."""

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from drivers.device_url import DeviceUrl
-from drivers.errors import LinkLost, LinkSilent, ReplayEnded, WrongFormat
+from drivers.errors import BadDeviceUrl, LinkLost, LinkSilent, ReplayEnded, WrongFormat
 from drivers.formats import wire_of
 from drivers.framing import seen_instead, sniff
 from drivers.wire import FORMATS, WireFormat
@@ -22,6 +22,10 @@ from station.recorder.unit import refuse_other, unit_of
 BLOCK_S = 1.0
 HELD = 10  # samples at least that a block waits for what would show that it is not the device's
 POLL_S = 0.1
+OTHERS = {  # what is no IMU, by scheme, and where it belongs
+    "mavlink": ("a MAVLink link", "--gnss takes a receiver's"),
+    "camera": ("a camera", "--camera takes a camera's file"),
+}
 SILENT_S = 1.8  # of the station's time, without a byte or without a frame: it is to be said within 2 s
 LOOK_AGAIN_S = 1.0  # at what comes instead of frames: that takes time
 JOINING_S = 6.0  # the same until the first sample of what must learn its period to join samples
@@ -265,12 +269,17 @@ def open_feed(source: Source) -> LiveFeed:
 
     Raises
     ------
+    BadDeviceUrl
+        If it is the address of something else.
     LinkSilent, WrongFormat
         If the format must be found and no byte comes for 2 s, or no frame of any.
     DataRefused
         If it must be found and a replayed file ends before.
     """
     address = source.address
+    if address.scheme in OTHERS:
+        what, option = OTHERS[address.scheme]
+        raise BadDeviceUrl(address.told, f"the address of {what}", f"an IMU's, such as /dev/ttyUSB0; {option}")
     if (wire := wire_of(address)) is not None:
         return LiveFeed(source, wire)
     held, deadline = list[Chunk](), time.monotonic() + SILENT_S
@@ -286,7 +295,7 @@ def open_feed(source: Source) -> LiveFeed:
     if not held:
         raise LinkSilent(address.name, SILENT_S, address.baud)
     size = sum(len(chunk.data) for chunk in held)
-    raise WrongFormat(address.name, " or ".join(FORMATS), size, address.baud)
+    raise WrongFormat(address.name, "", size, address.baud)
 
 
 def no_recording(ended: ReplayEnded, wanted: str) -> DataRefused:

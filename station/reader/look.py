@@ -54,7 +54,7 @@ def look(url: str, seconds: float) -> Seen:
     wire = told or (FORMATS[likely[0].format] if likely else None)
     seen = seen_as(wire, data, took) if wire else None
     if seen is None:
-        wanted = wire.name if wire else " or ".join(FORMATS)
+        wanted = wire.name if wire else ""
         instead = seen_instead(wire, data) if wire else ""
         if address.scheme == "replay":
             instead = instead or "name a file of bytes as a device sent them"

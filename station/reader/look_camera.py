@@ -66,7 +66,7 @@ def look_at_camera(url: str, seconds: float, timeout_s: float = 0.05) -> SeenCam
     DriverError
         If it cannot be opened, no byte comes, or no image is among them.
     """
-    address = parse_device_url(url)
+    address = parse_device_url(url, "camera")
     decoder, images, came = CameraDecoder(), list[CameraImage](), 0
     port = open_port(address, timeout_s)
     began = time.monotonic()

@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from drivers.bare_address import whole_url
 from station.guide.view import Setup
 
 MAVLINK = "mavlink:udpin:0.0.0.0:14550"
@@ -40,7 +41,7 @@ def number(low: float, high: float, unit: str = "", *, is_needed: bool = False, 
 
 def receiver(text: str) -> str:
     """Check the address of a GNSS receiver, as far as a screen can; options are judged when it is opened."""
-    if not text or RECEIVER.fullmatch(text):
+    if not text or RECEIVER.fullmatch(whole_url(text, "receiver")):
         return ""
     return f"{text!r} is no receiver, expected {MAVLINK}, udpout or tcp likewise, or mavlink:serial:/dev/NAME"
 
@@ -57,7 +58,7 @@ class Entry:
 
 
 ENTRIES = (
-    Entry("url", "Address", empty="serial:///dev/ttyUSB0?baud=921600&format=counts, or tcp://..."),
+    Entry("url", "Address", empty="/dev/ttyUSB0?format=counts, HOST:PORT, can0 ..."),
     Entry("model", "Model", empty="as the device says"),
     Entry("serial", "Serial no.", empty="as the device says"),
     Entry("gnss", "GNSS", check=receiver, empty=f"none, or as {MAVLINK}"),

@@ -36,9 +36,10 @@ def test_a_url_is_read(text: str, expected: dict[str, object]) -> None:
     ("text", "accepted"),
     [
         ("", "serial:///dev/NAME, tcp://HOST:PORT or replay:FILE"),
-        ("usb:1", "serial:///dev/NAME, tcp://HOST:PORT or replay:FILE"),
-        ("/dev/ttyUSB0", "serial:///dev/NAME"),
-        ("serial://dev/ttyUSB0", "three slashes"),
+        ("usb://1", "serial:///dev/NAME, tcp://HOST:PORT or replay:FILE"),
+        ("rubbish", "/dev/NAME, HOST:PORT, can0, a file to replay"),
+        ("COM3", "one of this machine, such as /dev/ttyUSB0; `station devices` lists them"),
+        ("imu.local", "HOST:PORT, as in imu.local:5000"),
         ("serial:///", "three slashes"),
         ("serial:///dev/x%00", "printable"),
         ("serial:///dev/x?bud=115200", "one of baud, format, parity"),

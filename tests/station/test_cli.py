@@ -14,6 +14,7 @@ from procedures.errors import NotObservable, WrongFace
 from station import cli
 from station.commands import COMMANDS, Command, Database
 from station.errors import Altered, CannotWrite, DataRefused
+from station.exit_codes import EXIT_CODES
 
 
 def leaves(table: tuple[Command, ...], path: tuple[str, ...] = ()) -> Iterator[Any]:
@@ -85,7 +86,7 @@ def test_each_error_has_its_exit_code(error: BaseException, code: int) -> None:
     assert cli.explain(error)[0] == code
 
 
-@pytest.mark.parametrize("name", cli.EXIT_CODES)
+@pytest.mark.parametrize("name", EXIT_CODES)
 def test_the_names_in_the_table_of_exit_codes_exist(name: str) -> None:
     module, _, kind = name.rpartition(".")
     assert issubclass(getattr(importlib.import_module(module), kind), BaseException)

@@ -1,0 +1,51 @@
+"""`--plain`: lines out, lines of input in, and an end in every case.
+
+Who sits at a terminal is asked again. Where nobody can type (input is no terminal, or at its end), what only an
+answer could take further ends the program, with the exit code and the reason that `--headless` would have.
+"""
+
+import sys
+import threading
+import time
+
+import typer
+
+from station.guide.client import Connection
+from station.guide.command import Command
+from station.guide.plain import OVER, PlainScreen, listen
+from station.guide.view import View
+
+PATIENCE_S = 60.0  # with a question that nobody can answer: it may go away, as when the cube is put elsewhere
+ENDS = frozenset({"verdict", "stored"})
+
+
+def follow(connection: Connection, changed: threading.Event, first: Command | None, *, rings: bool) -> View:
+    """Write lines and take keys until the campaign has ended or nobody can take it further; return that view."""
+    asks = sys.stdin.isatty()
+    screen, is_deaf = PlainScreen(typer.echo, rings=rings, asks=asks), threading.Event()
+
+    def hear() -> None:
+        listen(connection, sys.stdin, typer.echo, first)
+        is_deaf.set()
+        changed.set()
+
+    threading.Thread(target=hear, daemon=True).start()
+    asked_since = 0.0
+    while True:
+        changed.wait(1.0)
+        changed.clear()
+        view = connection.view
+        screen.show(view)
+        if view.stage in OVER:
+            return view
+        if view.start and view.start.refused and (not asks or is_deaf.is_set()):
+            return view.model_copy(
+                update={"stage": "failed", "error": view.start.refused, "code": view.start.refused_code}
+            )
+        asked_since = (asked_since or time.monotonic()) if view.question else 0.0
+        if is_deaf.is_set():
+            is_stuck = bool(asked_since) and time.monotonic() - asked_since > PATIENCE_S
+            if is_stuck:
+                typer.echo("nobody can answer: the input is at its end", err=True)
+            if is_stuck or view.stage in ENDS:
+                connection.send(Command(verb="leave"))

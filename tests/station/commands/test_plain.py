@@ -1,0 +1,156 @@
+"""``--plain``: it ends where nobody can type, asks again where somebody can, and says what can be typed."""
+
+import os
+import pty
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from drivers.simulated.faults import Fault
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from station.guide.command import Command
+from station.guide.plain import PlainScreen, command_of, shown_at_end
+from station.guide.view import Setup, Start, Verdict, View
+from tests.station.commands.program import MAIN, Program
+
+REFUSED = View(stage="start", start=Start(refused="/dev/x: no such port", refused_code=4))
+BEGIN = Command(verb="begin", setup=Setup(url="/dev/x", latitude_deg=31.0))
+VERDICT = View(
+    stage="verdict",
+    verdict=Verdict(
+        word="PASS", sentence="PASS", status="calibrated", diagnosis_text="all of it", report="/r.html"
+    ),
+)
+
+
+def plain(url: str, folder: Path, *more: str) -> tuple[str, ...]:
+    where = ("--latitude", "31.17", "--out", str(folder / "c"), "--db", str(folder / "s.db"))
+    return ("calibrate", "--plain", "--device", url, *where, *more)
+
+
+@pytest.mark.parametrize("input_is", ["at its end", "open but no terminal"])
+def test_a_port_that_does_not_exist_ends_it_with_exit_4(tmp_path: Path, input_is: str) -> None:
+    with Program(*plain("/dev/ttyNONE", tmp_path)) as program:
+        assert program.process.stdin is not None
+        if input_is == "at its end":
+            program.process.stdin.close()
+            program.process.stdin = None
+        assert program.process.wait(100) == 4
+        assert program.process.stderr is not None
+        assert program.process.stderr.read().startswith("/dev/ttyNONE: no such port, expected a device there; ")
+    assert not (tmp_path / "c").exists()
+
+
+def test_garbled_bytes_end_it_with_exit_4(tmp_path: Path) -> None:
+    with SimulatedDevice(Truth.example(5), 5, faults=[Fault("noise", at_s=0.0, seconds=1e6)]) as device:
+        with Program(*plain(device.url, tmp_path)) as program:
+            assert program.process.wait(100) == 4
+
+
+def test_a_database_that_is_none_ends_it_with_exit_2_and_no_traceback(tmp_path: Path) -> None:
+    (tmp_path / "s.db").write_text("no database")
+    with Program(*plain("/dev/ttyNONE", tmp_path)) as program:
+        code, _, error = program.end()
+    assert code == 2
+    assert "cannot be opened as a database" in error
+    assert error.count("\n") == 1
+
+
+def test_hands_that_do_not_answer_end_it_with_exit_4(tmp_path: Path) -> None:
+    with SimulatedDevice(Truth.example(5), 5) as device:
+        with Program(*plain(device.url, tmp_path, "--no-warm-up", "--hands", "127.0.0.1:9")) as program:
+            code, _, error = program.end()
+    assert code == 4
+    assert error.startswith("127.0.0.1:9: 'place 1 45.0' found 'Connection refused', expected an answer")
+
+
+@contextmanager
+def at_a_terminal(*arguments: str) -> Iterator[tuple[int, "subprocess.Popen[bytes]"]]:
+    ours, theirs = pty.openpty()
+    program = subprocess.Popen(
+        [sys.executable, "-P", "-c", MAIN, *arguments], stdin=theirs, stdout=theirs, stderr=theirs,
+        start_new_session=True,
+    )  # fmt: skip
+    os.close(theirs)
+    try:
+        yield ours, program
+    finally:
+        program.kill()
+        program.wait()
+        os.close(ours)
+
+
+def read_until(end: int, text: str) -> str:
+    said = ""
+    while text not in said:
+        said += os.read(end, 4096).decode()
+    return said
+
+
+def test_a_person_is_asked_again_and_may_type_another_address(tmp_path: Path) -> None:
+    with (
+        SimulatedDevice(Truth.example(5), 5) as device,
+        at_a_terminal(*plain("/dev/ttyNO", tmp_path)) as (end, it),
+    ):
+        assert "g try again" in read_until(end, "q leave: nothing was recorded")
+        os.write(end, b"g\n")
+        read_until(end, "q leave: nothing was recorded")
+        os.write(end, f"{device.url}\n".encode())
+        read_until(end, "connected: SIM-FOG3 SIM-5")
+        os.write(end, b"c\n")
+        assert it.wait(100) == 130
+
+
+def test_a_person_may_leave_after_a_refusal(tmp_path: Path) -> None:
+    with at_a_terminal(*plain("/dev/ttyNO", tmp_path)) as (end, program):
+        read_until(end, "q leave: nothing was recorded")
+        os.write(end, b"q\n")
+        assert program.wait(100) == 130
+
+
+def test_what_was_refused_is_said_each_time_and_only_to_somebody_who_can_type() -> None:
+    said = list[str]()
+    screen = PlainScreen(said.append, rings=False, asks=True)
+    for view in (REFUSED, REFUSED, View(stage="connecting", line="connecting"), REFUSED):
+        screen.show(view)
+    assert [text.split("\n")[0] for text in said] == [f"refused: {REFUSED.start.refused}", "connecting",
+                                                      f"refused: {REFUSED.start.refused}"]  # fmt: skip
+    PlainScreen(pytest.fail, rings=False).show(REFUSED)
+
+
+def test_the_end_says_what_can_be_typed() -> None:
+    said = list[str]()
+    screen = PlainScreen(said.append, rings=False, asks=True)
+    screen.show(VERDICT)
+    assert said[-1].startswith("s store the calibration, d the diagnosis, o the report")
+    screen.show(VERDICT.model_copy(update={"stage": "stored"}))
+    assert said[-1] == "d the diagnosis, o the report, q leave"
+
+
+@pytest.mark.parametrize(
+    ("typed", "sent"),
+    [
+        ("g", BEGIN),
+        ("", BEGIN),
+        ("q", Command(verb="leave")),
+        ("/dev/ttyUSB1", Command(verb="begin", setup=Setup(url="/dev/ttyUSB1", latitude_deg=31.0))),
+        ("x", None),
+    ],
+)
+def test_after_a_refusal_a_line_is_another_try(typed: str, sent: Command | None) -> None:
+    assert command_of(typed, REFUSED, BEGIN) == sent
+
+
+def test_a_resumed_campaign_is_tried_at_another_port() -> None:
+    first = Command(verb="resume", folder="/c")
+    assert command_of("can0", REFUSED, first) == Command(verb="resume", folder="/c", url="can0")
+
+
+def test_diagnosis_and_report_are_shown_at_the_end_only() -> None:
+    assert (shown_at_end("d", VERDICT), shown_at_end("o\n", VERDICT)) == ("all of it", "/r.html")
+    assert shown_at_end("d", View(stage="dwell")) == ""

@@ -1,0 +1,158 @@
+"""What hinders a campaign's start ends a program that nobody sits at, or leaves a form where a person can act."""
+
+import os
+import pty
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from drivers.ports import open_port
+from drivers.simulated.faults import Fault
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from fixtures_db.database import open_db
+from station.exit_codes import exit_code
+from station.guide.command import Command
+from station.guide.engine import REFUSALS, Engine
+from station.guide.headless import run_headless
+from station.guide.options import Options
+from station.guide.process import EngineOptions
+from station.guide.view import Setup
+
+
+@dataclass(frozen=True)
+class Hindrance:
+    """A set-up that cannot begin, the exit code, and what is said."""
+
+    setup: Setup
+    code: int
+    said: str
+
+
+Made = Iterator[Hindrance]
+HINDRANCES: dict[str, Callable[[Path], Made]] = {}
+
+
+def hindrance(make: Callable[[Path], Made]) -> Callable[[Path], Made]:
+    HINDRANCES[make.__name__] = make
+    return make
+
+
+def at(url: str, code: int, said: str, **more: object) -> Hindrance:
+    return Hindrance(Setup(url=url, latitude_deg=31.0, **more), code, said)
+
+
+@hindrance
+def no_such_port(folder: Path) -> Made:
+    yield at("/dev/ttyNONE", 4, "no such port")
+
+
+@hindrance
+def a_port_that_another_program_holds(folder: Path) -> Made:
+    with SimulatedDevice(Truth.example(5), 5) as device:
+        port = open_port(device.url)
+        yield at(device.url, 4, "open in another program")
+        port.close()
+
+
+@hindrance
+def a_silent_port(folder: Path) -> Made:
+    ours, theirs = pty.openpty()
+    yield at(f"{os.ttyname(theirs)}?format=counts", 4, "no bytes for")
+    os.close(ours)
+    os.close(theirs)
+
+
+@hindrance
+def a_wrong_format(folder: Path) -> Made:
+    with SimulatedDevice(Truth.example(5), 5) as device:
+        yield at(device.url.replace("counts", "stim300"), 4, "they look like counts: say format=counts")
+
+
+@hindrance
+def garbled_bytes(folder: Path) -> Made:
+    with SimulatedDevice(Truth.example(5), 5, faults=[Fault("noise", at_s=0.0, seconds=1e6)]) as device:
+        yield at(device.url, 4, "hold no counts frame; check baud rate and format")
+
+
+@hindrance
+def bytes_of_no_format(folder: Path) -> Made:
+    with SimulatedDevice(Truth.example(5), 5, faults=[Fault("noise", at_s=0.0, seconds=1e6)]) as device:
+        yield at(device.url.partition("?")[0], 4, "hold no frame of any known format")
+
+
+@hindrance
+def nobody_listens_on_tcp(folder: Path) -> Made:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        yield at(f"127.0.0.1:{taken.getsockname()[1]}", 4, "no connection (Connection refused)")
+
+
+@hindrance
+def a_tcp_server_that_says_nothing(folder: Path) -> Made:
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))
+        server.listen()
+        yield at(f"127.0.0.1:{server.getsockname()[1]}?format=counts", 4, "no bytes for")
+
+
+@hindrance
+def no_can_interface(folder: Path) -> Made:
+    yield at("can99", 4, "can99: no CAN bus")
+
+
+@hindrance
+def a_port_of_windows(folder: Path) -> Made:
+    yield at("COM3", 2, "such as /dev/ttyUSB0")
+
+
+@hindrance
+def a_receiver_where_the_imu_should_be(folder: Path) -> Made:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        number = free.getsockname()[1]
+    yield at(f"udp:127.0.0.1:{number}", 2, "--gnss takes a receiver's")
+
+
+@hindrance
+def no_receiver(folder: Path) -> Made:
+    with SimulatedDevice(Truth.example(5), 5) as device:
+        yield at(device.url, 4, "/dev/ttyNONE: no such port", gnss="/dev/ttyNONE")
+
+
+@hindrance
+def a_folder_that_cannot_be_made(folder: Path) -> Made:
+    (folder / "file").touch()
+    with SimulatedDevice(Truth.example(5), 5) as device:
+        yield at(device.url, 2, "Not a directory", folder=str(folder / "file" / "c"))
+
+
+@pytest.fixture(params=HINDRANCES)
+def hindered(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Hindrance]:
+    with contextmanager(HINDRANCES[request.param])(tmp_path) as made:
+        where = {} if made.setup.folder else {"folder": str(tmp_path / "c")}
+        yield Hindrance(made.setup.model_copy(update=where), made.code, made.said)
+
+
+def test_a_hindered_start_stays_at_a_form_and_ends_without_one_by_the_same_words(
+    hindered: Hindrance, tmp_path: Path
+) -> None:
+    begin = Command(verb="begin", setup=hindered.setup)
+    with open_db(tmp_path / "s.db") as database:
+        engine = Engine(database, Options(tmp_path, asks=False), lambda view: None)
+        engine.obey(begin)
+        engine.close()
+        start = engine.view.start
+        assert engine.view.stage == "start"
+        assert hindered.said in start.refused
+        assert start.refused_code == hindered.code
+        assert not (tmp_path / "c").exists()
+        options = EngineOptions(root=tmp_path, setup=hindered.setup, asks=False, warms_up=False, first=begin)
+        with pytest.raises(REFUSALS) as refused:
+            run_headless(options, database, lambda view: None, stores=False)
+    assert hindered.said in str(refused.value)
+    assert exit_code(refused.value) == hindered.code

@@ -1,0 +1,86 @@
+"""A campaign that is complete but not stored is gone on with for its verdict, whether or not its IMU is there."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from fixtures_db.database import Database, open_db
+from fixtures_db.history import history
+from procedures import hand_turns
+from procedures.steps import Dwell, steps_of
+from station.guide.command import Command
+from station.guide.engine import Engine
+from station.guide.folder_notes import keep_plan, write_setup
+from station.guide.options import Options
+from station.guide.view import Setup
+from tests.station.guide.stored import recorded
+
+NOWHERE = "serial:///dev/ttyNONE?format=counts"
+POSITIONS = tuple(Dwell(position, 4.0) for position in range(1, 13))
+
+
+@pytest.fixture
+def database(tmp_path: Path) -> Iterator[Database]:
+    with open_db(tmp_path / "s.db") as opened:
+        yield opened
+
+
+@pytest.fixture
+def folder(tmp_path: Path, database: Database) -> Path:
+    made = recorded(tmp_path / "c", database)
+    keep_plan(made, POSITIONS)
+    write_setup(made, Setup(url=NOWHERE, latitude_deg=31.17))
+    return made
+
+
+def resumed(folder: Path, database: Database, url: str = "") -> Engine:
+    engine = Engine(database, Options(folder.parent, Setup(url=url), warms_up=False), lambda view: None)
+    engine.obey(Command(verb="resume", folder=str(folder)))
+    engine.round()
+    return engine
+
+
+def test_it_goes_to_the_verdict_without_its_port_and_can_be_stored(folder: Path, database: Database) -> None:
+    engine = resumed(folder, database)
+    assert engine.view.stage == "verdict"
+    assert (engine.view.unit, engine.view.done) == ("SIM-FOG3 SIM-7", 12)
+    assert engine.view.verdict.diagnosis_text
+    assert not engine.is_busy
+    engine.obey(Command(verb="store"))
+    assert engine.view.stage == "stored"
+    engine.close()
+    with database.read() as session:
+        assert len(history(session, "SIM-7")) == 1
+
+
+def test_a_step_done_again_opens_the_port_and_its_refusal_changes_nothing(
+    folder: Path, database: Database
+) -> None:
+    engine = resumed(folder, database)
+    engine.obey(Command(verb="redo", step="dwell_03"))
+    assert engine.view.stage == "verdict"
+    assert "not done again: /dev/ttyNONE: no such port" in engine.view.events[-1].text
+    engine.obey(Command(verb="store"))
+    assert engine.view.stage == "stored"
+    engine.close()
+
+
+def test_a_step_done_again_on_its_unit_is_wanted_next(folder: Path, database: Database) -> None:
+    with SimulatedDevice(Truth.example(7), 7) as device:
+        engine = resumed(folder, database, device.url)
+        assert engine.view.stage == "verdict"
+        engine.obey(Command(verb="redo", step="dwell_03"))
+        assert (engine.view.wanted, engine.view.verdict) == ("dwell_03", None)
+        assert engine.is_busy
+        engine.close()
+
+
+def test_one_step_short_it_wants_its_port(folder: Path, database: Database) -> None:
+    keep_plan(folder, (*POSITIONS, *steps_of(hand_turns.plan(1, 5.0))))
+    engine = resumed(folder, database)
+    assert engine.view.stage == "start"
+    assert "no such port" in engine.view.start.refused
+    engine.close()
