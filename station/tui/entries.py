@@ -8,11 +8,13 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from drivers.bare_address import whole_url
 from station.guide.view import Setup
 
 MAVLINK = "mavlink:udpin:0.0.0.0:14550"
 RECEIVER = re.compile(r"mavlink:((udpin|udpout|tcp):(//)?[^?]+:\d{1,5}|serial:(//)?/[^?]+)(\?.+)?")
+BARE = re.compile(
+    r"(udp(in|out)?:)?([^?:\s]+:)?\d{1,5}(\?.+)?|(/dev/|tty)[^?]+(\?.+)?"
+)  # what is made a URL of later
 Check = Callable[[str], str]  # returns what is wrong, or nothing
 
 
@@ -41,7 +43,7 @@ def number(low: float, high: float, unit: str = "", *, is_needed: bool = False, 
 
 def receiver(text: str) -> str:
     """Check the address of a GNSS receiver, as far as a screen can; options are judged when it is opened."""
-    if not text or RECEIVER.fullmatch(whole_url(text, "receiver")):
+    if not text or RECEIVER.fullmatch(text) or BARE.fullmatch(text):
         return ""
     return f"{text!r} is no receiver, expected {MAVLINK}, udpout or tcp likewise, or mavlink:serial:/dev/NAME"
 

@@ -251,3 +251,8 @@ def test_a_dwell_from_the_noise_needs_the_sigma_wanted() -> None:
 
 def test_every_entry_is_a_field_of_the_set_up() -> None:
     assert {entry.name for entry in ENTRIES} <= set(Setup.model_fields)
+
+
+@pytest.mark.parametrize("typed", ["udp:14550", "/dev/ttyACM0", "ttyACM0", "drone.local:5760"])
+def test_a_receivers_address_may_be_typed_bare(typed: str) -> None:
+    assert "gnss" not in problems(texts_of(SETUP) | {"gnss": typed})
