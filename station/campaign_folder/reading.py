@@ -80,6 +80,7 @@ def read_campaign(folder: Path) -> LoadedCampaign:
         *remarks,
         *_measured_by_itself(tables),
         *_badly_seated(tables),
+        *_widened(tables),
         *(w for step in steps if step.data for w in step.data.warnings),
     ]
     used = [step for step in steps if _is_used(step)]
@@ -199,6 +200,17 @@ def _badly_seated(tables: CampaignTable) -> list[str]:
         f"{np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg; record position {dwell.position} again"
         for dwell in tables.dwell
         if dwell.kept_seat_rad is not None
+    ]
+
+
+def _widened(tables: CampaignTable) -> list[str]:
+    """Warn of a closure that the operator widened because the turns did not close to it."""
+    procedure = tables.procedure
+    if procedure.closure_widened_from_deg is None:
+        return []
+    return [
+        f"{NAME}: closure_std_deg was widened by the operator from {procedure.closure_widened_from_deg:.3g} to "
+        f"{procedure.closure_std_deg:.3g}, as hand turns did not close to it"
     ]
 
 

@@ -74,10 +74,11 @@ class SiteTable(_Table):
 
 
 class ProcedureTable(_Table):
-    """``[procedure]``, 1 sigma."""
+    """``[procedure]``, 1 sigma. ``closure_widened_from_deg``: what was stated before turns did not close to it."""
 
     heading_std_deg: Sigma = 0.1
     closure_std_deg: Sigma = 0.02
+    closure_widened_from_deg: Sigma | None = None
     unsettled_gyro_deg_h: Annotated[float, Field(ge=0, le=1e4)] | None = None
     unsettled_accelerometer_g: Annotated[float, Field(ge=0, le=1)] | None = None
 

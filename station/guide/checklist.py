@@ -87,6 +87,11 @@ class Checklist:
         self._chosen = name
         return True
 
+    def keep(self, name: str) -> None:
+        """Let a step stand that was to be done again."""
+        self._redo = [other for other in self._redo if other != name]
+        self._chosen = "" if self._chosen == name else self._chosen
+
     def choose(self, name: str) -> bool:
         """Have an open step done next; False if it is none."""
         if not any(step.name == name and self.is_open(step) for step in self.steps):

@@ -10,8 +10,11 @@ from procedures.arrays import FloatArray
 from procedures.campaign import Fixture
 from procedures.earth import EARTH_RATE
 from procedures.gyrocompass import Heading, Known, find_heading, scale
-from procedures.steps import Dwell, Soak, Step
+from procedures.steps import Dwell, Soak, Step, Turn
+from procedures.turn_closing import Closing, TurnSeen, apart, limit
+from station.errors import DataRefused
 from station.guide.checklist import Checklist
+from station.guide.closing import Closings, turns_again, what_now
 from station.guide.judge import Judge
 from station.guide.rested import Rested, rested
 from station.guide.so_far import SoFar
@@ -40,6 +43,10 @@ class Recorder(Protocol):
 
     def keep_first_rest(self, rate: FloatArray, noise: FloatArray) -> None:
         """Keep how the unit looks at rest: rate (6,) [count/s], noise (6,), gyros then accelerometers."""
+        ...
+
+    def widen_closure(self, before_deg: float, now_deg: float) -> None:
+        """Say that the operator states a wider closure [deg] than before."""
         ...
 
     def set_unsettled(self, gyro_deg_h: float, accelerometer_g: float) -> None:
@@ -78,7 +85,10 @@ class Desk:
         self.feed, self.checklist, self.facts, self._recorder = feed, checklist, facts, recorder
         self.story, self.judge = Story(), Judge(facts.fixture.C_ib)
         self.rested: dict[int, Rested] = {}
-        self.turns: dict[str, float] = dict(done.turns)  # counts per revolution, by step
+        self.turns: dict[str, TurnSeen] = dict(done.turns)  # those that stand, by step
+        steps = {step.name: step for step in checklist.steps if isinstance(step, Turn)}
+        standing = [(steps[name].axis, seen) for name, seen in self.turns.items() if name in steps]
+        self.closings = Closings(facts.closure_std, standing)
         self.leaned: dict[str, FloatArray] = dict(done.leaned)  # accelerometer count rates (3,), by step
         self.position = 0
         self.seats: dict[int, FloatArray] = {}  # how the cube sat when it was found off, by position
@@ -87,6 +97,9 @@ class Desk:
         self.badly_seated: set[int] = set(done.badly_seated)  # positions recorded with a seat known to be bad
         for each in done.before:
             self._learn(each)
+        for step in steps.values():
+            if self.closings.undecided(step.axis) == step.direction:
+                checklist.redo(step.name)
 
     @property
     def C_ib(self) -> FloatArray:
@@ -107,7 +120,7 @@ class Desk:
     def gyro_k(self) -> float | None:
         """The gyros' scale factor [count/rad], roughly; None where nothing says it."""
         if self.turns:
-            return float(np.median(list(self.turns.values()))) / (2 * np.pi)
+            return float(np.median(self.turn_counts)) / (2 * np.pi)
         found = scale(self.known, self.facts.latitude, self.C_ib)
         return None if found is None or found[1] > 0.3 else found[0]
 
@@ -115,10 +128,57 @@ class Desk:
         """Return the gyros' scale factor [count/rad], as if the Earth were all they show if it is not known."""
         return self.gyro_k or float(np.linalg.norm(rest)) / EARTH_RATE
 
-    def accept(self, step: Step, runs: Sequence[Run], note: str = "", kept_seat: FloatArray | None = None) -> None:
+    @property
+    def turn_counts(self) -> list[float]:
+        """Counts per revolution of the turns that stand."""
+        return [seen.counts for seen in self.turns.values()]
+
+    def accept_turn(self, step: Turn, runs: Sequence[Run], seen: TurnSeen, note: str) -> None:
+        """Record a turn; where the turns about its axis do not close, say what is to be done again.
+
+        Raises
+        ------
+        DataRefused
+            If nobody is there to be asked, and more turns would decide nothing. What was recorded stays.
+        """
+        partner, stated = self.closings.partner(step.axis, step.direction), self.closings.closure_std
+        self.turns[step.name] = seen
+        found = self.closings.take(step.axis, seen)
+        if partner is None or found is Closing.CLOSED:
+            self.accept(step, runs, note)
+            return
+        why = what_now(found, step, apart(seen, partner), limit(seen, partner, stated))
+        self.accept(step, runs, note, doubt=why)
+        for again in turns_again(found, step):
+            self.checklist.redo(again)
+        if not self.facts.asks and self.closings.is_vain(step.axis):
+            wide = np.degrees(self.closings.found_std(step.axis))
+            remedy = f"check marks and stop, or state a closure of {wide:.2g} deg"
+            raise DataRefused("hand turns", None, why, f"closures of {np.degrees(stated):.2g} deg", remedy)
+
+    def widen_closure(self, axis: str) -> None:
+        """State the closure that the turns about an axis show, as the operator's act; they stand as they are."""
+        before, now = self.closings.closure_std, self.closings.widen(axis)
+        self._recorder.widen_closure(float(np.degrees(before)), float(np.degrees(now)))
+        for step in self.checklist.steps:
+            if isinstance(step, Turn) and step.axis == axis:
+                self.checklist.keep(step.name)
+        self.story.say(
+            "", f"closures are now {np.degrees(now):.2g} deg, 1 sigma; recorded, and sigmas become wider"
+        )
+
+    def accept(
+        self,
+        step: Step,
+        runs: Sequence[Run],
+        note: str = "",
+        kept_seat: FloatArray | None = None,
+        doubt: str = "",
+    ) -> None:
         """Record a step; it is said to be accepted once it is on the disk and in the database.
 
-        ``kept_seat`` (2,) [rad]: how far off it sits, where the operator keeps it so.
+        ``kept_seat`` (2,) [rad]: how far off it sits, where the operator keeps it so. ``doubt``: why it is not to
+        stand, which is then said instead.
         """
         tape, period = self.feed.tape, self.feed.period
         self._recorder.accept(step, tape, runs, None if kept_seat is None else kept_seat.tolist())
@@ -134,6 +194,9 @@ class Desk:
             self._learn(found)
         elif isinstance(step, Soak):
             self.position = step.position
+        if doubt:
+            self.story.say("rejected", doubt)
+            return
         count = sum(n > 0 for n in self.checklist.attempts.values())
         of = len(self.checklist.steps)
         told = [f"accepted: {title(step)}", note, f"{count} of {of} done"]

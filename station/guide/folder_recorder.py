@@ -1,6 +1,6 @@
 """Where a guided campaign's steps go: the recorder, and the notes beside it in the folder."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from procedures.arrays import FloatArray
 from procedures.steps import Step
@@ -33,11 +33,19 @@ class FolderRecorder:
             seen = {"rate": tuple(rate.tolist()), "noise": tuple(noise.tolist())}
             write_unit(self._recorder.folder, known.model_copy(update=seen))
 
+    def widen_closure(self, before_deg: float, now_deg: float) -> None:
+        """Say in ``campaign.toml`` that the operator states a wider closure [deg], and what stood first."""
+        procedure = self._recorder.tables.procedure
+        first = procedure.closure_widened_from_deg or before_deg
+        self._set_procedure({"closure_std_deg": now_deg, "closure_widened_from_deg": first})
+
     def set_unsettled(self, gyro_deg_h: float, accelerometer_g: float) -> None:
         """Say in ``campaign.toml`` that the unit was not settled: 1 sigma of its bias from dwell to dwell."""
-        recorder = self._recorder
         said = {"unsettled_gyro_deg_h": gyro_deg_h, "unsettled_accelerometer_g": accelerometer_g}
-        said = {name: value for name, value in said.items() if value > 0}
+        self._set_procedure({name: value for name, value in said.items() if value > 0})
+
+    def _set_procedure(self, said: Mapping[str, float]) -> None:
+        recorder = self._recorder
         procedure = recorder.tables.procedure.model_copy(update=said)
         recorder.tables = recorder.tables.model_copy(update={"procedure": procedure})
         write_tables(recorder.folder, recorder.tables)

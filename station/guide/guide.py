@@ -47,6 +47,7 @@ class Guide:
         self._accel: FloatArray = np.zeros(3)
         self._is_paused = False
         self.trouble = ""  # with the stream, in words
+        self._time_s: float | None = None  # the device's, up to which the stream was looked at
 
     @property
     def is_complete(self) -> bool:
@@ -58,6 +59,7 @@ class Guide:
         desk = self.desk
         desk.judge.learn(block)
         self._accel = block.rate[3:]
+        self._time_s = block.ends if desk.feed.tells_time else None
         look = self._look = desk.judge.look(block)
         if block.is_anew:
             self._stage = self._stage.interrupted()
@@ -120,6 +122,7 @@ class Guide:
                 "gates": self._gates(extras),
                 "link": self._link(),
                 "events": desk.story.events,
+                "time_s": self._time_s,
             }
         )
 

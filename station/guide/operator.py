@@ -2,6 +2,8 @@
 
 from typing import Protocol
 
+import numpy as np
+
 from drivers.errors import DriverError
 from drivers.simulated.errors import SimulatorError
 from drivers.simulated.hands import SimulatedHands
@@ -42,13 +44,16 @@ class SimulatedOperator:
     """Moves the cube of a simulated device with its hands at ``address``; a move takes ``move_s`` of its time.
 
     Each thing asked for is done once; what was rejected is done again, and what is still asked for long after it
-    was done. In a soak it warms the unit, and lets it cool from the middle on.
+    was done. Views may be old: on a busy machine the device runs ahead of the guide. So nothing is done before
+    the guide has seen all that the hands did last, or the next move would fall into what it is recording. In a
+    soak it warms the unit, and lets it cool from the middle on.
     """
 
     def __init__(self, address: str, move_s: float) -> None:
         self._hands, self._move_s = SimulatedHands(address), move_s
         self._done: tuple[str, str, int] | None = None
         self._until = 0.0  # device time [s] at which that was over
+        self._seen, self._restarts = -np.inf, 0.0  # the guide's device time [s]; what restarts took off it
         self._heated = 0.0  # by how much the unit is warmer than it was
 
     def look(self, view: View) -> None:
@@ -61,7 +66,10 @@ class SimulatedOperator:
         what = "turn" if view.stage == "turn" else "place"
         rejected = max((event.number for event in view.events if event.sound == "rejected"), default=0)
         task = (what, f"{step.name} {step.attempts}", rejected)
-        if (what == "turn" and not is_ready) or (task == self._done and not self._is_overdue()):
+        seen = self._seen_s(view)
+        if seen < self._until or (what == "turn" and not is_ready):
+            return
+        if task == self._done and seen < self._until + PATIENCE_S:
             return
         try:
             self._done, self._until = task, self._do(what, step, view.lean)
@@ -72,11 +80,22 @@ class SimulatedOperator:
         """Let the hands go."""
         self._hands.close()
 
-    def _is_overdue(self) -> bool:
-        try:
-            return self._hands.time() > self._until + PATIENCE_S
-        except SimulatorError:
-            return False  # the device is gone for now: whoever reads it says so
+    def _seen_s(self, view: View) -> float:
+        """Return up to which device time [s] the guide has looked; where the stream has none, the device's own.
+
+        A unit that was switched off and on begins its time again; the hands' goes on.
+        """
+        if view.time_s is None:
+            try:
+                return self._hands.time()
+            except SimulatorError:
+                return -np.inf  # the device is gone for now: whoever reads it says so
+        now = view.time_s + self._restarts
+        if now < self._seen:
+            self._restarts += self._seen - now
+            now = self._seen
+        self._seen = now
+        return now
 
     def _heat(self, view: View) -> None:
         """Warm the unit in the first half of a soak, let it cool in the second and after it."""

@@ -10,23 +10,26 @@ from procedures.arrays import FloatArray
 from procedures.campaign import TurnRecord
 from procedures.frames import AXES
 from procedures.steps import FreePosition, Soak, Turn
+from procedures.turn_closing import TurnSeen
 from station.campaign_folder import read_campaign
 from station.guide.checklist import is_free
 from station.guide.rested import Rested, rested
 from station.live.counted import counted_series
 from station.recorder.campaign import step_of
 
+REST_S = 2.0  # of rest before a turn that surely were
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SoFar:
     """What accepted steps leave, by step name where not said otherwise.
 
-    ``before`` are the dwells; ``turns`` counts per revolution; ``seconds`` how long each step is;
+    ``before`` are the dwells; ``turns`` in the order they were done; ``seconds`` how long each step is;
     ``leaned`` free attitudes by count rates (3,); ``badly_seated`` the positions whose seat is known to be bad.
     """
 
     before: tuple[Rested, ...] = ()
-    turns: Mapping[str, float] = field(default_factory=dict)
+    turns: Mapping[str, TurnSeen] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
     leaned: Mapping[str, FloatArray] = field(default_factory=dict)
     badly_seated: frozenset[int] = frozenset()
@@ -37,7 +40,7 @@ def so_far(folder: Path) -> SoFar:
     folder_read = read_campaign(folder)
     loaded = folder_read.campaign
     before = [rested(d.position, counted_series(d.series)) for d in loaded.dwells]
-    turns = {_name(turn): _counts_per_revolution(turn, loaded.fixture.C_ib) for turn in loaded.turns}
+    turns = {_name(turn): turn_seen(turn, loaded.fixture.C_ib) for turn in loaded.turns}
     seconds, leaned = dict[str, float](), dict[str, FloatArray]()
     for one in folder_read.steps:
         if (step := step_of(one.table)) is None or one.data is None:
@@ -54,9 +57,12 @@ def _name(turn: TurnRecord) -> str:
     return Turn(turn.axis, turn.direction, turn.revolutions, turn.start_position, 0.0).name
 
 
-def _counts_per_revolution(turn: TurnRecord, C_ib: FloatArray) -> float:
-    """Return it as `station.live.turning.TurnWatch` saw it: less the rate of the first seconds, at rest."""
+def turn_seen(turn: TurnRecord, C_ib: FloatArray) -> TurnSeen:
+    """Return a recorded turn as `TurnWatch` saw it: less the rate of its first seconds, at rest."""
     series = counted_series(turn.series)
     samples = np.asarray(series.gyro) @ C_ib[:, AXES.index(turn.axis)]
-    rest = samples[: max(round(2.0 / series.period), 1)].mean()
-    return abs(float(np.sum(samples - rest))) / turn.revolutions
+    n = max(round(REST_S / series.period), 2)
+    rest, total = samples[:n], float(np.sum(samples - samples[:n].mean()))
+    angle = 2 * np.pi * turn.revolutions
+    noise = float(rest.std(ddof=1) / np.sqrt(n)) * len(samples) / abs(total) * angle
+    return TurnSeen(turn.direction, abs(total) / turn.revolutions, angle, noise)

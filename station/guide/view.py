@@ -267,10 +267,12 @@ class View(_Value):
     ``line`` is the state as one plain sentence. ``hint`` says what hinders or what comes next. ``wanted`` and
     ``live`` name steps; ``live`` is empty while none is being recorded. ``remaining_s`` is the time still needed
     with no break. ``can_redo`` names the step that "redo" would do again. ``lean`` is which way of the cube, in
-    its axes, is to be up where a free attitude is wanted.
+    its axes, is to be up where a free attitude is wanted. ``time_s`` is the device's time up to which the stream
+    was looked at; None where it sends none that goes on.
     """
 
     stage: Stage = "start"
+    time_s: float | None = None
     line: str = ""
     hint: str = ""
     unit: str = ""  # "SIM-FOG3 SIM-7"

@@ -1,10 +1,13 @@
-"""The question that the operator alone can answer where the Earth rate does not: which way the cube points."""
+"""What the operator alone can answer: which way the cube points, and which turn one the wrong way was to be."""
 
 from procedures.frames import POSITIONS, face_of
+from procedures.steps import Turn
 from station.guide.view import Choice, Question
-from station.guide.wording import axes
+from station.guide.wording import axes, sense, title
 
 NEITHER = "n"
+TAKE = "y"
+OTHER_WAY = (TAKE, "n")
 
 
 def which_way(face: str) -> Question:
@@ -14,3 +17,13 @@ def which_way(face: str) -> Question:
     choices.append(Choice(key=NEITHER, title="neither: I set it down again"))
     text = "The Earth rate does not tell which way the cube points. Which is it?"
     return Question(text=text, choices=tuple(choices))
+
+
+def other_way(asked: Turn, other: Turn) -> Question:
+    """Ask whether a turn the wrong way is to be the other step, which is to be done as well."""
+    text = f"You turn {sense(other)}: that is {title(other)}, asked for is {title(asked)}."
+    choices = (
+        Choice(key=TAKE, title=f"take it as {title(other)}: turn on to the end"),
+        Choice(key=OTHER_WAY[1], title=f"no: I begin {title(asked)} anew, {sense(asked)}"),
+    )
+    return Question(text=text, choices=choices)

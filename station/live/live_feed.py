@@ -85,6 +85,11 @@ class LiveFeed:
         return period
 
     @property
+    def tells_time(self) -> bool:
+        """Whether the device sends a time that does not begin again as it runs."""
+        return self.stream.decoder.kind.has_time and self.wire.time_modulus is None
+
+    @property
     def is_open(self) -> bool:
         """Whether the port is there."""
         return not self._lost

@@ -80,6 +80,10 @@ class TurnWatch:
         """The counts of the vertical gyro, less its rate at rest, per revolution."""
         return abs(self.turned_counts) / self._step.revolutions
 
+    def take_as(self, step: Turn) -> None:
+        """Take it that ``step`` is being done: the same but for its direction."""
+        self._step = step
+
     def rest(self, block: Block) -> None:
         """Take a still block before the turn."""
         if self._before and (self._before[-1].last != block.first or block.is_broken):

@@ -101,6 +101,11 @@ def _deviations(row: CampaignRow, tables: CampaignTable, document: Mapping[str, 
     if table.unsettled_gyro_deg_h or table.unsettled_accelerometer_g:
         gyro, accel = table.unsettled_gyro_deg_h or 0.0, (table.unsettled_accelerometer_g or 0.0) * 1e6
         said.append(f"warm-up was skipped: biases may drift by {gyro:.2g} deg/h and {accel:.2g} ug (1 sigma)")
+    if table.closure_widened_from_deg is not None:
+        said.append(
+            f"the closure of hand turns was widened from {table.closure_widened_from_deg:.3g} to "
+            f"{table.closure_std_deg:.3g} deg, as they did not close to it"
+        )
     said += [
         f"position {dwell.position} was kept though the cube sat tilted by "
         f"{np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg"

@@ -10,11 +10,11 @@ from time import perf_counter
 
 import numpy as np
 
-from drivers.simulated.bench import SimulatedBench, simulate_campaign, stand
+from drivers.simulated.bench import SimulatedBench, simulate_campaign, stand, turn_segment
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.calibration import solve
-from procedures.campaign import Fixture
+from procedures.campaign import Fixture, TurnRecord
 from procedures.count_rate import estimate_counts
 from procedures.dwell_length import dwell_seconds
 from procedures.earth import DEG_PER_HOUR, earth_rate_n
@@ -22,8 +22,10 @@ from procedures.frames import cross_axes, face_normal, face_of, nominal_C_lb, ve
 from procedures.gyrocompass import Heading, Known, find_heading
 from procedures.records import CountSeries
 from procedures.seating import ARCSEC, Rates, judge, seating
-from procedures.steps import Dwell
+from procedures.steps import Dwell, Turn
+from procedures.turn_closing import MOST, Closing, TurnSeen, closing
 from procedures.warm_up import Means, warm_up
+from station.guide.so_far import turn_seen
 
 LATITUDES = (0, 20, 31, 45, 50, 55, 60, 65, 70, 75, 80, 85, 89)
 LOOKS_S = (1.0, 2.0, 3.0, 6.0, 10.0, 20.0, 40.0, 70.0, 100.0)
@@ -183,11 +185,60 @@ def print_dwell(trials: int) -> None:
         print(f"{k:11g} {noise:8g} {wanted:12g} {length.seconds:8.0f}", *(f"{each:10.2f}" for each in ratio))
 
 
+class Hands(SimulatedBench):
+    """Hands whose turns close as they are told to, [rad]."""
+
+    closure = 0.0
+
+    def _turn(self, step: Turn) -> CountSeries:
+        C_bn = self.world.attitude(step.start_position, self._draw(self.truth.heading_std_deg), seated=False)
+        segment = turn_segment(self.world, C_bn, step, self.closure, self.truth.sample_period_s, self._hands)
+        return self._record(segment, segment.samples or 0)
+
+
+def pair_closed(seed: int, off: float, closure_std: float) -> tuple[bool, bool, int]:
+    """Turn + and -, one of them ``off`` [sigma of the pair] beyond the other, until they close; 0: both honest.
+
+    Return whether the pair was taken at once, whether the bad turn stands at the end, and how many turns it took.
+    """
+    rng, bench = np.random.default_rng([seed, round(1e3 * off)]), Hands(Truth.example(seed % 50), seed)
+    bad, turns, standing = str(rng.choice(["+", "-"])), list[TurnSeen](), dict[str, bool]()
+    direction, found = str(rng.choice(["+", "-"])), Closing.ALONE
+    good = closure_std * rng.standard_normal()
+    while found is not Closing.CLOSED and len(turns) < MOST:
+        is_bad = direction == bad and off > 0 and bad not in standing
+        is_first = direction not in standing
+        bench.closure = good if is_first and off > 0 else closure_std * rng.standard_normal()
+        bench.closure += is_bad * off * closure_std * 2**0.5
+        bench.closure *= {"+": 1, "-": -1}[direction]  # beyond closing is along the turn
+        step = Turn("x", direction, 3, 1, 5.0)
+        record = TurnRecord(step.name, "x", direction, 3, 1, bench.perform(step))
+        turns.append(turn_seen(record, np.eye(3)))
+        standing[direction] = is_bad
+        found = closing(turns, closure_std)
+        other = {"+": "-", "-": "+"}[direction]
+        direction = other if found in {Closing.ALONE, Closing.OTHER} else direction
+    return len(turns) == 2, any(standing.values()), len(turns)
+
+
+def print_closing(trials: int) -> None:
+    """Print how often pairs are taken of which one turn is off, and how that ends; three pairs a campaign."""
+    closure = float(np.radians(0.01))
+    print("apart, sigma of the pair taken at once   bad turn stands   turns: mean, most")
+    for off in (0.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 15.0, 50.0):
+        with ProcessPoolExecutor(2) as pool:
+            found = list(pool.map(partial(pair_closed, off=off, closure_std=closure), range(3 * trials)))
+        taken, stands, turns = (np.array([each[i] for each in found]) for i in range(3))
+        share = f"{100 * taken.mean():12.2f} % {100 * stands.mean():15.2f} %"
+        print(f"{off:22.0f} {share} {turns.mean():12.2f} {turns.max():4d}")
+
+
 def main() -> None:
     """Print one table."""
     parser = argparse.ArgumentParser(description=__doc__)
     tables = {
         "heading": print_heading, "seating": print_seating, "warm_up": print_warm_up, "dwell": print_dwell,
+        "closing": print_closing,
     }  # fmt: skip
     parser.add_argument("table", choices=tables)
     parser.add_argument("--trials", type=int, default=20)
