@@ -13,6 +13,7 @@ from procedures.face_check import refuse_wrong_faces
 from procedures.frames import AXES
 from procedures.free_positions import solve_with_rests, with_known_faces
 from procedures.hand_turns import GyroscopeFit, solve_gyroscope
+from procedures.heading_warnings import heading_warnings
 from procedures.moves import MovesFit, solve_moves
 from procedures.norm_fit import LEAST_RESTS
 from procedures.observations import TriadDwells, TriadRests, TurnTotal, dwell_rates, rest_rates, turn_totals
@@ -262,7 +263,7 @@ def _warnings(fits: Fits, quality: FitQuality) -> tuple[str, ...]:
         found.append(f"gyroscope not solved: its scale factor is unknown ({what})")
     found += [f"{each.record.name}: no rest found in it" for each in fits.segmented if not each.rests]
     if fits.gyroscope is not None:
-        found += _turn_warnings(fits.gyroscope)
+        found += _turn_warnings(fits.gyroscope) + heading_warnings(fits.campaigns, fits.gyroscope.joint)
     return (*found, *_few_counts(fits))
 
 

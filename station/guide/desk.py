@@ -10,6 +10,7 @@ from procedures.arrays import FloatArray
 from procedures.campaign import Fixture
 from procedures.earth import EARTH_RATE
 from procedures.gyrocompass import Heading, Known, find_heading, scale
+from procedures.heading_errors import HeadingError, heading_errors
 from procedures.steps import Dwell, Soak, Step, Turn
 from procedures.turn_closing import Closing, TurnSeen, apart, limit
 from station.errors import DataRefused
@@ -95,6 +96,7 @@ class Desk:
         self.kept_seats: dict[int, FloatArray] = {}  # how it sits where the operator keeps it so, by position
         self.off_seat = 0  # the position in which it was just found off
         self.badly_seated: set[int] = set(done.badly_seated)  # positions recorded with a seat known to be bad
+        self.told_off: set[tuple[int, ...]] = set()  # positions said to have stood turned, as they stand now
         for each in done.before:
             self._learn(each)
         for step in steps.values():
@@ -186,6 +188,7 @@ class Desk:
         if isinstance(step, Dwell):
             self.position = step.position
             self.kept_seats.pop(step.position, None)
+            self.told_off = {each for each in self.told_off if step.position not in each}
             (self.badly_seated.discard if kept_seat is None else self.badly_seated.add)(step.position)
             found = rested(step.position, series(tape, runs, period))
             if not self.rested:
@@ -221,6 +224,15 @@ class Desk:
         """Say which way the cube stands with ``face`` up, from the gyros' mean count rate (3,)."""
         std, facts = self.gyro_std(seconds), self.facts
         return find_heading(gyro, std, face, facts.latitude, self.C_ib, self.known)
+
+    def turned_off(self) -> list[tuple[list[int], HeadingError]]:
+        """Return the positions that stood turned against the marks, as far as the gyros tell by now."""
+        k, known = self.gyro_k, self.known
+        if k is None:
+            return []
+        facts = self.facts
+        errors = heading_errors(known, facts.latitude, self.C_ib, k * np.eye(3), facts.heading_std)
+        return [([known[i].position for i in error.dwells], error) for error in errors]
 
     def moved(self) -> None:
         """Take it that the cube no longer stands where it stood."""

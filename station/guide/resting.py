@@ -12,6 +12,7 @@ from station.guide.rested import estimates
 from station.guide.seat import Seat
 from station.guide.soaking import Thermometer, in_words
 from station.guide.stage import Stage
+from station.guide.turned_off import after_dwell
 from station.guide.view import Question
 from station.guide.which_way import NEITHER, which_way
 from station.guide.wording import title
@@ -165,7 +166,7 @@ class Resting:
         if why := "" if self._how == ANY else self._nothing_left():
             return self._again(desk, why, must_move=True)
         desk.accept(self._step, dwelling.runs(), kept_seat=None if self._is_soak else self._seat.kept)
-        return self._again(desk, "", must_move=True)
+        return after_dwell(desk, lambda why: self._again(desk, why, must_move=True))
 
     def _crept(self) -> str:
         """Say how far the cube crept; in a soak a slope is what is looked for."""

@@ -1,0 +1,31 @@
+"""Which dwells of solved campaigns stood turned against the marks, in words."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from procedures.campaign import Campaign
+from procedures.gyrocompass import Known
+from procedures.heading_errors import heading_errors, stood
+from procedures.twelve_position import JointFit
+
+SOLVED = (1e-3, 1e-3)  # 1 sigma, relative, of K as turns and dwells tell it, with what a bad heading does to it
+
+
+def heading_warnings(campaigns: Sequence[Campaign], joint: JointFit) -> list[str]:
+    """Name the dwells that stood turned against the marks, campaign by campaign."""
+    K, found = np.degrees(joint.fit.x[:9].reshape(3, 3)), list[str]()
+    for number, campaign in enumerate(campaigns):
+        rows = [i for i, (of, _) in enumerate(joint.seen.dwells) if of == number]
+        records = [joint.seen.dwells[i][1] for i in rows]
+        known = [
+            Known(record.position, joint.seen.rate[i], joint.expected[i])
+            for i, record in zip(rows, records, strict=True)
+        ]
+        errors = heading_errors(
+            known, campaign.site.latitude, campaign.fixture.C_ib, K, campaign.sigma.heading, SOLVED
+        )
+        for error in errors:
+            named = " or ".join(f"{records[i].position} ({records[i].name})" for i in sorted(error.dwells))
+            found.append(f"position {named} {stood(error)}: record it again")
+    return found
