@@ -13,7 +13,7 @@ from procedures.face_check import refuse_wrong_faces
 from procedures.frames import AXES
 from procedures.free_positions import solve_with_rests, with_known_faces
 from procedures.hand_turns import GyroscopeFit, solve_gyroscope
-from procedures.heading_warnings import heading_warnings
+from procedures.heading_warnings import turned_off
 from procedures.moves import MovesFit, solve_moves
 from procedures.norm_fit import LEAST_RESTS
 from procedures.observations import TriadDwells, TriadRests, TurnTotal, dwell_rates, rest_rates, turn_totals
@@ -127,13 +127,15 @@ def report(fits: Fits) -> Solution:
     on_bench = fits.accelerometer is not None and not fits.accelerometer.is_turned_freely
     slab, parallelism = _bench(fits.accelerometer) if on_bench and fits.accelerometer else (None, None)
     names, covariance = joint_covariance(fits, accel, gyro)
+    stood, sure = turned_off(fits.campaigns, fits.gyroscope.joint) if fits.gyroscope else ([], [])
     return Solution(
         accelerometer=_accelerometer(accel, fits) if accel else None,
         gyroscope=gyro.calibration("count/deg" if counts else "output/(deg/s)") if gyro else None,
         slab_tilt=slab, parallelism=parallelism, quality=quality, names=names, covariance=covariance,
         reference_temperature=_mean_temperature(fits),
         residuals=step_residuals(fits.accelerometer, fits.gyroscope),
-        not_observable=_not_observable(fits), warnings=_warnings(fits, quality), unused_steps=_unused(fits),
+        not_observable=_not_observable(fits), warnings=(*_warnings(fits, quality), *stood),
+        unused_steps=_unused(fits), turned_off=tuple(sure),
     )  # fmt: skip
 
 
@@ -263,7 +265,7 @@ def _warnings(fits: Fits, quality: FitQuality) -> tuple[str, ...]:
         found.append(f"gyroscope not solved: its scale factor is unknown ({what})")
     found += [f"{each.record.name}: no rest found in it" for each in fits.segmented if not each.rests]
     if fits.gyroscope is not None:
-        found += _turn_warnings(fits.gyroscope) + heading_warnings(fits.campaigns, fits.gyroscope.joint)
+        found += _turn_warnings(fits.gyroscope)
     return (*found, *_few_counts(fits))
 
 

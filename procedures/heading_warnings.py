@@ -12,9 +12,9 @@ from procedures.twelve_position import JointFit
 SOLVED = (1e-3, 1e-3)  # 1 sigma, relative, of K as turns and dwells tell it, with what a bad heading does to it
 
 
-def heading_warnings(campaigns: Sequence[Campaign], joint: JointFit) -> list[str]:
-    """Name the dwells that stood turned against the marks, campaign by campaign."""
-    K, found = np.degrees(joint.fit.x[:9].reshape(3, 3)), list[str]()
+def turned_off(campaigns: Sequence[Campaign], joint: JointFit) -> tuple[list[str], list[str]]:
+    """Return the dwells that stood turned against the marks, campaign by campaign: each in words; sure names."""
+    K, said, sure = np.degrees(joint.fit.x[:9].reshape(3, 3)), list[str](), list[str]()
     for number, campaign in enumerate(campaigns):
         rows = [i for i, (of, _) in enumerate(joint.seen.dwells) if of == number]
         records = [joint.seen.dwells[i][1] for i in rows]
@@ -27,5 +27,6 @@ def heading_warnings(campaigns: Sequence[Campaign], joint: JointFit) -> list[str
         )
         for error in errors:
             named = " or ".join(f"{records[i].position} ({records[i].name})" for i in sorted(error.dwells))
-            found.append(f"position {named} {stood(error)}: record it again")
-    return found
+            said.append(f"position {named} {stood(error)}: record it again")
+            sure += [records[i].name for i in error.dwells if len(error.dwells) == 1]
+    return said, sure

@@ -63,7 +63,8 @@ class Solution:
     ``slab_tilt`` (2,) [rad]: East and North components of the up vector seen from the slab.
     ``parallelism`` (3, 2) [rad]: rows face pair x, y, z, columns the two other axes in x, y, z order, the sum of
     both faces' up tilts. ``names`` label the rows of ``covariance``: ``accelerometer.scale_factor.x``,
-    ``gyroscope.misalignment.xy``, ``slab.tilt.east``, ``fixture.parallelism.x.y`` ...
+    ``gyroscope.misalignment.xy``, ``slab.tilt.east``, ``fixture.parallelism.x.y`` ... ``turned_off`` names the
+    dwells that surely stood turned against the marks.
     """
 
     accelerometer: TriadCalibration | None
@@ -78,3 +79,4 @@ class Solution:
     not_observable: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     unused_steps: tuple[str, ...] = field(default=())
+    turned_off: tuple[str, ...] = ()

@@ -13,6 +13,7 @@ from station.diagnosis.text import diagnosis_text, warnings_of
 from station.diagnosis.wording import verdict_sentence
 from station.guide.judgement import Judged, Outcome, judge, limit_in_words
 from station.guide.view import Row, Verdict
+from station.recorder.campaign import step_of
 from station.report.fit import LIMIT_SIGMAS, normalised
 from station.solution_parameters import (
     Parameter,
@@ -53,9 +54,17 @@ def verdict_view(results: "Results", database: Database) -> Verdict:
         diagnosis_text=diagnosis_text(results.diagnosis),
         rows=verdict_rows(found, results.outcome, moved),
         warnings=tuple(warnings_of(results.document)),
+        redo=_to_redo(results),
         report=str(results.report_file),
         solution=str(results.solution_file),
     )
+
+
+def _to_redo(results: "Results") -> str:
+    """Return the step whose recording surely stood turned against the marks, the first of several."""
+    steps = {table.file: step_of(table) for table in results.tables.steps()}
+    named = (steps.get(name) for name in results.solution.turned_off)
+    return next((step.name for step in named if step is not None), "")
 
 
 def worst_residual(residuals: Sequence[StepResidual]) -> str:

@@ -4,6 +4,7 @@ It shows once other faces have shown the gyros' biases, so that it may be an ear
 """
 
 from collections.abc import Callable
+from functools import partial
 
 from procedures.heading_errors import HeadingError, stood
 from procedures.steps import Dwell
@@ -26,7 +27,7 @@ def after_dwell(desk: Desk, again: Callable[[str], Stage]) -> Stage:
         desk.story.say("rejected", told)
         if not desk.facts.asks:  # once: the second time it stands as it is, and the solution says so
             return _redo(desk, dwell, error, again) if desk.checklist.attempts[dwell.name] == 1 else again("")
-        then = {REDO: lambda d=dwell, e=error: _redo(desk, d, e, again), KEEP: lambda: again("")}
+        then = {REDO: partial(_redo, desk, dwell, error, again), KEEP: partial(again, "")}
         choices = (
             Choice(key=REDO, title=f"record position {dwell.position} again, set along the marks"),
             Choice(key=KEEP, title="keep it: the solution names it, the sigmas do not cover it"),

@@ -243,7 +243,7 @@ class Row(_Value):
 
 
 class Verdict(_Value):
-    """The end: one sentence, then what stands behind it."""
+    """The end: one sentence, then what stands behind it. ``redo`` names the step that had better be done again."""
 
     word: Literal["PASS", "FAIL", "NOT_MEASURED"]
     said: str = ""  # the word as people read it, where that is another one
@@ -256,6 +256,7 @@ class Verdict(_Value):
     diagnosis_text: str = ""  # all of it, as `station diagnose` prints it
     rows: tuple[Row, ...] = ()
     warnings: tuple[str, ...] = ()
+    redo: str = ""
     report: str = ""  # path
     solution: str = ""
     stored_sha256: str = ""

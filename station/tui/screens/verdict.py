@@ -30,6 +30,7 @@ class VerdictScreen(StageScreen):
     }
     BINDINGS = [
         Binding("s", "store", "Store", tooltip="put the calibration into the database"),
+        Binding("r", "redo", "Redo", tooltip="record the position again that stood off"),
         Binding("o", "open_report", "Open report", tooltip="show the report in a browser"),
         Binding("d", "diagnose", "Diagnose", tooltip="how to look for what the model lacks"),
         Binding("down,pagedown", "roll(1)", "More", key_display="↑↓", tooltip="scroll the facts and the numbers"),
@@ -75,12 +76,19 @@ class VerdictScreen(StageScreen):
         """Offer only what makes sense now."""
         if action in ("store", "cancel"):
             return self.view.stage == "verdict"
+        if action == "redo":
+            return self.view.stage == "verdict" and bool(self.view.verdict and self.view.verdict.redo)
         return CAN_DIAGNOSE if action == "diagnose" else True
 
     def action_store(self) -> None:
         """Ask, then store."""
         text = "The calibration becomes part of the unit's history. It cannot be changed or removed."
         self.confirm("Store the calibration?", text, "Yes, store it", "store", "verdict")
+
+    def action_redo(self) -> None:
+        """Record the step again that the verdict names; the verdict is made anew after it."""
+        if self.view.verdict is not None:
+            self.order("redo", step=self.view.verdict.redo)
 
     def action_open_report(self) -> None:
         """Open the report in a browser of this machine, or say where it is."""
