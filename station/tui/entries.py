@@ -12,9 +12,9 @@ from station.guide.view import Setup
 
 MAVLINK = "mavlink:udpin:0.0.0.0:14550"
 RECEIVER = re.compile(r"mavlink:((udpin|udpout|tcp):(//)?[^?]+:\d{1,5}|serial:(//)?/[^?]+)(\?.+)?")
-BARE = re.compile(
-    r"(udp(in|out)?:)?([^?:\s]+:)?\d{1,5}(\?.+)?|(/dev/|tty)[^?]+(\?.+)?"
-)  # what is made a URL of later
+BARE = re.compile(  # what is made a URL of later
+    r"((udp(in|out)?:([^?:\s]+:)?|[^?:\s]+:)\d{1,5}|(/dev/|tty)[^?]+)(\?.+)?"
+)
 Check = Callable[[str], str]  # returns what is wrong, or nothing
 
 
