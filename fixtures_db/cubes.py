@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from datetime import date, datetime
 
 import numpy as np
-from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from fixtures_db.chain import ChainFault
 from fixtures_db.chained import append, date_owner, in_force, verify_rows
+from fixtures_db.cubes_known import cubes
 from fixtures_db.errors import AlreadyThere, NotInDatabase
 from fixtures_db.measured_rows import measurement
 from fixtures_db.schema import CubeRow, FaceCertificateRow, ToleranceRow
@@ -53,11 +53,6 @@ def add_cube(
     session.add(row)
     session.flush()
     return row
-
-
-def cubes(session: Session) -> Sequence[CubeRow]:
-    """Return all cubes by name."""
-    return session.scalars(select(CubeRow).order_by(CubeRow.id)).all()
 
 
 def cube_row(session: Session, cube_id: str) -> CubeRow:

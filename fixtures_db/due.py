@@ -8,7 +8,7 @@ from datetime import date, datetime
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from fixtures_db.cubes import cubes
+from fixtures_db.cubes_known import cubes
 from fixtures_db.schema import CalibrationRow
 from fixtures_db.sites import sites
 from fixtures_db.slabs import slabs

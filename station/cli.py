@@ -8,13 +8,14 @@ import importlib
 import os
 import sys
 from types import ModuleType
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from station.commands import COMMANDS, Command
 from station.exit_codes import exit_code
+from station.lazily import collect_seldom
 
 CANCELLED = 130
 BUG = 70
@@ -61,8 +62,21 @@ def _single(command: Command, module: ModuleType) -> Any:
 app = typer.Typer(cls=LazyGroup, add_completion=False, rich_markup_mode=None, no_args_is_help=False)
 
 
+def _say_version(is_asked: bool) -> None:
+    if is_asked:
+        from importlib.metadata import version
+
+        typer.echo(f"station {version('fog-station')}")
+        raise typer.Exit
+
+
 @app.callback()
-def _station() -> None:
+def _station(
+    *,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Say the version and exit.")
+    ] = False,
+) -> None:
     """Calibrate fibre-optic-gyro IMUs that output counts: record, solve, verify, report.
 
     `station COMMAND --help` tells what a command does, its units and an example. Every command takes --db
@@ -72,6 +86,7 @@ def _station() -> None:
 
 def main() -> None:
     """Run `station` and exit."""
+    collect_seldom()
     sys.exit(run(sys.argv[1:]))
 
 

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import platformdirs
 import typer
 
-from station.campaign_folder.schema import ProcedureTable, SiteTable
-from station.commands._tables import checked
 from station.guide.view import Setup, View
 
 if TYPE_CHECKING:
@@ -60,6 +58,11 @@ def campaigns_root() -> Path:
 def set_up(setup: Setup, given: Mapping[str, Any]) -> Setup:
     """Return ``setup`` with what the command line gives in its place; what is out of range is wrong usage."""
     known = {name: value for name, value in given.items() if value not in {None, ""}}
+    if not known.keys() & {*SITE, *CARE}:
+        return setup.model_copy(update=known)
+    from station.campaign_folder.schema import ProcedureTable, SiteTable  # numerics: a form need not wait for them
+    from station.commands._tables import checked
+
     checked(SiteTable, latitude_deg=0.0, **{n: known[n] for n in SITE[1:] if n in known})
     if "latitude_deg" in known:
         checked(SiteTable, latitude_deg=known["latitude_deg"])
@@ -69,19 +72,18 @@ def set_up(setup: Setup, given: Mapping[str, Any]) -> Setup:
 
 def guide(options: "EngineOptions", screen: Screen) -> int:
     """Run an engine until its campaign has ended or the operator has left; return the exit code."""
-    from fixtures_db.database import open_db
-
     if not (screen.headless or screen.plain or screen.web) and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise typer.BadParameter(
             "the screen needs a terminal; --plain writes lines of text, --headless asks nothing"
         )
-    options.engine()  # a plan that cannot be read is refused here ...
-    with open_db(options.database) as database:  # ... and so is a database
-        if screen.headless:
-            from station.guide.headless import run_headless
-            from station.guide.plain import PlainScreen
+    options.engine()  # a plan that cannot be read is refused here; a database by the engine
+    if screen.headless:
+        from fixtures_db.database import open_db
+        from station.guide.headless import run_headless
+        from station.guide.plain import PlainScreen
 
-            show = PlainScreen(typer.echo, rings=False).show
+        show = PlainScreen(typer.echo, rings=False).show
+        with open_db(options.database) as database:
             return _code(run_headless(options, database, show, stores=screen.stores))
     from station.guide.process import engine_process
 

@@ -42,8 +42,8 @@ def resume(
     from station.commands._guided import Screen, campaigns_root, guide
     from station.errors import DataRefused
     from station.guide.command import Command
+    from station.guide.open_campaigns import unfinished
     from station.guide.process import EngineOptions
-    from station.guide.unfinished import unfinished
     from station.guide.view import Setup
 
     with open_db(db) as database:

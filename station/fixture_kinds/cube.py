@@ -3,7 +3,8 @@
 import numpy as np
 from sqlalchemy.orm import Session
 
-from fixtures_db.cubes import cube_row, cubes, faces_in_force
+from fixtures_db.cubes import cube_row, faces_in_force
+from fixtures_db.cubes_known import cubes
 from fixtures_db.schema import CubeRow, FaceCertificateRow
 from station.fixture_kinds.dates import due_text
 from station.solution_text import ARCSEC

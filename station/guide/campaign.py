@@ -1,15 +1,19 @@
 """What the engine needs of a campaign."""
 
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from station.guide.command import Command
-from station.guide.disk import Disk
 from station.guide.view import Sound, View
+
+if TYPE_CHECKING:
+    from station.guide.disk import Disk
 
 
 class Campaign(Protocol):
     """A campaign under way, on a device or complete."""
+
+    has_device: bool  # whether its IMU is being read
 
     @property
     def is_complete(self) -> bool:
@@ -22,7 +26,7 @@ class Campaign(Protocol):
         ...
 
     @property
-    def disk(self) -> Disk:
+    def disk(self) -> "Disk":
         """The room that what is left to do needs, and what there is."""
         ...
 

@@ -2,6 +2,9 @@
 
 It owns the device, the folder and the database; screens only look and ask. Whatever it refuses is said in the
 view and nothing is lost: what was accepted is on the disk.
+
+The start screen waits for nothing that only a campaign needs: the modules of a campaign, numerics among them, are
+imported where one begins, and by `prefetch` meanwhile.
 """
 
 import contextlib
@@ -19,23 +22,17 @@ from station.errors import CannotWrite, DataRefused, DiskFull, StationError
 from station.exit_codes import exit_code
 from station.guide.campaign import Campaign
 from station.guide.command import Command
-from station.guide.finished import FinishedCampaign, finished
-from station.guide.gnss_beside import FIXES, WAIT_S
-from station.guide.live_campaign import begin, resume
 from station.guide.options import Options
-from station.guide.outcome import verdict_view
-from station.guide.receiver import check_receiver
-from station.guide.setup import check_port, save_setup, start_view
-from station.guide.unfinished import cancel_campaign
-from station.guide.view import Check, Stage, Start, Verdict, View
-from station.recorder import UnitChanged
+from station.guide.remembered import save_setup
+from station.guide.setup import start_view
+from station.guide.view import Check, Setup, Stage, Start, Verdict, View
 
 if TYPE_CHECKING:
+    from station.guide.operator import Operator
     from station.recorder.results import Results
 
 REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
 FOR_UNIT = "waiting for the unit to say who it is"
-FOR_FIXES = f"waiting for the unit, and up to {WAIT_S:g} s for {FIXES} positions of the receiver"
 WHOLE = "all is recorded: leave, and diagnose it together with the campaign that it complements"
 OVER = frozenset({"cancelled", "left", "failed"})
 AGAIN = frozenset({"redo", "choose"})  # what needs the device of a campaign that is complete
@@ -80,7 +77,7 @@ class Engine:
     def is_busy(self) -> bool:
         """Whether there is a stream to follow."""
         is_over = self.view.stage in OVER
-        return not (self._campaign is None or is_over or isinstance(self._campaign, FinishedCampaign))
+        return self._campaign is not None and self._campaign.has_device and not is_over
 
     def obey(self, command: Command) -> None:
         """Do as the operator says; what is refused is said in the view."""
@@ -88,12 +85,15 @@ class Engine:
             self._obey(command)
         except (CannotWrite, DatabaseError) as error:
             self._fail(error)
-        except UnitChanged as error:
+        except DriverError as error:  # what an answer brought to light: this is another unit
             self._end("left", str(error), exit_code(error) or 0)
 
-    def hands_lost(self, error: DriverError) -> None:
-        """End: whoever moves the cube does so no more."""
-        self._fail(error)
+    def watched_by(self, operator: "Operator") -> None:
+        """Let who moves the cube look; hands that are lost end the campaign."""
+        try:
+            operator.look(self.view)
+        except DriverError as error:
+            self._fail(error)
 
     def close(self) -> None:
         """Let everything go; a campaign can be resumed."""
@@ -115,15 +115,18 @@ class Engine:
             self._finish(campaign)
         elif command.verb == "store":
             self._store()
-        elif command.verb in AGAIN and isinstance(campaign, FinishedCampaign):
+        elif command.verb in AGAIN and not campaign.has_device:
             self._do_again(campaign, command)
         else:
             self._outcome = _Outcome() if command.verb == "redo" else self._outcome
             campaign.obey(command)
             self._show(campaign)
 
-    def _do_again(self, campaign: FinishedCampaign, command: Command) -> None:
+    def _do_again(self, campaign: Campaign, command: Command) -> None:
         """Open the device of a campaign that is complete, to do a step again; what refuses changes nothing."""
+        from station.guide.finished import finished
+        from station.guide.live_campaign import resume
+
         folder = campaign.folder
         self._publish(self.view.model_copy(update={"stage": "connecting", "line": "connecting", "hint": FOR_UNIT}))
         campaign.close()
@@ -140,20 +143,19 @@ class Engine:
     def _obey_at_start(self, command: Command) -> None:
         if command.verb in LOOKS:
             if command.verb not in self._looks:
-                look = check_port if command.verb == "check" else check_receiver
-                self._looks[command.verb] = self._aside.submit(look, command.url)
+                self._looks[command.verb] = self._aside.submit(_look, command.verb, command.url)
                 self._show_start(**{LOOKS[command.verb][1]: True})
         elif command.verb == "begin" and command.setup is not None:
             if self._options.asks:
                 with contextlib.suppress(CannotWrite):  # to be remembered is a courtesy, not a condition
                     save_setup(command.setup)
             setup = command.setup
-            self._start(lambda: begin(setup, self._database, self._options), FOR_FIXES if setup.gnss else FOR_UNIT)
+            self._start(lambda: _begun(setup, self._database, self._options), _awaited(setup))
         elif command.verb == "resume":
             folder, options = Path(command.folder), self._options
             if command.url:
                 options = replace(options, setup=options.setup.model_copy(update={"url": command.url}))
-            self._start(lambda: finished(folder, self._database) or resume(folder, self._database, options))
+            self._start(lambda: _resumed(folder, self._database, options))
         elif command.verb in {"cancel", "leave"}:
             self._end("cancelled", "nothing was begun; the database is as it was")
 
@@ -184,6 +186,7 @@ class Engine:
         self.view = self.view.model_copy(update={"start": start.model_copy(update=changes)})
 
     def _finish(self, campaign: Campaign) -> None:
+        from station.guide.outcome import verdict_view
         from station.recorder.results import make_results  # scipy and matplotlib: not before they are wanted
 
         self._publish(self.view.model_copy(update={"stage": "solving", "line": "solving"}))
@@ -215,6 +218,8 @@ class Engine:
         if self._outcome.sha256:
             self._end("left", "the calibration is stored; there is nothing to cancel")
             return
+        from station.guide.unfinished import cancel_campaign
+
         campaign.close()
         cancel_campaign(campaign.folder, self._database)
         self._end("cancelled", f"cancelled; the database is as it was, the recordings stay in {campaign.folder}")
@@ -239,6 +244,42 @@ class Engine:
             self._campaign.close()
         ended = {"stage": stage, "line": line, "hint": "", "question": None, "code": code}
         self.view = self.view.model_copy(update=ended)
+
+
+def prefetch() -> None:
+    """Import what a campaign needs, while nobody waits for it."""
+    import station.guide.port_check  # noqa: F401
+
+
+def _look(verb: str, url: str) -> Check:
+    if verb == "check":
+        from station.guide.port_check import check_port
+
+        return check_port(url)
+    from station.guide.receiver import check_receiver
+
+    return check_receiver(url)
+
+
+def _begun(setup: Setup, database: Database, options: Options) -> Campaign:
+    from station.guide.live_campaign import begin
+
+    return begin(setup, database, options)
+
+
+def _resumed(folder: Path, database: Database, options: Options) -> Campaign:
+    from station.guide.finished import finished
+    from station.guide.live_campaign import resume
+
+    return finished(folder, database) or resume(folder, database, options)
+
+
+def _awaited(setup: Setup) -> str:
+    if not setup.gnss:
+        return FOR_UNIT
+    from station.guide.gnss_beside import FIXES, WAIT_S
+
+    return f"waiting for the unit, and up to {WAIT_S:g} s for {FIXES} positions of the receiver"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -19,7 +19,7 @@ from station.recorder import CampaignRecorder
 class FinishedCampaign:
     """Holds the folder of a complete campaign; to be closed. A step is done again on a `LiveCampaign` only."""
 
-    is_complete = True
+    is_complete, has_device = True, False
 
     def __init__(self, recorder: CampaignRecorder, checklist: Checklist, stack: ExitStack) -> None:
         self._recorder, self._checklist, self._stack = recorder, checklist, stack

@@ -34,7 +34,7 @@ from station.guide.guide import Guide
 from station.guide.host_clock import HostClock
 from station.guide.identity import UnitRecord
 from station.guide.options import Options
-from station.guide.setup import RECORD_INSTEAD
+from station.guide.port_check import RECORD_INSTEAD
 from station.guide.so_far import SoFar, so_far
 from station.guide.unfinished import FolderLock, reopen
 from station.guide.view import Setup, Sound, View
@@ -52,6 +52,8 @@ T = TypeVar("T", bound=BaseModel)
 
 class LiveCampaign:
     """One campaign being recorded; made by `begin` and `resume`, to be closed."""
+
+    has_device = True
 
     def __init__(
         self, reader: Reader, feed: LiveFeed, unit: Unit, guide: Guide, recorder: CampaignRecorder,

@@ -3,9 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from procedures.steps import Step
 from station.guide.view import Setup
+
+if TYPE_CHECKING:
+    from procedures.steps import Step
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +23,7 @@ class Options:
 
     root: Path
     setup: Setup = field(default_factory=Setup)
-    steps: Sequence[Step] = ()
+    steps: Sequence["Step"] = ()
     asks: bool = True
     warms_up: bool = True
     is_patient: bool = True

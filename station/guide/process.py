@@ -6,15 +6,17 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pydantic import BaseModel, ConfigDict
 
-from station.campaign_folder.plan_toml import read_mounting, read_plan
 from station.errors import StationError
 from station.guide.command import Command
-from station.guide.operator import Nobody, Operator, SimulatedOperator
-from station.guide.options import Options
 from station.guide.view import Setup
+
+if TYPE_CHECKING:
+    from station.guide.operator import Operator
+    from station.guide.options import Options
 
 END_S = 30.0  # a solve under way, and a reader's farewell
 
@@ -48,14 +50,21 @@ class EngineOptions(BaseModel):
     move_s: float = 45.0
     first: Command | None = None
 
-    def engine(self) -> Options:
+    def engine(self) -> "Options":
         """Return the engine's options; raise `DataRefused` if the plan cannot be read."""
-        steps = read_plan(self.plan) if self.plan else ()
-        axes = read_mounting(self.plan) if self.plan else ()
+        from station.guide.options import Options
+
+        if self.plan is None:
+            return Options(self.root, self.setup, (), self.asks, self.warms_up)
+        from station.campaign_folder.plan_toml import read_mounting, read_plan  # a screen need not wait for these
+
+        steps, axes = read_plan(self.plan), read_mounting(self.plan)
         return Options(self.root, self.setup, steps, self.asks, self.warms_up, imu_axes=axes)
 
-    def operator(self) -> Operator:
+    def operator(self) -> "Operator":
         """Return who moves the cube, as far as the engine is concerned."""
+        from station.guide.operator import Nobody, SimulatedOperator
+
         return SimulatedOperator(self.hands, self.move_s) if self.hands else Nobody()
 
 

@@ -1,4 +1,4 @@
-"""Campaigns that were interrupted: which there are, how one is gone on with, how one is given up.
+"""Campaigns that were interrupted: how one is gone on with, how one is given up.
 
 At accept the order is file, ``SHA256SUMS``, ``campaign.toml``, row in the database. A kill in between leaves a
 step half accepted; `reopen` decides: with a row it is accepted; named in ``campaign.toml`` it is adopted; a file
@@ -10,12 +10,11 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Literal
 
-from fixtures_db.campaigns import accept_step, campaign, in_state, remove_campaign, set_state
+from fixtures_db.campaigns import accept_step, campaign, remove_campaign, set_state
 from fixtures_db.database import Database
 from fixtures_db.errors import CampaignInUse
-from fixtures_db.schema import CampaignRow, StepRow
+from fixtures_db.schema import StepRow
 from station.campaign_folder import read_hashes
 from station.campaign_folder.files import open_inside
 from station.campaign_folder.manifest import NAME as SUMS
@@ -23,20 +22,11 @@ from station.campaign_folder.schema import CampaignTable
 from station.campaign_folder.toml_text import NAME as TOML
 from station.campaign_folder.toml_text import read_toml
 from station.errors import DataRefused
-from station.guide.folder_lock import FolderInUse, FolderLock, is_locked
-from station.guide.folder_notes import kept_plan
-from station.guide.view import Unfinished
+from station.guide.folder_lock import FolderInUse, FolderLock
 from station.recorder.campaign import CampaignRecorder, step_of
 
-STEPS = 18  # of a campaign without a plan: 12 positions, 6 turns
 OPEN = ("recording", "recorded")
-__all__ = ["FolderInUse", "FolderLock", "cancel_campaign", "reopen", "unfinished"]
-
-
-def unfinished(database: Database) -> list[Unfinished]:
-    """Return the campaigns in state ``recording``, newest first."""
-    with database.read() as session:
-        return [_described(row) for row in in_state(session, "recording")]
+__all__ = ["FolderInUse", "FolderLock", "cancel_campaign", "reopen"]
 
 
 def reopen(folder: Path, database: Database) -> CampaignRecorder:
@@ -96,36 +86,6 @@ def cancel_campaign(folder: Path, database: Database) -> None:
     """
     with database.write() as session:
         remove_campaign(session, str(folder.resolve()))
-
-
-def _described(row: CampaignRow) -> Unfinished:
-    folder = Path(row.folder)
-    done = len({step.name for step in row.steps})
-    total = max(_planned(folder), done)
-    began = row.started_utc.astimezone()
-    is_today = began.date() == datetime.now(UTC).astimezone().date()
-    when = f"{began:%H:%M}" if is_today else f"{began:%Y-%m-%d %H:%M}"
-    return Unfinished(
-        folder=row.folder,
-        title=f"campaign of {when}, {done} of {total} done, {row.imu.model} {row.imu.serial}",
-        serial=row.imu.serial,
-        done=done,
-        total=total,
-        state=_state(folder),
-    )
-
-
-def _state(folder: Path) -> Literal["free", "in use", "not here"]:
-    if not (folder / TOML).is_file():
-        return "not here"
-    return "in use" if is_locked(folder) else "free"
-
-
-def _planned(folder: Path) -> int:
-    try:
-        return len(kept_plan(folder)) or STEPS
-    except (DataRefused, OSError):
-        return STEPS
 
 
 def _named(tables: CampaignTable) -> dict[str, str]:

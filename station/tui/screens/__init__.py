@@ -1,28 +1,42 @@
 """Which screen shows which stage; a line here puts a screen into use."""
 
-from station.guide.view import Stage
-from station.tui.screens.campaign import CampaignScreen
-from station.tui.screens.connecting import ConnectingScreen
-from station.tui.screens.ended import EndedScreen
-from station.tui.screens.solving import SolvingScreen
-from station.tui.screens.stage import StageScreen
-from station.tui.screens.start import StartScreen
-from station.tui.screens.verdict import VerdictScreen
-from station.tui.screens.warm_up import WarmUpScreen
+from collections.abc import Iterator, Mapping
+from importlib import import_module
 
-SCREEN_FOR: dict[Stage, type[StageScreen]] = {
-    "start": StartScreen,
-    "connecting": ConnectingScreen,
-    "warm_up": WarmUpScreen,
-    "place": CampaignScreen,
-    "settle": CampaignScreen,
-    "dwell": CampaignScreen,
-    "turn": CampaignScreen,
-    "paused": CampaignScreen,
-    "solving": SolvingScreen,
-    "verdict": VerdictScreen,
-    "stored": VerdictScreen,
-    "cancelled": EndedScreen,
-    "left": EndedScreen,
-    "failed": EndedScreen,
+from station.guide.view import Stage
+from station.tui.screens.stage import StageScreen
+
+_HOMES: dict[Stage, str] = {
+    "start": "start.StartScreen",
+    "connecting": "connecting.ConnectingScreen",
+    "warm_up": "warm_up.WarmUpScreen",
+    "place": "campaign.CampaignScreen",
+    "settle": "campaign.CampaignScreen",
+    "dwell": "campaign.CampaignScreen",
+    "turn": "campaign.CampaignScreen",
+    "paused": "campaign.CampaignScreen",
+    "solving": "solving.SolvingScreen",
+    "verdict": "verdict.VerdictScreen",
+    "stored": "verdict.VerdictScreen",
+    "cancelled": "ended.EndedScreen",
+    "left": "ended.EndedScreen",
+    "failed": "ended.EndedScreen",
 }
+
+
+class _Screens(Mapping[Stage, type[StageScreen]]):
+    """The screens by stage, each imported when it is first shown: the first one need not wait for the others."""
+
+    def __getitem__(self, stage: Stage) -> type[StageScreen]:
+        module, _, name = _HOMES[stage].partition(".")
+        screen: type[StageScreen] = getattr(import_module(f"{__name__}.{module}"), name)
+        return screen
+
+    def __iter__(self) -> Iterator[Stage]:
+        return iter(_HOMES)
+
+    def __len__(self) -> int:
+        return len(_HOMES)
+
+
+SCREEN_FOR = _Screens()

@@ -17,12 +17,24 @@ class KeyLine(Footer):
 
     def __init__(self) -> None:
         super().__init__(compact=True, show_command_palette=False)
+        self._drawn: object = None  # the keys that stand there
 
     def bindings_changed(self, screen: Screen[object]) -> None:
-        """Draw the keys anew."""
+        """Draw the keys anew if they are others."""
         self._bindings_ready = True
         if self.is_attached and screen is self.screen:
-            self.call_after_refresh(self.recompose)
+            self.call_after_refresh(self._draw_others)
+
+    async def _draw_others(self) -> None:
+        """Draw the keys; a screen tells of a change a dozen times while it is built, mostly of none."""
+        keys = [
+            (active.binding, active.enabled, active.tooltip)
+            for active in self.screen.active_bindings.values()
+            if active.binding.show
+        ]
+        if keys != self._drawn:
+            self._drawn = keys
+            await self.recompose()
 
     def on_mount(self) -> None:
         """Draw the keys that work from the beginning: a screen that is shown out of focus is told of no change."""

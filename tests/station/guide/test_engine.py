@@ -19,8 +19,8 @@ from fixtures_db.history import history, verify_chain
 from station.campaign_folder import read_campaign, verify_folder
 from station.guide.client import Connection
 from station.guide.command import Command
+from station.guide.open_campaigns import unfinished
 from station.guide.process import EngineOptions, engine_process
-from station.guide.unfinished import unfinished
 from station.guide.view import Setup, View
 
 SPEED = 60.0

@@ -17,7 +17,9 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.slabs import add_slab
 from procedures.records import CountBlock
 from station.errors import CannotWrite
-from station.guide.setup import check_port, load_setup, noise_in_words, save_setup, setup_file, start_view
+from station.guide.port_check import check_port, noise_in_words
+from station.guide.remembered import load_setup, save_setup, setup_file
+from station.guide.setup import start_view
 from station.guide.view import Setup
 from tests.station.guide.recorded import begin
 
@@ -110,8 +112,8 @@ def test_a_bad_line_is_named_with_what_to_do(tmp_path: Path) -> None:
     ("url", "said"),
     [
         ("serial:///dev/ttyNONE", "no such port"),
-        ("nonsense", "no scheme"),
-        ("", "no scheme"),
+        ("nonsense", "no address"),
+        ("", "no address"),
         ("tcp://127.0.0.1:1", "check address, port"),
         ("replay:/no/such/file", "No such file"),
     ],

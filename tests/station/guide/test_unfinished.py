@@ -15,7 +15,8 @@ from procedures.steps import Turn
 from station.campaign_folder import read_campaign, verify_folder
 from station.errors import DataRefused
 from station.guide.folder_notes import keep_plan
-from station.guide.unfinished import FolderInUse, FolderLock, cancel_campaign, reopen, unfinished
+from station.guide.open_campaigns import unfinished
+from station.guide.unfinished import FolderInUse, FolderLock, cancel_campaign, reopen
 from station.recorder import Unit
 from station.recorder import campaign as recording
 from tests.fixtures_db.factory import facts, solution

@@ -1,0 +1,93 @@
+"""A look at what a port sends, before a campaign begins on it."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from drivers.errors import DriverError
+from drivers.wire import ALL_CHANNELS
+from procedures.frames import AXES
+from procedures.records import RateBlock, SampleBlock, block_rows
+from station.guide.view import Check
+from station.live.counted import RATE_UNIT
+from station.live.stillness import TICKS, Block, block_of
+
+if TYPE_CHECKING:
+    from station.reader.look import Seen
+
+LOOK_S = 2.0
+RECORD_INSTEAD = "record its steps with `station record` and solve them as a campaign folder"
+TICK_S = 0.1
+BAD_SHARE = 0.01  # of the frames; beyond it the line is not good enough to begin
+
+
+def check_port(url: str, seconds: float = LOOK_S) -> Check:
+    """Look at what a port sends; what is wrong with it stands in ``text``, with what to do. Never raises."""
+    from station.reader.look import look
+
+    try:
+        seen = look(url, seconds)
+    except (DriverError, OSError) as error:
+        return Check(url=url, is_good=False, text=str(error))
+    counters = seen.counters
+    bad = counters.bad_crc + counters.bad_length
+    remedies = _remedies(seen, bad)
+    return Check(
+        url=url,
+        is_good=not remedies,
+        format=seen.format,
+        model=seen.model or "",
+        serial=seen.serial or "",
+        rate_hz=seen.rate_hz,
+        frames=seen.frames,
+        bad_frames=bad,
+        noise=noise_in_words(seen.samples, seen.rate_hz),
+        text="; ".join(remedies) or "frames come as they should",
+    )
+
+
+def noise_in_words(samples: SampleBlock, rate_hz: float | None) -> str:
+    """Say how much the counts of tenths of a second scatter within a second, by triad the greatest channel."""
+    size = round(rate_hz) if rate_hz else 0
+    seconds = len(samples) // size if size >= TICKS else 0
+    if not seconds:
+        return "less than a second came: too short to say the noise"
+    variance = np.mean([_second(samples, i * size, size).variance for i in range(seconds)], axis=0)
+    gyro, accel = np.sqrt(variance).reshape(2, 3).max(axis=1)
+    if isinstance(samples, RateBlock):
+        gyro, accel = (value / (RATE_UNIT * TICK_S) for value in (gyro, accel))
+        return f"gyroscopes {gyro:.2g}, accelerometers {accel:.2g} rms of 0.1 s, in the device's units"
+    return f"gyroscopes {gyro:.2g}, accelerometers {accel:.2g} counts rms in 0.1 s"
+
+
+def _second(samples: SampleBlock, first: int, size: int) -> Block:
+    rows = block_rows(samples, slice(first, first + size))
+    return block_of(rows, first, 1 / size, is_broken=False, is_anew=False)
+
+
+def _remedies(seen: "Seen", bad: int) -> list[str]:
+    counters, said = seen.counters, list[str]()
+    if bad > BAD_SHARE * (seen.frames + bad):
+        said.append(
+            f"{bad} of {seen.frames + bad} frames are damaged, expected under {BAD_SHARE:.0%}; check cable, "
+            f"ground and termination"
+        )
+    if counters.counter_jumps:
+        said.append(
+            f"frames are missing in {counters.counter_jumps} places, expected none; check that the baud rate is "
+            f"high enough and nothing else reads the port"
+        )
+    if counters.bad_status:
+        said.append(
+            f"the device reports a fault in {counters.bad_status} of {seen.frames} frames, expected none; "
+            f"let it warm up, or see its manual"
+        )
+    for triad, values in (("gyro", seen.samples.gyro), ("accelerometer", seen.samples.accel)):
+        said += [
+            f"{triad} {AXES[i]} puts out nothing, expected counts; check the unit"
+            for i in range(3)
+            if not values[:, i].any() and f"{triad[0]}{AXES[i]}" in seen.channels
+        ]
+    if missing := sorted(ALL_CHANNELS - seen.channels):
+        said.append(f"{seen.format} sends no {', '.join(missing)}, expected six channels; {RECORD_INSTEAD}")
+    return said

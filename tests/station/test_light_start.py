@@ -1,0 +1,65 @@
+"""What the first screen waits for: no numerics, no files of campaigns, no plots. Each of these took seconds."""
+
+import subprocess
+import sys
+
+import pytest
+
+from station.commands import COMMANDS
+
+HEAVY = ("numpy", "scipy", "numba", "matplotlib", "mcap", "google.protobuf", "alembic", "jinja2", "procedures.steps")
+NOT_OF_A_SCREEN = (*HEAVY, "sqlalchemy", "serial", "fixtures_db")
+FORM = """
+import sys, pathlib, station.cli
+from station.commands.calibrate import calibrate
+from station.commands._guided import set_up, campaigns_root
+from station.guide.remembered import load_setup
+from station.guide.process import EngineOptions, engine_process
+from station.guide.client import Connection
+from station.tui.app import StationApp
+from station.tui.screens import SCREEN_FOR
+set_up(load_setup(), {})
+EngineOptions(root=campaigns_root()).engine()
+SCREEN_FOR["start"](print), SCREEN_FOR["connecting"](print)
+"""
+ENGINE = """
+import sys, pathlib
+from station.guide import serving
+from station.guide.engine import Engine
+from station.guide.process import EngineOptions
+from fixtures_db.database import open_db
+with open_db(sys.argv[1]) as database:
+    engine = Engine(database, EngineOptions(root=pathlib.Path(".")).engine(), print)
+    assert engine.view.start.setup is not None
+    engine.close()
+"""
+
+
+def imported(program: str, *arguments: str) -> set[str]:
+    """Return the modules that a program of its own has imported at its end."""
+    command = [sys.executable, "-P", "-c", f"{program}\nprint(*sys.modules, sep='\\n')", *arguments]
+    return set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+
+
+def test_the_form_is_drawn_without_numerics_and_without_a_database() -> None:
+    assert sorted(imported(FORM) & set(NOT_OF_A_SCREEN)) == []
+
+
+def test_the_engine_offers_the_form_without_numerics(tmp_path: object) -> None:
+    imported(ENGINE, f"{tmp_path}/s.db")  # makes the database, which takes alembic
+    assert sorted(imported(ENGINE, f"{tmp_path}/s.db") & set(HEAVY)) == []
+
+
+@pytest.mark.parametrize("name", [command.name for command in COMMANDS])
+def test_every_command_explains_itself_without_numerics(name: str) -> None:
+    program = f"import sys; from station.cli import run; assert run([{name!r}, '--help']) == 0"
+    assert sorted(imported(program) & set(HEAVY)) == []
+
+
+def test_the_version_is_said() -> None:
+    said = subprocess.run(
+        [sys.executable, "-P", "-c", "from station.cli import main; main()", "--version"],
+        capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    assert said.startswith("station 0.")
+    assert said.count("\n") == 1
