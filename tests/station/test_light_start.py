@@ -7,7 +7,8 @@ import pytest
 
 from station.commands import COMMANDS
 
-HEAVY = ("numpy", "scipy", "numba", "matplotlib", "mcap", "google.protobuf", "alembic", "jinja2", "procedures.steps")
+NUMERICS = ("numpy", "scipy", "numba", "matplotlib", "procedures.steps")
+HEAVY = (*NUMERICS, "mcap", "google.protobuf", "alembic", "jinja2")
 NOT_OF_A_SCREEN = (*HEAVY, "sqlalchemy", "serial", "fixtures_db")
 FORM = """
 import sys, pathlib, station.cli
