@@ -105,13 +105,26 @@ def _serve(socket: Path, screen: Screen) -> View:
                 os.kill(os.getpid(), signal.SIGTERM)
 
         connection.when_changed(stop_when_over)
-        serve([sys.executable, "-P", "-m", "station.tui", str(socket)], typer.echo, port=screen.port)
+        command = [sys.executable, "-P", "-m", "station.tui", str(socket)]
+        serve(command, _announce, port=screen.port, report=lambda: _report(connection.view))
         connection.when_changed(_nothing)
         return connection.view
 
 
 def _nothing() -> None:
     pass
+
+
+def _announce(url: str) -> None:
+    typer.echo(
+        "Open this address in a browser of this machine. Whoever has it can drive the bench: keep it secret."
+    )
+    typer.echo("Each tab shows the same campaign, and closing one changes nothing; Ctrl-C here ends it all.")
+    typer.echo(url)
+
+
+def _report(view: View) -> Path | None:
+    return Path(view.verdict.report) if view.verdict and view.verdict.report else None
 
 
 def _look(socket: Path, screen: Screen, options: "EngineOptions") -> View:

@@ -1,6 +1,7 @@
 """The terminal screen in a browser of this machine; needs the extra ``web``."""
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from station.web.errors import WebNotInstalled
 
@@ -12,6 +13,7 @@ def serve(
     host: str = "127.0.0.1",
     port: int = 8000,
     title: str = "station",
+    report: Callable[[], Path | None] = lambda: None,
 ) -> None:
     """Serve a Textual program to browsers until Ctrl-C or SIGTERM; each tab has a process of its own.
 
@@ -29,6 +31,8 @@ def serve(
         127.0.0.1, ::1 or localhost.
     port : int
         0: any free one.
+    report
+        Which file is shown at ``report`` below that URL, None while there is none.
 
     Raises
     ------
@@ -43,4 +47,4 @@ def serve(
         from station.web.server import LoopbackServer
     except ModuleNotFoundError as error:
         raise WebNotInstalled(error.name or str(error)) from error
-    LoopbackServer(command, announce, host, port, title).serve()
+    LoopbackServer(command, announce, host, port, title, report).serve()

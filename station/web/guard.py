@@ -10,6 +10,7 @@ from collections.abc import Awaitable, Callable
 
 from aiohttp import web
 
+REPORT = "report"  # below the secret; a document, which may do nothing
 DOWNLOAD = "/download/"  # the page asks for it by this name; what follows is a secret of its own
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
@@ -25,6 +26,11 @@ class Guard:
     def url(self) -> str:
         """The address of the page."""
         return f"http://{self.authority}/{self.token}/"
+
+    @property
+    def report(self) -> str:
+        """The path of the report."""
+        return f"/{self.token}/{REPORT}"
 
     def fault(self, request: web.Request) -> str:
         """Return why a request is refused, empty if it is not."""
@@ -46,13 +52,18 @@ class Guard:
         return await handler(request)
 
     async def add_headers(self, request: web.Request, response: web.StreamResponse) -> None:
-        """Have the browser ask nobody else, show the page in no other, and tell its address to nobody."""
+        """Have the browser ask nobody else, show the page in no other, and tell its address to nobody.
+
+        The report runs nothing at all: what was typed into a form stands in it.
+        """
+        page = (
+            f"default-src 'self'; connect-src 'self' ws://{self.authority}; img-src 'self' data:; "
+            f"script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'"
+        )
+        document = "sandbox; default-src 'none'; img-src data:; font-src data:; style-src 'unsafe-inline'"
         response.headers.update(
             {
-                "Content-Security-Policy": (
-                    f"default-src 'self'; connect-src 'self' ws://{self.authority}; img-src 'self' data:; "
-                    f"script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'"
-                ),
+                "Content-Security-Policy": document if request.path == self.report else page,
                 "Referrer-Policy": "no-referrer",
                 "Cache-Control": "no-store",
                 "X-Content-Type-Options": "nosniff",

@@ -24,7 +24,13 @@ class LoopbackServer(Server):
     """Serves ``command`` to each tab; `serve` blocks."""
 
     def __init__(
-        self, command: Sequence[str], announce: Callable[[str], None], host: str, port: int, title: str
+        self,
+        command: Sequence[str],
+        announce: Callable[[str], None],
+        host: str,
+        port: int,
+        title: str,
+        report: Callable[[], Path | None] = lambda: None,
     ) -> None:
         if host not in LOOPBACK:
             raise NotLoopback(host, tuple(LOOPBACK))
@@ -32,7 +38,7 @@ class LoopbackServer(Server):
         address, port = self._socket.getsockname()[:2]
         name = f"[{address}]" if ":" in address else address
         self.guard = Guard(name if port == HTTP_PORT else f"{name}:{port}")
-        self._announce = announce
+        self._announce, self._report = announce, report
         self._open: set[web.WebSocketResponse] = set()
         super().__init__(
             f"exec {shlex.join(command)}",  # no shell stays between us and the program
@@ -73,9 +79,21 @@ class LoopbackServer(Server):
             await tab.stop()
         return websocket
 
+    async def handle_report(self, request: web.Request) -> web.Response:
+        """Answer with the report as it is now."""
+        path = self._report()
+        try:
+            content = await asyncio.to_thread(path.read_bytes) if path else b""
+        except OSError as error:
+            raise web.HTTPNotFound(text=f"{path}: no readable report ({error.strerror})\n") from error
+        if not content:
+            raise web.HTTPNotFound(text="there is no report yet: it is written with the verdict\n")
+        return web.Response(body=content, content_type="text/html", charset="utf-8")
+
     async def _make_app(self) -> web.Application:
         app = web.Application(middlewares=[self.guard.middleware])
         app.on_response_prepare.append(self.guard.add_headers)
+        app.router.add_get(self.guard.report, self.handle_report)
         app.add_subapp(f"/{self.guard.token}/", await super()._make_app())
         app.router.add_get(f"{DOWNLOAD}{{key}}", self.handle_download)
         return app

@@ -9,15 +9,15 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import ScrollableContainer, Vertical
 
-from station.commands import COMMANDS
 from station.guide.command import Command
 from station.guide.view import View
+from station.tui.screens.diagnosis import DiagnosisScreen
 from station.tui.screens.stage import StageScreen
 from station.tui.widgets.fact import Fact
 from station.tui.widgets.number_table import NumberTable
 from station.tui.widgets.verdict_sentence import VerdictSentence
 
-CAN_DIAGNOSE = any(command.name == "diagnose" for command in COMMANDS)
+REPORT = "report"  # where a page finds it: `station.web.guard.Guard.report`
 
 
 class VerdictScreen(StageScreen):
@@ -32,7 +32,7 @@ class VerdictScreen(StageScreen):
         Binding("s", "store", "Store", tooltip="put the calibration into the database"),
         Binding("r", "redo", "Redo", tooltip="record the position again that stood off"),
         Binding("o", "open_report", "Open report", tooltip="show the report in a browser"),
-        Binding("d", "diagnose", "Diagnose", tooltip="how to look for what the model lacks"),
+        Binding("d", "diagnose", "Diagnosis", tooltip="all that the residual says the model lacks"),
         Binding("down,pagedown", "roll(1)", "More", key_display="↑↓", tooltip="scroll the facts and the numbers"),
         Binding("up,pageup", "roll(-1)", "More", show=False),
         Binding("right", "shift(1)", "Right", show=False),
@@ -78,7 +78,7 @@ class VerdictScreen(StageScreen):
             return self.view.stage == "verdict"
         if action == "redo":
             return self.view.stage == "verdict" and bool(self.view.verdict and self.view.verdict.redo)
-        return CAN_DIAGNOSE if action == "diagnose" else True
+        return True
 
     def action_store(self) -> None:
         """Ask, then store."""
@@ -91,15 +91,18 @@ class VerdictScreen(StageScreen):
             self.order("redo", step=self.view.verdict.redo)
 
     def action_open_report(self) -> None:
-        """Open the report in a browser of this machine, or say where it is."""
+        """Open the report: in the browser that shows this screen, else in one of this machine; say where it is."""
         report = self.view.verdict.report if self.view.verdict else ""
-        if report and not self.app.is_web and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-            webbrowser.open(Path(report).absolute().as_uri())
-        self.notify(report or "no report was written", title="The report", markup=False, timeout=30)
+        said = report or "no report was written"
+        if report and self.app.is_web:
+            self.app.open_url(REPORT)
+        elif report and not _is_opened(Path(report)):
+            said = f"no browser can be opened from here; open this file: {report}"
+        self.notify(said, title="The report", markup=False, timeout=30)
 
     def action_diagnose(self) -> None:
-        """Say how to diagnose."""
-        self.notify(f"station diagnose {self.view.folder}", title="In a shell", markup=False, timeout=30)
+        """Show all of the diagnosis."""
+        self.app.push_screen(DiagnosisScreen(self.view.verdict.diagnosis_text if self.view.verdict else ""))
 
     def action_roll(self, down: int) -> None:
         """Scroll by half of what is in sight."""
@@ -116,3 +119,10 @@ class VerdictScreen(StageScreen):
             self.app.exit()
         else:
             super().action_leave()
+
+
+def _is_opened(report: Path) -> bool:
+    """Open a file in a browser; none without a display, as a browser of text would take the terminal."""
+    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return False
+    return webbrowser.open(report.absolute().as_uri())

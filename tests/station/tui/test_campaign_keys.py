@@ -47,7 +47,7 @@ async def test_a_key_sends_its_command(view: View, keys: str, command: Command) 
         (views.running("place", steps=views.steps(0), wanted="dwell_01", can_redo=""), "f"),
         (PLACE, "f n"),
         (views.WARMING, "s escape"),
-        (views.PASSED, "d"),  # there is no such command yet
+        (views.PASSED, "d s escape"),  # a diagnosis is read, nothing is stored from there
         (views.STORED, "s"),
         (views.STORED, "c"),
     ],
