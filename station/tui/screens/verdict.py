@@ -32,7 +32,7 @@ class VerdictScreen(StageScreen):
         Binding("s", "store", "Store", tooltip="put the calibration into the database"),
         Binding("r", "redo", "Redo", tooltip="record the position again that stood off"),
         Binding("o", "open_report", "Open report", tooltip="show the report in a browser"),
-        Binding("d", "diagnose", "Diagnosis", tooltip="all that the residual says the model lacks"),
+        Binding("d", "diagnose", "Diagnose", tooltip="all that the residual says the model lacks"),
         Binding("down,pagedown", "roll(1)", "More", key_display="↑↓", tooltip="scroll the facts and the numbers"),
         Binding("up,pageup", "roll(-1)", "More", show=False),
         Binding("right", "shift(1)", "Right", show=False),
