@@ -12,6 +12,7 @@ import numpy as np
 from drivers.errors import DriverError
 from procedures.arrays import FloatArray
 from procedures.leaning import APART_DEG, nearest_deg
+from procedures.steps import Step
 from station.guide.asking import Asking
 from station.guide.command import Command
 from station.guide.desk import Desk
@@ -19,12 +20,15 @@ from station.guide.identity import UnitRecord
 from station.guide.judge import Look
 from station.guide.leaning import Leaning
 from station.guide.placing import Placing
+from station.guide.pose import HeadingWatch, pose_view
 from station.guide.recognising import Recognising
 from station.guide.resting import Resting
 from station.guide.seat import keep_question
 from station.guide.stage import Stage
+from station.guide.tracking import Tracker
+from station.guide.trouble import Trouble, trouble_of
 from station.guide.turning import Turning
-from station.guide.view import Gates, Link, View
+from station.guide.view import Gates, Link, PoseView, View
 from station.guide.warming import Warming
 from station.guide.wording import title
 from station.live.stillness import TIMES_NOISE, Block
@@ -45,8 +49,11 @@ class Guide:
         self._stage: Stage = first(desk) if unsure is None else Recognising(desk, unsure, first)
         self._look: Look | None = None
         self._accel: FloatArray = np.zeros(3)
+        self._tracker = Tracker(desk)
+        self._heading = HeadingWatch(desk, self._tracker)
         self._is_paused = False
-        self.trouble = ""  # with the stream, in words
+        self.trouble = ""  # with the stream, in words ...
+        self._troubled = Trouble.none()  # ... and what is to be done
         self._time_s: float | None = None  # the device's, up to which the stream was looked at
 
     @property
@@ -61,11 +68,13 @@ class Guide:
         self._accel = block.rate[3:]
         self._time_s = block.ends if desk.feed.tells_time else None
         look = self._look = desk.judge.look(block)
+        self._tracker.take(block, look)
         if block.is_anew:
             self._stage = self._stage.interrupted()
         elif self._is_paused:
             look = replace(look, is_still=False, is_calm=False, hindrance="paused")
         self._stage = self._stage.take(block, look)
+        self._heading.take(look, self._step if self._may_stand_wrong else None)
         past = block.first - KEPT_BLOCKS * (block.last - block.first)
         oldest = self._stage.oldest
         desk.feed.tape.forget_before(past if oldest is None else min(past, oldest))
@@ -74,11 +83,12 @@ class Guide:
         """Take the newest second for show only."""
         if block is not None:
             self._look, self._accel = self.desk.judge.look(block), block.rate[3:]
+        self._tracker.glance()
 
     def stream_failed(self, error: DriverError) -> None:
         """Take what is wrong with the stream; a dwell or turn under way is not accepted."""
         if not self.trouble:
-            self.trouble = str(error)
+            self.trouble, self._troubled = str(error), trouble_of(error)
             self.desk.story.say("rejected", self.trouble)
             self._stage = self._stage.interrupted()
 
@@ -108,10 +118,12 @@ class Guide:
             for key in ("position", "heading", "seating", "is_seated", "is_free")
             if key in shown
         }
+        if self._heading.text:
+            shown["hint"] = self._heading.text
         if self._is_paused:
-            shown |= {"stage": "paused", "hint": "paused: nothing is recorded"}
+            shown |= {"stage": "paused", "line": "paused: nothing is recorded", "hint": ""}
         if self.trouble:
-            shown["hint"] = self.trouble
+            shown |= {"line": self._troubled.instruction, "hint": self.trouble}
         return base.model_copy(
             update=shown
             | {
@@ -119,12 +131,19 @@ class Guide:
                 "wanted": wanted.name if (wanted := desk.checklist.wanted) else "",
                 "can_redo": desk.checklist.latest,
                 "remaining_s": max(desk.checklist.remaining_s() - shown.get("accepted_s", 0.0), 0.0),
-                "gates": self._gates(extras),
+                "gates": None if self.trouble else self._gates(extras),
+                "pose": None if self.trouble else self._pose(),
                 "link": self._link(),
                 "events": desk.story.events,
                 "time_s": self._time_s,
             }
         )
+
+    @property
+    def _may_stand_wrong(self) -> bool:
+        """Whether nothing has found yet that the cube stands in a position."""
+        stage = self._stage
+        return isinstance(stage, Placing) or (isinstance(stage, Resting) and not stage.is_known)
 
     @property
     def _is_recording(self) -> bool:
@@ -145,6 +164,18 @@ class Guide:
             extras = extras | {"is_right_face": look.off_deg >= APART_DEG and is_apart, "limit_deg": APART_DEG}
         return gates.model_copy(update=extras)
 
+    @property
+    def _step(self) -> Step | None:
+        """The step that is being recorded, else the one wanted."""
+        live = self._stage.shown().get("live", "")
+        checklist = self.desk.checklist
+        return next((step for step in checklist.steps if step.name == live), checklist.wanted)
+
+    def _pose(self) -> PoseView | None:
+        pose = pose_view(self._tracker, self.desk, self._step)
+        is_turning = isinstance(self._stage, Turning) and self._stage.is_moving
+        return pose.model_copy(update={"text": "", "turn_deg": None}) if pose and is_turning else pose
+
     def _has_work(self, face: str) -> bool:
         checklist = self.desk.checklist
         wanted = checklist.wanted
@@ -158,14 +189,17 @@ class Guide:
             name=feed.address.name, rate_hz=1 / feed.period,
             bad_frames=counters.bad_crc + counters.bad_length, lost=stream.lost,
             gaps=stream.breaks + stream.restarts, temperature_c=feed.temperature_c,
-            is_live=not self.trouble, text=self.trouble or feed.trouble,
+            is_live=not self.trouble, word=self._troubled.word if self.trouble else "",
+            text=self.trouble or feed.trouble,
         )  # fmt: skip
 
     def _choose(self, command: Command) -> None:
         if self.desk.checklist.choose(command.step):
             self._look_again()
         else:
-            self.desk.story.say("", f"{command.step} is done already: press r to do it again")
+            step = next((each for each in self.desk.checklist.steps if each.name == command.step), None)
+            what = f"{title(step)} is done already: r does it again" if step else "there is no such step"
+            self.desk.story.say("", what)
 
     def _redo(self, command: Command) -> None:
         checklist = self.desk.checklist

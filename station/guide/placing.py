@@ -17,6 +17,8 @@ from station.guide.wording import task, title
 from station.live.stillness import Block
 
 SETTLE_BLOCKS = 3  # still ones that are not used
+HANDS_OFF = "hands off: the cube comes to rest"
+SET_DOWN_AGAIN = "lift the cube, wipe it and the slab, set it down as it stood"
 
 
 class Placing:
@@ -66,7 +68,12 @@ class Placing:
         hint = self._why or (self._hint if not self._must_move else "")
         shown: dict[str, Any] = {"stage": "settle" if self._calm else "place", "line": what, "hint": hint}
         shown |= {"lean": lean, "is_free": self._is_free}
-        return shown | ({"is_seated": False, "seating": self._why} if self._desk.off_seat else {})
+        if self._calm:
+            shown["line"] = HANDS_OFF
+        if self._desk.off_seat:  # one thing at a time: not where it is to go next
+            shown |= {"line": SET_DOWN_AGAIN, "hint": _told(self._why)}
+            shown |= {"is_seated": False, "seating": _told(self._why)}
+        return shown
 
     def _begins_here(self, look: Look) -> bool:
         """Say whether the wanted step begins where the cube stands, so that it need not be moved."""
@@ -114,6 +121,11 @@ def desk_turns(desk: Desk) -> list[Turn]:
     """Return the turns that are to be done."""
     checklist = desk.checklist
     return [step for step in checklist.steps if isinstance(step, Turn) and checklist.is_open(step)]
+
+
+def _told(why: str) -> str:
+    """Return why a seat is no good without the instruction, which stands above it."""
+    return why.removesuffix("; lift, wipe, set down")
 
 
 def _again(desk: Desk, why: str, *, must_move: bool) -> Stage:

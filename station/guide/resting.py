@@ -95,7 +95,7 @@ class Resting:
         """Return how far the dwell is."""
         wanted_s = self._step.seconds
         accepted_s = min(self._dwelling.accepted_s, wanted_s)
-        where = title(self._step) if self._is_known else f"{title(self._step)}?"
+        where = title(self._step) if self.is_known else f"{title(self._step)}?"
         soak = self._thermometer.view(wanted_s - accepted_s) if self._is_soak else None
         line = f"{where}: {accepted_s:.0f} of {wanted_s:.0f} s, hands off"
         hint = "disturbed: those seconds are left out; keep still" if self._dwelling.is_disturbed else ""
@@ -110,13 +110,13 @@ class Resting:
         }  # fmt: skip
 
     @property
-    def _is_known(self) -> bool:
+    def is_known(self) -> bool:
         """Whether it is known which way the cube points, as far as that matters."""
         return bool(self._position) or self._how == ANY
 
     @property
     def _question(self) -> Question | None:
-        if self._is_known or not self._desk.facts.asks:
+        if self.is_known or not self._desk.facts.asks:
             return None
         is_time = self._dwelling.accepted_s >= ASK_AFTER_S or self._dwelling.is_complete
         return which_way(self._face) if is_time else None
@@ -157,9 +157,9 @@ class Resting:
             return self
         if why := self._crept():
             return self._again(desk, f"{why}; it begins again", must_move=False)
-        if not self._is_known and not desk.facts.asks:
+        if not self.is_known and not desk.facts.asks:
             self._position, self._how = self._dwells[0].position, AS_ASKED
-        if not self._is_known:
+        if not self.is_known:
             return self
         if why := "" if self._is_soak else self._seat.last_fault(self._dwelling, self._position):
             return self._again(desk, why, must_move=True)

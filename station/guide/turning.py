@@ -104,10 +104,12 @@ class Turning:
         )  # fmt: skip
         line, hint = task(self._step, is_there=True), ""
         if not self._is_ready:
-            hint = "keep your hands off: rest before the turn"
+            line = f"hands off: it rests before {title(self._step)}"
+        elif watch.is_moving and watch.rested_s:
+            line = f"hands off: it rests after {title(self._step)}"
         elif watch.is_moving:
             line = f"{title(self._step)}: {abs(turn.revolutions):.2f} of {turn.wanted} turns"
-            hint = "hands off: rest after the turn" if watch.rested_s else _speed(turn)
+            hint = _speed(turn)
             if self._is_wrong_way:
                 hint = f"the other way round: {sense(self._step)} from above was asked for"
         return {

@@ -180,6 +180,27 @@ class TurnView(_Value):
     rest_s: float = 0.0
     rest_wanted_s: float = 5.0
 
+    @property
+    def is_to_rest(self) -> bool:
+        """Whether the cube is to be let alone: before the turn, and once it has come back."""
+        is_moving = self.speed_deg_s > 0 or (self.revolutions != 0 and self.rest_s == 0)
+        return self.rest_s < self.rest_wanted_s and not is_moving
+
+
+class PoseView(_Value):
+    """The cube as it stands, from the counts.
+
+    ``C_lb``: what East, North and Up each are along the cube's axes, row by row; where ``heading_std_deg`` is None
+    it is not known which way it points, and East and North mean nothing. ``turn_deg`` is how far it must be turned
+    about the vertical, counter-clockwise seen from above, to stand as wanted: None unless the face is the right
+    one and the heading known. ``text`` says what is left to do, or that it stands as wanted.
+    """
+
+    C_lb: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+    heading_std_deg: float | None = None
+    turn_deg: float | None = None
+    text: str = ""
+
 
 class SoakView(_Value):
     """A soak: the temperature now and its range so far [degC], None where the device says none; time left [s]."""
@@ -203,7 +224,10 @@ class WarmUp(_Value):
 
 
 class Link(_Value):
-    """The stream: ``is_live`` False while nothing comes; ``text`` says what is wrong and what to do."""
+    """The stream: ``is_live`` False while nothing comes that can be used; ``text`` says what is wrong, what to do.
+
+    ``word`` is what is wrong in two words, such as NO DATA, WRONG UNIT.
+    """
 
     name: str = ""
     rate_hz: float = 0.0
@@ -212,6 +236,7 @@ class Link(_Value):
     gaps: int = 0
     temperature_c: float | None = None
     is_live: bool = True
+    word: str = ""
     text: str = ""
 
 
@@ -287,6 +312,7 @@ class View(_Value):
     wanted_s: float = 0.0
     remaining_s: float = 0.0
     gates: Gates | None = None
+    pose: PoseView | None = None
     turn: TurnView | None = None
     soak: SoakView | None = None
     lean: tuple[int, int, int] | None = None
