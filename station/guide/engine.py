@@ -25,6 +25,7 @@ from station.guide.command import Command
 from station.guide.options import Options
 from station.guide.remembered import save_setup
 from station.guide.setup import start_view
+from station.guide.step_words import for_people
 from station.guide.view import Check, Setup, Stage, Start, Verdict, View
 
 if TYPE_CHECKING:
@@ -49,7 +50,17 @@ class Engine:
         self._looks: dict[str, Future[Check]] = {}  # under way, by verb
         self._outcome = _Outcome()
         self._refused = ""  # why what is complete could not be solved
+        self._view = View()
         self.view = View(stage="start", start=start_view(database, options.setup))
+
+    @property
+    def view(self) -> View:
+        """What is shown; no text of it names a file of a step."""
+        return self._view
+
+    @view.setter
+    def view(self, view: View) -> None:
+        self._view = for_people(view)
 
     def round(self) -> None:
         """Let the campaign go on for a moment, or do nothing."""

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from procedures.steps import Step
 from station.campaign_folder import read_plan, write_plan
@@ -12,7 +12,7 @@ from station.errors import DataRefused
 from station.guide.identity import UnitRecord
 from station.guide.view import Setup
 
-SETUP, UNIT, PLAN = "setup.json", "unit.json", "plan.toml"
+SETUP, UNIT, PLAN, LEFT_OUT = "setup.json", "unit.json", "plan.toml", "left_out.json"
 T = TypeVar("T", bound=BaseModel)
 
 
@@ -34,6 +34,25 @@ def write_unit(folder: Path, unit: UnitRecord) -> None:
 def read_unit(folder: Path) -> UnitRecord | None:
     """Return what was known of the unit, None if nothing was; raise `DataRefused` if it cannot be read."""
     return _read(folder / UNIT, UnitRecord)
+
+
+class LeftOut(BaseModel):
+    """By file: how long the spans are that the guide left out of a step, as the cube was disturbed [s]."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    spans_s: dict[str, list[float]] = {}
+
+
+def keep_left_out(folder: Path, file: str, spans_s: list[float]) -> None:
+    """Keep what was left out of a step."""
+    kept = read_left_out(folder)
+    _write(folder / LEFT_OUT, LeftOut(spans_s={**kept, file: [round(span, 3) for span in spans_s]}))
+
+
+def read_left_out(folder: Path) -> dict[str, list[float]]:
+    """Return what was left out of the steps, by file [s]; raise `DataRefused` if it cannot be read."""
+    kept = _read(folder / LEFT_OUT, LeftOut)
+    return {} if kept is None else kept.spans_s
 
 
 def keep_plan(folder: Path, steps: tuple[Step, ...]) -> None:

@@ -1,11 +1,12 @@
 """Where a guided campaign's steps go: the recorder, and the notes beside it in the folder."""
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 from procedures.arrays import FloatArray
 from procedures.steps import Step
 from station.campaign_folder import write_tables
-from station.guide.folder_notes import keep_plan, read_unit, write_unit
+from station.guide.folder_notes import keep_left_out, keep_plan, read_unit, write_unit
 from station.recorder import CampaignRecorder
 from station.recorder.tape import Run, Tape
 
@@ -20,7 +21,12 @@ class FolderRecorder:
         self, step: Step, tape: Tape, runs: Sequence[Run], kept_seat: Sequence[float] | None = None
     ) -> None:
         """Record ``step`` as the samples of ``runs``; ``kept_seat`` (2,) [rad]: kept though it sits so far off."""
-        self._recorder.accept(step, tape, runs, {} if kept_seat is None else {"kept_seat_rad": list(kept_seat)})
+        spans = spans_left_out(runs, tape)
+        said = {} if kept_seat is None else {"kept_seat_rad": list(kept_seat)}
+        path = self._recorder.accept(step, tape, runs, said)
+        if spans:
+            period = self._recorder.tables.imu.sample_period_s
+            keep_left_out(self._recorder.folder, path.name, [span * period for span in spans])
 
     def keep_steps(self, steps: Sequence[Step]) -> None:
         """Keep what the campaign is to have."""
@@ -49,3 +55,9 @@ class FolderRecorder:
         procedure = recorder.tables.procedure.model_copy(update=said)
         recorder.tables = recorder.tables.model_copy(update={"procedure": procedure})
         write_tables(recorder.folder, recorder.tables)
+
+
+def spans_left_out(runs: Sequence[Run], tape: Tape) -> list[int]:
+    """Return how many samples each step from run to run is, where nothing is missing in between."""
+    between = [(before[1], after[0]) for before, after in pairwise(runs)]
+    return [first - last + 1 for last, first in between if tape.last_break(last - 1, first + 1) is None]

@@ -205,7 +205,7 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         feed = open_feed(reader)
         gnss, missed = reopened(stack, setup, folder)
         imu = recorder.tables.imu
-        unit = feed.identify(imu.model, imu.serial)
+        unit = feed.identify(imu.model, imu.serial, has_begun=True)
         fixture, _ = cube_fixture(database, recorder.tables.fixture.id, recorder.tables.fixture.imu_axes)
         done = so_far(folder) if recorder.accepted else SoFar()
         checklist = Checklist(steps, recorder.accepted, done.seconds)

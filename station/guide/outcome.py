@@ -11,7 +11,9 @@ from procedures.frames import AXES
 from procedures.solution import StepResidual
 from station.diagnosis.text import diagnosis_text, warnings_of
 from station.diagnosis.wording import verdict_sentence
+from station.guide.folder_notes import read_left_out
 from station.guide.judgement import Judged, Outcome, judge, limit_in_words
+from station.guide.step_words import gap_in_words, verdict_for_people
 from station.guide.view import Row, Verdict
 from station.recorder.campaign import step_of
 from station.report.fit import LIMIT_SIGMAS, normalised
@@ -41,8 +43,9 @@ def verdict_view(results: "Results", database: Database) -> Verdict:
         last = last_calibration(session, origin["model"], origin["serial"], str(results.folder.resolve()))
     previous = None if last is None else json.loads(last.document)
     found = parameters(results.document)
+    left_out = read_left_out(results.folder)
     moved = {} if previous is None else shifts(applied(found), parameters(previous))
-    return Verdict(
+    verdict = Verdict(
         word=results.outcome.word,
         said=results.outcome.said,
         sentence=results.outcome.sentence,
@@ -53,11 +56,12 @@ def verdict_view(results: "Results", database: Database) -> Verdict:
         diagnosis=verdict_sentence(results.diagnosis),
         diagnosis_text=diagnosis_text(results.diagnosis),
         rows=verdict_rows(found, results.outcome, moved),
-        warnings=tuple(warnings_of(results.document)),
+        warnings=tuple(gap_in_words(warning, left_out) for warning in warnings_of(results.document)),
         redo=_to_redo(results),
         report=str(results.report_file),
         solution=str(results.solution_file),
     )
+    return verdict_for_people(verdict)
 
 
 def _to_redo(results: "Results") -> str:

@@ -5,9 +5,11 @@ Nothing is ever overwritten: each line says one thing once. Where somebody liste
 
 from collections.abc import Callable, Iterable
 
-from station.guide.command import Command
+from station.guide.command import Command, Verb
 from station.guide.session import Session
 from station.guide.soaking import in_words
+from station.guide.step_words import in_words as step_in_words
+from station.guide.step_words import step_typed
 from station.guide.view import Event, Sound, Stage, Verdict, View
 
 OVER = frozenset({"cancelled", "left", "failed"})
@@ -20,18 +22,19 @@ KEYS = {
     "s": Command(verb="store"), "q": Command(verb="leave"), "c": Command(verb="cancel"),
 }  # fmt: skip
 HELP = (
-    "keys, each followed by Enter: r do the last step again, r STEP that one (such as r dwell_03), n STEP do it "
+    "keys, each followed by Enter: r do the last step again, r 3 position 3 again, r x+ that turn, n 4 do it "
     "next, p pause, g go on, k keep the cube as it sits, w skip the warm-up, f finish with what is there, "
     "s store, q leave to resume later, c cancel; a question is answered with the key it names"
 )
 AT_THE_END: dict[Stage, str] = {  # what can be typed then, each followed by Enter
-    "verdict": "s store the calibration, d the diagnosis, o the report, r STEP do a step again (such as "
-    "r dwell_03), q leave: it can be stored another day, c cancel",
+    "verdict": "s store the calibration, d the diagnosis, o the report, r 3 do position 3 again, r x+ that "
+    "turn, q leave: it can be stored another day, c cancel",
     "stored": "d the diagnosis, o the report, q leave",
 }
 REFUSED = "g try again, an address (such as serial:///dev/ttyUSB1) try that one, q leave: nothing was recorded"
 SHORTEST_ADDRESS = 4  # a shorter line is a slip
-SAID_STAGES = frozenset({"place", "settle", "paused", "connecting", "solving", *OVER})
+STEP_VERBS: dict[str, Verb] = {"r": "redo", "n": "choose"}
+SAID_STAGES = frozenset({"warm_up", "place", "settle", "paused", "connecting", "solving", *OVER})
 
 
 class PlainScreen:
@@ -61,7 +64,8 @@ class PlainScreen:
             self._once("unit", f"connected: {view.unit}; recording into {view.folder}")
         for event in view.events:
             self._hear(event)
-        task = view.line if view.stage in SAID_STAGES else ""
+        is_said = view.stage in SAID_STAGES or (view.turn is not None and view.turn.is_to_rest)
+        task = view.line if is_said or not view.link.is_live else ""
         if task:
             at = (
                 f"[{min(view.done + 1, len(view.steps))}/{len(view.steps)}] " if view.steps and view.wanted else ""
@@ -105,12 +109,12 @@ class PlainScreen:
 
     def _progress(self, view: View) -> None:
         if view.stage == "dwell" and view.accepted_s >= EVERY_S:
-            said = f"{view.live} {EVERY_S * (view.accepted_s // EVERY_S):.0f} s accepted"
+            said = f"{step_in_words(view.live)}: {EVERY_S * (view.accepted_s // EVERY_S):.0f} s accepted"
             self._once("seconds", f"{said}, {in_words(view.soak)}" if view.soak else said)
         elif view.stage == "warm_up" and view.warm_up is not None:
             seconds = EVERY_S * (view.warm_up.seconds // EVERY_S)
             left = "" if view.warm_up.left_s is None else f", about {view.warm_up.left_s:.0f} s left"
-            self._once("seconds", f"warming up, {seconds:.0f} s{left if seconds else ''}")
+            self._once("seconds", f"warming up, {seconds:.0f} s{left if seconds else ''}, {view.warm_up.note}")
 
     def _once(self, kind: str, text: str) -> None:
         if kind == "seconds" and text.split(",")[0] == self._told[kind].split(",")[0]:
@@ -143,10 +147,9 @@ def command_of(line: str, view: View, first: Command | None = None) -> Command |
         return _once_more(line.strip(), first)
     if view.question and key in {choice.key for choice in view.question.choices}:
         return Command(verb="answer", key=key)
-    if key == "n" and rest:
-        return Command(verb="choose", step=rest.strip())
-    if key == "r" and rest:
-        return Command(verb="redo", step=rest.strip())
+    if key in STEP_VERBS and rest:
+        step = step_typed(rest, view.steps)
+        return Command(verb=STEP_VERBS[key], step=step) if step else None
     return KEYS.get(key)
 
 
@@ -179,4 +182,11 @@ def listen(
         elif (command := command_of(line, session.view, first)) is not None:
             session.send(command)
         else:
-            say(HELP)
+            say(_not_understood(line, session.view))
+
+
+def _not_understood(line: str, view: View) -> str:
+    key, _, rest = line.strip().partition(" ")
+    if key in STEP_VERBS and rest:
+        return f"there is no step {rest.strip()!r}; {HELP}"
+    return HELP

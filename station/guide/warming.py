@@ -15,11 +15,13 @@ from station.guide.judge import Look
 from station.guide.rested import estimates
 from station.guide.stage import Stage
 from station.guide.view import WarmUp
+from station.guide.wording import rounded
 from station.live.spans import merged, series
 from station.live.stillness import LEAST, TICKS, Block
 
 MEAN_BLOCKS = 10
 NOISE_ROWS = 6
+LEAST_S = 1.0
 
 
 class Warming:
@@ -32,7 +34,7 @@ class Warming:
         self._marks: list[float] = []
         self._state: WarmUpState | None = None
         self._began: float | None = None
-        self._now, self._hint = 0.0, ""
+        self._now, self._hint, self._stated = 0.0, "", 0.0
 
     def take(self, block: Block, look: Look) -> Stage:
         """Take a second of the stream."""
@@ -48,6 +50,7 @@ class Warming:
         self._rows.append(self._blocks)
         self._blocks = []
         self._state = warm_up(self._history(), self._dwell_s, 2 * (self._dwell_s + MOVE_S), self._marks)
+        self._stated = self._now
         if not self._state.is_ready:
             return self
         self._desk.story.say("start", "the unit has settled; positions may begin")
@@ -84,18 +87,19 @@ class Warming:
     def shown(self) -> dict[str, Any]:
         """Return how far it is."""
         state, seconds = self._state, self._now - (self._began or self._now)
-        warm = WarmUp(seconds=seconds, note=self._hint)
+        warm = WarmUp(seconds=seconds)
         if state is not None:
             warm = warm.model_copy(update=self._figures(state))
-        left = "" if warm.left_s is None else f", {warm.left_s:.0f} s left"
+        warm = warm.model_copy(update={"note": self._hint or waits_for(warm)})
         return {
-            "stage": "warm_up", "warm_up": warm, "line": f"warming up: {seconds:.0f} s{left}",
-            "hint": self._hint or "leave the cube at rest, in position 1 if it can be",
+            "stage": "warm_up", "warm_up": warm, "line": "leave the cube at rest, in position 1 if it can be",
+            "hint": self._hint,
         }  # fmt: skip
 
     def _figures(self, state: WarmUpState) -> dict[str, object]:
+        left = None if state.left_s is None else state.left_s - (self._now - self._stated)
         shown: dict[str, object] = {
-            "left_s": state.left_s,
+            "left_s": left if left is not None and left >= LEAST_S else None,  # over, and it goes on: nobody knows
             "temperature_rate_c_min": _per_minute(state.temperature_rate),
             "temperature_limit_c_min": _per_minute(state.temperature_limit),
         }
@@ -135,6 +139,21 @@ class Warming:
         wish = "" if found.is_reached else f", {wanted * 1e6:.2g} ug cannot be reached"
         text = f"each dwell lasts {found.seconds:.0f} s, for a bias known to {found.bias_std_g * 1e6:.2g} ug{wish}"
         desk.story.say("", text)
+
+
+def waits_for(warm: WarmUp) -> str:
+    """Say what a warm-up waits for, in numbers that a person reads."""
+    drift, limit = warm.gyro_drift_deg_h, warm.gyro_limit_deg_h
+    if drift is None or limit is None:
+        return "measuring the drift of the gyros"
+    if drift > limit:
+        wanted = f"waiting for a gyro drift below {rounded(limit, limit)} deg/h"
+        return f"{wanted}, now {rounded(drift, limit)} deg/h"
+    rate, most = warm.temperature_rate_c_min, warm.temperature_limit_c_min
+    if rate is not None and most is not None and abs(rate) > most:
+        wanted = f"waiting for a temperature rate below {rounded(most, most)} °C/min"
+        return f"{wanted}, now {rounded(abs(rate), most)} °C/min"
+    return f"the gyro drift is below {rounded(limit, limit)} deg/h: waiting to be sure of it"
 
 
 def _per_minute(per_second: float | None) -> float | None:

@@ -1,10 +1,18 @@
 """Positions, faces and turns in words."""
 
+from math import floor, log10
+
 from procedures.frames import POSITIONS, face_of
 from procedures.leaning import Lean
 from procedures.steps import Dwell, FreePosition, Soak, Step, Turn
 
 _WORDS = {"U": "up", "D": "down", "E": "east", "W": "west", "N": "north", "S": "south"}
+
+
+def rounded(value: float, limit: float) -> str:
+    """Return a value as finely as two digits of its limit: 0.000 beside 0.029, never 4.35e-14."""
+    digits = max(1 - floor(log10(abs(limit))), 0) if limit else 3
+    return f"{value:.{digits}f}"
 
 
 def axes(position: int) -> str:

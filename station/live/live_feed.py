@@ -121,7 +121,7 @@ class LiveFeed:
         known = values[np.isfinite(values)]
         return float(known[-1]) if len(known) else None
 
-    def identify(self, model: str | None = None, serial: str | None = None) -> Unit:
+    def identify(self, model: str | None = None, serial: str | None = None, *, has_begun: bool = False) -> Unit:
         """Wait until it is known which unit this is; see `unit_of` for what it raises.
 
         Raises
@@ -139,7 +139,9 @@ class LiveFeed:
                 self.advance()
             except ReplayEnded as error:
                 raise no_recording(error, self.wire.name) from error
-        self.unit = unit_of(self.address.name, decoder.identity, round(period, 9), model, serial)
+        self.unit = unit_of(
+            self.address.name, decoder.identity, round(period, 9), model, serial, has_begun=has_begun
+        )
         return self.unit
 
     def blocks(self) -> Iterator[Block]:

@@ -24,29 +24,34 @@ class UnitUnknown(DriverError):
 
 
 class UnitChanged(DriverError):
-    """Another unit answers than the one the campaign began with."""
+    """Another unit answers than the one the campaign began with, or, ``is_entered``, than the one named."""
 
-    def __init__(self, port: str, found: str, expected: str) -> None:
+    def __init__(self, port: str, found: str, expected: str, *, is_entered: bool = False) -> None:
         self.port, self.found, self.expected = port, found, expected
-        super().__init__(
-            f"{port}: serial number {found} is connected, expected {expected} as when the campaign began; "
-            f"connect that unit again or begin a new campaign"
-        )
+        then = "as when the campaign began; connect that unit again or begin a new campaign"
+        if is_entered:
+            then = "as was entered; connect that unit, or correct the serial number"
+        super().__init__(f"{port}: serial number {found} is connected, expected {expected} {then}")
 
 
-def unit_of(port: str, identity: Identity | None, period: float, model: str | None, serial: str | None) -> Unit:
+def unit_of(
+    port: str, identity: Identity | None, period: float, model: str | None, serial: str | None,
+    *, has_begun: bool = False,
+) -> Unit:  # fmt: skip
     """Return the unit; what the wire says stands before what the operator says.
+
+    ``has_begun``: model and serial number are those of a campaign that is gone on with.
 
     Raises
     ------
     UnitUnknown
         If neither says model or serial number.
     UnitChanged
-        If the operator named another serial number than the wire does.
+        If the operator, or the campaign, named another serial number than the wire does.
     """
     said = identity or Identity()
     if said.serial and serial and said.serial != serial:
-        raise UnitChanged(port, said.serial, serial)
+        raise UnitChanged(port, said.serial, serial, is_entered=not has_begun)
     found = {"serial": said.serial or serial, "model": said.model or model}
     for name, value in found.items():
         if not value:

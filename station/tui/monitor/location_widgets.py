@@ -57,7 +57,7 @@ class Where(Drawn[View]):
 def _heading(location: Location) -> tuple[Content | tuple[str, str], ...]:
     if location.heading is None:
         return (Content("none: forward is upright"),)
-    std = "" if location.heading_std is None else f"  1 sigma {location.heading_std:.2f}"
+    std = "" if location.heading_std is None else f"  1 sigma {location.heading_std:.2f} deg"
     return (f"{location.heading:.2f} deg", "bold $accent"), Content(std)
 
 

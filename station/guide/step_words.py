@@ -1,0 +1,72 @@
+"""Steps as people name them: ``position 3`` for the file ``dwell_03.mcap``, and back from what is typed."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+
+from station.guide.view import Step, Verdict, View
+
+_FILED = re.compile(
+    r"(?:[^\s:;,]*/)?\b(?:(?P<kind>dwell|free|soak)_(?P<number>\d\d+)|turn_(?P<axis>[xyz])_(?P<way>plus|minus))"
+    r"(?:_\d+)?(?:\.(?:mcap|csv))?(?::\d+)?\b"
+)
+_KINDS = {"dwell": "position", "free": "free position", "soak": "soak"}
+_WAYS = {"plus": "+", "minus": "-"}
+_GAP = re.compile(r"^(?:.*/)?(?P<file>[^:/]+\.mcap)(?::\d+)?: a gap of (?P<seconds>[\d.]+) s$")
+_NEAR_S = 0.5
+_TYPED = (  # what people type, and what the step's words then are
+    (re.compile(r"^(?:position |p)?(\d+)$"), "position {0}"),
+    (re.compile(r"^(?:turn )?([xyz]) ?([+-])$"), "turn {0}{1}"),
+    (re.compile(r"^(?:turn )?([+-]) ?([xyz])$"), "turn {1}{0}"),
+    (re.compile(r"^(?:free position|free|f) ?(\d+)$"), "free position {0}"),
+    (re.compile(r"^(?:soak|s) ?(\d+)$"), "soak {0}"),
+)
+
+
+def in_words(text: str) -> str:
+    """Return a text with positions and turns in the place of files and of steps' names."""
+    return _FILED.sub(_words, text) if "_" in text else text
+
+
+def step_typed(text: str, steps: Iterable[Step]) -> str:
+    """Return the name of the step that ``text`` means: ``3``, ``x+``, ``+x``, ``soak 1``; empty if none."""
+    typed = re.sub(r"0+(\d)", r"\1", " ".join(in_words(text.lower()).lower().split()))
+    wanted = next(
+        (form.format(*found.groups()) for pattern, form in _TYPED if (found := pattern.match(typed))), typed
+    )
+    return next((step.name for step in steps if wanted == in_words(step.name).lower()), "")
+
+
+def for_people(view: View) -> View:
+    """Return a view whose texts name no file of a step."""
+    events = tuple(event.model_copy(update={"text": in_words(event.text)}) for event in view.events)
+    update: dict[str, object] = {name: in_words(getattr(view, name)) for name in ("line", "hint", "error")}
+    if view.verdict is not None:
+        update["verdict"] = verdict_for_people(view.verdict)
+    return view.model_copy(update=update | {"events": events})
+
+
+def verdict_for_people(verdict: Verdict) -> Verdict:
+    """Return a verdict whose texts name no file of a step."""
+    names = ("sentence", "status_reason", "worst_residual", "change", "diagnosis", "diagnosis_text")
+    update: dict[str, object] = {name: in_words(getattr(verdict, name)) for name in names}
+    return verdict.model_copy(update=update | {"warnings": tuple(map(in_words, verdict.warnings))})
+
+
+def gap_in_words(warning: str, left_out: Mapping[str, Sequence[float]]) -> str:
+    """Return a warning; a gap that the guide made itself is called what it is.
+
+    ``left_out`` holds, by file, how long the spans were that were left out as the cube was disturbed [s].
+    """
+    found = _GAP.match(warning)
+    if found is None:
+        return warning
+    file, seconds = found["file"], float(found["seconds"])
+    if not any(abs(seconds - each) < _NEAR_S for each in left_out.get(file, ())):
+        return f"{file}: a gap of {seconds:.3g} s: samples were lost"
+    return f"{file}: {seconds:.1f} s left out, the cube was disturbed; the rest was accepted"
+
+
+def _words(found: re.Match[str]) -> str:
+    if found["kind"]:
+        return f"{_KINDS[found['kind']]} {int(found['number'])}"
+    return f"turn {found['axis'].upper()}{_WAYS[found['way']]}"
