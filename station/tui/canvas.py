@@ -12,22 +12,35 @@ class Canvas:
 
     def __init__(self, width: int, height: int) -> None:
         self._rows: list[list[Cell]] = [[(" ", "", "")] * width for _ in range(height)]
+        self._top = self._left = 0
+        self.width, self.height = width, height
+
+    def window(self, row: int, column: int, width: int, height: int) -> "Canvas":
+        """Return a part of this one as a canvas of its own."""
+        part = Canvas(0, 0)
+        part._rows, part._top, part._left = self._rows, self._top + row, self._left + column
+        part.width, part.height = min(width, self.width - column), min(height, self.height - row)
+        return part
 
     def put(self, row: int, column: int, text: str, colour: str = "") -> None:
         """Write text over the background that is there."""
         for at, character in enumerate(text, column):
-            if 0 <= row < len(self._rows) and 0 <= at < len(self._rows[row]):
-                self._rows[row][at] = (character, colour, self._rows[row][at][2])
+            if self._has(row, at):
+                cells = self._rows[self._top + row]
+                cells[self._left + at] = (character, colour, cells[self._left + at][2])
 
     def fill(self, row: int, column: int, width: int, background: str) -> None:
         """Empty ``width`` characters and give them a background."""
         for at in range(column, column + width):
-            if 0 <= row < len(self._rows) and 0 <= at < len(self._rows[row]):
-                self._rows[row][at] = (" ", "", background)
+            if self._has(row, at):
+                self._rows[self._top + row][self._left + at] = (" ", "", background)
 
     def content(self) -> Content:
         """Return what was drawn."""
         return Content("\n").join(_line(row) for row in self._rows)
+
+    def _has(self, row: int, column: int) -> bool:
+        return 0 <= row < self.height and 0 <= column < self.width
 
 
 def _line(row: list[Cell]) -> Content:

@@ -2,29 +2,28 @@
 
 ::
 
-         ┌────────────────┐       hidden
-        ╱      up        ╱│       north -Y
+         ┌────────────────┐
+        ╱      up        ╱│
        ╱                ╱ │
       ┌────────────────┐  │  N
       │                │e │ ╱
       │     south      │as╱
       └────────────────┘t╱
+      down +X, north -Y, west +Z
 """
 
 from dataclasses import dataclass
 
-from textual.content import Content
-
 from station.tui.canvas import Canvas
 from station.tui.orientation import DIRECTIONS
 
-LEFT = 2  # columns of slab left of the cube
-RIGHT = 6
-HIDDEN = "NWD"
+LEFT = 1  # columns of slab left of the cube
+RIGHT = 3
 SLANT = "\u2571"  # box drawings: a diagonal from corner to corner
 SHADE = {"U": "60%", "S": "42%", "E": "26%"}  # of the axis's colour: the light comes from above
 EDGE = "$foreground"
 SLAB = "$foreground 13%"
+UNKNOWN = "?"  # a face that nobody knows
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,12 +36,12 @@ class Size:
 
     @property
     def columns(self) -> int:
-        """The picture's width, legend and all."""
-        return self.legend_column + len("north -Y")
+        """The picture's width."""
+        return self.corner + self.depth + RIGHT
 
     @property
     def rows(self) -> int:
-        """The picture's height."""
+        """The picture's height, with the line of hidden faces."""
         return self.bottom + 2
 
     @property
@@ -55,55 +54,68 @@ class Size:
         """The row of the front face's lower edge."""
         return self.depth + self.height + 1
 
-    @property
-    def legend_column(self) -> int:
-        """Where the legend begins."""
-        return self.corner + self.depth + 2
+
+SIZES = tuple(Size(width=4 * depth - 2, height=4 * depth // 3, depth=depth) for depth in range(3, 13))
+SMALL, LARGE = SIZES[0], SIZES[4]
 
 
-SMALL = Size(width=16, height=5, depth=5)
-LARGE = Size(width=26, height=9, depth=7)
+def largest(columns: int, rows: int) -> Size:
+    """Return the largest size that fits; the smallest where none does."""
+    return max((s for s in SIZES if s.columns <= columns and s.rows <= rows), default=SMALL, key=lambda s: s.depth)
 
 
-def cube_picture(faces: dict[str, str], size: Size, turn: str = "") -> Content:
+def draw_cube(canvas: Canvas, faces: dict[str, str], size: Size, turn: str = "") -> None:
     """Draw the cube.
 
     Parameters
     ----------
+    canvas : Canvas
+        At least as large as ``size`` says.
     faces
-        The face that looks each way, as of `station.tui.orientation.faces`.
+        The face that looks each way, as of `station.tui.orientation.faces`; `UNKNOWN` where nobody knows.
     size : Size
         How large.
     turn
         ``counter-clockwise`` or ``clockwise``: adds the arrow along which the front moves, seen from above.
     """
-    canvas = Canvas(size.columns, size.rows)
-    _slab(canvas, size)
+    draw_slab(canvas, size)
     _fill(canvas, size, faces)
     _edges(canvas, size)
     _labels(canvas, size, faces)
-    _legend(canvas, size, faces)
+    draw_hidden(canvas, size, faces)
     if turn:
         _arrow(canvas, size, turn)
-    return canvas.content()
 
 
 def axis_colour(face: str) -> str:
     """Return the colour of a face such as ``-X``."""
-    return f"$axis-{face[1].lower()}"
+    return "$foreground" if face == UNKNOWN else f"$axis-{face[1].lower()}"
 
 
-def _slab(canvas: Canvas, size: Size) -> None:
+def draw_slab(canvas: Canvas, size: Size) -> None:
+    """Draw the slab with its mark to the North."""
     width = LEFT + size.width + 2 + RIGHT
-    for row in range(size.height, size.rows):
+    for row in range(size.height, size.rows - 1):
         canvas.fill(row, size.bottom - row, width, SLAB)
     for back in range(1, size.depth):
-        canvas.put(size.bottom - back, size.corner + 3 + back, SLANT, "bold $foreground")
-    canvas.put(size.height + 1, size.corner + 3 + size.depth, "N", "bold $foreground")
+        canvas.put(size.bottom - back, size.corner + 2 + back, SLANT, "bold $foreground")
+    canvas.put(size.height + 1, size.corner + 2 + size.depth, "N", "bold $foreground")
+
+
+def draw_hidden(canvas: Canvas, size: Size, faces: dict[str, str]) -> None:
+    """Name the faces that cannot be seen in the line below, in letters where words have no room."""
+    ways = [way for way in "DNW" if faces[way] != UNKNOWN]
+    words = ", ".join(f"{DIRECTIONS[way]} {faces[way]}" for way in ways)
+    if len(words) > size.columns - 1:
+        words = " ".join(f"{'down' if way == 'D' else way} {faces[way]}" for way in ways)
+    canvas.put(size.bottom + 1, 1, words, "$foreground")
 
 
 def _fill(canvas: Canvas, size: Size, faces: dict[str, str]) -> None:
     shade = {way: f"{axis_colour(faces[way])} {percent}" for way, percent in SHADE.items()}
+    for way in SHADE:
+        if faces[way] == UNKNOWN:
+            shade[way] = f"$foreground {int(SHADE[way][:-1]) // 2}%"
     for row in range(size.bottom + 1):
         back = max(size.depth - row, 0)
         canvas.fill(row, size.corner + back, _side_end(size, row) - size.corner - back + 1, shade["E"])
@@ -144,18 +156,16 @@ def _labels(canvas: Canvas, size: Size, faces: dict[str, str]) -> None:
         ("E", side, size.corner + 1 + size.depth // 2),
     ):
         word = DIRECTIONS[way]
+        if way == "U" and size.depth < 4:  # both in one line
+            canvas.put(row, column - 3, f"{faces[way]} {word}", "bold $foreground")
+            continue
+        if way == "E" and size.depth < 4:
+            word = "E"
         canvas.put(row, column - 1, faces[way], "bold $foreground")
         canvas.put(row + 1, column - len(word) // 2, word, "$foreground")
-
-
-def _legend(canvas: Canvas, size: Size, faces: dict[str, str]) -> None:
-    canvas.put(0, size.legend_column, "hidden", "$muted")
-    for row, way in enumerate(HIDDEN, start=1):
-        canvas.put(row, size.legend_column, DIRECTIONS[way], "bold $foreground" if way == "D" else "$foreground")
-        canvas.put(row, size.legend_column + 6, faces[way], f"bold {axis_colour(faces[way])}")
 
 
 def _arrow(canvas: Canvas, size: Size, turn: str) -> None:
     line = "━" * (size.width - 2)
     arrow = f"{line}━▶" if turn == "counter-clockwise" else f"◀━{line}"
-    canvas.put(size.bottom + 1, LEFT + 1, arrow, "bold $accent")
+    canvas.put(size.bottom, LEFT + 1, arrow, "bold $accent")

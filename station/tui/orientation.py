@@ -1,9 +1,14 @@
 """Which way the cube's faces look in each position, in letters and in words."""
 
+from collections.abc import Sequence
+from math import cos, radians
+
 from procedures.frames import POSITIONS, TURN_START, face_of
 from station.guide.view import Step
 
 DIRECTIONS = {"U": "up", "D": "down", "N": "north", "S": "south", "E": "east", "W": "west"}
+Rows = Sequence[Sequence[float]]
+SQUARE_DEG = 10.0  # nearer a cube is drawn square to the slab
 _OPPOSITE = dict(zip("UDNSEW", "DUSNWE", strict=True))
 
 
@@ -15,10 +20,30 @@ def faces(position: int) -> dict[str, str]:
     return looks
 
 
-def in_words(position: int) -> str:
-    """Return where the axes point, the vertical one first: ``+X down, +Y north, +Z east``."""
-    points = sorted(zip("XYZ", POSITIONS[position - 1], strict=True), key=lambda pair: pair[1] not in "UD")
-    return ", ".join(f"+{axis} {DIRECTIONS[letter]}" for axis, letter in points)
+def faces_of(C_lb: Rows) -> dict[str, str] | None:
+    """Return the face that looks each way, from what East, North and Up are along the cube's axes.
+
+    None where the cube stands more than `SQUARE_DEG` off any way that a position can have.
+    """
+    looks = {}
+    for letter, row in zip("ENU", C_lb, strict=True):
+        axis = max(range(3), key=lambda i: abs(row[i]))
+        if abs(row[axis]) < cos(radians(SQUARE_DEG)):
+            return None
+        sign = "+" if row[axis] > 0 else "-"
+        looks[letter], looks[_OPPOSITE[letter]] = (
+            f"{sign}{'XYZ'[axis]}",
+            f"{'-' if sign == '+' else '+'}{'XYZ'[axis]}",
+        )
+    return looks
+
+
+def nearest_face(C_lb: Rows) -> dict[str, str]:
+    """Return the face that is up and the one that is down; which way the others look is not known."""
+    up = C_lb[2]
+    axis = max(range(3), key=lambda i: abs(up[i]))
+    sign, other = ("+", "-") if up[axis] > 0 else ("-", "+")
+    return dict.fromkeys("NSEW", "?") | {"U": f"{sign}{'XYZ'[axis]}", "D": f"{other}{'XYZ'[axis]}"}
 
 
 def start_of(step: Step) -> int:
@@ -33,25 +58,8 @@ def is_counter_clockwise(step: Step) -> bool:
     return points_up == (step.direction == "+")
 
 
-def sense(step: Step) -> str:
-    """Return a turn in words: ``3 turns counter-clockwise seen from above``."""
-    times = "1 turn" if step.revolutions == 1 else f"{step.revolutions} turns"
-    return f"{times} {'counter-clockwise' if is_counter_clockwise(step) else 'clockwise'} seen from above"
-
-
 def title(step: Step) -> str:
     """Return a step's short name: ``position 3``, ``turn X +``."""
     if step.is_soak or step.is_free:
         return f"{'soak' if step.is_soak else 'free position'} {step.number}"
     return f"position {step.position}" if step.position else f"turn {step.axis.upper()} {step.direction}"
-
-
-def instruction(step: Step) -> str:
-    """Return what is to be done with the cube, in words."""
-    if step.is_free:
-        return f"{title(step)}: lean it as told below, and prop it"
-    if step.up:
-        return f"{title(step)}: {step.up.replace('_', ' ').upper()}, any heading"
-    if step.position:
-        return f"{title(step)}: {in_words(step.position)}"
-    return f"{title(step)}: {sense(step)}"

@@ -9,23 +9,25 @@ from textual.widgets import ContentSwitcher
 
 from station.guide.command import Command
 from station.guide.view import Stage, View
-from station.tui.orientation import instruction
+from station.tui.orientation import is_counter_clockwise
 from station.tui.screens.framed import FramedScreen
 from station.tui.widgets.accepted_bar import AcceptedBar
 from station.tui.widgets.banner import Now
-from station.tui.widgets.cube import Cube
+from station.tui.widgets.cube import CubePair, Cubes
 from station.tui.widgets.gates_panel import GatesPanel
 from station.tui.widgets.seating import Seating
 from station.tui.widgets.soak_lines import SoakLines
 from station.tui.widgets.step_grid import Grid, StepGrid
+from station.tui.widgets.step_words import StepWords
 from station.tui.widgets.turn_gauge import TurnGauge
 
 STAGES: tuple[Stage, ...] = ("place", "settle", "dwell", "turn", "paused")
+CLOCKWISE, COUNTER_CLOCKWISE = "↻", "↺"
 LOOKS: dict[Stage, tuple[str, str, str]] = {
     "place": ("NOW", "▶", "$primary"),
     "settle": ("KEEP STILL", "◼", "$warning"),
     "dwell": ("RECORDING", "●", "$success"),
-    "turn": ("TURN", "↻", "$accent"),
+    "turn": ("TURN", CLOCKWISE, "$accent"),
     "paused": ("PAUSED", "‖", "$foreground"),
 }
 GRID = "Any order is taken: put the cube as you like and it is recognised. Arrows and Enter choose a step."
@@ -57,26 +59,26 @@ class CampaignScreen(FramedScreen):
         Binding("f", "finish", "Finish", tooltip="solve with what is there"),
     ]
     DEFAULT_CSS = """
-    CampaignScreen #middle { height: 13; margin: 1 0; }
+    CampaignScreen #middle { height: 1fr; }
     CampaignScreen #right { width: 1fr; }
-    CampaignScreen ContentSwitcher { height: 3; }
-    CampaignScreen.-tall #middle { height: 20; }
-    CampaignScreen.-tall #steps { height: 11; padding-top: 1; }
+    CampaignScreen ContentSwitcher { height: 1fr; min-height: 3; }
+    CampaignScreen.-tall #steps { padding: 1 0; }
     CampaignScreen.-tall #gates { height: 3; }
     CampaignScreen.-tall AcceptedBar { margin-bottom: 1; }
-    CampaignScreen.-wide.-tall Cube { width: 50; height: 20; }
+    CampaignScreen.-wide CubePair { width: 1fr; }
+    CampaignScreen.-wide #right { width: 50; }
     """
 
     def __init__(self, send: Callable[[Command], None]) -> None:
         super().__init__(send)
-        self.cube, self.grid, self.gates = Cube(), StepGrid(), GatesPanel()
+        self.cube, self.grid, self.gates = CubePair(), StepGrid(), GatesPanel()
         self.seating, self.turn, self.accepted = Seating(), TurnGauge(), AcceptedBar()
-        self.soak = SoakLines()
-        self.lower = ContentSwitcher(self.seating, self.turn, self.soak, initial="seating")
+        self.soak, self.words = SoakLines(), StepWords()
+        self.lower = ContentSwitcher(self.seating, self.turn, self.soak, self.words, initial="seating")
         self._cursor = ""  # empty: on the step wanted
 
     def inner(self) -> ComposeResult:
-        """Lay out cube and bar on the left, steps and gates on the right."""
+        """Lay out the cubes on the left, steps and gates on the right, the bar below."""
         with Horizontal(id="middle"):
             yield self.cube
             with Vertical(id="right"):
@@ -86,23 +88,26 @@ class CampaignScreen(FramedScreen):
         yield self.accepted
 
     def now(self, view: View) -> Now:
-        """Return what the banner says."""
+        """Return what the banner says: one instruction, and what hinders."""
         word, symbol, colour = LOOKS.get(view.stage, LOOKS["place"])
-        if view.stage == "settle" and _is_badly_seated(view):
+        if view.stage in ("place", "settle") and _is_badly_seated(view):
             word, symbol, colour = "SET DOWN AGAIN", "▲", "$error"
-        step = view.step(view.live or view.wanted)
-        return Now(word, symbol, colour, instruction(step) if step else view.line, view.line, view.hint)
+        elif view.turn is not None and view.turn.is_to_rest:
+            word, symbol, colour = LOOKS["settle"]
+        elif (step := view.step(view.live)) is not None and step.axis and view.stage == "turn":
+            symbol = COUNTER_CLOCKWISE if is_counter_clockwise(step) else CLOCKWISE
+        return Now(word, symbol, colour, view.line, view.hint)
 
     def draw(self, view: View) -> None:
         """Show a view."""
         super().draw(view)
-        self.cube.show(view.step(view.live or view.wanted))
+        self.cube.show(Cubes(view.step(view.live or view.wanted), view.pose))
         self.grid.show(self._grid())
         self.gates.show(view.gates)
         self.seating.show(view.gates)
         self.turn.show(view.turn)
         self.soak.show(view.soak)
-        self.lower.current = "turn" if view.turn else "soak" if view.soak else "seating"
+        self._show_lower(view)
         self.accepted.show((view.accepted_s, view.wanted_s))
 
     def keys_depend_on(self, view: View) -> object:
@@ -158,12 +163,20 @@ class CampaignScreen(FramedScreen):
         )
         self.confirm("Finish with what is there?", text, "Yes, finish", "finish", *STAGES)
 
+    def _show_lower(self, view: View) -> None:
+        """Show the words of the step under the cursor while it was moved there, else what is measured."""
+        is_moved = self._cursor not in {"", view.live or view.wanted}
+        self.words.show(view.step(self._cursor))
+        measured = "turn" if view.turn else "soak" if view.soak else "seating"
+        self.lower.current = "words" if is_moved else measured
+
     def _grid(self) -> Grid:
         return Grid(self.view.steps, self.view.wanted, self._cursor or self.view.live or self.view.wanted)
 
     def _set_cursor(self, name: str) -> None:
         self._cursor = name
         self.grid.show(self._grid())
+        self._show_lower(self.view)
 
 
 def _is_badly_seated(view: View) -> bool:

@@ -17,4 +17,4 @@ class ConnectingScreen(FramedScreen):
 
     def now(self, view: View) -> Now:
         """Return what the banner says."""
-        return Now("CONNECTING", "…", "$primary", view.unit or view.link.name, view.line, view.hint)
+        return Now("CONNECTING", "…", "$primary", view.line, view.hint)

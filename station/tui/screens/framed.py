@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import ClassVar
 
 from textual.app import ComposeResult
+from textual.containers import Vertical
 from textual.widgets import Static
 
 from station.guide.command import Command
@@ -12,7 +13,7 @@ from station.guide.view import View
 from station.tui.screens.stage import StageScreen
 from station.tui.widgets.banner import Banner, Now
 from station.tui.widgets.event_lines import EventLines
-from station.tui.widgets.link_line import LinkLine
+from station.tui.widgets.link_line import NO_DATA, LinkLine
 
 
 class FramedScreen(StageScreen):
@@ -22,7 +23,10 @@ class FramedScreen(StageScreen):
 
     DEFAULT_CSS = """
     FramedScreen #text { height: auto; padding: 1 2; }
-    FramedScreen.-tall #banner { height: 5; padding: 1 0; }
+    FramedScreen #events { height: auto; max-height: 4; }
+    FramedScreen.-tall #banner { padding: 1 0; }
+    FramedScreen.-tall #events { height: 5; }
+    FramedScreen #inner { height: 1fr; }
     """
 
     def __init__(self, send: Callable[[Command], None]) -> None:
@@ -32,7 +36,8 @@ class FramedScreen(StageScreen):
     def body(self) -> ComposeResult:
         """Lay out the frame."""
         yield self.banner
-        yield from self.inner()
+        with Vertical(id="inner"):
+            yield from self.inner()
         yield self.events
         yield self.link
 
@@ -48,7 +53,7 @@ class FramedScreen(StageScreen):
         """Show a view in the frame."""
         now = self.now(view)
         if not view.link.is_live and view.stage != "connecting":
-            now = replace(now, word="NO DATA", symbol="✗", colour="$error")
+            now = replace(now, word=view.link.word or NO_DATA, symbol="✗", colour="$error")
         self.banner.show(now)
-        self.events.show(view.events)
+        self.events.show(tuple(event for event in view.events if event.text != now.hint))  # not said twice
         self.link.show(view.link)

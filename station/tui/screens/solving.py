@@ -13,4 +13,4 @@ class SolvingScreen(FramedScreen):
 
     def now(self, view: View) -> Now:
         """Return what the banner says."""
-        return Now("SOLVING", "∑", "$primary", "from counts to a calibration", view.line, view.hint)
+        return Now("SOLVING", "∑", "$primary", view.line, view.hint)

@@ -13,6 +13,7 @@ from station.tui.screens.confirm import Confirm
 from station.tui.screens.help import Help
 from station.tui.widgets.key_line import KeyLine
 from station.tui.widgets.title_bar import TitleBar
+from station.tui.widgets.too_small import LEAST, TooSmall
 
 RUNNING: tuple[Stage, ...] = (
     "start", "connecting", "warm_up", "place", "settle", "dwell", "turn", "paused", "solving", "verdict",
@@ -42,8 +43,12 @@ class StageScreen(Screen[None]):
         Binding("c", "cancel", "Cancel", tooltip="give the campaign up; the database stays as it was"),
         Binding("question_mark", "help", "Help", key_display="?", tooltip="what goes on, and all keys"),
     ]
-    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (112, "-wide")]
-    VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]
+    DEFAULT_CSS = """
+    StageScreen { layers: default above; }
+    StageScreen.-cramped > TooSmall, StageScreen.-low > TooSmall { display: block; }
+    """
+    HORIZONTAL_BREAKPOINTS = [(0, "-cramped"), (LEAST[0], "-narrow"), (112, "-wide")]
+    VERTICAL_BREAKPOINTS = [(0, "-low"), (LEAST[1], "-short"), (34, "-tall")]
     HELPS: ClassVar[dict[Stage, str]] = {}
 
     def __init__(self, send: Callable[[Command], None]) -> None:
@@ -59,6 +64,7 @@ class StageScreen(Screen[None]):
         yield self.title_bar
         yield from self.body()
         yield KeyLine()
+        yield TooSmall()
 
     def body(self) -> ComposeResult:
         """Lay out what is between title and keys."""

@@ -26,7 +26,7 @@ class WarmUpScreen(FramedScreen):
 
     def now(self, view: View) -> Now:
         """Return what the banner says."""
-        return Now("WARM-UP", "◷", "$primary", "leave the cube at rest", view.line, view.hint)
+        return Now("WARM-UP", "◷", "$primary", view.line, view.hint)
 
     def draw(self, view: View) -> None:
         """Show a view."""

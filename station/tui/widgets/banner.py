@@ -1,4 +1,4 @@
-"""What is to be done now: a word, the instruction, the state in a sentence, and what comes next."""
+"""What is to be done now: a word, the one instruction, and why, or what hinders."""
 
 from dataclasses import dataclass
 from textwrap import wrap
@@ -7,7 +7,7 @@ from textual.content import Content
 
 from station.tui.widgets.drawn import Drawn
 
-LINES = 2  # below the instruction
+LEAST, MOST = 3, 6  # rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,34 +18,38 @@ class Now:
     symbol: str
     colour: str
     instruction: str
-    line: str = ""
     hint: str = ""
 
 
 class Banner(Drawn[Now]):
-    """Three lines that everybody must see."""
+    """What everybody must see: nothing of it is cut off, it takes the rows that it needs."""
 
-    DEFAULT_CSS = """
-    Banner { height: 3; background: $surface; }
+    DEFAULT_CSS = f"""
+    Banner {{ height: auto; min-height: {LEAST}; max-height: {MOST}; background: $surface; }}
     """
 
     def __init__(self) -> None:
         super().__init__(Now("", "", "$primary", ""), id="banner")
 
     def render(self) -> Content:
-        """Draw the lines: the hint is never cut off by a long sentence. The coloured edge runs down them."""
+        """Draw the rows; the coloured edge runs down all but the first."""
         now = self.value
+        room = max(self.content_size.width, 40)
         chip = f" {now.symbol} {now.word} " if now.word else ""
-        hint = self._wrapped(now.hint, 1)
-        line = self._wrapped(now.line, LINES - len(hint))
         edge = ("▌ ", now.colour)
-        rows = [Content.assemble((chip, f"bold $background on {now.colour}"), (f"  {now.instruction}", "bold"))]
-        rows += [Content.assemble(edge, row) for row in line]
-        rows += [Content.assemble(edge, (row, f"bold {now.colour}")) for row in hint]
-        rows += [Content.assemble(edge)] * (LINES + 1 - len(rows))
+        first, rest = _split(now.instruction, room - Content(chip).cell_length - 2)
+        rows = [Content.assemble((chip, f"bold $background on {now.colour}"), (f"  {first}", "bold"))]
+        rows += [Content.assemble(edge, (row, "bold")) for row in _wrapped(rest, room)]
+        rows += [Content.assemble(edge, (row, f"bold {now.colour}")) for row in _wrapped(now.hint, room)]
+        rows += [Content.assemble(edge)] * (LEAST - len(rows))
         return Content("\n").join(rows)
 
-    def _wrapped(self, text: str, lines: int) -> list[str]:
-        return wrap(
-            text, max(self.content_size.width - 4, 20), max_lines=lines, placeholder=" ...", break_on_hyphens=False
-        )
+
+def _split(text: str, room: int) -> tuple[str, str]:
+    """Return what of a text fits beside the chip, and the rest."""
+    first = (wrap(text, max(room, 20), break_on_hyphens=False) or [""])[0]
+    return first, text[len(first) :].strip()
+
+
+def _wrapped(text: str, room: int) -> list[str]:
+    return wrap(text, room - 4, break_on_hyphens=False)

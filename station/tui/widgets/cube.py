@@ -1,41 +1,82 @@
-"""The cube as it is to stand, or to be turned."""
+"""The cube as it is to stand, or to be turned, and beside it the cube as it stands."""
+
+from dataclasses import dataclass
+from textwrap import wrap
 
 from textual.content import Content
 
-from station.guide.view import Step
-from station.tui.cube_picture import LARGE, SLANT, SMALL, cube_picture
-from station.tui.orientation import faces, is_counter_clockwise, start_of
+from station.guide.view import PoseView, Step
+from station.tui.canvas import Canvas
+from station.tui.cube_picture import SLANT, Size, draw_cube, largest
+from station.tui.orientation import faces, faces_of, is_counter_clockwise, nearest_face, start_of
+from station.tui.turned_cube import draw_turned
 from station.tui.widgets.drawn import Drawn
 
 LEANING = f"""
+   {SLANT}\u2572   on an edge
+ {SLANT}    \u2572 or corner,
+{SLANT}     {SLANT} propped,
+ \u2572  {SLANT}   not to
+   \u2572{SLANT}    slip"""
+TEXT_LINES = 2
+TITLES = ("AS WANTED", "AS IT STANDS")
 
-        {SLANT}\u2572      on an edge
-      {SLANT}    \u2572    or a corner,
-    {SLANT}        \u2572  propped,
-    \u2572        {SLANT}  so that it
-      \u2572    {SLANT}    cannot slip
-        \u2572{SLANT}"""
+
+@dataclass(frozen=True, slots=True)
+class Cubes:
+    """The step that is wanted and the cube as it stands, None while nothing is known."""
+
+    step: Step | None = None
+    pose: PoseView | None = None
 
 
-class Cube(Drawn[Step | None]):
-    """Draws the step's start as large as there is room."""
+class CubePair(Drawn[Cubes]):
+    """Draws both as large as there is room; what is left to do stands below them."""
 
     DEFAULT_CSS = """
-    Cube { width: 35; height: 13; }
+    CubePair { width: 38; height: 1fr; }
     """
 
     def __init__(self) -> None:
-        super().__init__(None, id="cube")
+        super().__init__(Cubes(), id="cube")
 
     def render(self) -> Content:
-        """Draw the cube; nothing while no step is wanted."""
-        step = self.value
-        if step is None:
+        """Draw the cubes; nothing while no step is wanted."""
+        step, pose = self.value.step, self.value.pose
+        width, height = self.size
+        if step is None or not width:
             return Content("")
-        if step.is_free:
-            return Content(LEANING).stylize("bold")
-        size = LARGE if self.size.width > LARGE.columns and self.size.height >= LARGE.rows else SMALL
-        turn = ""
-        if step.axis:
-            turn = "counter-clockwise" if is_counter_clockwise(step) else "clockwise"
-        return cube_picture(faces(start_of(step)), size, turn)
+        size = largest(width // 2, height - 1 - TEXT_LINES)
+        canvas = Canvas(width, height)
+        for number, title in enumerate(TITLES):
+            canvas.put(0, number * (width // 2) + 1, title, "bold" if number == 0 else "bold $accent")
+        _wanted(canvas.window(1, 0, width // 2, size.rows), step, size)
+        _stands(canvas.window(1, width // 2, width - width // 2, size.rows), pose, size)
+        for row, line in enumerate(self._text(pose, width), size.rows + 1):
+            canvas.put(row, 1, line, "bold $accent")
+        return canvas.content()
+
+    def _text(self, pose: PoseView | None, width: int) -> list[str]:
+        return wrap(pose.text if pose else "how it stands is not known", max(width - 2, 20))
+
+
+def _wanted(canvas: Canvas, step: Step, size: Size) -> None:
+    if step.is_free:
+        for row, line in enumerate(LEANING.split("\n")):
+            canvas.put(row, 1, line, "bold")
+        return
+    turn = ""
+    if step.axis:
+        turn = "counter-clockwise" if is_counter_clockwise(step) else "clockwise"
+    draw_cube(canvas, faces(start_of(step)), size, turn)
+
+
+def _stands(canvas: Canvas, pose: PoseView | None, size: Size) -> None:
+    if pose is None:
+        return
+    if pose.heading_std_deg is None:
+        draw_cube(canvas, nearest_face(pose.C_lb), size)
+    elif (looks := faces_of(pose.C_lb)) is not None:
+        draw_cube(canvas, looks, size)
+    else:
+        draw_turned(canvas, pose.C_lb, size)

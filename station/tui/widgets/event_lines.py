@@ -1,9 +1,14 @@
 """The last things that happened, the newest below."""
 
+from textwrap import wrap
+
 from textual.content import Content
+from textual.geometry import Size
 
 from station.guide.view import Event, Sound
 from station.tui.widgets.drawn import Drawn
+
+LEAST = 2  # rows
 
 LOOKS: dict[Sound, tuple[str, str]] = {
     "": ("·", "$muted"),
@@ -15,7 +20,7 @@ LOOKS: dict[Sound, tuple[str, str]] = {
 
 
 class EventLines(Drawn[tuple[Event, ...]]):
-    """As many events as there are lines; the newest in full colour."""
+    """As many whole events as there are lines; the newest in full colour."""
 
     DEFAULT_CSS = """
     EventLines { height: 1fr; min-height: 2; }
@@ -24,12 +29,24 @@ class EventLines(Drawn[tuple[Event, ...]]):
     def __init__(self) -> None:
         super().__init__((), id="events")
 
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """Return the rows that the newest event needs."""
+        return max(len(_lines(self.value[-1], max(width, 40), is_newest=True)) if self.value else 0, LEAST)
+
     def render(self) -> Content:
-        """Draw the last events."""
-        seen = self.value[-max(self.size.height, 1) :]
-        return Content("\n").join(_line(event, event is self.value[-1]) for event in seen)
+        """Draw the last events; what needs two lines has two."""
+        rows, room = list[Content](), max(self.size.height, 1)
+        for event in reversed(self.value):
+            lines = _lines(event, max(self.size.width, 40), is_newest=event is self.value[-1])
+            if rows and len(rows) + len(lines) > room:
+                break
+            rows = [*lines, *rows]
+        return Content("\n").join(rows)
 
 
-def _line(event: Event, is_newest: bool) -> Content:
+def _lines(event: Event, width: int, *, is_newest: bool) -> list[Content]:
     symbol, colour = LOOKS[event.sound]
-    return Content.assemble((f" {symbol} ", f"bold {colour}"), (event.text, "" if is_newest else "$muted"))
+    first, *others = wrap(event.text, width - 4, break_on_hyphens=False) or [""]
+    look = "" if is_newest else "$muted"
+    begin = Content.assemble((f" {symbol} ", f"bold {colour}"), (first, look))
+    return [begin, *(Content.assemble("   ", (line, look)) for line in others)]

@@ -57,10 +57,10 @@ class _Gate:
 
     def drawn(self, room: int) -> Content:
         colour = "$success" if self.is_open else "$error"
-        filled, empty = bar(self.fraction, max(room, 4))
+        filled, empty = bar(self.fraction, max(room, 3))
         return Content.assemble(
             (f" {self.name:6}", "bold"), (f"{'✓' if self.is_open else '✗'} {self.word:7}", f"bold {colour}"),
-            (filled, colour), (empty, "on $foreground 12%"), f"{self.numbers:>{NUMBERS - 1}} ",
+            (filled, colour), (empty, "on $foreground 12%"), f" {self.numbers:>{NUMBERS - 1}}",
         )  # fmt: skip
 
 

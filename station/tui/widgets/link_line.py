@@ -1,4 +1,4 @@
-"""The stream at a glance; a red line that says what to do while nothing comes."""
+"""The stream at a glance; a red line while nothing comes that can be used."""
 
 from textual.content import Content
 
@@ -6,12 +6,14 @@ from station.guide.view import Link
 from station.plural import plural
 from station.tui.widgets.drawn import Drawn
 
+NO_DATA = "NO DATA"
+
 
 class LinkLine(Drawn[Link]):
     """Rate, bad frames, lost samples, gaps, temperature."""
 
     DEFAULT_CSS = """
-    LinkLine { text-wrap: wrap; height: auto; max-height: 2; padding: 0 1; background: $panel; }
+    LinkLine { text-wrap: wrap; height: auto; padding: 0 1; background: $panel; }
     LinkLine.silent { background: $error; color: $background; text-style: bold; }
     """
 
@@ -24,10 +26,10 @@ class LinkLine(Drawn[Link]):
         super().show(value)
 
     def render(self) -> Content:
-        """Draw the numbers, or what is wrong."""
+        """Draw the numbers, or in two words what is wrong."""
         link = self.value
         if not link.is_live:
-            return Content(f"✗ NO DATA  {link.text or 'nothing comes from the IMU'}")
+            return Content(f"✗ {link.word or NO_DATA}  {link.name}")  # the banner says the rest
         if not link.rate_hz:
             return Content.styled(
                 f"… {link.name}  nothing received yet" if link.name else "… no IMU yet", "$muted"

@@ -9,10 +9,10 @@ from station.tui.widgets.drawn import Drawn
 
 
 class Seating(Drawn[Gates | None]):
-    """Heading in one line, seating in what is left."""
+    """Heading, then seating."""
 
     DEFAULT_CSS = """
-    Seating { height: 3; }
+    Seating { height: 1fr; min-height: 3; }
     """
 
     def __init__(self) -> None:
@@ -26,7 +26,8 @@ class Seating(Drawn[Gates | None]):
         lines = []
         if gates.heading:
             where = f"position {gates.position}, " if gates.position else ""
-            lines.append(Content.assemble((" NORTH ", "bold"), f"{where}{gates.heading}"))
+            said = fill(f"{where}{gates.heading}", max(self.size.width - 8, 20)).replace("\n", "\n       ")
+            lines.append(Content.assemble((" NORTH ", "bold"), said))
         if gates.seating:
             symbol, colour = ("✓", "$success") if gates.is_seated else ("✗", "$error")
             said = fill(f"{symbol} {gates.seating}", max(self.size.width - 9, 20)).replace("\n", "\n         ")

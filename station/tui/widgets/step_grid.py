@@ -1,15 +1,16 @@
-"""All steps of a campaign by face: two headings each, and the turns below."""
+"""All steps of a campaign by face: two headings each, and the turns of each axis below."""
 
 from dataclasses import dataclass
-from textwrap import wrap
 
 from textual.content import Content
 
 from station.guide.view import Step, StepState
-from station.tui.orientation import is_counter_clockwise, title
+from station.tui.orientation import faces, is_counter_clockwise, start_of
 from station.tui.widgets.drawn import Drawn
 
 COLUMNS = ("X up", "X down", "Y up", "Y down", "Z up", "Z down")
+OTHERS = "free positions, s: soaks"
+TURNS = 2  # the row of the turns
 ROWS = 3
 LOOKS: dict[StepState, tuple[str, str]] = {
     "todo": ("○", "$muted"),
@@ -72,22 +73,33 @@ class StepGrid(Drawn[Grid]):
     """A cell has two lines: number or turn, then symbol and word."""
 
     DEFAULT_CSS = """
-    StepGrid { height: 8; }
+    StepGrid { height: auto; }
     """
 
     def __init__(self) -> None:
         super().__init__(Grid(), id="steps")
 
     def render(self) -> Content:
-        """Draw the header, the cells, and the cursor's step in words."""
+        """Draw the cells under their headers."""
         width = max(self.size.width // len(COLUMNS), 7)
-        has_faces = any(not step.number for step in self.value.steps) or not self.value.steps
-        names = COLUMNS if has_faces and self.value.top < ROWS else ("free positions, s: soaks",)
-        lines = [Content("".join(f" {name}".ljust(width) for name in names)).stylize("$muted")]
+        lines, before = list[Content](), ""
         for row in range(self.value.top, self.value.top + ROWS):
+            if (header := self._header(row, width)) != before:
+                lines.append(Content(header).stylize("$muted"))
+            before = header
             cells = [self._cell((row, column), width) for column in range(len(COLUMNS))]
             lines += [Content("").join(cell[line] for cell in cells) for line in (0, 1)]
-        return Content("\n").join([*lines, self._words()])
+        return Content("\n").join(lines)
+
+    def _header(self, row: int, width: int) -> str:
+        """Return what stands above a row: what is up in each column; both turns of an axis have the same."""
+        steps = self.value.steps
+        if row > TURNS or (steps and all(step.number for step in steps)):
+            return f" {OTHERS}"
+        if row < TURNS:
+            return "".join(f" {name}".ljust(width) for name in COLUMNS)
+        turns = {step.axis: f" turn {step.axis.upper()}, {_up(step)}" for step in steps if step.axis}
+        return "".join(turns.get(axis, "").ljust(2 * width) for axis in "xyz")
 
     def _cell(self, place: Place, width: int) -> tuple[Content, Content]:
         step = self.value.at(place)
@@ -101,23 +113,18 @@ class StepGrid(Drawn[Grid]):
         second = Content.assemble((f" {symbol} {step.state}".ljust(width), colour + ground))
         return first, second
 
-    def _words(self) -> Content:
-        step = next((step for step in self.value.steps if step.name == self.value.cursor), None)
-        if step is None:
-            return Content("")
-        said = [step.state, f"{step.seconds:.0f} s" if step.attempts else ""]
-        said += [f"{step.superseded} superseded" if step.superseded else "", step.note]
-        words = f"{title(step)}: {', '.join(word for word in said if word)}"
-        room, lines = max(self.size.width - 2, 20), max(self.size.height - 1 - 2 * ROWS, 1)
-        return Content("\n".join(f" {line}" for line in wrap(words, room, max_lines=lines, placeholder=" ...")))
-
 
 def place_of(step: Step) -> Place:
     """Return the cell of a step."""
     if step.position:
         column, row = divmod(step.position - 1, 2)
         return row, column
-    return 2, 2 * "xyz".index(step.axis) + (step.direction != "+")
+    return TURNS, 2 * "xyz".index(step.axis) + (step.direction != "+")
+
+
+def _up(step: Step) -> str:
+    looks = faces(start_of(step))
+    return f"{step.axis.upper()} {'up' if looks['U'].startswith('+') else 'down'}"
 
 
 def _short(step: Step) -> str:

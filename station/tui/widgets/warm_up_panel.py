@@ -3,8 +3,9 @@
 from textual.content import Content
 
 from station.guide.view import WarmUp
+from station.guide.wording import rounded
 from station.tui.bars import bar
-from station.tui.spoken import against, duration
+from station.tui.spoken import duration
 from station.tui.widgets.drawn import Drawn
 
 
@@ -37,12 +38,13 @@ class WarmUpPanel(Drawn[WarmUp | None]):
 
     def _gate(self, name: str, value: float | None, limit: float | None, unit: str) -> Content:
         if value is None or limit is None:
-            said = "not measured" if value is None else f"{value:.3g} {unit}, the limit is being learnt"
+            said = "not measured yet" if value is None else f"{value:.2g} {unit}, the limit is being learnt"
             return Content.assemble((f"{name:16}", "bold"), (f"… {said}", "$muted"))
         is_inside = abs(value) <= limit
         colour, word = ("$success", "✓ settled ") if is_inside else ("$warning", "✗ changing")
         filled, empty = bar(abs(value) / limit, max(self.size.width - 16 - 11 - 24, 8))
-        numbers = against(value, limit, unit, "+.3g")
+        sign = "<" if is_inside else ">"
+        numbers = f"{rounded(abs(value), limit)} {sign} {rounded(limit, limit)} {unit}"
         return Content.assemble(
             (f"{name:16}", "bold"), (f"{word} ", f"bold {colour}"),
             (filled, colour), (empty, "on $foreground 12%"), f"{numbers:>24}",

@@ -116,10 +116,10 @@ async def test_the_bar_shows_what_the_view_says_and_no_less() -> None:
 async def test_gates_and_turn_say_word_symbol_and_number() -> None:
     async with screens(views.PLACING, LARGE) as seen:
         face, still = seen.app.screen.gates.render().plain.split("\n")
-        assert "✗ wrong" in face
-        assert "Y up, 90.0 > 3 deg" in face
+        assert "✗ tilted" in face
+        assert "Y up, 40.0 > 3 deg" in face
         assert "✗ moving" in still
-        assert "38.2 > 4 noise gz" in still
+        assert "38.2 > 4 noise gyro z" in still
         await seen.show(views.TURNING)
         turns, speed, rest = seen.app.screen.turn.render().plain.split("\n")
         assert "2.34 of 3" in turns

@@ -4,16 +4,34 @@ import re
 
 import numpy as np
 import pytest
+from textual.content import Content
 
-from procedures.frames import nominal_C_lb
+from procedures.arrays import FloatArray
+from procedures.frames import nominal_C_lb, vertical_rotation
 from station.guide.view import Step
-from station.tui.cube_picture import LARGE, SMALL, Size, axis_colour, cube_picture
-from station.tui.orientation import faces, in_words, instruction, is_counter_clockwise, sense, start_of
-from tests.station.tui.views import PLACING, REDOING, TURNING
+from station.tui.canvas import Canvas
+from station.tui.cube_picture import LARGE, SIZES, SMALL, Size, axis_colour, draw_cube, largest
+from station.tui.orientation import faces, faces_of, is_counter_clockwise, nearest_face, start_of
+from station.tui.turned_cube import draw_turned
+from tests.station.tui import views
+from tests.station.tui.session import LARGE as LARGE_TERMINAL
+from tests.station.tui.session import screens
+from tests.station.tui.views import TURNING
 
 TOWARDS = {"east": (1, 0, 0), "north": (0, 1, 0), "up": (0, 0, 1), "west": (-1, 0, 0), "south": (0, -1, 0),
            "down": (0, 0, -1)}  # fmt: skip
 every_position = pytest.mark.parametrize("position", range(1, 13))
+
+
+def drawn_cube(looks: dict[str, str], size: Size, turn: str = "") -> Content:
+    canvas = Canvas(size.columns, size.rows)
+    draw_cube(canvas, looks, size, turn)
+    return canvas.content()
+
+
+def rows_of(C_lb: FloatArray) -> list[list[float]]:
+    rows: list[list[float]] = C_lb.tolist()
+    return rows
 
 
 def face_towards(position: int, way: str) -> str:
@@ -26,19 +44,18 @@ def face_towards(position: int, way: str) -> str:
 @every_position
 @pytest.mark.parametrize("size", [SMALL, LARGE], ids=["small", "large"])
 def test_every_label_of_the_drawing_is_the_axis_that_points_there(position: int, size: Size) -> None:
-    rows = cube_picture(faces(position), size).plain.split("\n")
+    rows = drawn_cube(faces(position), size).plain.split("\n")
     assert all(len(row) == size.columns for row in rows)
-    for way in ("north", "west", "down"):  # hidden faces: by name in the legend
-        assert re.search(rf"{way} +([+-][XYZ])", "\n".join(rows))[1] == face_towards(position, way)
-    drawn = [row[: size.legend_column] for row in rows]
-    for way in ("up", "south", "east"):  # the label stands right above its word
-        at = next(i for i, row in enumerate(drawn) if way in row)
-        column = drawn[at].index(way)
-        above = drawn[at - 1][max(column - 2, 0) : column + len(way) + 2]
-        assert re.findall("[+-][XYZ]", above) == [face_towards(position, way)]
-    top, front, side = (place_of(drawn, face_towards(position, way)) for way in ("up", "south", "east"))
-    assert top[0] < size.depth < front[0]  # the top is above the front's upper edge
-    assert front[1] < size.corner < side[1]  # the east face is right of the front's right edge
+    for way in ("north", "west", "down"):  # hidden faces: named in the last line
+        named = re.search(rf"(?:{way}|\b{way[0].upper()}) ([+-][XYZ])", rows[-1])
+        assert named[1] == face_towards(position, way)
+    drawn = rows[:-1]
+    place = {way: place_of(drawn, face_towards(position, way)) for way in ("up", "south", "east")}
+    assert place["up"][0] < size.depth < place["south"][0]  # the top is above the front's upper edge
+    assert place["south"][1] < size.corner < place["east"][1]  # the east face is right of the front's right edge
+    for way in ("up", "south", "east" if size is LARGE else "E"):  # beside its label, or right below it
+        near = drawn[place[way.replace("E", "east")][0]] + drawn[place[way.replace("E", "east")][0] + 1]
+        assert way in near
 
 
 def place_of(rows: list[str], label: str) -> tuple[int, int]:
@@ -46,17 +63,60 @@ def place_of(rows: list[str], label: str) -> tuple[int, int]:
 
 
 @every_position
-def test_the_faces_are_those_of_the_rotation_in_words_too(position: int) -> None:
+def test_the_faces_are_those_of_the_rotation(position: int) -> None:
     looks = faces(position)
     assert sorted(looks.values()) == ["+X", "+Y", "+Z", "-X", "-Y", "-Z"]
     for way in TOWARDS:
         assert looks[way[0].upper()] == face_towards(position, way)
-    for axis, way in re.findall(r"(\+[XYZ]) (\w+)", in_words(position)):
-        assert face_towards(position, way) == axis
+
+
+@every_position
+@pytest.mark.parametrize("off", np.radians([0.0, 7.0, -7.0]))
+def test_a_cube_that_stands_near_a_position_is_drawn_in_it(position: int, off: float) -> None:
+    C_lb = vertical_rotation(off) @ nominal_C_lb(position)
+    assert faces_of(rows_of(C_lb)) == faces(position)
+    assert {way: nearest_face(rows_of(C_lb))[way] for way in "UD"} == {way: faces(position)[way] for way in "UD"}
+    assert {nearest_face(rows_of(C_lb))[way] for way in "NSEW"} == {"?"}
+
+
+@every_position
+@pytest.mark.parametrize("size", [SMALL, LARGE], ids=["small", "large"])
+def test_a_cube_drawn_at_any_attitude_has_its_labels_where_its_faces_are(position: int, size: Size) -> None:
+    """Turned by 15 deg clockwise all three faces still look up, south and east."""
+    canvas = Canvas(size.columns, size.rows)
+    draw_turned(canvas, rows_of(vertical_rotation(np.radians(-15.0)) @ nominal_C_lb(position)), size)
+    rows = canvas.content().plain.split("\n")
+    up, south, east = (place_of(rows, face_towards(position, way)) for way in ("up", "south", "east"))
+    assert up[0] < min(south[0], east[0])
+    assert south[1] < east[1]
+    assert faces_of(rows_of(vertical_rotation(np.radians(-15.0)) @ nominal_C_lb(position))) is None
+
+
+def test_a_cube_at_any_attitude_stays_in_its_picture_and_shows_no_hidden_face() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        C_lb = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        C_lb *= np.linalg.det(C_lb)
+        canvas = Canvas(LARGE.columns, LARGE.rows)
+        draw_turned(canvas, rows_of(C_lb), LARGE)
+        shown = re.findall("[+-][XYZ]", canvas.content().plain)
+        view = np.array([LARGE.depth / (LARGE.width + 1), -1.0, LARGE.depth / (LARGE.height + 1)])
+        for name in shown:
+            normal = C_lb[:, "XYZ".index(name[1])] * (1 if name[0] == "+" else -1)
+            assert normal @ view > 0
+        assert shown
+
+
+def test_a_picture_is_the_largest_that_fits() -> None:
+    assert largest(18, 10) == SMALL == largest(1, 1)
+    assert largest(200, 200) == SIZES[-1]
+    for size in SIZES:
+        assert largest(size.columns, size.rows) == size
+        assert largest(size.columns - 1, size.rows).depth in {size.depth - 1, SMALL.depth}
 
 
 def test_each_face_has_the_colour_of_its_axis() -> None:
-    styles = {str(span.style) for span in cube_picture(faces(1), SMALL).spans}  # X up, -Z south, Y east
+    styles = {str(span.style) for span in drawn_cube(faces(1), SMALL).spans}  # X up, -Z south, Y east
     assert any("$axis-x 60%" in style for style in styles)
     assert any("$axis-z 42%" in style for style in styles)
     assert any("$axis-y 26%" in style for style in styles)
@@ -71,16 +131,41 @@ def test_the_arrow_of_a_turn_shows_how_the_front_moves(step: Step) -> None:
     front_moves = np.cross(rate, TOWARDS["south"])[0]  # towards the east, which is right in the drawing
     assert is_counter_clockwise(step) == (front_moves > 0)
     turn = "counter-clockwise" if is_counter_clockwise(step) else "clockwise"
-    last = cube_picture(faces(start_of(step)), SMALL, turn).plain.split("\n")[-1]
-    assert ("▶" in last, "◀" in last) == (front_moves > 0, front_moves < 0)
-    assert f"3 turns {turn} seen from above" == sense(step)
+    lower_edge = drawn_cube(faces(start_of(step)), SMALL, turn).plain.split("\n")[SMALL.bottom]
+    assert ("▶" in lower_edge, "◀" in lower_edge) == (front_moves > 0, front_moves < 0)
 
 
 def test_a_turn_of_a_plan_may_be_about_an_axis_that_points_down() -> None:
     down = Step(name="t", state="todo", axis="x", direction="+", revolutions=1, start_position=3)
-    assert sense(down) == "1 turn clockwise seen from above"
+    assert not is_counter_clockwise(down)
 
 
-def test_the_instruction_names_position_and_axes() -> None:
-    assert instruction(PLACING.step("dwell_03")) == "position 3: +X down, +Y north, +Z east"
-    assert instruction(REDOING.step("turn_x_minus")) == "turn X -: 3 turns clockwise seen from above"
+@pytest.mark.parametrize("size", [(80, 24), LARGE_TERMINAL], ids=["80x24", "120x40"])
+async def test_the_cube_as_it_stands_is_drawn_beside_the_cube_as_wanted(size: tuple[int, int]) -> None:
+    async with screens(views.TURN_IT, size) as seen:
+        await seen.pilot.pause()
+        said = "\n".join(seen.lines())
+        assert re.search(r"AS WANTED +AS IT STANDS", said)
+        assert "turn 176 deg more, clockwise" in " ".join(said.split())
+        assert said.count("-X") >= 2  # up in both ...
+        assert "-Y" in said  # ... but the front of one is the back of the other
+        small = seen.app.screen.cube.size.width
+    assert small == 38 or size != (80, 24)
+
+
+async def test_a_heading_that_is_not_known_is_not_drawn() -> None:
+    async with screens(views.UNKNOWN) as seen:
+        await seen.pilot.pause()
+        half = [line[19:38] for line in seen.lines()[4:16]]  # of the cube as it stands
+        assert set(re.findall("[+-][XYZ]", "".join(half))) == {"-X", "+X"}
+        assert "?" in "".join(half)
+        assert "which way it points is not known yet" in "\n".join(seen.lines())
+
+
+async def test_nothing_is_drawn_of_a_cube_that_nobody_sees() -> None:
+    async with screens(views.SILENT) as seen:
+        await seen.pilot.pause()
+        assert not re.findall("[+-][XYZ]", "".join(line[19:38] for line in seen.lines()[4:16]))
+        gates = seen.app.screen.gates.render().plain
+        assert "✓" not in gates
+        assert gates.count("not judged now") == 2

@@ -1,12 +1,17 @@
 """Views made by hand: a campaign as a technician sees it. Tests and screenshots show them."""
 
-from procedures.frames import TURN_START
+import numpy as np
+
+from drivers.errors import LinkSilent
+from procedures.frames import TURN_START, nominal_C_lb, rotation, vertical_rotation
+from station.guide.trouble import trouble_of
 from station.guide.view import (
     Check,
     Choice,
     Event,
     Gates,
     Link,
+    PoseView,
     Question,
     Row,
     Setup,
@@ -21,11 +26,20 @@ from station.guide.view import (
     View,
     WarmUp,
 )
+from station.recorder import UnitChanged
 
 UNIT = "SIM-FOG3 SIM-7"
 FOLDER = "/srv/campaigns/2026-11-21_1240_SIM-7"
 URL = "serial:///dev/ttyUSB0?baud=921600&format=counts"
 LINK = Link(name="ttyUSB0", rate_hz=100.0, bad_frames=0, lost=0, gaps=0, temperature_c=24.3)
+
+
+def pose(position: int, turned: float = 0.0, tipped: float = 0.0, std: float | None = 1.8,
+         **told: object) -> PoseView:  # fmt: skip
+    """Return a cube ``turned`` counter-clockwise of a position, then tipped over to the south [deg]."""
+    C = rotation(np.radians([tipped, 0.0, 0.0])) @ vertical_rotation(np.radians(turned)) @ nominal_C_lb(position)
+    rows = tuple(tuple(round(float(part), 2) + 0.0 for part in row) for row in C)
+    return PoseView.model_validate({"C_lb": rows, "heading_std_deg": std, **told})
 
 
 def steps(done: int, *, live: str = "", redo: str = "") -> tuple[Step, ...]:
@@ -122,66 +136,88 @@ def running(stage: Stage, **update: object) -> View:
 
 
 CONNECTING = View(
-    stage="connecting", line="Waiting for the first frame on ttyUSB0 ...", hint="2 s without a byte",
+    stage="connecting", line="connecting", hint="waiting for the unit to say who it is",
     folder=FOLDER, link=Link(name="ttyUSB0"),
 )  # fmt: skip
 WARMING = running(
     "warm_up",
     steps=steps(0), wanted="dwell_01", can_redo="", events=EVENTS[1:2], remaining_s=2700.0,
-    line="Warming up: 4 min so far, about 6 min left.",
-    hint="The positions begin by themselves.",
+    line="leave the cube at rest, in position 1 if it can be",
     warm_up=WarmUp(
         seconds=241.0, left_s=372.0, temperature_rate_c_min=0.21, temperature_limit_c_min=0.05,
-        gyro_drift_deg_h=0.004, gyro_limit_deg_h=0.01, note="limits learnt from this unit's noise over 60 s",
+        gyro_drift_deg_h=4.35e-14, gyro_limit_deg_h=0.0285235,
+        note="waiting for a temperature rate below 0.050 °C/min, now 0.210 °C/min",
     ),
 )  # fmt: skip
 PLACING = running(
     "place",
-    line="Put the cube in position 3: +X down, +Y north, +Z east.",
-    hint="Y is up now: turn X down.",
-    gates=Gates(face="y_up", off_deg=90.0, still=38.2, still_channel="gz", heading="not known"),
+    line="put the cube in position 3: X down, Y north, Z east",
+    hint="waiting for still: gyro z moves",
+    gates=Gates(face="y_up", off_deg=40.0, still=38.2, still_channel="gyro z", heading="not known"),
+    pose=pose(5, 25.0, 40.0, text="tip it over to the north: X down"),
 )
+UNKNOWN = PLACING.model_copy(
+    update={"pose": pose(3, std=None, text="which way it points is not known yet"), "hint": "learning the noise"}
+)
+WRONG_HEADING = PLACING.model_copy(
+    update={
+        "hint": "X points down as wanted, but the heading is wrong: turn 35 deg more, clockwise from above",
+        "gates": Gates(face="x_down", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gyro z",
+                       is_still=True, heading="not known"),
+        "pose": pose(3, 35.0, turn_deg=-35.0, text="turn 35 deg more, clockwise from above"),
+    }
+)  # fmt: skip
+TURN_IT = PLACING.model_copy(
+    update={
+        "hint": "",
+        "gates": WRONG_HEADING.gates,
+        "pose": pose(3, 176.0, turn_deg=-176.0,
+                     text="turn 176 deg more, clockwise from above; or leave it: position 4 is to do as well"),
+    }
+)  # fmt: skip
 SETTLING = running(
     "settle",
-    line="The right face is down. Take your hands off the cube.",
-    hint="waiting for still: gz is 7.9 times its noise",
+    line="hands off: the cube comes to rest",
+    hint="waiting for still: gyro z moves",
+    pose=pose(3, text="it stands as wanted"),
     gates=Gates(face="x_down", off_deg=0.31, is_right_face=True, still=7.9, still_channel="gz", position=3,
                 heading="by the Earth rate"),
 )  # fmt: skip
 BADLY_SEATED = running(
     "settle",
     steps=steps(3), wanted="dwell_04",
-    line="Position 4 sits 84 arcsec off its pair.",
-    hint="Lift, wipe, set down. k keeps it as it is.",
+    line="lift the cube, wipe it and the slab, set it down as it stood",
+    hint="not seated: tilted by 84 arcsec along +y, limit 60",
+    pose=pose(4, text="it stands as wanted"),
     gates=Gates(face="x_down", off_deg=0.32, is_right_face=True, still=1.2, still_channel="gx", is_still=True,
                 position=4, heading="by the Earth rate", is_seated=False,
-                seating="84 arcsec off (limit 60): lift, wipe, set down"),
+                seating="not seated: tilted by 84 arcsec along +y, limit 60"),
 )  # fmt: skip
 HOLDING = running(
     "dwell",
     steps=steps(3, live="dwell_04"), live="dwell_04", wanted="dwell_04", accepted_s=62.0, wanted_s=100.0,
     remaining_s=2010.0,
-    line="Recording position 4: 62 of 100 s accepted.",
-    hint="Do not touch the bench.",
+    line="position 4: 62 of 100 s, hands off",
+    pose=pose(4, text="it stands as wanted"),
     gates=Gates(face="x_down", off_deg=0.32, is_right_face=True, still=1.1, still_channel="gx", is_still=True,
                 position=4, heading="by the Earth rate", seating="seated within 3 arcsec"),
 )  # fmt: skip
 KNOCKED = HOLDING.model_copy(
     update={
-        "hint": "A knock: the disturbed second is left out.",
+        "hint": "disturbed: those seconds are left out; keep still",
         "gates": HOLDING.gates.model_copy(update={"still": 12.3, "is_still": False, "still_channel": "ay"}),
     }
 )
 TURNING = running(
     "turn",
     steps=steps(13, live="turn_x_minus"), live="turn_x_minus", wanted="turn_x_minus", remaining_s=310.0,
-    line="Turning: 2.34 of 3 turns.", hint="Back to the mark after the third turn.",
+    line="turn X-: 2.34 of 3 turns", pose=pose(1, -122.0),
     turn=TurnView(revolutions=-2.34, speed_deg_s=-37.0),
 )  # fmt: skip
 CAME_BACK = TURNING.model_copy(
     update={
-        "line": "Back at the mark: let it rest.",
-        "hint": "",
+        "line": "hands off: it rests after turn X-",
+        "pose": pose(1),
         "turn": TurnView(revolutions=-3.0, came_back_deg=0.012, came_back_std_deg=0.004, rest_s=3.0),
     }
 )
@@ -214,18 +250,30 @@ SOAKING = running(
     gates=Gates(face="z_up", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gz", is_still=True,
                 position=9, heading="by the Earth rate"),
 )  # fmt: skip
-PAUSED = running("paused", line="Paused after position 2.", hint="p goes on.")
+PAUSED = running("paused", line="paused: nothing is recorded")
+NOTHING = LinkSilent("ttyUSB0", 1.8, 921600)
+OTHER = UnitChanged("ttyUSB0", "SIM-8", "SIM-7")
 SILENT = HOLDING.model_copy(
     update={
         "link": LINK.model_copy(
             update={
                 "is_live": False,
                 "gaps": 1,
-                "text": "nothing for 4 s on ttyUSB0: check cable and power; waiting",
+                "word": "NO DATA",
+                "text": str(NOTHING),
             }
         ),
-        "line": "The stream is silent; position 4 will have to be done again.",
-        "hint": "Plug the IMU in again; nothing accepted is lost.",
+        "line": trouble_of(NOTHING).instruction,
+        "hint": str(NOTHING),
+        "gates": None,
+        "pose": None,
+    }
+)
+OTHER_UNIT = SILENT.model_copy(
+    update={
+        "link": SILENT.link.model_copy(update={"word": "WRONG UNIT", "text": str(OTHER)}),
+        "line": trouble_of(OTHER).instruction,
+        "hint": str(OTHER),
     }
 )
 ASKING = running(

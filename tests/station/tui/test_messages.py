@@ -1,0 +1,172 @@
+"""At 80x24 nothing that is said loses a word: the program's longest messages on every screen that shows them."""
+
+import errno
+from collections.abc import Sequence
+
+import pytest
+from textual.widget import Widget
+
+from drivers.errors import DriverError, LinkLost, LinkSilent, PortBusy, PortDenied, WrongFormat
+from station.errors import DataRefused, cannot_write
+from station.guide.trouble import trouble_of
+from station.guide.view import Event, Stage, View
+from station.live.trouble import AMISS
+from station.recorder import UnitChanged
+from tests.station.tui import views
+from tests.station.tui.session import SMALL, Screens, screens
+
+PORT = "/dev/serial/by-id/usb-FTDI_USB-RS422_A1B2C3D4"
+STREAM = [
+    LinkSilent(PORT, 1.8, 921600),
+    WrongFormat(PORT, "novatel_rawimusx", 16384, 921600, "stim300"),
+    WrongFormat(PORT, "counts", 16384, 921600, None, "they look like bytes at another baud rate: try 460800"),
+    LinkLost(PORT, "device reports readiness to read but returned no data, not back within 30 s"),
+    UnitChanged(PORT, "SIM-FOG3-000123456", "SIM-FOG3-000123457"),
+    PortBusy(PORT),
+]
+OTHERS = [
+    PortDenied(PORT),
+    DataRefused("set-up", None, "latitude_deg 931.17", "a latitude of the slab from -90 to 90 deg", "correct it"),
+    cannot_write("/srv/calibrations/2026/campaigns/2026-11-21_1240_SIM-7/dwell_03.mcap",
+                 OSError(errno.ENOSPC, "No space left on device"), 40_000_000),
+    UnitChanged(PORT, "SIM-FOG3-000123456", "SIM-FOG3-000123457", is_entered=True),
+]  # fmt: skip
+EVENTS = [
+    "X points down as wanted, but the heading is wrong: turn 135 deg more, counter-clockwise from above",
+    "turn X+ and turn X- came back 0.15 deg apart, limit 0.04: one more turn X+ decides which was off",
+    "warm-up skipped: biases may drift by 0.12 deg/h and 1.3 ug; recorded, and the sigmas become wider",
+    *map(str, STREAM),
+]
+LEAN = "lean the cube on a corner, X and Y half up, Z half down, near 45 deg; prop it; then leave it for 3600 s"
+CAMPAIGN: tuple[Stage, ...] = ("place", "settle", "dwell", "turn")
+
+
+def words(text: str) -> str:
+    return " ".join(text.replace("▌", " ").split())
+
+
+def said_in(seen: Screens, widget: Widget) -> str:
+    """Return what stands in the terminal where a widget is, as one line."""
+    region = widget.region
+    rows: Sequence[str] = seen.lines()[region.y : region.bottom]
+    return words(" ".join(row[region.x : region.right] for row in rows))
+
+
+@pytest.mark.parametrize("error", STREAM, ids=lambda error: type(error).__name__)
+async def test_what_is_wrong_with_the_stream_is_said_whole_and_once(error: DriverError) -> None:
+    async with screens(View()) as seen:
+        link = views.LINK.model_copy(update={"is_live": False, "word": trouble_of(error).word, "name": PORT})
+        event = Event(number=99, sound="rejected", text=str(error))
+        for stage in (*CAMPAIGN, "warm_up", "paused"):
+            base = next(v for v in views.VIEWS.values() if v.stage == stage and v.question is None)
+            update = {"link": link, "line": trouble_of(error).instruction, "hint": str(error)}
+            update |= {"events": (*base.events, event), "gates": None, "pose": None}
+            await seen.show(base.model_copy(update=update))
+            await seen.pilot.pause()
+            screen = seen.app.screen
+            banner = said_in(seen, screen.banner)
+            assert words(str(error)) in banner, (stage, error)
+            assert words(trouble_of(error).instruction) in banner
+            assert trouble_of(error).word in said_in(seen, screen.link)
+            assert words(" ".join(seen.lines())).count(str(error)[-30:]) <= 1
+            assert screen.query_one("KeyLine").region.bottom == SMALL[1]
+
+
+async def test_the_newest_event_is_whole() -> None:
+    async with screens(views.HOLDING) as seen:
+        for text in EVENTS:
+            event = Event(number=99, sound="rejected", text=text)
+            await seen.show(views.HOLDING.model_copy(update={"events": (*views.EVENTS, event)}))
+            await seen.pilot.pause()
+            assert words(text) in said_in(seen, seen.app.screen.events), text
+
+
+async def test_hints_and_instructions_are_whole() -> None:
+    async with screens(View()) as seen:
+        for view in views.VIEWS.values():
+            if view.stage not in CAMPAIGN or view.question:
+                continue
+            for line in (view.line, LEAN):
+                for hint in (view.hint, EVENTS[0]):
+                    await seen.show(view.model_copy(update={"line": line, "hint": hint}))
+                    await seen.pilot.pause()
+                    banner = said_in(seen, seen.app.screen.banner)
+                    assert words(line) in banner
+                    assert words(hint) in banner
+
+
+async def test_what_is_amiss_while_samples_come_is_whole() -> None:
+    async with screens(views.HOLDING) as seen:
+        for _, what, remedy in AMISS:
+            text = f"123 {what} in the last 2 s: {remedy}"
+            link = views.LINK.model_copy(update={"text": text, "name": PORT})
+            await seen.show(views.HOLDING.model_copy(update={"link": link}))
+            await seen.pilot.pause()
+            assert words(text) in said_in(seen, seen.app.screen.link)
+
+
+async def test_seat_heading_and_what_is_left_to_do_are_whole() -> None:
+    pose = views.TURN_IT.pose.model_copy(
+        update={
+            "text": "turn 176 deg more, counter-clockwise from above; or leave it: position 12 is to do as well"
+        }
+    )
+    seat = "tilted by 1084 arcsec along +y, limit 60"
+    gates = views.BADLY_SEATED.gates.model_copy(
+        update={"seating": seat, "heading": "as asked for, not checked", "position": 12}
+    )
+    async with screens(views.BADLY_SEATED.model_copy(update={"gates": gates, "pose": pose})) as seen:
+        await seen.pilot.pause()
+        screen = seen.app.screen
+        assert words(pose.text) in said_in(seen, screen.cube)
+        assert seat in said_in(seen, screen.seating)
+        assert "position 12, as asked for, not checked" in said_in(seen, screen.seating)
+
+
+async def test_the_step_under_the_cursor_is_told_whole() -> None:
+    note = "0.012 deg from the turn the other way, limit 0.045; came back within 0.1 deg (1 sigma 0.9 deg)"
+    steps = tuple(step.model_copy(update={"note": note}) for step in views.steps(18))
+    async with screens(views.PLACING.model_copy(update={"steps": steps})) as seen:
+        await seen.press("left")
+        await seen.pilot.pause()
+        assert words(f"position 1: done, 100 s, {note}") in said_in(seen, seen.app.screen.words)
+
+
+async def test_the_end_and_the_set_up_say_errors_whole() -> None:
+    async with screens(View()) as seen:
+        for error in (*STREAM, *OTHERS):
+            await seen.show(views.BROKEN.model_copy(update={"error": str(error)}))
+            await seen.pilot.pause()
+            assert words(str(error)) in said_in(seen, seen.app.screen.query_one("#ended"))
+            start = views.START.start.model_copy(update={"refused": str(error)})
+            await seen.show(views.START.model_copy(update={"start": start}))
+            await seen.pilot.pause()
+            assert words(str(error)) in said_in(seen, seen.app.screen.query_one("#said"))
+
+
+async def test_a_question_is_whole_with_its_choices() -> None:
+    question = views.ASKING.question.model_copy(
+        update={"text": "turn X+ and turn X- came back 0.15 deg apart, limit 0.04 deg: take the wider closure of "
+                        "0.106 deg, which the solution then holds, or turn once more?"}
+    )  # fmt: skip
+    async with screens(views.ASKING.model_copy(update={"question": question})) as seen:
+        await seen.pilot.pause()
+        box = said_in(seen, seen.app.screen.query_one("Label"))
+        assert words(question.text) in box
+        listed = said_in(seen, seen.app.screen.query_one("OptionList"))
+        assert all(words(choice.title) in listed for choice in question.choices)
+
+
+@pytest.mark.parametrize("size", [(60, 20), (79, 24), (80, 23), (20, 8)])
+async def test_a_terminal_that_is_too_small_says_what_is_needed_and_what_it_has(size: tuple[int, int]) -> None:
+    async with screens(View(), size) as seen:
+        for view in views.VIEWS.values():
+            if view.question is None:
+                await seen.show(view)
+                await seen.pilot.pause()
+                said = words(" ".join(seen.lines()))
+                assert f"needs 80x24; this terminal has {size[0]}x{size[1]}" in said
+                assert "AS WANTED" not in said
+        await seen.pilot.resize_terminal(80, 24)
+        await seen.pilot.pause()
+        assert "needs 80x24" not in " ".join(seen.lines())
