@@ -27,6 +27,8 @@ class KeyLine(Footer):
 
     async def _draw_others(self) -> None:
         """Draw the keys; a screen tells of a change a dozen times while it is built, mostly of none."""
+        if not self.is_attached:  # the screen was closed meanwhile
+            return
         keys = [
             (active.binding, active.enabled, active.tooltip)
             for active in self.screen.active_bindings.values()

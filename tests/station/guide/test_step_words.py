@@ -100,7 +100,7 @@ def test_a_whole_campaign_with_knocks_gaps_and_redone_steps_names_no_file_to_any
     guided.run(guided.done(1), screen.show)
     guided.hands("place 2 8")
     guided.run(lambda v: v.live == "dwell_02" and v.accepted_s > 7, screen.show)
-    guided.hands("knock 1.5 0.05")
+    guided.hands("knock 1 0.5")
     guided.run(guided.done(2), screen.show)
     guided.obey("choose", step="dwell_01")
     for step in steps[2:]:
