@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import date
+from typing import Protocol
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -74,16 +75,39 @@ def surveyed_site(
     It is at the same latitude within 0.001 deg, and the value agrees with the survey's within the 1 sigma entered,
     which is not smaller than the survey's.
     """
-    near = (
-        row
-        for row in sites(session)
-        if abs(row.latitude_deg - latitude_deg) <= SAME_PLACE_DEG
-        and row.gravity_m_s2 is not None
-        and row.gravity_std_m_s2 is not None
-        and row.gravity_std_m_s2 <= gravity_std_m_s2 * (1 + 1e-9)
-        and abs(row.gravity_m_s2 - gravity_m_s2) <= gravity_std_m_s2
+    stated = latitude_deg, gravity_m_s2, gravity_std_m_s2
+    return next((row for row in sites(session) if is_surveyed_at(row, *stated)), None)
+
+
+class Surveyed(Protocol):
+    """What `is_surveyed_at` needs of a site."""
+
+    @property
+    def latitude_deg(self) -> float:
+        """Geodetic latitude."""
+        ...
+
+    @property
+    def gravity_m_s2(self) -> float | None:
+        """As surveyed, None if it was not."""
+        ...
+
+    @property
+    def gravity_std_m_s2(self) -> float | None:
+        """Its 1 sigma."""
+        ...
+
+
+def is_surveyed_at(row: Surveyed, latitude_deg: float, gravity_m_s2: float, gravity_std_m_s2: float) -> bool:
+    """Say whether a gravity entered by hand comes from a site's survey, as `surveyed_site` has it."""
+    g, std = row.gravity_m_s2, row.gravity_std_m_s2
+    return (
+        g is not None
+        and std is not None
+        and abs(row.latitude_deg - latitude_deg) <= SAME_PLACE_DEG
+        and std <= gravity_std_m_s2 * (1 + 1e-9)
+        and abs(g - gravity_m_s2) <= gravity_std_m_s2
     )
-    return next(near, None)
 
 
 def site_row(session: Session, site_id: str) -> SiteRow:

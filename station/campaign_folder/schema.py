@@ -57,6 +57,9 @@ class ImuTable(_Table):
         return self
 
 
+GRAVITY_STD, NORMAL_GRAVITY_STD = 1e-5, 5e-4  # m/s2, 1 sigma where none is given: of a survey, of the formula
+
+
 class SiteTable(_Table):
     """``[site]``."""
 
@@ -70,7 +73,7 @@ class SiteTable(_Table):
     @property
     def gravity_std(self) -> float:
         """1 sigma of gravity [m/s2], that of a survey or of normal gravity where none is given."""
-        return self.gravity_std_m_s2 or (5e-4 if self.gravity_m_s2 is None else 1e-5)
+        return self.gravity_std_m_s2 or (NORMAL_GRAVITY_STD if self.gravity_m_s2 is None else GRAVITY_STD)
 
 
 class ProcedureTable(_Table):

@@ -58,6 +58,7 @@ FROM_CALIBRATION = (
     ),
     Need("uncertainty", f"a station that makes an uncertainty budget; {_ANEW}"),
 )
+BEFORE = ("model", "serial", "operator", "software", "references")  # what must be there when a campaign begins
 FROM_LABORATORY = (
     Need("laboratory.name", "[laboratory] name of the laboratory's file"),
     Need("laboratory.address", "[laboratory] address"),
@@ -88,6 +89,16 @@ def missing(document: Mapping[str, Any], laboratory: Laboratory) -> list[tuple[s
         if not values:
             found.append(("results", _ANEW))
     return found
+
+
+def missing_before(document: Mapping[str, Any]) -> list[str]:
+    """Return every field of `BEFORE` that a calibration to be has not, which no laboratory's file can give."""
+    said = fields_of(document)
+    return [
+        need.field
+        for need in FROM_CALIBRATION
+        if need.field.split(".")[0] in BEFORE and not _has(said, need.field)
+    ]
 
 
 def check(what: str, document: Mapping[str, Any], laboratory: Laboratory) -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from station.guide.command import Command
-from station.guide.view import Sound, View
+from station.guide.view import Check, Sound, View
 
 if TYPE_CHECKING:
     from station.guide.disk import Disk
@@ -44,6 +44,10 @@ class Campaign(Protocol):
 
     def say(self, sound: Sound, text: str) -> None:
         """Tell the operator."""
+        ...
+
+    def as_checked(self) -> Check | None:
+        """Return what a look at its port says of the unit, None where none is read."""
         ...
 
     def close(self) -> None:

@@ -9,6 +9,7 @@ from station.guide.view import Setup
 Verb = Literal[
     "check",  # look at the port `url` for two seconds
     "listen",  # to the GNSS receiver `url` for a few seconds
+    "consider",  # `setup` as it stands: how ready is it
     "begin",  # a new campaign as `setup` says
     "resume",  # the campaign in `folder`
     "skip_warm_up",

@@ -10,7 +10,7 @@ imported where one begins, and by `prefetch` meanwhile.
 import contextlib
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,15 +22,16 @@ from station.errors import CannotWrite, DataRefused, DiskFull, StationError
 from station.exit_codes import exit_code
 from station.guide.campaign import Campaign
 from station.guide.command import Command
+from station.guide.considering import Considering, said_of
 from station.guide.options import Options
 from station.guide.remembered import save_setup
 from station.guide.setup import start_view
+from station.guide.solved import Solved
 from station.guide.step_words import for_people
-from station.guide.view import Check, Setup, Stage, Start, Verdict, View
+from station.guide.view import Check, Readiness, Setup, Stage, Start, View
 
 if TYPE_CHECKING:
     from station.guide.operator import Operator
-    from station.recorder.results import Results
 
 REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
 FOR_UNIT = "waiting for the unit to say who it is"
@@ -46,12 +47,15 @@ class Engine:
     def __init__(self, database: Database, options: Options, publish: Callable[[View], None]) -> None:
         self._database, self._options, self._publish = database, options, publish
         self._campaign: Campaign | None = None
-        self._aside = ThreadPoolExecutor(len(LOOKS), "look")
+        self._aside = ThreadPoolExecutor(len(LOOKS) + 1, "look")
         self._looks: dict[str, Future[Check]] = {}  # under way, by verb
-        self._outcome = _Outcome()
+        self._outcome = Solved()
         self._refused = ""  # why what is complete could not be solved
         self._view = View()
         self.view = View(stage="start", start=start_view(database, options.setup))
+        self._readiness: Readiness | None = None  # of the campaign
+        self._considering = Considering(database, options, self._aside)
+        self._considered = options.setup
 
     @property
     def view(self) -> View:
@@ -67,6 +71,9 @@ class Engine:
         for verb in [verb for verb, look in self._looks.items() if look.done()]:
             result, is_under_way = LOOKS[verb]
             self._show_start(**{result: self._looks.pop(verb).result(), is_under_way: False})
+            self._consider(self._considered)
+        if (ready := self._considering.answered()) is not None and self._campaign is None:
+            self._show_start(readiness=ready)
         campaign = self._campaign
         if campaign is None or self.view.stage in OVER:
             return
@@ -129,7 +136,7 @@ class Engine:
         elif command.verb in AGAIN and not campaign.has_device:
             self._do_again(campaign, command)
         else:
-            self._outcome = _Outcome() if command.verb == "redo" else self._outcome
+            self._outcome = Solved() if command.verb == "redo" else self._outcome
             campaign.obey(command)
             self._show(campaign)
 
@@ -156,6 +163,8 @@ class Engine:
             if command.verb not in self._looks:
                 self._looks[command.verb] = self._aside.submit(_look, command.verb, command.url)
                 self._show_start(**{LOOKS[command.verb][1]: True})
+        elif command.verb == "consider" and command.setup is not None:
+            self._consider(command.setup)
         elif command.verb == "begin" and command.setup is not None:
             if self._options.asks:
                 with contextlib.suppress(CannotWrite):  # to be remembered is a courtesy, not a condition
@@ -170,6 +179,12 @@ class Engine:
         elif command.verb in {"cancel", "leave"}:
             self._end("cancelled", "nothing was begun; the database is as it was")
 
+    def _consider(self, setup: Setup) -> None:
+        """Have it said how ready the set-up is that stands in the form."""
+        start = self.view.start or Start()
+        self._considered = setup
+        self._considering.ask(setup, start.check, start.receiver)
+
     def _start(self, make: Callable[[], Campaign], hint: str = FOR_UNIT) -> None:
         start = self.view.start
         self._publish(View(stage="connecting", line="connecting", hint=hint))
@@ -182,10 +197,11 @@ class Engine:
             self.view = View(stage="start", start=start)
             self._show_start(refused=str(error), refused_code=exit_code(error) or 0)
         else:
+            self._readiness = said_of(self._campaign, self._database, self._options)
             self._show(self._campaign)
 
     def _show(self, campaign: Campaign) -> None:
-        view = campaign.view(View())
+        view = campaign.view(View(readiness=self._readiness))
         if self._outcome.verdict is not None:
             view = view.model_copy(update=self._outcome.shown())
         elif self._refused and campaign.is_complete:
@@ -203,7 +219,7 @@ class Engine:
         self._publish(self.view.model_copy(update={"stage": "solving", "line": "solving"}))
         try:
             results = make_results(campaign.folder, self._database)
-            self._outcome = _Outcome(verdict_view(results, self._database), results)
+            self._outcome = Solved(verdict_view(results, self._database), results)
         except REFUSALS as error:
             if isinstance(error, CannotWrite) or not self._options.is_patient:
                 raise
@@ -291,19 +307,3 @@ def _awaited(setup: Setup) -> str:
     from station.guide.gnss_beside import FIXES, WAIT_S
 
     return f"waiting for the unit, and up to {WAIT_S:g} s for {FIXES} positions of the receiver"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Outcome:
-    """What came of a campaign; empty until it was solved."""
-
-    verdict: Verdict | None = None
-    results: "Results | None" = None
-    sha256: str = ""
-
-    def shown(self) -> dict[str, object]:
-        """Return the view's fields."""
-        assert self.verdict is not None
-        verdict = self.verdict.model_copy(update={"stored_sha256": self.sha256})
-        stage = "stored" if self.sha256 else "verdict"
-        return {"stage": stage, "line": verdict.sentence, "hint": "", "verdict": verdict, "live": "", "wanted": ""}

@@ -37,7 +37,7 @@ from station.guide.options import Options
 from station.guide.port_check import RECORD_INSTEAD
 from station.guide.so_far import SoFar, so_far
 from station.guide.unfinished import FolderLock, reopen
-from station.guide.view import Setup, Sound, View
+from station.guide.view import Check, Setup, Sound, View
 from station.live.live_feed import LiveFeed, open_feed
 from station.reader import Reader
 from station.recorder import CampaignRecorder, Unit, UnitChanged, open_campaign
@@ -111,6 +111,12 @@ class LiveCampaign:
         """Return ``base`` with everything filled in."""
         unit = f"{self.unit.model} {self.unit.serial}"
         return self.guide.view(base.model_copy(update={"unit": unit, "folder": str(self.folder)}))
+
+    def as_checked(self) -> Check:
+        """Return what a look at its port says of the unit."""
+        imu, rate = self.recorder.tables.imu, 1 / self.unit.period
+        unit = Check(url=self._reader.address.text, is_good=True, rate_hz=rate, output=imu.output)
+        return unit.model_copy(update={"model": imu.model, "serial": imu.serial})
 
     def obey(self, command: Command) -> None:
         """Do as the operator says."""

@@ -10,7 +10,7 @@ from station.guide.session import Session
 from station.guide.soaking import in_words
 from station.guide.step_words import in_words as step_in_words
 from station.guide.step_words import step_typed
-from station.guide.view import Event, Sound, Stage, Verdict, View
+from station.guide.view import Event, Readiness, Sound, Stage, Verdict, View
 
 OVER = frozenset({"cancelled", "left", "failed"})
 BELLS: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}
@@ -49,6 +49,7 @@ class PlainScreen:
             "task": "",
             "hint": "",
             "unit": "",
+            "ready": "",
             "question": "",
             "verdict": "",
             "stored": "",
@@ -62,6 +63,8 @@ class PlainScreen:
         """Write what is new."""
         if view.unit:
             self._once("unit", f"connected: {view.unit}; recording into {view.folder}")
+        if view.readiness:
+            self._once("ready", "\n".join(ready_lines(view.readiness)))
         for event in view.events:
             self._hear(event)
         is_said = view.stage in SAID_STAGES or (view.turn is not None and view.turn.is_to_rest)
@@ -123,6 +126,12 @@ class PlainScreen:
             self._told[kind] = text
             if text:
                 self._say(text)
+
+
+def ready_lines(ready: Readiness) -> list[str]:
+    """Return how ready a campaign is as lines, and how it can end."""
+    words = {"ready": "ready", "note": "note", "lacks": "LACKS"}
+    return [*(f"{words[line.state]:6} {line.name}: {line.text}" for line in ready.lines), *ready.said]
 
 
 def verdict_lines(verdict: Verdict) -> list[str]:

@@ -38,6 +38,7 @@ def check_port(url: str, seconds: float = LOOK_S) -> Check:
         format=seen.format,
         model=seen.model or "",
         serial=seen.serial or "",
+        output="rate" if isinstance(seen.samples, RateBlock) else "increments",
         rate_hz=seen.rate_hz,
         frames=seen.frames,
         bad_frames=bad,

@@ -79,11 +79,44 @@ class Check(_Value):
     format: str = ""
     model: str = ""
     serial: str = ""
+    output: str = ""  # "increments" or "rate"
     rate_hz: float | None = None
     frames: int = 0
     bad_frames: int = 0
     noise: str = ""
     text: str = ""
+
+
+class ReadyLine(_Value):
+    """One thing that a campaign needs, or is better with. ``state``: lacks prevents what it is needed for."""
+
+    name: str
+    state: Literal["ready", "note", "lacks"]
+    text: str
+
+
+class Readiness(_Value):
+    """What is there before a campaign begins, and how it can end.
+
+    ``can_pass`` and ``can_certify`` are None while that is not known; ``no_pass`` and ``no_certificate`` say why
+    not, empty where it can.
+    """
+
+    lines: tuple[ReadyLine, ...] = ()
+    can_pass: bool | None = None
+    no_pass: str = ""
+    can_certify: bool | None = None
+    no_certificate: str = ""
+
+    @property
+    def said(self) -> tuple[str, str]:
+        """Both consequences in words: of the verdict, and of a certificate."""
+        if self.can_pass is None:
+            passes = "PASS: not known before the unit has said its model"
+        else:
+            passes = "PASS: yes" if self.can_pass else f"PASS: no, {self.no_pass}"
+        certified = "certificate: yes" if self.can_certify else f"certificate: no, {self.no_certificate}"
+        return f"can end in {passes}", f"can end in a {certified}"
 
 
 class Unfinished(_Value):
@@ -109,6 +142,7 @@ class Start(_Value):
     receiver: Check | None = None
     is_listening: bool = False
     unfinished: tuple[Unfinished, ...] = ()
+    readiness: Readiness | None = None  # of the set-up that was considered last
     refused: str = ""  # why what was sent could not begin
     refused_code: int = 0  # the program's exit code for it, where nobody is there to try again
 
@@ -304,6 +338,7 @@ class View(_Value):
     unit: str = ""  # "SIM-FOG3 SIM-7"
     folder: str = ""
     start: Start | None = None
+    readiness: Readiness | None = None  # of the campaign, once the unit has answered
     steps: tuple[Step, ...] = ()
     wanted: str = ""
     live: str = ""

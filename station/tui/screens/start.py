@@ -8,10 +8,12 @@ from textual.containers import Horizontal
 from textual.widgets import Button, OptionList, Static
 
 from station.guide.command import Command, Verb
-from station.guide.view import Start, View
+from station.guide.view import Setup, Start, View
 from station.tui.entries import seconds_needed
+from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.stage import StageScreen
 from station.tui.spoken import duration
+from station.tui.widgets.ready_lines import ReadyLines
 from station.tui.widgets.setup_form import SetupForm
 from station.tui.widgets.unfinished_list import UnfinishedList
 
@@ -21,6 +23,7 @@ HELP = (
     "comes from the unit's noise and the sigma wanted of the accelerometers' bias. A GNSS receiver says where the "
     "slab stands, where latitude is left empty, and what time it is. All is remembered."
 )
+CONSIDER_S = 0.2  # after the last letter
 LOOKS: dict[str, Verb] = {"url": "check", "gnss": "listen"}  # what looks at the address in a field
 
 
@@ -30,6 +33,7 @@ class StartScreen(StageScreen):
     HELPS = {"start": HELP}
     BINDINGS = [
         Binding("ctrl+s", "begin", "Begin", tooltip="begin a new campaign as the form says"),
+        Binding("ctrl+r", "ready", "Ready?", tooltip="what is there and what lacks, and how the campaign can end"),
         Binding("ctrl+l", "look", "Look at port", tooltip="look at the port and listen to the receiver"),
         Binding("q,ctrl+q", "leave", "Quit", tooltip="close; nothing was begun"),
         Binding("c,escape", "cancel", "Cancel", tooltip="give up; nothing was recorded"),
@@ -48,6 +52,9 @@ class StartScreen(StageScreen):
         self.unfinished, self.form = UnfinishedList(), SetupForm()
         self.heading = Static("GO ON with a campaign", classes="heading")
         self.said, self.time = Static("", id="said", markup=False), Static("", id="time", markup=False)
+        self.ready = ReadyLines()
+        self._considered: Setup | None = None  # what the engine was told last of the form
+        self._waits = False  # to tell it
         self._typed = ""  # what is wrong in the field typed in last
         self._refused = ""
 
@@ -58,6 +65,7 @@ class StartScreen(StageScreen):
         yield Static("NEW campaign", classes="heading")
         yield self.form
         yield self.said
+        yield self.ready
         with Horizontal(id="bottom"):
             yield self.time
             yield Button("Begin  ctrl+s", id="begin", variant="success", compact=True)
@@ -75,6 +83,7 @@ class StartScreen(StageScreen):
         self.heading.display = bool(start.unfinished)
         self.form.offer(start)
         self._refused = start.refused
+        self.ready.show(start.readiness)
         self._say()
 
     def _say(self) -> None:
@@ -99,6 +108,16 @@ class StartScreen(StageScreen):
         self._typed = "" if problem.startswith("is needed") else self._named(event.name, problem)
         self.form.show_looks()
         self._say()
+        if not self._waits:
+            self._waits = True
+            self.set_timer(CONSIDER_S, self._consider)
+
+    def _consider(self) -> None:
+        """Tell the engine what stands in the form, so that it says how ready that is."""
+        self._waits = False
+        if (setup := self.form.setup_so_far()) != self._considered:
+            self._considered = setup
+            self._send(Command(verb="consider", setup=setup))
 
     def _named(self, name: str, problem: str) -> str:
         return f"{self.form.fields[name].entry.label} {problem}" if problem else ""
@@ -132,8 +151,22 @@ class StartScreen(StageScreen):
             self.form.fields[name].input.focus()
             return self._say()
         self._typed = ""
-        self._send(Command(verb="begin", setup=self.form.setup()))
-        return self._say()
+        self._say()
+        ready = (self.view.start or Start()).readiness
+        if ready is not None and (ready.can_pass is False or not ready.can_certify):
+            self.app.push_screen(ReadyScreen(ready, asks=True), self._begin)
+        else:
+            self._begin(True)
+        return None
+
+    def _begin(self, is_wanted: bool | None) -> None:
+        if is_wanted:
+            self._send(Command(verb="begin", setup=self.form.setup()))
+
+    def action_ready(self) -> None:
+        """Show what is there and what lacks."""
+        if (ready := (self.view.start or Start()).readiness) is not None:
+            self.app.push_screen(ReadyScreen(ready, asks=False))
 
     def action_cancel(self) -> None:
         """Ask, then give up."""

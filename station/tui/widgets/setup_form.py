@@ -127,6 +127,13 @@ class SetupForm(VerticalScroll, can_focus=False):
         chosen = setup_of(self.texts(), self._filled or Setup())
         return chosen.model_copy(update={"cube": self.cube.value, "slab": self.slab.value})
 
+    def setup_so_far(self) -> Setup:
+        """Return what the form says, without what is wrong in it."""
+        texts, wrong = self.texts(), self.problems()
+        right = {name: "" if name in wrong else text for name, text in texts.items()}
+        chosen = setup_of(right, self._filled or Setup())
+        return chosen.model_copy(update={"cube": self.cube.value, "slab": self.slab.value})
+
     def on_input_changed(self, event: Input.Changed) -> None:
         """Check a field as it is typed."""
         event.stop()

@@ -19,9 +19,10 @@ class MemorySession:
     def __init__(self, view: View) -> None:
         self.view = view
         self.sent: list[Command] = []
+        self.considered: list[Command] = []  # set-ups as they stood in the form
 
     def send(self, command: Command) -> None:
-        self.sent.append(command)
+        (self.considered if command.verb == "consider" else self.sent).append(command)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from tests.station.tui.session import LARGE, SMALL, MemorySession
 
 LOOKS = [
     ("start", SMALL, ""),
+    ("start", SMALL, "ctrl+s"),
     ("with_receiver", SMALL, ""),
     ("first_start", SMALL, ""),
     ("warming", SMALL, ""),

@@ -4,8 +4,10 @@ import pytest
 
 from drivers.mavlink.address import LINKS, parse_mavlink_url
 from station.guide.command import Command
-from station.guide.view import Check, Setup, Start, View
+from station.guide.view import Check, Readiness, ReadyLine, Setup, Start, View
 from station.tui.entries import ENTRIES, problems, receiver, setup_of, texts_of
+from station.tui.screens.ready import ReadyScreen
+from station.tui.screens.start import CONSIDER_S
 from tests.station.tui import views
 from tests.station.tui.session import Screens, screens
 
@@ -15,7 +17,9 @@ SETUP = views.START.start.setup
 
 
 def of_start(**update: object) -> View:
-    return views.START.model_copy(update={"start": views.START.start.model_copy(update=update)})
+    """Return the start screen, with nothing known of how ready it is unless that is given."""
+    start = views.START.start.model_copy(update={"readiness": None, **update})
+    return views.START.model_copy(update={"start": start})
 
 
 def said(seen: Screens) -> str:
@@ -45,7 +49,7 @@ async def test_campaigns_in_use_or_not_here_are_shown_and_cannot_be_chosen() -> 
 
 
 async def test_what_is_remembered_is_filled_in_and_sent_back_as_it_was() -> None:
-    async with screens(views.START) as seen:
+    async with screens(of_start()) as seen:
         await seen.press("ctrl+s")
         expected = SETUP.model_copy(update={"model": "SIM-FOG3", "serial": "SIM-7"})
         assert seen.sent == [Command(verb="begin", setup=expected)]
@@ -202,6 +206,52 @@ async def test_an_expired_certificate_is_said_with_the_cube() -> None:
         form.cube.choose("CUBE-8")
         await seen.pilot.pause()
         assert not form.cube._note.display  # noqa: SLF001
+
+
+READY = Readiness(
+    lines=(ReadyLine(name="limits", state="ready", text="24 for SIM-FOG3"),), can_pass=True, can_certify=True
+)
+
+
+async def test_what_lacks_stands_below_the_form_and_line_by_line_before_it_begins() -> None:
+    async with screens(views.START) as seen:
+        text = "\n".join(seen.lines())
+        assert "✗ can end in PASS: no, no limits are stored for SIM-FOG3" in text
+        assert "✗ can end in a certificate: no, ctrl+r says why" in text
+        await seen.press("ctrl+s")
+        assert isinstance(seen.app.screen, ReadyScreen)
+        await seen.pilot.pause()
+        text = "\n".join(seen.lines())
+        for word in ("✗ limits", "✓ operator  M. Huber", "✗ cube      CUBE-7, its certificate expired", "· site"):
+            assert word in text
+        assert "y  Begin all the same" in text
+        await seen.press("n")
+        assert seen.sent == []
+        await seen.press("ctrl+s", "y")
+        assert [command.verb for command in seen.sent] == ["begin"]
+
+
+@pytest.mark.parametrize("readiness", [READY, READY.model_copy(update={"can_pass": None})])
+async def test_what_lacks_nothing_begins_at_once_and_the_list_can_be_asked_for(readiness: Readiness) -> None:
+    async with screens(of_start(readiness=readiness)) as seen:
+        await seen.press("ctrl+r")
+        await seen.pilot.pause()
+        assert "✓ limits    24 for SIM-FOG3" in "\n".join(seen.lines())
+        await seen.press("y", "escape", "ctrl+s")
+        assert [command.verb for command in seen.sent] == ["begin"]
+
+
+async def test_the_engine_is_told_what_stands_in_the_form_as_far_as_it_is_right() -> None:
+    async with screens(of_start()) as seen:
+        await fill(seen, "operator", "A. Weber")
+        await fill(seen, "latitude_deg", "north")
+        await seen.pilot.pause(2 * CONSIDER_S)
+        told = seen.session.considered[-1].setup
+        assert (told.operator, told.latitude_deg, told.cube) == ("A. Weber", None, "CUBE-7")
+        count = len(seen.session.considered)
+        await seen.press("tab")
+        await seen.pilot.pause(2 * CONSIDER_S)
+        assert len(seen.session.considered) == count  # nothing else stands there now
 
 
 @pytest.mark.parametrize(

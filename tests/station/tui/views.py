@@ -13,6 +13,8 @@ from station.guide.view import (
     Link,
     PoseView,
     Question,
+    Readiness,
+    ReadyLine,
     Row,
     Setup,
     SoakView,
@@ -74,6 +76,26 @@ EVENTS = (
     Event(number=11, sound="start", text="next: position 3"),
 )
 
+NOT_READY = Readiness(
+    lines=(
+        ReadyLine(
+            name="limits", state="lacks",
+            text="no limits are stored for SIM-FOG3; `station fixtures limits SIM-FOG3 --example`",
+        ),
+        ReadyLine(name="operator", state="ready", text="M. Huber"),
+        ReadyLine(name="cube", state="lacks", text="CUBE-7, its certificate expired on 2026-02-01"),
+        ReadyLine(name="slab", state="ready", text="SLAB-2, certificate due 2027-02-01"),
+        ReadyLine(
+            name="site", state="note",
+            text="gravity of no survey in the database; the laboratory's file must say whose",
+        ),
+        ReadyLine(name="disk", state="ready", text="18210 MB free, about 140 MB needed"),
+        ReadyLine(name="receiver", state="note", text="none: time is this machine's"),
+    ),
+    can_pass=False, no_pass="no limits are stored for SIM-FOG3",
+    can_certify=False, no_certificate="a measurement report: the certificate of cube CUBE-7 expired on 2026-02-01",
+)  # fmt: skip
+
 START = View(
     stage="start",
     line="Choose the port, the cube and the slab, and begin.",
@@ -95,6 +117,7 @@ START = View(
             url=URL, is_good=True, format="counts", model="SIM-FOG3", serial="SIM-7", rate_hz=100.0, frames=200,
             noise="49 ug/rtHz",
         ),
+        readiness=NOT_READY,
         unfinished=(
             Unfinished(folder=FOLDER, title="campaign of 12:40, 7 of 18 done, SIM-FOG3 SIM-7", serial="SIM-7",
                        done=7, total=18, state="free"),

@@ -1,0 +1,187 @@
+"""Whether a campaign can end in PASS and in a certificate, before it begins: a pure function of what is known.
+
+Verdict and certificate follow the same rules afterwards: `station.guide.judgement.judge` says NOT_MEASURED where a
+limited parameter is not estimated, `fixtures_db.references.why_measured` why a calibration is only measured, and
+`station.certificate.checklist` refuses a certificate whose campaign lacks something. What a laboratory's file can
+still say afterwards is not asked for here.
+"""
+
+from collections.abc import Mapping
+from datetime import date
+from typing import Any
+
+from fixtures_db.campaigns import is_expired
+from fixtures_db.limits import UNITS, Limit
+from fixtures_db.references import why_measured
+from fixtures_db.sites import is_surveyed_at
+from station.campaign_folder.schema import GRAVITY_STD
+from station.certificate.checklist import missing_before
+from station.errors import megabytes
+from station.guide.known import Known, Survey
+from station.guide.view import Check, Readiness, ReadyLine, Setup
+
+NEVER = ("gyroscope.bias_12_position", "gyroscope.bias_two_direction")  # closed forms of accelerometers alone
+SAYS_NONE = {"operator": "no operator", "software.commit": "the station is not run from a checkout"}
+
+
+def readiness(setup: Setup, known: Known, check: Check | None = None, receiver: Check | None = None) -> Readiness:
+    """Return what is there and what lacks, one line each, and how the campaign can end.
+
+    ``check`` and ``receiver`` are the newest looks; those of other addresses than the set-up's say nothing.
+    """
+    check = check if check is not None and check.url == setup.url and check.is_good else None
+    receiver = receiver if receiver is not None and receiver.url == setup.gnss else None
+    model = (check.model if check else "") or setup.model
+    no_pass = _no_pass(model, check, known)
+    used, lacks = _used(setup, known), _lacks(setup, known)
+    only_measured = [] if lacks else why_measured(used, known.today)
+    no_certificate = f"a measurement report: {'; '.join(only_measured)}" if only_measured else "; ".join(lacks)
+    lines = (
+        _limits(model, no_pass, known), _operator(setup), _fixture("cube", setup.cube, known),
+        _fixture("slab", setup.slab, known), _site(setup, known), _disk(known), _receiver(setup, receiver),
+        *([_lacking("software", _commit())] if _commit() in lacks else []),
+    )  # fmt: skip
+    return Readiness(
+        lines=lines,
+        can_pass=None if no_pass is None else not no_pass,
+        no_pass=no_pass or "",
+        can_certify=not no_certificate,
+        no_certificate=no_certificate,
+    )
+
+
+def _no_pass(model: str, check: Check | None, known: Known) -> str | None:
+    """Say why it cannot end in PASS, empty if it can; None while the model is not known."""
+    if not model:
+        return None
+    if not (limits := known.limits.get(model)):
+        return f"no limits are stored for {model}"
+    never = [one.parameter for one in limits if _is_never(one, check, usual=known.usual)]
+    return f"{never[0]} is limited and not determined by the steps" if never else ""
+
+
+def _is_never(limit: Limit, check: Check | None, *, usual: bool) -> bool:
+    units = UNITS[limit.parameter]
+    if check is not None and check.output and len(units) == 2 and limit.unit != units[check.output == "rate"]:
+        return True
+    return usual and limit.parameter.startswith(NEVER)
+
+
+def _lacks(setup: Setup, known: Known) -> list[str]:
+    """Return in words what a certificate needs and could never be given afterwards."""
+    references = [one for kind in ("cube", "slab") if (one := _chosen(kind, setup, known)) is not None]
+    own = {"operator": setup.operator, "software": known.software, "references": references}
+    document = {"model": "as the unit says", "serial": "as the unit says", **own}
+    return list(dict.fromkeys(_in_words(field, setup, known) for field in missing_before(document)))
+
+
+def _in_words(field: str, setup: Setup, known: Known) -> str:
+    if field in SAYS_NONE:
+        return SAYS_NONE[field]
+    kind = field.split(".")[1]
+    name, one = getattr(setup, kind), _chosen(kind, setup, known)
+    if not name:
+        return f"no {kind}"
+    if one is None:
+        return f"{kind} {name} is not in the database"
+    return f"{kind} {name} has no {'due date' if 'source' in one else 'certificate'}"
+
+
+def _commit() -> str:
+    return SAYS_NONE["software.commit"]
+
+
+def _used(setup: Setup, known: Known) -> list[Mapping[str, Any]]:
+    """Return cube, slab and site as the database will have them of the campaign."""
+    survey = _survey(setup, known)
+    chosen = [_chosen("cube", setup, known), _chosen("slab", setup, known), survey and survey.reference]
+    return [one for one in chosen if one]
+
+
+def _chosen(kind: str, setup: Setup, known: Known) -> Mapping[str, Any] | None:
+    return known.references.get((kind, getattr(setup, kind)))
+
+
+def _survey(setup: Setup, known: Known) -> Survey | None:
+    if setup.gravity_m_s2 is None or setup.latitude_deg is None:
+        return None
+    stated = setup.latitude_deg, setup.gravity_m_s2, setup.gravity_std_m_s2 or GRAVITY_STD
+    return next((one for one in known.surveys if is_surveyed_at(one, *stated)), None)
+
+
+def _limits(model: str, no_pass: str | None, known: Known) -> ReadyLine:
+    if not model:
+        return _note("limits", "which model? The port was not looked at")
+    if no_pass:
+        remedy = f"; `station fixtures limits {model} --example`" if model not in known.limits else ""
+        return _lacking("limits", no_pass + remedy)
+    return _ready("limits", f"{len(known.limits[model])} for {model}")
+
+
+def _operator(setup: Setup) -> ReadyLine:
+    if setup.operator:
+        return _ready("operator", setup.operator)
+    return _lacking("operator", "nobody is named; a certificate names who measured")
+
+
+def _fixture(kind: str, name: str, known: Known) -> ReadyLine:
+    one = known.references.get((kind, name))
+    if not name:
+        return _lacking(kind, f"no {kind} is chosen")
+    if one is None:
+        return _lacking(kind, f"{name} is not in the database: `station fixtures add {kind}`")
+    due = one.get("due_date")
+    if due is not None and is_expired(date.fromisoformat(due), known.today):
+        return _lacking(kind, f"{name}, its certificate expired on {due}")
+    if "source" not in one:
+        what = "certificate" if kind == "cube" else "level"
+        return _lacking(kind, f"{name} has no certificate: `station fixtures add {what}`")
+    if due is None:
+        return _lacking(kind, f"{name}, its certificate has no due date")
+    return _ready(kind, f"{name}, certificate due {due}")
+
+
+def _site(setup: Setup, known: Known) -> ReadyLine:
+    if setup.gravity_m_s2 is None:
+        text = "gravity from latitude and height, known to 5e-4 m/s2: not surveyed"
+        return _note("site", text)
+    if setup.latitude_deg is None:
+        text = "whose survey shows once the receiver has said the latitude"
+        return _note("site", text)
+    if (survey := _survey(setup, known)) is None:
+        text = "gravity of no survey in the database; the laboratory's file must say whose"
+        return _note("site", text)
+    name, due = survey.reference["id"], survey.reference.get("due_date")
+    if due is not None and is_expired(date.fromisoformat(due), known.today):
+        return _lacking("site", f"{name}, its survey expired on {due}")
+    return _ready("site", f"{name}, surveyed" + (f", due {due}" if due else ""))
+
+
+def _disk(known: Known) -> ReadyLine:
+    if known.free is None:
+        return _note("disk", "how much is free cannot be told")
+    free = f"{megabytes(known.free)} free"
+    if known.needed is None:
+        return _note("disk", f"{free}; what is needed follows from the port's rate")
+    is_enough = known.free >= known.needed
+    return (_ready if is_enough else _lacking)("disk", f"{free}, about {megabytes(known.needed)} needed")
+
+
+def _receiver(setup: Setup, receiver: Check | None) -> ReadyLine:
+    if not setup.gnss:
+        return _note("receiver", "none: time is this machine's")
+    if receiver is None:
+        return _note("receiver", "not listened to yet")
+    return (_ready if receiver.is_good else _lacking)("receiver", receiver.text)
+
+
+def _ready(name: str, text: str) -> ReadyLine:
+    return ReadyLine(name=name, state="ready", text=text)
+
+
+def _note(name: str, text: str) -> ReadyLine:
+    return ReadyLine(name=name, state="note", text=text)
+
+
+def _lacking(name: str, text: str) -> ReadyLine:
+    return ReadyLine(name=name, state="lacks", text=text)

@@ -1,0 +1,25 @@
+"""What came of a campaign, as the engine holds it."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from station.guide.view import Verdict
+
+if TYPE_CHECKING:
+    from station.recorder.results import Results
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solved:
+    """What came of a campaign; empty until it was solved."""
+
+    verdict: Verdict | None = None
+    results: "Results | None" = None
+    sha256: str = ""
+
+    def shown(self) -> dict[str, object]:
+        """Return the view's fields."""
+        assert self.verdict is not None
+        verdict = self.verdict.model_copy(update={"stored_sha256": self.sha256})
+        stage = "stored" if self.sha256 else "verdict"
+        return {"stage": stage, "line": verdict.sentence, "hint": "", "verdict": verdict, "live": "", "wanted": ""}

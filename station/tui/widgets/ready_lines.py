@@ -1,0 +1,57 @@
+"""How ready a campaign is: its two consequences below the form, and a line of the list behind them."""
+
+from textwrap import wrap
+
+from textual.content import Content
+
+from station.guide.view import Readiness, ReadyLine
+from station.tui.widgets.drawn import Drawn
+
+WIDTH, INDENT = 68, 12  # of a line in the list
+LOOKS = {"ready": ("✓", "$success"), "note": ("·", "$foreground"), "lacks": ("✗", "$warning")}
+
+
+class ReadyLines(Drawn[Readiness | None]):
+    """Two lines: can it end in PASS, can it end in a certificate, and why not. Away while that is not known."""
+
+    DEFAULT_CSS = """
+    ReadyLines { height: 2; padding: 0 2; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(None, id="ready")
+        self.display = False
+
+    def show(self, value: Readiness | None) -> None:
+        """Draw another value."""
+        self.display = value is not None
+        super().show(value)
+
+    def render(self) -> Content:
+        """Draw the lines."""
+        width = self.content_size.width
+        return Content("") if self.value is None else Content("\n").join(consequences(self.value, width))
+
+
+def consequences(ready: Readiness, width: int | None = None) -> list[Content]:
+    """Return how the campaign can end, a line each; a reason longer than ``width`` is only pointed to."""
+    states = {True: "ready", False: "lacks", None: "note"}
+    answers = zip((ready.can_pass, ready.can_certify), ready.said, strict=True)
+    return [_styled(states[answer], _fitting(text, width)) for answer, text in answers]
+
+
+def _fitting(text: str, width: int | None) -> str:
+    if width is None or len(text) + 2 <= width:
+        return text
+    return f"{text.partition(', ')[0]}, ctrl+r says why"
+
+
+def line(one: ReadyLine) -> Content:
+    """Return a thing that is needed, its state as symbol and colour, and what is known of it."""
+    rows = wrap(one.text, WIDTH - INDENT, break_on_hyphens=False)
+    return _styled(one.state, f"{one.name:{INDENT - 2}}" + f"\n{' ' * INDENT}".join(rows))
+
+
+def _styled(state: str, text: str) -> Content:
+    symbol, colour = LOOKS[state]
+    return Content.assemble((f"{symbol} ", f"bold {colour}"), text)

@@ -1,0 +1,187 @@
+"""How ready a campaign is before it begins is what its verdict and its certificate say afterwards."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from datetime import UTC, date, datetime
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.simulated.truth import Truth
+from fixtures_db.campaigns import accept_step
+from fixtures_db.cubes import add_cube, certify_faces
+from fixtures_db.database import Database, open_db
+from fixtures_db.history import calibration
+from fixtures_db.limits import Limit, limits_of, set_limits
+from fixtures_db.sites import Survey, add_site
+from fixtures_db.slabs import add_level, add_slab
+from procedures.campaign import FaceCertificate
+from procedures.frames import FACES
+from station.certificate.certificate import Certificate
+from station.certificate.checklist import missing
+from station.guide.folder_notes import write_setup
+from station.guide.judgement import judge
+from station.guide.known import known
+from station.guide.live_campaign import site_table, usual_steps
+from station.guide.plain import ready_lines
+from station.guide.readiness import readiness
+from station.guide.view import Check, Readiness, Setup
+from station.recorder import Unit, open_campaign
+from station.recorder import results as module
+from station.recorder.results import Results, make_results, store
+from tests.station.certificate.factory import laboratory
+from tests.station.guide.stored import recorded
+
+LONG_AGO, PAST, AHEAD = datetime(2020, 1, 1, tzinfo=UTC), date(2021, 1, 1), date(2090, 1, 1)
+KINDS = ("", "bare", "good", "open", "old")  # none, without certificate, in force, never due, expired
+BIAS = Limit("accelerometer.bias", -0.05, 0.05, "g", 2.0)
+LIMITS = {
+    "none": [],
+    "good": [BIAS, Limit("gyroscope.scale_factor", 34000, 38000, "count/deg")],
+    "never": [BIAS, Limit("gyroscope.bias_12_position.x", -1, 1, "deg/h")],
+    "closed form": [Limit("accelerometer.bias_12_position", -1, 1, "g")],
+    "bench": [Limit("slab.tilt", -1, 1, "rad"), Limit("fixture.parallelism", -1, 1, "rad")],
+    "other output": [Limit("accelerometer.scale_factor", 0, 1e9, "output/g")],
+}
+SURVEYED = {"gravity_m_s2": 9.8, "gravity_std_m_s2": 1e-5}
+SITES = {
+    "normal": {"latitude_deg": 31.17},
+    "unknown": {"latitude_deg": 31.17, **SURVEYED},
+    "surveyed": {"latitude_deg": 48.0, **SURVEYED},
+    "old survey": {"latitude_deg": 50.0, **SURVEYED},
+}
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A database with every kind of reference, and a campaign that was solved once."""
+
+    database: Database
+    root: Path
+    results: Results
+
+    def before(self, setup: Setup, model: str = "SIM-FOG3") -> Readiness:
+        check = Check(url=setup.url, is_good=True, model=model, serial="SIM-7", output="increments", rate_hz=50.0)
+        return readiness(setup, known(self.database, self.root, usual_steps(setup), 50.0), check)
+
+    def after(self, setup: Setup, number: int) -> tuple[str, dict[str, object]]:
+        """Have the campaign done with that set-up, as far as the database goes; return verdict and document."""
+        folder = self.root / f"c{number}"
+        folder.mkdir()
+        write_setup(folder, setup)
+        unit = Unit("SIM-FOG3", "SIM-7", Truth.example(7).sample_period_s)
+        used = {"cube_id": setup.cube or None, "slab_id": setup.slab or None}
+        open_campaign(folder, unit, site_table(setup), self.database, **used)
+        key = str(folder.resolve())
+        with self.database.write() as session:
+            accept_step(
+                session, key, name="dwell_01", file="a", sha256=f"{number:064x}", accepted_utc=datetime.now(UTC)
+            )
+        with self.database.read() as session:
+            reasons = module._why_measured(session, key)  # noqa: SLF001  as `make_results` has it
+            std = {one.name: one.std for one in self.results.context.budgets}
+            outcome = judge(self.results.document, limits_of(session, "SIM-FOG3"), std)
+        site = self.results.tables.model_copy(update={"site": site_table(setup)})
+        status = {"status": "measured" if reasons else "calibrated", "status_reason": "; ".join(reasons)}
+        files = {"calibration_file": folder / "calibration.json", "report_file": folder / "report.html"}
+        made = replace(self.results, folder=folder, outcome=outcome, tables=site, **files, **status)
+        sha256 = store(made, self.database)
+        with self.database.read() as session:
+            return outcome.word, json.loads(calibration(session, sha256).document)
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
+    root = tmp_path_factory.mktemp("readiness")
+    face = dict.fromkeys(FACES, FaceCertificate(np.zeros(2), np.eye(2) * 25e-12))
+    with open_db(root / "station.db") as database:
+        with database.write() as session:
+            for kind in KINDS[1:]:
+                add_cube(session, kind, side_mm=400.0)
+                add_slab(session, kind)
+                due = {"good": AHEAD, "old": PAST}.get(kind)
+                said = {"source": "CMM 12", "measured_utc": LONG_AGO, "due_date": due}
+                if kind != "bare":
+                    certify_faces(session, kind, face, **said)
+                    add_level(session, kind, tilt_rad=(0.0, 0.0), std_rad=(5e-6, 5e-6), **said)
+            for name, latitude, due in (("LAB-1", 48.0, AHEAD), ("LAB-2", 50.0, PAST)):
+                survey = Survey(9.8, 1e-6, "gravimeter", LONG_AGO.date(), due)
+                add_site(session, name, latitude_deg=latitude, survey=survey)
+        yield Bench(database, root, make_results(recorded(root / "c", database, turned=True), database))
+
+
+def test_the_answer_before_a_campaign_is_the_one_after_it(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    lab = laboratory().given("traceability", {"gravity_source": "gravimeter 7"})
+    lab = lab.given("environment", {"temperature_c": [20.0, 21.0]})
+    limits, answers = list(LIMITS), set[tuple[bool | None, bool | None]]()
+    monkeypatch.setattr("station.report.writing.write_report", lambda *_: None)  # of the same numbers each time
+    cases = list(product(KINDS, KINDS, ("", "M. Huber"), SITES))
+    for number, (cube, slab, operator, site) in enumerate(cases):
+        setup = Setup(url="x", cube=cube, slab=slab, operator=operator, **SITES[site])
+        case = (cube, slab, operator, site, limits[number % len(limits)])
+        with bench.database.write() as session:
+            set_limits(session, "SIM-FOG3", LIMITS[case[-1]])
+        ready = bench.before(setup)
+        word, document = bench.after(setup, number)
+        lacks = [field for field, _ in missing(document, lab)]
+        made = Certificate("1", datetime.now(UTC), document, "", lab)
+        is_certificate = not lacks and made.title == "Calibration certificate"
+        assert (ready.can_pass, ready.can_certify) == (word != "NOT_MEASURED", is_certificate), case
+        if not lacks and made.reasons:
+            assert ready.no_certificate.startswith("a measurement report: ")
+            assert all(reason in ready.no_certificate for reason in made.reasons), case
+        answers.add((ready.can_pass, ready.can_certify))
+    assert answers == {(True, True), (True, False), (False, True), (False, False)}
+
+
+def test_what_lacks_is_named_one_line_each(bench: Bench) -> None:
+    with bench.database.write() as session:
+        set_limits(session, "SIM-FOG3", [])
+    said = ready_lines(bench.before(Setup(url="x", cube="old", slab="bare", latitude_deg=31.17)))
+    assert said[:5] == [
+        "LACKS  limits: no limits are stored for SIM-FOG3; `station fixtures limits SIM-FOG3 --example`",
+        "LACKS  operator: nobody is named; a certificate names who measured",
+        "LACKS  cube: old, its certificate expired on 2021-01-01",
+        "LACKS  slab: bare has no certificate: `station fixtures add level`",
+        "note   site: gravity from latitude and height, known to 5e-4 m/s2: not surveyed",
+    ]
+    assert "needed" in said[5]
+    assert said[6:] == [
+        "note   receiver: none: time is this machine's",
+        "can end in PASS: no, no limits are stored for SIM-FOG3",
+        "can end in a certificate: no, no operator; slab bare has no certificate",
+    ]
+
+
+def test_what_is_not_known_before_the_port_was_looked_at_is_said_to_be_so(bench: Bench) -> None:
+    setup = Setup(url="x", cube="good", slab="good", operator="M. Huber", latitude_deg=31.17)
+    facts = known(bench.database, bench.root, usual_steps(setup), None)
+    for check in (None, Check(url="y", is_good=True, model="SIM-FOG3"), Check(url="x", is_good=False)):
+        ready = readiness(setup, facts, check)
+        assert ready.can_pass is None
+        assert ready.can_certify
+        assert ready.said[0] == "can end in PASS: not known before the unit has said its model"
+        assert ready.lines[0].state == "note"
+
+
+def test_a_full_disk_and_a_silent_receiver_are_named(bench: Bench) -> None:
+    setup = Setup(url="x", gnss="mavlink:udpin:0.0.0.0:14550")
+    facts = replace(known(bench.database, bench.root, usual_steps(setup), 50.0), free=10_000_000)
+    ready = readiness(setup, facts, None, Check(url=setup.gnss, is_good=False, text="no heartbeat"))
+    lines = {line.name: line for line in ready.lines}
+    assert lines["disk"].state == "lacks"
+    assert lines["disk"].text.startswith("10 MB free, about ")
+    assert (lines["receiver"].state, lines["receiver"].text) == ("lacks", "no heartbeat")
+
+
+def test_a_station_without_a_commit_to_name_says_that_no_certificate_is_possible(
+    bench: Bench,
+) -> None:
+    setup = Setup(url="x", cube="good", slab="good", operator="M. Huber")
+    facts = replace(known(bench.database, bench.root, usual_steps(setup), 50.0), software="fog-station 1.0")
+    ready = readiness(setup, facts)
+    assert ready.no_certificate == "the station is not run from a checkout"
+    assert ready.lines[-1].name == "software"
