@@ -68,8 +68,17 @@ def stated(document: Mapping[str, Any]) -> list[tuple[str, str]]:
     lines.append(("Tilt of the slab", f"solved for within 1\u03c3 {SLAB_RANGE_DEG:g}\u00b0 of level"))
     relative = max(_shares(document, "clock"), default=0.0)
     rate = f"; rate taken as right within 1\u03c3 {relative:.1g}, a stated value" if relative else ""
-    lines.append(("Time base", f"the device\u2019s own clock{rate}; not compared with a reference here"))
+    compared = "not compared with a reference here"
+    if clock := procedure.get("clock"):
+        off, std = clock["rate_ppm"], clock["std_ppm"]
+        compared = f"by GNSS time recorded beside the counts off by {off:+.2g} ppm, 1\u03c3 {std:.2g} ppm"
+    lines.append(("Time base", f"the device\u2019s own clock{rate}; {compared}"))
     return lines
+
+
+def is_timed(document: Mapping[str, Any]) -> bool:
+    """Say whether the device's clock was compared with a reference in the campaign of a calibration/1."""
+    return "clock" in document["procedure"]
 
 
 def _shares(document: Mapping[str, Any], source: str) -> list[float]:

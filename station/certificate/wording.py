@@ -7,7 +7,7 @@ from typing import Any
 from station.certificate.certificate import Certificate
 from station.certificate.checklist import COMMIT
 from station.certificate.conformity import Conformity, greatest_risk
-from station.certificate.model_said import residual_said
+from station.certificate.model_said import is_timed, residual_said
 from station.report.rounding import decimals, fixed, significant
 
 METRE_PER_S2 = "m/s\u00b2"
@@ -56,6 +56,12 @@ def gravity(site: Mapping[str, Any]) -> str:
     return f"{value}{NB}{METRE_PER_S2}, standard uncertainty {significant(std)}{NB}{METRE_PER_S2}"
 
 
+def clock_of_the_laboratory(certificate: Certificate) -> tuple[str, str]:
+    """Return label and text of what the laboratory says of its clock: a statement, no part of this measurement."""
+    text = certificate.laboratory.traceability.time_base
+    return "Laboratory\u2019s clock", f"{text}; as the laboratory states, the device was not compared with it"
+
+
 def references(certificate: Certificate) -> list[dict[str, str]]:
     """Return what the results are traceable to: quantity, reference, by whom, when, until when."""
     document, lab = certificate.document, certificate.laboratory
@@ -70,8 +76,16 @@ def references(certificate: Certificate) -> list[dict[str, str]]:
     lines.append(_reference("Gravity", {**survey, "source": source}, f"g at {survey.get('id', 'the slab')}"))
     if not str(source).startswith("normal gravity"):  # a formula has no date
         lines[-1]["measured"] = lines[-1]["measured"] or "date of survey not stated"
-    lines.append(_reference("Time", {"source": lab.traceability.time_base}, "second"))
-    return lines
+    return [*lines, _time(document)]
+
+
+def _time(document: Mapping[str, Any]) -> dict[str, str]:
+    """Return what is known of the second that the counts refer to, whatever clock the laboratory has."""
+    if not is_timed(document):
+        line = _reference("Time", {"source": "the device\u2019s own clock, compared with no reference"}, "second")
+        return line | {"measured": "not compared"}
+    gnss = {"source": "GNSS time, recorded beside the counts", "measured_utc": document["procedure"]["ended_utc"]}
+    return _reference("Time", gnss, "second")
 
 
 def day(text: str) -> str:

@@ -16,6 +16,7 @@ from fixtures_db.campaigns import campaign, last_accepted
 from fixtures_db.references import references
 from fixtures_db.schema import CampaignRow, SiteRow
 from procedures.campaign import Campaign
+from procedures.diagnosis.clock import clock_rate
 from procedures.frames import POSITIONS
 from station.campaign_folder.schema import CampaignTable
 from station.guide.folder_notes import read_unit
@@ -89,6 +90,8 @@ def _procedure(
         "heading_std_deg": table.heading_std_deg,
         "closure_std_deg": table.closure_std_deg,
     }
+    if (clock := clock_rate(measured)) is not None:
+        said["clock"] = {"rate_ppm": clock.ppm, "std_ppm": clock.std}
     lists = {"deviations": _deviations(row, tables, document)}
     lists |= {name: list(document.get(name, ())) for name in ("warnings", "not_observable")}
     return said | {name: texts for name, texts in lists.items() if texts}
