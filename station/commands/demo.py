@@ -25,7 +25,8 @@ def demo(
     A device process sends counts in device time, the reader process reads and journals them, simulated hands put
     the cube into 12 positions and turn it 6 times. The recorded bytes are decoded again and compared, the campaign
     is solved, and the simulator's truth stands beside every value, in count/(g s), count/deg, ug, deg/h, arcsec.
-    The demo has a database of its own in its folder unless --db or STATION_DB says otherwise.
+    Cube, slab, site and limits are the simulated unit's own, so that it ends in a verdict and a certificate that
+    says DEMO. The demo has a database of its own in its folder unless --db or STATION_DB says otherwise.
 
     Exit code 2 if the folder is there and is not a demo's.
 
@@ -63,4 +64,5 @@ def demo(
     typer.echo("")
     typer.echo(f"report    {results.report_file}")
     typer.echo(f"solution  {results.solution_file}")
+    typer.echo(f"certificate {outcome.certificate}")
     typer.echo(f"campaign  {outcome.campaign}")

@@ -7,13 +7,15 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from pathlib import Path
 
 from drivers.errors import LinkLost
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.database import open_db
+from station.demo.certifying import CERTIFICATE, certify
+from station.demo.example_bench import GRAVITY_STD, ExampleBench, add_example
 from station.demo.truth_values import truth_values
 from station.errors import CannotWrite, cannot_write
 from station.guide.headless import record
@@ -25,7 +27,6 @@ from station.recorder.results import Results, make_results, store
 
 MARK = ".station-demo"
 MOVE_S = 15.0  # device time of a move; a person takes about 45 s
-GRAVITY_STD = 1e-5  # m/s2, as of a surveyed site
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +45,7 @@ class DemoRequest:
 class DemoOutcome:
     """What the demo made; ``samples`` were decoded a second time from the recorded bytes, equal to the counts.
 
-    ``sha256`` is the stored calibration's.
+    ``sha256`` is the stored calibration's, ``certificate`` says where its certificate is, or what that lacks.
     """
 
     results: Results
@@ -52,6 +53,7 @@ class DemoOutcome:
     campaign: Path
     samples: int
     sha256: str
+    certificate: str
 
 
 def run_demo(
@@ -66,9 +68,9 @@ def run_demo(
     CannotWrite
         If the folder is there already and is not a demo's.
     """
-    folder, truth = request.folder, Truth.example(request.seed)
+    folder, truth, today = request.folder, Truth.example(request.seed), date.today()
     clear(folder)
-    values = truth_values(truth)
+    values = truth_values(truth, is_certified=True)
     (folder / "truth.json").write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
     campaign = folder / _campaign_name(request)
     with (
@@ -76,14 +78,17 @@ def run_demo(
         open_db(request.database or folder / "station.db") as db,
     ):
         options = Options(folder, asks=False, warms_up=False, is_patient=False)
-        setup = _setup(truth, url, campaign, request)
+        with db.write() as session:
+            bench = add_example(session, request.seed)
+        setup = _setup(bench, url, campaign, request)
         record(setup, options, db, SimulatedOperator(control, MOVE_S), show)
         recorded()
         steps = sorted([*campaign.glob("dwell_*.mcap"), *campaign.glob("turn_*.mcap")])
         samples = sum(check_raw_bytes(path, FORMATS["counts"]) for path in steps)
         results = make_results(campaign, db, folder, truth=values)
         sha256 = store(results, db)  # nobody is there to be asked
-    return DemoOutcome(results, values, campaign, samples, sha256)
+        certificate = certify(db, sha256, today, folder / CERTIFICATE)
+    return DemoOutcome(results, values, campaign, samples, sha256, certificate)
 
 
 def clear(folder: Path) -> None:
@@ -95,8 +100,8 @@ def clear(folder: Path) -> None:
         (folder / MARK).touch()
         for campaign in folder.glob("campaign*"):
             shutil.rmtree(campaign)
-        for name in ("imu", "station.db", "station.db-wal", "station.db-shm", "truth.json",
-                     "solution.json", "calibration.json", "diagnosis.json", "report.html"):  # fmt: skip
+        for name in ("imu", "station.db", "station.db-wal", "station.db-shm", "truth.json", "solution.json",
+                     "calibration.json", "diagnosis.json", "report.html", CERTIFICATE):  # fmt: skip
             (folder / name).unlink(missing_ok=True)
     except CannotWrite:
         raise
@@ -127,9 +132,11 @@ def _device(request: DemoRequest, link: Path) -> Iterator[tuple[str, str]]:
             process.stdin.close()
 
 
-def _setup(truth: Truth, url: str, campaign: Path, request: DemoRequest) -> Setup:
+def _setup(bench: ExampleBench, url: str, campaign: Path, request: DemoRequest) -> Setup:
+    truth = bench.truth
     return Setup(
         url=url, folder=str(campaign), dwell_s=request.dwell_s, revolutions=request.revolutions,
+        cube=bench.cube, slab=bench.slab, operator="station demo",
         latitude_deg=truth.latitude_deg, longitude_deg=truth.longitude_deg,
         gravity_m_s2=truth.gravity_m_s2, gravity_std_m_s2=GRAVITY_STD,
         heading_std_deg=truth.heading_std_deg, closure_std_deg=truth.closure_std_deg,

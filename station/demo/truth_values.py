@@ -9,15 +9,15 @@ from procedures.bench_model import mean_cube
 from procedures.frames import AXES
 
 
-def truth_values(truth: Truth) -> dict[str, float]:
+def truth_values(truth: Truth, *, is_certified: bool = False) -> dict[str, float]:
     """Return the truth keyed as `procedures.solution.Solution.names`.
 
     Misalignment and scale factor refer to the mean cube, as the solution's do: columns of ``k E`` along the mean
-    normals of the face pairs instead of the cube's own axes.
+    normals of the face pairs instead of the cube's own axes, to which those of a certified cube refer.
     """
     up, down = truth.faces_rad[::2], truth.faces_rad[1::2]  # (3, 2) each, by face pair
     C_ib = imu_from_cube(truth.imu_axes)
-    mean = C_ib @ mean_cube((up - down) / 2) @ C_ib.T
+    mean = np.eye(3) if is_certified else C_ib @ mean_cube((up - down) / 2) @ C_ib.T
     values = {
         **_triad("accelerometer", truth.accel_k, truth.accel_e @ mean, truth.accel_d_g),
         **_triad("gyroscope", truth.gyro_k, truth.gyro_e @ mean, truth.gyro_d_deg_s * 3600),

@@ -5,8 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from fixtures_db.database import open_db
+from fixtures_db.limits import Limit, limits_of, set_limits
 from station import cli
 from station.campaign_folder import read_campaign, verify_folder
+from station.certificate.checklist import COMMIT
 from station.demo.run import MARK, clear
 from station.errors import CannotWrite
 from tests.station.commands.program import Program
@@ -19,6 +22,16 @@ def test_the_demo_ends_with_a_comparison_and_the_paths_of_its_results(tmp_path: 
     assert (code, error) == (0, "")
     assert "all counts equal" in said
     assert "error/sigma" in said
+    assert "PASS: SIM-FOG3 SIM-1 is within all 24 limits" in said
+    document = json.loads((out / "calibration.json").read_text())
+    assert (document["status"], document["operator"]) == ("calibrated", "station demo")
+    if COMMIT.search(document["software"]):
+        certificate = (out / "certificate.html").read_text()
+        assert "Calibration certificate" in certificate
+        for text in ("DEMO: no laboratory", "simulated device: no hardware was measured", "nothing is traceable"):
+            assert text in certificate
+    else:
+        assert "certificate none: it lacks software.commit" in said
     for name in ("report.html", "solution.json", "campaign"):
         assert str(out / name) in said
         assert (out / name).exists()
@@ -44,3 +57,20 @@ def test_what_a_demo_left_is_cleared_and_nothing_else(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("x")
     with pytest.raises(CannotWrite):
         clear(tmp_path / "file")
+
+
+def test_the_bench_of_a_simulated_unit_is_added_once_and_limits_of_the_user_s_own_stay(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    db = ("--db", str(tmp_path / "s.db"))
+    own = Limit("accelerometer.bias.x", -1.0, 1.0, "g")
+    with open_db(tmp_path / "s.db") as database, database.write() as session:
+        set_limits(session, "SIM-FOG3", [own])
+    for _ in range(2):
+        assert cli.run(["fixtures", "example", "7", *db]) == 0
+        assert "--cube SIM-CUBE-7 --slab SIM-SLAB-7 --latitude 31.17" in capsys.readouterr().out
+    assert cli.run(["fixtures", "show", "cube", "SIM-CUBE-7", *db]) == 0
+    assert "simulated: nobody measured it" in capsys.readouterr().out
+    assert cli.run(["verify", *db]) == 0
+    with open_db(tmp_path / "s.db") as database, database.read() as session:
+        assert limits_of(session, "SIM-FOG3") == (own,)

@@ -1,0 +1,69 @@
+"""The bench of a simulated unit in a database: its cube and slab as measured, its site as surveyed, its limits.
+
+Nothing of it was measured by anybody, and every source says so. The values are the truth of
+`drivers.simulated.truth.Truth.example` plus a draw of the sigma that is stated.
+"""
+
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from drivers.simulated.truth import Truth
+from fixtures_db.cubes import add_cube, certify_faces
+from fixtures_db.limits import limits_of, set_limits
+from fixtures_db.schema import CubeRow, SiteRow, SlabRow
+from fixtures_db.sites import Survey, add_site
+from fixtures_db.slabs import add_level, add_slab
+from procedures.campaign import FaceCertificate
+from procedures.frames import FACES
+from station.limits_example import example_limits
+from station.limits_toml import limits_in
+
+SOURCE = "simulated: nobody measured it"
+SIDE_MM = 400.0
+FACE_STD = 5e-6  # rad, 1 arcsec: a good measuring machine on 400 mm
+LEVEL_STD = 5e-6  # rad
+GRAVITY_STD = 1e-5  # m/s2
+HOLDS = timedelta(days=365)
+
+
+@dataclass(frozen=True, slots=True)
+class ExampleBench:
+    """The names of a simulated unit's cube, slab and site, and the truth they belong to."""
+
+    cube: str
+    slab: str
+    site: str
+    truth: Truth
+
+
+def add_example(session: Session, seed: int) -> ExampleBench:
+    """Add what is not there yet of a simulated unit's bench; limits that the model has stay."""
+    truth = Truth.example(seed)
+    made = ExampleBench(f"SIM-CUBE-{seed}", f"SIM-SLAB-{seed}", f"SIM-SITE-{seed}", truth)
+    rng, now = np.random.default_rng([seed, 0xCE27]), datetime.now(UTC)
+    due = (now + HOLDS).date()
+    tilts = truth.faces_rad + FACE_STD * rng.standard_normal((6, 2))
+    east, north = (truth.slab_tilt_rad + LEVEL_STD * rng.standard_normal(2)).tolist()
+    if session.get(CubeRow, made.cube) is None:
+        add_cube(session, made.cube, side_mm=SIDE_MM)
+        faces = {face: FaceCertificate(tilts[i], FACE_STD**2 * np.eye(2)) for i, face in enumerate(FACES)}
+        certify_faces(session, made.cube, faces, source=SOURCE, measured_utc=now, due_date=due)
+    if session.get(SlabRow, made.slab) is None:
+        add_slab(session, made.slab)
+        add_level(
+            session, made.slab, tilt_rad=(east, north), std_rad=(LEVEL_STD, LEVEL_STD), source=SOURCE,
+            measured_utc=now, due_date=due,
+        )  # fmt: skip
+    if session.get(SiteRow, made.site) is None:
+        add_site(
+            session, made.site, latitude_deg=truth.latitude_deg, longitude_deg=truth.longitude_deg,
+            height_m=truth.height_m, survey=Survey(truth.gravity_m_s2, GRAVITY_STD, SOURCE, now.date(), due),
+        )  # fmt: skip
+    if not limits_of(session, truth.model):
+        _, limits = limits_in(example_limits(truth.model).encode(), Path("the sample"))
+        set_limits(session, truth.model, limits)
+    return made
