@@ -70,11 +70,15 @@ class Fixture:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DwellRecord:
-    """A dwell as it was recorded; ``name`` is the file's name or the step's."""
+    """A dwell as it was recorded; ``name`` is the file's name or the step's.
+
+    ``turn_on`` says, of every step, for which time from 1 the unit was switched on in its campaign.
+    """
 
     name: str
     position: int
     series: Series
+    turn_on: int = 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,6 +91,7 @@ class TurnRecord:
     revolutions: int
     start_position: int
     series: Series
+    turn_on: int = 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -122,15 +122,16 @@ def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
     for step in used:
         assert step.data is not None
         match step.table:
-            case DwellTable(file=file, position=int(position)):
-                dwells.append(DwellRecord(file, position, step.data.series))
+            case DwellTable(file=file, position=int(position)) as dwell:
+                dwells.append(DwellRecord(file, position, step.data.series, dwell.turn_on or 1))
             case DwellTable(file=file, up=up):
                 rests.append(RestRecord(file, up, step.data.series))
             case SequenceTable(file=file):
                 sequences.append(SequenceRecord(file, step.data.series))
             case TurnTable(file=file, axis=axis, direction=direction) as turn:
                 start = turn.start_position or TURN_START[axis]
-                turns.append(TurnRecord(file, axis, direction, turn.revolutions, start, step.data.series))
+                on = turn.turn_on or 1
+                turns.append(TurnRecord(file, axis, direction, turn.revolutions, start, step.data.series, on))
     return Campaign(
         tables.imu.model,
         tables.imu.serial,

@@ -148,7 +148,13 @@ class FixtureTable(_Table):
         return self
 
 
-class _Attitude(_Table):
+class _Step(_Table):
+    """``turn_on``: for which time, from 1, the unit was switched on in this campaign."""
+
+    turn_on: Annotated[int, Field(ge=1, le=99)] | None = None
+
+
+class _Attitude(_Step):
     position: Position | None = None
     up: Face | None = None
     attitude: Literal["free"] | None = None
@@ -171,7 +177,7 @@ class SoakTable(_Attitude):
     """``[[soak]]``: at rest while temperature or an auxiliary channel moves."""
 
 
-class TurnTable(_Table):
+class TurnTable(_Step):
     """``[[turn]]``: whole revolutions about the vertical, back to where it began."""
 
     axis: Axis

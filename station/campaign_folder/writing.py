@@ -64,7 +64,10 @@ def campaign_tables(campaign: Campaign, sample_period_s: float, suffix: str) -> 
             },
             "fixture": _fixture(campaign.fixture),
             "dwell": [
-                *({"position": d.position, "file": Path(d.name).stem + suffix} for d in campaign.dwells),
+                *(
+                    {"position": d.position, "file": Path(d.name).stem + suffix, **_turn_on(d.turn_on)}
+                    for d in campaign.dwells
+                ),
                 *({**_attitude(r), "file": Path(r.name).stem + suffix} for r in campaign.rests),
             ],
             "turn": [
@@ -74,12 +77,17 @@ def campaign_tables(campaign: Campaign, sample_period_s: float, suffix: str) -> 
                     "revolutions": t.revolutions,
                     "start_position": t.start_position,
                     "file": Path(t.name).stem + suffix,
+                    **_turn_on(t.turn_on),
                 }
                 for t in campaign.turns
             ],
             "sequence": [{"file": Path(s.name).stem + suffix} for s in campaign.sequences],
         }
     )
+
+
+def _turn_on(number: int) -> dict[str, int]:
+    return {"turn_on": number} if number > 1 else {}
 
 
 def write_tables(folder: Path, tables: CampaignTable) -> None:

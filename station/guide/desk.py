@@ -27,15 +27,19 @@ from station.live.stillness import LEAST, TICKS
 from station.recorder.tape import Run, Tape
 
 NOTHING = SoFar()
+POWER_CYCLED = "the unit was switched off and on: it warms up again, and its biases are solved apart from before"
 
 
 class Recorder(Protocol):
     """Where accepted steps go: on the disk and in the database when `accept` returns."""
 
     def accept(
-        self, step: Step, tape: Tape, runs: Sequence[Run], kept_seat: Sequence[float] | None = None
+        self, step: Step, tape: Tape, runs: Sequence[Run], *, kept_seat: Sequence[float] | None, turn_on: int
     ) -> object:
-        """Record ``step`` as the samples of ``runs``; ``kept_seat`` (2,) [rad]: kept though it sits so far off."""
+        """Record ``step`` as the samples of ``runs``, the unit switched on for the ``turn_on``-th time, from 1.
+
+        ``kept_seat`` (2,) [rad]: kept though it sits so far off.
+        """
         ...
 
     def keep_steps(self, steps: Sequence[Step]) -> None:
@@ -96,6 +100,7 @@ class Desk:
         self.kept_seats: dict[int, FloatArray] = {}  # how it sits where the operator keeps it so, by position
         self.off_seat = 0  # the position in which it was just found off
         self.badly_seated: set[int] = set(done.badly_seated)  # positions recorded with a seat known to be bad
+        self.turn_on = done.turn_on  # which one since the campaign began, from 1
         self.told_off: set[tuple[int, ...]] = set()  # positions said to have stood turned, as they stand now
         for each in done.before:
             self._learn(each)
@@ -183,7 +188,8 @@ class Desk:
         stand, which is then said instead.
         """
         tape, period = self.feed.tape, self.feed.period
-        self._recorder.accept(step, tape, runs, None if kept_seat is None else kept_seat.tolist())
+        seat = None if kept_seat is None else kept_seat.tolist()
+        self._recorder.accept(step, tape, runs, kept_seat=seat, turn_on=self.turn_on)
         self.checklist.accept(step, sum(last - first for first, last in runs) * period, note)
         if isinstance(step, Dwell):
             self.position = step.position
@@ -224,6 +230,15 @@ class Desk:
         """Say which way the cube stands with ``face`` up, from the gyros' mean count rate (3,)."""
         std, facts = self.gyro_std(seconds), self.facts
         return find_heading(gyro, std, face, facts.latitude, self.C_ib, self.known)
+
+    def power_cycled(self) -> None:
+        """Take it that the unit was switched off and on: what its biases were says nothing of what they are."""
+        self.turn_on += 1
+        self.rested.clear()
+        self.seats.clear()
+        self.kept_seats.clear()
+        self.moved()
+        self.story.say("rejected", POWER_CYCLED)
 
     def turned_off(self) -> list[tuple[list[int], HeadingError]]:
         """Return the positions that stood turned against the marks, as far as the gyros tell by now."""

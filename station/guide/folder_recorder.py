@@ -18,12 +18,15 @@ class FolderRecorder:
         self._recorder = recorder
 
     def accept(
-        self, step: Step, tape: Tape, runs: Sequence[Run], kept_seat: Sequence[float] | None = None
+        self, step: Step, tape: Tape, runs: Sequence[Run], *, kept_seat: Sequence[float] | None, turn_on: int
     ) -> None:
-        """Record ``step`` as the samples of ``runs``; ``kept_seat`` (2,) [rad]: kept though it sits so far off."""
+        """Record ``step`` as the samples of ``runs``, the unit switched on for the ``turn_on``-th time, from 1.
+
+        ``kept_seat`` (2,) [rad]: kept though it sits so far off.
+        """
         spans = spans_left_out(runs, tape)
-        said = {} if kept_seat is None else {"kept_seat_rad": list(kept_seat)}
-        path = self._recorder.accept(step, tape, runs, said)
+        said: dict[str, object] = {} if kept_seat is None else {"kept_seat_rad": list(kept_seat)}
+        path = self._recorder.accept(step, tape, runs, said | ({"turn_on": turn_on} if turn_on > 1 else {}))
         if spans:
             period = self._recorder.tables.imu.sample_period_s
             keep_left_out(self._recorder.folder, path.name, [span * period for span in spans])

@@ -45,7 +45,8 @@ class Guide:
 
     def __init__(self, desk: Desk, *, warms_up: bool, unsure: UnitRecord | None = None) -> None:
         self.desk = desk
-        first = _warming if warms_up else _placing
+        first = self._first = _warming if warms_up else _placing
+        self._restarts = desk.feed.restarts
         self._stage: Stage = first(desk) if unsure is None else Recognising(desk, unsure, first)
         self._look: Look | None = None
         self._accel: FloatArray = np.zeros(3)
@@ -71,6 +72,7 @@ class Guide:
         self._tracker.take(block, look)
         if block.is_anew:
             self._stage = self._stage.interrupted()
+            self._look_for_restart()
         elif self._is_paused:
             look = replace(look, is_still=False, is_calm=False, hindrance="paused")
         self._stage = self._stage.take(block, look)
@@ -96,7 +98,18 @@ class Guide:
         """Take it that the stream goes on."""
         if self.trouble:
             self.trouble = ""
-            self.desk.story.say("", "the stream is back")
+            if not self._look_for_restart():
+                self.desk.story.say("", "the stream is back")
+
+    def _look_for_restart(self) -> bool:
+        """Say so if the unit was switched off and on: it warms up again, and its biases are others."""
+        if (restarts := self.desk.feed.restarts) == self._restarts:
+            return False
+        self._restarts = restarts
+        self.desk.power_cycled()
+        if not isinstance(self._stage, Recognising):
+            self._stage = self._first(self.desk)
+        return True
 
     def obey(self, command: Command) -> None:
         """Do as the operator says; what does not fit the moment is said and changes nothing."""

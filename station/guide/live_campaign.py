@@ -23,7 +23,7 @@ from station.errors import DataRefused
 from station.gnss import GnssFeed, open_gnss
 from station.guide.checklist import Checklist
 from station.guide.command import Command
-from station.guide.desk import Desk, Facts
+from station.guide.desk import POWER_CYCLED, Desk, Facts
 from station.guide.disk import WARM_UP_S, Disk, disk_for, refuse_full
 from station.guide.fixture import cube_fixture
 from station.guide.folder import journal_path, new_folder
@@ -35,7 +35,7 @@ from station.guide.host_clock import HostClock
 from station.guide.identity import UnitRecord
 from station.guide.options import Options
 from station.guide.port_check import RECORD_INSTEAD
-from station.guide.so_far import SoFar, so_far
+from station.guide.so_far import SoFar, after_pause, so_far
 from station.guide.unfinished import FolderLock, reopen
 from station.guide.view import Check, Setup, Sound, View
 from station.live.live_feed import LiveFeed, open_feed
@@ -213,7 +213,8 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         imu = recorder.tables.imu
         unit = feed.identify(imu.model, imu.serial, has_begun=True)
         fixture, _ = cube_fixture(database, recorder.tables.fixture.id, recorder.tables.fixture.imu_axes)
-        done = so_far(folder) if recorder.accepted else SoFar()
+        recorded = so_far(folder) if recorder.accepted else SoFar()
+        done = _as_it_runs(recorded, recorder, feed)
         checklist = Checklist(steps, recorder.accepted, done.seconds)
         refuse_full(folder, checklist.open_steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         facts = _facts(recorder.tables, fixture, setup, options)
@@ -221,10 +222,20 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         record = read_unit(folder)
         unsure = record if record is not None and not record.serial_from_wire else None
         guide = Guide(desk, warms_up=options.warms_up, unsure=unsure)
+        if done.turn_on > recorded.turn_on:
+            desk.story.say("rejected", POWER_CYCLED)
         if missed:
             desk.story.say("rejected", missed)
         return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all(), gnss)
     raise AssertionError("unreachable")
+
+
+def _as_it_runs(done: SoFar, recorder: CampaignRecorder, feed: LiveFeed) -> SoFar:
+    """Return what the steps so far leave, the unit perhaps switched off and on since the last of them."""
+    files = [recorder.folder / table.file for table in recorder.tables.steps()]
+    if not files or not feed.tells_time or feed.stamp is None:
+        return done
+    return after_pause(done, feed.stamp[1], time.time() - max(file.stat().st_mtime for file in files))
 
 
 def usual_steps(setup: Setup) -> tuple[Step, ...]:

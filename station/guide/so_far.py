@@ -1,7 +1,7 @@
 """What the accepted steps of a campaign that is gone on with leave for those after them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from station.campaign_folder import read_campaign
 from station.guide.checklist import is_free
 from station.guide.rested import Rested, rested
 from station.live.counted import counted_series
+from station.live.power import switched_on_again
 from station.recorder.campaign import step_of
 
 REST_S = 2.0  # of rest before a turn that surely were
@@ -25,7 +26,8 @@ class SoFar:
     """What accepted steps leave, by step name where not said otherwise.
 
     ``before`` are the dwells; ``turns`` in the order they were done; ``seconds`` how long each step is;
-    ``leaned`` free attitudes by count rates (3,); ``badly_seated`` the positions whose seat is known to be bad.
+    ``leaned`` free attitudes by count rates (3,); ``badly_seated`` the positions whose seat is known to be bad;
+    ``turn_on`` for which time, from 1, the unit was switched on, and ``last_s`` what its clock said last.
     """
 
     before: tuple[Rested, ...] = ()
@@ -33,13 +35,28 @@ class SoFar:
     seconds: Mapping[str, float] = field(default_factory=dict)
     leaned: Mapping[str, FloatArray] = field(default_factory=dict)
     badly_seated: frozenset[int] = frozenset()
+    turn_on: int = 1
+    last_s: float | None = None
+
+
+def after_pause(done: SoFar, now_s: float, elapsed_s: float) -> SoFar:
+    """Return what is left of it where the device's clock says ``now_s``, ``elapsed_s`` after the last step.
+
+    Nothing of the dwells if it was switched off and on: they held other biases.
+    """
+    if done.last_s is None or not switched_on_again(done.last_s, now_s, elapsed_s):
+        return done
+    return replace(done, before=(), turn_on=done.turn_on + 1, last_s=None)
 
 
 def so_far(folder: Path) -> SoFar:
     """Return what the accepted steps leave for those after them."""
     folder_read = read_campaign(folder)
     loaded = folder_read.campaign
-    before = [rested(d.position, counted_series(d.series)) for d in loaded.dwells]
+    tables = {one.file: one for one in folder_read.tables.steps()}
+    turn_on = max((getattr(one, "turn_on", None) or 1 for one in tables.values()), default=1)
+    now = [d for d in loaded.dwells if (getattr(tables[d.name], "turn_on", None) or 1) == turn_on]
+    before = [rested(d.position, counted_series(d.series)) for d in now]
     turns = {_name(turn): turn_seen(turn, loaded.fixture.C_ib) for turn in loaded.turns}
     seconds, leaned = dict[str, float](), dict[str, FloatArray]()
     for one in folder_read.steps:
@@ -50,7 +67,9 @@ def so_far(folder: Path) -> SoFar:
         if isinstance(step, FreePosition | Soak) and is_free(step):
             leaned[step.name] = np.asarray(counted_series(series).accel).mean(axis=0) / series.period
     bad = frozenset(one.position for one in folder_read.tables.dwell if one.position and one.kept_seat_rad)
-    return SoFar(tuple(before), turns, seconds, leaned, bad)
+    of_now = [one for one in folder_read.steps if (getattr(one.table, "turn_on", None) or 1) == turn_on]
+    last = max((float(one.data.series.t[-1]) for one in of_now if one.data is not None), default=None)
+    return SoFar(tuple(before), turns, seconds, leaned, bad, turn_on, last)
 
 
 def _name(turn: TurnRecord) -> str:

@@ -12,6 +12,7 @@ from drivers.formats import wire_of
 from drivers.framing import seen_instead, sniff
 from drivers.wire import FORMATS, WireFormat
 from station.errors import DataRefused
+from station.live.power import PowerWatch
 from station.live.stillness import TICKS, Block, block_of
 from station.live.trouble import Trouble
 from station.reader import Chunk, GapMark
@@ -63,7 +64,7 @@ class LiveFeed:
         self._source, self.wire = source, wire
         self.address = source.address
         self.unit: Unit | None = None
-        self.stream, self.tape = SampleStream(wire), Tape()
+        self.stream, self.tape, self._power = SampleStream(wire), Tape(), PowerWatch(wire)
         self._recent = b""
         self._silent_s = self._frameless_s = 0.0
         self._wrong: WrongFormat | None = None  # found so ...
@@ -83,6 +84,11 @@ class LiveFeed:
         period = self.unit.period if self.unit else self.stream.period
         assert period is not None, "identify first"
         return period
+
+    @property
+    def restarts(self) -> int:
+        """How often the device was switched off and on since the feed began."""
+        return self._power.count
 
     @property
     def tells_time(self) -> bool:
@@ -223,6 +229,7 @@ class LiveFeed:
 
     def _take(self, chunk: Chunk) -> None:
         self._pieces.append(piece := self.stream.take(chunk))
+        self._power.take(piece, self.stream.period, has_time=self.stream.decoder.kind.has_time)
         if len(piece.block):
             self.stamp = chunk.host_ns, float(piece.block.device_time[-1])
         self.tape.append(self._pieces[-1])

@@ -6,7 +6,10 @@ import pytest
 
 from drivers.errors import LinkSilent
 from drivers.simulated.device import ByteDevice
+from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
+from station.campaign_folder import read_campaign
+from station.guide.so_far import so_far
 from station.recorder import UnitChanged
 from tests.station.guide.rig import GuideRig, dwells
 
@@ -50,3 +53,26 @@ def test_nobody_is_hurried(rig: Make) -> None:
     assert view.stage == "place"
     guided.hands("place 2 8")
     guided.run(guided.done(2))
+
+
+def test_a_unit_switched_off_and_on_says_so_warms_up_and_marks_what_follows(rig: Make) -> None:
+    guided = rig(dwells(1, 2, 3, seconds=10.0), faults=[Fault("restart", at_s=400.0, seconds=6.0)], warms_up=True)
+    guided.run(guided.done(1))
+    guided.hands("place 2 8")
+    guided.run(guided.done(2))
+    view = guided.run(lambda v: any("switched off and on" in event.text for event in v.events))
+    assert view.stage == "warm_up"
+    assert guided.desk.rested == {}
+    guided.hands("place 3 8")
+    guided.run(guided.done(3))
+    assert [dwell.turn_on for dwell in read_campaign(guided.folder).tables.dwell] == [None, None, 2]
+    assert so_far(guided.folder).turn_on == 2
+    assert [each.position for each in so_far(guided.folder).before] == [3]
+
+
+def test_a_port_that_was_away_alone_is_no_power_cycle(rig: Make) -> None:
+    guided = rig(dwells(1, 2, seconds=10.0), faults=[Fault("unplug", at_s=40.0, seconds=6.0)])
+    guided.run(guided.done(1))
+    guided.rest(60)
+    assert not any("switched off" in text for text in guided.texts)
+    assert guided.desk.turn_on == 1
