@@ -21,6 +21,7 @@ from procedures.residuals import fit_quality, step_residuals
 from procedures.sequences import Segmented, all_rests, segment
 from procedures.solution import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.triad import TriadVector, moves_vector, paper_biases, triad_vector
+from procedures.turn_on_warnings import turn_on_warnings
 from procedures.twelve_position import JointFit, missing_positions, solve_accelerometer
 
 NEVER_EXCITED = ("accelerometer.cross_product", "accelerometer.cubic (with accelerometer.scale_factor)")
@@ -266,7 +267,7 @@ def _warnings(fits: Fits, quality: FitQuality) -> tuple[str, ...]:
     found += [f"{each.record.name}: no rest found in it" for each in fits.segmented if not each.rests]
     if fits.gyroscope is not None:
         found += _turn_warnings(fits.gyroscope)
-    return (*found, *_few_counts(fits))
+    return (*found, *turn_on_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope), *_few_counts(fits))
 
 
 def _why_not(accel: TriadDwells) -> str:

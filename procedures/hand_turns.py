@@ -11,7 +11,7 @@ Bias comes from the dwells, in which the horizontal Earth rate cancels between t
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,16 +21,18 @@ from procedures.campaign import Campaign
 from procedures.earth import earth_rate_n
 from procedures.errors import TurnsDisagree
 from procedures.frames import AXES, TURN_START, face_normal, face_of
-from procedures.least_squares import Fit, minimise
+from procedures.least_squares import Fit
 from procedures.observations import TriadDwells, TurnTotal, channel
 from procedures.records import Series
 from procedures.steps import Plan, Turn
+from procedures.turn_ons import Parted, fit_parted
 from procedures.twelve_position import ALIVE, JointFit, mountings
 
 AGREE = 0.1  # of the scale factor: far above any bias, far below a missing revolution
 REST_S = 2.0  # of rest wanted at each end
 REST_RATE = 0.5  # deg/s
 OPEN_CLOSURE = float(np.radians(0.1))  # 1 sigma of a turn that was not at rest at both ends, at the least
+TURN_ON_RANGE = 30 / 3600  # deg/s, 1 sigma of what a bias may step by as a unit is switched off and on
 TILT_STD = 1e-12  # rad, of what the accelerometers did not leave open
 
 
@@ -139,12 +141,17 @@ def solve_gyroscope(
     )
     model = _Model(campaigns, seen, turns, shapes, accelerometer, np.linalg.norm(K, axis=1))
     start = np.concatenate((K.ravel(), b, np.zeros(model.bench.size + len(turns))))
-    fit = model.fit(start, np.zeros(3))
-    excess = model.excess(fit)
+    parted = model.fit(start, np.zeros(3))
+    excess = model.excess(parted.fit)
     if np.any(excess > 0):
-        fit = model.fit(fit.x, excess)
-    n = len(seen.dwells)
-    joint = JointFit(fit, model.bench, seen, excess, model.unsettled[:n], model.prior.loose)
+        parted = model.fit(parted.fit.x, excess)
+    n, steps = len(seen.dwells), parted.steps
+    turns = [replace(t, total=t.total - t.seconds * s) for t, s in zip(turns, steps[n:], strict=True)]
+    seen = replace(seen, rate=seen.rate - steps[:n])
+    loose, unsettled = model.prior.loose, model.unsettled[:n]
+    joint = JointFit(
+        parted.fit, model.bench, seen, excess, unsettled, loose, spread=parted.spread, profiled=parted.profiled
+    )
     return GyroscopeFit(joint, tuple(turns), model.sigma(excess)[n:], shapes, broken)
 
 
@@ -223,6 +230,7 @@ class _Model:
         self.closure = np.degrees([s.closure_std for s in shapes])
         self.earth = [np.degrees(earth_rate_n(c.site.latitude)) for c in campaigns]
         self.prior = _tilt_prior(self.bench, accelerometer)
+        self.k = k
         self.unsettled = np.outer([np.degrees(campaigns[n].sigma.unsettled_gyro) for n, _ in steps], k)
 
     def output(self, x: FloatArray) -> FloatArray:
@@ -245,16 +253,19 @@ class _Model:
         total: FloatArray = np.sqrt(expected**2 + (excess * seconds) ** 2)
         return total
 
-    def fit(self, start: FloatArray, excess: FloatArray) -> Fit:
-        """Minimise with a given scatter of the bias from step to step (3,) [output/s]."""
+    def fit(self, start: FloatArray, excess: FloatArray) -> Parted:
+        """Minimise with a given scatter of the bias from step to step (3,) [output/s], turn-ons apart."""
         observed = np.vstack((self.seen.rate, np.array([t.total for t in self.turns])))
         sigma, size = self.sigma(excess), self.bench.size
+        turn_ons = [(number, dwell.turn_on) for number, dwell in self.seen.dwells]
+        turn_ons += [(turn.campaign, turn.record.turn_on) for turn in self.turns]
+        seconds = np.array([1.0] * len(self.seen.dwells) + [turn.seconds for turn in self.turns])[:, None]
 
-        def residual(x: FloatArray) -> FloatArray:
+        def residual(x: FloatArray, steps: FloatArray) -> FloatArray:
             bench, closure = x[12 : 12 + size], x[12 + size :]
             return np.concatenate(
                 (
-                    ((observed - self.output(x)) / sigma).ravel(),
+                    ((observed - steps * seconds - self.output(x)) / sigma).ravel(),
                     self.prior.matrix @ bench - self.prior.mean,
                     closure / self.closure,
                 )
@@ -264,7 +275,7 @@ class _Model:
         scale = np.concatenate(
             (np.full(9, typical), np.full(3, typical * 1e-2), np.full(size, 0.1), np.full(len(self.turns), 1.0))
         )
-        return minimise(residual, start, scale)
+        return fit_parted(residual, start, scale, turn_ons, TURN_ON_RANGE * self.k)
 
     def excess(self, fit: Fit) -> FloatArray:
         """Return the scatter (3,) of the bias from dwell to dwell beyond what is expected of it [output/s].

@@ -62,21 +62,22 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
         scale, bias = skew_jacobian(p, C_ib.T @ value[3:12].reshape(3, 3) @ C_ib)
         rows = np.vstack((value[:3, None] * (np.abs(C_ib) @ scale), C_ib @ bias * (triad == "accelerometer")))
         covariance[np.ix_(SKEWED, SKEWED)] += rows * variance @ rows.T
-    shared, drift = common_variance(joint, value[:3] / per)
-    covariance[12:, 12:] += np.diag(shared + drift)
+    covariance[12:, 12:] += np.diag(sum(common_variance(joint, value[:3] / per)))
     return TriadVector(value, J, covariance, vector_names(triad), unit)
 
 
-def common_variance(joint: JointFit, k: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return what dwells have in common, as variances (3,) of D: bias instability, and a drift that is stated.
+def common_variance(joint: JointFit, k: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return what dwells have in common, as variances (3,) of D.
+
+    Bias instability, a drift that is stated, and how far apart turn-ons were of which D is the mean.
 
     ``k`` (3,) is the scale factor in output/s per unit of D.
     """
     n = len(joint.seen.dwells)
     if not n:
-        return np.zeros(3), np.zeros(3)
+        return np.zeros(3), np.zeros(3), np.zeros(3)
     shared = (joint.excess / k) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
-    return shared, np.mean((joint.unsettled / k) ** 2, axis=0)
+    return shared, np.mean((joint.unsettled / k) ** 2, axis=0), (joint.spread / k) ** 2
 
 
 def moves_vector(moves: MovesFit, accelerometer: JointFit) -> TriadVector:

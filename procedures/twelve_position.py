@@ -8,7 +8,7 @@ Eq. (7) of the paper divides by k of the gyroscope; the accelerometer's own is m
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,11 +16,13 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.bench_model import Bench, Placement, cube_numbers
 from procedures.campaign import Campaign
 from procedures.earth import STANDARD_GRAVITY
-from procedures.least_squares import Fit, minimise
+from procedures.least_squares import Fit
 from procedures.observations import TriadDwells, TriadRests
 from procedures.records import Series
 from procedures.steps import Dwell, Plan
+from procedures.turn_ons import fit_parted
 
+TURN_ON_RANGE = 5e-3  # g, 1 sigma of what a bias may step by as a unit is switched off and on
 ALIVE = 10.0  # sigmas of a dwell's rate that one g must move a channel
 
 
@@ -104,6 +106,8 @@ class JointFit:
     ``fit`` is the whole; to the sigma of every dwell were added ``excess`` (3,), the scatter from dwell to dwell
     that was found beyond counting noise, and ``unsettled`` (n, 3), what the campaign states of it [output/s].
     ``rests`` are the rows of rests outside the twelve positions; with ``quadratic`` K2 (3) stands last in x.
+    ``spread`` (3,) is 1 sigma of b as the mean over turn-ons [output/s]; the dwells' rates are freed of its steps,
+    of which ``profiled`` parameters were fitted besides.
     """
 
     fit: Fit
@@ -114,6 +118,8 @@ class JointFit:
     loose: BoolArray  # of the rows that follow the dwells'
     rests: RestFit | None = None
     quadratic: bool = False
+    spread: FloatArray = field(default_factory=lambda: np.zeros(3))
+    profiled: int = 0
 
     @property
     def expected(self) -> FloatArray:
@@ -132,7 +138,7 @@ class JointFit:
         first = 3 * len(self.bench.placements)
         rows = slice(first, first + len(self.loose))
         idle = float(np.sum((1 - self.fit.leverage[rows])[self.loose]))
-        return self.fit.dof - round(idle)
+        return self.fit.dof - self.profiled - round(idle)
 
     @property
     def K2(self) -> FloatArray | None:
@@ -208,8 +214,22 @@ def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> Joi
     unsettled = np.outer(g, np.linalg.norm(linear[:3], axis=0))
     sigma = np.hypot(seen.std, unsettled)
 
-    def residual(x: FloatArray) -> FloatArray:
+    def residual(x: FloatArray, steps: FloatArray) -> FloatArray:
         model = specific_force(bench, x[12:], C_ib) @ x[:9].reshape(3, 3).T + x[9:12]
-        return np.concatenate((((seen.rate - model) / sigma).ravel(), prior.matrix @ x[12:] - prior.mean))
+        off = (seen.rate - steps - model) / sigma
+        return np.concatenate((off.ravel(), prior.matrix @ x[12:] - prior.mean))
 
-    return JointFit(minimise(residual, start, scale), bench, seen, np.zeros(3), unsettled, prior.loose)
+    turn_ons = [(number, dwell.turn_on) for number, dwell in seen.dwells]
+    plausible = TURN_ON_RANGE * np.linalg.norm(linear[:3], axis=0)
+    parted = fit_parted(residual, start, scale, turn_ons, plausible)
+    seen = replace(seen, rate=seen.rate - parted.steps)
+    return JointFit(
+        parted.fit,
+        bench,
+        seen,
+        np.zeros(3),
+        unsettled,
+        prior.loose,
+        spread=parted.spread,
+        profiled=parted.profiled,
+    )

@@ -169,14 +169,14 @@ def _by_origin(total: FloatArray, onward: FloatArray, shares: Shares) -> Shares:
 
 def _after_fit(vector: TriadVector, joint: JointFit, triad: str, per: float) -> Shares:
     """Return what `triad_vector` adds to the fit's covariance: what dwells have in common, and a skew cube."""
-    shared, drift = common_variance(joint, vector.value[:3] / per)
-    of_bias = np.concatenate((np.zeros((2, 12)), (shared, drift)), axis=1)
+    of_bias = np.concatenate((np.zeros((3, 12)), common_variance(joint, vector.value[:3] / per)), axis=1)
     fitted = np.einsum("ip,pq,iq->i", vector.jacobian, joint.fit.covariance, vector.jacobian)
     skew = np.maximum(np.diag(vector.covariance) - fitted - of_bias.sum(axis=0), 0.0)
     skew[3:12] = 0.0  # E refers to the mean cube itself
     return {
         excess_cell_or_none(joint, triad): of_bias[0],
         Cell(named.WARM_UP, triad): of_bias[1],
+        Cell(named.TURN_ON, triad, max(joint.profiled // 3, 1)): of_bias[2],
         Cell(named.CUBE): skew,
     }
 
