@@ -1,4 +1,8 @@
-"""One clock against another by a robust line, through marks of which some came late or are wrong."""
+"""One clock against another by a robust line, through marks of which some came late or are wrong.
+
+`fit_time_line` goes through the middle of the marks, `fit_earliest_line` along those that came least late: their
+delays move with all that the machine has to do, the least of them hardly.
+"""
 
 from dataclasses import dataclass
 
@@ -8,6 +12,7 @@ from procedures.arrays import FloatArray, IntArray
 
 LEAST = 6  # marks
 BLOCKS = 32
+AHEAD, AHEAD_S = 8.0, 0.05  # scatters, and seconds of the clock, that a mark may be before the middle ones
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,3 +57,44 @@ def fit_time_line(clock_ns: IntArray, reference_ns: IntArray) -> TimeLine | None
     offset = float(np.median(left))
     scatter = 1.4826 * float(np.median(np.abs(left - offset)))
     return TimeLine(int(clock_ns[0]), int(reference_ns[0]) + round(offset * 1e9), rate, scatter)
+
+
+def fit_earliest_line(clock_ns: IntArray, reference_ns: IntArray) -> TimeLine | None:
+    """Fit a line to marks (n,) [ns] that were read late by the clock, never early; None where they are too few.
+
+    No mark lies above it but those that are far ahead of the middle ones, as of a reference that was set wrong for
+    a while: it is the edge of the marks' convex hull over their mean.
+    """
+    line = fit_time_line(clock_ns, reference_ns)
+    if line is None:
+        return None
+    x, y = (clock_ns - clock_ns[0]) / 1e9, (reference_ns - reference_ns[0]) / 1e9
+    off = y - line.rate * x
+    off -= np.median(off)
+    keep = off <= max(AHEAD * line.scatter, AHEAD_S * line.rate)
+    x, off = x[keep], off[keep]
+    hull = _upper_hull(x, off)
+    right = min(max(int(np.searchsorted(x[hull], x.mean())), 1), len(hull) - 1)
+    a, b = hull[right - 1], hull[right]
+    slope = float((off[b] - off[a]) / (x[b] - x[a]))
+    middle = float(np.median(y - line.rate * (clock_ns - clock_ns[0]) / 1e9))
+    offset = middle + float(off[a] - slope * x[a])
+    return TimeLine(int(clock_ns[0]), int(reference_ns[0]) + round(offset * 1e9), line.rate + slope, line.scatter)
+
+
+def _upper_hull(x: FloatArray, y: FloatArray) -> list[int]:
+    """Return the points of the upper convex hull of points in order of x; of equal x the highest."""
+    hull = list[int]()
+    for i in range(len(x)):
+        if hull and x[i] == x[hull[-1]]:
+            if y[i] <= y[hull[-1]]:
+                continue
+            hull.pop()
+        while len(hull) > 1 and _is_below(x, y, hull[-2], hull[-1], i):
+            hull.pop()
+        hull.append(i)
+    return hull
+
+
+def _is_below(x: FloatArray, y: FloatArray, a: int, b: int, c: int) -> bool:
+    return bool((y[b] - y[a]) * (x[c] - x[a]) <= (y[c] - y[a]) * (x[b] - x[a]))

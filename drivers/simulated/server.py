@@ -7,6 +7,7 @@ more than `pace.BEHIND_S` starts its pace anew instead of hurrying after it.
 
 import contextlib
 import socketserver
+import time
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
@@ -100,11 +101,21 @@ class SimulatedDevice:
         self.failure: Exception | None = None
         self._true_period = self.truth.sample_period_s / (1 + 1e-6 * self.device.imu.world.clock_ppm)
         self._sent = 0  # samples
+        self._going = (
+            0.0,
+            0.0,
+            0.0,
+        )  # true time of the last sample sent, when that was, how far the next are from it
 
     @property
     def true_time(self) -> float:
-        """True time [s] of the last sample sent; device time is off it by what is planted as ``clock.rate``."""
-        return self._sent * self._true_period
+        """True time [s]; device time is off it by what is planted as ``clock.rate``.
+
+        It goes on between one sending and the next, up to what is sent then: what stands beside the device does
+        not live in steps of its samples.
+        """
+        sent, at, ahead = self._going
+        return sent + min((time.monotonic() - at) * self._speed, ahead)
 
     @property
     def time(self) -> float:
@@ -199,6 +210,8 @@ class SimulatedDevice:
                 if isinstance(part, Silence):
                     pace.excuse(part.seconds / (self._speed or 1.0))
             self._sent = self.device.samples
+            ahead = pace.samples * self._true_period if self._speed else 0.0
+            self._going = self._sent * self._true_period, time.monotonic(), ahead
 
     def _send(self, part: Sent) -> None:
         if not isinstance(part, Silence):

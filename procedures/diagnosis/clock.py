@@ -2,48 +2,29 @@
 
 Positive is fast: while the reference moves by dt, device time moves by ``(1 + 1e-6 c) dt``. Every rate computed
 with device time is too small by as much. Where rows hold reference time (``utc_s``), it is fitted by a line over
-device time: of block means, so that a coarse or jittery reference counts for no more than it tells, and robustly,
-so that a step of the reference in some blocks does not. Without it, a sample period in device time that is not the
-stated one says that either the clock or the statement is wrong, and cannot say which.
+device time (`procedures.reference_time`). Without it, a sample period in device time that is not the stated one
+says that either the clock or the statement is wrong, and cannot say which.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
 
-from procedures.arrays import FloatArray
 from procedures.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, TurnRecord
 from procedures.diagnosis.result import Confidence, Finding, Test
 from procedures.diagnosis.tail import log_f_sf
 from procedures.effects import EFFECTS
 from procedures.records import Series
+from procedures.reference_time import PPM, ClockRate, fit_clock
 
 EFFECT = "clock.rate"
-PPM = 1e6
-BLOCKS = 64  # of a campaign's rows
-LEAST = 6  # blocks, of which two go to the line
-OUTLIER = 5.0  # robust sigmas
 OFF_PERIOD = 1e-3  # relative, as the warning of DESIGN 5
 ESTABLISHED, LIKELY = np.log(0.01), np.log(0.05)
 PLAUSIBLE = 5e4  # ppm: beyond, utc_s is no time of these rows
 
 Record = TypeVar("Record", DwellRecord, TurnRecord, RestRecord, SequenceRecord)
-
-
-@dataclass(frozen=True, slots=True)
-class ClockRate:
-    """How fast the device's clock is [ppm], 1 sigma, and the degrees of freedom behind it."""
-
-    ppm: float
-    std: float
-    dof: float
-
-    @property
-    def log_p(self) -> float:
-        """Ln p of a clock that is right."""
-        return log_f_sf((self.ppm / self.std) ** 2, 1, self.dof)
 
 
 def find_clock(campaigns: Sequence[Campaign]) -> tuple[tuple[Finding, ...], tuple[Test, ...]]:
@@ -52,8 +33,8 @@ def find_clock(campaigns: Sequence[Campaign]) -> tuple[tuple[Finding, ...], tupl
     if not rates:
         return tuple(_off_period(campaigns)), ()
     mean = _mean(rates)
-    adjusted = min(mean.log_p + float(np.log(len(EFFECTS))), 0.0)  # Holm: one of all that are tried
-    test = Test(EFFECT, (mean.ppm / mean.std) ** 2, mean.log_p, adjusted)
+    adjusted = min(_log_p(mean) + float(np.log(len(EFFECTS))), 0.0)  # Holm: one of all that are tried
+    test = Test(EFFECT, (mean.ppm / mean.std) ** 2, _log_p(mean), adjusted)
     if adjusted >= LIKELY or abs(mean.ppm) > PLAUSIBLE:
         return (), (test,)
     confidence: Confidence = "established" if adjusted < ESTABLISHED else "likely"
@@ -81,49 +62,12 @@ def is_timed(campaigns: Sequence[Campaign]) -> bool:
 
 def clock_rate(campaign: Campaign) -> ClockRate | None:
     """Fit reference time over device time in all rows that hold it; None where too few do."""
-    rows = [(s.t, s.extra["utc_s"]) for s in _series(campaign) if "utc_s" in s.extra]
-    if not rows:
-        return None
-    t, utc = (np.concatenate(each) for each in zip(*rows, strict=True))
-    return fit_clock(t, utc)
+    return fit_clock([(s.t, s.extra["utc_s"]) for s in _series(campaign) if "utc_s" in s.extra])
 
 
-def fit_clock(t: FloatArray, utc: FloatArray) -> ClockRate | None:
-    """Fit reference time (n,) over device time (n,) [s], nan where it is not known; None where too few are."""
-    known = np.isfinite(utc)
-    order = np.argsort(t[known])
-    t, utc = t[known][order], utc[known][order]
-    if len(t) < 2 * LEAST or not np.ptp(t) > 0:
-        return None
-    t, utc = t - t[0], utc - utc[0]  # before the means: of seconds since 1970 a float holds a quarter microsecond
-    return _line(t, utc - t)
-
-
-def _line(t: FloatArray, behind: FloatArray) -> ClockRate | None:
-    """Fit ``behind`` [s], by which the reference has moved more than device time, over device time ``t`` [s]."""
-    blocks = [b for b in np.array_split(np.arange(len(t)), min(BLOCKS, len(t) // 2)) if len(b)]
-    x, y = (np.array([each[b].mean() for b in blocks]) for each in (t, behind))
-    keep = _inliers(x, y)
-    x, y = x[keep], y[keep]
-    if len(x) < LEAST:
-        return None
-    x = x - x.mean()
-    slope = float(x @ y / (x @ x))
-    left = y - y.mean() - slope * x
-    dof = len(x) - 2
-    variance = max(float(left @ left) / dof, (4 * np.spacing(np.abs(t).max())) ** 2)
-    # x ppm fast: the reference moves by 1 / (1 + 1e-6 x) of what device time does
-    ppm = PPM * (1 / (1 + slope) - 1)
-    return ClockRate(ppm, float(PPM * np.sqrt(variance / (x @ x))) / (1 + slope) ** 2, float(dof))
-
-
-def _inliers(x: FloatArray, y: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Mark the points near the line of the median slope between all pairs (Theil and Sen)."""
-    i, j = np.triu_indices(len(x), 1)
-    slope = np.median((y[j] - y[i]) / np.maximum(x[j] - x[i], np.finfo(float).tiny))
-    off = y - slope * x
-    off = np.abs(off - np.median(off))
-    return np.asarray(off <= OUTLIER * max(1.4826 * float(np.median(off)), np.finfo(float).eps * np.abs(y).max()))
+def _log_p(rate: ClockRate) -> float:
+    """Return ln p of a clock that is right."""
+    return log_f_sf((rate.ppm / rate.std) ** 2, 1, rate.dof)
 
 
 def _mean(rates: Sequence[ClockRate]) -> ClockRate:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from procedures.arrays import FloatArray
 from procedures.campaign import Campaign
-from procedures.diagnosis.clock import PPM, ClockRate, clock_rate
+from procedures.diagnosis.clock import clock_rate
+from procedures.reference_time import PPM, ClockRate
 from station.campaign_folder.schema import CampaignTable, StepTable
 from station.campaign_folder.series import WARN_PERIOD, StepData
 from station.errors import DataRefused
@@ -85,11 +86,20 @@ def clock_sentence(period: float, off: float, by: str = "reference time") -> str
 
 
 def clock_warnings(tables: CampaignTable, campaign: Campaign) -> list[str]:
-    """Return what reference time (``utc_s``) beside the rows says of the sample period, beyond 0.1 %."""
+    """Return what reference time (``utc_s``) beside the rows says of the sample period, beyond 0.1 %.
+
+    Where it cannot tell as much, that is said.
+    """
     rate = clock_rate(campaign)
-    if rate is None or abs(off := off_period(rate)) - SIGMAS * rate.std / PPM <= WARN_PERIOD:
+    if rate is None:
         return []
-    return [clock_sentence(tables.imu.sample_period_s, off)]
+    if (open_to := SIGMAS * rate.std / PPM) > WARN_PERIOD:
+        return [
+            f"clock.rate: reference time tells it to +-{open_to:.2%} only (4 sigma), being read with delays of up "
+            f"to {rate.delay:.2g} s; record on a machine with less to do, or longer"
+        ]
+    off = off_period(rate)
+    return [clock_sentence(tables.imu.sample_period_s, off)] if abs(off) - open_to > WARN_PERIOD else []
 
 
 def check_for_solve(loaded: LoadedCampaign) -> None:

@@ -1,4 +1,4 @@
-"""Columns to a series of samples: gaps and segments, cumulative outputs, the measured period."""
+"""Columns to a series of samples: times, gaps and segments, cumulative outputs, the measured period."""
 
 from dataclasses import dataclass
 
@@ -6,11 +6,11 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.records import CountSeries, RateSeries, Series
+from procedures.sample_times import SampleTimes, sample_times
 from station.campaign_folder.schema import ImuTable
 from station.campaign_folder.table import OUTPUTS, TRIADS, Table
 from station.errors import DataRefused
 
-GAP = 1.5  # sample periods
 WARN_PERIOD = 1e-3  # relative, DESIGN 5
 _NAMED_GAPS = 10
 
@@ -38,10 +38,9 @@ def step_data(table: Table, imu: ImuTable) -> StepData:
         If ``t_s`` does not increase, or counts leave their word, add up beyond 2^62 or are too few.
     """
     t = table.columns["t_s"]
-    step = np.diff(t)
-    _refuse_time_backwards(table, step)
-    is_gap = step > GAP * imu.sample_period_s
-    begins = np.concatenate(([0], np.flatnonzero(is_gap) + 1))
+    _refuse_time_backwards(table, np.diff(t))
+    times = sample_times(t, imu.sample_period_s)
+    begins, period = times.begins, times.period
     keep = np.ones(len(t), dtype=bool)
     if (
         imu.output == "cumulative"
@@ -53,12 +52,11 @@ def step_data(table: Table, imu: ImuTable) -> StepData:
         )
     before = np.cumsum(keep) - keep
     starts = np.unique(before[begins])
-    period = _period(step, is_gap, imu.sample_period_s)
     arrays = {triad: _outputs(table, names, imu, keep) for triad, names in TRIADS.items()}
     temperature = table.columns.get("temp_c", np.full(len(t), np.nan))[keep]
     extra = {name: c[keep] for name, c in table.columns.items() if name not in {*OUTPUTS, "t_s", "temp_c"}}
-    series = _series(t[keep], arrays, temperature, period, starts[starts < keep.sum()], imu, extra)
-    warnings = (*_gap_warnings(table, begins[1:]), *_other_warnings(table, period, imu))
+    series = _series(times.t[keep], arrays, temperature, period, starts[starts < keep.sum()], imu, extra)
+    warnings = (*_gap_warnings(table, begins[1:]), *_uneven(table, times), *_other_warnings(table, period, imu))
     return StepData(series, (float(t[0]), float(t[-1])), table.host_span, warnings)
 
 
@@ -67,14 +65,10 @@ def _refuse_time_backwards(table: Table, step: FloatArray) -> None:
     if len(bad := np.flatnonzero(step <= 0)):
         row = int(bad[0]) + 1
         found = f"t_s {t[row]:.9g} after {t[row - 1]:.9g}"
-        raise DataRefused(table.file, table.line(row), found, "t_s that increases from row to row")
-
-
-def _period(step: FloatArray, is_gap: BoolArray, nominal: float) -> float:
-    """Return the mean period within segments; where most steps are gaps the nominal is wrong, not the data."""
-    if not len(step):
-        return nominal
-    return float(np.median(step) if is_gap.mean() > 0.5 else step[~is_gap].mean())
+        todo = "correct the file"
+        if t[row] == t[row - 1]:
+            todo = "where one read brought several rows, give each its own: the one before + sample_period_s"
+        raise DataRefused(table.file, table.line(row), found, "t_s that increases from row to row", todo)
 
 
 def _outputs(table: Table, names: tuple[str, ...], imu: ImuTable, keep: BoolArray) -> FloatArray | None:
@@ -128,6 +122,16 @@ def _gap_warnings(table: Table, gaps: IntArray) -> list[str]:
     if len(gaps) > _NAMED_GAPS:
         named.append(f"{table.file}: {len(gaps) - _NAMED_GAPS} more gaps")
     return named
+
+
+def _uneven(table: Table, times: SampleTimes) -> list[str]:
+    if not times.is_uneven:
+        return []
+    step = np.delete(np.diff(table.columns["t_s"]), times.begins[1:] - 1)
+    return [
+        f"{table.file}: t_s goes on in steps of {step.min():.3g} to {step.max():.3g} s, as of reads, not "
+        f"of samples; the rows are taken to be samples {times.period:.9g} s apart"
+    ]
 
 
 def _other_warnings(table: Table, period: float, imu: ImuTable) -> list[str]:

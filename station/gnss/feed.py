@@ -5,15 +5,12 @@ What a monitor aids itself with is `GnssFeed.latest` and `GnssFeed.take`; filter
 """
 
 import time
-from bisect import bisect_left
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Protocol
-
-import numpy as np
 
 from drivers.device_url import DeviceUrl
 from drivers.errors import BadDeviceUrl, DriverError
@@ -22,17 +19,16 @@ from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.signing import SignatureCheck, read_key
 from drivers.ports import parse_device_url
 from procedures.gnss import AirData, AveragedSite, GnssFix, TimeMark, averaged_site
-from procedures.time_line import TimeLine, fit_time_line
+from procedures.time_line import TimeLine
 from station.gnss.rates import Rates
 from station.gnss.trouble import Health
+from station.gnss.utc_line import UtcLine
 from station.mcap_files.fix_reader import Record
 from station.mcap_files.fix_writer import FixWriter
 from station.reader import Chunk, GapMark
 from station.reader.lasting import FOR_EVER, LastingReader
 
 KEPT = 6000  # fixes: 20 minutes at 5 Hz
-AROUND_NS = 30 * 10**9  # of a moment: the marks its time is taken from
-REFIT_NS = 10**9  # how old the newest line may be
 
 EXPECTED = "a GNSS source: mavlink:LINK:WHERE"
 
@@ -73,9 +69,8 @@ class GnssFeed:
         self._came = 0
         self._records: deque[Record] = deque(maxlen=KEPT)
         self._is_lost = False
-        self._marks: tuple[list[int], list[int]] = [], []  # host, UTC [ns]
+        self._utc = UtcLine()
         self._stamps_are_marks = True  # of fixes, until the sender states its time
-        self._line: tuple[tuple[int, int], TimeLine | None] = (0, 0), None
         self._health = Health(address.name, address.system, address.rate_hz, clock)
         self._rates = Rates(address.name, address.rate_hz, clock)
 
@@ -127,23 +122,15 @@ class GnssFeed:
 
     def utc(self, host_ns: int) -> float | None:
         """Return UTC [s since 1970] at a moment of the station's clock [ns]; None where the marks do not tell."""
-        line = self.time_line(host_ns)
-        return None if line is None else line.at(host_ns)
+        return self._utc.utc(host_ns)
 
     def time_line(self, host_ns: int) -> TimeLine | None:
         """Return the line between the station's clock and UTC around a moment [ns]."""
-        host, utc = self._marks
-        key = host_ns // (AROUND_NS // 3), host[-1] // REFIT_NS if host else 0
-        if self._line[0] != key:
-            middle = key[0] * (AROUND_NS // 3)
-            begin, end = bisect_left(host, middle - AROUND_NS), bisect_left(host, middle + 2 * AROUND_NS)
-            window = (np.array(each[begin:end], dtype=np.int64) for each in (host, utc))
-            self._line = key, fit_time_line(*window)
-        return self._line[1]
+        return self._utc.around(host_ns)
 
     def utc_scatter(self) -> float:
         """Return the 1 sigma [s, UTC] of one mark about the line that `utc` read last; 0 before there is one."""
-        return self._line[1].scatter if self._line[1] else 0.0
+        return self._utc.scatter
 
     def rates_hz(self) -> dict[str, float]:
         """Return how often each record came over the last seconds."""
@@ -182,10 +169,8 @@ class GnssFeed:
     def _mark(self, host_ns: int, utc_ns: int, *, is_stated: bool) -> None:
         if is_stated and self._stamps_are_marks:  # a fix's stamp is earlier than its message by a latency unknown
             self._stamps_are_marks = False
-            self._marks[0].clear()
-            self._marks[1].clear()
-        self._marks[0].append(host_ns)
-        self._marks[1].append(utc_ns)
+            self._utc.begin_anew()
+        self._utc.mark(host_ns, utc_ns)
 
 
 @contextmanager

@@ -11,7 +11,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from procedures.diagnosis.clock import PLAUSIBLE, ClockRate, fit_clock
+from procedures.diagnosis.clock import PLAUSIBLE
+from procedures.reference_time import ClockRate, fit_clock
 from station.campaign_folder.loaded import REFUSE_PERIOD, clock_sentence, off_period
 from station.campaign_folder.series import WARN_PERIOD
 from station.errors import DataRefused
@@ -75,7 +76,8 @@ class SampleRate:
     def _fit(self) -> None:
         span, by_clock = (self._stamps[-1][i] - self._stamps[0][i] for i in (0, 1))
         self.pace = self._pace_said(span / by_clock) if by_clock >= PACE_S else ""
-        self.rate = fit_clock(*np.array(self._stamps).T) if span >= self._span_s else None
+        t, utc = np.array(self._stamps).T
+        self.rate = fit_clock([(t, utc)]) if span >= self._span_s else None
         if self.rate is not None and not (self._span_s and abs(self.rate.ppm) > PLAUSIBLE):
             self._judge(self.rate, LINE * self._scatter() / span)
 
@@ -92,11 +94,18 @@ class SampleRate:
         sentence = clock_sentence(self._feed.period, off, self._by)
         self.warning = sentence if abs(off) - surely > WARN_PERIOD else ""
         self._refused = None
-        if abs(off) - surely > REFUSE_PERIOD:
+        if abs(off) - surely > REFUSE_PERIOD and self._is_lasting(off):
             self._refused = DataRefused(
                 self._feed.address.name, None, sentence, "the declared rate within 1 %",
                 "check the sync line and the rate that the device is set to",
             )  # fmt: skip
+
+    def _is_lasting(self, off: float) -> bool:
+        """Say whether either half of the stamps, by itself, is off as far: a machine held up bends one only."""
+        t, utc = np.array(self._stamps).T
+        half = len(t) // 2
+        halves = [fit_clock([(t[part], utc[part])]) for part in (slice(half), slice(half, None))]
+        return all(one is not None and off_period(one) * np.sign(off) > REFUSE_PERIOD for one in halves)
 
     def _take(self) -> None:
         if self._feed.stamp is None:

@@ -1,0 +1,158 @@
+"""When samples were taken, from the stamps of their rows.
+
+A device samples at a regular pace; a stamp may be that of a read that brought many rows at once, late, shaken or
+rounded. So a long step between two stamps is a gap only where the lateness that it brings *lasts*: rows that are
+missing make all that follow late, rows that were held back are followed by others that come the sooner.
+
+The mean period is that of rows in sequence. The median step says nothing of it where stamps come in bursts: most
+steps are then next to nothing.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+
+GAP = 1.5  # sample periods
+CLOSE, NEAR = 1e-3, 1e-2  # relative: of a stated period that is right, and of one that is not wrong, DESIGN 5
+LASTING = 0.6  # sample periods
+RUNS, ROWS = 8, 200  # looked at before and after a long step: so many runs, of no more rows together
+USUAL, ALIKE = 0.1, 0.95  # relative, of steps that are alike; and the part of them that are
+OUTLIER = 4.0  # robust sigmas
+ROUNDS = 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SampleTimes:
+    """When rows were taken: ``t`` (n,) [s], and the first row of each gap-free segment, (s,).
+
+    ``period`` [s] is the mean one within segments. With ``is_uneven`` the stamps are no times of samples: ``t`` is
+    then a regular grid in each segment, as late as no stamp contradicts.
+    """
+
+    t: FloatArray
+    period: float
+    begins: IntArray
+    is_uneven: bool = False
+
+
+def sample_times(stamps: FloatArray, nominal: float) -> SampleTimes:
+    """Return the times of samples ``nominal`` [s] apart whose stamps (n,) [s] rise from row to row.
+
+    Where no period within 1 % of the nominal goes with them, the nominal is wrong, and one is found without.
+    """
+    for bound, guesses in ((CLOSE, [nominal]), (NEAR, [*_near(stamps, nominal), nominal])):
+        for guess in guesses:
+            found = _in_sequence(stamps, guess)
+            if abs(found.period / nominal - 1) <= bound:
+                return found
+    found, right = _in_sequence(stamps, nominal), _by_themselves(stamps)
+    return right if found.is_uneven else replace(found, period=right.period)
+
+
+def mean_period(stamps: FloatArray) -> float:
+    """Return the mean sample period [s] of stamps (n,), n > 1, of samples whose nominal period is not known."""
+    return _by_themselves(stamps).period
+
+
+def _by_themselves(stamps: FloatArray) -> SampleTimes:
+    """Return the times with a period that comes out again where it is taken for the nominal."""
+    found = _in_sequence(stamps, _pace(stamps))
+    for _ in range(ROUNDS):
+        before, found = found, _in_sequence(stamps, found.period)
+        if abs(found.period / before.period - 1) <= CLOSE:
+            break
+    return found
+
+
+def _near(t: FloatArray, nominal: float) -> list[float]:
+    """Return what the period may be: the mean of steps that are not long, or of rows between long ones."""
+    step = np.diff(t)
+    is_long = step > GAP * nominal
+    found = [float(step[~is_long].mean())] if not is_long.all() else []
+    ends = np.flatnonzero(is_long)
+    if len(ends) > 2:
+        apart = max(1, min(len(ends) - 2, round(ROWS / float(np.diff(ends).mean()))))
+        found.append(float(np.median((t[ends[apart:]] - t[ends[:-apart]]) / (ends[apart:] - ends[:-apart]))))
+    return sorted(found, key=lambda each: abs(each - nominal))
+
+
+def _pace(t: FloatArray) -> float:
+    """Return about the period [s] that stamps show by themselves: of stretches, or of steps nearly all alike."""
+    step = np.diff(t)
+    rows = max(min(ROWS, len(step) // 2), 1)
+    far = float(np.median(t[rows:] - t[:-rows])) / rows
+    usual = step[np.abs(step - np.median(step)) <= USUAL * np.median(step)]
+    if len(usual) > ALIKE * len(step) and far < GAP * usual.mean():
+        return float(usual.mean())
+    return far
+
+
+def _in_sequence(t: FloatArray, period: float) -> SampleTimes:
+    """Return the times, the period being about ``period`` [s]."""
+    step = np.diff(t)
+    long = np.flatnonzero(step > GAP * period) + 1
+    if not len(long):
+        return SampleTimes(t, float(step.mean()) if len(step) else period, np.zeros(1, dtype=np.int64))
+    gaps = _lasting(t - period * np.arange(len(t)), long, LASTING * period)
+    begins = np.concatenate(([0], gaps)).astype(np.int64)
+    inside = np.delete(step, gaps - 1)
+    if len(inside) < len(step) / 2:  # these are no gaps: the period is wrong
+        return SampleTimes(t, _pace(t), begins)
+    if len(gaps) == len(long):
+        return SampleTimes(t, float(inside.mean()), begins)
+    return _on_a_grid(t, begins, long, float(inside.mean()))
+
+
+def _lasting(late: FloatArray, long: IntArray, least: float) -> IntArray:
+    """Return those rows of ``long`` from which on all are later than before, by more than ``least`` [s].
+
+    The least late rows of some runs before and after tell; of stamps that are uneven a few rows do not.
+    """
+    begin, end = np.concatenate(([0], long)), np.append(long, len(late))
+    head, tail = (np.array([late[i].min() for i in _slices(begin, end, side)]) for side in (1, -1))
+    after, before = head[1:].copy(), tail[:-1].copy()
+    for k in range(1, RUNS):
+        later, sooner = slice(None, -k), slice(k, None)
+        reach = begin[1:][sooner] - begin[1:][later] < ROWS
+        after[later] = np.where(reach, np.minimum(after[later], head[1:][sooner]), after[later])
+        before[sooner] = np.where(reach, np.minimum(before[sooner], tail[:-1][later]), before[sooner])
+    gaps, first = list[int](), 0
+    for j in (np.flatnonzero(after - before > least) + 1).tolist():
+        since = range(max(j - RUNS, first), j)  # not before the last gap
+        if after[j - 1] - min(tail[k] for k in since if begin[j] - end[k] < ROWS) > least:
+            gaps.append(int(begin[j]))
+            first = j
+    if len(gaps) == len(long):
+        return np.array(gaps, dtype=np.int64)
+    some = min(float(ROWS), 3 * float(np.median(end - begin)))  # rows that tell
+    following = np.append(gaps[1:], len(late)) if gaps else np.zeros(0)
+    return np.array([gap for gap, then in zip(gaps, following, strict=True) if then - gap >= some], dtype=np.int64)
+
+
+def _slices(begin: IntArray, end: IntArray, side: int) -> list[slice]:
+    """Return the first or the last rows of each run."""
+    if side > 0:
+        end = np.minimum(end, begin + ROWS)
+    else:
+        begin = np.maximum(begin, end - ROWS)
+    return [slice(b, e) for b, e in zip(begin.tolist(), end.tolist(), strict=True)]
+
+
+def _on_a_grid(t: FloatArray, begins: IntArray, long: IntArray, period: float) -> SampleTimes:
+    """Return a regular grid for each segment, its pace that of the rows before long steps: the least late ones."""
+    ends, rows = np.setdiff1d(long - 1, begins - 1), np.arange(len(t))
+    for _ in range(2 if np.ptp(ends) > len(t) / 2 else 0):
+        x, y = (_about_mean(each[ends], np.searchsorted(begins, ends, side="right")) for each in (rows, t))
+        period = float(x @ y / (x @ x)) if x @ x > 0 else period
+        off = np.abs(y - period * x)
+        ends = ends[off <= OUTLIER * 1.4826 * max(float(np.median(off)), 1e-3 * period)]
+    least = np.minimum.reduceat(t - period * rows, begins)
+    grid = period * rows + np.repeat(least, np.diff(np.append(begins, len(t))))
+    return SampleTimes(grid, period, begins, is_uneven=True)
+
+
+def _about_mean(values: FloatArray | IntArray, segment: IntArray) -> FloatArray:
+    total, count = np.bincount(segment, values), np.maximum(np.bincount(segment), 1)
+    return np.asarray(values - (total / count)[segment])
