@@ -27,7 +27,7 @@ from station.live.stillness import LEAST, TICKS
 from station.recorder.tape import Run, Tape
 
 NOTHING = SoFar()
-POWER_CYCLED = "the unit was switched off and on: it warms up again, and its biases are solved apart from before"
+POWER_CYCLED = "the unit was switched off and on: its biases are solved apart from before"
 
 
 class Recorder(Protocol):
@@ -231,14 +231,17 @@ class Desk:
         std, facts = self.gyro_std(seconds), self.facts
         return find_heading(gyro, std, face, facts.latitude, self.C_ib, self.known)
 
-    def power_cycled(self) -> None:
-        """Take it that the unit was switched off and on: what its biases were says nothing of what they are."""
+    def power_cycled(self, then: str = "") -> None:
+        """Take it that the unit was switched off and on: what its biases were says nothing of what they are.
+
+        ``then`` is what is said to come next.
+        """
         self.turn_on += 1
         self.rested.clear()
         self.seats.clear()
         self.kept_seats.clear()
         self.moved()
-        self.story.say("rejected", POWER_CYCLED)
+        self.story.say("rejected", POWER_CYCLED + then)
 
     def turned_off(self) -> list[tuple[list[int], HeadingError]]:
         """Return the positions that stood turned against the marks, as far as the gyros tell by now."""

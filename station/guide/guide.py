@@ -106,7 +106,7 @@ class Guide:
         if (restarts := self.desk.feed.restarts) == self._restarts:
             return False
         self._restarts = restarts
-        self.desk.power_cycled()
+        self.desk.power_cycled("; it warms up again" if self._first is _warming else "")
         if not isinstance(self._stage, Recognising):
             self._stage = self._first(self.desk)
         return True

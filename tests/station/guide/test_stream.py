@@ -61,6 +61,7 @@ def test_a_unit_switched_off_and_on_says_so_warms_up_and_marks_what_follows(rig:
     guided.hands("place 2 8")
     guided.run(guided.done(2))
     view = guided.run(lambda v: any("switched off and on" in event.text for event in v.events))
+    assert view.events[-1].text.endswith("it warms up again")
     assert view.stage == "warm_up"
     assert guided.desk.rested == {}
     guided.hands("place 3 8")
