@@ -18,6 +18,7 @@ import sys
 import tempfile
 import termios
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 FORM = ("NEW campaign", "Begin", "Latitude", "Turns")
@@ -36,7 +37,9 @@ def processor_s(process: int) -> float:
     return own + sum(processor_s(int(child)) for child in children)
 
 
-def until_shown(folder: str, *arguments: str, wanted: tuple[str, ...] = FORM) -> tuple[float, float]:
+def until_shown(
+    folder: str, *arguments: str, wanted: tuple[str, ...] = FORM, program: Sequence[str] = PROGRAM
+) -> tuple[float, float]:
     """Start ``station ARGUMENTS`` on a terminal; return processor and wall time [s] until all of a text stands.
 
     Configuration and database are in ``folder``.
@@ -45,8 +48,8 @@ def until_shown(folder: str, *arguments: str, wanted: tuple[str, ...] = FORM) ->
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
     own = {"STATION_CONFIG": f"{folder}/conf", "STATION_DB": f"{folder}/s.db", "TERM": "xterm-256color"}
     began = time.monotonic()
-    program = subprocess.Popen(
-        [*PROGRAM, *arguments], stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True,
+    started = subprocess.Popen(
+        [*program, *arguments], stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True,
         env=os.environ | own,
     )  # fmt: skip
     os.close(theirs)
@@ -54,12 +57,12 @@ def until_shown(folder: str, *arguments: str, wanted: tuple[str, ...] = FORM) ->
     try:
         while not all(text.encode() in ESCAPES.sub(b"", seen) for text in wanted):
             if not select.select([ours], [], [], 60.0)[0]:
-                raise SystemExit(f"no form within 60 s: {ESCAPES.sub(b'', seen)[-2000:]!r}")
+                raise SystemExit(f"not shown within 60 s: {ESCAPES.sub(b'', seen)[-2000:]!r}")
             seen += os.read(ours, 65536)
-        return processor_s(program.pid), time.monotonic() - began
+        return processor_s(started.pid), time.monotonic() - began
     finally:
-        os.killpg(program.pid, signal.SIGTERM)
-        program.wait()
+        os.killpg(started.pid, signal.SIGTERM)
+        started.wait()
         os.close(ours)
 
 

@@ -6,11 +6,15 @@ from pathlib import Path
 
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
+from fixtures_db.database import open_db
+from procedures.steps import Dwell
 from station.guide.client import Connection
 from station.guide.command import Command, Verb
+from station.guide.folder_notes import keep_plan
 from station.guide.view import View
 from station.tui.themes import STATION
 from tests.station.commands.program import Program
+from tests.station.guide.stored import recorded
 from tests.station.web.chromium import Chromium, Page
 from tests.station.web.engine import DEADLINE_S, has_ended
 
@@ -86,3 +90,33 @@ def test_tabs_come_and_go_and_the_campaign_goes_on(browser: Chromium, tmp_path: 
             program.process.terminate()
             assert program.end() == (0, "", "")
     assert len(list((tmp_path / "c").glob("session_*.mcap"))) == 1  # one engine, one reader, all along
+
+
+def test_o_opens_the_report_in_another_tab(browser: Chromium, tmp_path: Path) -> None:
+    database = tmp_path / "s.db"
+    with open_db(database) as opened:
+        folder = recorded(tmp_path / "c", opened)
+        keep_plan(folder, tuple(Dwell(position, 4.0) for position in range(1, 13)))
+    with Program("resume", str(folder), "--web", "--port", "0", "--db", str(database)) as program:
+        said = program.until("http://127.0.0.1:")
+        assert "Open this address in a browser of this machine" in said[0]
+        url = said[-1].strip()
+        [socket] = children(program.process.pid, "station.guide").values()
+        with Watch(socket) as watch:
+            watch.until(lambda view: view.stage == "verdict")
+            page = open_screen(browser, url)
+            page.press("o")
+            wait_for_tab(browser, page, f"{url}report", "Calibration report SIM-FOG3 SIM-7")
+            page.close()
+        program.process.terminate()
+        assert program.end() == (0, "", "")
+
+
+def wait_for_tab(browser: Chromium, page: Page, url: str, title: str) -> None:
+    """Wait until a tab shows a document of this title at an address, and close it."""
+    while True:
+        for target in browser.ask("Target.getTargets")["targetInfos"]:
+            if (target["url"], target["title"]) == (url, title):
+                browser.ask("Target.closeTarget", targetId=target["targetId"])
+                return
+        page.value("new Promise(done => setTimeout(done, 100))")
