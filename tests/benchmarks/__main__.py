@@ -8,6 +8,7 @@ import sys
 
 RUNS = (
     ("times",),
+    ("start",),
     ("decode_rate",),
     ("paper", "--seeds", "40"),
     ("count_rate", "--dwells", "48"),
