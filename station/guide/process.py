@@ -85,6 +85,15 @@ def engine_process(options: EngineOptions) -> Iterator[Path]:
                 yield socket
             finally:
                 process.stdin.close()
-                process.wait(END_S)
-                if process.returncode:
+                if not _has_ended(process):
+                    process.kill()  # it waits for something of its own; what was accepted is on the disk
+                elif process.returncode:
                     raise EngineFailed(process.returncode, said.read_text())
+
+
+def _has_ended(process: "subprocess.Popen[str]") -> bool:
+    try:
+        process.wait(END_S)
+    except subprocess.TimeoutExpired:
+        return False
+    return True

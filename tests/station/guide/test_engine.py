@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -160,6 +161,19 @@ def test_what_cannot_begin_is_said_and_leaves_nothing_behind(device: SimulatedDe
         assert not (tmp_path / "c").exists()
         screen.send(Command(verb="begin", setup=setup_for(device, tmp_path)))
         screen.wait(at("dwell"))
+
+
+def test_an_engine_that_waits_for_a_receiver_does_not_keep_whoever_leaves(
+    device: SimulatedDevice, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("station.guide.process.END_S", 0.1)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as nobody:
+        nobody.bind(("127.0.0.1", 0))
+        silent = f"udpout:127.0.0.1:{nobody.getsockname()[1]}"
+        setup = setup_for(device, tmp_path).model_copy(update={"gnss": silent, "latitude_deg": None})
+        first = Command(verb="begin", setup=setup)
+        with engine_process(options_for(device, tmp_path, first)) as path, Screen(path) as screen:
+            screen.wait(at("connecting"))
 
 
 def test_a_killed_engine_is_told_and_its_campaign_is_gone_on_with(device: SimulatedDevice, tmp_path: Path) -> None:
