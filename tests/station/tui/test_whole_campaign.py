@@ -43,8 +43,8 @@ async def test_a_campaign_is_begun_redone_paused_stored_and_left_by_keys(tmp_pat
         )
         with engine_process(options) as socket, Connection(socket) as screen:
             async with StationApp(screen, is_quiet=True).run_test(size=(80, 24)) as pilot:
-                await seen(pilot, screen, lambda v: v.stage == "start")
-                await pilot.press("ctrl+s")
+                await seen(pilot, screen, lambda v: bool(v.start and v.start.readiness))
+                await pilot.press("ctrl+s", "y")  # it has no cube, slab and limits, and says so
                 await seen(pilot, screen, lambda v: v.stage == "warm_up")
                 await seen(pilot, screen, lambda v: v.done >= 2)
                 await pilot.press("r")

@@ -1,0 +1,54 @@
+"""How many keys a whole calibration takes beside what is typed into the form: as few as the page says."""
+
+import re
+from pathlib import Path
+
+from drivers.simulated.server import SimulatedDevice
+from fixtures_db.database import open_db
+from station.demo.example_bench import GRAVITY_STD, add_example
+from station.guide.client import Connection
+from station.guide.process import EngineOptions, engine_process
+from station.guide.view import Setup
+from station.tui.app import StationApp
+from tests.station.tui.test_page import PAGE
+from tests.station.tui.test_whole_campaign import SPEED, seen
+
+SEED, MOST = 7, 12
+
+
+async def test_a_calibration_from_the_filled_form_to_the_stored_pass_takes_the_keys_the_page_says(
+    tmp_path: Path,
+) -> None:
+    with open_db(tmp_path / "s.db") as database, database.write() as session:
+        bench = add_example(session, SEED)
+    pressed = list[str]()
+    with SimulatedDevice(bench.truth, SEED, speed=SPEED) as device:
+        setup = Setup(
+            url=device.url, cube=bench.cube, slab=bench.slab, operator="M. Huber", dwell_s=10.0, revolutions=1,
+            latitude_deg=bench.truth.latitude_deg, gravity_m_s2=bench.truth.gravity_m_s2,
+            gravity_std_m_s2=GRAVITY_STD, folder=str(tmp_path / "c"),
+            heading_std_deg=bench.truth.heading_std_deg, closure_std_deg=bench.truth.closure_std_deg,
+        )  # fmt: skip
+        options = EngineOptions(
+            root=tmp_path, database=str(tmp_path / "s.db"), setup=setup, hands=device.control, move_s=5.0
+        )
+        with engine_process(options) as socket, Connection(socket) as screen:
+            async with StationApp(screen, is_quiet=True).run_test(size=(80, 24)) as pilot:
+
+                async def press(*keys: str) -> None:
+                    pressed.extend(keys)
+                    await pilot.press(*keys)
+
+                await seen(pilot, screen, lambda v: v.stage == "start" and bool(v.start and v.start.readiness))
+                ready = screen.view.start.readiness
+                await press("ctrl+s")
+                verdict = (await seen(pilot, screen, lambda v: v.stage == "verdict")).verdict
+                await press("s", "y")
+                await seen(pilot, screen, lambda v: v.stage == "stored")
+                await press("q")
+                assert not pilot.app.is_running
+    assert ready.can_certify
+    assert (verdict.word, verdict.status) == ("PASS", "calibrated")
+    said = re.search(r"takes (\d+) keys beside what is typed into the form", PAGE)
+    assert said is not None
+    assert int(said[1]) == len(pressed) <= MOST
