@@ -6,8 +6,8 @@ the heading alone. The heading is known only from what told it last, and less we
 
     std^2 = told^2 + (k_std turned)^2 + (MISALIGNED path)^2 + lost^2
 
-with ``turned`` the angle about the vertical, whose scale is known to ``k_std``, ``path`` all the angle there was,
-of which a gyro that is off square shows that part about another axis, ``lost`` what a gap may hide. Where nothing
+with ``turned`` the angle about the vertical, whose scale is known to ``k_std``, ``path`` that about level axes,
+of which a gyro that is off square shows that part about the vertical, ``lost`` what a gap may hide. Where nothing
 has told it, std is infinite: it is not known, and no value of it means anything.
 
 Rotation vectors: Rodrigues, `procedures.frames.rotation`. The bookkeeping of the sigma is this project's own.
@@ -57,11 +57,12 @@ def standing(up: FloatArray) -> Standing:
 
 def carried(before: Standing, angles: FloatArray) -> Standing:
     """Return the cube after the small rotations ``angles`` (n, 3) [rad], cube axes, one after the other."""
-    C, turned = before.C_lb, before.turned
+    C, turned, path = before.C_lb, before.turned, before.path
     for angle, step in zip(angles, rotation(angles), strict=True):
-        turned += float(C[2] @ angle)
+        vertical = float(C[2] @ angle)
+        turned += vertical
+        path += float(np.sqrt(max(angle @ angle - vertical**2, 0.0)))
         C = C @ step
-    path = before.path + float(np.linalg.norm(angles, axis=1).sum())
     return replace(before, C_lb=C, turned=turned, path=path)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.earth import EARTH_RATE
 from procedures.earth_heading import earth_heading
+from procedures.frames import AXES
 from procedures.gyrocompass import BIAS_STD, SPREAD, first_position, scale
 from procedures.standing import (
     Standing,
@@ -22,6 +23,7 @@ from procedures.standing import (
     standing,
     told,
 )
+from procedures.steps import Turn
 from station.guide.desk import Desk
 from station.guide.judge import Look
 from station.live.counted import counted
@@ -35,6 +37,7 @@ MOST_S = 60  # of a rest: a longer one is a soak, or lasts until biases have wan
 LEFT_STD = np.radians(2.0)  # how well the marks are kept to by a position that was accepted
 KNOWN_STD = np.radians(15.0)  # of a heading that tells four directions apart
 ROUGH_K_STD = 0.3
+TURNED_K_STD = 0.005  # of a gyro that was turned itself: how the turn closed, and the Earth's rate
 
 
 @dataclass(slots=True)
@@ -63,6 +66,7 @@ class Tracker:
         self._resting: FloatArray | None = None  # (6,) count/s at rest, of the last rest
         self._scale: tuple[float, float] | None = None
         self._scaled_by: tuple[int, ...] = ()
+        self._turned: dict[str, float] = {}  # scale factor [count/rad] of gyros that were turned, by cube axis
         self._outdated = 0  # a position from before nobody saw the cube for long
 
     @property
@@ -105,6 +109,9 @@ class Tracker:
 
     @property
     def _k_std(self) -> float:
+        up = None if self.now is None else AXES[int(np.argmax(np.abs(self.now.up)))]
+        if up in self._turned:
+            return TURNED_K_STD
         return ROUGH_K_STD if self._scale is None else self._scale[1]
 
     def _seen_since(self, base: Standing, block: Block) -> Standing:
@@ -157,7 +164,8 @@ class Tracker:
         """Return the cube after the ``counts`` (n, 3) of the gyros; without their scale its heading is lost."""
         if self._scale is None:
             return forgotten(base)
-        return carried(base, counts @ self._desk.C_ib / self._scale[0])
+        k = np.array([self._turned.get(axis, self._scale[0]) for axis in AXES])
+        return carried(base, counts @ self._desk.C_ib / k)
 
     def _ticks(self, first: int, last: int) -> FloatArray:
         """Return what the gyros counted in each tick (n, 3), IMU axes, less what they count at rest."""
@@ -184,6 +192,8 @@ class Tracker:
         self._scaled_by = done
         if desk.turns:
             self._scale = (float(desk.gyro_k or 0.0), SPREAD)
+            axes = {step.name: step.axis for step in desk.checklist.steps if isinstance(step, Turn)}
+            self._turned = {axes[n]: each.counts / (2 * np.pi) for n, each in desk.turns.items() if n in axes}
         else:
             found = scale(desk.known, desk.facts.latitude, desk.C_ib)
             self._scale = (

@@ -100,7 +100,7 @@ class Turning:
             wanted=self._step.revolutions,
             speed_deg_s=abs(watch.count_rate) / per_degree if watch.is_moving else 0.0,
             slow_deg_s=SLOW_DEG_S, fast_deg_s=FAST_DEG_S,
-            rest_s=watch.rested_s, rest_wanted_s=float(watch.rest_blocks),
+            rest_s=watch.rested_s, rest_wanted_s=float(watch.rest_blocks), may_begin=self._is_ready,
         )  # fmt: skip
         line, hint = task(self._step, is_there=True), ""
         if not self._is_ready:

@@ -213,12 +213,13 @@ class TurnView(_Value):
     came_back_std_deg: float | None = None
     rest_s: float = 0.0
     rest_wanted_s: float = 5.0
+    may_begin: bool = True  # or is under way; it may not before the rest, and before the heading is known
 
     @property
     def is_to_rest(self) -> bool:
         """Whether the cube is to be let alone: before the turn, and once it has come back."""
         is_moving = self.speed_deg_s > 0 or (self.revolutions != 0 and self.rest_s == 0)
-        return self.rest_s < self.rest_wanted_s and not is_moving
+        return not self.may_begin or (self.rest_s < self.rest_wanted_s and not is_moving)
 
 
 class PoseView(_Value):

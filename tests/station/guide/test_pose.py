@@ -119,3 +119,24 @@ def test_a_view_with_a_pose_crosses_a_process_border_unchanged(rig: Make) -> Non
     guided = rig([Dwell(1, 10.0), Turn("x", "+", 3, 1, 5.0)])
     view = guided.run(guided.done(1))
     assert View.model_validate_json(view.model_dump_json()) == view
+
+
+def test_the_second_turn_of_an_axis_is_followed_all_the_way_round(rig: Make) -> None:
+    guided = rig([Dwell(1, 10.0), Turn("x", "+", 3, 1, 5.0), Turn("x", "-", 3, 1, 5.0)])
+    guided.run(guided.done(1))
+    for count, direction in enumerate("+-", start=2):
+        guided.run(lambda v: v.turn is not None and not v.turn.is_to_rest)
+        guided.seen.clear()
+        guided.hands(f"turn x {direction} 3 2")
+        guided.run(guided.done(count))
+    stds = [view.pose.heading_std_deg for view in guided.seen]
+    assert all(std is not None and std < 12 for std in stds)
+    assert off_deg(guided.view.pose, 1) < 8
+
+
+def test_a_turn_may_not_begin_before_its_rest(rig: Make) -> None:
+    guided = rig([Turn("x", "+", 1, 1, 5.0)])
+    guided.run(lambda v: v.turn is not None and not v.turn.is_to_rest)
+    before = [view for view in guided.seen if view.turn is not None and view.turn.is_to_rest]
+    assert {view.line for view in before} == {"hands off: it rests before turn X+"}
+    assert guided.view.line.startswith("turn once counter-clockwise from above")

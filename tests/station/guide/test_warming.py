@@ -9,6 +9,9 @@ from drivers.simulated.truth import Truth
 from station.campaign_folder import read_campaign
 from station.campaign_folder.toml_text import read_toml
 from station.guide.folder_notes import kept_plan
+from station.guide.view import WarmUp
+from station.guide.warming import waits_for
+from station.guide.wording import rounded
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
@@ -65,3 +68,26 @@ def test_the_dwells_last_as_long_as_the_sigma_wanted_asks_for(rig: Make, bias_ug
     assert len(seconds) == 1
     assert seconds == {step.seconds for step in guided.desk.checklist.steps}
     assert (10 <= seconds.pop() < 30) if bias_ug == 1.0 else seconds.pop() > 30
+
+
+def test_it_says_what_it_waits_for_in_numbers_and_never_that_no_time_is_left(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=100.0), HEATING, warms_up=True)
+    guided.rest(400)
+    warm = [view.warm_up for view in guided.seen if view.warm_up is not None]
+    assert all(each.left_s is None or each.left_s >= 1 for each in warm)
+    lasting = [each.left_s for each in warm if each.left_s is not None]
+    assert lasting  # it is said where it can be
+    notes = {each.note for each in warm}
+    assert any(
+        note.startswith("waiting for a ") and ("deg/h, now" in note or "/min, now" in note) for note in notes
+    )
+    assert not [note for note in notes if "e-" in note]
+    assert {view.line for view in guided.seen} == {"leave the cube at rest, in position 1 if it can be"}
+
+
+def test_a_drift_is_told_as_finely_as_its_limit() -> None:
+    assert rounded(4.35e-14, 0.0285235) == "0.000"
+    assert rounded(0.0285235, 0.0285235) == "0.029"
+    assert rounded(12.3, 2.5) == "12.3"
+    drifting = WarmUp(gyro_drift_deg_h=0.31, gyro_limit_deg_h=0.0281)
+    assert waits_for(drifting) == "waiting for a gyro drift below 0.028 deg/h, now 0.310 deg/h"
