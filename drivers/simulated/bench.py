@@ -180,7 +180,7 @@ def simulate_campaign(
         model=truth.model,
         serial=truth.serial,
         counts=True,
-        site=Site(float(np.radians(truth.latitude_deg)), truth.gravity_m_s2, gravity_std, _field(truth)),
+        site=Site(float(np.radians(truth.latitude_deg)), truth.local_gravity, gravity_std, _field(truth)),
         dwells=tuple(DwellRecord(d.name, d.position, bench.perform(d)) for d in dwells),
         turns=tuple(_turn_record(i, t, bench) for i, t in enumerate(turn_steps() if turns is None else turns)),
         sigma=ProcedureSigma(float(np.radians(truth.heading_std_deg)), float(np.radians(truth.closure_std_deg))),

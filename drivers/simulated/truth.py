@@ -15,6 +15,7 @@ import numpy as np
 
 from drivers.simulated.errors import TruthRefused
 from procedures.arrays import FloatArray
+from procedures.earth import STANDARD_GRAVITY, normal_gravity
 
 Sizes = Mapping[str, float]
 IMU_AXES = ("+x", "+y", "+z")
@@ -37,8 +38,9 @@ class Truth:
     latitude_deg: float = 31.17
     longitude_deg: float = 121.4
     height_m: float = 0.0
-    """Above the ellipsoid; where a simulated GNSS receiver stands."""
-    gravity_m_s2: float = 9.80665
+    """Above the ellipsoid; a simulated GNSS receiver stands there too."""
+    gravity_m_s2: float | None = None
+    """What the unit feels at rest; None: normal gravity of latitude and height, `local_gravity`."""
     magnetic_enu_ut: FloatArray = field(default_factory=lambda: np.array([-3.0, 34.0, -36.0]))
 
     accel_k: FloatArray = field(default_factory=lambda: np.full(3, 1000.0))
@@ -117,6 +119,13 @@ class Truth:
             slab_tilt_rad=3e-5 * rng.standard_normal(2),
         )
 
+    @property
+    def local_gravity(self) -> float:
+        """Gravity [m/s2] at the site: as given, else normal gravity of its latitude and height."""
+        if self.gravity_m_s2 is not None:
+            return self.gravity_m_s2
+        return normal_gravity(float(np.radians(self.latitude_deg)), self.height_m)
+
     def powered_on(self, rng: np.random.Generator) -> "Truth":
         """Return the truth of one power-on: turn-on biases drawn into D, their sigmas zero."""
         accel, gyro = rng.standard_normal((2, 3))
@@ -148,6 +157,7 @@ def paper_truth(theta: float = P1_THETA) -> Truth:
     """
     return Truth(
         serial="P1",
+        gravity_m_s2=STANDARD_GRAVITY,
         accel_k=np.array([1020.0, 1015.0, 1018.0]),
         accel_e=np.array([[0.999995, 0.001, 0.003], [0.002, 0.9999975, 0.001], [0.003, 0.002, 0.9999935]]),
         accel_d_g=np.array([0.001, 0.002, 0.001]),

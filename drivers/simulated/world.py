@@ -78,7 +78,7 @@ def world_of(truth: Truth) -> World:
     """Return the bench of a truth, before effects."""
     return World(
         latitude=float(np.radians(truth.latitude_deg)),
-        gravity=truth.gravity_m_s2,
+        gravity=truth.local_gravity,
         magnetic_n=truth.magnetic_enu_ut,
         faces=truth.faces_rad,
         slab_tilt=truth.slab_tilt_rad,

@@ -52,6 +52,7 @@ from station.campaign_folder.table import Table
 from station.campaign_folder.toml_text import NAME, line_of, read_toml
 from station.errors import DataRefused
 
+ANOMALY = 5e-3  # m/s2; within it gravity at the ground is normal almost everywhere on Earth (EGM2008)
 _KINDS = ("dwell", "turn", "sequence", "rate", "soak")
 
 
@@ -81,6 +82,7 @@ def read_campaign(folder: Path) -> LoadedCampaign:
         *_measured_by_itself(tables),
         *_badly_seated(tables),
         *_widened(tables),
+        *_gravity_of_another_place(tables.site),
         *(w for step in steps if step.data for w in step.data.warnings),
     ]
     used = [step for step in steps if _is_used(step)]
@@ -212,6 +214,22 @@ def _widened(tables: CampaignTable) -> list[str]:
     return [
         f"{NAME}: closure_std_deg was widened by the operator from {procedure.closure_widened_from_deg:.3g} to "
         f"{procedure.closure_std_deg:.3g}, as hand turns did not close to it"
+    ]
+
+
+def _gravity_of_another_place(site: SiteTable) -> list[str]:
+    """Warn of a stated gravity that is not that of the stated latitude and height."""
+    if site.gravity_m_s2 is None:
+        return []
+    normal = normal_gravity(float(np.radians(site.latitude_deg)), site.height_m)
+    off = site.gravity_m_s2 - normal
+    if abs(off) <= ANOMALY:
+        return []
+    return [
+        f"{NAME}: gravity_m_s2 = {site.gravity_m_s2:.9g} is {off:+.2g} m/s2 off the {normal:.4f} of latitude "
+        f"{site.latitude_deg:.6g} deg and height {site.height_m:.6g} m, expected within {ANOMALY:g}: if it is "
+        f"wrong, the accelerometers' scale factors are {-1e6 * off / site.gravity_m_s2:+.0f} ppm off; "
+        f"check gravity, latitude and height"
     ]
 
 

@@ -4,6 +4,7 @@ import contextlib
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from drivers.simulated.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
     from drivers.simulated.track import Track
+    from drivers.simulated.truth import Truth
 
 
 def simulate(
@@ -31,6 +33,12 @@ def simulate(
     ] = None,
     example: Annotated[
         int | None, typer.Option("--example", metavar="SEED", help="A random unit of the usual size instead.")
+    ] = None,
+    latitude: Annotated[
+        float | None, typer.Option("--latitude", metavar="DEG", min=-90, max=90, help="Where it stands.")
+    ] = None,
+    height: Annotated[
+        float | None, typer.Option("--height", metavar="M", min=-1000, max=20000, help="Above the ellipsoid.")
     ] = None,
     format: Annotated[str, typer.Option("--format", help="Wire format.")] = "counts",
     pty: Annotated[
@@ -79,9 +87,11 @@ def simulate(
 ) -> None:
     """Serve a simulated IMU in its cube until Ctrl-C; prints its URL and the control address of its hands.
 
-    Scale factors in a truth are in count/(g s) and count/deg, biases in g and deg/s, tilts in rad, times in s. The
-    hands take lines such as `place 3 45`, `turn x + 3 5`, `rest 10`, `time`, `status` over TCP. With --gnss an
-    autopilot with a GNSS receiver stands beside it, on the same truth and clock; its faults are [[gnss_fault]].
+    It feels the normal gravity of its latitude and height unless the truth says another; the line `site` has what
+    `station calibrate` is to be told of it. Scale factors in a truth are in count/(g s) and count/deg, biases in g
+    and deg/s, tilts in rad, times in s. The hands take lines such as `place 3 45`, `turn x + 3 5`, `rest 10`,
+    `time`, `status` over TCP. With --gnss an autopilot with a GNSS receiver stands beside it, on the same truth
+    and clock; its faults are [[gnss_fault]].
 
     On CAN the URL has the sample period in it; `--transport slcan --pty LINK` keeps a link to the adapter.
 
@@ -127,6 +137,8 @@ def simulate(
         unit = (
             load_truth(_text(truth)) if truth is not None else Truth.example(seed if example is None else example)
         )
+    place = {"latitude_deg": latitude, "height_m": height}
+    unit = replace(unit, **{name: value for name, value in place.items() if value is not None})
     with _blamed_on(track):
         path = load_track(_text(track, "a CSV file")) if track is not None else None
     is_on_can = transport in CAN_TRANSPORTS
@@ -225,6 +237,7 @@ def _announce(
         typer.echo(f"camera {camera.url}")
         if camera_file is not None:
             _describe(camera, camera_file)
+    typer.echo(f"site {_site(device.truth)}")
     typer.echo(f"control {device.control}")
     typer.echo(f"serving {device.truth.model} {device.truth.serial}; Ctrl-C ends it", err=True)
     if gnss is not None or camera is not None:
@@ -232,6 +245,12 @@ def _announce(
             name for name, each in (("the receiver", gnss), ("the camera", camera)) if each is not None
         )
         typer.echo(f"one clock for all: {others} send only while the IMU is read", err=True)
+
+
+def _site(truth: "Truth") -> str:
+    """Return where a simulated unit stands, as `station calibrate` takes it."""
+    height = f" --height {truth.height_m:g}" if truth.height_m else ""
+    return f"--latitude {truth.latitude_deg:g}{height} --gravity {truth.local_gravity:.6f}"
 
 
 def _describe(camera: "SimulatedCamera", file: Path) -> None:

@@ -138,6 +138,6 @@ def _setup(bench: ExampleBench, url: str, campaign: Path, request: DemoRequest) 
         url=url, folder=str(campaign), dwell_s=request.dwell_s, revolutions=request.revolutions,
         cube=bench.cube, slab=bench.slab, operator="station demo",
         latitude_deg=truth.latitude_deg, longitude_deg=truth.longitude_deg,
-        gravity_m_s2=truth.gravity_m_s2, gravity_std_m_s2=GRAVITY_STD,
+        gravity_m_s2=truth.local_gravity, gravity_std_m_s2=GRAVITY_STD,
         heading_std_deg=truth.heading_std_deg, closure_std_deg=truth.closure_std_deg,
     )  # fmt: skip

@@ -53,7 +53,7 @@ def test_mean_rates_follow_the_model_within_the_noise(seed: int) -> None:
     bench, world = SimulatedBench(truth, seed), stand(truth)
     for position in range(1, 13):
         series, C_bn = bench.perform(Dwell(position, 20.0)), world.attitude(position)
-        f_b = C_bn @ [0, 0, truth.gravity_m_s2 / STANDARD_GRAVITY]
+        f_b = C_bn @ [0, 0, truth.local_gravity / STANDARD_GRAVITY]
         accel = truth.accel_k * (truth.accel_e @ f_b + truth.accel_d_g)
         gyro = truth.gyro_k * (truth.gyro_e @ C_bn @ world.omega_ie_n + truth.gyro_d_deg_s)
         # a count at each end, and 5 sigma of the white noise

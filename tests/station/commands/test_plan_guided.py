@@ -21,7 +21,14 @@ FREE = (FreePosition(1, 10.0), FreePosition(2, 10.0))
 
 def calibrate(device: SimulatedDevice, folder: Path, steps: Sequence[Step]) -> tuple[str, ...]:
     write_plan(folder / "plan.toml", steps)
-    site = ("--latitude", "31.17", "--gravity", "9.80665", "--plan", str(folder / "plan.toml"))
+    site = (
+        "--latitude",
+        "31.17",
+        "--gravity",
+        f"{device.truth.local_gravity:.7f}",
+        "--plan",
+        str(folder / "plan.toml"),
+    )
     where = ("--out", str(folder / "c"), "--db", str(folder / "s.db"), "--move-s", "5")
     return ("calibrate", "--headless", "--device", device.url, "--hands", device.control, *site, *where)
 

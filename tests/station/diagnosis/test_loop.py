@@ -30,7 +30,7 @@ def test_counts_at_another_temperature_come_out_right(warmed: Diagnosed) -> None
     rate = dwell.accel.mean(axis=0, keepdims=True) / dwell.period
     around = Surroundings(temperature=dwell.temperature.mean(keepdims=True))
     calibration = {**solution_document(closed.solution, loaded), "effects": closed.effects}
-    up = truth.gravity_m_s2 / STANDARD_GRAVITY
+    up = truth.local_gravity / STANDARD_GRAVITY
     f = calibrated_inputs(calibration, rate, None, around).f
     assert f is not None
     assert abs(f[0, 2] - up) < 2e-5

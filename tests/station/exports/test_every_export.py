@@ -67,7 +67,7 @@ def readings(truth: Truth, position: int) -> tuple[FloatArray, FloatArray]:
 def true_input(truth: Truth, position: int) -> tuple[FloatArray, FloatArray]:
     C_bl = nominal_C_lb(position).T
     rate: FloatArray = C_bl @ earth_rate_n(np.radians(truth.latitude_deg))
-    return face_normal(face_of(position)) * truth.gravity_m_s2, rate
+    return face_normal(face_of(position)) * truth.local_gravity, rate
 
 
 def as_ardupilot(text: str) -> Correct:

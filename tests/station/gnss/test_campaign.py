@@ -33,7 +33,7 @@ def bench(speed: float) -> Iterator[tuple[SimulatedDevice, SimulatedGnss]]:
 
 
 def calibrate(device: SimulatedDevice, gnss: SimulatedGnss, folder: Path) -> tuple[str, ...]:
-    short = ("--dwell-s", "10", "--turns", "1", "--move-s", "5", "--gravity", "9.80665")
+    short = ("--dwell-s", "10", "--turns", "1", "--move-s", "5", "--gravity", f"{device.truth.local_gravity:.7f}")
     where = ("--out", str(folder / "c"), "--db", str(folder / "s.db"))
     devices = ("--device", device.url, "--hands", device.control, "--gnss", f"{gnss.url}?rate=1")
     return ("calibrate", "--headless", *devices, *short, *where)

@@ -18,7 +18,7 @@ from station.recorder import CampaignRecorder, SampleStream, Tape, Unit, open_ca
 
 WIRE = FORMATS["counts"]
 UNIT = Unit("SIM-FOG3", "SIM-7", 0.02)
-SITE = SiteTable(latitude_deg=31.17, gravity_m_s2=9.80665)
+SITE = SiteTable(latitude_deg=31.17, gravity_m_s2=Truth().local_gravity)
 SAMPLES = 50
 
 

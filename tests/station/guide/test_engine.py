@@ -35,7 +35,7 @@ def device() -> Iterator[SimulatedDevice]:
 
 def setup_for(device: SimulatedDevice, folder: Path) -> Setup:
     return Setup(
-        url=device.url, latitude_deg=31.17, gravity_m_s2=9.80665, dwell_s=10.0, revolutions=1,
+        url=device.url, latitude_deg=31.17, gravity_m_s2=device.truth.local_gravity, dwell_s=10.0, revolutions=1,
         folder=str(folder / "c"),
     )  # fmt: skip
 

@@ -9,7 +9,7 @@ from drivers.simulated.truth import Truth
 from station.campaign_folder.schema import SiteTable
 from station.reader import Chunk, GapMark
 
-SITE = SiteTable(latitude_deg=31.17, gravity_m_s2=9.80665)
+SITE = SiteTable(latitude_deg=31.17, gravity_m_s2=Truth().local_gravity)
 
 
 class Source:

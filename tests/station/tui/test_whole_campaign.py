@@ -35,8 +35,8 @@ async def seen(pilot: Pilot[None], screen: Connection, until: Callable[[View], b
 async def test_a_campaign_is_begun_redone_paused_stored_and_left_by_keys(tmp_path: Path) -> None:
     with SimulatedDevice(Truth.example(5), 5, speed=SPEED) as device:
         setup = Setup(
-            url=device.url, latitude_deg=31.17, gravity_m_s2=9.80665, dwell_s=10.0, revolutions=1,
-            folder=str(tmp_path / "c"), operator="M. Huber",
+            url=device.url, latitude_deg=31.17, gravity_m_s2=device.truth.local_gravity, dwell_s=10.0,
+            revolutions=1, folder=str(tmp_path / "c"), operator="M. Huber",
         )  # fmt: skip
         options = EngineOptions(
             root=tmp_path, database=str(tmp_path / "s.db"), setup=setup, hands=device.control, move_s=5.0
