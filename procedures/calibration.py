@@ -19,6 +19,7 @@ from procedures.norm_fit import LEAST_RESTS
 from procedures.observations import TriadDwells, TriadRests, TurnTotal, dwell_rates, rest_rates, turn_totals
 from procedures.residuals import fit_quality, step_residuals
 from procedures.sequences import Segmented, all_rests, segment
+from procedures.signs import sign_warnings
 from procedures.solution import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.triad import TriadVector, moves_vector, paper_biases, triad_vector
 from procedures.turn_on_warnings import turn_on_warnings
@@ -264,6 +265,7 @@ def _warnings(fits: Fits, quality: FitQuality) -> tuple[str, ...]:
         lacking = [a for a in AXES if not any(t.axis == a for c in fits.campaigns for t in c.turns)]
         what = f"no turn about {', '.join(lacking)}" if lacking else "a channel is dead, or turns were left out"
         found.append(f"gyroscope not solved: its scale factor is unknown ({what})")
+    found += sign_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope, fits.gyro)
     found += [f"{each.record.name}: no rest found in it" for each in fits.segmented if not each.rests]
     if fits.gyroscope is not None:
         found += _turn_warnings(fits.gyroscope)

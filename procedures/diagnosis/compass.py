@@ -58,7 +58,7 @@ class Compass:
             return None
         C_ib, rate, std = campaign.fixture.C_ib, rate[rows], std[rows]
         hours = np.array([campaign.dwells[i].series.t.mean() / 3600 for i in rows.tolist()])
-        K = _turned(campaign)
+        K = turned(campaign)
         if K is None:
             K = _from_dwells(_design(C_ib, np.array([[start[i] for i in rows.tolist()]]))[0], rate, north)
         size = float(np.abs(K).max())
@@ -123,7 +123,7 @@ def _from_dwells(A: FloatArray, rate: FloatArray, north: float) -> FloatArray:
     return np.diag(np.sign(own) * np.median(np.abs(own)))
 
 
-def _turned(campaign: Campaign) -> FloatArray | None:
+def turned(campaign: Campaign) -> FloatArray | None:
     """Return K (3, 3) [output/deg] of the gyros, roughly, from the turns; None if they do not tell."""
     angle, total = list[FloatArray](), list[FloatArray]()
     for turn in campaign.turns:

@@ -102,11 +102,11 @@ def _finding(campaigns: Sequence[Campaign], each: Mislabelled) -> Finding:
 
 
 def _rates(campaign: Campaign) -> _Dwells:
-    parts = [_triad_rates(campaign.dwells, triad) for triad in ("accelerometer", "gyroscope")]
+    parts = [triad_rates(campaign.dwells, triad) for triad in ("accelerometer", "gyroscope")]
     return _Dwells(campaign.dwells, parts[0][0], *parts[1])
 
 
-def _triad_rates(dwells: Sequence[DwellRecord], triad: str) -> tuple[FloatArray, FloatArray]:
+def triad_rates(dwells: Sequence[DwellRecord], triad: str) -> tuple[FloatArray, FloatArray]:
     """Return mean output (n, 3) per second (or of a rate) and its 1 sigma."""
     rate, std = np.full((2, len(dwells), 3), np.nan)
     here = [i for i, d in enumerate(dwells) if channel(d.series, triad) is not None and len(d.series) > 1]

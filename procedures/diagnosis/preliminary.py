@@ -12,6 +12,7 @@ from procedures.diagnosis.clock import find_clock, is_timed, with_true_clock
 from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
 from procedures.diagnosis.labels import find_labels, mislabelled, with_true_labels
 from procedures.diagnosis.result import Finding, Test
+from procedures.diagnosis.turn_labels import with_true_directions
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,6 +27,7 @@ class Preliminary:
 
 def preliminary(campaigns: Sequence[Campaign]) -> Preliminary:
     """Put one unit's campaigns right; a clock that may as well be a wrongly stated period is left alone."""
+    campaigns, directions = with_true_directions(campaigns)
     wrong = mislabelled(campaigns)
     labels = find_labels(campaigns, wrong)
     campaigns = with_true_labels(campaigns, wrong)
@@ -36,5 +38,5 @@ def preliminary(campaigns: Sequence[Campaign]) -> Preliminary:
     for each in clock:
         if each.confidence != "ambiguous":
             campaigns = with_true_clock(campaigns, float(each.value[0]))
-    findings = (*labels[0], *(knock.finding for knock in knocks), *clock)
+    findings = (*directions, *labels[0], *(knock.finding for knock in knocks), *clock)
     return Preliminary(tuple(campaigns), findings, (*labels[1], *knock_tests, *clock_tests), frozenset(settled))

@@ -4,7 +4,6 @@ import contextlib
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -105,7 +104,7 @@ def simulate(
     from drivers.errors import PortNotFound
     from drivers.simulated.server import CAN_TRANSPORTS, TRANSPORTS, SimulatedDevice, serve
     from drivers.simulated.track import load_track
-    from drivers.simulated.truth import Truth, load_truth
+    from drivers.simulated.truth import Truth, load_truth, truth_from
     from drivers.wire import FORMATS
     from station.faults_file import read_faults
 
@@ -138,7 +137,7 @@ def simulate(
             load_truth(_text(truth)) if truth is not None else Truth.example(seed if example is None else example)
         )
     place = {"latitude_deg": latitude, "height_m": height}
-    unit = replace(unit, **{name: value for name, value in place.items() if value is not None})
+    unit = truth_from({name: value for name, value in place.items() if value is not None}, unit)
     with _blamed_on(track):
         path = load_track(_text(track, "a CSV file")) if track is not None else None
     is_on_can = transport in CAN_TRANSPORTS
