@@ -8,6 +8,7 @@ import numpy as np
 
 from station.plural import plural
 
+USED_HOW = "(of the fit alone; to use a value take the expanded uncertainty U that `station report` gives)"
 ARCSEC = np.pi / 180 / 3600
 _AXES = ("x", "y", "z")
 
@@ -16,6 +17,7 @@ def solution_text(document: Mapping[str, Any]) -> str:
     """Return the summary that ``station solve`` prints; +- is 1 sigma."""
     origin = document["provenance"]
     lines = [f"{origin['model']} {origin['serial']}: {plural(len(origin['files']), 'file')}, +- is 1 sigma"]
+    lines += [USED_HOW] if "accelerometer" in document or "gyroscope" in document else []
     for name in ("accelerometer", "gyroscope"):
         lines += _triad(name, document.get(name))
     lines += _tilt(document) + _parallelism(document) + _residual(document.get("residual", {}))

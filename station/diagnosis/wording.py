@@ -71,7 +71,7 @@ def notes(finding: Mapping[str, Any]) -> list[str]:
         found.append(f"the vertical stands {angle:.2f} deg off the face: {', '.join(along)}")
     if shape := finding.get("shape"):
         found.append(f"shape: {shape}")
-    if finding["unit"] == "direction":
+    if finding.get("unit") == "direction":
         found.append(
             "these turns are labelled in the opposite direction: by them the gyroscopes count backwards, by the "
             "Earth's rate in the dwells forwards; they are solved the other way round here, not by `station solve`"

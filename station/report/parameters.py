@@ -1,8 +1,12 @@
-"""The tables of parameters: value, 1 sigma, 95 % interval, and for a simulated unit the truth."""
+"""The tables of parameters: value, expanded uncertainty U, 1 sigma, and for a simulated unit the truth.
+
+Slab and faces have no budget: in the place of U stands the interval of 95 % that 1 sigma makes.
+"""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -12,6 +16,7 @@ from station.report.rounding import aligned, decimals, fixed
 
 ARCSEC = 180 * 3600 / np.pi  # per rad
 NORMAL_95 = 1.959964  # two-sided 95 % of a normal distribution
+_NONE: Mapping[str, float] = MappingProxyType({})
 SYMBOLS = {"count/(g s)": "count/(g\u00b7s)"}
 
 
@@ -34,11 +39,12 @@ class Quantity:
 
 @dataclass(frozen=True, slots=True)
 class ParameterRow:
-    """A printed line; truth, error and error in sigmas are empty where no truth is known."""
+    """A printed line; ``expanded`` is U, empty without a budget; truth and errors are empty without a truth."""
 
     symbol: str
     axis: str
     value: str
+    expanded: str
     std: str
     low: str
     high: str
@@ -57,17 +63,23 @@ class ParameterGroup:
     rows: tuple[ParameterRow, ...]
 
 
-def triad_groups(name: str, triad: TriadCalibration, truth: Mapping[str, float]) -> list[ParameterGroup]:
-    """Return the parameter tables of a triad (``accelerometer`` or ``gyroscope``)."""
+def triad_groups(
+    name: str, triad: TriadCalibration, truth: Mapping[str, float], expanded: Mapping[str, float] = _NONE
+) -> list[ParameterGroup]:
+    """Return the parameter tables of a triad (``accelerometer`` or ``gyroscope``).
+
+    ``expanded`` are the expanded uncertainties by parameter, in the unit of files.
+    """
     groups = [
-        _group("Scale factor k", "", _vector(f"{name}.scale_factor", "k", triad.scale_factor), truth),
+        _group("Scale factor k", "", _vector(f"{name}.scale_factor", "k", triad.scale_factor), truth, expanded),
         _group(
             "Misalignment E",
             "off-diagonal; first index sensor, second body axis",
             list(_off_diagonal(f"{name}.misalignment", triad.misalignment)),
             truth,
+            expanded,
         ),
-        _group("Bias D", "joint estimate: the one to use", _bias(name, triad.bias), truth),
+        _group("Bias D", "joint estimate: the one to use", _bias(name, triad.bias), truth, expanded),
     ]
     for title, estimate, equation in (
         ("Bias, 12-position mean", triad.bias_12_position, "eq. 8"),
@@ -153,8 +165,13 @@ def _angle(name: str, symbol: str, axis: str, value: float, std: float) -> Quant
     return Quantity(name, symbol, axis, float(value) * ARCSEC, float(std) * ARCSEC, "arcsec", ARCSEC)
 
 
-def _group(title: str, remark: str, quantities: Sequence[Quantity], truth: Mapping[str, float]) -> ParameterGroup:
+def _group(
+    title: str, remark: str, quantities: Sequence[Quantity], truth: Mapping[str, float],
+    expanded: Mapping[str, float] = _NONE,
+) -> ParameterGroup:  # fmt: skip
     places = [decimals(q.std) for q in quantities]
+    U = [expanded.get(q.name, math.nan) * q.scale for q in quantities]
+    wide = [fixed(u, decimals(u)) if u > 0 else "" for u in U]
 
     def column(numbers: Sequence[float | None], sign: bool = False) -> list[str]:
         texts = ["" if n is None else fixed(n, p, sign) for n, p in zip(numbers, places, strict=True)]
@@ -168,6 +185,7 @@ def _group(title: str, remark: str, quantities: Sequence[Quantity], truth: Mappi
     ]
     columns = (
         column([q.value for q in quantities]),
+        aligned(wide) if any(wide) else wide,
         column([q.std for q in quantities]),
         column([q.value - NORMAL_95 * q.std for q in quantities]),
         column([q.value + NORMAL_95 * q.std for q in quantities]),

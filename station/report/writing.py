@@ -87,7 +87,8 @@ def _solved(solution: Solution) -> list[tuple[str, TriadCalibration]]:
 def _triad(name: str, triad: TriadCalibration, context: ReportContext) -> dict[str, object]:
     return {
         "name": name,
-        "groups": triad_groups(name, triad, context.truth),
+        "groups": triad_groups(name, triad, context.truth, {one.name: one.expanded for one in context.budgets}),
+        "has_budget": any(one.name.startswith(name) for one in context.budgets),
         "matrix": matrix_rows(triad.misalignment),
     }
 

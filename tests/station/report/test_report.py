@@ -70,7 +70,9 @@ def test_every_parameter_is_there_with_its_sigma(html: str) -> None:
         ):  # fmt: skip
             for i in range(3):
                 value, std = estimate.value[i] * scale, estimate.std[i] * scale
-                assert f'>{fixed(value, decimals(std))}</td><td class="num">{fixed(std, decimals(std))}<' in plain
+                beside = r'</td>(<td class="num value">[^<]*</td>)?<td class="num( sigma)?">'
+                shown = re.escape(fixed(value, decimals(std))), re.escape(fixed(std, decimals(std)))
+                assert re.search(f">{shown[0]}{beside}{shown[1]}<", plain)
         for q, p in ((0, 1), (1, 0), (2, 1)):
             value, std = triad.misalignment.value[q, p], triad.misalignment.std[q, p]
             arcsec = 180 * 3600 / np.pi
@@ -79,6 +81,25 @@ def test_every_parameter_is_there_with_its_sigma(html: str) -> None:
     assert solution.parallelism is not None
     for value in solution.parallelism.value.ravel() * 180 * 3600 / np.pi:
         assert f">{fixed(value, 3)}<" in plain
+
+
+def test_the_expanded_uncertainty_stands_beside_the_value_and_is_that_of_the_budget() -> None:
+    first, *others = factory.budgets()
+    wide = replace(
+        first, expanded=2.04e-6
+    )  # g, far above 1 sigma of the fit, as with a time base or a temperature
+    context = factory.context(budgets=(wide, *others))
+    page = render(context).replace("\u2007", "").replace("\u2008", "")
+    table = page[page.index('aria-label="accelerometer"') :]
+    found = re.search(r"<i>D</i><sub>x</sub></span></td>(.*)", table)
+    assert found is not None
+    assert context.solution.accelerometer is not None
+    std = context.solution.accelerometer.bias.std[0] * 1e6
+    assert re.findall(r"<td[^>]*>([^<]*)</td>", found[1])[1:3] == ["2.0", fixed(std, decimals(std))]
+    assert "<b>U</b> counts wherever a value is used" in page
+    assert ">U (95 %)<" in page
+    assert ">U (95 %)<" not in render(factory.context())
+    assert ">95 % from<" in render(factory.context())
 
 
 def test_every_residual_and_hash_is_there(html: str) -> None:
