@@ -8,6 +8,7 @@ import numpy as np
 from procedures.arrays import FloatArray, IntArray
 from procedures.bench_model import tilt_names
 from procedures.campaign import Campaign, RestRecord
+from procedures.dead_channels import without_dead
 from procedures.errors import NotObservable
 from procedures.face_check import refuse_wrong_faces
 from procedures.frames import AXES
@@ -39,6 +40,8 @@ DOUBTFUL = 0.01  # p-value of the global test below which the sigmas are said to
 class Fits:
     """What was seen and fitted of both triads; None where a triad is absent or not determined.
 
+    ``left_out`` says which channels were dead, and where.
+
     The gyroscopes' fit is that of turns, ``gyroscope``, or where there is none that of ``moves``.
     """
 
@@ -50,6 +53,7 @@ class Fits:
     rests: tuple[tuple[int, RestRecord], ...] = ()
     segmented: tuple[Segmented, ...] = ()
     moves: MovesFit | None = None
+    left_out: tuple[str, ...] = ()
 
 
 def solve(campaigns: Sequence[Campaign]) -> Solution:
@@ -76,6 +80,7 @@ class Reduced:
     others: tuple[tuple[int, RestRecord], ...]
     rests: TriadRests | None
     turns: tuple[TurnTotal, ...]
+    left_out: tuple[str, ...] = ()
 
 
 def fit(campaigns: Sequence[Campaign]) -> Fits:
@@ -84,13 +89,14 @@ def fit(campaigns: Sequence[Campaign]) -> Fits:
 
 
 def reduce_steps(campaigns: Sequence[Campaign]) -> Reduced:
-    """Reduce dwells, rests and turns to rates and totals."""
+    """Reduce dwells, rests and turns to rates and totals, those of dead channels left out."""
+    campaigns, left_out = without_dead(campaigns)
     accel, gyro = (dwell_rates(campaigns, triad) for triad in ("accelerometer", "gyroscope"))
     segmented = segment(campaigns)
     others = all_rests(campaigns, segmented)
     turns = turn_totals(campaigns, gyro.noise) if gyro is not None else []
     rests = rest_rates(others, "accelerometer")
-    return Reduced(tuple(campaigns), accel, gyro, segmented, tuple(others), rests, tuple(turns))
+    return Reduced(campaigns, accel, gyro, segmented, tuple(others), rests, tuple(turns), left_out)
 
 
 def fit_reduced(steps: Reduced) -> Fits:
@@ -114,8 +120,10 @@ def fit_reduced(steps: Reduced) -> Fits:
             missing = [
                 f"{LEAST_RESTS} rests that differ in attitude ({len(steps.others)} found), or all six faces"
             ]
-        raise NotObservable("the scale factor and bias of either triad", missing)
-    return Fits(campaigns, accel, gyro, accelerometer, gyroscope, steps.others, steps.segmented, moves)
+        raise NotObservable("the scale factor and bias of either triad", [*steps.left_out, *missing])
+    return Fits(
+        campaigns, accel, gyro, accelerometer, gyroscope, steps.others, steps.segmented, moves, steps.left_out
+    )  # fmt: skip
 
 
 def report(fits: Fits) -> Solution:
@@ -253,7 +261,7 @@ def _left_open(accelerometer: JointFit) -> list[str]:
 
 
 def _warnings(fits: Fits, quality: FitQuality) -> tuple[str, ...]:
-    found = []
+    found = list(fits.left_out)
     if quality.p_value < DOUBTFUL:
         found.append(
             f"the residual is larger than counting noise explains (chi-square {quality.chi2:.4g} at {quality.dof} "

@@ -46,8 +46,8 @@ def _white(values: FloatArray, length: int) -> float:
 
 
 def _step(values: Sequence[FloatArray]) -> float:
-    """Return the smallest difference between two values of the output, or the least float where all are one."""
+    """Return the smallest difference between two values of the output; where all are one, what a float tells."""
     levels = np.unique(np.concatenate([np.unique(each) for each in values]))
-    return (
-        float(np.diff(levels).min(initial=np.inf)) if len(levels) > 1 else float(np.spacing(np.abs(levels).max()))
-    )
+    if len(levels) > 1:
+        return float(np.diff(levels).min())
+    return float(np.spacing(max(abs(float(levels[0])), 1.0)))

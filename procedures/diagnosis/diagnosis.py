@@ -14,6 +14,7 @@ import numpy as np
 
 from procedures.calibration import fit_reduced, reduce_steps
 from procedures.campaign import Campaign
+from procedures.dead_channels import without_dead
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.combined import combined, with_files
 from procedures.diagnosis.either import either
@@ -83,9 +84,10 @@ def _of_steps(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagn
 
 def _put_right(campaigns: Sequence[Campaign]) -> tuple[Preliminary, Bench]:
     """Return what was put right, and the base model; campaigns that can only be solved as they are stay so."""
+    alive, left_out = without_dead(campaigns)
     try:
-        before = preliminary([faces_as_positions(campaign) for campaign in campaigns])
-        steps = reduce_steps(before.campaigns)
+        before = preliminary([faces_as_positions(campaign) for campaign in alive])
+        steps = replace(reduce_steps(before.campaigns), left_out=left_out)
         return before, Bench(steps, fit_reduced(steps))
     except ProcedureError:
         steps = reduce_steps(campaigns)

@@ -117,11 +117,11 @@ class _Builder:
 
     def add(self, residual: FloatArray, sigma: FloatArray, jacobian: FloatArray, triad: int, kind: str,
             step: int = -1, is_range: BoolArray | None = None, own: int | None = None) -> slice:  # fmt: skip
-        """Take in rows; return where they stand. ``own`` is the first of three own columns, a constant each."""
+        """Take in rows; return where they stand. ``own`` is the first of their own columns, a constant each."""
         A = np.zeros((len(residual), self.width))
         np.add.at(A.T, self.columns_of[triad][: jacobian.shape[1]], jacobian.T)
         if own is not None:
-            A[:, self.first_own + own : self.first_own + own + 3] = -np.eye(3)
+            A[:, self.first_own + own : self.first_own + own + len(A)] = -np.eye(len(A))
         is_range = np.zeros(len(residual), dtype=bool) if is_range is None else is_range
         self.blocks.append(_Block(residual, sigma, A, triad, KINDS.index(kind), step, is_range))
         self.count += len(residual)
@@ -194,7 +194,7 @@ def evidence_of(fits: Fits) -> Evidence:
     columns_of, x = _columns(fits)
     places = Places(fits)
     soaks = soaks_seen(fits, places)
-    builder = _Builder(columns_of, 3 * len(soaks))
+    builder = _Builder(columns_of, sum(len(blocks[0].alive) for _, blocks in soaks))
     if fits.accelerometer is not None:
         _dwells(builder, fits, places, fits.accelerometer, 0)
         if fits.accelerometer.rests is not None:
@@ -277,13 +277,18 @@ def _rests(builder: _Builder, fits: Fits, places: Places, joint: JointFit, found
 
 
 def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) -> None:
-    """Take in every block of each soak and triad, beside a constant of its own."""
-    for number, (triad, blocks) in enumerate(soaks):
+    """Take in every block of each soak and triad, beside a constant of its own for every sensor alive."""
+    own = 0
+    for triad, blocks in soaks:
+        alive = blocks[0].alive
+        mix = None if len(alive) == 3 else np.eye(3)[alive]
         for block in blocks:
             step, nodes = builder.nodes(block.part)
             size, which = nodes.stop - nodes.start, TRIADS.index(triad)
-            at = builder.add(block.residual, block.sigma, np.zeros((3, 1)), which, "soak", step, own=3 * number)
-            builder.weigh(nodes, np.full(size, 1 / size), at, which)
+            none = np.zeros((len(alive), 1))
+            at = builder.add(block.residual[alive], block.sigma[alive], none, which, "soak", step, own=own)
+            builder.weigh(nodes, np.full(size, 1 / size), at, which, mix)
+        own += len(alive)
 
 
 def _turns(builder: _Builder, places: Places, gyroscope: GyroscopeFit) -> None:

@@ -12,10 +12,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.calibration import Fits
 from procedures.campaign import RestRecord, SoakRecord
 from procedures.count_rate import LEAST_SAMPLES
+from procedures.dead_channels import dead_in_soak
 from procedures.diagnosis.nodes import Part, Places, attitude, on_face
 from procedures.effects.effect import SeenStep
 from procedures.observations import channel, rest_rates
@@ -29,11 +30,15 @@ LEAST_BLOCKS = 3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SoakBlock:
-    """A block's nodes, and its mean output less that of the whole soak (3,) with 1 sigma (3,) [g, deg/s]."""
+    """A block's nodes, and its mean output less that of the whole soak (3,) with 1 sigma (3,) [g, deg/s].
+
+    ``alive`` are the sensors that the soak shows; of the others residual and sigma say nothing.
+    """
 
     part: Part
     residual: FloatArray
     sigma: FloatArray
+    alive: IntArray
 
 
 def soaks_seen(fits: Fits, places: Places) -> list[tuple[str, list[SoakBlock]]]:
@@ -54,10 +59,13 @@ def _blocks(fits: Fits, places: Places, number: int, soak: SoakRecord, triad: st
     if joint is None or found is None:
         return
     series, rate, std = found
+    alive = np.flatnonzero([end is None for end in dead_in_soak(soak, triad)])
+    if not len(alive):
+        return
     k = np.linalg.norm(joint.K, axis=1)
     residual = (rate - np.average(rate, axis=0)) / k
     for part, left, sigma in zip(_parts(fits, places, number, soak, series), residual, std / k, strict=True):
-        yield SoakBlock(part, left, sigma)
+        yield SoakBlock(part, left, sigma, alive)
 
 
 def _joint(fits: Fits, triad: str) -> JointFit | None:
@@ -124,6 +132,8 @@ def _temperature(blocks: tuple[Series, ...]) -> tuple[FloatArray, FloatArray]:
 
 def _force(fits: Fits, soak: SoakRecord) -> FloatArray | None:
     """Return the specific force (3,) [g] as the accelerometers read it; None if they are not solved."""
+    if any(end is not None for end in dead_in_soak(soak, "accelerometer")):
+        return None
     found = _block_rates(soak, "accelerometer") if fits.accelerometer is not None else None
     if fits.accelerometer is None or found is None:
         return None

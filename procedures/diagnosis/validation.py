@@ -13,6 +13,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.calibration import fit_reduced, reduce_steps
 from procedures.campaign import Campaign
+from procedures.dead_channels import without_dead
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.errors_made import errors_made
 from procedures.diagnosis.evidence import Evidence, evidence_of
@@ -39,7 +40,8 @@ def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Error
     NotObservable
         If neither triad can be solved on these campaigns.
     """
-    steps = reduce_steps(preliminary([faces_as_positions(campaign) for campaign in campaigns]).campaigns)
+    alive, _ = without_dead(campaigns)
+    steps = reduce_steps(preliminary([faces_as_positions(campaign) for campaign in alive]).campaigns)
     base = fit_reduced(steps)
     evidence = evidence_of(base)
     carried = [

@@ -15,7 +15,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from station.campaign_folder.csv_header import Columns, read_header
 from station.campaign_folder.files import MAX_LINE
-from station.campaign_folder.table import EXACT, Table
+from station.campaign_folder.table import EXACT, OUTPUTS, Table
 from station.errors import DataRefused
 
 _BLOCK = 2**22
@@ -105,7 +105,8 @@ def _refuse_first_bad_cell(block: bytes, file: Path, line: int, cells: dict[str,
             raise DataRefused(file, line + offset, what, f"{len(cells)} cells: {','.join(cells)}")
         for cell, (name, wanted) in zip(found, cells.items(), strict=True):
             if not _CELL[wanted].fullmatch(cell):
-                raise DataRefused(file, line + offset, f"{show(cell)} in column {name}", wanted)
+                absent = "; 0 for a channel that the device does not have" if not cell and name in OUTPUTS else ""
+                raise DataRefused(file, line + offset, f"{show(cell)} in column {name}", f"{wanted}{absent}")
     raise AssertionError("the grammar of a row and of its cells disagree")
 
 

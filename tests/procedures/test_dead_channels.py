@@ -1,0 +1,168 @@
+"""Dead channels are named and left out wherever they are dead; a healthy one that counts slowly is not."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench import SimulatedBench, simulate_campaign
+from drivers.simulated.truth import Truth
+from procedures.calibration import solve
+from procedures.campaign import Campaign, SoakRecord
+from procedures.dead_channels import constant_end, stopped, without_dead
+from procedures.diagnosis.diagnosis import diagnose
+from procedures.records import CountSeries, RateSeries, Series
+from procedures.steps import Dwell
+
+TRUTH = replace(Truth.example(7), sample_period_s=0.05)
+FIELDS = {"gyroscope": "gyro", "accelerometer": "accel"}
+Kill = Callable[[str, Series], Series]
+
+
+@cache
+def recorded(counts: bool) -> Campaign:
+    """A whole campaign with a soak of seven blocks; counts, or rates with noise of many steps of a converter."""
+    plain = simulate_campaign(TRUTH, 7, dwell_s=10.0)
+    last = max(step.series.t[-1] for step in (*plain.dwells, *plain.turns))
+    series = SimulatedBench(TRUTH, 7).perform(Dwell(1, 650.0))
+    soak = replace(series, t=series.t - series.t[0] + last + 60.0)
+    campaign = replace(plain, soaks=(SoakRecord("soak", 1, None, soak),))
+    return campaign if counts else every_step(replace(campaign, counts=False), lambda _, s: as_rates(s))
+
+
+def as_rates(series: Series) -> RateSeries:
+    rng = np.random.default_rng(len(series))
+    gyro, accel = (
+        np.round((np.asarray(v) / 0.05 + rng.standard_normal(v.shape) * 30) * 4) / 4
+        for v in (series.gyro, series.accel)
+    )
+    return RateSeries(series.t, gyro, accel, series.temperature, series.period, series.starts)
+
+
+def every_step(campaign: Campaign, change: Kill) -> Campaign:
+    def changed(records):  # type: ignore[no-untyped-def]
+        return tuple(replace(each, series=change(each.name, each.series)) for each in records)
+
+    return replace(
+        campaign, dwells=changed(campaign.dwells), turns=changed(campaign.turns), soaks=changed(campaign.soaks)
+    )
+
+
+def dead(triad: str, axes: str, where: Callable[[str], bool], value: float = 0.0, share: float = 0.0) -> Kill:
+    """Return what makes channels constant in some steps, from a share of each on."""
+
+    def change(name: str, series: Series) -> Series:
+        if not where(name):
+            return series
+        samples = np.array(getattr(series, FIELDS[triad]))
+        begin = int(share * len(samples))
+        for axis in axes:
+            samples[begin:, "xyz".index(axis)] = value
+        return replace(series, **{FIELDS[triad]: samples})  # type: ignore[arg-type]
+
+    return change
+
+
+def everywhere(_: str) -> bool:
+    return True
+
+
+def late(name: str) -> bool:
+    """Name the steps of the second half: dwells 7 to 12, turns and the soak."""
+    return not name.startswith("dwell_0") or name >= "dwell_07"
+
+
+GYRO, ACCEL = "gyroscope", "accelerometer"
+CASES = {
+    "one axis": (
+        dead(GYRO, "yz", everywhere),
+        ("gyroscope y", "gyroscope z", "every step"),
+        "accelerometer",
+    ),
+    "one axis, not zero": (dead(GYRO, "yz", everywhere, 17.0), ("constant 17 in every",), ACCEL),
+    "an accelerometer": (dead(ACCEL, "y", everywhere), ("accelerometer y", "every step"), GYRO),
+    "a triad": (
+        dead(GYRO, "xyz", everywhere),
+        ("gyroscope x", "gyroscope y", "gyroscope z"),
+        "accelerometer",
+    ),
+    "two in a soak": (dead(GYRO, "yz", lambda n: n == "soak"), ("gyroscope y", "all of soak"), "both"),
+    "in a soak": (dead(GYRO, "y", lambda n: n == "soak", 0.0, 0.5), ("in soak from",), "both"),
+    "an accelerometer in a soak": (
+        dead(ACCEL, "x", lambda n: n == "soak"),
+        ("accelerometer x",),
+        "both",
+    ),
+    "later on": (dead(GYRO, "y", late), ("dwell_07", "more"), ACCEL),
+    "accelerometer later on": (dead(ACCEL, "y", late), ("dwell_07", "more"), GYRO),
+    "in a dwell": (dead(GYRO, "y", lambda n: n == "dwell_07"), ("all of dwell_07: the gyro",), "both"),
+    "inside a dwell": (
+        dead(ACCEL, "y", lambda n: n == "dwell_07", 0.0, 0.4),
+        ("dwell_07 from",),
+        "both",
+    ),
+    "a face's accelerometer": (
+        dead(ACCEL, "y", lambda n: n == "dwell_07"),
+        ("all of dwell_07",),
+        "both",
+    ),
+    "own turn": (dead(GYRO, "y", lambda n: n == "turn_y_plus"), ("all of turn_y_plus",), "both"),
+    "another turn": (dead(GYRO, "y", lambda n: n == "turn_x_plus"), ("all of turn_x_plus",), "both"),
+}
+
+
+@pytest.mark.parametrize("counts", [True, False], ids=["counts", "rates"])
+@pytest.mark.parametrize("case", CASES)
+def test_a_dead_channel_is_named_and_the_rest_is_solved_and_diagnosed(case: str, counts: bool) -> None:
+    kill, words, alive = CASES[case]
+    campaign = every_step(recorded(counts), kill)
+    solution = solve([campaign])
+    told = "\n".join(text for text in solution.warnings if "puts out a constant" in text)
+    assert all(word in told for word in words)
+    diagnosed = diagnose([campaign]).solution
+    assert [text for text in diagnosed.warnings if "puts out a constant" in text] == told.split("\n")
+    for triad, there in (("accelerometer", alive != "gyroscope"), ("gyroscope", alive != "accelerometer")):
+        for each in (solution, diagnosed):
+            found = getattr(each, triad)
+            assert (found is not None) == there
+            assert found is None or np.all(np.isfinite(found.bias.std))
+
+
+@pytest.mark.parametrize("case", ["in a dwell", "a face's accelerometer", "inside a dwell", "own turn"])
+def test_what_is_left_finds_the_truth(case: str) -> None:
+    found = solve([every_step(recorded(True), CASES[case][0])])
+    assert found.accelerometer is not None
+    assert found.gyroscope is not None
+    for triad, k in ((found.accelerometer, TRUTH.accel_k), (found.gyroscope, TRUTH.gyro_k)):
+        assert np.max(np.abs(triad.scale_factor.value - k) / triad.scale_factor.std) < 4
+
+
+@pytest.mark.parametrize("counts", [True, False], ids=["counts", "rates"])
+def test_a_healthy_unit_has_no_dead_channel(counts: bool) -> None:
+    assert without_dead([recorded(counts)])[1] == ()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_channel_of_a_count_in_minutes_is_slow_and_not_dead(seed: int) -> None:
+    slow = replace(TRUTH, gyro_k=TRUTH.gyro_k / 20000, gyro_d_deg_s=np.array([1e-4, 0.0, -2e-3]))
+    campaign = simulate_campaign(slow, seed, dwell_s=20.0)
+    assert any(not np.any(dwell.series.gyro[:, 1]) for dwell in campaign.dwells)  # no count in all of a dwell
+    assert without_dead([campaign])[1] == ()
+
+
+def test_rates_without_any_noise_are_not_dead() -> None:
+    means = every_step(
+        recorded(False), lambda _, s: replace(s, accel=np.tile(s.accel.mean(axis=0), (len(s), 1)))
+    )  # fmt: skip
+    assert not [text for text in without_dead([replace(means, soaks=())])[1] if "accelerometer" in text]
+
+
+def test_a_coarse_rate_output_that_holds_still_for_a_while_has_not_stopped() -> None:
+    values = np.concatenate((np.random.default_rng(1).integers(0, 2, 400) * 0.06, np.full(300, 0.06)))
+    end = constant_end(values)
+    assert end is not None
+    assert not stopped(values, end, counts=False)
+    assert stopped(np.concatenate((values[:400], np.zeros(300) - 1.0)), replace(end, begin=400, value=-1.0), False)
+    assert isinstance(recorded(True).dwells[0].series, CountSeries)
