@@ -120,7 +120,10 @@ def fit_reduced(steps: Reduced) -> Fits:
             missing = [
                 f"{LEAST_RESTS} rests that differ in attitude ({len(steps.others)} found), or all six faces"
             ]
-        raise NotObservable("the scale factor and bias of either triad", [*steps.left_out, *missing])
+        if steps.left_out:
+            dead = f"a channel that responds ({'; '.join(steps.left_out)})"
+            missing = [dead] if accel is None and gyro is None else [*missing, dead]
+        raise NotObservable("the scale factor and bias of either triad", missing)
     return Fits(
         campaigns, accel, gyro, accelerometer, gyroscope, steps.others, steps.segmented, moves, steps.left_out
     )  # fmt: skip

@@ -23,7 +23,7 @@ def test_a_label_a_knock_and_the_clock_are_put_right_together() -> None:
     assert got is not None
     assert expected is not None
     for mine, true in ((got.bias, expected.bias), (got.scale_factor, expected.scale_factor)):
-        assert np.all(np.abs(mine.value - true.value) < 4 * mine.std)
+        assert np.all(np.abs(mine.value - true.value) < 4 * np.hypot(mine.std, true.std))
 
 
 def test_a_clean_campaign_is_left_as_it_is() -> None:
