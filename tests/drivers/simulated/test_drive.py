@@ -26,7 +26,7 @@ def test_the_imu_dead_reckons_along_the_track() -> None:
     for dtheta, dv in zip(turned, gained, strict=True):
         step = rotation(dtheta - C.T @ earth_n)
         before, C = v, C @ step
-        v = v + C @ rotation(-dtheta / 2) @ dv - [0, 0, 9.80665 * period]
+        v = v + C @ rotation(-dtheta / 2) @ dv - [0, 0, imu.world.gravity * period]
         p = p + (before + v) / 2 * period
     assert np.linalg.norm(v - track.velocity(39.98)) < 0.01
     assert np.linalg.norm(p - track.position(39.98)) < 0.15  # of 170 m
