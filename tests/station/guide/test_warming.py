@@ -60,7 +60,7 @@ def test_moving_the_cube_meanwhile_does_no_harm(rig: Make) -> None:
     guided.run(lambda v: v.stage != "warm_up", seconds=200)
 
 
-@pytest.mark.parametrize("bias_ug", [1.0, 0.2])
+@pytest.mark.parametrize("bias_ug", [1.0, 0.1])
 def test_the_dwells_last_as_long_as_the_sigma_wanted_asks_for(rig: Make, bias_ug: float) -> None:
     guided = rig(dwells(1, 2), warms_up=True, bias_std=bias_ug * 1e-6)
     guided.run(lambda v: v.stage != "warm_up", seconds=200)
