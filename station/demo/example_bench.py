@@ -61,7 +61,7 @@ def add_example(session: Session, seed: int) -> ExampleBench:
     if session.get(SiteRow, made.site) is None:
         add_site(
             session, made.site, latitude_deg=truth.latitude_deg, longitude_deg=truth.longitude_deg,
-            height_m=truth.height_m, survey=Survey(truth.gravity_m_s2, GRAVITY_STD, SOURCE, now.date(), due),
+            height_m=truth.height_m, survey=Survey(truth.local_gravity, GRAVITY_STD, SOURCE, now.date(), due),
         )  # fmt: skip
     if not limits_of(session, truth.model):
         _, limits = limits_in(example_limits(truth.model).encode(), Path("the sample"))
