@@ -104,6 +104,8 @@ class Engine:
         except (CannotWrite, DatabaseError) as error:
             self._fail(error)
         except DriverError as error:  # what an answer brought to light: this is another unit
+            if not self._options.is_patient:
+                raise
             self._end("left", str(error), exit_code(error) or 0)
 
     def watched_by(self, operator: "Operator") -> None:
