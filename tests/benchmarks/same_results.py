@@ -2,8 +2,8 @@
 
 The first run keeps solutions, diagnoses, budgets, attitudes and trajectories in FOLDER/before: of the shared data
 and of ten simulated campaigns, which it writes into FOLDER/campaigns. Each later run makes them again in
-FOLDER/after and compares to the last digit; it prints what differs, by how much, and exits 1. What says when, where
-and by which software a result was made does not count, nor how long it took.
+FOLDER/after and compares to the last digit; it prints what differs, by how much, and exits 1. What says when,
+where and by which software a result was made does not count, nor how long it took.
 """
 
 import argparse

@@ -71,3 +71,23 @@ def test_factors_rise_to_a_quarter_and_too_few_samples_are_refused() -> None:
     assert averaging_factors(5000)[-1] <= 1250
     with pytest.raises(ValueError, match="8 samples"):
         overlapping_deviation(np.zeros(8), 1.0)
+
+
+def _exact_dof(increments_of_phase: FloatArray, m: int) -> float:
+    """Return 2 mean^2 / variance of the overlapping estimate for phase L w, w white: traces, no table."""
+    n = len(increments_of_phase)
+    second = np.zeros((n - 2 * m, n))
+    rows = np.arange(n - 2 * m)
+    second[rows, rows], second[rows, rows + m], second[rows, rows + 2 * m] = 1.0, -2.0, 1.0
+    covariance = second @ increments_of_phase @ increments_of_phase.T @ second.T
+    return float(np.trace(covariance) ** 2 / np.sum(covariance**2))
+
+
+@pytest.mark.parametrize("integrations", [0, 1, 2])  # white phase, white rate, random walk of the rate
+def test_degrees_of_freedom_are_those_of_the_quadratic_form(integrations: int) -> None:
+    n, factors = 200, np.array([1, 4, 20])
+    integral = np.linalg.matrix_power(np.tril(np.ones((n, n))), integrations)
+    rate = np.diff(integral @ np.random.default_rng(1).normal(size=n))
+    exact = [_exact_dof(integral, int(m)) for m in factors]
+    # table 5 of SP 1065 is a fit: here it is 4 % off the exact value at most
+    assert overlapping_deviation(rate, 1.0, factors).edf == pytest.approx(exact, rel=0.045)
