@@ -51,11 +51,6 @@ def sample_times(stamps: FloatArray, nominal: float) -> SampleTimes:
     return right if found.is_uneven else replace(found, period=right.period)
 
 
-def mean_period(stamps: FloatArray) -> float:
-    """Return the mean sample period [s] of stamps (n,), n > 1, of samples whose nominal period is not known."""
-    return _by_themselves(stamps).period
-
-
 def _by_themselves(stamps: FloatArray) -> SampleTimes:
     """Return the times with a period that comes out again where it is taken for the nominal."""
     found = _in_sequence(stamps, _pace(stamps))
