@@ -7,7 +7,7 @@ else says so:
 - the cube was turned about its own axis, or a sequence moved it, or its axis was up and down all alike;
 - a rate output with noise of several steps of its converter never holds still;
 - by the channel's other dwells and their attitudes it should have moved by more than `LEAST` counts;
-- or within the step itself: as often as it changed before, it would have changed `EXPECTED` times.
+- or it stopped within the step itself (`procedures.stopped_channels`).
 
 The whole triad is left out of such a step; of a soak the channel alone (`procedures.diagnosis.soaks`).
 """
@@ -19,52 +19,36 @@ from typing import TypeVar
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, SoakRecord, TurnRecord
+from procedures.campaign import (
+    Campaign,
+    DwellRecord,
+    RateTable,
+    RestRecord,
+    SequenceRecord,
+    SoakRecord,
+    TurnRecord,
+)
 from procedures.earth import earth_rate_n
 from procedures.frames import AXES, face_normal, face_of, nominal_C_lb
 from procedures.records import CountSeries, Series
+from procedures.stopped_channels import (
+    LEAST,
+    LEVELS,
+    TAIL,
+    Constant,
+    constant_end,
+    stopped,
+    stopped_in_sequence,
+    stopped_in_turn,
+)
 
 TRIADS = ("accelerometer", "gyroscope")
 FIELDS = {"accelerometer": "accel", "gyroscope": "gyro"}
-LEAST = 10.0  # counts, beyond six sigmas of what the other rests scatter
-EXPECTED = 30.0  # changes, where none came
-LEVELS = 5  # different values of a rate output from which on its noise is several steps of the converter
-TAIL = 8  # samples, below which an end without a change says nothing
 OWN = 0.5  # of a turn's axis along the sensor, or of an attitude beyond those of the other dwells
 FEWEST = 5  # other dwells that foretell one
 
 Record = DwellRecord | RestRecord | TurnRecord | SequenceRecord
 R = TypeVar("R", DwellRecord, RestRecord, TurnRecord, SequenceRecord)
-
-
-@dataclass(frozen=True, slots=True)
-class Constant:
-    """One value from a sample on to the end of a step: ``begin`` 0 is all of it."""
-
-    begin: int
-    value: float
-
-
-def constant_end(values: FloatArray) -> Constant | None:
-    """Return the stretch (n,) without a change at the end; None if it is shorter than `TAIL`."""
-    changes = np.flatnonzero(np.diff(values) != 0)
-    begin = int(changes[-1]) + 1 if len(changes) else 0
-    return Constant(begin, float(values[-1])) if len(values) - begin >= TAIL else None
-
-
-def stopped(values: FloatArray, found: Constant, counts: bool) -> bool:
-    """Say whether a channel at rest stopped within a step: what it did before cannot have gone on so."""
-    before = values[: found.begin]
-    tail = len(values) - found.begin
-    if found.begin < TAIL:
-        return False
-    often = np.count_nonzero(np.diff(before)) / (len(before) - 1)
-    if often * tail < EXPECTED:
-        return False
-    if counts:
-        return bool(abs(before.mean() - found.value) * tail > LEAST + 6 * np.sqrt(before.var() * tail))
-    is_outside = found.value < before.min() or found.value > before.max()
-    return is_outside or len(np.unique(before)) >= LEVELS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,17 +89,24 @@ class _Channel:
         if end is None:
             return False
         counts = isinstance(step.series, CountSeries)
+        if end.begin and isinstance(step, TurnRecord):
+            along = self._along(step) if self.triad == "gyroscope" else 0.0
+            return stopped_in_turn(step, self.values[i], end, abs(along) > OWN)
+        if end.begin and isinstance(step, SequenceRecord):
+            return stopped_in_sequence(step, self.values[i], end)
         if end.begin:
-            return not isinstance(step, TurnRecord | SequenceRecord) and stopped(self.values[i], end, counts)
+            return stopped(self.values[i], end, counts)
         if isinstance(step, TurnRecord):
-            along = self.campaign.fixture.C_ib[self.axis] @ face_normal(face_of(step.start_position))
             if self.triad == "gyroscope":
-                return bool(abs(along) > OWN or self._should_swing(len(self.values[i])))
+                return bool(abs(self._along(step)) > OWN or self._should_swing(len(self.values[i])))
         if isinstance(step, SequenceRecord):
             return True
         if not counts and self._levels() >= LEVELS:
             return True
         return self._is_off(i, end.value) if isinstance(step, DwellRecord) else False
+
+    def _along(self, turn: TurnRecord) -> float:
+        return float(self.campaign.fixture.C_ib[self.axis] @ face_normal(face_of(turn.start_position)))
 
     def _levels(self) -> int:
         return max((len(np.unique(v)) for i, v in enumerate(self.values) if not self.is_constant(i)), default=0)
@@ -175,8 +166,12 @@ def without_dead(campaigns: Sequence[Campaign]) -> tuple[tuple[Campaign, ...], t
             gone = {id(steps[i]) for numbers in dead.values() for i in numbers}
             if gone:
                 campaign = _without(campaign, triad, gone)
-        kept.append(campaign)
-        said += [text for soak in campaign.soaks for text in _of_soak(soak)]
+        tables, in_tables = _tables(campaign)
+        kept.append(replace(campaign, rate_tables=tables) if in_tables else campaign)
+        said += in_tables
+        in_soaks = [text for soak in campaign.soaks for text in _of_soak(soak)]
+        everywhere = [text.split(" in every step")[0] for text in said if " in every step" in text]
+        said += [text for text in in_soaks if not any(text.startswith(f"{each} in all") for each in everywhere)]
     return tuple(kept), tuple(said)
 
 
@@ -216,7 +211,7 @@ def _sentence(channel: _Channel, dead: Sequence[int]) -> str:
     ends = [end for i in dead if (end := channel.ends[i]) is not None]
     value = f"{ends[0].value:.6g}"
     triad = f"{channel.triad}s"
-    if len(dead) == len(channel.steps):
+    if len(dead) == len(channel.steps) and all(end.begin == 0 for end in ends):
         return f"{channel.name} puts out a constant {value} in every step: the {triad} are left out"
     names = [_where(channel.steps[i], channel.ends[i]) for i in dead]
     said = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
@@ -236,6 +231,22 @@ def _of_soak(soak: SoakRecord) -> list[str]:
         for axis, end in zip(AXES, dead_in_soak(soak, triad), strict=True)
         if end is not None
     ]
+
+
+def _tables(campaign: Campaign) -> tuple[tuple[RateTable, ...], list[str]]:
+    """Return the rate tables without the gyroscopes that put out a constant while turned about their own axis."""
+    kept, said = list[RateTable](), list[str]()
+    for table in campaign.rate_tables:
+        along = np.abs(campaign.fixture.C_ib[:, AXES.index(table.axis)]) > OWN
+        output = np.array(table.output)
+        for axis in np.flatnonzero(along & (np.ptp(np.abs(table.reference)) > 0)):
+            read = output[np.isfinite(output[:, axis]), axis]
+            if len(read) >= TAIL and np.ptp(read) == 0:
+                name, value = f"gyroscope {AXES[axis]}", f"{read[0]:.6g}"
+                said.append(f"{name} puts out a constant {value} in all of {table.name}: left out")
+                output[:, axis] = np.nan
+        kept.append(replace(table, output=output))
+    return tuple(kept), said
 
 
 def _bare(series: Series, triad: str) -> Series:

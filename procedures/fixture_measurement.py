@@ -22,6 +22,7 @@ from scipy import stats
 from procedures.arrays import FloatArray
 from procedures.bench_model import FACE_RANGE, SLAB_RANGE, Bench, Placement
 from procedures.campaign import Campaign, MeasuredCube
+from procedures.dead_channels import without_dead
 from procedures.earth import STANDARD_GRAVITY
 from procedures.errors import NotObservable
 from procedures.face_check import refuse_wrong_faces
@@ -52,11 +53,20 @@ def measure_cube(campaigns: Sequence[Campaign], quadratic_std: float = QUADRATIC
     WrongFace, FitsNoFace, WrongMounting
         If they contradict a dwell's position, or the way the IMU sits in the cube.
     """
+    campaigns, left_out = without_dead(campaigns)
+    dead = [text for text in left_out if text.startswith("accelerometer")]
+    try:
+        return _measured(campaigns, quadratic_std, dead)
+    except NotObservable as error:
+        raise NotObservable(error.what, [*error.missing, *dead]) from None
+
+
+def _measured(campaigns: Sequence[Campaign], quadratic_std: float, dead: Sequence[str]) -> CubeMeasurement:
     by_unit: dict[str, list[Campaign]] = {}
     for campaign in campaigns:
         by_unit.setdefault(f"{campaign.model} {campaign.serial}", []).append(campaign)
     units = {name: _Unit(tuple(each)) for name, each in by_unit.items()}
-    warnings, roots = list[str](), list[tuple[FloatArray, FloatArray]]()
+    warnings, roots = list(dead), list[tuple[FloatArray, FloatArray]]()
     for name, unit in units.items():
         fit, p_value, factor = unit.solve(quadratic_std)
         roots.append(unit.root(fit, quadratic_std))

@@ -13,17 +13,20 @@ from typing import BinaryIO
 import numpy as np
 
 from procedures.arrays import FloatArray
-from station.campaign_folder.csv_header import Columns, read_header
+from station.campaign_folder.csv_header import Columns, TableKind, read_header
 from station.campaign_folder.files import MAX_LINE
-from station.campaign_folder.table import EXACT, OUTPUTS, Table
+from station.campaign_folder.table import EXACT, OUTPUTS, TRIADS, Table
 from station.errors import DataRefused
 
 _BLOCK = 2**22
 _REAL = rb"[+-]?+(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+"
+NOTHING = "nothing, as in the first row"
+_ABSENT = "; 0, or nothing in every row, for a channel that the device does not have"
 _CELL = {  # what a cell may hold, as a pattern
     "an integer": re.compile(rb"[+-]?+[0-9]++"),
     "a number": re.compile(_REAL),
     "a number or nothing": re.compile(rb"(?:" + _REAL + rb")?+"),
+    NOTHING: re.compile(rb""),
 }
 
 
@@ -50,6 +53,8 @@ def read_csv(stream: BinaryIO, file: Path, kind: Columns) -> Table:
     first = next(lines, b"")
     header, _, block = first.partition(b"\n")
     cells = read_header(header, file, kind)
+    if isinstance(kind, TableKind):
+        cells = _with_absent(cells, block.partition(b"\n")[0])
     row = re.compile(b"(?:" + b",".join(_CELL[c].pattern for c in cells.values()) + rb"\r?+\n)*+")
     numbers = _Numbers()
     parts = [_rows(block, file, 2, cells, row, numbers)]
@@ -62,7 +67,34 @@ def read_csv(stream: BinaryIO, file: Path, kind: Columns) -> Table:
         raise DataRefused(file, 2, "no row", "at least one row after the header")
     _check_range(values, file, cells)
     columns = {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(cells)}
+    if NOTHING in cells.values():
+        columns = _without_absent(columns, cells, file)
     return Table(str(file), columns, 2, digest.hexdigest())
+
+
+def _with_absent(cells: dict[str, str], row: bytes) -> dict[str, str]:
+    """Return what the cells hold, given the first row: an output that is empty there is empty in every row."""
+    first = row.removesuffix(b"\r").split(b",")
+    if len(first) != len(cells):
+        return cells
+    pairs = zip(cells.items(), first, strict=True)
+    return {name: NOTHING if name in OUTPUTS and not cell else wanted for (name, wanted), cell in pairs}
+
+
+def _without_absent(columns: dict[str, FloatArray], cells: dict[str, str], file: Path) -> dict[str, FloatArray]:
+    """Return the columns without empty ones; of a triad that has another channel, 0 stands for an empty one."""
+    absent = {name for name, wanted in cells.items() if wanted == NOTHING}
+    there = {triad for triad in TRIADS for name in TRIADS[triad] if name in columns and name not in absent}
+    if not there:
+        raise DataRefused(file, 2, "every output empty", "counts or rates of one channel at least")
+    if "t_s" not in columns:  # a rate table names the outputs that it has
+        return {name: column for name, column in columns.items() if name not in absent}
+    lost = {name for triad in TRIADS if triad not in there for name in TRIADS[triad]}
+    return {
+        name: np.zeros(len(column)) if name in absent else column
+        for name, column in columns.items()
+        if name not in lost
+    }
 
 
 def _whole_lines(stream: BinaryIO, file: Path, digest: "hashlib._Hash") -> Iterator[bytes]:
@@ -105,7 +137,7 @@ def _refuse_first_bad_cell(block: bytes, file: Path, line: int, cells: dict[str,
             raise DataRefused(file, line + offset, what, f"{len(cells)} cells: {','.join(cells)}")
         for cell, (name, wanted) in zip(found, cells.items(), strict=True):
             if not _CELL[wanted].fullmatch(cell):
-                absent = "; 0 for a channel that the device does not have" if not cell and name in OUTPUTS else ""
+                absent = _ABSENT if not cell and name in OUTPUTS else ""
                 raise DataRefused(file, line + offset, f"{show(cell)} in column {name}", f"{wanted}{absent}")
     raise AssertionError("the grammar of a row and of its cells disagree")
 

@@ -78,7 +78,9 @@ def unit_of_solution(path: Path, K2: float) -> Unit:
         part = json.loads(content)["accelerometer"]
         E, D = np.array(part["misalignment"]["value"], float), np.array(part["bias"]["value"], float)
     except (ValueError, KeyError, TypeError) as error:
-        raise DataRefused(path, None, f"{error!r}", "a solution/1 with accelerometers") from None
+        is_other = error.args == ("accelerometer",)
+        found = "a solution without accelerometers (its warnings say why)" if is_other else repr(error)
+        raise DataRefused(path, None, found, "a solution/1 with accelerometers", "name another") from None
     if E.shape != (3, 3) or D.shape != (3,):
         raise DataRefused(path, None, f"shapes {E.shape}, {D.shape}", "E (3, 3) and D (3,)")
     return Unit(_rows(E), D, np.full(3, K2))

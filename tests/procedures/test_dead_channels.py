@@ -10,11 +10,12 @@ import pytest
 from drivers.simulated.bench import SimulatedBench, simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.calibration import solve
-from procedures.campaign import Campaign, SoakRecord
-from procedures.dead_channels import constant_end, stopped, without_dead
+from procedures.campaign import Campaign, RateTable, SequenceRecord, SoakRecord
+from procedures.dead_channels import without_dead
 from procedures.diagnosis.diagnosis import diagnose
 from procedures.records import CountSeries, RateSeries, Series
 from procedures.steps import Dwell
+from procedures.stopped_channels import constant_end, stopped
 
 TRUTH = replace(Truth.example(7), sample_period_s=0.05)
 FIELDS = {"gyroscope": "gyro", "accelerometer": "accel"}
@@ -108,6 +109,26 @@ CASES = {
         ("all of dwell_07",),
         "both",
     ),
+    "inside its own turn": (
+        dead(GYRO, "x", lambda n: n == "turn_x_plus", 0.0, 0.5),
+        ("gyroscope x", "turn_x_plus from 727 s on"),
+        "both",
+    ),
+    "inside its own turn, held": (
+        dead(GYRO, "x", lambda n: n == "turn_x_plus", 65000.0, 0.5),
+        ("gyroscope x", "turn_x_plus from 727 s on"),
+        "both",
+    ),
+    "inside both own turns": (
+        dead(GYRO, "x", lambda n: n.startswith("turn_x"), 0.0, 0.5),
+        ("turn_x_plus from 727 s on, turn_x_minus from",),
+        ACCEL,
+    ),
+    "inside another turn": (
+        dead(GYRO, "y", lambda n: n == "turn_x_plus", 0.0, 0.5),
+        ("gyroscope y", "turn_x_plus from 727 s on"),
+        "both",
+    ),
     "own turn": (dead(GYRO, "y", lambda n: n == "turn_y_plus"), ("all of turn_y_plus",), "both"),
     "another turn": (dead(GYRO, "y", lambda n: n == "turn_x_plus"), ("all of turn_x_plus",), "both"),
 }
@@ -130,13 +151,52 @@ def test_a_dead_channel_is_named_and_the_rest_is_solved_and_diagnosed(case: str,
             assert found is None or np.all(np.isfinite(found.bias.std))
 
 
-@pytest.mark.parametrize("case", ["in a dwell", "a face's accelerometer", "inside a dwell", "own turn"])
+@pytest.mark.parametrize(
+    "case", ["in a dwell", "a face's accelerometer", "inside a dwell", "own turn", "inside another turn"]
+)
 def test_what_is_left_finds_the_truth(case: str) -> None:
     found = solve([every_step(recorded(True), CASES[case][0])])
     assert found.accelerometer is not None
     assert found.gyroscope is not None
     for triad, k in ((found.accelerometer, TRUTH.accel_k), (found.gyroscope, TRUTH.gyro_k)):
         assert np.max(np.abs(triad.scale_factor.value - k) / triad.scale_factor.std) < 4
+
+
+def one_recording(campaign: Campaign) -> Campaign:
+    """Return a campaign whose dwells and turns are one unsegmented recording."""
+    steps = sorted((*campaign.dwells, *campaign.turns), key=lambda step: float(step.series.t[0]))
+    first = steps[0].series
+    gyro, accel = (
+        np.concatenate([np.asarray(getattr(step.series, name)) for step in steps]) for name in FIELDS.values()
+    )
+    n = len(gyro)
+    whole = replace(
+        first, t=first.period * np.arange(1.0, n + 1), gyro=gyro, accel=accel, temperature=np.full(n, 23.0),
+        extra={},
+    )  # fmt: skip
+    return replace(campaign, dwells=(), turns=(), soaks=(), sequences=(SequenceRecord("walk", whole),))
+
+
+@pytest.mark.parametrize("counts", [True, False], ids=["counts", "rates"])
+def test_a_channel_that_stops_in_a_sequence_is_named_with_its_time(counts: bool) -> None:
+    whole = one_recording(recorded(counts))
+    assert without_dead([whole])[1] == ()
+    [record] = whole.sequences
+    stopped_y = dead(GYRO, "y", everywhere, 0.0, 0.5)(record.name, record.series)
+    [kept], [said] = without_dead([replace(whole, sequences=(replace(record, series=stopped_y),))])
+    assert "gyroscope y puts out a constant 0 in walk from" in said
+    assert kept.sequences[0].series.gyro is None
+    assert kept.sequences[0].series.accel is not None
+
+
+def test_a_rate_tables_dead_gyroscope_is_left_out() -> None:
+    rate = np.repeat([-20.0, 0.0, 20.0], 30)
+    output = np.column_stack((rate * 10 + np.arange(90) % 3, np.zeros(90), np.zeros(90)))
+    tables = tuple(RateTable(f"table_{axis}", axis, rate, output, np.full(90, 23.0)) for axis in "xy")
+    [kept], said = without_dead([replace(recorded(False), rate_tables=tables)])
+    assert said == ("gyroscope y puts out a constant 0 in all of table_y: left out",)
+    assert np.all(np.isfinite(kept.rate_tables[0].output))
+    assert np.all(np.isnan(kept.rate_tables[1].output[:, 1]))
 
 
 @pytest.mark.parametrize("counts", [True, False], ids=["counts", "rates"])

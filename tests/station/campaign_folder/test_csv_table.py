@@ -37,11 +37,26 @@ def test_arbitrary_bytes_are_refused(content: bytes) -> None:
 def test_arbitrary_rows_are_refused_or_mean_what_python_reads(rows: list[str]) -> None:
     content = "t_s,gx,gy,gz\n" + "".join(f"{i},1,{row},3\n" for i, row in enumerate(rows))
     legal = all(INTEGER.fullmatch(row) and abs(int(row)) < 2**53 for row in rows)
-    if not legal:
+    if not any(rows):  # a channel that the device does not have
+        assert not read(content.encode()).columns["gy"].any()
+    elif not legal:
         with pytest.raises(DataRefused):
             read(content.encode())
     else:
         assert read(content.encode()).columns["gy"].tolist() == [int(row) for row in rows]
+
+
+def test_a_column_empty_in_every_row_is_a_channel_that_is_not_there() -> None:
+    table = read(b"t_s,gx,gy,gz,ax,ay,az\n0,1,,,,,\n1,2,,,,,\n")
+    assert {name: column.tolist() for name, column in table.columns.items()} == {
+        "t_s": [0, 1], "gx": [1, 2], "gy": [0, 0], "gz": [0, 0],
+    }  # fmt: skip
+    with pytest.raises(DataRefused, match="'5' in column gy, expected nothing, as in the first row"):
+        read(b"t_s,gx,gy,gz\n0,1,,3\n1,2,5,3\n")
+    with pytest.raises(DataRefused, match="or nothing in every row"):
+        read(b"t_s,gx,gy,gz\n0,1,4,3\n1,2,,3\n")
+    with pytest.raises(DataRefused, match="every output empty"):
+        read(b"t_s,gx,gy,gz\n0,,,\n")
 
 
 @given(st.from_regex(NUMBER, fullmatch=True))
