@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from fixtures_db.limits import Limit, limits_of, set_limits
 from station import cli
@@ -68,7 +69,9 @@ def test_the_bench_of_a_simulated_unit_is_added_once_and_limits_of_the_user_s_ow
         set_limits(session, "SIM-FOG3", [own])
     for _ in range(2):
         assert cli.run(["fixtures", "example", "7", *db]) == 0
-        assert "--cube SIM-CUBE-7 --slab SIM-SLAB-7 --latitude 31.17" in capsys.readouterr().out
+        said = capsys.readouterr().out
+        assert "--cube SIM-CUBE-7 --slab SIM-SLAB-7 --latitude 31.17" in said
+        assert f"--gravity {Truth.example(7).local_gravity:.9g} --gravity-std 1e-05" in said
     assert cli.run(["fixtures", "show", "cube", "SIM-CUBE-7", *db]) == 0
     assert "simulated: nobody measured it" in capsys.readouterr().out
     assert cli.run(["verify", *db]) == 0

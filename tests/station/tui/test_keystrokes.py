@@ -25,7 +25,7 @@ async def test_a_calibration_from_the_filled_form_to_the_stored_pass_takes_the_k
     with SimulatedDevice(bench.truth, SEED, speed=SPEED) as device:
         setup = Setup(
             url=device.url, cube=bench.cube, slab=bench.slab, operator="M. Huber", dwell_s=10.0, revolutions=1,
-            latitude_deg=bench.truth.latitude_deg, gravity_m_s2=bench.truth.gravity_m_s2,
+            latitude_deg=bench.truth.latitude_deg, gravity_m_s2=bench.truth.local_gravity,
             gravity_std_m_s2=GRAVITY_STD, folder=str(tmp_path / "c"),
             heading_std_deg=bench.truth.heading_std_deg, closure_std_deg=bench.truth.closure_std_deg,
         )  # fmt: skip
