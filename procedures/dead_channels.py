@@ -209,7 +209,7 @@ def _channels(campaign: Campaign, triad: str) -> list[_Channel]:
 
 def _sentence(channel: _Channel, dead: Sequence[int]) -> str:
     ends = [end for i in dead if (end := channel.ends[i]) is not None]
-    value = f"{ends[0].value:.6g}"
+    value = f"{ends[0].value + 0.0:.6g}"
     triad = f"{channel.triad}s"
     if len(dead) == len(channel.steps) and all(end.begin == 0 for end in ends):
         return f"{channel.name} puts out a constant {value} in every step: the {triad} are left out"
@@ -226,7 +226,7 @@ def _where(step: Record | SoakRecord, end: Constant | None) -> str:
 
 def _of_soak(soak: SoakRecord) -> list[str]:
     return [
-        f"{triad} {axis} puts out a constant {end.value:.6g} in {_where(soak, end)}: left out"
+        f"{triad} {axis} puts out a constant {end.value + 0.0:.6g} in {_where(soak, end)}: left out"
         for triad in TRIADS
         for axis, end in zip(AXES, dead_in_soak(soak, triad), strict=True)
         if end is not None

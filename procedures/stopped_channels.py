@@ -53,12 +53,12 @@ def stopped(values: FloatArray, found: Constant, counts: bool) -> bool:
         return False
     if counts:
         drift = abs(before.mean() - found.value) * tail > LEAST + 6 * np.sqrt(before.var() * tail)
-        return bool(drift or _walk(before) * tail > WALKED)
+        return bool(drift or walk(before) * tail > WALKED)
     is_outside = found.value < before.min() or found.value > before.max()
     return is_outside or len(np.unique(before)) >= LEVELS
 
 
-def _walk(before: FloatArray) -> float:
+def walk(before: FloatArray) -> float:
     """Return by how many counts^2 a sample the sum of counts walks at random, flicker at an edge not counted."""
     sums = np.array([part.sum() for part in np.array_split(before, BLOCKS)])
     return max(float(sums.var(ddof=1)) - 1.0, 0.0) * BLOCKS / len(before)

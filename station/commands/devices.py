@@ -101,6 +101,7 @@ def _closely(url: str, seconds: float) -> None:
         for line in look_at_camera(url, seconds).lines():
             typer.echo(line)
         return
+    from drivers.wire import ALL_CHANNELS
     from station.plural import plural
     from station.reader.look import look
 
@@ -110,6 +111,10 @@ def _closely(url: str, seconds: float) -> None:
     typer.echo(f"received  {seen.frames / seen.seconds:.1f} frames/s, {seen.bytes / seen.seconds:.0f} bytes/s")
     if seen.rate_hz is not None:
         typer.echo(f"rate      {seen.rate_hz:.6g} Hz by the device's own time")
+    if lacking := sorted(ALL_CHANNELS - seen.channels):
+        typer.echo(f"measures  {', '.join(sorted(seen.channels))}; not {', '.join(lacking)}")
+    if seen.silent:
+        typer.echo(f"warning   {seen.silent}")
     if pace := _pace(url, seen.frames / seen.seconds, seen.rate_hz):
         typer.echo(f"warning   {pace}")
     counters = seen.counters

@@ -46,6 +46,7 @@ def diagnose(
     """
     from procedures.errors import NotObservable
     from station.campaign_folder import check_one_unit, read_campaign
+    from station.diagnosis.channels import channel_lines, channels_of
     from station.diagnosis.partial import partial_document
 
     loaded, others = ([read_campaign(folder) for folder in folders] for folders in (campaigns, validate or []))
@@ -58,7 +59,11 @@ def diagnose(
     try:
         found = find([one.campaign for one in loaded])
     except NotObservable as error:
-        if not partial or (part := partial_document(loaded, error)) is None:
+        if not partial:
+            for line in channel_lines(channels_of(loaded, ())):
+                typer.echo(line)
+            raise
+        if (part := partial_document(loaded, error)) is None:
             raise
         _hand_out(part, loaded, None, json, html, plan)
     else:

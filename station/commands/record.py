@@ -96,7 +96,7 @@ def record(
         line, sky, sight = (Told(name, lambda text: typer.echo(text, err=True)) for name in names)
 
         def look() -> None:
-            line.look(feed.amiss or ("" if receiver else said_of(rate)))
+            line.look(feed.amiss or feed.silent or ("" if receiver else said_of(rate)))
             if receiver is not None and timed is not None:
                 sky.look(receiver.trouble or timed.said)
             if view is not None:

@@ -11,6 +11,7 @@ from procedures.diagnosis.result import Diagnosis, Errors, Finding, TableSensor,
 from procedures.effects.effect import REFERENCE_C
 from procedures.solution import Solution
 from station.campaign_folder import LoadedCampaign
+from station.diagnosis.channels import channels_of
 from station.solution_json import solution_document
 from station.solution_parameters import parameters
 
@@ -35,6 +36,7 @@ def diagnosis_document(
     errors = [error_document(each, LEFT_OUT) for each in diagnosis.errors]
     for folder, found in (validated or {}).items():
         errors += [error_document(each, f"validation: {folder}") for each in found]
+    channels = channels_of(campaigns, [triad for triad in ("accelerometer", "gyroscope") if triad in before])
     return {
         "format": FORMAT,
         "verdict": diagnosis.verdict,
@@ -45,6 +47,7 @@ def diagnosis_document(
         "solution": after,
         "tried": [tried_document(each) for each in diagnosis.tried],
         "next_measurement": diagnosis.next_measurement,
+        **({"channels": channels} if channels else {}),
     }
 
 

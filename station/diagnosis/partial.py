@@ -16,6 +16,7 @@ from procedures.errors import NotObservable
 from procedures.frames import AXES, cross_axes, face_normal, face_of
 from procedures.records import CountSeries, Series
 from station.campaign_folder import LoadedCampaign
+from station.diagnosis.channels import channels_of
 from station.diagnosis.document import FORMAT
 from station.solution_json import provenance
 
@@ -27,7 +28,8 @@ MOST = 0.5  # rad: beyond, the vertical is not where the face says
 def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable) -> dict[str, Any] | None:
     """Return what can be said as `diagnosis/1`, None if nothing can; ``missing`` tells what stays open."""
     tilts = [found for loaded in campaigns for found in levelling(loaded.campaign)]
-    if not tilts:
+    channels = channels_of(campaigns, ())
+    if not tilts and not channels:
         return None
     warnings = list(dict.fromkeys(w for loaded in campaigns for w in loaded.warnings))
     open_ = [f"{triad}.{part}" for triad in ("accelerometer", "gyroscope")
@@ -43,6 +45,7 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
                      "provenance": provenance(campaigns)},
         "tried": [],
         "next_measurement": needed,
+        **({"channels": channels} if channels else {}),
     }  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 from typing import Any
 
+from station.diagnosis.channels import channel_lines
 from station.diagnosis.units import shown_unit
 from station.diagnosis.wording import (
     P_OF,
@@ -40,6 +41,8 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
     ):
         if part:
             lines += ["", title, *part]
+    if channels := document.get("channels"):
+        lines += ["", *channel_lines(channels)]
     if document["next_measurement"]:
         lines += ["", *_fold(f"measure next: {document['next_measurement']}", ""), _PLAN]
     if warnings := warnings_of(document.get("solution", {})):

@@ -203,7 +203,7 @@ class Guide:
             bad_frames=counters.bad_crc + counters.bad_length, lost=stream.lost,
             gaps=stream.breaks + stream.restarts, temperature_c=feed.temperature_c,
             is_live=not self.trouble, word=self._troubled.word if self.trouble else "",
-            text=self.trouble or feed.trouble,
+            text=self.trouble or feed.trouble or feed.silent,
         )  # fmt: skip
 
     def _choose(self, command: Command) -> None:

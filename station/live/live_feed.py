@@ -13,6 +13,7 @@ from drivers.framing import seen_instead, sniff
 from drivers.wire import FORMATS, WireFormat
 from station.errors import DataRefused
 from station.live.power import PowerWatch
+from station.live.silent_channels import SilentChannels
 from station.live.stillness import TICKS, Block, block_of
 from station.live.trouble import Trouble
 from station.reader import Chunk, GapMark
@@ -65,6 +66,7 @@ class LiveFeed:
         self.address = source.address
         self.unit: Unit | None = None
         self.stream, self.tape, self._power = SampleStream(wire), Tape(), PowerWatch(wire)
+        self._channels = SilentChannels()
         self._recent = b""
         self._silent_s = self._frameless_s = 0.0
         self._wrong: WrongFormat | None = None  # found so ...
@@ -116,6 +118,12 @@ class LiveFeed:
         if not self._lost:
             return self.trouble
         return f"{self.address.name} was lost ({self._lost}); it is tried again and again: check cable and power"
+
+    @property
+    def silent(self) -> str:
+        """Which channels have put out one value for a while, and what to do; empty where all change."""
+        period = self.unit.period if self.unit else self.stream.period
+        return self._channels.text(period, self.stream.decoder.kind.channels) if period else ""
 
     @property
     def temperature_c(self) -> float | None:
@@ -229,6 +237,7 @@ class LiveFeed:
 
     def _take(self, chunk: Chunk) -> None:
         self._pieces.append(piece := self.stream.take(chunk))
+        self._channels.take(piece.block)
         self._power.take(piece, self.stream.period, has_time=self.stream.decoder.kind.has_time)
         if len(piece.block):
             self.stamp = chunk.host_ns, float(piece.block.device_time[-1])

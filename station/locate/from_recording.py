@@ -16,6 +16,7 @@ from station.errors import DataRefused
 from station.fusion_folder.writing import Recorded, Seen, write_fusion
 from station.gnss.fix_times import FixTimes
 from station.live.live_feed import LiveFeed, open_feed
+from station.live.silent_channels import refuse_partial
 from station.locate.imu_noise import LEAST_S, Rest, densities, longest_rest
 from station.mcap_files.fix_reader import Record
 from station.monitor.calibration import UNKNOWN, Applied, find_calibration
@@ -45,11 +46,13 @@ def fusion_from_recording(url: str, folder: Path, asked: Asked) -> list[str]:
     Raises
     ------
     DataRefused
-        If there is no receiver's file beside it, no fix with a place in it, or neither calibration nor scale.
+        If the device does not measure six channels, there is no receiver's file beside it, no fix with a place in
+        it, or neither calibration nor scale.
     CannotWrite
         If the folder cannot be written.
     """
     feed, applied = _read(url, asked)
+    refuse_partial(feed.address.path, feed.stream.decoder.kind)
     file = Path(feed.address.path)
     times, imu, sensors = FixTimes(), *_calibrated(feed, applied)
     for host_ns, sample in feed.tape.marks(feed.tape.begin, feed.tape.end):
@@ -64,7 +67,8 @@ def fusion_from_recording(url: str, folder: Path, asked: Asked) -> list[str]:
     seen = recorded_tracks(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
     folder.mkdir(parents=True, exist_ok=True)
     write_fusion(folder, Recorded(origin, gravity, imu, noise, fixes, std, asked.lever_arm, seen))
-    return _said(folder, imu, fixes, rest, applied, seen)
+    silent = [f"warning: {feed.silent}"] if feed.silent else []
+    return [*silent, *_said(folder, imu, fixes, rest, applied, seen)]
 
 
 def _device_s(feed: LiveFeed, sample: int) -> float:

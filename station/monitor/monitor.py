@@ -64,6 +64,7 @@ class Monitor:
         self._speed: float | None = None
         self._held_since: float | None = None
         self._moments = Moments()
+        self._silent = ""  # channels that do not change, in words
         self._heard: dict[str, str] = {}  # by stream, the words of its trouble
         unit = feed.unit
         self.view = View(
@@ -253,7 +254,11 @@ class Monitor:
             self._say("rejected", "alarm", f"ALARM {text}")
         for text in ended:
             self._say("", "alarm over", text)
-        self._change(alarms=tuple(self._watch.on.values()))
+        silent = self._feed.silent
+        if words_of(silent) != words_of(self._silent):
+            self._say("rejected" if silent else "accepted", "channel", silent or "all channels change again")
+        self._silent = silent
+        self._change(alarms=(*self._watch.on.values(), *([silent] if silent else [])))
 
     def _is_well(self, trouble: str) -> None:
         if trouble != self._health.trouble:

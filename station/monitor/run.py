@@ -24,6 +24,7 @@ from station.camera.recorded import RecordedCamera
 from station.errors import DataRefused
 from station.guide.folder import new_folder
 from station.live.live_feed import LiveFeed, Source, open_feed
+from station.live.silent_channels import refuse_partial
 from station.monitor.alarms import Alarm
 from station.monitor.calibration import UNKNOWN, Applied, find_calibration
 from station.monitor.lines import PlainMonitor, json_line, listen
@@ -103,6 +104,7 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
             revive.feed = feed
         unknown = UNKNOWN if feed.wire.identity is None else None
         unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
+        refuse_partial(feed.address.name, feed.stream.decoder.kind)
         applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
         aid, aid_name = _aid(wanted, source, folder, stack)
         camera = None if described is None else _camera(described, source, folder, stack)

@@ -11,6 +11,7 @@ from drivers.framing import Decoder, FrameCounters, seen_instead, sniff
 from drivers.ports import Port, open_port, parse_device_url
 from drivers.wire import FORMATS, WireFormat
 from procedures.records import SampleBlock
+from station.live.silent_channels import SilentChannels
 
 READ_BYTES = 65536
 
@@ -32,6 +33,13 @@ class Seen:
     counters: FrameCounters
     samples: SampleBlock
     channels: frozenset[str]
+
+    @property
+    def silent(self) -> str:
+        """Which measured channels put out one value all the while though they could not, and what to do."""
+        watch, period = SilentChannels(), 1 / self.rate_hz if self.rate_hz else self.seconds / self.frames
+        watch.take(self.samples)
+        return watch.text(period, self.channels, self.frames * period)
 
 
 def look(url: str, seconds: float) -> Seen:

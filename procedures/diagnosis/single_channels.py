@@ -1,0 +1,150 @@
+"""What a live channel of a triad that is not solved shows by itself: noise, drift, temperature.
+
+The longest recording at rest is taken. Noise is read off its Allan deviation (`procedures.allan`); drift and
+temperature coefficient are lines through means of blocks, with a sigma for errors that hang together
+(`procedures.correlated_line`). Both are fitted alone: where the temperature went with time, one may be the other.
+A gyroscope's scale factor along its own axis comes from its turns, ``total = s angle + b T``: the Earth's rate and
+the bias go with the time, and in s is the cosine of its misalignment, 1e-6 at 1 mrad. Its sigma holds the closures
+and by how much the rests before the turns differ.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from procedures.allan import FEWEST_SAMPLES, NoiseTerm, noise_terms, overlapping_deviation
+from procedures.arrays import FloatArray
+from procedures.campaign import Campaign, DwellRecord, RestRecord, SoakRecord
+from procedures.correlated_line import CorrelatedLine, fit_correlated_line
+from procedures.dead_channels import FIELDS, TRIADS
+from procedures.frames import AXES, face_normal, face_of
+from procedures.hand_turns import REST_S, nominal_angle
+from procedures.observations import turn_totals
+from procedures.records import CountSeries, Series
+from procedures.stopped_channels import constant_end, stopped_in_turn
+
+BLOCKS = 24
+LEAST_S = 60.0  # of a recording
+WARMED = 1.0  # K, from which on a temperature coefficient is looked for
+ALONG = 0.9  # of a turn's axis along the sensor
+
+Held = DwellRecord | RestRecord | SoakRecord
+
+
+@dataclass(frozen=True, slots=True)
+class SingleChannel:
+    """A channel in its longest recording at rest, its outputs [output/s, or output of rates] as they come.
+
+    ``noise`` is its random walk [output/s sqrt(s)]; ``drift`` a line over time [/h]; ``warming`` one over
+    temperature [/K] that moved by ``kelvin``, None where it hardly did. ``scale`` [output/s per deg/s], 1 sigma
+    beside it, is a gyroscope's along its own axis, None where no pair of turns tells it.
+    """
+
+    triad: str
+    axis: str
+    recording: str
+    seconds: float
+    mean: float
+    noise: NoiseTerm
+    drift: CorrelatedLine | None
+    warming: CorrelatedLine | None
+    kelvin: float
+    scale: tuple[float, float] | None
+
+
+def single_channels(campaigns: Sequence[Campaign], solved: Sequence[str]) -> list[SingleChannel]:
+    """Return the live channels of those triads that are not ``solved`` and have a dead one."""
+    return [
+        each for campaign in campaigns for triad in TRIADS if triad not in solved for each in _of(campaign, triad)
+    ]
+
+
+def _of(campaign: Campaign, triad: str) -> Iterator[SingleChannel]:
+    held: list[Held] = [*campaign.soaks, *campaign.dwells, *campaign.rests]
+    records = [record for record in held if _samples(record.series, triad) is not None]
+    if not records:
+        return
+    live = [[r for r in records if not _is_constant(r.series, triad, axis)] for axis in range(3)]
+    if all(live):
+        return
+    for axis, found in enumerate(live):
+        record = max(found, key=lambda r: len(r.series) * r.series.period, default=None)
+        if record is not None and len(record.series) * record.series.period >= LEAST_S:
+            yield _seen(campaign, triad, axis, record)
+
+
+def _samples(series: Series, triad: str) -> FloatArray | None:
+    samples = getattr(series, FIELDS[triad])
+    return None if samples is None else np.asarray(samples, dtype=np.float64)
+
+
+def _is_constant(series: Series, triad: str, axis: int) -> bool:
+    samples = _samples(series, triad)
+    end = constant_end(samples[:, axis]) if samples is not None else None
+    return end is not None and end.begin == 0
+
+
+def _seen(
+    campaign: Campaign, triad: str, axis: int, record: DwellRecord | RestRecord | SoakRecord
+) -> SingleChannel:
+    series, samples = record.series, _samples(record.series, triad)
+    assert samples is not None
+    is_count = isinstance(series, CountSeries)
+    rate = samples[:, axis] / (series.period if is_count else 1.0)
+    quantum = 1.0 if is_count else 0.0
+    t, T, mean, least = _blocks(series, rate, quantum)
+    known = np.isfinite(T)
+    kelvin = float(np.ptp(T[known])) if known.any() else 0.0
+    warming = None
+    if kelvin >= WARMED:
+        warming = fit_correlated_line(T[known], mean[known], np.zeros(known.sum(), dtype=np.int64), least)
+    drift = fit_correlated_line(t / 3600, mean, np.zeros(len(t), dtype=np.int64), least)
+    scale = _scale(campaign, axis) if triad == "gyroscope" else None
+    return SingleChannel(
+        triad, AXES[axis], record.name, len(series) * series.period, float(rate.mean()),
+        _noise(series, rate, quantum), drift, warming, kelvin, scale,
+    )  # fmt: skip
+
+
+def _blocks(series: Series, rate: FloatArray, quantum: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    """Return times [s], temperatures and means of blocks, and the 1 sigma that counting leaves to a mean."""
+    parts = np.array_split(np.arange(len(rate)), BLOCKS)
+    t, mean = (np.array([values[part].mean() for part in parts]) for values in (series.t, rate))
+    warm = [series.temperature[part] for part in parts]
+    T = np.array([w[np.isfinite(w)].mean() if np.isfinite(w).any() else np.nan for w in warm])
+    return t, T, mean, quantum / np.sqrt(6) / (len(parts[-1]) * series.period)
+
+
+def _noise(series: Series, rate: FloatArray, quantum: float) -> NoiseTerm:
+    """Return the random walk of the longest part without a gap."""
+    edges = [*series.starts.tolist(), len(rate)] if len(series.starts) else [0, len(rate)]
+    first, last = max(pairwise(edges), key=lambda part: part[1] - part[0])
+    if last - first < FEWEST_SAMPLES:
+        return NoiseTerm(None, 0.0, float("inf"))
+    return noise_terms(overlapping_deviation(rate[first:last], series.period), quantum)["random_walk"]
+
+
+def _scale(campaign: Campaign, axis: int) -> tuple[float, float] | None:
+    rows, rests = list[tuple[float, float, float]](), list[float]()
+    for turn in turn_totals([campaign], np.zeros(3)):
+        samples = _samples(turn.record.series, "gyroscope")
+        assert samples is not None
+        along = float(campaign.fixture.C_ib[axis] @ face_normal(face_of(turn.record.start_position)))
+        end = constant_end(samples[:, axis])
+        if abs(along) < ALONG or (
+            end and (not end.begin or stopped_in_turn(turn.record, samples[:, axis], end, True))
+        ):
+            continue
+        rows.append((np.degrees(nominal_angle(turn)) * along, turn.seconds, float(turn.total[axis])))
+        rest = samples[: max(round(REST_S / turn.record.series.period), 1), axis].mean()
+        rests.append(float(rest) / (turn.record.series.period if turn.counts else 1.0))
+    angle, seconds, total = np.array(rows).reshape(-1, 3).T
+    if not len(rows) or angle.min() > 0 or angle.max() < 0:
+        return None
+    A = np.column_stack((angle, seconds))
+    scale = float(np.linalg.lstsq(A, total, rcond=None)[0][0])
+    gain = np.linalg.pinv(A)[0]
+    each = np.hypot(scale * np.degrees(campaign.sigma.closure), np.ptp(rests) / 2 * seconds)
+    return scale, float(np.linalg.norm(gain * each))
