@@ -35,8 +35,6 @@ class VerdictScreen(StageScreen):
         Binding("d", "diagnose", "Diagnose", tooltip="all that the residual says the model lacks"),
         Binding("down,pagedown", "roll(1)", "More", key_display="↑↓", tooltip="scroll the facts and the numbers"),
         Binding("up,pageup", "roll(-1)", "More", show=False),
-        Binding("right", "shift(1)", "Right", show=False),
-        Binding("left", "shift(-1)", "Left", show=False),
     ]
     DEFAULT_CSS = """
     VerdictScreen #facts { height: auto; margin-bottom: 1; }
@@ -108,10 +106,6 @@ class VerdictScreen(StageScreen):
         """Scroll by half of what is in sight."""
         scroll = self.query_one("#scroll")
         scroll.scroll_relative(y=down * max(scroll.size.height // 2, 1), animate=False)
-
-    def action_shift(self, right: int) -> None:
-        """Scroll sideways."""
-        self.query_one("#scroll").scroll_relative(x=right * 8, animate=False)
 
     def action_leave(self) -> None:
         """Leave; once all is stored there is nothing to go on with."""

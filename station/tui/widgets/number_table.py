@@ -1,6 +1,7 @@
-"""The numbers of a verdict in columns."""
+"""The numbers of a verdict in columns; where the screen is too narrow for all, a row's limit stands below it."""
 
 from textual.content import Content
+from textual.geometry import Size
 
 from station.guide.view import Row
 from station.tui.widgets.drawn import Drawn
@@ -8,36 +9,69 @@ from station.tui.widgets.verdict_sentence import LOOKS
 
 HEADER = ("parameter", "value", "1 sigma", "unit", "verdict", "limit", "change")
 RIGHT = (1, 2, 6)  # columns of numbers
+VERDICT = HEADER.index("verdict")
+GAP, INDENT = "  ", "    "
 
 
 class NumberTable(Drawn[tuple[Row, ...]]):
-    """As wide and high as it needs; put it where it can be scrolled."""
+    """As high as it needs and as wide as there is room; put it where it can be scrolled down."""
 
     DEFAULT_CSS = """
-    NumberTable { width: auto; height: auto; padding: 0 2; }
+    NumberTable { width: 100%; height: auto; padding: 0 2; }
     """
 
     def __init__(self) -> None:
         super().__init__((), id="numbers")
-        self.shrink = False  # to the width of the screen
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """Return how many lines there are at a width."""
+        return len(self._lines(width))
 
     def render(self) -> Content:
         """Draw header and rows."""
+        return Content("\n").join(self._lines(self.content_size.width))
+
+    def _lines(self, width: int) -> list[Content]:
         rows = [HEADER, *(_cells(row) for row in self.value)]
         widths = [max(len(row[column]) for row in rows) for column in range(len(HEADER))]
+        is_wide = sum(widths) + len(GAP) * (len(widths) - 1) <= width
+        draw = _line if is_wide else _stacked
         colours = ["", *(_colour(row) for row in self.value)]
-        return Content("\n").join(self._line(*line, widths) for line in zip(rows, colours, strict=True))
+        lines = [draw(row, widths, colour, width) for row, colour in zip(rows, colours, strict=True)]
+        return [line for each in lines for line in each]
 
-    def _line(self, cells: tuple[str, ...], colour: str, widths: list[int]) -> Content:
-        aligned = [
-            cell.rjust(width) if column in RIGHT else cell.ljust(width)
-            for column, (cell, width) in enumerate(zip(cells, widths, strict=True))
-        ]
-        if cells is HEADER:
-            return Content("  ".join(aligned)).stylize("bold $muted")
-        verdict = HEADER.index("verdict")
-        before, after = "  ".join(aligned[:verdict]), "  ".join(aligned[verdict + 1 :])
-        return Content.assemble(f"{before}  ", (aligned[verdict], f"bold {colour}"), f"  {after}")
+
+def _line(cells: tuple[str, ...], widths: list[int], colour: str, _: int) -> list[Content]:
+    """Draw a row in one line."""
+    if cells is HEADER:
+        return [_aligned(cells, widths).stylize("bold $muted")]
+    before, after = (_aligned(cells, widths, *part) for part in ((0, VERDICT), (VERDICT + 1, len(cells))))
+    return [
+        Content(GAP).join([before, Content.styled(cells[VERDICT].ljust(widths[VERDICT]), f"bold {colour}"), after])
+    ]
+
+
+def _stacked(cells: tuple[str, ...], widths: list[int], colour: str, width: int) -> list[Content]:
+    """Draw the numbers of a row in one line, verdict, limit and change below as far as it has any."""
+    numbers = _aligned(cells, widths, 0, VERDICT)
+    if cells is HEADER:
+        return [numbers.stylize("bold $muted")]
+    verdict, limit, change = cells[VERDICT:]
+    said = [
+        Content.assemble((verdict, f"bold {colour}"), f"{GAP}limit {limit}") if verdict else Content(""),
+        Content(f"change {change}" if change else ""),
+    ]
+    parts = [part for part in said if part]
+    together = Content(GAP).join(parts)
+    below = [together] if len(INDENT) + together.cell_length <= width else parts
+    return [numbers, *(Content(INDENT) + line for line in below if line)]
+
+
+def _aligned(cells: tuple[str, ...], widths: list[int], first: int = 0, end: int = len(HEADER)) -> Content:
+    columns = range(first, end)
+    return Content(
+        GAP.join(cells[k].rjust(widths[k]) if k in RIGHT else cells[k].ljust(widths[k]) for k in columns)
+    )
 
 
 def _colour(row: Row) -> str:

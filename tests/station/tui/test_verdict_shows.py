@@ -2,10 +2,11 @@
 
 import pytest
 
+from station.guide.view import Row
 from station.tui.screens.diagnosis import NONE, DiagnosisScreen
 from station.tui.screens.verdict import VerdictScreen
 from tests.station.tui import views
-from tests.station.tui.session import screens
+from tests.station.tui.session import LARGE, SMALL, screens
 
 LINES = [f"line {number:>3} {'.' * 71}" for number in range(1, 101)]  # as wide as a diagnosis may be
 DIAGNOSED = views.PASSED.model_copy(
@@ -58,3 +59,29 @@ async def test_where_no_browser_can_be_opened_the_file_is_named(monkeypatch: pyt
         await seen.press("o")
         await seen.pilot.pause()
         assert any("no browser can be opened from here" in line for line in seen.lines())
+
+
+WIDE = Row(
+    name="accelerometer bias two direction y", value="-123456.789", sigma="0.080", unit="ug",
+    limit="-12000 to 12500.5 ug less 1.64 sigma", verdict="NOT_MEASURED", change="+0.453 ug (4.0 sigma)",
+)  # fmt: skip
+SCALE = Row(
+    name="accelerometer scale factor x", value="36000.0132", sigma="0.0021", unit="count/(g s)",
+    limit="33000 to 39000 count/(g s) less 2 sigma", verdict="PASS",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [SMALL, LARGE, (160, 40)])
+async def test_no_number_and_no_limit_is_cut_however_narrow_the_screen(size: tuple[int, int]) -> None:
+    rows = (*views.ROWS, SCALE, WIDE)
+    view = views.PASSED.model_copy(update={"verdict": views.PASSED.verdict.model_copy(update={"rows": rows})})
+    async with screens(view, size) as seen:
+        seen_lines: set[str] = set()
+        for _ in range(12):
+            seen_lines |= {line.strip(" ▁▂▃▄▅▆▇█▉▊▋▌▍▎▏") for line in seen.lines()}
+            await seen.press("pagedown")
+            await seen.pilot.pause()
+        cells = [line.split("  ") for line in seen_lines]
+        written = {cell.strip().removeprefix("limit ").removeprefix("change ") for line in cells for cell in line}
+        for row in rows:
+            assert {row.name, row.value, row.unit, row.limit, row.change} - {""} <= written
