@@ -20,6 +20,8 @@ LASTING = 0.6  # sample periods
 RUNS, ROWS = 8, 200  # looked at before and after a long step: so many runs, of no more rows together
 USUAL, ALIKE = 0.1, 0.95  # relative, of steps that are alike; and the part of them that are
 OUTLIER = 4.0  # robust sigmas
+BEYOND = 1.25  # times the largest other step between runs
+NEARLY_ALL = 0.45  # above one half: of the pairs of runs that rank alike where all but a few do
 ROUNDS = 4
 
 
@@ -121,9 +123,41 @@ def _lasting(late: FloatArray, long: IntArray, least: float) -> IntArray:
             first = j
     if len(gaps) == len(long):
         return np.array(gaps, dtype=np.int64)
+    gaps = _beyond_chance(late, begin, end, gaps)
     some = min(float(ROWS), 3 * float(np.median(end - begin)))  # rows that tell
     following = np.append(gaps[1:], len(late)) if gaps else np.zeros(0)
     return np.array([gap for gap, then in zip(gaps, following, strict=True) if then - gap >= some], dtype=np.int64)
+
+
+def _beyond_chance(late: FloatArray, begin: IntArray, end: IntArray, gaps: list[int]) -> list[int]:
+    """Return those gaps that stamps without a loss would not show by chance.
+
+    A read comes at any phase of the sample period, so the least late rows of a few reads may be a period later
+    than those of others. A step up is a loss where it exceeds all steps between neighbouring runs, or where the
+    runs after it rank above those before (Mann and Whitney, Annals of Mathematical Statistics 18, 1947).
+    """
+    least = np.minimum.reduceat(late, begin)
+    at = np.searchsorted(begin, gaps)
+    usual = BEYOND * float(np.abs(np.delete(np.diff(least), at - 1)).max(initial=0.0))
+    step = [least[j : j + RUNS].min() - least[max(j - RUNS, 0) : j].min() for j in at.tolist()]
+    found = np.array([0, len(least)])
+    for i in np.argsort(step)[::-1]:  # the others are then looked at between those found
+        j = int(at[i])
+        next_one = int(np.searchsorted(found, j))
+        since = max(int(found[next_one - 1]), int(np.searchsorted(end, begin[j] - ROWS, side="right")))
+        until = min(int(found[next_one]), int(np.searchsorted(begin, begin[j] + ROWS)))
+        before, after = least[since:j], least[j:until]
+        if after[:RUNS].min() - before[-RUNS:].min() > usual or _ranks_above(after, before):
+            found = np.insert(found, next_one, j)
+    return [int(begin[j]) for j in found[1:-1]]
+
+
+def _ranks_above(after: FloatArray, before: FloatArray) -> bool:
+    """Say whether values after are larger than before by more than chance, of two samples of one distribution."""
+    n, m = len(before), len(after)
+    share = float(np.mean(after[:, None] > before))
+    std = np.sqrt((n + m + 1) / (12 * n * m))
+    return min(n, m) > 1 and share - 0.5 > min(OUTLIER * float(std), NEARLY_ALL)
 
 
 def _slices(begin: IntArray, end: IntArray, side: int) -> list[slice]:

@@ -80,12 +80,16 @@ def _mean(rates: Sequence[ClockRate]) -> ClockRate:
 
 
 def _off_period(campaigns: Sequence[Campaign]) -> Iterator[Finding]:
-    """Report a sample period in device time that is not the stated one."""
+    """Report a sample period in device time that is not the stated one by more than the files scatter."""
     off = [s.period / c.nominal_period - 1 for c in campaigns if c.nominal_period is not None for s in _series(c)]
-    if off and abs(np.median(off)) > OFF_PERIOD:
-        std = float(np.std(off)) if len(off) > 1 else abs(off[0]) * 1e-3
-        found = _finding(PPM * float(np.median(off)), PPM * std, "ambiguous", -np.inf, "t_s")
-        yield replace(found, aliases=("imu.sample_period_s",), log_p=float(np.log(np.finfo(float).tiny)))
+    if not off or abs(middle := float(np.median(off))) <= OFF_PERIOD:
+        return
+    std = max(float(np.std(off, ddof=1)) if len(off) > 1 else 0.0, abs(middle) * 1e-3)
+    log_p = log_f_sf((middle / std) ** 2, 1, len(off) - 1 if len(off) > 1 else np.inf)
+    adjusted = max(min(log_p + float(np.log(len(EFFECTS))), 0.0), float(np.log(np.finfo(float).tiny)))
+    if adjusted < LIKELY:
+        found = _finding(PPM * middle, PPM * std, "ambiguous", adjusted, "t_s")
+        yield replace(found, aliases=("imu.sample_period_s",))
 
 
 def _finding(ppm: float, std: float, confidence: Confidence, log_p: float, channel: str) -> Finding:

@@ -70,6 +70,26 @@ def test_the_period_found_is_found_again_where_it_is_stated(kind: str, stated: f
         assert len(again.begins) == 1
 
 
+def of_reads(true: FloatArray, every: float, delay: float, seed: int) -> FloatArray:
+    """Stamp rows when reads at any phase of the sample period brought them, late by about ``delay`` [s]."""
+    rng = np.random.default_rng(seed)
+    due = np.arange(true[0], true[-1] + 3 * every, every) + rng.uniform(0, every)
+    read = np.maximum.accumulate(due + rng.exponential(delay, len(due)))
+    by = np.minimum(np.searchsorted(read, true), len(read) - 1)
+    return np.asarray(read[by] + 2e-5 * (np.arange(len(true)) - np.searchsorted(by, by)))
+
+
+@pytest.mark.parametrize(("every", "delay"), [(0.1, 0.005), (0.1, 0.001), (0.04, 0.01), (0.25, 0.05)])
+def test_reads_of_any_phase_make_no_gap_and_hide_none(every: float, delay: float) -> None:
+    for seed in range(40):
+        found = sample_times(of_reads(0.02 * np.arange(1000), every, delay, seed), 0.02)
+        assert len(found.begins) == 1
+    for seed in range(10):
+        lost = 0.02 * np.delete(np.arange(1005), np.arange(400, 405))
+        found = sample_times(of_reads(lost, every, delay, seed), 0.02)
+        assert np.any(np.abs(found.begins - 400) <= every / 0.02)
+
+
 def test_rows_on_the_grid_are_no_later_than_their_stamps_and_hold_the_pace() -> None:
     t = in_bursts(PERIOD * np.arange(ROWS), 4, 12)
     found = sample_times(t, PERIOD)

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from procedures.calibration import solve
+from procedures.campaign import Campaign
 from procedures.diagnosis.clock import clock_rate, find_clock, with_true_clock
+from procedures.diagnosis.tail import log_f_sf
+from procedures.effects import EFFECTS
 from tests.procedures.diagnosis.planted import planted, with_reference_time
 
 BASE = planted(1, dwell_s=10.0)
@@ -56,3 +59,18 @@ def test_a_period_that_is_not_the_stated_one_names_both_explanations() -> None:
     assert found.aliases == ("imu.sample_period_s",)
     assert found.value[0] == pytest.approx(1e6 * (0.02 / 0.0198 - 1))
     assert find_clock([replace(BASE, nominal_period=0.020001)]) == ((), ())
+
+
+def test_periods_that_scatter_as_much_as_they_are_off_say_nothing_of_the_clock() -> None:
+    def with_periods(std: float) -> Campaign:
+        off = 3e-3 + std * np.resize([-1.0, 1.0], len(BASE.dwells))
+        dwells = [
+            replace(d, series=replace(d.series, period=0.02 * (1 + e)))
+            for d, e in zip(BASE.dwells, off, strict=True)
+        ]
+        return replace(BASE, dwells=tuple(dwells), turns=(), rests=(), sequences=(), nominal_period=0.02)
+
+    assert find_clock([with_periods(2.5e-3)]) == ((), ())
+    (found,), _ = find_clock([with_periods(3e-4)])
+    n, f = len(BASE.dwells), float((found.value[0] / found.std[0]) ** 2)
+    assert found.log_p == pytest.approx(log_f_sf(f, 1, n - 1) + np.log(len(EFFECTS)))
