@@ -110,10 +110,11 @@ def _reason(word: Word, judged: Sequence[Judged], model: str, serial: str) -> st
     missing = [one for one in judged if one.word == "NOT_MEASURED"]
     if missing:
         return f"{unit} has no value of {len(missing)} of {len(judged)} limited parameters: {_names(missing)}"
-    share, tightest = max((one.share or 0.0, title_of(one.limit.parameter)) for one in judged)
+    tightest = max(judged, key=lambda one: (one.share or 0.0, title_of(one.limit.parameter)))
     return (
-        f"{unit} is within all {len(judged)} limits of its model; "
-        f"the tightest is {tightest} at {share * 100:.0f} % of its limit"
+        f"{unit} is within all {len(judged)} limits of its model; the tightest is "
+        f"{title_of(tightest.limit.parameter)} at {100 * (tightest.share or 0.0):.0f} % of its limit"
+        f"{_guard(tightest.limit)}"
     )
 
 
@@ -126,16 +127,37 @@ def _against(judged: Judged) -> str:
     """Say a value beside its limit."""
     assert judged.parameter is not None
     text, unit = shown(judged.parameter)
-    return f"{judged.parameter.title}, {text} {unit}".rstrip() + f" against {limit_in_words(judged.limit)}"
+    return f"{judged.parameter.title}, {text} {unit}".rstrip() + f" against {judged_in_words(judged)}"
 
 
 def limit_in_words(limit: Limit) -> str:
     """Return a limit as people read it."""
-    scale, unit = shown_scale(limit.parameter, limit.unit)
-    low, high = (None if end is None else f"{end * scale:.6g}" for end in (limit.low, limit.high))
-    if low is not None and high is not None:
-        ends = f"+-{high}" if limit.low == -(limit.high or 0.0) else f"{low} to {high}"
-    else:
-        ends = f"at least {low}" if high is None else f"at most {high}"
-    guard = f" less {limit.guard_band:g} sigma" if limit.guard_band else ""
-    return f"{ends} {unit}".rstrip() + guard
+    return f"{_ends(limit, limit.low, limit.high)} {_unit(limit)}".rstrip() + _guard(limit)
+
+
+def judged_in_words(judged: Judged) -> str:
+    """Return a limit and, where it is guarded, what of it the value's own sigma leaves."""
+    said, known = limit_in_words(judged.limit), judged.parameter
+    if not judged.limit.guard_band or known is None or known.std is None:
+        return said
+    low, high = judged.limit.accepted(known.std)
+    if low > high:
+        return f"{said}, which leaves nothing"
+    ends = _ends(judged.limit, *(end if math.isfinite(end) else None for end in (low, high)))
+    return f"{said}, so {ends}"
+
+
+def _ends(limit: Limit, low: float | None, high: float | None) -> str:
+    scale, _ = shown_scale(limit.parameter, limit.unit)
+    first, last = (None if end is None else f"{end * scale:.6g}" for end in (low, high))
+    if first is None or last is None:
+        return f"at least {first}" if last is None else f"at most {last}"
+    return f"+-{last}" if low == -(high or 0.0) else f"{first} to {last}"
+
+
+def _unit(limit: Limit) -> str:
+    return shown_scale(limit.parameter, limit.unit)[1]
+
+
+def _guard(limit: Limit) -> str:
+    return f" less {limit.guard_band:g} sigma" if limit.guard_band else ""

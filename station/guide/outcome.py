@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fixtures_db.database import Database
@@ -12,7 +13,7 @@ from procedures.solution import StepResidual
 from station.diagnosis.text import diagnosis_text, warnings_of
 from station.diagnosis.wording import verdict_sentence
 from station.guide.folder_notes import read_left_out
-from station.guide.judgement import Judged, Outcome, judge, limit_in_words
+from station.guide.judgement import Judged, Outcome, judge, judged_in_words
 from station.guide.step_words import gap_in_words, verdict_for_people
 from station.guide.view import Row, Verdict
 from station.recorder.campaign import step_of
@@ -30,6 +31,7 @@ from station.solution_parameters import (
 )
 
 if TYPE_CHECKING:
+    from procedures.uncertainty.budget import ParameterBudget
     from station.recorder.results import Results
 
 NOTABLE_SIGMAS = 3.0
@@ -55,7 +57,7 @@ def verdict_view(results: "Results", database: Database) -> Verdict:
         change=change_in_words(moved, previous),
         diagnosis=verdict_sentence(results.diagnosis),
         diagnosis_text=diagnosis_text(results.diagnosis),
-        rows=verdict_rows(found, results.outcome, moved),
+        rows=verdict_rows(found, results.outcome, moved, results.context.budgets),
         warnings=tuple(gap_in_words(warning, left_out) for warning in warnings_of(results.document)),
         redo=_to_redo(results),
         report=str(results.report_file),
@@ -100,21 +102,39 @@ def change_in_words(moved: Mapping[str, Shift], previous: Mapping[str, Any] | No
     )
 
 
-def verdict_rows(found: Mapping[str, Parameter], outcome: Outcome, moved: Mapping[str, Shift]) -> tuple[Row, ...]:
+def verdict_rows(
+    found: Mapping[str, Parameter],
+    outcome: Outcome,
+    moved: Mapping[str, Shift],
+    budgets: Sequence["ParameterBudget"] = (),
+) -> tuple[Row, ...]:
     """Return the table: what a calibration applies, then what else is limited."""
     judged = {one.limit.parameter: one for one in outcome.judged}
+    budget = {one.name: one for one in budgets}
     names = dict.fromkeys((*applied(found), *judged))
-    return tuple(_row(name, found.get(name), judged.get(name), moved.get(name)) for name in names)
+    return tuple(
+        _row(name, found.get(name), judged.get(name), moved.get(name), budget.get(name)) for name in names
+    )
 
 
-def _row(name: str, parameter: Parameter | None, judged: Judged | None, moved: Shift | None) -> Row:
-    value, unit = ("not measured", "") if parameter is None else shown(parameter)
+def _row(
+    name: str,
+    found: Parameter | None,
+    judged: Judged | None,
+    moved: Shift | None,
+    budget: "ParameterBudget | None",
+) -> Row:
+    """Return a line; its sigma is the budget's, which a guarded limit is narrowed by, if there is one."""
+    value, unit = ("not measured", "") if found is None else shown(found)
+    combined = found if found is None or budget is None else replace(found, std=budget.std)
+    expanded = None if found is None or budget is None else replace(found, std=budget.expanded)
     return Row(
         name=title_of(name),
         value=value,
-        sigma="" if parameter is None else shown_sigma(parameter),
+        sigma="" if combined is None else shown_sigma(combined),
+        expanded="" if expanded is None else shown_sigma(expanded),
         unit=unit,
-        limit="" if judged is None else limit_in_words(judged.limit),
+        limit="" if judged is None else judged_in_words(judged),
         verdict="" if judged is None else judged.word,
         change="" if moved is None else str(moved),
     )

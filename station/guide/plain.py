@@ -142,7 +142,7 @@ def verdict_lines(verdict: Verdict) -> list[str]:
     lines += [f"diagnosis: {verdict.diagnosis}"] if verdict.diagnosis else []
     lines += [f"warning: {warning}" for warning in verdict.warnings]
     lines += [
-        f"{row.name}: {row.value} +- {row.sigma} {row.unit}"
+        f"{row.name}: {row.value} +- {row.sigma} {row.unit}{row.expanded and f', U (95 %) {row.expanded}'}"
         + "".join(f", {part}" for part in (row.limit and f"limit {row.limit}", row.verdict, row.change) if part)
         for row in verdict.rows
     ]

@@ -291,11 +291,16 @@ class Event(_Value):
 
 
 class Row(_Value):
-    """A line of the verdict's table, all of it text."""
+    """A line of the verdict's table, all of it text.
+
+    ``sigma`` is the combined standard uncertainty, by which a guarded limit is narrowed; ``expanded`` is U (95 %),
+    empty where there is no budget.
+    """
 
     name: str
     value: str
     sigma: str
+    expanded: str = ""
     unit: str
     limit: str = ""
     verdict: str = ""  # PASS, FAIL, NOT_MEASURED or empty

@@ -1,5 +1,7 @@
 """The numbers of a verdict in columns; where the screen is too narrow for all, a row's limit stands below it."""
 
+from collections.abc import Iterable
+
 from textual.content import Content
 from textual.geometry import Size
 
@@ -7,9 +9,9 @@ from station.guide.view import Row
 from station.tui.widgets.drawn import Drawn
 from station.tui.widgets.verdict_sentence import LOOKS
 
-HEADER = ("parameter", "value", "1 sigma", "unit", "verdict", "limit", "change")
-RIGHT = (1, 2, 6)  # columns of numbers
-VERDICT = HEADER.index("verdict")
+HEADER = ("parameter", "value", "U (95 %)", "1 sigma", "unit", "verdict", "limit", "change")
+RIGHT = (1, 2, 3, 7)  # columns of numbers
+SIGMA, VERDICT = HEADER.index("1 sigma"), HEADER.index("verdict")
 GAP, INDENT = "  ", "    "
 
 
@@ -44,16 +46,21 @@ class NumberTable(Drawn[tuple[Row, ...]]):
 def _line(cells: tuple[str, ...], widths: list[int], colour: str, _: int) -> list[Content]:
     """Draw a row in one line."""
     if cells is HEADER:
-        return [_aligned(cells, widths).stylize("bold $muted")]
-    before, after = (_aligned(cells, widths, *part) for part in ((0, VERDICT), (VERDICT + 1, len(cells))))
+        return [_aligned(cells, widths, range(len(HEADER))).stylize("bold $muted")]
+    before, after = (_aligned(cells, widths, part) for part in (range(VERDICT), range(VERDICT + 1, len(cells))))
     return [
         Content(GAP).join([before, Content.styled(cells[VERDICT].ljust(widths[VERDICT]), f"bold {colour}"), after])
     ]
 
 
 def _stacked(cells: tuple[str, ...], widths: list[int], colour: str, width: int) -> list[Content]:
-    """Draw the numbers of a row in one line, verdict, limit and change below as far as it has any."""
-    numbers = _aligned(cells, widths, 0, VERDICT)
+    """Draw the numbers of a row in one line, verdict, limit and change below as far as it has any.
+
+    1 sigma is left out where it does not fit: U says as much.
+    """
+    numbers = _aligned(cells, widths, range(VERDICT))
+    if numbers.cell_length > width:
+        numbers = _aligned(cells, widths, [column for column in range(VERDICT) if column != SIGMA])
     if cells is HEADER:
         return [numbers.stylize("bold $muted")]
     verdict, limit, change = cells[VERDICT:]
@@ -67,8 +74,7 @@ def _stacked(cells: tuple[str, ...], widths: list[int], colour: str, width: int)
     return [numbers, *(Content(INDENT) + line for line in below if line)]
 
 
-def _aligned(cells: tuple[str, ...], widths: list[int], first: int = 0, end: int = len(HEADER)) -> Content:
-    columns = range(first, end)
+def _aligned(cells: tuple[str, ...], widths: list[int], columns: Iterable[int]) -> Content:
     return Content(
         GAP.join(cells[k].rjust(widths[k]) if k in RIGHT else cells[k].ljust(widths[k]) for k in columns)
     )
@@ -81,4 +87,4 @@ def _colour(row: Row) -> str:
 def _cells(row: Row) -> tuple[str, ...]:
     symbol = LOOKS[row.verdict][0] if row.verdict in LOOKS else ""
     verdict = f"{symbol} {row.verdict.replace('_', ' ')}".strip()
-    return row.name, row.value, row.sigma, row.unit, verdict, row.limit, row.change
+    return row.name, row.value, row.expanded, row.sigma, row.unit, verdict, row.limit, row.change

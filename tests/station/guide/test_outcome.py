@@ -1,5 +1,6 @@
 """The verdict: every limit counts, what was not measured is never passed, and the sentence says why."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,9 @@ import pytest
 from fixtures_db.calibration import calibration_document
 from fixtures_db.chain import GENESIS
 from fixtures_db.limits import Limit, each_axis
-from station.guide.judgement import Word, judge, limit_in_words
+from procedures.uncertainty.budget import combined
+from procedures.uncertainty.sources import HEADING, Cell
+from station.guide.judgement import Word, judge, judged_in_words, limit_in_words
 from station.guide.outcome import change_in_words, verdict_rows, worst_residual
 from station.solution_parameters import Parameter, applied, parameters, shifts
 from tests.fixtures_db.factory import facts, solution
@@ -95,6 +98,23 @@ def test_the_rows_are_what_is_applied_and_what_else_is_limited() -> None:
     assert rows["accelerometer bias x"].verdict == ""
     missing = rows["residual p value"]
     assert (missing.value, missing.verdict, missing.limit) == ("not measured", "NOT_MEASURED", "at least 0.01")
+
+
+def test_a_row_shows_the_uncertainty_it_was_judged_by_and_what_of_the_limit_that_leaves() -> None:
+    limit = Limit("accelerometer.bias.y", -2.5e-3, 2.5e-3, "g", 2.0)
+    budget = combined(limit.parameter, 2e-3, "g", {Cell(HEADING): 1e-4**2})
+    outcome = judge(document(), [limit], {budget.name: budget.std})
+    rows = {row.name: row for row in verdict_rows(parameters(document()), outcome, {}, [budget])}
+    judged, other = rows["accelerometer bias y"], rows["accelerometer bias x"]
+    assert (judged.value, judged.sigma, judged.expanded) == ("2000.000", "100", "196")
+    assert judged.limit == "+-2500 ug less 2 sigma, so +-2300"
+    assert "accelerometer bias y at 87 % of its limit less 2 sigma" in outcome.sentence  # 2000 of 2300
+    assert (other.sigma, other.expanded) == ("0.080", "")
+    narrow = replace(limit, guard_band=30.0)
+    [failed] = judge(document(), [narrow], {budget.name: budget.std}).judged
+    assert judged_in_words(failed) == "+-2500 ug less 30 sigma, which leaves nothing"
+    [upper] = judge(document(), [replace(limit, low=None)], {budget.name: budget.std}).judged
+    assert judged_in_words(upper) == "at most 2500 ug less 2 sigma, so at most 2300"
 
 
 def test_limits_are_read_as_they_are_meant() -> None:

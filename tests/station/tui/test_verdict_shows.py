@@ -62,11 +62,11 @@ async def test_where_no_browser_can_be_opened_the_file_is_named(monkeypatch: pyt
 
 
 WIDE = Row(
-    name="accelerometer bias two direction y", value="-123456.789", sigma="0.080", unit="ug",
+    name="accelerometer bias two direction y", value="-123456.789", sigma="0.080", expanded="0.16", unit="ug",
     limit="-12000 to 12500.5 ug less 1.64 sigma", verdict="NOT_MEASURED", change="+0.453 ug (4.0 sigma)",
 )  # fmt: skip
 SCALE = Row(
-    name="accelerometer scale factor x", value="36000.0132", sigma="0.0021", unit="count/(g s)",
+    name="accelerometer scale factor x", value="36000.0132", sigma="0.0021", expanded="0.0042", unit="count/(g s)",
     limit="33000 to 39000 count/(g s) less 2 sigma", verdict="PASS",
 )  # fmt: skip
 
@@ -84,4 +84,4 @@ async def test_no_number_and_no_limit_is_cut_however_narrow_the_screen(size: tup
         cells = [line.split("  ") for line in seen_lines]
         written = {cell.strip().removeprefix("limit ").removeprefix("change ") for line in cells for cell in line}
         for row in rows:
-            assert {row.name, row.value, row.unit, row.limit, row.change} - {""} <= written
+            assert {row.name, row.value, row.expanded, row.unit, row.limit, row.change} - {""} <= written

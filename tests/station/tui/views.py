@@ -322,8 +322,8 @@ def rows(what: str, unit: str, limit: str, *lines: str) -> tuple[Row, ...]:
     """Return the rows of x, y, z; a line holds value, sigma, change and, where there is a limit, the verdict."""
     cells = [[cell.strip() for cell in line.split("|")] for line in lines]
     return tuple(
-        Row(name=f"{what} {axis}", value=value, sigma=sigma, unit=unit, limit=limit if verdict else "",
-            change=change, verdict=verdict)
+        Row(name=f"{what} {axis}", value=value, sigma=sigma, expanded=f"{1.96 * float(sigma):.2g}", unit=unit,
+            limit=limit if verdict else "", change=change, verdict=verdict)
         for axis, (value, sigma, change, verdict) in zip("xyz", cells, strict=True)
     )  # fmt: skip
 
