@@ -8,6 +8,7 @@ DriverError
 ├── PortDenied (PermissionError)       the user may not open the port
 ├── LinkSilent (TimeoutError)          the port is open, no byte arrives
 ├── WrongFormat                        bytes arrive, no frame is among them
+├── DeadChannel                        a channel puts out one value though it could not
 ├── LinkLost (ConnectionError)         the port went away while open
 └── ReplayEnded (EOFError)             a replayed file is at its end
 """
@@ -111,6 +112,14 @@ class LinkLost(DriverError, ConnectionError):
     def __init__(self, port: str, reason: str) -> None:
         self.port, self.reason = port, reason
         super().__init__(f"{port} was lost ({reason}), expected it to stay open; check cable and power")
+
+
+class DeadChannel(DriverError):
+    """A channel puts out one value though it could not; ``said`` names it and says what to do."""
+
+    def __init__(self, port: str, said: str) -> None:
+        self.port, self.said = port, said
+        super().__init__(f"{port}: {said}")
 
 
 class ReplayEnded(DriverError, EOFError):

@@ -107,9 +107,13 @@ class Judge:
         return face, float(np.degrees(np.arctan2(level, upright)))
 
     def way_up(self, accel: FloatArray) -> FloatArray:
-        """Return the unit vector (3,), cube axes, that points up, from count rates (3,) in IMU axes."""
+        """Return the unit vector (3,), cube axes, that points up, from count rates (3,) in IMU axes.
+
+        Of dead accelerometers, which tell nothing until they are found to be dead, it is z.
+        """
         in_cube = self._C_ib.T @ (accel - self._bias)
-        up: FloatArray = in_cube / max(float(np.linalg.norm(in_cube)), 1e-9)
+        size = float(np.linalg.norm(in_cube))
+        up: FloatArray = in_cube / size if size > 0 else np.array([0.0, 0.0, 1.0])
         return up
 
     def _is_turning(self, block: Block) -> bool:

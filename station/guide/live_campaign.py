@@ -11,13 +11,13 @@ from typing import TypeVar
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from drivers.errors import DriverError, LinkLost
+from drivers.errors import DeadChannel, DriverError, LinkLost
 from drivers.url_files import anchored
 from drivers.wire import ALL_CHANNELS
 from fixtures_db.database import Database
 from procedures import hand_turns, twelve_position
 from procedures.campaign import Fixture
-from procedures.steps import Step, steps_of
+from procedures.steps import Step, Turn, steps_of
 from station.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
 from station.errors import DataRefused
 from station.gnss import GnssFeed, open_gnss
@@ -97,6 +97,7 @@ class LiveCampaign:
             self._feed.advance()
             if self._feed.lost:
                 raise LinkLost(self._feed.address.name, self._feed.lost)
+            self._refuse_dead()
         except DriverError as error:
             if not self._is_patient:
                 raise
@@ -131,6 +132,15 @@ class LiveCampaign:
         """Let the device and the folder go; may be called twice."""
         self._reader.close()
         self._stack.close()
+
+    def _refuse_dead(self) -> None:
+        """Raise `DeadChannel` for one that the open steps need: turns need gyroscopes, all need accelerometers."""
+        silent = self._feed.silent
+        has_turns = any(isinstance(step, Turn) for step in self.guide.desk.checklist.open_steps)
+        if silent and (has_turns or "accelerometer" in silent):
+            for block in self._feed.ready():  # nothing of it is used
+                self._feed.tape.forget_before(block.first)
+            raise DeadChannel(self._feed.address.name, silent)
 
     def _wait_for(self, error: DriverError) -> None:
         self.guide.stream_failed(error)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Self
 
-from drivers.errors import DriverError, WrongFormat
+from drivers.errors import DeadChannel, DriverError, WrongFormat
 from station.recorder import UnitChanged
 
 
@@ -26,4 +26,6 @@ def trouble_of(error: DriverError) -> Trouble:
         return Trouble("WRONG UNIT", "connect the campaign's own unit; it goes on by itself")
     if isinstance(error, WrongFormat):
         return Trouble("NOT READABLE", "check format and baud rate; it goes on by itself")
+    if isinstance(error, DeadChannel):
+        return Trouble("DEAD CHANNEL", "check its wiring and supply; it goes on by itself")
     return Trouble("NO DATA", "check cable and power; it goes on by itself")

@@ -60,7 +60,7 @@ class SilentChannels:
         live = [j for j in triad if not silent[j]]
         if not live:
             return len(triad) > 1
-        window = np.concatenate(self._kept)
+        window = np.concatenate(self._kept)[-int(self._same[i]) :]  # what moved them before says nothing
         return min(self._surprise(window[:, j], int(self._same[i])) for j in live) > 1
 
     def _surprise(self, values: FloatArray, same: int) -> float:

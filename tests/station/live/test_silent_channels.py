@@ -46,6 +46,17 @@ def test_a_healthy_unit_has_none_though_a_level_accelerometer_does_not_count(rat
     assert watched(TRUTH, 100.0, rates) == ""
 
 
+@pytest.mark.parametrize("is_dead", [False, True], ids=["healthy", "dead"])
+def test_only_a_dead_accelerometer_is_named_while_the_cube_is_carried_about(is_dead: bool) -> None:
+    imu, watch, said = SimulatedImu(without("accel", "y") if is_dead else TRUTH, 3), SilentChannels(), set[str]()
+    for position in (1, 3, 5, 7, 9, 11, 2):
+        imu.place(position, 5.0)
+        for _ in range(80):
+            watch.take(imu.read(25))
+            said.add(watch.text(0.02, ALL_CHANNELS).partition(" for ")[0])
+    assert said - {""} == ({"accelerometer y a constant 0"} if is_dead else set())
+
+
 def test_a_channel_that_stops_is_named_and_one_that_comes_back_is_not_any_more() -> None:
     imu, watch = SimulatedImu(TRUTH, 3), SilentChannels()
     watch.take(imu.read(1000))
