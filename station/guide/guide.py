@@ -134,7 +134,7 @@ class Guide:
         if self._heading.text:
             shown["hint"] = self._heading.text
         if self._is_paused:
-            shown |= {"stage": "paused", "line": "paused: nothing is recorded", "hint": ""}
+            shown |= {"stage": "paused", "line": "paused: nothing is recorded", "hint": "p goes on"}
         if self.trouble:
             shown |= {"line": self._troubled.instruction, "hint": self.trouble}
         return base.model_copy(

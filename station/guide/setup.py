@@ -38,8 +38,6 @@ def _ports() -> Sequence[Choice]:
 
 
 def _reference(name: str, size: str, due: date | None) -> Choice:
-    if due is None:
-        note = "no certificate date"
-    else:
-        note = f"certificate {'expired on' if is_expired(due, date.today()) else 'due'} {due}"
-    return Choice(key=name, title=f"{name} {size}".strip(), note=note)
+    warns = due is None or is_expired(due, date.today())
+    note = f"certificate {'expired on' if warns else 'due'} {due}" if due else "no certificate date"
+    return Choice(key=name, title=f"{name} {size}".strip(), note=note, warns=warns)

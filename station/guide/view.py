@@ -33,11 +33,12 @@ class _Value(BaseModel):
 
 
 class Choice(_Value):
-    """One of a list in the set-up: ``key`` is what is sent back, ``title`` what is shown."""
+    """One of a list: ``key`` is what is sent back, ``title`` what is shown; ``warns``: its note is of harm."""
 
     key: str
     title: str
     note: str = ""
+    warns: bool = False
 
 
 class Setup(_Value):

@@ -57,14 +57,14 @@ class StageScreen(Screen[None]):
         self._is_ready = False
         self._keys: object = None
         self.view = View()
-        self.title_bar = TitleBar()
+        self.title_bar, self.too_small = TitleBar(), TooSmall()
 
     def compose(self) -> ComposeResult:
         """Lay out the title, the body and the keys."""
         yield self.title_bar
         yield from self.body()
         yield KeyLine()
-        yield TooSmall()
+        yield self.too_small
 
     def body(self) -> ComposeResult:
         """Lay out what is between title and keys."""
@@ -94,6 +94,7 @@ class StageScreen(Screen[None]):
         if not self._is_ready:
             return
         self.title_bar.show_view(view)
+        self.too_small.show(bool(view.steps) and view.verdict is None and view.stage in RUNNING)
         self.draw(view)
         if (keys := (view.question is None, self.keys_depend_on(view))) != self._keys:
             self._keys = keys

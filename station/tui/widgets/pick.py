@@ -15,8 +15,9 @@ class Pick(Vertical):
     Pick Horizontal { height: 1; }
     Pick .label { width: 11; margin-left: 2; }
     Pick Select { width: 1fr; margin-right: 2; }
-    Pick .note { height: auto; margin-left: 13; color: $warning; text-style: bold; display: none; }
+    Pick .note { height: auto; margin-left: 13; color: $success; display: none; }
     Pick .note.said { display: block; }
+    Pick .note.warns { color: $warning; text-style: bold; }
     """
 
     def __init__(self, name: str, label: str, prompt: str) -> None:
@@ -49,11 +50,9 @@ class Pick(Vertical):
         """Choose by key; nothing is chosen by a key that is not there."""
         self.select.value = key if key in {choice.key for choice in self._choices} else Select.NULL
 
-    def explain(self, note: str) -> None:
-        """Say something about the choice."""
-        self._note.update(f"! {note}" if note else "")
+    def explain(self) -> None:
+        """Say what must be known about the choice: a warning, or that all is well."""
+        note, warns = next(((c.note, c.warns) for c in self._choices if c.key == self.value), ("", False))
+        self._note.update(f"{'!' if warns else '✓'} {note}" if note else "")
         self._note.set_class(bool(note), "said")
-
-    def note_of_choice(self) -> str:
-        """Return the note of what is chosen."""
-        return next((choice.note for choice in self._choices if choice.key == self.value), "")
+        self._note.set_class(warns, "warns")

@@ -156,7 +156,7 @@ class SetupForm(VerticalScroll, can_focus=False):
         """Take a choice; a port is looked at."""
         event.stop()
         for pick in (self.cube, self.slab):
-            pick.explain(pick.note_of_choice())
+            pick.explain()
         url = self.port.value
         if event.select is self.port.select and url and url != self.texts()["url"]:
             self.fields["url"].input.value = url

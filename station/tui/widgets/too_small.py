@@ -2,13 +2,18 @@
 
 from textual.app import RenderResult
 from textual.content import Content
-from textual.widget import Widget
+
+from station.tui.widgets.drawn import Drawn
 
 LEAST = (80, 24)  # columns, rows
+GOES_ON = "The campaign goes on meanwhile, and keys work"
 
 
-class TooSmall(Widget):
-    """Says what is needed and what there is; the screen comes back by itself once there is room."""
+class TooSmall(Drawn[bool]):
+    """Says what is needed and what there is; the screen comes back by itself once there is room.
+
+    ``value``: whether a campaign goes on meanwhile.
+    """
 
     DEFAULT_CSS = """
     TooSmall {
@@ -17,11 +22,14 @@ class TooSmall(Widget):
     }
     """
 
+    def __init__(self) -> None:
+        super().__init__(False)
+
     def render(self) -> RenderResult:
         """Draw the sentence."""
         columns, rows = self.app.size
         return Content.assemble(
             (f"needs {LEAST[0]}x{LEAST[1]}", "bold $warning"),
             f"; this terminal has {columns}x{rows}: make it larger, or its letters smaller. "
-            "The campaign goes on meanwhile, and keys work. --plain does with any terminal.",
+            f"{GOES_ON if self.value else 'Keys work'}. --plain does with any terminal.",
         )

@@ -216,7 +216,7 @@ def test_a_pause_keeps_what_was_accepted_and_records_nothing(rig: Make, when: st
     before = guided.view.accepted_s
     guided.obey("pause")
     view = guided.rest(60)
-    assert view.stage == "paused"
+    assert (view.stage, view.hint) == ("paused", "p goes on")
     assert (view.done, view.accepted_s) == (0, before)
     guided.obey("go_on")
     guided.run(guided.done(1))

@@ -72,10 +72,10 @@ def test_cubes_and_slabs_stand_there_with_their_certificates(db: Database, tmp_p
         add_slab(session, "SLAB", due_date=date(2020, 2, 1))
     begin(tmp_path / "c", db)
     start = start_view(db, Setup(operator="x"))
-    assert {cube.key: cube.note for cube in start.cubes} == {
-        "OLD": "certificate expired on 2020-02-01",
-        "NEW": "certificate due 2100-02-01",
-        "P1": "no certificate date",
+    assert {cube.key: (cube.note, cube.warns) for cube in start.cubes} == {
+        "OLD": ("certificate expired on 2020-02-01", True),
+        "NEW": ("certificate due 2100-02-01", False),
+        "P1": ("no certificate date", True),
     }
     assert [(slab.key, slab.note) for slab in start.slabs] == [("SLAB", "certificate expired on 2020-02-01")]
     assert start.cubes[0].title == "NEW 200 mm"

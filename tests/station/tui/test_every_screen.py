@@ -61,6 +61,16 @@ def cut_off(seen: Screens) -> list[object]:
     return found
 
 
+@pytest.mark.parametrize(("view", "goes_on"), [(views.START, False), (views.HOLDING, True), (views.PASSED, False)])
+async def test_a_terminal_that_is_too_small_speaks_of_a_campaign_only_where_one_goes_on(
+    view: View, goes_on: bool
+) -> None:
+    async with screens(view, (60, 12)) as seen:
+        text = " ".join(" ".join(seen.lines()).split())
+        assert "needs 80x24; this terminal has 60x12" in text
+        assert ("The campaign goes on meanwhile" in text) is goes_on
+
+
 async def test_help_explains_each_stage_and_its_keys_and_closes() -> None:
     async with screens(View()) as seen:
         for stage in get_args(Stage):

@@ -199,13 +199,14 @@ async def test_a_device_that_says_its_serial_number_fills_it_in_and_one_that_doe
         assert "Serial no. is needed" in said(seen)
 
 
-async def test_an_expired_certificate_is_said_with_the_cube() -> None:
+async def test_an_expired_certificate_is_a_warning_with_the_cube_and_one_in_force_is_not() -> None:
     async with screens(views.START) as seen:
         form = seen.app.screen.form
         assert "! certificate expired on 2026-02-01" in form.cube._note.render().plain  # noqa: SLF001
         form.cube.choose("CUBE-8")
         await seen.pilot.pause()
-        assert not form.cube._note.display  # noqa: SLF001
+        assert form.cube._note.render().plain == "✓ certificate due 2027-11-22"  # noqa: SLF001
+        assert not form.cube._note.has_class("warns")  # noqa: SLF001
 
 
 READY = Readiness(

@@ -109,8 +109,9 @@ START = View(
             Choice(key="serial:///dev/ttyS0?baud=921600", title="/dev/ttyS0  16550A"),
         ),
         cubes=(
-            Choice(key="CUBE-7", title="CUBE-7, side 400 mm", note="certificate expired on 2026-02-01"),
-            Choice(key="CUBE-8", title="CUBE-8, side 300 mm"),
+            Choice(key="CUBE-7", title="CUBE-7, side 400 mm", note="certificate expired on 2026-02-01",
+                   warns=True),
+            Choice(key="CUBE-8", title="CUBE-8, side 300 mm", note="certificate due 2027-11-22"),
         ),
         slabs=(Choice(key="SLAB-2", title="SLAB-2, granite, room 114"),),
         check=Check(
@@ -273,7 +274,7 @@ SOAKING = running(
     gates=Gates(face="z_up", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gz", is_still=True,
                 position=9, heading="by the Earth rate"),
 )  # fmt: skip
-PAUSED = running("paused", line="paused: nothing is recorded")
+PAUSED = running("paused", line="paused: nothing is recorded", hint="p goes on")
 NOTHING = LinkSilent("ttyUSB0", 1.8, 921600)
 OTHER = UnitChanged("ttyUSB0", "SIM-8", "SIM-7")
 SILENT = HOLDING.model_copy(
