@@ -102,8 +102,8 @@ class WrongFormat(DriverError):
         advice = (
             f"they look like {likely}: say format={likely}" if likely else seen or "check baud rate and format"
         )
-        frame = f"{format_name} frame" if format_name else "frame of any known format"
-        super().__init__(f"{port}: {bytes_seen} bytes{at} hold no {frame}; {advice}")
+        none = f"hold no {format_name} frame" if format_name else "hold no frame of any known format"
+        super().__init__(f"{port}: {bytes_seen} bytes{at} {none}; {advice}")
 
 
 class LinkLost(DriverError, ConnectionError):

@@ -46,6 +46,7 @@ TRIADS = ("accelerometer", "gyroscope")
 FIELDS = {"accelerometer": "accel", "gyroscope": "gyro"}
 OWN = 0.5  # of a turn's axis along the sensor, or of an attitude beyond those of the other dwells
 FEWEST = 5  # other dwells that foretell one
+STOOD_OFF = 0.02  # rad by which a position may be off and its channels are still right
 
 Record = DwellRecord | RestRecord | TurnRecord | SequenceRecord
 R = TypeVar("R", DwellRecord, RestRecord, TurnRecord, SequenceRecord)
@@ -109,7 +110,9 @@ class _Channel:
         return float(self.campaign.fixture.C_ib[self.axis] @ face_normal(face_of(turn.start_position)))
 
     def _levels(self) -> int:
-        return max((len(np.unique(v)) for i, v in enumerate(self.values) if not self.is_constant(i)), default=0)
+        """Return how many values its noise takes in the quietest rest that is not constant."""
+        rests = [i for i, step in enumerate(self.steps) if isinstance(step, DwellRecord | RestRecord)]
+        return min((len(np.unique(self.values[i])) for i in rests if not self.is_constant(i)), default=0)
 
     def _is_off(self, i: int, value: float) -> bool:
         """Say whether a dwell's constant is not what the other dwells make of its attitude."""
@@ -125,7 +128,8 @@ class _Channel:
         if np.linalg.norm(A.T @ like_them - own) > OWN:
             return False  # none of them says what it should put out in this attitude
         scatter = float(np.sqrt(np.sum((mean - A @ x) ** 2) / max(len(mean) - rank, 1)))
-        return abs(float(own @ x) - value) > LEAST / len(self.values[i]) + 6 * scatter
+        stood = STOOD_OFF * float(np.linalg.norm(x[:3]))
+        return abs(float(own @ x) - value) > LEAST / len(self.values[i]) + 6 * scatter + stood
 
     def _other_dwells(self, value: float) -> list[int]:
         """Return the dwells that put out something else than one constant ``value``, and did not stop."""

@@ -40,7 +40,7 @@ class Accepted:
 
     steps: list[tuple[Step, float, float]] = field(default_factory=list)
 
-    def accept(self, step: Step, tape: Tape, runs: Sequence[Run], *_: object) -> None:
+    def accept(self, step: Step, tape: Tape, runs: Sequence[Run], *_: object, **__: object) -> None:
         first, last = tape.block(runs[0][0], runs[0][0] + 1), tape.block(runs[-1][1] - 1, runs[-1][1])
         self.steps.append((step, float(first.device_time[0]), float(last.device_time[0])))
 
@@ -48,6 +48,9 @@ class Accepted:
         pass
 
     def keep_first_rest(self, rate: FloatArray, noise: FloatArray) -> None:
+        pass
+
+    def widen_closure(self, before_deg: float, now_deg: float) -> None:
         pass
 
     def set_unsettled(self, gyro_deg_h: float, accelerometer_g: float) -> None:

@@ -47,9 +47,9 @@ STEP_S = 1000.0  # of device time between two steps
 class Announced(FolderRecorder):
     """Says when it begins to accept a step and when it has."""
 
-    def accept(self, step: Step, *args: object) -> None:
+    def accept(self, step: Step, *args: object, **notes: object) -> None:
         print(f"accepting {step.name}", flush=True)
-        super().accept(step, *args)  # type: ignore[arg-type]
+        super().accept(step, *args, **notes)  # type: ignore[arg-type]
         print(f"accepted {step.name}", flush=True)
 
 

@@ -122,7 +122,7 @@ def test_the_file_is_whole_or_as_it_was(tmp_path: Path, monkeypatch: pytest.Monk
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(CannotWrite, match="No space left"):
+    with pytest.raises(CannotWrite, match="disk full"):
         write_solution(out, {"format": "other"})
     assert out.read_text() == before
     assert os.listdir(tmp_path) == ["out.json"]

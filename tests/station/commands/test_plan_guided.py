@@ -45,7 +45,7 @@ def test_a_plan_of_free_positions_and_a_soak_becomes_a_folder_that_solves(
     assert re.findall("^accepted: (free position .|soak .)", said, re.MULTILINE) == [
         "free position 1", "free position 2", "soak 1",
     ]  # fmt: skip
-    assert re.search(r"soak_01 25 s accepted, [0-9.]+ degC \([0-9.]+ to [0-9.]+ so far\), \d+ s left", said)
+    assert re.search(r"soak 1: 25 s accepted, [0-9.]+ degC \([0-9.]+ to [0-9.]+ so far\), \d+ s left", said)
     loaded = read_campaign(tmp_path / "c")
     assert len(loaded.campaign.rests) == 2
     [soak] = [step for step in loaded.steps if step.kind == "soak"]

@@ -57,7 +57,8 @@ def test_a_hand_move_is_followed_and_the_new_position_read() -> None:
 
 
 def test_it_shows_what_the_calibration_bought() -> None:
-    bought = MonitorRig(QUIET, Options(latitude=LATITUDE)).run(60.0).bought
+    options = Options(latitude=LATITUDE, gravity=QUIET.local_gravity)
+    bought = MonitorRig(QUIET, options).run(60.0).bought
     assert bought.seconds > 40
     assert bought.with_it.level < 0.01 < 0.05 < bought.without.level
     assert bought.with_it.drift < 0.3 < 0.8 < bought.without.drift
