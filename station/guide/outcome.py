@@ -14,6 +14,7 @@ from station.diagnosis.text import diagnosis_text, warnings_of
 from station.diagnosis.wording import verdict_sentence
 from station.guide.folder_notes import read_left_out
 from station.guide.judgement import Judged, Outcome, judge, judged_in_words
+from station.guide.kept_seats import worst_kept
 from station.guide.step_words import gap_in_words, verdict_for_people
 from station.guide.view import Row, Verdict
 from station.recorder.campaign import step_of
@@ -67,10 +68,10 @@ def verdict_view(results: "Results", database: Database) -> Verdict:
 
 
 def _to_redo(results: "Results") -> str:
-    """Return the step whose recording surely stood turned against the marks, the first of several."""
+    """Return the step to record again: one that surely stood turned, else the seat kept farthest off."""
     steps = {table.file: step_of(table) for table in results.tables.steps()}
     named = (steps.get(name) for name in results.solution.turned_off)
-    return next((step.name for step in named if step is not None), "")
+    return next((step.name for step in named if step is not None), worst_kept(results.tables))
 
 
 def worst_residual(residuals: Sequence[StepResidual]) -> str:

@@ -30,7 +30,7 @@ class VerdictScreen(StageScreen):
     }
     BINDINGS = [
         Binding("s", "store", "Store", tooltip="put the calibration into the database"),
-        Binding("r", "redo", "Redo", tooltip="record the position again that stood off"),
+        Binding("r", "redo", "Redo", tooltip="record the position again that stood turned or was kept tilted"),
         Binding("o", "open_report", "Open report", tooltip="show the report in a browser"),
         Binding("d", "diagnose", "Diagnose", tooltip="all that the residual says the model lacks"),
         Binding("down,pagedown", "roll(1)", "More", key_display="↑↓", tooltip="scroll the facts and the numbers"),

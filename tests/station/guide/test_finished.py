@@ -36,6 +36,14 @@ def folder(tmp_path: Path, database: Database) -> Path:
     return made
 
 
+def kept_tilted(folder: Path, position: int, *off: float) -> None:
+    """Have it said that the cube was kept as it sat, so far off [rad]."""
+    toml, found = folder / "campaign.toml", f"position = {position}\n"
+    text = toml.read_text()
+    assert text.count(found) == 1
+    toml.write_text(text.replace(found, f"{found}kept_seat_rad = [{off[0]}, {off[1]}]\n"))
+
+
 def resumed(folder: Path, database: Database, url: str = "") -> Engine:
     engine = Engine(database, Options(folder.parent, Setup(url=url), warms_up=False), lambda view: None)
     engine.obey(Command(verb="resume", folder=str(folder)))
@@ -54,6 +62,14 @@ def test_it_goes_to_the_verdict_without_its_port_and_can_be_stored(folder: Path,
     engine.close()
     with database.read() as session:
         assert len(history(session, "SIM-7")) == 1
+
+
+def test_the_seat_kept_farthest_off_is_offered_to_be_recorded_again(folder: Path, database: Database) -> None:
+    kept_tilted(folder, 4, 3e-4, 0.0)
+    kept_tilted(folder, 8, 0.0, -5e-4)
+    engine = resumed(folder, database)
+    assert engine.view.verdict.redo == "dwell_08"
+    engine.close()
 
 
 def test_a_step_done_again_opens_the_port_and_its_refusal_changes_nothing(
