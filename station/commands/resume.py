@@ -44,7 +44,7 @@ def resume(
     from station.guide.command import Command
     from station.guide.open_campaigns import unfinished
     from station.guide.process import EngineOptions
-    from station.guide.view import Setup
+    from station.guide.remembered import load_setup
 
     with open_db(db) as database:
         found = unfinished(database)
@@ -59,8 +59,9 @@ def resume(
     if folder is None and not free:
         raise DataRefused("database", None, "no unfinished campaign", "one that is free", "begin with `calibrate`")
     which = str(folder.resolve() if folder is not None else free[0])
+    setup = load_setup().model_copy(update={"url": device})  # of a form, should this campaign be refused
     options = EngineOptions(
-        root=campaigns_root(), database=db, setup=Setup(url=device), hands=hands, move_s=move_s,
+        root=campaigns_root(), database=db, setup=setup, hands=hands, move_s=move_s,
         asks=not headless, warms_up=not headless and warm_up, first=Command(verb="resume", folder=which),
     )  # fmt: skip
     screen = Screen(headless=headless, plain=plain, web=web, port=port, slow=slow, quiet=quiet, stores=store)

@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drivers.errors import DriverError
+from drivers.errors import DriverError, LinkSilent, PortNotFound
 from fixtures_db.database import Database
 from fixtures_db.errors import DatabaseError
 from procedures.errors import ProcedureError
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
 FOR_UNIT = "waiting for the unit to say who it is"
 WHOLE = "all is recorded: leave, and diagnose it together with the campaign that it complements"
+ELSEWHERE = "; if it is at another port now, look at its address and go on, or `station resume --device URL`"
 OVER = frozenset({"cancelled", "left", "failed"})
 AGAIN = frozenset({"redo", "choose"})  # what needs the device of a campaign that is complete
 LOOKS = {"check": ("check", "is_checking"), "listen": ("receiver", "is_listening")}  # by verb, what `Start` says
@@ -171,13 +172,15 @@ class Engine:
             if self._options.asks:
                 with contextlib.suppress(CannotWrite):  # to be remembered is a courtesy, not a condition
                     save_setup(command.setup)
-            setup = command.setup
+            self._considered = setup = command.setup
             self._start(lambda: _begun(setup, self._database, self._options), _awaited(setup))
         elif command.verb == "resume":
             folder, options = Path(command.folder), self._options
             if command.url:
                 options = replace(options, setup=options.setup.model_copy(update={"url": command.url}))
-            self._start(lambda: _resumed(folder, self._database, options))
+            if not self._considered.url:
+                self._considered = self._considered.model_copy(update={"url": _port_of(folder)})
+            self._start(lambda: _resumed(folder, self._database, options), is_to_go_on=True)
         elif command.verb in {"cancel", "leave"}:
             self._end("cancelled", "nothing was begun; the database is as it was")
 
@@ -187,8 +190,8 @@ class Engine:
         self._considered = setup
         self._considering.ask(setup, start.check, start.receiver)
 
-    def _start(self, make: Callable[[], Campaign], hint: str = FOR_UNIT) -> None:
-        start = self.view.start
+    def _start(self, make: Callable[[], Campaign], hint: str = FOR_UNIT, *, is_to_go_on: bool = False) -> None:
+        start = (self.view.start or Start()).model_copy(update={"setup": self._considered})
         self._publish(View(stage="connecting", line="connecting", hint=hint))
         wait(self._looks.values())  # they hold the ports
         try:
@@ -197,7 +200,8 @@ class Engine:
             if not self._options.is_patient:
                 raise
             self.view = View(stage="start", start=start)
-            self._show_start(refused=str(error), refused_code=exit_code(error) or 0)
+            is_moved = is_to_go_on and isinstance(error, PortNotFound | LinkSilent)
+            self._show_start(refused=f"{error}{ELSEWHERE if is_moved else ''}", refused_code=exit_code(error) or 0)
         else:
             self._readiness = said_of(self._campaign, self._database, self._options)
             self._show(self._campaign)
@@ -301,6 +305,15 @@ def _resumed(folder: Path, database: Database, options: Options) -> Campaign:
     from station.guide.live_campaign import resume
 
     return finished(folder, database) or resume(folder, database, options)
+
+
+def _port_of(folder: Path) -> str:
+    """Return the port that a campaign had, empty if that is not known."""
+    from station.guide.folder_notes import read_setup
+
+    with contextlib.suppress(DataRefused, OSError):
+        return (read_setup(folder) or Setup()).url
+    return ""
 
 
 def _awaited(setup: Setup) -> str:

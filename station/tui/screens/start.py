@@ -42,7 +42,7 @@ class StartScreen(StageScreen):
     DEFAULT_CSS = """
     StartScreen .heading { height: 1; padding: 0 2; color: $accent; text-style: bold; }
     StartScreen.-tall .heading { height: 3; padding: 1 2; }
-    StartScreen #said { height: auto; max-height: 3; padding: 0 2; color: $error; text-style: bold; }
+    StartScreen #said { height: auto; max-height: 4; padding: 0 2; color: $error; text-style: bold; }
     StartScreen #bottom { height: 1; padding: 0 2; }
     StartScreen #time { width: 1fr; text-wrap: nowrap; }
     """
@@ -127,8 +127,11 @@ class StartScreen(StageScreen):
         self._look(event.name)
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Go on with a campaign."""
-        self.order("resume", folder=self.unfinished.campaigns[event.option_index].folder)
+        """Go on with a campaign, at the port that was looked at if that may be its unit's."""
+        campaign, check = self.unfinished.campaigns[event.option_index], (self.view.start or Start()).check
+        is_its = check is not None and check.is_good and check.serial in {"", campaign.serial}
+        url = self.form.texts()["url"]
+        self.order("resume", folder=campaign.folder, url=url if is_its and check and check.url == url else "")
 
     def on_button_pressed(self) -> None:
         """Begin."""

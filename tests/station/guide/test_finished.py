@@ -11,10 +11,13 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.history import history
 from procedures import hand_turns
 from procedures.steps import Dwell, steps_of
+from station import cli
 from station.guide.command import Command
 from station.guide.engine import Engine
 from station.guide.folder_notes import keep_plan, write_setup
 from station.guide.options import Options
+from station.guide.process import EngineOptions
+from station.guide.remembered import save_setup
 from station.guide.view import Setup
 from tests.station.guide.stored import recorded
 
@@ -99,4 +102,38 @@ def test_one_step_short_it_wants_its_port(folder: Path, database: Database) -> N
     engine = resumed(folder, database)
     assert engine.view.stage == "start"
     assert "no such port" in engine.view.start.refused
+    assert "`station resume --device URL`" in engine.view.start.refused
+    assert engine.view.start.setup.url == NOWHERE
     engine.close()
+
+
+def test_a_refused_campaign_leaves_the_form_as_it_stood(folder: Path, database: Database) -> None:
+    keep_plan(folder, (*POSITIONS, *steps_of(hand_turns.plan(1, 5.0))))
+    remembered = Setup(latitude_deg=48.1, operator="Curie", cube="CUBE-7")
+    engine = Engine(database, Options(folder.parent, remembered), lambda view: None)
+    typed = remembered.model_copy(update={"url": "/dev/ttyNEW", "operator": "Noether"})
+    engine.obey(Command(verb="consider", setup=typed))
+    engine.obey(Command(verb="resume", folder=str(folder)))
+    assert engine.view.start.setup == typed
+    assert NOWHERE.split("?")[0].removeprefix("serial://") in engine.view.start.refused
+    begun = typed.model_copy(update={"operator": "Curie", "folder": str(folder.parent / "n")})
+    engine.obey(Command(verb="begin", setup=begun))
+    assert engine.view.start.setup == begun
+    assert "--device" not in engine.view.start.refused
+    engine.close()
+
+
+def test_a_resume_that_ends_at_the_form_finds_it_filled_as_it_was_remembered(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("STATION_CONFIG", str(tmp_path / "config"))
+    save_setup(Setup(url="/dev/ttyOLD", latitude_deg=48.1, operator="Curie", cube="CUBE-7"))
+    given = list[EngineOptions]()
+
+    def keep(options: EngineOptions, _: object) -> int:
+        given.append(options)
+        return 0
+
+    monkeypatch.setattr("station.commands._guided.guide", keep)
+    assert cli.run(["resume", str(folder), "--db", str(tmp_path / "s.db")]) == 0
+    assert given[0].setup == Setup(latitude_deg=48.1, operator="Curie", cube="CUBE-7")

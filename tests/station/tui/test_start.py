@@ -37,7 +37,7 @@ async def fill(seen: Screens, name: str, text: str) -> None:
 async def test_enter_goes_on_with_the_campaign_on_top() -> None:
     async with screens(views.START) as seen:
         await seen.press("enter")
-        assert seen.sent == [Command(verb="resume", folder=views.FOLDER)]
+        assert seen.sent == [Command(verb="resume", folder=views.FOLDER, url=views.URL)]
 
 
 async def test_campaigns_in_use_or_not_here_are_shown_and_cannot_be_chosen() -> None:
@@ -45,7 +45,25 @@ async def test_campaigns_in_use_or_not_here_are_shown_and_cannot_be_chosen() -> 
         options = seen.app.screen.unfinished
         assert [options.get_option_at_index(i).disabled for i in range(3)] == [False, True, True]
         await seen.press("down", "down", "enter")
-        assert seen.sent == [Command(verb="resume", folder=views.FOLDER)]
+        assert seen.sent == [Command(verb="resume", folder=views.FOLDER, url=views.URL)]
+
+
+@pytest.mark.parametrize(
+    ("check", "sent"),
+    [
+        (Check(url=SETUP.url, is_good=True, serial=""), SETUP.url),
+        (Check(url=SETUP.url, is_good=True, serial="SIM-8"), ""),
+        (Check(url=SETUP.url, is_good=False), ""),
+        (Check(url="tcp://else:1", is_good=True), ""),
+        (None, ""),
+    ],
+)
+async def test_a_campaign_goes_on_at_the_port_looked_at_if_its_unit_may_be_there(
+    check: Check | None, sent: str
+) -> None:
+    async with screens(of_start(check=check)) as seen:
+        await seen.press("enter")
+        assert seen.sent == [Command(verb="resume", folder=views.FOLDER, url=sent)]
 
 
 async def test_what_is_remembered_is_filled_in_and_sent_back_as_it_was() -> None:
