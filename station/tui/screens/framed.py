@@ -31,7 +31,7 @@ class FramedScreen(StageScreen):
 
     def __init__(self, send: Callable[[Command], None]) -> None:
         super().__init__(send)
-        self.banner, self.events, self.link = Banner(), EventLines(), LinkLine()
+        self.banner, self.events, self.link = Banner(), EventLines(keeps_reason=True), LinkLine()
 
     def body(self) -> ComposeResult:
         """Lay out the frame."""

@@ -9,6 +9,7 @@ from station.guide.view import Event, Sound
 from station.tui.widgets.drawn import Drawn
 
 LEAST = 2  # rows
+ENDS: frozenset[Sound] = frozenset({"accepted", "rejected"})
 
 LOOKS: dict[Sound, tuple[str, str]] = {
     "": ("·", "$muted"),
@@ -20,28 +21,41 @@ LOOKS: dict[Sound, tuple[str, str]] = {
 
 
 class EventLines(Drawn[tuple[Event, ...]]):
-    """As many whole events as there are lines; the newest in full colour."""
+    """As many whole events as there are lines; the newest in full colour.
+
+    ``keeps_reason``: why the last attempt was rejected stays in sight until one is accepted.
+    """
 
     DEFAULT_CSS = """
     EventLines { height: 1fr; min-height: 2; }
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, keeps_reason: bool = False) -> None:
         super().__init__((), id="events")
+        self._keeps_reason = keeps_reason
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Return the rows that the newest event needs."""
-        return max(len(_lines(self.value[-1], max(width, 40), is_newest=True)) if self.value else 0, LEAST)
+        """Return the rows that the newest event and the reason that still counts need."""
+        return max(sum(len(_lines(each, max(width, 40), is_newest=False)) for each in self._first), LEAST)
 
     def render(self) -> Content:
-        """Draw the last events; what needs two lines has two."""
-        rows, room = list[Content](), max(self.size.height, 1)
-        for event in reversed(self.value):
+        """Draw the events in the order in which they happened; what needs two lines has two."""
+        drawn, room = dict[int, list[Content]](), max(self.size.height, 1)
+        others = [each for each in reversed(self.value) if each not in self._first]
+        for event in (*self._first, *others):
             lines = _lines(event, max(self.size.width, 40), is_newest=event is self.value[-1])
-            if rows and len(rows) + len(lines) > room:
+            if drawn and len(lines) > room:
                 break
-            rows = [*lines, *rows]
-        return Content("\n").join(rows)
+            drawn[event.number] = lines
+            room -= len(lines)
+        return Content("\n").join(line for _, lines in sorted(drawn.items()) for line in lines)
+
+    @property
+    def _first(self) -> tuple[Event, ...]:
+        """The newest event, and the reason of the last rejection if nothing was accepted since."""
+        ends = [each for each in self.value if each.sound in ENDS]
+        reason = ends[-1:] if self._keeps_reason and ends and ends[-1].sound == "rejected" else []
+        return tuple(self.value[-1:]) + tuple(each for each in reason if each != self.value[-1])
 
 
 def _lines(event: Event, width: int, *, is_newest: bool) -> list[Content]:

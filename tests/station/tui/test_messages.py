@@ -170,3 +170,37 @@ async def test_a_terminal_that_is_too_small_says_what_is_needed_and_what_it_has(
         await seen.pilot.resize_terminal(80, 24)
         await seen.pilot.pause()
         assert "needs 80x24" not in " ".join(seen.lines())
+
+
+async def test_why_a_turn_was_rejected_stays_in_sight_below_what_comes_next() -> None:
+    reasons = [
+        "turn X-: it was 2.00 revolutions, by the turns before it, expected 3 revolutions; once more",
+        "turn X-: it came back 3.1 deg off (1 sigma 0.4 deg): the marks say where it ends; once more",
+        "the unit was switched off and on: its biases are solved apart from before; it warms up again",
+    ]
+    later = [
+        Event(number=51, sound="start", text="turn now: 3 times counter-clockwise"),
+        Event(number=52, sound="still", text="touched before the turn: keep your hands off"),
+    ]
+    async with screens(views.TURNING) as seen:
+        for reason in reasons:
+            assert len(reason) > SMALL[0]
+            for after in (later[:1], later[1:], later):
+                events = (*views.EVENTS, Event(number=50, sound="rejected", text=reason), *after)
+                await seen.show(views.TURNING.model_copy(update={"events": events}))
+                await seen.pilot.pause()
+                said = said_in(seen, seen.app.screen.events)
+                assert words(reason) in said
+                assert said.endswith(after[-1].text)
+                assert "REST" in " ".join(seen.lines())
+                assert seen.app.screen.query_one("KeyLine").region.bottom == SMALL[1]
+
+
+async def test_a_reason_gives_way_once_a_step_is_accepted() -> None:
+    reason = Event(number=50, sound="rejected", text="turn X-: it came back 3.1 deg off")
+    after = [Event(number=51 + i, sound="accepted", text=f"accepted: turn {i}") for i in range(4)]
+    async with screens(views.TURNING.model_copy(update={"events": (reason, *after)})) as seen:
+        await seen.pilot.pause()
+        said = said_in(seen, seen.app.screen.events)
+        assert "accepted: turn 3" in said
+        assert reason.text not in said
