@@ -7,7 +7,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.bench_model import tilt_names
-from procedures.campaign import Campaign, RestRecord
+from procedures.campaign import Campaign, RestRecord, period_std
 from procedures.dead_channels import without_dead
 from procedures.errors import NotObservable
 from procedures.face_check import refuse_wrong_faces
@@ -22,9 +22,10 @@ from procedures.residuals import fit_quality, step_residuals
 from procedures.sequences import Segmented, all_rests, segment
 from procedures.signs import sign_warnings
 from procedures.solution import Estimate, FitQuality, Solution, TriadCalibration
-from procedures.triad import TriadVector, moves_vector, paper_biases, triad_vector
+from procedures.triad import TriadVector, moves_vector, paper_biases, triad_vector, with_clock
 from procedures.turn_on_warnings import turn_on_warnings
 from procedures.twelve_position import JointFit, missing_positions, solve_accelerometer
+from procedures.uncertainty.outside import clock_on_accelerometer, clock_on_moves
 
 NEVER_EXCITED = ("accelerometer.cross_product", "accelerometer.cubic (with accelerometer.scale_factor)")
 FREE_FRAME = (
@@ -137,6 +138,9 @@ def report(fits: Fits) -> Solution:
     gyro = triad_vector(fits.gyroscope.joint, "gyroscope", fits.accelerometer) if fits.gyroscope else None
     if fits.moves is not None and fits.accelerometer is not None:
         gyro = moves_vector(fits.moves, fits.accelerometer)
+    if (std := period_std(fits.campaigns)) > 0:
+        accel = accel and with_clock(accel, clock_on_accelerometer(accel.value, counts), std)
+        gyro = gyro and with_clock(gyro, clock_on_moves(gyro.value, counts), std)
     on_bench = fits.accelerometer is not None and not fits.accelerometer.is_turned_freely
     slab, parallelism = _bench(fits.accelerometer) if on_bench and fits.accelerometer else (None, None)
     names, covariance = joint_covariance(fits, accel, gyro)

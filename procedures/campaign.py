@@ -1,6 +1,6 @@
 """A campaign in memory: everything a solve needs, nothing of where it came from."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -143,7 +143,8 @@ class RateTable:
 class Campaign:
     """One campaign of one unit. ``counts`` says whether the output is counts (else rates).
 
-    ``nominal_period`` [s] is the sample period that the campaign states, where it states one.
+    ``nominal_period`` [s] is the sample period that the campaign states, where it states one. ``period_std``,
+    relative, is 1 sigma of the sample period that all its steps have in common, where stamps leave it open.
     """
 
     model: str
@@ -159,3 +160,9 @@ class Campaign:
     nominal_period: float | None = None
     rate_tables: tuple[RateTable, ...] = ()
     soaks: tuple[SoakRecord, ...] = ()
+    period_std: float = 0.0
+
+
+def period_std(campaigns: Sequence[Campaign]) -> float:
+    """Return the relative 1 sigma of the time base that stamps leave open: of the worst of campaigns."""
+    return max(campaign.period_std for campaign in campaigns)

@@ -30,13 +30,15 @@ class SampleTimes:
     """When rows were taken: ``t`` (n,) [s], and the first row of each gap-free segment, (s,).
 
     ``period`` [s] is the mean one within segments. With ``is_uneven`` the stamps are no times of samples: ``t`` is
-    then a regular grid in each segment, as late as no stamp contradicts.
+    then a regular grid in each segment, as late as no stamp contradicts, and ``period_std`` [s] is 1 sigma of the
+    period.
     """
 
     t: FloatArray
     period: float
     begins: IntArray
     is_uneven: bool = False
+    period_std: float = 0.0
 
 
 def sample_times(stamps: FloatArray, nominal: float) -> SampleTimes:
@@ -172,14 +174,19 @@ def _slices(begin: IntArray, end: IntArray, side: int) -> list[slice]:
 def _on_a_grid(t: FloatArray, begins: IntArray, long: IntArray, period: float) -> SampleTimes:
     """Return a regular grid for each segment, its pace that of the rows before long steps: the least late ones."""
     ends, rows = np.setdiff1d(long - 1, begins - 1), np.arange(len(t))
+    std = GAP * period / len(t)  # of the mean from end to end
     for _ in range(2 if np.ptp(ends) > len(t) / 2 else 0):
         x, y = (_about_mean(each[ends], np.searchsorted(begins, ends, side="right")) for each in (rows, t))
-        period = float(x @ y / (x @ x)) if x @ x > 0 else period
+        if x @ x == 0:
+            break
+        period = float(x @ y / (x @ x))
         off = np.abs(y - period * x)
+        scatter = max(float(off @ off) / max(len(off) - 2, 1), (1e-3 * period) ** 2)
+        std = float(np.sqrt(scatter / (x @ x)))
         ends = ends[off <= OUTLIER * 1.4826 * max(float(np.median(off)), 1e-3 * period)]
     least = np.minimum.reduceat(t - period * rows, begins)
     grid = period * rows + np.repeat(least, np.diff(np.append(begins, len(t))))
-    return SampleTimes(grid, period, begins, is_uneven=True)
+    return SampleTimes(grid, period, begins, is_uneven=True, period_std=std)
 
 
 def _about_mean(values: FloatArray | IntArray, segment: IntArray) -> FloatArray:

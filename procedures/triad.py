@@ -66,6 +66,11 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
     return TriadVector(value, J, covariance, vector_names(triad), unit)
 
 
+def with_clock(vector: TriadVector, change: FloatArray, std: float) -> TriadVector:
+    """Return the vector with a time base open to ``std``, relative; ``change`` (15,) is per relative error."""
+    return replace(vector, covariance=vector.covariance + np.outer(change, change) * std**2)
+
+
 def common_variance(joint: JointFit, k: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return what dwells have in common, as variances (3,) of D.
 

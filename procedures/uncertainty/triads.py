@@ -1,11 +1,12 @@
 """The variance of a triad's k, E and D, split by source: the fit's rows through its gain, and what comes after."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.calibration import Fits
+from procedures.campaign import period_std
 from procedures.least_squares import Fit
 from procedures.triad import DPH, TriadVector, common_variance, moves_vector, triad_vector
 from procedures.twelve_position import JointFit
@@ -54,6 +55,7 @@ def gain_of(fit: Fit) -> FloatArray:
 def decompose(fits: Fits, inputs: Inputs) -> dict[str, Decomposition]:
     """Split the variances of every triad that was solved, by ``accelerometer`` and ``gyroscope``."""
     found = dict[str, Decomposition]()
+    inputs = replace(inputs, clock=float(np.hypot(inputs.clock, period_std(fits.campaigns))))
     chain = None
     if fits.accelerometer is not None:
         chain = _accelerometer_chain(fits.accelerometer, inputs)

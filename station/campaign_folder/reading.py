@@ -31,6 +31,7 @@ from station.campaign_folder.loaded import (
     check_one_unit,
     clock_warnings,
 )
+from station.campaign_folder.one_period import said_of_period, with_one_period
 from station.campaign_folder.overlap import refuse_overlap
 from station.campaign_folder.points import rate_tables, soaks
 from station.campaign_folder.schema import (
@@ -85,8 +86,15 @@ def read_campaign(folder: Path) -> LoadedCampaign:
         *_gravity_of_another_place(tables.site),
         *(w for step in steps if step.data for w in step.data.warnings),
     ]
+    steps, period = with_one_period(steps)
+    warnings += said_of_period(period)
     used = [step for step in steps if _is_used(step)]
-    campaign = replace(_campaign(tables, used), rate_tables=rate_tables(steps), soaks=soaks(steps))
+    campaign = replace(
+        _campaign(tables, used),
+        rate_tables=rate_tables(steps),
+        soaks=soaks(steps),
+        period_std=period.std / period.value if period else 0.0,
+    )
     warnings += clock_warnings(tables, campaign)
     unused = tuple(step.label for step in steps if step not in used)
     return LoadedCampaign(folder, tables, campaign, tuple(steps), files, tuple(warnings), unused)

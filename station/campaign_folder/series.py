@@ -19,12 +19,14 @@ _NAMED_GAPS = 10
 class StepData:
     """What a step's file holds, a value per sample.
 
+    ``times`` is what the stamps say.
     ``span`` is the first and last ``t_s`` [s]; ``host_span`` the station's time [ns] where the file has it;
     ``warnings`` what is legal but worth saying.
     """
 
     series: Series
     span: tuple[float, float]
+    times: SampleTimes
     host_span: tuple[int, int] | None = None
     warnings: tuple[str, ...] = ()
 
@@ -57,7 +59,7 @@ def step_data(table: Table, imu: ImuTable) -> StepData:
     extra = {name: c[keep] for name, c in table.columns.items() if name not in {*OUTPUTS, "t_s", "temp_c"}}
     series = _series(times.t[keep], arrays, temperature, period, starts[starts < keep.sum()], imu, extra)
     warnings = (*_gap_warnings(table, begins[1:]), *_uneven(table, times), *_other_warnings(table, period, imu))
-    return StepData(series, (float(t[0]), float(t[-1])), table.host_span, warnings)
+    return StepData(series, (float(t[0]), float(t[-1])), times, table.host_span, warnings)
 
 
 def _refuse_time_backwards(table: Table, step: FloatArray) -> None:
@@ -130,7 +132,7 @@ def _uneven(table: Table, times: SampleTimes) -> list[str]:
     step = np.delete(np.diff(table.columns["t_s"]), times.begins[1:] - 1)
     return [
         f"{table.file}: t_s goes on in steps of {step.min():.3g} to {step.max():.3g} s, as of reads, not "
-        f"of samples; the rows are taken to be samples {times.period:.9g} s apart"
+        f"of samples; the rows are taken to be samples at a regular pace, {times.period:.9g} s by this file alone"
     ]
 
 
