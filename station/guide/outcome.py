@@ -14,7 +14,7 @@ from station.diagnosis.text import diagnosis_text, warnings_of
 from station.diagnosis.wording import verdict_sentence
 from station.guide.folder_notes import read_left_out
 from station.guide.judgement import Judged, Outcome, judge, judged_in_words
-from station.guide.kept_seats import worst_kept
+from station.guide.kept_seats import doubt_of, worst_kept
 from station.guide.step_words import gap_in_words, verdict_for_people
 from station.guide.view import Row, Verdict
 from station.recorder.campaign import step_of
@@ -52,6 +52,7 @@ def verdict_view(results: "Results", database: Database) -> Verdict:
         word=results.outcome.word,
         said=results.outcome.said,
         sentence=results.outcome.sentence,
+        doubt=doubt_of(results.tables),
         status=results.status,
         status_reason=results.status_reason,
         worst_residual=worst_residual(results.solution.residuals),

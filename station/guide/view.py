@@ -309,11 +309,16 @@ class Row(_Value):
 
 
 class Verdict(_Value):
-    """The end: one sentence, then what stands behind it. ``redo`` names the step that had better be done again."""
+    """The end: one sentence, then what stands behind it.
+
+    ``doubt`` says why it is not to be relied on whatever the word; the sentence says it too. ``redo`` names the
+    step that had better be done again.
+    """
 
     word: Literal["PASS", "FAIL", "NOT_MEASURED"]
     said: str = ""  # the word as people read it, where that is another one
     sentence: str
+    doubt: str = ""
     status: Literal["calibrated", "measured"]
     status_reason: str = ""
     worst_residual: str = ""

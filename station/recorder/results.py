@@ -20,6 +20,7 @@ from station.campaign_folder.schema import CampaignTable
 from station.errors import Altered
 from station.guide.folder_notes import read_setup
 from station.guide.judgement import Outcome, judge
+from station.guide.kept_seats import doubt_of
 from station.recorder.circumstances import circumstances, diagnosis_kept, judged_values
 
 if TYPE_CHECKING:
@@ -78,6 +79,8 @@ def make_results(
     outcome = judge(document, limits, {one.name: one.std for one in budgets})
     if left := left_said(closed.document, budgets):
         outcome = replace(outcome, reason=f"{outcome.reason}; {left}")
+    if doubt := doubt_of(loaded.tables):
+        outcome = replace(outcome, reason=f"{doubt}; {outcome.reason}")
     status_reason = "; ".join(reasons)
     status: Literal["calibrated", "measured"] = "measured" if reasons else "calibrated"
     context = replace(

@@ -81,6 +81,8 @@ class VerdictScreen(StageScreen):
     def action_store(self) -> None:
         """Ask, then store."""
         text = "The calibration becomes part of the unit's history. It cannot be changed or removed."
+        if self.view.verdict is not None and self.view.verdict.doubt:
+            text = f"! {self.view.verdict.doubt}.\n\n{text}"
         self.confirm("Store the calibration?", text, "Yes, store it", "store", "verdict")
 
     def action_redo(self) -> None:

@@ -1,10 +1,11 @@
-"""The verdict: a word, a symbol and one sentence in the verdict's colour."""
+"""The verdict: a word, a symbol and one sentence in the colour of the verdict, of a warning if in doubt."""
 
 from textual.content import Content
 
 from station.guide.view import Verdict
 from station.tui.widgets.drawn import Drawn
 
+DOUBTED = ("!", "$warning")
 LOOKS = {"PASS": ("✓", "$success"), "FAIL": ("✗", "$error"), "NOT_MEASURED": ("?", "$warning")}
 
 
@@ -15,7 +16,7 @@ class VerdictSentence(Drawn[Verdict | None]):
     VerdictSentence { text-wrap: wrap; height: auto; min-height: 3; padding: 1 2; text-style: bold; }
     VerdictSentence.PASS { background: $success 22%; }
     VerdictSentence.FAIL { background: $error 22%; }
-    VerdictSentence.NOT_MEASURED { background: $warning 22%; }
+    VerdictSentence.NOT_MEASURED, VerdictSentence.doubted { background: $warning 22%; }
     """
 
     def __init__(self) -> None:
@@ -25,13 +26,18 @@ class VerdictSentence(Drawn[Verdict | None]):
         """Take another verdict."""
         for word in LOOKS:
             self.set_class(value is not None and value.word == word, word)
+        self.set_class(value is not None and _is_doubted(value), "doubted")
         super().show(value)
 
     def render(self) -> Content:
         """Draw it."""
         if self.value is None:
             return Content("")
-        symbol, colour = LOOKS[self.value.word]
+        symbol, colour = DOUBTED if _is_doubted(self.value) else LOOKS[self.value.word]
         plain = self.value.said or self.value.word.replace("_", " ")
         sentence = self.value.sentence.removeprefix(f"{plain}: ")
         return Content.assemble((f" {symbol} {plain} ", f"$background on {colour}"), f"  {sentence}")
+
+
+def _is_doubted(verdict: Verdict) -> bool:
+    return bool(verdict.doubt) and verdict.word == "PASS"

@@ -12,9 +12,11 @@ from fixtures_db.history import history
 from procedures import hand_turns
 from procedures.steps import Dwell, steps_of
 from station import cli
+from station.campaign_folder.toml_text import read_toml
 from station.guide.command import Command
 from station.guide.engine import Engine
 from station.guide.folder_notes import keep_plan, write_setup
+from station.guide.kept_seats import doubt_of
 from station.guide.options import Options
 from station.guide.process import EngineOptions
 from station.guide.remembered import save_setup
@@ -72,6 +74,22 @@ def test_the_seat_kept_farthest_off_is_offered_to_be_recorded_again(folder: Path
     kept_tilted(folder, 8, 0.0, -5e-4)
     engine = resumed(folder, database)
     assert engine.view.verdict.redo == "dwell_08"
+    engine.close()
+
+
+def test_a_seat_that_spoils_the_calibration_is_the_first_thing_a_verdict_says(
+    folder: Path, database: Database
+) -> None:
+    kept_tilted(folder, 8, 0.0, -5e-4)  # as a cube's own face may be
+    assert doubt_of(read_toml(folder)[0]) == ""
+    kept_tilted(folder, 4, 5.2e-3, 0.0)
+    engine = resumed(folder, database)
+    verdict = engine.view.verdict
+    assert verdict.doubt.startswith("do not rely on it, record position 4 again: ")
+    assert "tilted by 0.3 deg" in verdict.doubt
+    assert f": {verdict.doubt}; " in verdict.sentence
+    assert verdict.redo == "dwell_04"
+    assert "do not rely on it, record position 4 again" in Path(verdict.report).read_text(encoding="utf-8")
     engine.close()
 
 

@@ -141,6 +141,7 @@ async def test_the_end_says_what_became_of_the_data_and_a_key_closes_it(key: str
     [
         (views.PASSED, " ✓ PASS   All values are within the limits of SIM-FOG3."),
         (views.FAILED, " ✗ FAIL   The gyroscope bias x is 0.134 deg/h, the limit is 0.1 deg/h."),
+        (views.DOUBTED, f" ! PASS   {views.DOUBT}; All values are within the limits of SIM-FOG3."),
         (views.NOT_MEASURED, " ? NO LIMITS   no limits are stored for SIM-FOG3."),  # the word is not said twice
     ],
 )

@@ -351,6 +351,18 @@ PASSED = running(
         solution=f"{FOLDER}/solution.json",
     ),
 )  # fmt: skip
+DOUBT = "do not rely on it, record position 4 again: kept though the cube sat tilted by 0.3 deg"
+DOUBTED = PASSED.model_copy(
+    update={
+        "verdict": PASSED.verdict.model_copy(
+            update={
+                "doubt": DOUBT,
+                "sentence": f"PASS: {DOUBT}; {PASSED.verdict.sentence}",
+                "redo": "dwell_04",
+            }
+        )
+    }
+)
 FAILED = PASSED.model_copy(
     update={
         "verdict": PASSED.verdict.model_copy(
