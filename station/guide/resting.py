@@ -137,10 +137,16 @@ class Resting:
         if not found.is_sure:
             return ""
         if found.position is None:
-            turn = {1: "counter-clockwise", 3: "clockwise"}[found.quarter]
-            return f"turned by 90 deg {turn} against the marks on the slab: set it right"
+            return self._quarter_off(found.quarter)
         self._position, self._how = found.position, BY_EARTH
         return self._nothing_left()
+
+    def _quarter_off(self, quarter: int) -> str:
+        """Say how to turn a cube that stands so many quarters counter-clockwise of its face's first position."""
+        position = self._dwells[0].position
+        is_left = (quarter == 1) == (position % 2 == 1)  # the second position is half a turn off the first
+        sense = "clockwise" if is_left else "counter-clockwise"
+        return f"the heading is wrong: turn 90 deg more, {sense} from above, to position {position}"
 
     def _nothing_left(self) -> str:
         """Say so if there is nothing to do in this position."""

@@ -73,12 +73,16 @@ def test_the_same_position_again_is_known_by_the_earth_rate(rig: Make) -> None:
     guided.run(guided.done(2))
 
 
-@pytest.mark.parametrize(("turn", "sense"), [(90, "counter-clockwise"), (-90, "clockwise")])
-def test_a_cube_turned_by_90_deg_is_told_which_way(rig: Make, turn: int, sense: str) -> None:
-    guided = rig(dwells(3))
-    guided.hands(f"place 3 8 {-turn} 0 0")  # x is down
+@pytest.mark.parametrize("position", [3, 4])
+@pytest.mark.parametrize(("turn", "sense"), [(90, "clockwise"), (-90, "counter-clockwise")])
+def test_a_cube_turned_by_90_deg_is_told_the_way_to_the_position_that_is_wanted(
+    rig: Make, turn: int, sense: str, position: int
+) -> None:
+    guided = rig(dwells(position))
+    guided.hands(f"place {position} 8 {-turn} 0 0")  # x is down
     view = guided.run(lambda v: any(e.sound == "rejected" for e in v.events))
-    assert view.events[-1].text == f"turned by 90 deg {sense} against the marks on the slab: set it right"
+    told = f"turn 90 deg more, {sense} from above"
+    assert view.events[-1].text == f"the heading is wrong: {told}, to position {position}"
 
 
 def test_where_the_earth_rate_does_not_tell_it_is_asked(rig: Make) -> None:
