@@ -107,11 +107,19 @@ class StepGrid(Drawn[Grid]):
             return Content(" " * width), Content(" " * width)
         symbol, colour = LOOKS[step.state]
         is_wanted = step.name == self.value.wanted
-        name = f"{'▶' if is_wanted else ' '}{_short(step)}{f' +{step.superseded}' if step.superseded else ''}"
+        name = _counted(f"{'▶' if is_wanted else ' '}{_short(step)}", step.superseded, width)
         ground = " on $primary 45%" if step.name == self.value.cursor else ""
         first = Content.assemble((name.ljust(width), ("bold $accent" if is_wanted else "bold") + ground))
         second = Content.assemble((f" {symbol} {step.state}".ljust(width), colour + ground))
         return first, second
+
+
+def _counted(name: str, superseded: int, width: int) -> str:
+    """Return a name with how often it was redone, as far as that fits: the words of the step say it as well."""
+    if not superseded:
+        return name
+    dense = name[0] + name[1:].replace(" ", "")
+    return next((said for each in (name, dense) if len(said := f"{each} +{superseded}") <= width), name)
 
 
 def place_of(step: Step) -> Place:
