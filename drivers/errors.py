@@ -72,7 +72,7 @@ class LinkSilent(DriverError, TimeoutError):
         port: str,
         waited_s: float,
         baud: int | None = None,
-        advice: str = "check that the IMU is powered, that it is set to send, and that A/B are not swapped",
+        advice: str = "check its power, that it is set to send, and that its two signal wires are not swapped",
     ) -> None:
         self.port, self.waited_s, self.baud = port, waited_s, baud
         at = "" if baud is None else f" at {baud} baud"

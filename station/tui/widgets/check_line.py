@@ -12,7 +12,7 @@ class CheckLine(Drawn[Look]):
     """Format, unit, rate, errors and noise; or why there is no telling."""
 
     DEFAULT_CSS = """
-    CheckLine { text-wrap: wrap; height: auto; min-height: 1; max-height: 2; margin-left: 13; }
+    CheckLine { text-wrap: wrap; height: auto; min-height: 1; max-height: 4; margin-left: 13; }
     """
 
     def __init__(self) -> None:

@@ -204,3 +204,29 @@ async def test_a_reason_gives_way_once_a_step_is_accepted() -> None:
         said = said_in(seen, seen.app.screen.events)
         assert "accepted: turn 3" in said
         assert reason.text not in said
+
+
+async def test_a_silent_port_is_told_whole_in_the_form() -> None:
+    text = str(LinkSilent(PORT, 2.0, 921600))
+    start = views.START.start.model_copy(update={"check": views.Check(url=views.URL, is_good=False, text=text)})
+    async with screens(views.START.model_copy(update={"start": start})) as seen:
+        await seen.pilot.pause()
+        assert words(text) in said_in(seen, seen.app.screen.form.look)
+        assert "A/B" not in text
+        assert seen.app.screen.query_one("KeyLine").region.bottom == SMALL[1]
+
+
+async def test_a_turn_that_was_redone_has_its_whole_cell() -> None:
+    steps = tuple(
+        step.model_copy(update={"attempts": 2 if step.name != "turn_z_minus" else 12}) if step.axis else step
+        for step in views.steps(18)
+    )
+    for wanted in ("turn_z_plus", "turn_z_minus", "turn_x_plus"):
+        async with screens(views.PLACING.model_copy(update={"steps": steps, "wanted": wanted})) as seen:
+            await seen.pilot.pause()
+            rows = seen.app.screen.grid.render().plain.split("\n")
+            assert {len(row.rstrip()) <= seen.app.screen.grid.size.width for row in rows} == {True}
+            said = said_in(seen, seen.app.screen.grid)
+            assert "Z+ +1" in said
+            assert "Z-" in said
+            assert "…" not in said
