@@ -45,7 +45,7 @@ class VerdictScreen(StageScreen):
         super().__init__(send)
         self.sentence, self.table = VerdictSentence(), NumberTable()
         self.status, self.residual, self.change = Fact("status"), Fact("residual"), Fact("change")
-        self.diagnosis = Fact("diagnosis")
+        self.diagnosis, self.report = Fact("diagnosis"), Fact("report")
         self.warnings, self.stored = Fact("warnings", "warning"), Fact("stored", "good")
 
     def body(self) -> ComposeResult:
@@ -53,7 +53,15 @@ class VerdictScreen(StageScreen):
         yield self.sentence
         with ScrollableContainer(id="scroll", can_focus=False):
             with Vertical(id="facts"):
-                yield from (self.stored, self.status, self.residual, self.change, self.diagnosis, self.warnings)
+                yield from (
+                    self.report,
+                    self.stored,
+                    self.status,
+                    self.residual,
+                    self.change,
+                    self.diagnosis,
+                    self.warnings,
+                )
             yield self.table
 
     def draw(self, view: View) -> None:
@@ -91,14 +99,18 @@ class VerdictScreen(StageScreen):
             self.order("redo", step=self.view.verdict.redo)
 
     def action_open_report(self) -> None:
-        """Open the report: in the browser that shows this screen, else in one of this machine; say where it is."""
+        """Open the report: in the browser that shows this screen, else in one of this machine; say where it is.
+
+        That is said among the facts: it covers nothing there.
+        """
         report = self.view.verdict.report if self.view.verdict else ""
         said = report or "no report was written"
         if report and self.app.is_web:
             self.app.open_url(REPORT)
         elif report and not _is_opened(Path(report)):
             said = f"no browser can be opened from here; open this file: {report}"
-        self.notify(said, title="The report", markup=False, timeout=30)
+        self.report.say(said)
+        self.query_one("#scroll").scroll_home(animate=False)
 
     def action_diagnose(self) -> None:
         """Show all of the diagnosis."""

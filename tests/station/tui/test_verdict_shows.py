@@ -56,9 +56,11 @@ async def test_where_no_browser_can_be_opened_the_file_is_named(monkeypatch: pyt
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     async with screens(DIAGNOSED) as seen:
-        await seen.press("o")
+        await seen.press("pagedown", "o")
         await seen.pilot.pause()
         assert any("no browser can be opened from here" in line for line in seen.lines())
+        assert not seen.app._notifications  # noqa: SLF001  nothing lies over what is to be read
+        assert any(views.PASSED.verdict.worst_residual in line for line in seen.lines())
 
 
 WIDE = Row(
