@@ -4,6 +4,7 @@ Who sits at a terminal is asked again. Where nobody can type (input is no termin
 answer could take further ends the program, with the exit code and the reason that `--headless` would have.
 """
 
+import shutil
 import sys
 import threading
 import time
@@ -12,20 +13,27 @@ import typer
 
 from station.guide.client import Connection
 from station.guide.command import Command
-from station.guide.plain import OVER, PlainScreen, listen
+from station.guide.plain import OVER, PlainScreen, between_words, listen
 from station.guide.view import View
 
 PATIENCE_S = 60.0  # with a question that nobody can answer: it may go away, as when the cube is put elsewhere
 ENDS = frozenset({"verdict", "stored"})
 
 
+def say(text: str) -> None:
+    """Write a text; on a terminal no word of it is broken at the last column."""
+    if sys.stdout.isatty():
+        text = between_words(text, shutil.get_terminal_size().columns)
+    typer.echo(text)
+
+
 def follow(connection: Connection, changed: threading.Event, first: Command | None, *, rings: bool) -> View:
     """Write lines and take keys until the campaign has ended or nobody can take it further; return that view."""
     asks = sys.stdin.isatty()
-    screen, is_deaf = PlainScreen(typer.echo, rings=rings, asks=asks), threading.Event()
+    screen, is_deaf = PlainScreen(say, rings=rings, asks=asks), threading.Event()
 
     def hear() -> None:
-        listen(connection, sys.stdin, typer.echo, first)
+        listen(connection, sys.stdin, say, first)
         is_deaf.set()
         changed.set()
 

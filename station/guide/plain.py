@@ -4,6 +4,7 @@ Nothing is ever overwritten: each line says one thing once. Where somebody liste
 """
 
 from collections.abc import Callable, Iterable
+from textwrap import wrap
 
 from station.guide.command import Command, Verb
 from station.guide.session import Session
@@ -17,14 +18,17 @@ BELLS: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "reject
 EVERY_S = 25.0  # of accepted seconds between two lines of progress
 QUIET_HINTS = ("learning the noise", "waiting for still")
 KEYS = {
-    "r": Command(verb="redo"), "p": Command(verb="pause"), "g": Command(verb="go_on"),
-    "k": Command(verb="keep_seating"), "w": Command(verb="skip_warm_up"), "f": Command(verb="finish"),
-    "s": Command(verb="store"), "q": Command(verb="leave"), "c": Command(verb="cancel"),
+    "r": Command(verb="redo"), "p": Command(verb="pause"), "k": Command(verb="keep_seating"),
+    "f": Command(verb="finish"), "s": Command(verb="store"), "q": Command(verb="leave"),
+    "c": Command(verb="cancel"),
+}  # fmt: skip
+KEYS_IN: dict[tuple[Stage, str], Command] = {  # as on the screen, where a key means another thing in that stage
+    ("warm_up", "s"): Command(verb="skip_warm_up"), ("paused", "p"): Command(verb="go_on"),
 }  # fmt: skip
 HELP = (
     "keys, each followed by Enter: r do the last step again, r 3 position 3 again, r x+ that turn, n 4 do it "
-    "next, p pause, g go on, k keep the cube as it sits, w skip the warm-up, f finish with what is there, "
-    "s store, q leave to resume later, c cancel; a question is answered with the key it names"
+    "next, p pause or go on, k keep the cube as it sits, f finish with what is there, s skip the warm-up, at the "
+    "verdict s store, q leave to resume later, c cancel; a question is answered with the key it names"
 )
 AT_THE_END: dict[Stage, str] = {  # what can be typed then, each followed by Enter
     "verdict": "s store the calibration, d the diagnosis, o the report, r 3 do position 3 again, r x+ that "
@@ -55,7 +59,9 @@ class PlainScreen:
             "stored": "",
             "seconds": "",
             "prompt": "",
+            "ends": "",
             "refused": "",
+            "keys": "",
         }
         self._event = 0
 
@@ -63,8 +69,11 @@ class PlainScreen:
         """Write what is new."""
         if view.unit:
             self._once("unit", f"connected: {view.unit}; recording into {view.folder}")
+            if self._asks:
+                self._once("keys", HELP)
         if view.readiness:
             self._once("ready", "\n".join(ready_lines(view.readiness)))
+            self._told["ends"] = ", ".join(view.readiness.said)
         for event in view.events:
             self._hear(event)
         is_said = view.stage in SAID_STAGES or (view.turn is not None and view.turn.is_to_rest)
@@ -103,6 +112,8 @@ class PlainScreen:
     def _hear(self, event: Event) -> None:
         if event.number > self._event:
             self._event = event.number
+            if (ends := self._told["ends"]) and event.text.endswith(ends):
+                return  # it stands below what is ready
             self._say(f"{event.text}{chr(7) * BELLS[event.sound] if self._rings else ''}")
 
     def _hint(self, view: View) -> None:
@@ -126,6 +137,15 @@ class PlainScreen:
             self._told[kind] = text
             if text:
                 self._say(text)
+
+
+def between_words(text: str, width: int) -> str:
+    """Return a text whose lines are at most ``width`` long where their words allow it; a table's spaces stay."""
+    lines = (
+        wrap(line, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False) or [line]
+        for line in text.split("\n")
+    )
+    return "\n".join(part for parts in lines for part in parts)
 
 
 def ready_lines(ready: Readiness) -> list[str]:
@@ -159,7 +179,7 @@ def command_of(line: str, view: View, first: Command | None = None) -> Command |
     if key in STEP_VERBS and rest:
         step = step_typed(rest, view.steps)
         return Command(verb=STEP_VERBS[key], step=step) if step else None
-    return KEYS.get(key)
+    return KEYS_IN.get((view.stage, key)) or KEYS.get(key)
 
 
 def _once_more(typed: str, first: Command) -> Command | None:

@@ -14,8 +14,8 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station.guide.command import Command
-from station.guide.plain import PlainScreen, command_of, shown_at_end
-from station.guide.view import Setup, Start, Verdict, View
+from station.guide.plain import HELP, PlainScreen, between_words, command_of, shown_at_end
+from station.guide.view import Event, Readiness, Setup, Stage, Start, Verdict, View
 from tests.station.commands.program import MAIN, Program
 
 REFUSED = View(stage="start", start=Start(refused="/dev/x: no such port", refused_code=4))
@@ -87,7 +87,7 @@ def at_a_terminal(*arguments: str) -> Iterator[tuple[int, "subprocess.Popen[byte
 
 def read_until(end: int, text: str) -> str:
     said = ""
-    while text not in said:
+    while text not in " ".join(said.split()):  # a line ends at the terminal's last column
         said += os.read(end, 4096).decode()
     return said
 
@@ -121,6 +121,39 @@ def test_what_was_refused_is_said_each_time_and_only_to_somebody_who_can_type() 
     assert [text.split("\n")[0] for text in said] == [f"refused: {REFUSED.start.refused}", "connecting",
                                                       f"refused: {REFUSED.start.refused}"]  # fmt: skip
     PlainScreen(pytest.fail, rings=False).show(REFUSED)
+
+
+def test_a_person_is_told_the_keys_and_how_it_can_end_once() -> None:
+    ready = Readiness(can_pass=True, can_certify=True)
+    ends = Event(number=1, sound="", text="this run " + ", ".join(ready.said))
+    view = View(stage="place", unit="SIM-FOG3 SIM-7", readiness=ready, events=(ends,))
+    for asks in (True, False):
+        said = list[str]()
+        screen = PlainScreen(said.append, rings=False, asks=asks)
+        for each in (view, view.model_copy(update={"hint": "slowly"})):
+            screen.show(each)
+        assert sum(text.count("can end in PASS") for text in said) == 1
+        assert said.count(HELP) == asks
+
+
+@pytest.mark.parametrize(
+    ("stage", "typed", "verb"),
+    [
+        ("warm_up", "s", "skip_warm_up"), ("verdict", "s", "store"), ("dwell", "p", "pause"),
+        ("paused", "p", "go_on"),
+    ],
+)  # fmt: skip
+def test_a_key_means_what_it_means_on_the_screen(stage: Stage, typed: str, verb: str) -> None:
+    assert command_of(typed, View(stage=stage)) == Command(verb=verb)
+
+
+def test_no_word_is_broken_and_what_fits_stays_as_it_is() -> None:
+    text = f"{HELP}\n  bias x    12.5 ug\n\nend"
+    lines = between_words(text, 80).split("\n")
+    assert max(map(len, lines)) <= 80
+    assert " ".join(lines).split() == text.split()
+    assert lines[-3:] == ["  bias x    12.5 ug", "", "end"]
+    assert between_words("/a/" + 90 * "b", 80) == "/a/" + 90 * "b"
 
 
 def test_the_end_says_what_can_be_typed() -> None:
