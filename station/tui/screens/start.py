@@ -90,6 +90,7 @@ class StartScreen(StageScreen):
         said = self._typed or self._refused
         self.said.update(f"✗ {said}" if said else "")
         self.said.display = bool(said)
+        self.ready.display = self.ready.value is not None and not said  # a form that is refused is not ready
         self.time.update(self._how_long())
 
     def _how_long(self) -> str:

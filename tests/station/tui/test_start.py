@@ -97,6 +97,17 @@ async def test_a_wrong_value_is_said_in_words_as_it_is_typed() -> None:
         assert not seen.app.screen.form.fields["latitude_deg"].has_class("wrong")
 
 
+async def test_how_it_can_end_is_not_said_of_a_form_that_is_wrong_or_refused() -> None:
+    async with screens(views.START) as seen:
+        assert "can end in a certificate" in "\n".join(seen.lines())
+        await fill(seen, "height_m", "1e9")
+        assert "can end in" not in "\n".join(seen.lines())
+        await fill(seen, "height_m", "520")
+        assert "can end in a certificate" in "\n".join(seen.lines())
+        await seen.show(of_start(refused="no such port", readiness=views.START.start.readiness))
+        assert "can end in" not in "\n".join(seen.lines())
+
+
 async def test_begin_goes_to_the_first_field_that_is_wrong_and_sends_nothing() -> None:
     async with screens(FRESH) as seen:
         await seen.press("ctrl+s")
