@@ -5,6 +5,12 @@ states: from that of a point to that of the whole span. Each such noise gives a 
 squares; they are averaged, weighted by their restricted likelihood (Patterson and Thompson 1971), so that what
 the points cannot tell of their noise widens the sigma. Errors that walk away without bound are not among them:
 no points tell them from a line.
+
+So it is with steps: an offset may begin between any two points. Against none a step is weighed by its Bayes factor
+in each noise (Zellner and Siow 1980: its size is Cauchy distributed beforehand, by the information of one point),
+all places together a thousandth as credible as none: noise that remembers looks like steps too. Lines with and
+without are averaged. While no step is certain the sigma holds the lines without one, and those with one as if it
+were as credible as none: a step that cannot be told from a rate widens it.
 """
 
 from dataclasses import dataclass
@@ -17,15 +23,28 @@ MEMORIES = 5  # tried, from the distance of points to their span
 PARTS = (0.3, 0.6, 0.9)  # of the variance that remembers
 WHITE = 4.0  # times as credible beforehand as any of these: noise without memory
 LEAST = 3  # points beyond the coefficients
+STEP = 1e-3  # times as credible beforehand as no step: one at any place
+CERTAIN = 0.999  # probability of a step at one place
+SIZES = np.geomspace(1e-2, 1e8, 61)  # squares of a step's size beforehand, by the information of one point
 
 
 @dataclass(frozen=True, slots=True)
 class CorrelatedLine:
-    """A slope, its 1 sigma, and the degrees of freedom behind it."""
+    """A slope, its 1 sigma, and the degrees of freedom behind it; ``step`` is the point at which one surely is."""
 
     slope: float
     std: float
     dof: float
+    step: int | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Lines:
+    """Log credibility, slope and variance of lines (m,): without a step first, then with one at each place."""
+
+    log: FloatArray
+    slope: FloatArray
+    variance: FloatArray
 
 
 def fit_correlated_line(
@@ -33,7 +52,7 @@ def fit_correlated_line(
 ) -> CorrelatedLine | None:
     """Fit ``y`` (n,) over ``x`` (n,), one slope and an offset for each ``group`` (n,); None for too few points.
 
-    ``least`` is the 1 sigma that a point has at the least, in units of y.
+    ``least`` is the 1 sigma that a point has at the least, in units of y. Points of a group are in order.
     """
     n, span = len(x), float(np.ptp(x))
     _, member = np.unique(group, return_inverse=True)
@@ -41,25 +60,69 @@ def fit_correlated_line(
     dof = n - design.shape[1]
     if dof < LEAST or not span > 0:
         return None
+    places, steps = _steps(member) if dof > LEAST else (np.zeros(0, dtype=np.int64), np.zeros((n, 0)))
     apart = np.abs(x[:, None] - x) / span
-    found = [_fit(np.ones(n), design, y, least)]
+    found = [_fit(np.ones(n), design, y, steps, least)]
     for memory in np.geomspace(1 / n, 1.0, MEMORIES):
         w, V = np.linalg.eigh(np.exp(-apart / memory))
-        found += [_fit(1 - part + part * np.maximum(w, 0.0), V.T @ design, V.T @ y, least) for part in PARTS]
-    likelihood, slope, variance = np.array(found).T
-    weight = np.exp(likelihood - likelihood.max())
-    weight[0] *= WHITE
-    weight /= weight.sum()
-    mean = float(weight @ slope)
-    std = float(np.sqrt(weight @ (variance + (slope - mean) ** 2)))
-    return CorrelatedLine(mean / span, std / span, float(dof))
+        turned = V.T @ design, V.T @ y, V.T @ steps
+        found += [_fit(1 - part + part * np.maximum(w, 0.0), *turned, least) for part in PARTS]
+    log = np.stack([each.log for each in found])
+    log[0] += np.log(WHITE)
+    slope, variance = np.stack([each.slope for each in found]), np.stack([each.variance for each in found])
+    share = np.exp(log - log.max())
+    share /= share.sum()
+    mean, at = float((share * slope).sum()), share.sum(axis=0)[1:]
+    step = int(places[at.argmax()]) if at.max(initial=0.0) > CERTAIN else None
+    even = log - np.log(STEP) * (np.arange(log.shape[1]) > 0)
+    held = [log] if step is not None else [log, np.where(np.arange(log.shape[1]) > 0, -np.inf, log), even]
+    std = max(_std_about(mean, each, slope, variance) for each in held)
+    return CorrelatedLine(mean / span, std / span, float(dof - at.sum()), step)
 
 
-def _fit(d: FloatArray, design: FloatArray, y: FloatArray, least: float) -> tuple[float, float, float]:
-    """Return the restricted log likelihood, the slope and its variance for errors of covariance diag(d) s^2."""
+def _std_about(mean: float, log: FloatArray, slope: FloatArray, variance: FloatArray) -> float:
+    """Return 1 sigma about a value of slopes (m, s), each as credible as the exponential of ``log`` (m, s)."""
+    weight = np.exp(log - log.max())
+    return float(np.sqrt((weight * (variance + (slope - mean) ** 2)).sum() / weight.sum()))
+
+
+def _steps(member: IntArray) -> tuple[IntArray, FloatArray]:
+    """Return the points (m,) at which an offset may begin, and what it adds to all points (n, m)."""
+    index = np.arange(len(member))
+    places = np.array([i for i in index if (member[:i] == member[i]).any()], dtype=np.int64)
+    return places, ((index[:, None] >= places) & (member[:, None] == member[places])).astype(float)
+
+
+def _fit(d: FloatArray, design: FloatArray, y: FloatArray, steps: FloatArray, least: float) -> _Lines:
+    """Fit lines without and with each step for errors of covariance diag(d) s^2."""
     n, k = design.shape
-    normal = (design.T / d) @ design
-    b = np.linalg.solve(normal, (design.T / d) @ y)
-    variance = max(float(((y - design @ b) ** 2 / d).sum()) / (n - k), least**2, np.finfo(float).tiny)
-    likelihood = -0.5 * (np.log(d).sum() + np.linalg.slogdet(normal)[1] + (n - k) * np.log(variance))
-    return float(likelihood), float(b[-1]), variance * float(np.linalg.inv(normal)[-1, -1])
+    root = np.sqrt(d)
+    X, v, S = design / root[:, None], y / root, steps / root[:, None]
+    normal = X.T @ X
+    inverse = np.linalg.inv(normal)
+    b, across = inverse @ (X.T @ v), inverse @ (X.T @ S)
+    residual, apart = v - X @ b, S - X @ across
+    square, size = float(residual @ residual), np.maximum((apart**2).sum(axis=0), np.finfo(float).tiny)
+    by = apart.T @ residual / size
+    floor = max(least**2, np.finfo(float).tiny)
+    total = max(square, floor * (n - k))
+    left = np.maximum(square - by**2 * size, floor * (n - k))
+    variance = np.maximum(np.maximum(square - by**2 * size, 0.0) / max(n - k - 1, 1), floor)
+    none = -0.5 * (np.log(d).sum() + np.linalg.slogdet(normal)[1] + (n - k) * np.log(total / (n - k)))
+    gain = _bayes_factor(left / total, n, n - k) + np.log(STEP / max(steps.shape[1], 1))
+    slope_variance = inverse[-1, -1] + across[-1] ** 2 / size
+    return _Lines(
+        np.concatenate(([none], none + gain)),
+        np.concatenate(([b[-1]], b[-1] - across[-1] * by)),
+        np.concatenate(([total / (n - k) * inverse[-1, -1]], variance * slope_variance)),
+    )
+
+
+def _bayes_factor(left: FloatArray, n: int, dof: int) -> FloatArray:
+    """Return the log Bayes factors (m,) of one more coefficient that leaves this share of the squares (m,)."""
+    g = n * SIZES
+    log_prior = -0.5 * np.log(g) - 0.5 * n / g  # inverse gamma (1/2, n/2), over log g
+    each = log_prior + 0.5 * (dof - 1) * np.log1p(g) - 0.5 * dof * np.log1p(g * left[:, None])
+    most = each.max(axis=1, keepdims=True, initial=-np.inf)
+    factor: FloatArray = np.log(np.exp(each - most).sum(axis=1)) + most[:, 0] - np.log(np.exp(log_prior).sum())
+    return factor

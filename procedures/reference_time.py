@@ -11,7 +11,7 @@ to the distance of two rows; that error may well be the same for all, so that no
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -22,6 +22,7 @@ from procedures.correlated_line import CorrelatedLine, fit_correlated_line
 PPM = 1e6
 BLOCKS, LEAST = 24, 6  # stretches of all rows, and as few as that are a line
 OUTLIER = 5.0  # robust sigmas
+STEPS = 4  # of the delay at the most: a logger that was started again has another one
 PASSES = 4  # of taking the least late rows by the rate before
 BETTER = 0.7  # of the envelope's sigma: from there on another one counts instead
 COARSE = 0.5  # of rows whose reference is another than that of the row before: with fewer it is cut
@@ -131,20 +132,38 @@ def _blocks(times: Sequence[FloatArray], sessions: Sequence[int]) -> tuple[list[
 
 
 def _line(points: _Points, pick: Callable[[FloatArray], float]) -> CorrelatedLine | None:
-    """Fit a line through what is picked of each block: its least, mean or greatest value about the line before."""
+    """Fit a line through what is picked of each block; where its offset surely steps, a session begins anew."""
+    session, line = points.session, None
+    for _ in range(STEPS + 1):
+        found, index = _line_in(points, session, pick)
+        if found is None:
+            return line
+        line = found
+        if line.step is None:
+            break
+        at = index[line.step]
+        later = (session == session[at]) & (np.arange(len(session)) >= at)
+        session = np.where(later, session.max() + 1, session)
+    return line
+
+
+def _line_in(
+    points: _Points, session: IntArray, pick: Callable[[FloatArray], float]
+) -> tuple[CorrelatedLine | None, IntArray]:
+    """Fit a line through what is picked of each block about the line before; tell the blocks it goes through."""
     slope = 0.0
     middle = np.array([points.t[b].mean() for b in points.blocks])
     for _ in range(PASSES):
         off = points.behind - slope * points.t
         picked = np.array([pick(off[b]) for b in points.blocks])
-        slope += _usual_slope(middle, picked, points.session)
+        slope += _usual_slope(middle, picked, session)
     off = points.behind - slope * points.t
     picked = np.array([pick(off[b]) for b in points.blocks])
-    keep = _inliers(picked, points.session)
-    if keep.sum() < LEAST:
-        return None
-    line = fit_correlated_line(middle[keep], picked[keep], points.session[keep], points.least)
-    return None if line is None else CorrelatedLine(line.slope + slope, line.std, line.dof)
+    keep = np.flatnonzero(_inliers(picked, session))
+    if len(keep) < LEAST:
+        return None, keep
+    line = fit_correlated_line(middle[keep], picked[keep], session[keep], points.least)
+    return None if line is None else replace(line, slope=line.slope + slope), keep
 
 
 def _usual_slope(x: FloatArray, y: FloatArray, session: IntArray) -> float:

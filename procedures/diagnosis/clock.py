@@ -3,7 +3,8 @@
 Positive is fast: while the reference moves by dt, device time moves by ``(1 + 1e-6 c) dt``. Every rate computed
 with device time is too small by as much. Where rows hold reference time (``utc_s``), it is fitted by a line over
 device time (`procedures.reference_time`). Without it, a sample period in device time that is not the stated one
-says that either the clock or the statement is wrong, and cannot say which.
+says that either the clock or the statement is wrong, and cannot say which. From a reference that leaves the rate
+open to more than 0.1 %, or is no time [s] of these rows, nothing is concluded.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,6 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, TurnRecord
 from procedures.diagnosis.result import Confidence, Finding, Test
 from procedures.diagnosis.tail import log_f_sf
@@ -22,14 +24,18 @@ from procedures.reference_time import PPM, ClockRate, fit_clock
 EFFECT = "clock.rate"
 OFF_PERIOD = 1e-3  # relative, as the warning of DESIGN 5
 ESTABLISHED, LIKELY = np.log(0.01), np.log(0.05)
-PLAUSIBLE = 5e4  # ppm: beyond, utc_s is no time of these rows
+PLAUSIBLE = 5e4  # ppm: beyond, no clock is off
+KNOWN = 1e-3  # relative: 4 sigma of a rate from which something is concluded
+SIGMAS = 4.0
+NO_TIME = 20.0  # times as fast, or as slow: no device is set as wrong, utc_s is no time [s] of these rows
+LONG_S = 2.0  # of a record that tells it
 
 Record = TypeVar("Record", DwellRecord, TurnRecord, RestRecord, SequenceRecord)
 
 
 def find_clock(campaigns: Sequence[Campaign]) -> tuple[tuple[Finding, ...], tuple[Test, ...]]:
     """Return what one unit's campaigns show of its clock, and the test made."""
-    rates = [rate for campaign in campaigns if (rate := clock_rate(campaign)) is not None]
+    rates = [rate for campaign in campaigns if (rate := clock_rate(campaign)) is not None and is_known(rate)]
     if not rates:
         return tuple(_off_period(campaigns)), ()
     mean = _mean(rates)
@@ -57,12 +63,36 @@ def with_true_clock(campaigns: Sequence[Campaign], ppm: float) -> tuple[Campaign
 
 def is_timed(campaigns: Sequence[Campaign]) -> bool:
     """Say whether reference time tells the clock's rate in any campaign."""
-    return any(clock_rate(campaign) is not None for campaign in campaigns)
+    return any((rate := clock_rate(campaign)) is not None and is_known(rate) for campaign in campaigns)
+
+
+def is_known(rate: ClockRate) -> bool:
+    """Say whether a rate is known to 0.1 %, by four sigma."""
+    return SIGMAS * rate.std / PPM <= KNOWN
 
 
 def clock_rate(campaign: Campaign) -> ClockRate | None:
-    """Fit reference time over device time in all rows that hold it; None where too few do."""
-    return fit_clock([(s.t, s.extra["utc_s"]) for s in _series(campaign) if "utc_s" in s.extra])
+    """Fit reference time over device time where rows hold it; None where too few do, or it is no time [s]."""
+    return None if false_pace(campaign) is not None else fit_clock(_pieces(campaign))
+
+
+def false_pace(campaign: Campaign) -> float | None:
+    """Return by how much ``utc_s`` moves in a device's second where it is no time [s] of these rows; else None.
+
+    Milliseconds move by 1000, what runs backwards by -1, a constant by 0. Median of the records.
+    """
+    paces, grains = list[float](), list[float]()
+    for t, u in _pieces(campaign):
+        t, u = t[known := np.isfinite(t) & np.isfinite(u)], u[known]
+        if len(t) and t[-1] - t[0] >= LONG_S:
+            steps = np.abs(np.diff(u))
+            paces.append(float((u[-1] - u[0]) / (t[-1] - t[0])))
+            grains.append(float(np.median(steps[steps > 0])) / float(t[-1] - t[0]) if steps.any() else 0.0)
+    if not paces:
+        return None
+    pace, grain = float(np.median(paces)), float(np.median(grains))
+    is_time = pace < NO_TIME and pace + 2 * grain > 1 / NO_TIME  # coarse stamps may stand still in a short record
+    return None if is_time else pace
 
 
 def _log_p(rate: ClockRate) -> float:
@@ -102,6 +132,10 @@ def _finding(ppm: float, std: float, confidence: Confidence, log_p: float, chann
         EFFECT, "procedure", ("value",), np.array([ppm]), np.array([std]), "ppm", {"channel": channel}, confidence,
         (), told, log_p, 0.0,
     )  # fmt: skip
+
+
+def _pieces(campaign: Campaign) -> list[tuple[FloatArray, FloatArray]]:
+    return [(s.t, s.extra["utc_s"]) for s in _series(campaign) if "utc_s" in s.extra]
 
 
 def _series(campaign: Campaign) -> Iterator[Series]:

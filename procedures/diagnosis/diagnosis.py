@@ -43,6 +43,7 @@ from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit, NotObservable, ProcedureError
 from procedures.solution import Solution
+from procedures.uncertainty.clock import with_clock
 
 AGAIN = "the same campaign in another order, on another day: what does not come back is no effect"
 UNEXPLAINED = np.log(0.01)
@@ -73,13 +74,21 @@ def _of_steps(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagn
     """Diagnose dwells, turns and rests, put right first where that is no matter of a linear model."""
     found_before, bench = _put_right(campaigns)
     effects = [effect for effect in effects if effect.name not in found_before.settled]
-    found = _closed(bench, effects)
+    found = _with_clock(_closed(bench, effects), found_before.clock)
     findings = with_channels((*found_before.findings, *found.findings), found.solution_before)
     verdict = _verdict(findings, found.log_p)
     return replace(
         found, verdict=verdict, findings=findings,
         tried=(*found_before.tests, *found.tried), next_measurement=_next(findings, verdict),
     )  # fmt: skip
+
+
+def _with_clock(found: Diagnosis, std: float | None) -> Diagnosis:
+    """Return a diagnosis whose solutions hold what is not known of the clock by which times were put right."""
+    if std is None:
+        return found
+    before = with_clock(found.solution_before, found.before, std)
+    return replace(found, solution_before=before, solution=with_clock(found.solution, found.after, std), clock=std)
 
 
 def _put_right(campaigns: Sequence[Campaign]) -> tuple[Preliminary, Bench]:
@@ -116,7 +125,7 @@ def _closed(subject: Subject, effects: Sequence[Effect]) -> Diagnosis:
         state.now.fits, state.now.evidence, subject.report(first.now), _reported(state, effects), left,
         _next(findings, verdict),
         tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
-        unexplained, subject.on_table(state.now),
+        unexplained, on_table=subject.on_table(state.now),
     )  # fmt: skip
 
 

@@ -13,16 +13,21 @@ from procedures.diagnosis.disturbances import find_disturbances, without_disturb
 from procedures.diagnosis.labels import find_labels, mislabelled, with_true_labels
 from procedures.diagnosis.result import Finding, Test
 from procedures.diagnosis.turn_labels import with_true_directions
+from procedures.reference_time import PPM
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Preliminary:
-    """The campaigns put right, the findings and tests made on the way, and the effects so ``settled``, by name."""
+    """The campaigns put right, the findings and tests made on the way, and the effects so ``settled``, by name.
+
+    ``clock`` is the relative 1 sigma of the clock's rate by which times were put right, None where they were not.
+    """
 
     campaigns: tuple[Campaign, ...]
     findings: tuple[Finding, ...]
     tests: tuple[Test, ...]
     settled: frozenset[str]
+    clock: float | None = None
 
 
 def preliminary(campaigns: Sequence[Campaign]) -> Preliminary:
@@ -35,8 +40,11 @@ def preliminary(campaigns: Sequence[Campaign]) -> Preliminary:
     campaigns = without_disturbances(campaigns, knocks)
     clock, clock_tests = find_clock(campaigns)
     settled = {"placement.label", "disturbance.dwell"} | ({"clock.rate"} if is_timed(campaigns) else set())
+    clock_std = None
     for each in clock:
         if each.confidence != "ambiguous":
             campaigns = with_true_clock(campaigns, float(each.value[0]))
+            clock_std = float(each.std[0]) / PPM
     findings = (*directions, *labels[0], *(knock.finding for knock in knocks), *clock)
-    return Preliminary(tuple(campaigns), findings, (*labels[1], *knock_tests, *clock_tests), frozenset(settled))
+    tests = (*labels[1], *knock_tests, *clock_tests)
+    return Preliminary(tuple(campaigns), findings, tests, frozenset(settled), clock_std)

@@ -82,8 +82,9 @@ class Diagnosis:
 
     ``log_p`` is the global test's after all accepted effects. ``added`` are the effects in the model, ``values``
     their coefficients (k,) each as they were fitted. ``unexplained`` is what stays within the dwells by triad
-    (`procedures.diagnosis.within_dwells`), None where the global test leaves nothing. ``on_table``
-    are the gyroscopes that rate tables turned.
+    (`procedures.diagnosis.within_dwells`), None where the global test leaves nothing. ``clock``
+    is the relative 1 sigma of the clock's rate by which times were put right, None where they were not; it is in
+    the sigmas of both solutions. ``on_table`` are the gyroscopes that rate tables turned.
     """
 
     verdict: Verdict
@@ -100,4 +101,5 @@ class Diagnosis:
     added: tuple[Candidate, ...] = ()
     values: tuple[FloatArray, ...] = ()
     unexplained: Mapping[str, float] | None = None
+    clock: float | None = None
     on_table: tuple[TableSensor, ...] = ()

@@ -13,7 +13,9 @@ class Inputs:
     ``latitude`` [rad]: 0.01 deg, 1.1 km, is what a map or two decimals leave open. It enters the Earth's rate;
     normal gravity's share of it, 9e-6 m/s2, is inside the 5e-4 m/s2 taken where no gravity is given.
     ``clock``, relative: the second of the recording's time column against the SI second; 1e-5 for a quartz
-    that is good to 20 ppm (half width, a rectangular distribution has 0.58 of it as 1 sigma).
+    that is good to 20 ppm (half width, a rectangular distribution has 0.58 of it as 1 sigma). Where a diagnosis
+    put times right, it is the sigma of the rate that was found. A reference that shows nothing wrong does not make
+    it smaller: nothing was put right, and the rate may be off by what was not seen.
     ``unexplained`` is what a diagnosis could not explain within the dwells, by triad, in squares of the counting
     noise of their means; None where it left nothing, or there was none.
     """

@@ -6,14 +6,13 @@ from pathlib import Path
 
 from procedures.arrays import FloatArray
 from procedures.campaign import Campaign
-from procedures.diagnosis.clock import clock_rate
+from procedures.diagnosis.clock import PLAUSIBLE, SIGMAS, clock_rate, false_pace, is_known
 from procedures.reference_time import PPM, ClockRate
 from station.campaign_folder.schema import CampaignTable, StepTable
 from station.campaign_folder.series import WARN_PERIOD, StepData
 from station.errors import DataRefused
 
 REFUSE_PERIOD = 1e-2  # relative, DESIGN 5
-SIGMAS = 4.0  # by which reference time must show it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,18 +87,32 @@ def clock_sentence(period: float, off: float, by: str = "reference time") -> str
 def clock_warnings(tables: CampaignTable, campaign: Campaign) -> list[str]:
     """Return what reference time (``utc_s``) beside the rows says of the sample period, beyond 0.1 %.
 
-    Where it cannot tell as much, that is said.
+    Where it cannot tell as much, or is no time [s] of these rows, that is said.
     """
+    if (pace := false_pace(campaign)) is not None:
+        return [
+            f"clock.rate: utc_s is no time [s] of these rows: it moves by {pace:.3g} while t_s moves by 1 s, "
+            "expected 1; correct its unit or direction, or leave the column out; until then it tells nothing"
+        ]
     rate = clock_rate(campaign)
     if rate is None:
         return []
-    if (open_to := SIGMAS * rate.std / PPM) > WARN_PERIOD:
+    open_to = SIGMAS * rate.std / PPM
+    if not is_known(rate):
         return [
             f"clock.rate: reference time tells it to +-{open_to:.2%} only (4 sigma), being read with delays of up "
             f"to {rate.delay:.2g} s; record on a machine with less to do, or longer"
         ]
     off = off_period(rate)
     return [clock_sentence(tables.imu.sample_period_s, off)] if abs(off) - open_to > WARN_PERIOD else []
+
+
+def _advice(rate: ClockRate) -> str:
+    if abs(rate.ppm) > PLAUSIBLE:
+        return "check the sync line and the declared rate, and that t_s and utc_s are in seconds of the same rows"
+    if not is_known(rate):
+        return "check the sync line and the declared rate; record longer, so that the rate is known"
+    return "check the sync line and the declared rate, or run `station diagnose` (it names clock.rate)"
 
 
 def check_for_solve(loaded: LoadedCampaign) -> None:
@@ -119,7 +132,7 @@ def check_for_solve(loaded: LoadedCampaign) -> None:
             None,
             clock_sentence(loaded.tables.imu.sample_period_s, off),
             "the sample period within 1 %",
-            "check the sync line and the declared rate, or run `station diagnose` (it names clock.rate)",
+            _advice(rate),
         )
     nominal = loaded.tables.imu.sample_period_s
     for step in loaded.steps:

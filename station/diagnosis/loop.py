@@ -37,8 +37,12 @@ class ClosedLoop:
     effects: tuple[Mapping[str, Any], ...]
 
     def budgets(self) -> tuple[ParameterBudget, ...]:
-        """Return the parameters' uncertainty; what the diagnosis leaves unexplained is in it."""
-        return budget(self.fits, Inputs(unexplained=self.diagnosis.unexplained))
+        """Return the parameters' uncertainty; what the diagnosis leaves unexplained is in it.
+
+        A clock put right is known as well as its rate is; else it is taken for a quartz.
+        """
+        inputs, clock = Inputs(unexplained=self.diagnosis.unexplained), self.diagnosis.clock
+        return budget(self.fits, inputs if clock is None else replace(inputs, clock=clock))
 
 
 def added_effects(folder: Path) -> list[str]:

@@ -83,6 +83,41 @@ def test_a_reference_that_is_set_between_two_dwells_does_not_bend_the_rate(leap:
     assert abs(rate.ppm - 20.0) < 4 * rate.std < 10
 
 
+@pytest.mark.parametrize("step", [2e-3, 0.3, 1.5, -0.02])
+@pytest.mark.parametrize("at_s", [235.0, 250.0])  # between two dwells, inside one
+def test_a_delay_that_changes_once_is_no_rate(step: float, at_s: float) -> None:
+    for seed, ppm in enumerate((0.0, 50.0, -50.0)):
+        rng = np.random.default_rng(seed)
+        rate = fit_clock(stamped(ppm, lambda true: 1e-3 * rng.exponential(size=len(true)) + step * (true > at_s)))  # noqa: B023
+        assert rate is not None
+        assert abs(rate.ppm - ppm) < 4 * rate.std < 5
+
+
+def test_delays_that_change_three_times_are_in_the_sigma() -> None:
+    rng = np.random.default_rng(5)
+    rate = fit_clock(
+        stamped(
+            50.0,
+            lambda true: (
+                1e-3 * rng.exponential(size=len(true)) + 0.02 * ((true > 115) + 3.0 * (true > 235) - (true > 355))
+            ),
+        )
+    )
+    assert rate is not None
+    assert abs(rate.ppm - 50.0) < 4 * rate.std
+
+
+def test_a_step_that_a_few_noisy_points_cannot_tell_from_a_rate_widens_the_sigma() -> None:
+    x, z = np.arange(8.0), list[float]()
+    for seed in range(100):
+        noise = np.random.default_rng(seed).standard_normal(8)
+        line = fit_correlated_line(x, noise + 5.0 * (x > 3.5), np.zeros(8, dtype=np.int64))
+        assert line is not None
+        z.append(line.slope / line.std)
+    assert np.max(np.abs(z)) < 4
+    assert np.sqrt(np.mean(np.square(z))) < 1.7
+
+
 def test_a_device_that_was_switched_off_in_between_has_one_rate_still() -> None:
     rng = np.random.default_rng(3)
     pieces = stamped(20.0, lambda true: 1e-3 * rng.exponential(size=len(true)))

@@ -4,10 +4,15 @@ import numpy as np
 import pytest
 
 from procedures.calibration import solve
-from procedures.campaign import Campaign
-from procedures.diagnosis.clock import clock_rate, find_clock, with_true_clock
+from procedures.campaign import Campaign, DwellRecord
+from procedures.diagnosis.clock import clock_rate, false_pace, find_clock, is_known, is_timed, with_true_clock
+from procedures.diagnosis.diagnosis import diagnose
 from procedures.diagnosis.tail import log_f_sf
 from procedures.effects import EFFECTS
+from procedures.uncertainty import sources as named
+from procedures.uncertainty.budget import budget
+from procedures.uncertainty.clock import with_clock
+from procedures.uncertainty.inputs import Inputs
 from tests.procedures.diagnosis.planted import planted, with_reference_time
 
 BASE = planted(1, dwell_s=10.0)
@@ -36,6 +41,74 @@ def test_a_step_of_the_reference_does_not_bend_the_rate() -> None:
     rate = clock_rate(replace(campaign, dwells=(*campaign.dwells[:-1], replace(last, series=stepped))))
     assert rate is not None
     assert abs(rate.ppm - 37.0) < 4 * rate.std < 10
+
+
+def test_a_delay_that_changes_is_no_wrong_clock() -> None:
+    for seed in range(5):
+        campaign = with_reference_time(BASE, 0.0, seed)
+        middle = len(campaign.dwells) // 2
+        later = tuple(
+            replace(each, series=replace(each.series, extra={"utc_s": each.series.extra["utc_s"] + 0.02}))
+            for each in campaign.dwells[middle:]
+        )
+        assert find_clock([replace(campaign, dwells=(*campaign.dwells[:middle], *later))])[0] == ()
+
+
+def test_nothing_is_concluded_from_a_rate_that_is_not_known_to_a_thousandth() -> None:
+    campaign = with_reference_time(BASE, 3e4, 0, jitter=5.0)
+    rate = clock_rate(campaign)
+    assert rate is not None
+    assert not is_known(rate)
+    assert find_clock([campaign]) == ((), ())
+    assert not is_timed([campaign])
+
+
+@pytest.mark.parametrize(("factor", "pace"), [(1e3, 1e3), (-1.0, -1.0), (0.0, 0.0), (1 / 60, 1 / 60)])
+def test_a_column_that_is_no_time_in_seconds_tells_nothing(factor: float, pace: float) -> None:
+    def other(dwell: DwellRecord) -> DwellRecord:
+        utc = factor * dwell.series.extra["utc_s"]
+        return replace(dwell, series=replace(dwell.series, extra={"utc_s": utc}))
+
+    timed = with_reference_time(BASE, 0.0, 0)
+    campaign = replace(timed, dwells=tuple(other(each) for each in timed.dwells))
+    assert false_pace(timed) is None
+    assert false_pace(campaign) == pytest.approx(pace, rel=1e-3, abs=1e-9)
+    assert clock_rate(campaign) is None
+    assert find_clock([campaign]) == ((), ())
+
+
+@pytest.mark.parametrize("step", [0.0, 1.0])
+@pytest.mark.parametrize("jitter", [0.0, 0.5])
+def test_coarse_or_late_stamps_are_a_time(step: float, jitter: float) -> None:
+    assert false_pace(with_reference_time(BASE, 0.0, 0, jitter, step)) is None
+
+
+def test_what_is_not_known_of_a_clock_put_right_is_in_the_uncertainty_of_k() -> None:
+    plain = planted(2, {"clock.rate": {"value": 500.0}}, turns=True)
+    campaign = with_reference_time(plain, 500.0, 2, jitter=0.3)
+    found = diagnose([campaign])
+    (clock,) = [each for each in found.findings if each.effect == "clock.rate"]
+    assert found.clock == pytest.approx(1e-6 * clock.std[0])
+    assert found.clock > 2e-5
+    k = found.solution.accelerometer
+    assert k is not None
+    assert np.all(k.scale_factor.std >= found.clock * k.scale_factor.value)
+    rows = [found.solution.names.index(f"accelerometer.scale_factor.{axis}") for axis in "xyz"]
+    assert np.sqrt(np.diag(found.solution.covariance)[rows]) == pytest.approx(k.scale_factor.std)
+    clock_part = {
+        one.name: part.std
+        for one in budget(found.after, Inputs(clock=found.clock))
+        for part in one.contributions
+        if part.source == named.CLOCK
+    }
+    assert clock_part["accelerometer.scale_factor.x"] == pytest.approx(found.clock * k.scale_factor.value[0])
+    wider = with_clock(found.solution, found.after, found.clock)
+    for triad in ("accelerometer", "gyroscope"):
+        before, after = getattr(found.solution, triad), getattr(wider, triad)
+        for name, part in (("scale_factor", "scale_factor"), ("bias", "bias")):
+            std = np.sqrt(getattr(after, part).std ** 2 - getattr(before, part).std ** 2)
+            expected = [clock_part.get(f"{triad}.{name}.{axis}", 0.0) for axis in "xyz"]
+            assert std == pytest.approx(expected, rel=1e-3, abs=1e-9)
 
 
 def test_positive_is_fast_and_the_correction_gives_the_scale_factor_back() -> None:

@@ -206,3 +206,11 @@ def test_reference_time_shows_a_period_off_although_the_devices_own_time_agrees(
     with_utc(0.039)  # a sync line at another rate than the one declared
     with pytest.raises(DataRefused, match=r"\+3\.90% off .*sync line"):
         check_for_solve(read_campaign(folder))
+    for by in (999.0, -2.0, -1.0):  # milliseconds, backwards, a constant
+        with_utc(by)
+        loaded = read_campaign(folder)
+        assert f"utc_s is no time [s] of these rows: it moves by {1 + by:.3g} " in loaded.warnings[0]
+        check_for_solve(loaded)
+    with_utc(0.25)
+    with pytest.raises(DataRefused, match=r"\+25\.00% off .*seconds of the same rows"):
+        check_for_solve(read_campaign(folder))
