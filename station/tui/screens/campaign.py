@@ -8,6 +8,7 @@ from textual.containers import Horizontal, Vertical
 from textual.widgets import ContentSwitcher
 
 from station.guide.command import Command
+from station.guide.enough import lacking
 from station.guide.view import Stage, View
 from station.tui.orientation import is_counter_clockwise
 from station.tui.screens.framed import FramedScreen
@@ -155,7 +156,10 @@ class CampaignScreen(FramedScreen):
         self.order("keep_seating")
 
     def action_finish(self) -> None:
-        """Ask, then solve with what is there."""
+        """Ask, then solve with what is there; not where that surely cannot be."""
+        if lack := lacking(self.view.steps):
+            self.notify(lack, title="Not yet", severity="warning", markup=False)
+            return
         missing = len(self.view.steps) - self.view.done
         text = (
             f"{self.view.done} of {len(self.view.steps)} steps are done. What the {missing} missing ones would "

@@ -1,6 +1,7 @@
 """The verdict: every limit counts, what was not measured is never passed, and the sentence says why."""
 
 from dataclasses import replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,14 @@ import pytest
 from fixtures_db.calibration import calibration_document
 from fixtures_db.chain import GENESIS
 from fixtures_db.limits import Limit, each_axis
+from procedures.frames import FACES, face_normal, face_of
+from procedures.twelve_position import is_determined
 from procedures.uncertainty.budget import combined
 from procedures.uncertainty.sources import HEADING, Cell
+from station.guide.enough import in_ranges, lacking
 from station.guide.judgement import Word, judge, judged_in_words, limit_in_words
 from station.guide.outcome import change_in_words, verdict_rows, worst_residual
+from station.guide.view import Step
 from station.solution_parameters import Parameter, applied, parameters, shifts
 from tests.fixtures_db.factory import facts, solution
 from tests.station.report import factory
@@ -139,3 +144,21 @@ def test_parameters_are_named_as_the_covariance_names_them() -> None:
     )
     assert made["gyroscope.misalignment.xz"] == Parameter("gyroscope.misalignment.xz", 3, 2, "1")
     assert "gyroscope.misalignment.yy" not in made
+
+
+@pytest.mark.parametrize("count", range(1, 7))
+def test_the_faces_that_are_enough_to_finish_are_those_that_determine_a_solution(count: int) -> None:
+    for faces in combinations(FACES, count):
+        steps = [
+            Step(name=f"dwell_{p:02d}", state="todo", position=p, attempts=face_of(p) in faces)
+            for p in range(1, 13)
+        ]
+        assert (lacking(steps) == "") == is_determined(np.stack([face_normal(face) for face in faces]))
+
+
+def test_turns_about_all_axes_or_a_free_position_are_left_to_the_solve_to_judge() -> None:
+    turns = [Step(name=f"turn_{a}_plus", state="done", axis=a, start_position=1, attempts=1) for a in "xyz"]
+    assert lacking(turns) == ""
+    assert lacking(turns[:2]).startswith("Too little to solve")
+    assert lacking([Step(name="free_01", state="done", is_free=True, number=1, attempts=1)]) == ""
+    assert in_ranges([12, 1, 2, 5, 6, 7]) == "1, 2, 5 to 7, 12"

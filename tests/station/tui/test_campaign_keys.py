@@ -28,7 +28,7 @@ PLACE = views.PLACING  # wanted: dwell_03; done: dwell_01, dwell_02
         (PLACE, "left left enter", Command(verb="choose", step="dwell_11")),
         (PLACE, "right escape enter", Command(verb="choose", step="dwell_03")),
         (views.BADLY_SEATED, "k", Command(verb="keep_seating")),
-        (PLACE, "f y", Command(verb="finish")),
+        (views.TURNING, "f y", Command(verb="finish")),
         (views.WARMING, "s y", Command(verb="skip_warm_up")),
         (views.PASSED, "s y", Command(verb="store")),
     ],
@@ -45,7 +45,7 @@ async def test_a_key_sends_its_command(view: View, keys: str, command: Command) 
         (PLACE, "k"),  # it sits well
         (views.running("place", steps=views.steps(0), wanted="dwell_01", can_redo=""), "r"),
         (views.running("place", steps=views.steps(0), wanted="dwell_01", can_redo=""), "f"),
-        (PLACE, "f n"),
+        (views.TURNING, "f n"),
         (views.WARMING, "s escape"),
         (views.PASSED, "d s escape"),  # a diagnosis is read, nothing is stored from there
         (views.STORED, "s"),
@@ -132,3 +132,15 @@ async def test_gates_and_turn_say_word_symbol_and_number() -> None:
             assert word in seen.app.screen.turn.render().plain
         await seen.show(views.CAME_BACK)
         assert "came back within 0.012 ± 0.004 deg" in seen.app.screen.turn.render().plain
+
+
+async def test_to_finish_what_cannot_be_solved_is_refused_before_it_is_asked() -> None:
+    async with screens(PLACE) as seen:
+        await seen.press("f", "y")
+        await seen.pilot.pause()
+        assert seen.sent == []
+        assert not isinstance(seen.app.screen, Confirm)
+        [said] = [notice.message for notice in seen.app._notifications]  # noqa: SLF001  as it is shown
+        assert said.startswith("Too little to solve: ")
+        assert said.endswith("Positions to do: 3 to 12.")
+        assert any("Too little to solve" in line for line in seen.lines())
