@@ -47,7 +47,7 @@ class Guide:
         self.desk = desk
         first = self._first = _warming if warms_up else _placing
         self._restarts = desk.feed.restarts
-        self._stage: Stage = first(desk) if unsure is None else Recognising(desk, unsure, first)
+        self._now: Stage = first(desk) if unsure is None else Recognising(desk, unsure, first)
         self._look: Look | None = None
         self._accel: FloatArray = np.zeros(3)
         self._tracker = Tracker(desk)
@@ -56,6 +56,17 @@ class Guide:
         self.trouble = ""  # with the stream, in words ...
         self._troubled = Trouble.none()  # ... and what is to be done
         self._time_s: float | None = None  # the device's, up to which the stream was looked at
+
+    @property
+    def _stage(self) -> Stage:
+        """What goes on now."""
+        return self._now
+
+    @_stage.setter
+    def _stage(self, stage: Stage) -> None:
+        if stage is not self._now and self._is_recording:
+            self.desk.story.ended()
+        self._now = stage
 
     @property
     def is_complete(self) -> bool:

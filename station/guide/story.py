@@ -16,3 +16,7 @@ class Story:
         """Add an event."""
         self._number += 1
         self.events = (*self.events, Event(number=self._number, sound=sound, text=text))[-KEPT:]
+
+    def ended(self) -> None:
+        """Take it that what was begun is over: that it began is no news any more."""
+        self.events = tuple(event for event in self.events if event.sound != "start")

@@ -372,3 +372,14 @@ def test_with_nobody_to_ask_it_is_done_again_once(rig: Make) -> None:
     guided.hands("place 7 8 0 4 0")
     guided.run(lambda v: v.step("dwell_07").attempts == 2)
     assert guided.view.wanted == "dwell_08"
+
+
+def test_that_a_recording_began_is_not_said_once_it_is_over(rig: Make) -> None:
+    guided = rig(dwells(1, 2, seconds=30.0))
+    guided.run(after(10.0))
+    assert guided.view.events[-1].text == "recording: keep your hands off"
+    guided.hands("place 1 8")  # lifted in mid-recording
+    view = guided.run(lambda v: v.stage == "place")
+    assert not [event for event in view.events if event.sound == "start"]
+    guided.run(guided.done(1))
+    assert not [event for event in guided.view.events if event.sound == "start"]
