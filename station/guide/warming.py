@@ -92,7 +92,7 @@ class Warming:
             warm = warm.model_copy(update=self._figures(state))
         warm = warm.model_copy(update={"note": self._hint or waits_for(warm)})
         return {
-            "stage": "warm_up", "warm_up": warm, "line": "leave the cube at rest, in position 1 if it can be",
+            "stage": "warm_up", "warm_up": warm, "line": "leave the cube at rest on the slab",
             "hint": self._hint,
         }  # fmt: skip
 

@@ -29,7 +29,7 @@ class WarmUpPanel(Drawn[WarmUp | None]):
             Content.assemble(("time so far     ", "$muted"), (duration(warm.seconds), "bold")),
             Content.assemble(("time left       ", "$muted"), (left, "bold")),
             Content(""),
-            self._gate("temperature", warm.temperature_rate_c_min, warm.temperature_limit_c_min, "°C/min"),
+            self._gate("temp. rate", warm.temperature_rate_c_min, warm.temperature_limit_c_min, "°C/min"),
             self._gate("gyro drift", warm.gyro_drift_deg_h, warm.gyro_limit_deg_h, "deg/h"),
         ]
         if warm.note:

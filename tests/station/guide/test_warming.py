@@ -82,7 +82,7 @@ def test_it_says_what_it_waits_for_in_numbers_and_never_that_no_time_is_left(rig
         note.startswith("waiting for a ") and ("deg/h, now" in note or "/min, now" in note) for note in notes
     )
     assert not [note for note in notes if "e-" in note]
-    assert {view.line for view in guided.seen} == {"leave the cube at rest, in position 1 if it can be"}
+    assert {view.line for view in guided.seen} == {"leave the cube at rest on the slab"}
 
 
 def test_a_drift_is_told_as_finely_as_its_limit() -> None:

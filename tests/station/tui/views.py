@@ -166,7 +166,7 @@ CONNECTING = View(
 WARMING = running(
     "warm_up",
     steps=steps(0), wanted="dwell_01", can_redo="", events=EVENTS[1:2], remaining_s=2700.0,
-    line="leave the cube at rest, in position 1 if it can be",
+    line="leave the cube at rest on the slab",
     warm_up=WarmUp(
         seconds=241.0, left_s=372.0, temperature_rate_c_min=0.21, temperature_limit_c_min=0.05,
         gyro_drift_deg_h=4.35e-14, gyro_limit_deg_h=0.0285235,
