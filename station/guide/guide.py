@@ -20,7 +20,7 @@ from station.guide.identity import UnitRecord
 from station.guide.judge import Look
 from station.guide.leaning import Leaning
 from station.guide.placing import Placing
-from station.guide.pose import HeadingWatch, pose_view
+from station.guide.pose import HeadingWatch, face_wanted, pose_view
 from station.guide.recognising import Recognising
 from station.guide.resting import Resting
 from station.guide.seat import keep_question
@@ -180,6 +180,7 @@ class Guide:
         gates = Gates(
             face=look.face, off_deg=look.off_deg, limit_deg=self.desk.judge.limit_deg,
             is_right_face=look.is_upright and self._has_work(look.face),
+            is_wanted_face=face_wanted(self._step) in {"", look.face},
             still=look.still * limit, still_limit=limit, still_channel=look.channel, is_still=look.is_still,
             position=self.desk.position,
         )  # fmt: skip

@@ -79,7 +79,7 @@ def _tipped_deg(now: Standing, face: str) -> float:
 
 
 def _left_to_do(now: Standing, desk: Desk, step: Step | None, off: float | None, *, is_known: bool) -> str:
-    face = _face_wanted(step)
+    face = face_wanted(step)
     if step is None or not face:
         return ""
     if _tipped_deg(now, face) > TIPPED_DEG:
@@ -98,7 +98,8 @@ def _left_to_do(now: Standing, desk: Desk, step: Step | None, off: float | None,
     return f"{text}; or leave it: position {other} is to do as well" if other else text
 
 
-def _face_wanted(step: Step | None) -> str:
+def face_wanted(step: Step | None) -> str:
+    """Return the face that a step wants up, empty where it wants none."""
     if isinstance(step, Turn):
         return face_of(step.start_position)
     if isinstance(step, Dwell | Soak):

@@ -191,6 +191,7 @@ class Gates(_Value):
     off_deg: float = 0.0
     limit_deg: float = 3.0
     is_right_face: bool = False
+    is_wanted_face: bool = True  # else another one on which something is to do as well
     is_free: bool = False
     still: float = 0.0
     still_limit: float = 4.0

@@ -33,7 +33,9 @@ class GatesPanel(Drawn[Gates | None]):
         up = f"{gates.face.replace('_', ' ').capitalize()}, " if gates.face else ""
         channel = gates.still_channel.replace("accelerometer", "accel").replace("gyroscope", "gyro")
         is_tilted = gates.limit_deg < gates.off_deg < NEARER
-        word = "right" if gates.is_right_face else "tilted" if is_tilted else "wrong"
+        word = "tilted" if is_tilted else "wrong" if gates.off_deg > gates.limit_deg else "other"
+        if gates.is_right_face:
+            word = "right" if gates.is_wanted_face else "may do"
         if gates.is_free:
             word = "apart" if gates.is_right_face else "near"
             far = f"{gates.off_deg:.0f} deg from {gates.face.replace('_', ' ')}"

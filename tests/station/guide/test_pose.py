@@ -140,3 +140,21 @@ def test_a_turn_may_not_begin_before_its_rest(rig: Make) -> None:
     before = [view for view in guided.seen if view.turn is not None and view.turn.is_to_rest]
     assert {view.line for view in before} == {"hands off: it rests before turn X+"}
     assert guided.view.line.startswith("turn once counter-clockwise from above")
+
+
+def test_the_gate_tells_the_face_wanted_from_another_that_is_to_do_and_from_one_that_is_done(rig: Make) -> None:
+    guided = rig(dwells(1, 5, seconds=20.0))
+    guided.run(lambda v: v.stage == "dwell" and v.gates is not None)
+    assert (guided.view.gates.is_right_face, guided.view.gates.is_wanted_face) == (True, True)
+    guided.run(guided.done(1))
+    gates = guided.view.gates
+    assert (gates.face, gates.is_right_face, gates.is_wanted_face) == ("x_up", False, False)
+    guided.obey("redo", step="dwell_01")
+    gates = guided.view.gates
+    assert (gates.is_right_face, gates.is_wanted_face) == (True, True)
+    guided.hands("place 5 8")
+    guided.run(
+        lambda v: v.gates is not None and v.gates.face == "y_up" and v.gates.off_deg < 1 and v.stage != "dwell"
+    )
+    gates = guided.view.gates
+    assert (gates.is_right_face, gates.is_wanted_face) == (True, False)

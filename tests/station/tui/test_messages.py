@@ -230,3 +230,16 @@ async def test_a_turn_that_was_redone_has_its_whole_cell() -> None:
             assert "Z+ +1" in said
             assert "Z-" in said
             assert "…" not in said
+
+
+async def test_the_face_is_told_apart_where_it_is_another_that_is_to_do_or_one_that_is_done() -> None:
+    on = views.WRONG_HEADING.gates
+    async with screens(views.WRONG_HEADING) as seen:
+        for update, word in (
+            ({}, "✓ right"),
+            ({"is_wanted_face": False}, "✓ may do"),
+            ({"is_right_face": False, "is_wanted_face": False}, "✗ other"),
+        ):
+            await seen.show(views.WRONG_HEADING.model_copy(update={"gates": on.model_copy(update=update)}))
+            await seen.pilot.pause()
+            assert f"FACE {word} " in said_in(seen, seen.app.screen.gates)
