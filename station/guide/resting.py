@@ -106,7 +106,7 @@ class Resting:
             "accepted_s": accepted_s, "wanted_s": wanted_s,
             "line": f"{line}; {in_words(soak)}" if soak else line, "soak": soak, "question": self._question,
             "position": self._position, "heading": self._how or "reading the Earth rate",
-            "seating": self._seat.words, "is_seated": not self._seat.is_off,
+            "seating": self._seat.words, "is_seated": not self._seat.is_to_lift,
         }  # fmt: skip
 
     @property

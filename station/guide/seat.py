@@ -28,6 +28,7 @@ class Seat:
         self._desk, self._face = desk, face
         self._looks = list(LOOKS_S)
         self.words, self.is_off = "", False
+        self.is_to_lift = False  # off, and neither kept nor the bench's
         self._off: FloatArray | None = None  # as it was last found
 
     @property
@@ -58,8 +59,13 @@ class Seat:
             return ""
         why = judge(found)
         self.is_off, self.words, self._off = bool(why), why or _words(found), found.off
-        if not why or self._is_kept(position, found) or self._is_known(position, found):
+        self.is_to_lift = False
+        if why and self._is_kept(position, found):
+            self.words = f"kept as it sits: {why}"
             return ""
+        if not why or self._is_known(position, found):
+            return ""
+        self.is_to_lift = True
         desk.seats[position], desk.off_seat = found.off, position
         return f"not seated: {why}; lift, wipe, set down"
 

@@ -383,3 +383,15 @@ def test_that_a_recording_began_is_not_said_once_it_is_over(rig: Make) -> None:
     assert not [event for event in view.events if event.sound == "start"]
     guided.run(guided.done(1))
     assert not [event for event in guided.view.events if event.sound == "start"]
+
+
+def test_a_kept_seat_is_said_to_be_kept_while_it_is_recorded(rig: Make) -> None:
+    guided = on_a_crumb(rig, 0.3)
+    guided.obey("keep_seating")
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="y")
+    guided.run(lambda v: v.gates is not None and v.gates.seating.startswith("kept as it sits: tilted by"))
+    assert guided.view.stage == "dwell"
+    assert guided.view.gates.is_seated
+    guided.run(guided.done(4))
+    assert guided.desk.badly_seated == {4}
