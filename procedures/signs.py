@@ -76,7 +76,7 @@ def earth_signs(
     """
     parts = np.array([_earth(campaigns[number], position) for number, position in dwells]).reshape(-1, 2, 3)
     first = np.array([float(number == n) for number, _ in dwells for n in range(len(campaigns))])
-    own_bias = first.reshape(len(dwells), -1)
+    own_bias = first.reshape(len(dwells), len(campaigns))
     own_bias = own_bias[:, own_bias.any(axis=0)]
     found = np.array([_ratio(parts @ K[q], own_bias, rate[:, q], std[:, q]) for q in range(3)])
     return EarthSigns(found[:, 0, 0], found[:, 0, 1], found[:, 1, 0], found[:, 1, 1])

@@ -13,6 +13,7 @@ from procedures.calibration import solve
 from procedures.campaign import Campaign
 from procedures.diagnosis.diagnosis import diagnose
 from procedures.records import Series
+from procedures.signs import earth_signs
 
 OPPOSITE = {"+": "-", "-": "+"}
 OTHER_FACE = {1: 3, 3: 1, 2: 4, 4: 2, 5: 7, 7: 5, 6: 8, 8: 6, 9: 11, 11: 9, 10: 12, 12: 10}
@@ -117,3 +118,8 @@ def test_a_diagnosis_leaves_an_inverted_sign_as_it_is_and_says_so() -> None:
     found = diagnose([negated(recorded(3), "gyro")])
     assert not [each for each in found.findings if each.effect == "placement.label"]
     assert any(GYROS in text for text in found.solution.warnings)
+
+
+def test_without_a_dwell_the_earths_rate_tells_no_sign() -> None:
+    signs = earth_signs([recorded(1)], [], np.zeros((0, 3)), np.zeros((0, 3)), np.eye(3))
+    assert signs.of_faces([0, 1, 2]) == 0
