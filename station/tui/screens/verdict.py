@@ -78,6 +78,10 @@ class VerdictScreen(StageScreen):
         self.stored.say(seal and f"✓ in the database, sha256 {seal}")
         self.table.show(verdict.rows)
 
+    def keys_depend_on(self, view: View) -> object:
+        """Return what decides which keys are offered."""
+        return view.stage, bool(view.verdict and view.verdict.redo)
+
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Offer only what makes sense now."""
         if action in ("store", "cancel"):

@@ -127,7 +127,7 @@ def test_what_cannot_be_looked_at_is_words_not_an_error(url: str, said: str) -> 
 def test_a_busy_and_a_silent_port_are_words_too() -> None:
     far, near = os.openpty()
     url = f"serial://{os.ttyname(near)}"
-    assert "powered" in check_port(url, 0.1).text
+    assert "check its power" in check_port(url, 0.1).text
     port = open_port(url)
     assert "open in another program" in check_port(url, 0.1).text
     port.close()
