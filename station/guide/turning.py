@@ -205,7 +205,8 @@ class Turning:
     @property
     def _is_wrong_way(self) -> bool:
         turned = self._revolutions()
-        return abs(turned) > TOUCHED_REVOLUTIONS and (turned > 0) != (self._step.direction == "+")
+        is_other = abs(turned) > TOUCHED_REVOLUTIONS and (turned > 0) != (self._step.direction == "+")
+        return is_other and self._watch.is_about_axis
 
     @property
     def _other(self) -> Turn | None:

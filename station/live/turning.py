@@ -111,11 +111,9 @@ class TurnWatch:
             return "there was no rest before it"
         if any(a.last != b.first or b.is_broken for a, b in pairwise(blocks)):
             return "samples were lost while it turned"
-        turned, up = self._turned(), self._up()
-        along = float(turned @ up)
-        if np.linalg.norm(turned - along * up) > STRAY * abs(along):
+        if not self.is_about_axis:
             return "the cube was tipped, or turned about another axis"
-        if (along > 0) != (self._step.direction == "+"):
+        if (self.turned_counts > 0) != (self._step.direction == "+"):
             sense = "counter-clockwise" if self._step.direction == "+" else "clockwise"
             return f"it was the other way round, expected {sense} seen from above"
         usual = float(np.median(self._earlier)) if self._earlier else self.counts_per_revolution
@@ -125,6 +123,13 @@ class TurnWatch:
                 f"by the turns before it, expected {self._step.revolutions}"
             )
         return ""
+
+    @property
+    def is_about_axis(self) -> bool:
+        """Whether what moved so far was a turn about the axis asked for, and not the cube being tipped."""
+        turned, up = self._turned(), self._up()
+        along = float(turned @ up)
+        return bool(np.linalg.norm(turned - along * up) <= STRAY * abs(along))
 
     def _is_turning(self, block: Block) -> bool:
         """Say whether a gyro's rate is far off the one at rest: a motor turns so evenly that nothing trembles.

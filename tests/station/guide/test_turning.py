@@ -156,6 +156,14 @@ def test_a_turn_the_wrong_way_stops_at_once_where_nothing_else_is_to_be_done_tha
     assert max((v.turn.revolutions for v in guided.seen if v.turn is not None), default=0.0) < 0.1
 
 
+@pytest.mark.parametrize("position", range(3, 13))
+def test_a_cube_that_is_tipped_over_is_no_turn_the_wrong_way(rig: Make, position: int) -> None:
+    guided = rig([PLUS])
+    guided.run(ready)
+    guided.hands(f"place {position} 8")
+    assert "the cube was tipped over" in guided.run(rejected).events[-1].text
+
+
 @pytest.mark.parametrize("when", ["while it turns", "after it"])
 def test_a_turn_the_wrong_way_is_taken_as_the_other_one_if_the_operator_says_so(rig: Make, when: str) -> None:
     guided = rig([PLUS, MINUS])
