@@ -15,7 +15,7 @@ $(VENV)/bin/python:
 
 $(VENV)/.installed: $(VENV)/bin/python pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable .
-	$(BIN)/python -c "import procedures.kernels; from procedures.attitude.compile import compile_all; compile_all()"
+	$(BIN)/python -c "import procedures.counts.count_kernels; from procedures.attitude.compile_kernels import compile_all; compile_all()"
 	touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed pyproject.toml constraints.txt

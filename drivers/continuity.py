@@ -4,7 +4,7 @@ import numpy as np
 
 from drivers.wire import WireFormat
 from procedures.arrays import FloatArray, IntArray
-from procedures.records import SampleBlock
+from procedures.counts.sample_records import SampleBlock
 
 FEW, TURN_S = 1024, 60.0  # a counter or a clock [s] that turns sooner is read as never going back
 LEARNING = 33  # device times from which the sample period is taken

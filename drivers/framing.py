@@ -16,7 +16,7 @@ import numpy as np
 from drivers.continuity import StepGate, watch_of
 from drivers.wire import FORMATS, FrameKind, Identity, Lines, WireFormat
 from procedures.arrays import IntArray
-from procedures.records import SampleBlock, joined_blocks
+from procedures.counts.sample_records import SampleBlock, joined_blocks
 
 STRONG_BITS = 16  # a check of fewer also passes in other formats' bytes
 MANY = 2048  # bytes of text that are worth looking at as lines together

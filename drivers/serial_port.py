@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import serial
 from serial.tools import list_ports as serial_list_ports
 
+from drivers.error_reason import reason_of
 from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound
 from drivers.latency_timer import latency_ms, shorten_latency
-from drivers.reasons import reason_of
 
 WRITE_TIMEOUT_S = 1.0
 PTYS = "/dev/pts/"

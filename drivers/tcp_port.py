@@ -2,8 +2,8 @@
 
 import socket
 
+from drivers.error_reason import reason_of
 from drivers.errors import LinkLost, PortNotFound
-from drivers.reasons import reason_of
 
 CONNECT_TIMEOUT_S = 5.0
 SEND_TIMEOUT_S = 1.0

@@ -16,7 +16,7 @@ import numpy as np
 from drivers.framing import Decoder
 from drivers.host_times import HostTimes
 from drivers.wire import WireFormat, triad
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 
 NEAR = 0.75  # sample periods
 LATE_S = 0.5

@@ -6,8 +6,8 @@ import select
 import socket
 from collections import deque
 
+from drivers.error_reason import reason_of
 from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
-from drivers.reasons import reason_of
 
 LARGEST = 65535
 BUFFER = 2**20  # bytes: a burst of many seconds while the reader is held up

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from fixtures_db.limits import Limit
-from procedures.solution import Estimate, Solution, TriadCalibration
+from procedures.calibration.solution import Estimate, Solution, TriadCalibration
 
 FORMAT = "calibration/1"
 STATUSES = ("calibrated", "measured")

@@ -13,7 +13,7 @@ from fixtures_db.chain import GENESIS, ChainFault, Link, canonical, faults
 from fixtures_db.chain import digest as sha256_of
 from fixtures_db.errors import AlreadyStored, NotInDatabase
 from fixtures_db.schema import CalibrationRow, ImuRow
-from procedures.solution import Solution
+from procedures.calibration.solution import Solution
 
 
 def accept_calibration(

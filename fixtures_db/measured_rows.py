@@ -8,8 +8,8 @@ import numpy as np
 
 from fixtures_db.schema import CubeMeasurementRow
 from procedures.arrays import FloatArray
-from procedures.campaign import MeasuredCube
-from procedures.measured_cube import NAMES, CubeMeasurement, UnitShare
+from procedures.bench.measured_cube import NAMES, CubeMeasurement, UnitShare
+from procedures.calibration.campaign import MeasuredCube
 
 MAX_TILT = 0.1  # rad; beyond it a tilt is a slip of the pen
 

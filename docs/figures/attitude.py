@@ -6,13 +6,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 
-from drivers.simulated.flight import LEVEL_S, paper_flight
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude import estimate
-from procedures.attitude.frd import roll_pitch_of
-from procedures.attitude.gains import Gains
-from procedures.attitude.log import AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.forward_right_down import roll_pitch_of
 from procedures.attitude.mixer import mix
+from procedures.attitude.mixer_gains import Gains
+from tests.drivers.simulated.flight import LEVEL_S, paper_flight
 
 SEED, RUNS = 1, 6
 NO_PULL = Gains(1e-9, 0.0)  # the gyros alone

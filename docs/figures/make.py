@@ -14,15 +14,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Polygon
 
-from drivers.simulated.bench import simulate_campaign, turn_steps
-from drivers.simulated.motion import hand_turn
+from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
+from drivers.simulated.cube_motion import hand_turn
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
-from procedures.count_rate import estimate_counts
-from procedures.diagnosis.diagnosis import diagnose
-from procedures.kernels import propagate, smooth
-from station.diagnosis.figure import SIZE_IN, draw_panel
-from station.diagnosis.residuals import residual_panels
+from procedures.counts.count_kernels import propagate, smooth
+from procedures.counts.count_rate import estimate_counts
+from procedures.diagnosis.diagnose import diagnose
+from station.results.diagnosis.finding_figure import SIZE_IN, draw_panel
+from station.results.diagnosis.finding_residuals import residual_panels
 
 HERE = Path(__file__).parent
 BLUE, ORANGE, GREEN, GREY, PALE = "#1f5a96", "#c4611a", "#3a7d44", "#6b6b6b", "#e4e8ee"

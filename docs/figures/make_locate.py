@@ -13,11 +13,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from procedures.arrays import FloatArray
-from station.fusion_folder import FusionLog, read_fusion
-from station.locate.inertial import by_imu
-from station.locate.recorded import by_odometry
+from station.files.fusion_folder import FusionLog, read_fusion
+from station.locate.imu_source import by_imu
+from station.locate.odometry_source import by_odometry
 from station.locate.result import Located
-from station.locate.scoring import distances
+from station.locate.trajectory_error import distances
 from tests.benchmarks.kitti import write_kitti
 from tests.benchmarks.locate import OUTAGE, SILENT, drawn
 

@@ -14,12 +14,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from procedures.arrays import FloatArray
-from procedures.campaign import Campaign
-from procedures.diagnosis.diagnosis import diagnose
-from procedures.diagnosis.model import fit_linear
+from procedures.calibration.campaign import Campaign
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.linear_model import fit_linear
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Seen
-from station.campaign_folder import read_campaign
+from station.files.campaign_folder import read_campaign
 
 HERE = Path(__file__).parent
 DATA = Path(os.environ.get("STATION_DATA", HERE / "../../../shared/data")).resolve()

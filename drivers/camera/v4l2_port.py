@@ -18,7 +18,7 @@ from drivers.camera.address import CameraUrl
 from drivers.camera.jpeg import BEGIN
 from drivers.camera.parts import part
 from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
-from procedures.fusion.extra import ExtraMissing, opencv
+from procedures.fusion.optional_libraries import ExtraMissing, opencv
 
 MS = 1e-3  # s
 CLOSE_S = 1.0  # for an image under way; the thread lets go of the device when its wait is over

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, cast
 
 from drivers.errors import LinkLost, PortNotFound
-from procedures.fusion.extra import opencv
-from procedures.fusion.feature_follower import Image
+from procedures.fusion.optional_libraries import opencv
+from procedures.fusion.vision.feature_tracker import Image
 
 MS = 1e-3  # s
 

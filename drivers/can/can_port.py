@@ -17,8 +17,8 @@ from can.interfaces import BACKENDS
 
 from drivers.can.record import ERROR, EXTENDED, RECORD, REMOTE, STANDARD, WIDE, pack
 from drivers.can.slcan_line import SlcanLine
+from drivers.error_reason import reason_of
 from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound
-from drivers.reasons import reason_of
 
 REMEDY = "check bit rate, wiring and termination"
 NOT_OPTIONS = {"self", "channel", "kwargs", "interface", "can_filters"}

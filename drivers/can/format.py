@@ -19,7 +19,7 @@ from drivers.host_times import HINDSIGHT_S
 from drivers.wire import WireFormat
 from drivers.wire._format import Frames, fits
 from procedures.arrays import IntArray
-from procedures.records import CountBlock, SampleBlock
+from procedures.counts.sample_records import CountBlock, SampleBlock
 
 OWN_DBC = str(Path(__file__).with_name("fog_counts.dbc"))
 OWN_MAP = str(Path(__file__).with_name("fog_counts.toml"))

@@ -18,7 +18,7 @@ from drivers.can.mapping import CanMap, Slot
 from drivers.can.record import NO_DATA_FRAME, RECORD
 from drivers.wire import JoinCounters
 from procedures.arrays import FloatArray, IntArray
-from procedures.records import CountBlock, RateBlock, SampleBlock
+from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock
 
 LATE = 2  # samples: how far the bus may have gone on before a frame is given up
 BACK = 8  # samples: what lies further back, or ahead, is of a device that began anew, or of another one

@@ -23,7 +23,7 @@ from drivers.mavlink.messages import (
 )
 from drivers.mavlink.sender_clock import SenderClock
 from drivers.mavlink.signing import SignatureCheck
-from procedures.gnss import AirData, Ambient, GnssFix, TimeMark
+from procedures.earth.gnss_records import AirData, Ambient, GnssFix, TimeMark
 
 NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID: a ground station, a camera
 _FIXES = {GPS_RAW_INT: raw_fix, GPS2_RAW: raw_fix, GLOBAL_POSITION_INT: filtered_fix, GPS_INPUT: input_fix}

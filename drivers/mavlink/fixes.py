@@ -9,7 +9,7 @@ from typing import Any
 
 from drivers.mavlink.messages import NAMES, Frame
 from drivers.mavlink.sender_clock import SenderClock
-from procedures.gnss import FixType, GnssFix
+from procedures.earth.gnss_records import FixType, GnssFix
 
 U16, U8 = 65535, 255
 GPS_EPOCH = 315_964_800  # s since 1970

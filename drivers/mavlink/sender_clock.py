@@ -8,7 +8,7 @@ that goes back is a restart: all is learnt anew.
 
 from collections import deque
 
-from procedures.gnss import TimeMark
+from procedures.earth.gnss_records import TimeMark
 
 EPOCH_US = 10**15  # us; what is beyond is UTC (2001), what is below since boot (32 years)
 REBOOT_NS = 10**9

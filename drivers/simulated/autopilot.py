@@ -24,8 +24,8 @@ from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.gnss_receiver import Receiver, Seen
 from drivers.simulated.timed_faults import active
-from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
+from drivers.simulated.vehicle_track import Track
 
 SET_MESSAGE_INTERVAL = 511
 ACCEPTED, DENIED, UNSUPPORTED = 0, 2, 3

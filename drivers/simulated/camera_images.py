@@ -6,16 +6,16 @@ import numpy as np
 
 from drivers.camera.parts import part
 from drivers.simulated.camera_faults import CameraFault
+from drivers.simulated.camera_mount import Mounted
 from drivers.simulated.camera_room import Room
 from drivers.simulated.camera_texture import Floats, pyramid
 from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.mounted import Mounted
 from drivers.simulated.timed_faults import active
-from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
+from drivers.simulated.vehicle_track import Track
 from procedures.arrays import FloatArray
-from procedures.fusion.extra import opencv
-from procedures.fusion.feature_follower import Image
+from procedures.fusion.optional_libraries import opencv
+from procedures.fusion.vision.feature_tracker import Image
 
 BLACK = 4.0  # grey of an image in the dark
 NOISE = 2**17  # drawn once: images differ in where they begin among it

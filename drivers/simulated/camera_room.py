@@ -9,7 +9,7 @@ import numpy as np
 
 from drivers.simulated.camera_texture import Floats, grey
 from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.track import Track
+from drivers.simulated.vehicle_track import Track
 from procedures.arrays import FloatArray
 
 MARGIN = 9.0  # m, from the track to the walls

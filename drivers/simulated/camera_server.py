@@ -11,13 +11,13 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Condition, Thread
 
 from drivers.camera.parts import CONTENT_TYPE
-from drivers.simulated.beside import Beside, TrueTime
 from drivers.simulated.camera_faults import CameraFault
 from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_truth import CameraTruth
+from drivers.simulated.companion_devices import Beside, TrueTime
 from drivers.simulated.timed_faults import active
-from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
+from drivers.simulated.vehicle_track import Track
 
 POLL_S = 0.002
 PATH = "/stream"

@@ -14,8 +14,8 @@ import numpy as np
 from drivers.simulated.faults import Fault, FaultyLine, Sent
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.pace import MOST_SAMPLES
-from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
+from drivers.simulated.vehicle_track import Track
 from drivers.wire import FORMATS, Identity, WireFormat
 from procedures.arrays import FloatArray
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from drivers.simulated import can_faults
 from drivers.simulated.errors import TruthRefused
-from drivers.simulated.garbled import half_of, mingled, misread, other_unit
+from drivers.simulated.garbled_frames import half_of, mingled, misread, other_unit
 from drivers.wire import WireFormat
-from procedures.records import SampleBlock, block_rows
+from procedures.counts.sample_records import SampleBlock, block_rows
 
 KINDS = {
     "bad_crc": "`count` frames with one bit flipped",

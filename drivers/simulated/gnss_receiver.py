@@ -10,8 +10,8 @@ import numpy as np
 from pymavlink.dialects.v20 import all as dialect
 
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
+from drivers.simulated.vehicle_track import Track
 from procedures.arrays import FloatArray
 
 CORRELATION_S = 60.0

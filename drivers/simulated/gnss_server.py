@@ -5,11 +5,11 @@ from pathlib import Path
 
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.beside import Beside, TrueTime
+from drivers.simulated.companion_devices import Beside, TrueTime
 from drivers.simulated.gnss_faults import GnssFault
-from drivers.simulated.talk import talk_on
-from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
+from drivers.simulated.two_way_lines import talk_on
+from drivers.simulated.vehicle_track import Track
 
 POLL_S = 0.002
 

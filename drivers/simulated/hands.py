@@ -8,7 +8,7 @@ import socket
 from types import TracebackType
 from typing import Self
 
-from drivers.reasons import reason_of
+from drivers.error_reason import reason_of
 from drivers.simulated.errors import HandsRefused
 
 ANSWER_TIMEOUT_S = 5.0

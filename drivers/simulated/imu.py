@@ -10,18 +10,18 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from drivers.simulated.bench import stand, turn_segment
-from drivers.simulated.drive import drive
+from drivers.simulated.bench_in_memory import stand, turn_segment
+from drivers.simulated.cube_motion import Segment, creep, flip, knock, rest, settle
 from drivers.simulated.effects import planted
-from drivers.simulated.motion import Segment, creep, flip, knock, rest, settle
 from drivers.simulated.sensor import Sensor
-from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
+from drivers.simulated.vehicle_motion import drive
+from drivers.simulated.vehicle_track import Track
 from procedures.arrays import FloatArray, IntArray
+from procedures.calibration.plan_steps import Turn
+from procedures.counts.sample_records import CountBlock, RateBlock
 from procedures.frames import rotation
-from procedures.leaning import leaned
-from procedures.records import CountBlock, RateBlock
-from procedures.steps import Turn
+from procedures.rests_and_moves.free_attitudes import leaned
 
 LYING = 9  # the position with z up, as which it is carried
 LEAN_STD_DEG = 3.0  # how far off a free attitude is set by hand

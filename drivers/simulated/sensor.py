@@ -10,10 +10,10 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.signal import lfilter
 
+from drivers.simulated.bench_truth import World
+from drivers.simulated.cube_motion import Segment
 from drivers.simulated.effects import Felt, Planted, Stimulus
-from drivers.simulated.motion import Segment
 from drivers.simulated.truth import Truth
-from drivers.simulated.world import World
 from procedures.arrays import FloatArray, IntArray
 
 NODE_S = 1.0  # grid of the bias instability, linear in between

@@ -15,7 +15,7 @@ import numpy as np
 
 from drivers.simulated.errors import TruthRefused
 from procedures.arrays import FloatArray
-from procedures.earth import STANDARD_GRAVITY, normal_gravity
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY, normal_gravity
 
 Sizes = Mapping[str, float]
 IMU_AXES = ("+x", "+y", "+z")

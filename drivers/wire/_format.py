@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from procedures.arrays import IntArray
-from procedures.records import SampleBlock
+from procedures.counts.sample_records import SampleBlock
 
 Frames = NDArray[np.void]  # (n,) of a format's frame dtype
 Octets = bytes | memoryview

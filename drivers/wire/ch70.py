@@ -12,7 +12,7 @@ from types import MappingProxyType
 import numpy as np
 
 from drivers.wire._format import FrameKind, Frames, NominalScale, Octets, WireFormat, fits
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 
 HEADER = 0x80
 GROUP = 7  # bits

@@ -9,7 +9,7 @@ import zlib
 import numpy as np
 
 from drivers.wire._format import FrameKind, Frames, Identity, Octets, WireFormat, fits, seal
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 
 SYNC = b"\xeb\x90"  # IRIG 106's 16-bit frame synchronisation pattern: few partial matches with itself
 NO_TEMPERATURE = -32768

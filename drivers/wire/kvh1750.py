@@ -14,7 +14,7 @@ import numpy as np
 from drivers.wire import mpeg2
 from drivers.wire._format import FrameKind, Frames, WireFormat, fits, seal
 from procedures.arrays import FloatArray
-from procedures.records import RateBlock
+from procedures.counts.sample_records import RateBlock
 
 HEADER = b"\xfe\x81\xff"
 VALID = 0x77  # status: bits 0-2 gyros x y z, 4-6 accelerometers x y z; 3 and 7 are always 0

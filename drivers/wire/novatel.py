@@ -12,8 +12,8 @@ import numpy as np
 
 from drivers.wire._format import Frames, NominalScale, Octets, fits
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.earth import STANDARD_GRAVITY
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 
 SYNC = b"\xaa\x44\x13"
 LENGTH_AT = 3  # of the short header: the body's; of the long one: the header's own

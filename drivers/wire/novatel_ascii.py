@@ -15,7 +15,7 @@ import numpy as np
 from drivers.wire import novatel, novatel_log
 from drivers.wire._format import UNDECIDED, FrameKind, Identity, Octets, TextForm, WireFormat
 from drivers.wire.novatel_lines import DIGITS, LONGEST, layout_of, lines
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 
 _PLAIN = struct.Struct("<12xIdI6i4x")
 _TYPED = struct.Struct("<12xBBHdI6i4x")

@@ -12,7 +12,7 @@ import numpy as np
 from drivers.wire import novatel
 from drivers.wire._format import FrameKind, Frames, Identity, WireFormat, fits, seal
 from procedures.arrays import FloatArray, IntArray
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 
 KVH_1750 = 33  # what `encode` says it is: a FOG IMU
 ERROR, ENCRYPTED = 0x01, 0x02  # IMU info bits; the rest are reserved

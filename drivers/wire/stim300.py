@@ -18,7 +18,7 @@ import numpy as np
 from drivers.wire import mpeg2
 from drivers.wire._format import FrameKind, Frames, NominalScale, WireFormat, fits, seal
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 
 TICKS_HZ = 2000.0
 TURN = 256  # ticks

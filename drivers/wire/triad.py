@@ -12,7 +12,7 @@ import numpy as np
 
 from drivers.host_times import HINDSIGHT_S
 from drivers.wire._format import FrameKind, Frames, Octets, WireFormat, fits, seal
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 
 SYNC = b"\x9d\x3a"
 RESIDUE = 0x2144DF1C  # CRC-32/ISO-HDLC of any message followed by its own CRC

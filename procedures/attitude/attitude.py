@@ -6,16 +6,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.frd import down_of, earth_rate_ned
-from procedures.attitude.gains import PAPER, Gains
-from procedures.attitude.joint import AID_CODE, JointFilter
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.forward_right_down import down_of, earth_rate_ned
+from procedures.attitude.heading_at_rest import heading_at_rest
+from procedures.attitude.joint_filter import AID_CODE, JointFilter
 from procedures.attitude.joint_state import DEFAULT, FREE, Settings
-from procedures.attitude.log import AttitudeLog
 from procedures.attitude.mixer import NEAR_VERTICAL, mix, mix_as_printed
-from procedures.attitude.north import heading_at_rest
+from procedures.attitude.mixer_gains import PAPER, Gains
 from procedures.attitude.observability import Observability, observability
 from procedures.attitude.sensor_noise import at_rest, clipped_rows, gate_of, gyro_noise
-from procedures.earth import EARTH_RATE, STANDARD_GRAVITY
+from procedures.earth.gravity_and_rate import EARTH_RATE, STANDARD_GRAVITY
 
 AIDS = ("none", "airspeed", "airspeed-filter", "gnss", "paper-airspeed", "paper-filter")
 NEEDS = {"airspeed": "airspeed", "airspeed-filter": "airspeed", "gnss": "velocity",

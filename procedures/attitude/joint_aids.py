@@ -2,7 +2,6 @@
 
 import math
 
-from procedures.attitude.compiled import inlined
 from procedures.attitude.joint_state import (
     AIR,
     AIR_ROWS,
@@ -27,6 +26,7 @@ from procedures.attitude.joint_state import (
     State,
 )  # fmt: skip
 from procedures.attitude.joint_update import measure
+from procedures.attitude.kernel_options import inlined
 
 REST_MEAN_S = 0.5  # over which rest's means are taken
 MEAN_SPEED_S = 1.0

@@ -3,9 +3,8 @@
 import math
 
 from procedures.arrays import FloatArray
-from procedures.attitude.compiled import inlined, kernel
 from procedures.attitude.joint_aids import airspeed, level_velocity, rest, true_heading
-from procedures.attitude.joint_fix import remember, velocity_fix
+from procedures.attitude.joint_gnss_fix import remember, velocity_fix
 from procedures.attitude.joint_state import (
     AIR_ROWS,
     DV,
@@ -18,12 +17,13 @@ from procedures.attitude.joint_state import (
 )  # fmt: skip
 from procedures.attitude.joint_strapdown import LONG_GAP_S, correct, start, take
 from procedures.attitude.joint_update import propagate
+from procedures.attitude.kernel_options import inlined, kernel
 
 NO_AID, AIRSPEED, GNSS = 0, 1, 2
 
 # Of the files that are compiled into these kernels. numba keeps compiled code until this file changes, whatever
 # those do: `test_compiled.py` asks for a new line here when one of them changed.
-COMPILED_IN = "59255c1da45d"
+COMPILED_IN = "1751af4742c7"
 
 
 @inlined

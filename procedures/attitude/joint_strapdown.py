@@ -3,7 +3,6 @@
 import math
 
 from procedures.arrays import FloatArray
-from procedures.attitude.compiled import inlined
 from procedures.attitude.joint_state import (
     AIR,
     AIR_ROWS,
@@ -28,6 +27,7 @@ from procedures.attitude.joint_state import (
     Settings,
     State,
 )  # fmt: skip
+from procedures.attitude.kernel_options import inlined
 
 GAP = 1.5  # nominal intervals: above it a gap, in which motion went on unseen
 GAP_RATE, GAP_FORCE = 0.2, 2.0  # rad/s, m/s2: 1 sigma of what it may have been

@@ -6,7 +6,6 @@ update is the unit matrix and six sparse rows, made of the sums of `joint_strapd
 
 import math
 
-from procedures.attitude.compiled import inlined
 from procedures.attitude.joint_state import (
     ALPHA,
     AT_REST,
@@ -20,6 +19,7 @@ from procedures.attitude.joint_state import (
     Settings,
     State,
 )  # fmt: skip
+from procedures.attitude.kernel_options import inlined
 
 
 @inlined

@@ -3,10 +3,10 @@
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.aided_kernels import SMOOTH_S
+from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.joint_state import Settings
-from procedures.attitude.log import AttitudeLog
 from procedures.attitude.mixer import GATE
+from procedures.attitude.velocity_aid_kernels import SMOOTH_S
 
 WINDOW_S = 1.0
 QUIET = 0.05  # quantile of the windows' noise that counts as the unit's own

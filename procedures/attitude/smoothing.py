@@ -9,8 +9,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude import estimate
+from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.joint_state import Settings
-from procedures.attitude.log import AttitudeLog
 
 
 def reversed_log(log: AttitudeLog) -> AttitudeLog:

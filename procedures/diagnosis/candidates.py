@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.bench_model import Bench, tilt_names
-from procedures.calibration import Fits
-from procedures.diagnosis.evidence import Evidence
-from procedures.diagnosis.model import LinearFit, Term, fit_linear
+from procedures.calibration.bench_parameters import Bench, tilt_names
+from procedures.calibration.calibration import Fits
+from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
+from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Columns, Effect
 
 TIED = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")

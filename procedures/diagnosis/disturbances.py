@@ -1,8 +1,8 @@
 """``disturbance.dwell``: a knock or a vibration inside a step at rest.
 
-Looked for in the local liveliness of every channel (`procedures.diagnosis.quiet`), since a mean over a whole dwell
-hides it, with every block of every channel and step counted in the level of the test. The disturbed stretch is cut
-out: the step becomes segments that share a rate, as after a gap.
+Looked for in the local liveliness of every channel (`procedures.diagnosis.disturbed_blocks`), since a mean over a
+whole dwell hides it, with every block of every channel and step counted in the level of the test. The disturbed
+stretch is cut out: the step becomes segments that share a rate, as after a gap.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,13 +12,13 @@ from typing import TypeVar
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.campaign import Campaign, DwellRecord, RestRecord
-from procedures.diagnosis.quiet import LEAST, Blocks, Trace, is_white, judge
+from procedures.calibration.campaign import Campaign, DwellRecord, RestRecord
+from procedures.calibration.observations import TRIADS, channel
+from procedures.counts.sample_records import CountSeries, RateSeries, Series
+from procedures.diagnosis.disturbed_blocks import LEAST, Blocks, Trace, is_white, judge
 from procedures.diagnosis.result import Finding, Test
 from procedures.diagnosis.vibration import measure
 from procedures.frames import face_normal, face_of
-from procedures.observations import TRIADS, channel
-from procedures.records import CountSeries, RateSeries, Series
 
 EFFECT = "disturbance.dwell"
 LEVEL = np.log(0.003)  # of all blocks of a diagnosis; blocks overlap and their variances are not quite chi-square

@@ -13,19 +13,19 @@ from typing import Self
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration import Fits
-from procedures.campaign import Campaign
+from procedures.calibration.calibration import Fits
+from procedures.calibration.campaign import Campaign
+from procedures.calibration.solution import FitQuality, Solution
 from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.evidence import KINDS, TRIADS, Evidence, Weights
-from procedures.diagnosis.model import LinearFit, fit_linear
+from procedures.diagnosis.effect_trial import trial
+from procedures.diagnosis.linear_model import LinearFit, fit_linear
 from procedures.diagnosis.rate_points import Points, noise_of, read_points
 from procedures.diagnosis.refit import ROUNDS, SMALL, Refit, beyond_linear, part_of, terms_at
+from procedures.diagnosis.residual_rows import KINDS, TRIADS, Evidence, Weights
 from procedures.diagnosis.result import TableSensor
-from procedures.diagnosis.tail import log_chi2_sf
-from procedures.diagnosis.trial import trial
 from procedures.effects.effect import Seen, SeenStep
 from procedures.frames import AXES
-from procedures.solution import FitQuality, Solution
+from procedures.statistics.tail_probabilities import log_chi2_sf
 
 GYROSCOPE = TRIADS.index("gyroscope")
 OF_OUTPUT = ("gyroscope.scale_temperature", "clock.rate")  # multiply the whole output, other effects included

@@ -12,15 +12,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.calibration import Fits, Reduced, fit_reduced
+from procedures.calibration.calibration import Fits, Reduced, fit_reduced
+from procedures.calibration.twelve_position import JointFit
 from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.evidence import KINDS, Evidence, evidence_of
-from procedures.diagnosis.model import LinearFit, Term, fit_linear
-from procedures.diagnosis.trial import trial
+from procedures.diagnosis.effect_trial import trial
+from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
+from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.effects.effect import Columns
 from procedures.errors import DoesNotFit
-from procedures.least_squares import Fit
-from procedures.twelve_position import JointFit
+from procedures.statistics.least_squares import Fit
 
 ROUNDS = 6
 GIVEN_ROUNDS = 3  # what an effect adds hangs on the fit by its misalignment alone

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from procedures.arrays import FloatArray
-from procedures.calibration import Fits
+from procedures.calibration.calibration import Fits
+from procedures.calibration.solution import Solution
 from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.evidence import Evidence
+from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Kind
-from procedures.solution import Solution
 
 Confidence = Literal["established", "likely", "ambiguous"]
 Verdict = Literal["consistent", "established", "likely", "ambiguous", "unexplained"]
@@ -21,7 +21,7 @@ class Finding:
 
     ``aliases`` could take its place; ``separate_by`` is the measurement that would tell. ``log_p`` is adjusted for
     all that was tried; ``gain`` is what rows left out gained by it (ln predictive density); ``sign_flip_p`` checks
-    it without a distribution (`procedures.diagnosis.sign_flip`), None where signs could not tell.
+    it without a distribution (`procedures.diagnosis.sign_flip_test`), None where signs could not tell.
     """
 
     effect: str

@@ -1,11 +1,12 @@
 """What a live channel of a triad that is not solved shows by itself: noise, drift, temperature.
 
-The longest recording at rest is taken. Noise is read off its Allan deviation (`procedures.allan`); drift and
-temperature coefficient are lines through means of blocks, with a sigma for errors that hang together
-(`procedures.correlated_line`). Both are fitted alone: where the temperature went with time, one may be the other.
-A gyroscope's scale factor along its own axis comes from its turns, ``total = s angle + b T``: the Earth's rate and
-the bias go with the time, and in s is the cosine of its misalignment, 1e-6 at 1 mrad. Its sigma holds the closures
-and by how much the rests before the turns differ.
+The longest recording at rest is taken. Noise is read off its Allan deviation
+(`procedures.statistics.allan_deviation`); drift and temperature coefficient are lines through means of blocks,
+with a sigma for errors that hang together (`procedures.statistics.line_with_correlated_errors`). Both are fitted
+alone: where the temperature went with time, one may be the other. A gyroscope's scale factor along its own axis
+comes from its turns, ``total = s angle + b T``: the Earth's rate and the bias go with the time, and in s is the
+cosine of its misalignment, 1e-6 at 1 mrad. Its sigma holds the closures and by how much the rests before the turns
+differ.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,16 +15,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from procedures.allan import FEWEST_SAMPLES, NoiseTerm, noise_terms, overlapping_deviation
 from procedures.arrays import FloatArray
-from procedures.campaign import Campaign, DwellRecord, RestRecord, SoakRecord
-from procedures.correlated_line import CorrelatedLine, fit_correlated_line
-from procedures.dead_channels import FIELDS, TRIADS
+from procedures.calibration.campaign import Campaign, DwellRecord, RestRecord, SoakRecord
+from procedures.calibration.hand_turns import REST_S, nominal_angle
+from procedures.calibration.observations import turn_totals
+from procedures.counts.dead_channels import FIELDS, TRIADS
+from procedures.counts.sample_records import CountSeries, Series
+from procedures.counts.stopped_channels import constant_end, stopped_in_turn
 from procedures.frames import AXES, face_normal, face_of
-from procedures.hand_turns import REST_S, nominal_angle
-from procedures.observations import turn_totals
-from procedures.records import CountSeries, Series
-from procedures.stopped_channels import constant_end, stopped_in_turn
+from procedures.statistics.allan_deviation import FEWEST_SAMPLES, NoiseTerm, noise_terms, overlapping_deviation
+from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line
 
 BLOCKS = 24
 LEAST_S = 60.0  # of a recording

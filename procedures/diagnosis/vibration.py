@@ -4,7 +4,7 @@ In a signal e that holds ``Re(a exp(2 pi i f t))`` and noise of variance s^2 the
 t)`` over N samples gather ``|Z|^2 / N = N |a|^2 / 4``; frequency and stretch are where that, over s^2 and summed
 over the axes, is largest; at each frequency s^2 is what the quiet part of the step holds there, since counts at a
 low rate are a sawtooth with lines of its own. Of counts with little noise e is the running count about a parabola,
-where a sine of A g stands as ``k A / (2 pi f)``, measured by `procedures.diagnosis.between_counts`; of noisy
+where a sine of A g stands as ``k A / (2 pi f)``, measured by `procedures.diagnosis.sine_between_counts`; of noisy
 channels it is the samples. How a sample averages the sine within itself is open: the middle between the mean over
 it and its value at mid-sample is taken, and half their difference is part of the sigma. What is no sine is given
 by the amplitude of a sine of its rms, and no frequency.
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.diagnosis.between_counts import NOT_ALLOWED, best_hertz, sine_between, strip_beside
+from procedures.diagnosis.sine_between_counts import NOT_ALLOWED, best_hertz, sine_between, strip_beside
 
 ComplexArray = np.ndarray[tuple[int, ...], np.dtype[np.complex128]]
 

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from procedures.diagnosis.evidence import TRIADS, Evidence
-from procedures.diagnosis.model import LinearFit
+from procedures.diagnosis.linear_model import LinearFit
+from procedures.diagnosis.residual_rows import TRIADS, Evidence
 
 SHAPES = ("slope", "curvature")
 

@@ -7,7 +7,7 @@ rad, a slab aligned by compass.
 import numpy as np
 
 from procedures.effects.effect import Columns, Effect, Seen
-from procedures.effects.on_slab import turned_world
+from procedures.effects.slab_attitudes import turned_world
 
 
 def columns(seen: Seen) -> list[Columns]:

@@ -5,7 +5,7 @@ One with the scale factors of all accelerometers. Plausible: 1e-3 m/s2, normal g
 
 import numpy as np
 
-from procedures.earth import STANDARD_GRAVITY
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.effects.effect import Columns, Effect, Seen
 
 

@@ -6,7 +6,7 @@ Coefficients are the East and North components of the up vector seen from the sl
 import numpy as np
 
 from procedures.effects.effect import Columns, Effect, Seen
-from procedures.effects.on_slab import turned_world
+from procedures.effects.slab_attitudes import turned_world
 
 ROTATION = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 0.0]])  # up leans east by a turn about north, as `slab_C_ln`
 

@@ -3,7 +3,7 @@
 Null hypothesis: the unit has one value, turn-on scatter tau and the calibrations' own sigmas, tau unknown. The
 probability u_i of a value below y_i, given calibrations 1 ... i-1, makes z_i = Phi^-1(u_i), standard normal and
 independent of the earlier ones (Hawkins, Technometrics 29, 1987; Quesenberry, J. Quality Technology 23, 1991; here
-with unequal sigmas: `procedures.history.steady`). From it
+with unequal sigmas: `procedures.statistics.small_sample_outlier`). From it
 
     individuals   |z_i| > L                                            NIST/SEMATECH e-Handbook 6.3.2
     EWMA          v_i = a z_i + (1 - a) v_{i-1},  v_0 = 0,  a = 0.2    6.3.2.4
@@ -20,7 +20,7 @@ from scipy.special import ndtri
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.history.series import Series
-from procedures.history.steady import Sums, each, levels, tails
+from procedures.statistics.small_sample_outlier import Sums, each, levels, tails
 
 BEFORE = 2  # calibrations that a third is judged against
 SMOOTHING = 0.2

@@ -2,11 +2,11 @@
 
     y_j = mu + u_j + e_j,    u_j ~ N(0, omega^2),    e_j ~ N(0, s_j^2) known
 
-Each unit is judged against the others, whose mean and scatter are unknown (`procedures.history.steady`): p is the
-probability of a value so far out. One unit
-that is far off hides a second; so the most extreme is taken out and the rest judged again, up to a fifth of the
-fleet, and all are reported up to the last that is significant (generalised extreme Studentised deviate: Rosner,
-Technometrics 25, 165, 1983), with p times the number of units it was the most extreme of.
+Each unit is judged against the others, whose mean and scatter are unknown
+(`procedures.statistics.small_sample_outlier`): p is the probability of a value so far out. One unit that is far
+off hides a second; so the most extreme is taken out and the rest judged again, up to a fifth of the fleet, and all
+are reported up to the last that is significant (generalised extreme Studentised deviate: Rosner, Technometrics 25,
+165, 1983), with p times the number of units it was the most extreme of.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.history.steady import Sums, each, levels, predicted, tails
+from procedures.statistics.small_sample_outlier import Sums, each, levels, predicted, tails
 
 LEAST = 5  # units: with fewer, one that is off cannot be told from a wide fleet
 MOST_OFF, MOST = 0.2, 20  # of the fleet, and in all

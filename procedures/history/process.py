@@ -20,7 +20,7 @@ from scipy.special import ndtr
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.history.series import Series
-from procedures.history.steady import levels
+from procedures.statistics.small_sample_outlier import levels
 
 PER_DECADE = 5  # levels of the grid, of each of tau, q and c
 WALK_FAVOUR = 0.8  # the density of log q rises as q to this power; the least that covers walks: docs/history.md

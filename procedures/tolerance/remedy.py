@@ -1,10 +1,11 @@
 """What a face certificate, a re-mounted IMU or free positions would buy: 1 sigma with and without them.
 
-The joint model of `procedures.twelve_position` with two things changed. What is known of a cube beforehand is its
-drawing: each tilt of each face has the standard deviation of the items on the way to it, or that and the
-certificate's, combined; nothing is held, so that E's sigma is against the cube's own axes. And K2 may be open,
-one column per sensor. Free positions add their norm, ``|K^-1 (N - b)| = g``, one row each: no attitude is known.
-An IMU turned in the cube does not sit as before: three angles within `SEATING` for each mounting but the first.
+The joint model of `procedures.calibration.twelve_position` with two things changed. What is known of a cube
+beforehand is its drawing: each tilt of each face has the standard deviation of the items on the way to it, or that
+and the certificate's, combined; nothing is held, so that E's sigma is against the cube's own axes. And K2 may be
+open, one column per sensor. Free positions add their norm, ``|K^-1 (N - b)| = g``, one row each: no attitude is
+known. An IMU turned in the cube does not sit as before: three angles within `SEATING` for each mounting but the
+first.
 """
 
 import itertools
@@ -14,15 +15,15 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from procedures.arrays import FloatArray
-from procedures.bench_model import HELD, SLAB_RANGE, Bench, Placement
-from procedures.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.earth import STANDARD_GRAVITY
+from procedures.calibration.bench_parameters import HELD, SLAB_RANGE, Bench, Placement
+from procedures.calibration.campaign import Campaign, Fixture, ProcedureSigma, Site
+from procedures.calibration.triad_calibration import scale_misalignment_bias
+from procedures.calibration.twelve_position import mountings, specific_force
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import rotation
-from procedures.least_squares import minimise
+from procedures.statistics.least_squares import minimise
 from procedures.tolerance.draw import Shape, tilt_std
 from procedures.tolerance.estimators import Unit
-from procedures.triad import scale_misalignment_bias
-from procedures.twelve_position import mountings, specific_force
 
 SITE = Site(0.5, STANDARD_GRAVITY, 1e-5)  # neither latitude nor gravity's sigma matters to bias or misalignment
 MOUNTINGS = np.array([np.eye(3), [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], [[1, 0, 0], [0, 0, 1], [0, -1, 0]]])

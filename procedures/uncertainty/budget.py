@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.calibration import Fits
-from procedures.uncertainty.inputs import Inputs
+from procedures.calibration.calibration import Fits
+from procedures.uncertainty.given_values import Inputs
 from procedures.uncertainty.sources import ORDER, Cell, type_of
-from procedures.uncertainty.triads import decompose
+from procedures.uncertainty.triad_variance import decompose
 
 COVERAGE = 0.95
 MANY = 1e6  # degrees of freedom from which on they are no different from infinitely many

@@ -16,12 +16,12 @@ import numpy as np
 from scipy.special import gammaincc
 
 from procedures.arrays import FloatArray
-from procedures.calibration import DOUBTFUL
-from procedures.hand_turns import GyroscopeFit
-from procedures.least_squares import Fit
-from procedures.records import Series
-from procedures.residuals import scale_factor
-from procedures.twelve_position import JointFit
+from procedures.calibration.calibration import DOUBTFUL
+from procedures.calibration.hand_turns import GyroscopeFit
+from procedures.calibration.residuals import scale_factor
+from procedures.calibration.twelve_position import JointFit
+from procedures.counts.sample_records import Series
+from procedures.statistics.least_squares import Fit
 
 FAINT = 1e-9  # of the largest eigenvalue: combinations that the fit absorbs whole
 

@@ -15,7 +15,7 @@ import typer
 from station.guide.view import Setup, View
 
 if TYPE_CHECKING:
-    from station.guide.process import EngineOptions
+    from station.guide.start_engine import EngineOptions
 
 WarmUp = Annotated[
     bool, typer.Option("--warm-up/--no-warm-up", help="Wait until the unit has settled. Never with --headless.")
@@ -60,8 +60,11 @@ def set_up(setup: Setup, given: Mapping[str, Any]) -> Setup:
     known = {name: value for name, value in given.items() if value not in {None, ""}}
     if not known.keys() & {*SITE, *CARE}:
         return setup.model_copy(update=known)
-    from station.campaign_folder.schema import ProcedureTable, SiteTable  # numerics: a form need not wait for them
     from station.commands._tables import checked
+    from station.files.campaign_folder.schema import (  # numerics: a form need not wait for them
+        ProcedureTable,
+        SiteTable,
+    )
 
     checked(SiteTable, latitude_deg=0.0, **{n: known[n] for n in SITE[1:] if n in known})
     if "latitude_deg" in known:
@@ -80,12 +83,12 @@ def guide(options: "EngineOptions", screen: Screen) -> int:
     if screen.headless:
         from fixtures_db.database import open_db
         from station.guide.headless import run_headless
-        from station.guide.plain import PlainScreen
+        from station.guide.text_lines import PlainScreen
 
         show = PlainScreen(typer.echo, rings=False).show
         with open_db(options.database) as database:
             return _code(run_headless(options, database, show, stores=screen.stores))
-    from station.guide.process import engine_process
+    from station.guide.start_engine import engine_process
 
     with engine_process(options) as socket:
         return _code(_serve(socket, screen) if screen.web else _look(socket, screen, options))
@@ -94,8 +97,8 @@ def guide(options: "EngineOptions", screen: Screen) -> int:
 def _serve(socket: Path, screen: Screen) -> View:
     """Serve the engine to browsers until its campaign has ended, or the server was told to."""
     from station.guide.client import Connection
-    from station.guide.plain import OVER
-    from station.web import serve
+    from station.guide.text_lines import OVER
+    from station.tui.web import serve
 
     with Connection(socket) as connection:
 

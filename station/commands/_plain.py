@@ -13,7 +13,7 @@ import typer
 
 from station.guide.client import Connection
 from station.guide.command import Command
-from station.guide.plain import OVER, PlainScreen, between_words, listen
+from station.guide.text_lines import OVER, PlainScreen, between_words, listen
 from station.guide.view import View
 
 PATIENCE_S = 60.0  # with a question that nobody can answer: it may go away, as when the cube is put elsewhere

@@ -9,7 +9,7 @@ from station.commands import Database
 from station.commands._earth import Heading, Latitude
 
 if TYPE_CHECKING:
-    from procedures.attitude.gains import Gains
+    from procedures.attitude.mixer_gains import Gains
 
 
 def attitude(
@@ -78,8 +78,8 @@ def attitude(
     Example: station attitude flight.csv --aid airspeed-filter --out attitude.csv --json attitude.json
     """
     gains = _gains(tau, k1, k2)
-    from station.attitude.reading import read_log
-    from station.own_files import refuse_own
+    from station.attitude.attitude_log import read_log
+    from station.files.overwrite_guard import refuse_own
 
     refuse_own((out, json), (log,))
     read = read_log(log)
@@ -88,9 +88,9 @@ def attitude(
     import numpy as np
 
     from procedures.attitude.attitude import AIDS, NEEDS, default_aid, estimate, takes_gains
-    from procedures.earth import DEG_PER_HOUR, STANDARD_GRAVITY
-    from station.attitude.document import attitude_document, attitude_text, write_track
-    from station.solution_json import write_solution
+    from procedures.earth.gravity_and_rate import DEG_PER_HOUR, STANDARD_GRAVITY
+    from station.attitude.attitude_json import attitude_document, attitude_text, write_track
+    from station.results.solution_json import write_solution
 
     chosen = aid or default_aid(read)
     if chosen not in AIDS:
@@ -109,7 +109,7 @@ def attitude(
         read = replace(read, heading=given)
     if diagnose:
         from procedures.attitude.tracing.trace import trace
-        from station.attitude.tracing import trace_document, trace_text
+        from station.attitude.tracing_json import trace_document, trace_text
 
         traced = trace(read, chosen, gains, gravity)
         track = traced.track
@@ -141,7 +141,7 @@ def _gains(tau: float | None, k1: float | None, k2: float | None) -> "Gains | No
         raise typer.BadParameter("give --tau, or --k1 and --k2, not both", param_hint="--tau")
     if (k1 is None) != (k2 is None):
         raise typer.BadParameter("give both --k1 and --k2", param_hint="--k1")
-    from procedures.attitude.gains import Gains
+    from procedures.attitude.mixer_gains import Gains
 
     try:
         if tau is not None:

@@ -82,8 +82,8 @@ def calibrate(
     """
     from station.commands._guided import Screen, campaigns_root, guide, set_up
     from station.guide.command import Command
-    from station.guide.process import EngineOptions
-    from station.guide.remembered import load_setup
+    from station.guide.last_setup import load_setup
+    from station.guide.start_engine import EngineOptions
     from station.guide.view import Setup
 
     given = {

@@ -11,7 +11,7 @@ from station.commands import Database
 if TYPE_CHECKING:
     from fixtures_db.database import Database as OpenDatabase
     from fixtures_db.schema import IssuedCertificateRow
-    from station.certificate.laboratory import Laboratory
+    from station.results.certificate.laboratory import Laboratory
 
 Day = Annotated[datetime | None, typer.Option("--received", metavar="DATE", formats=["%Y-%m-%d"])]
 
@@ -51,7 +51,7 @@ def certificate(
     Example: station certificate SIM-7 --laboratory lab.toml --received 2026-03-02 --condition "no damage seen"
     """
     from fixtures_db.database import open_db
-    from station.certificate.issuing import copy_of
+    from station.results.certificate.issuing import copy_of
 
     if laboratory is None and not copy:
         raise typer.BadParameter("--laboratory LAB.toml says who certifies; only --copy does without")
@@ -67,7 +67,7 @@ def certificate(
 def _laboratory(
     file: Path, customer: str | None, address: str | None, received: datetime | None, condition: str | None
 ) -> "Laboratory":
-    from station.certificate.laboratory import read_laboratory
+    from station.results.certificate.laboratory import read_laboratory
 
     lab = read_laboratory(file).given("customer", {"name": customer, "address": address})
     return lab.given("item", {"received": received and received.date(), "condition": condition})
@@ -76,8 +76,8 @@ def _laboratory(
 def _issue(
     database: "OpenDatabase", calibration: str, lab: "Laboratory", amend: str, out: Path | None
 ) -> "IssuedCertificateRow":
-    from station.certificate.issuing import Request, issue
     from station.errors import CannotWrite, Incomplete
+    from station.results.certificate.issuing import Request, issue
 
     if out is not None and not out.absolute().parent.is_dir():  # before a number is given
         raise CannotWrite(out, "no such folder")
@@ -90,7 +90,7 @@ def _issue(
 
 
 def _hand_out(row: "IssuedCertificateRow", out: Path | None, pdf: bool) -> None:
-    from station.campaign_folder.atomic import replace_file
+    from station.files.atomic_file import replace_file
 
     html = Path(f"{row.number}.html") if out is None else out
     replaces = f", replaces No. {row.replaces}" if row.replaces else ""
@@ -98,7 +98,7 @@ def _hand_out(row: "IssuedCertificateRow", out: Path | None, pdf: bool) -> None:
     replace_file(html, row.html.encode())
     typer.echo(f"{html}: written")
     if pdf:
-        from station.certificate.pdf import write_pdf
+        from station.results.certificate.pdf import write_pdf
 
         write_pdf(html.with_suffix(".pdf"), row, html)
         typer.echo(f"{html.with_suffix('.pdf')}: written")

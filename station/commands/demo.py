@@ -36,8 +36,8 @@ def demo(
 
     from station.demo.comparison import compared, comparison_text
     from station.demo.run import DemoRequest, run_demo
-    from station.diagnosis.text import diagnosis_text
-    from station.guide.plain import PlainScreen
+    from station.guide.text_lines import PlainScreen
+    from station.results.diagnosis.diagnosis_text import diagnosis_text
 
     began = time.monotonic()
     typer.echo(f"a simulated IMU on a pty, at {speed:g} times the speed of its own time")

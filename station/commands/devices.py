@@ -9,7 +9,7 @@ from station.commands import Database
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from station.reader.survey import Found
+    from station.devices.port_survey import Found
 
 OFF_PACE = 0.5  # of the declared rate; a look is short
 CLEAR = "\x1b[H\x1b[2J"
@@ -37,7 +37,7 @@ def devices(
     Example: station devices --url serial:///dev/ttyUSB0?baud=921600
     """
     from drivers.bare_address import whole_url
-    from station.reader.survey import Found, ports_present, survey
+    from station.devices.port_survey import Found, ports_present, survey
 
     url = [whole_url(each) for each in url or ()]
     if url and len(url) == 1 and not watch and not json:
@@ -62,7 +62,7 @@ def _show(found: "Sequence[Found]", *, json: bool, clear: bool) -> None:
     from json import dumps
     from shutil import get_terminal_size
 
-    from station.reader.survey_lines import fitted, survey_lines
+    from station.devices.port_survey_lines import fitted, survey_lines
 
     if json:
         typer.echo(dumps({"format": "devices/1", "devices": [asdict(each) for each in found]}))
@@ -90,20 +90,20 @@ def _pace(url: str, came_hz: float, rate_hz: float | None) -> str:
 
 def _closely(url: str, seconds: float) -> None:
     if url.startswith("mavlink:"):
-        from station.gnss.listening import listen
+        from station.devices.gnss_probe import listen
 
         for line in listen(url, seconds).lines():
             typer.echo(line)
         return
     if url.startswith("camera:"):
-        from station.reader.look_camera import look_at_camera
+        from station.devices.camera_probe import look_at_camera
 
         for line in look_at_camera(url, seconds).lines():
             typer.echo(line)
         return
     from drivers.wire import ALL_CHANNELS
-    from station.plural import plural
-    from station.reader.look import look
+    from station.devices.imu_probe import look
+    from station.text.plural import plural
 
     seen = look(url, seconds)
     typer.echo(f"format    {seen.format}")

@@ -10,7 +10,7 @@ from station.commands import Database
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
-    from station.campaign_folder import LoadedCampaign
+    from station.files.campaign_folder import LoadedCampaign
 
 
 def diagnose(
@@ -45,14 +45,14 @@ def diagnose(
     Example: station diagnose campaigns/2026-05-11 --validate campaigns/2026-05-12 --plan next.toml
     """
     from procedures.errors import NotObservable
-    from station.campaign_folder import check_one_unit, read_campaign
-    from station.diagnosis.channels import channel_lines, channels_of
-    from station.diagnosis.partial import partial_document
+    from station.files.campaign_folder import check_one_unit, read_campaign
+    from station.results.diagnosis.single_channels import channel_lines, channels_of
+    from station.results.diagnosis.unsolvable_campaign import partial_document
 
     loaded, others = ([read_campaign(folder) for folder in folders] for folders in (campaigns, validate or []))
     check_one_unit([*loaded, *others])
-    from procedures.diagnosis.diagnosis import diagnose as find  # scipy and kernels: not before the data are right
-    from station.diagnosis.magnetic_field import with_magnetic_field
+    from procedures.diagnosis.diagnose import diagnose as find  # scipy and kernels: not before the data are right
+    from station.results.diagnosis.magnetic_field import with_magnetic_field
 
     loaded, others = ([with_magnetic_field(one) for one in several] for several in (loaded, others))
 
@@ -73,11 +73,11 @@ def diagnose(
 def _document(
     found: "Diagnosis", loaded: Sequence["LoadedCampaign"], others: Sequence["LoadedCampaign"]
 ) -> dict[str, Any]:
-    from station.diagnosis.document import diagnosis_document
+    from station.results.diagnosis.diagnosis_json import diagnosis_document
 
     validated = {}
     if others:
-        from procedures.diagnosis.validation import validate
+        from procedures.diagnosis.validation_campaigns import validate
 
         validated = {str(one.folder): validate(found, [one.campaign]) for one in others}
     return diagnosis_document(found, loaded, validated)
@@ -87,8 +87,8 @@ def _hand_out(
     document: dict[str, Any], loaded: Sequence["LoadedCampaign"], found: "Diagnosis | None", json: Path | None,
     html: Path | None, plan: Path | None,
 ) -> None:  # fmt: skip
-    from station.diagnosis.text import diagnosis_text
-    from station.solution_json import write_solution
+    from station.results.diagnosis.diagnosis_text import diagnosis_text
+    from station.results.solution_json import write_solution
 
     if json is None:
         typer.echo(diagnosis_text(document))
@@ -96,13 +96,13 @@ def _hand_out(
         write_solution(json, document)
         typer.echo(f"{json}: diagnosis of {_unit(loaded)}, diagnosis/1")
     if html is not None:
-        from station.diagnosis.page import write_page
+        from station.results.diagnosis.diagnosis_html import write_page
 
         write_page(html, document, found)
         typer.echo(f"{html}: diagnosis of {_unit(loaded)}")
     if plan is not None:
         from procedures.frames import FACES
-        from station.diagnosis.plans import next_measurements, write_plans
+        from station.results.diagnosis.next_measurement_plans import next_measurements, write_plans
 
         is_certified = all(len(one.campaign.fixture.faces) == len(FACES) for one in loaded)
         axes = loaded[0].tables.fixture.imu_axes

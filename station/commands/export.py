@@ -37,8 +37,8 @@ def export(
     for name, value in (("--nominal-accel", nominal_accel), ("--nominal-gyro", nominal_gyro)):
         if value is not None and not 0 < value < float("inf"):
             raise typer.BadParameter(f"{name} {value}: expected a positive number")
-    from station.campaign_folder.atomic import replace_file
-    from station.exports import EXPORTS, read_correction
+    from station.files.atomic_file import replace_file
+    from station.files.exports import EXPORTS, read_correction
 
     correction = read_correction(calibration, nominal_accel, nominal_gyro)
     text = next(one for one in EXPORTS if one.name == to).text(correction)

@@ -50,12 +50,12 @@ def history(
     with open_db(db) as database, database.read() as session:
         document = _of_unit(session, serial, at) if serial is not None else _of_model(session, str(population))
     if json is not None:
-        from station.solution_json import write_solution
+        from station.results.solution_json import write_solution
 
         write_solution(json, document)
         typer.echo(f"{json}: {document['format']} of {serial or population}")
     if html is not None:
-        from station.history.page import write_page
+        from station.results.history.history_html import write_page
 
         write_page(html, document)
         typer.echo(f"{html}: history of {serial or population}")
@@ -70,7 +70,7 @@ def _of_unit(session: "Session", serial: str, at: datetime | None) -> dict[str, 
     from fixtures_db.history import calibrated_serials
     from fixtures_db.limits import limits_of
     from fixtures_db.runs import runs_of_unit
-    from station.history.unit import analysis, entries
+    from station.results.history.unit_history import analysis, entries
 
     runs = runs_of_unit(session, serial)
     if not runs:
@@ -88,7 +88,7 @@ def _of_unit(session: "Session", serial: str, at: datetime | None) -> dict[str, 
 def _of_model(session: "Session", model: str) -> dict[str, Any]:
     from fixtures_db.errors import NotInDatabase
     from fixtures_db.runs import calibrated_models, runs_of_model
-    from station.history.population import population_document
+    from station.results.history.population import population_document
 
     runs = runs_of_model(session, model)
     if not runs:
@@ -98,9 +98,9 @@ def _of_model(session: "Session", model: str) -> dict[str, Any]:
 
 def _text(document: dict[str, Any]) -> str:
     if document["format"] == "history/1":
-        from station.history.text import history_text
+        from station.results.history.unit_history_text import history_text
 
         return history_text(document)
-    from station.history.population_text import population_text
+    from station.results.history.population_text import population_text
 
     return population_text(document)

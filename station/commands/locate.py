@@ -61,14 +61,14 @@ def locate(
 
     Example: station locate drives/2026-05-11 --out track.tum --json location.json
     """
-    from station.fusion_folder import read_fusion
-    from station.fusion_folder.reading import files_of
-    from station.locate.command import locate_folder
-    from station.own_files import refuse_own
+    from station.files.fusion_folder import read_fusion
+    from station.files.fusion_folder.reading import files_of
+    from station.files.overwrite_guard import refuse_own
+    from station.locate.locate_folder import locate_folder
 
     refuse_own((out, batch, json), files_of(folder))
     if images is not None:
-        from station.locate.images import images_of, make_tracks
+        from station.locate.tracks_from_images import images_of, make_tracks
 
         refuse_own((out, batch, json), images_of(images))
         make_tracks(folder, images, seconds)

@@ -95,10 +95,10 @@ def monitor(
     from drivers.bare_address import whole_url
     from drivers.device_url import parse_device_url
     from drivers.errors import PortNotFound
+    from station.calibrated.body_axes import body_axes
     from station.commands._lengths import lengths
     from station.monitor.alarms import parse_alarm
-    from station.monitor.body_axes import body_axes
-    from station.monitor.run import Wanted, run
+    from station.monitor.monitor_command import Wanted, run
 
     url = whole_url(url)
     if json and plain:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.plural import plural
+from station.text.plural import plural
 
 if TYPE_CHECKING:
-    from station.gnss import GnssFeed
-    from station.gnss.sample_rate import Timed
-    from station.live.live_feed import LiveFeed
+    from station.stream.gnss import GnssFeed
+    from station.stream.gnss.sample_rate import Timed
+    from station.stream.live.live_feed import LiveFeed
 
 
 def record(
@@ -73,15 +73,15 @@ def record(
         made(url)
         return
     from drivers.errors import ReplayEnded
-    from station.camera.description import read_description
-    from station.camera.feed import open_camera
-    from station.gnss import open_gnss
-    from station.gnss.sample_rate import Timed, by_this_machine, said_of
     from station.guide.folder import journal_path, new_folder
-    from station.live.live_feed import no_recording, open_feed
-    from station.live.told import Told
-    from station.reader import Reader
-    from station.recorder import recording
+    from station.stream.camera.camera_feed import open_camera
+    from station.stream.camera.description import read_description
+    from station.stream.gnss import open_gnss
+    from station.stream.gnss.sample_rate import Timed, by_this_machine, said_of
+    from station.stream.live.live_feed import no_recording, open_feed
+    from station.stream.live.trouble_lines import Told
+    from station.stream.reader import Reader
+    from station.stream.recorder import plain_recording as recording
 
     described = None if camera is None else read_description(camera)
     with ExitStack() as after, ExitStack() as stack:
@@ -121,7 +121,7 @@ def record(
 
 def _say(file: Path, feed: "LiveFeed", receiver: "GnssFeed | None", timed: "Timed | None") -> None:
     """Say what was recorded, and what was met."""
-    from station.gnss.summary import summary
+    from station.stream.gnss.summary import summary
 
     counters, framing = feed.stream.counters, feed.stream.decoder.counters
     typer.echo(
@@ -150,7 +150,7 @@ def _fusion(
         return lambda recording: None
     where = fusion
     from station.commands._lengths import lengths
-    from station.locate.from_recording import Asked, fusion_from_recording
+    from station.locate.folder_from_recording import Asked, fusion_from_recording
 
     try:
         arm = lengths(lever_arm)

@@ -28,14 +28,16 @@ def report(
 
     Example: station report campaigns/2026-05-11 --out report.html
     """
-    from station.campaign_folder import read_for_solve
-    from station.solution_json import solution_document
+    from station.files.campaign_folder import read_for_solve
+    from station.results.solution_json import solution_document
 
     loaded = read_for_solve(campaigns)
-    from station.diagnosis.loop import close_loop  # scipy and kernels: not before the data are right
-    from station.diagnosis.page import section_html
-    from station.report.context import report_context
-    from station.report.writing import write_report
+    from station.results.diagnosis.closed_loop import (
+        close_loop,  # scipy and kernels: not before the data are right
+    )
+    from station.results.diagnosis.diagnosis_html import section_html
+    from station.results.report.report import write_report
+    from station.results.report.report_inputs import report_context
 
     closed = close_loop(loaded)
     document = solution_document(closed.solution, loaded)

@@ -49,8 +49,8 @@ def resolve(
 
     from fixtures_db.database import open_db
     from fixtures_db.fleet import complete_campaigns
-    from station.cluster.engine import open_engine
     from station.errors import DataRefused
+    from station.results.cluster.engine import open_engine
 
     if bool(campaigns) == every:
         raise typer.BadParameter("found both campaigns and --all, or neither; expected one of them")
@@ -67,15 +67,15 @@ def resolve(
                 database.url, None, "no complete campaign", "one at least", "check --db or STATION_DB"
             )
         with open_engine(workers, scheduler) as engine:
-            from station.resolve.fleet import resolve_fleet
+            from station.results.resolve.fleet import resolve_fleet
 
             document = resolve_fleet(list(dict.fromkeys(folders)), database, engine, keep, sys.stderr)
     raise typer.Exit(_say(document, json))
 
 
 def _say(document: dict[str, object], json: Path | None) -> int:
-    from station.resolve.text import exit_code, resolve_text
-    from station.solution_json import write_solution
+    from station.results.resolve.resolve_text import exit_code, resolve_text
+    from station.results.solution_json import write_solution
 
     if json is None:
         typer.echo(resolve_text(document))

@@ -42,9 +42,9 @@ def resume(
     from station.commands._guided import Screen, campaigns_root, guide
     from station.errors import DataRefused
     from station.guide.command import Command
+    from station.guide.last_setup import load_setup
     from station.guide.open_campaigns import unfinished
-    from station.guide.process import EngineOptions
-    from station.guide.remembered import load_setup
+    from station.guide.start_engine import EngineOptions
 
     with open_db(db) as database:
         found = unfinished(database)

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from drivers.simulated.gnss_faults import GnssFault
     from drivers.simulated.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
-    from drivers.simulated.track import Track
     from drivers.simulated.truth import Truth
+    from drivers.simulated.vehicle_track import Track
 
 
 def simulate(
@@ -103,10 +103,10 @@ def simulate(
     """
     from drivers.errors import PortNotFound
     from drivers.simulated.server import CAN_TRANSPORTS, TRANSPORTS, SimulatedDevice, serve
-    from drivers.simulated.track import load_track
     from drivers.simulated.truth import Truth, load_truth, truth_from
+    from drivers.simulated.vehicle_track import load_track
     from drivers.wire import FORMATS
-    from station.faults_file import read_faults
+    from station.files.faults_file import read_faults
 
     if scenario is not None:
         _serve_scenario(scenario, context, camera_file)
@@ -165,7 +165,7 @@ def simulate(
 
 def _serve_scenario(path: Path, context: typer.Context, camera_file: Path | None) -> None:
     from drivers.errors import PortNotFound
-    from station.scenario import read_scenario, serve_scenario
+    from station.files.scenario import read_scenario, serve_scenario
 
     given = {name for name in context.params if str(context.get_parameter_source(name)).endswith("COMMANDLINE")}
     if other := sorted(given - {"scenario", "speed", "camera_file", "db"}):
@@ -254,7 +254,7 @@ def _site(truth: "Truth") -> str:
 
 def _describe(camera: "SimulatedCamera", file: Path) -> None:
     from drivers.simulated.camera_truth import camera_toml
-    from station.campaign_folder.atomic import replace_file
+    from station.files.atomic_file import replace_file
 
     replace_file(file, camera_toml(camera.camera, camera.url).encode())
 

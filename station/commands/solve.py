@@ -24,12 +24,14 @@ def solve(
 
     Example: station solve campaigns/2026-05-11 --json solution.json
     """
-    from station.campaign_folder import read_for_solve
-    from station.solution_json import solution_document, write_solution
-    from station.solution_text import solution_text
+    from station.files.campaign_folder import read_for_solve
+    from station.results.solution_json import solution_document, write_solution
+    from station.results.solution_text import solution_text
 
     loaded = read_for_solve(campaigns)
-    from procedures.calibration import solve as solve_campaigns  # scipy and kernels: not before the data are right
+    from procedures.calibration.calibration import (
+        solve as solve_campaigns,  # scipy and kernels: not before the data are right
+    )
 
     document = solution_document(solve_campaigns([one.campaign for one in loaded]), loaded)
     if json is None:

@@ -32,8 +32,8 @@ def tune(
     Example: station tune drive.csv --aid airspeed
     """
     from procedures.attitude.attitude import AIDS, NEEDS, takes_gains
-    from station.attitude.reading import read_log
-    from station.own_files import refuse_own
+    from station.attitude.attitude_log import read_log
+    from station.files.overwrite_guard import refuse_own
 
     refuse_own((json,), (log,))
     lawful = [name for name in AIDS if takes_gains(name)]
@@ -42,10 +42,10 @@ def tune(
     read = read_log(log)
     if aid in NEEDS and getattr(read, NEEDS[aid]) is None:
         raise typer.BadParameter(f"{aid} needs {NEEDS[aid]}, which {log} has not", param_hint="--aid")
-    from procedures.attitude.tuning import grid_of_gains, grid_of_taus
-    from procedures.attitude.tuning import tune as search
-    from station.attitude.tuning import tuning_document, tuning_text
-    from station.solution_json import write_solution
+    from procedures.attitude.gain_tuning import grid_of_gains, grid_of_taus
+    from procedures.attitude.gain_tuning import tune as search
+    from station.attitude.tuning_json import tuning_document, tuning_text
+    from station.results.solution_json import write_solution
 
     found = search(read, aid, grid_of_gains() if gains else grid_of_taus(), gravity)
     document = tuning_document(found, aid, by_tau=not gains)

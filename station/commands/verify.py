@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.plural import plural
+from station.text.plural import plural
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
@@ -63,14 +63,14 @@ def verify(
 
 
 def _file(file: Path, db: str | None) -> str:
-    from station.fixture_files.toml_file import seal_of
+    from station.files.fixture_files.toml_file import seal_of
 
     if file.suffix not in {".json", ".html"}:
         return f"{file}: as written, sha256 {seal_of(file)[1]}"
     from fixtures_db.database import open_db
     from fixtures_db.errors import NotInDatabase
-    from station.campaign_folder.manifest import sha256_of
     from station.errors import Altered
+    from station.files.sha256sums import sha256_of
 
     found, kind = sha256_of(file), "calibration" if file.suffix == ".json" else "certificate"
     with open_db(db) as database, database.read() as session:
@@ -100,7 +100,7 @@ def _stored(session: "Session", kind: str, sha256: str) -> str:
 
 def _folder(folder: Path, db: str | None) -> None:
     from fixtures_db.database import default_path, open_db
-    from station.fixture_files.csv_folder import verify_csv
+    from station.files.fixture_files.csv_folder import verify_csv
 
     names = verify_csv(folder)
     typer.echo(f"{folder}: {plural(len(names), 'file')} as recorded")
@@ -114,7 +114,7 @@ def _database(db: str | None, anchor: Path | None, head: str | None, to: Path | 
     from fixtures_db.anchor import Anchor, take_anchor
     from fixtures_db.database import open_db
     from fixtures_db.verification import alterations, missing_head
-    from station.anchor_file import read_anchor, write_anchor
+    from station.files.anchor_file import read_anchor, write_anchor
 
     files = [anchor] if anchor is not None else []
     if to is not None and to.exists():  # a new anchor is never put over one that shows a loss
@@ -154,10 +154,10 @@ def _rows(database: "OpenDatabase", folder: Path) -> str:
     """Compare the hashes of a folder, whose files agree with them, with the rows of its accepted steps."""
     from fixtures_db.campaigns import known_campaign, verify_steps
     from fixtures_db.history import calibrated_inputs
-    from station.campaign_folder import read_hashes
-    from station.campaign_folder.manifest import sha256_of
-    from station.campaign_folder.toml_text import NAME as TOML
     from station.errors import Altered
+    from station.files.campaign_folder import read_hashes
+    from station.files.sha256sums import sha256_of
+    from station.files.toml_text import NAME as TOML
 
     key, hashes = str(folder.resolve()), read_hashes(folder)
     with database.read() as session:

@@ -4,10 +4,10 @@ from datetime import date
 from pathlib import Path
 
 from fixtures_db.database import Database
-from station.campaign_folder.atomic import replace_file
-from station.certificate.issuing import Request, issue
-from station.certificate.laboratory import Laboratory
 from station.errors import Incomplete
+from station.files.atomic_file import replace_file
+from station.results.certificate.issuing import Request, issue
+from station.results.certificate.laboratory import Laboratory
 
 CERTIFICATE = "certificate.html"
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import erfinv
 
+from procedures.calibration.solution import Estimate, Solution, TriadCalibration
 from procedures.frames import AXES
-from procedures.solution import Estimate, Solution, TriadCalibration
-from station.solution_text import ARCSEC
+from station.results.solution_text import ARCSEC
 
 _SCALE = {"1": (1e6, "1e-6"), "g": (1e6, "ug"), "rad": (1 / ARCSEC, "arcsec")}
 

@@ -19,11 +19,11 @@ from station.demo.example_bench import GRAVITY_STD, ExampleBench, add_example
 from station.demo.truth_values import truth_values
 from station.errors import CannotWrite, cannot_write
 from station.guide.headless import record
-from station.guide.operator import SimulatedOperator
 from station.guide.options import Options
+from station.guide.simulated_operator import SimulatedOperator
 from station.guide.view import Setup, View
-from station.recorder import check_raw_bytes
-from station.recorder.results import Results, make_results, store
+from station.results.campaign_results import Results, make_results, store
+from station.stream.recorder import check_raw_bytes
 
 MARK = ".station-demo"
 MOVE_S = 15.0  # device time of a move; a person takes about 45 s

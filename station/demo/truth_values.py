@@ -2,15 +2,15 @@
 
 import numpy as np
 
+from drivers.simulated.bench_truth import imu_from_cube
 from drivers.simulated.truth import Truth
-from drivers.simulated.world import imu_from_cube
 from procedures.arrays import FloatArray
-from procedures.bench_model import mean_cube
+from procedures.calibration.bench_parameters import mean_cube
 from procedures.frames import AXES
 
 
 def truth_values(truth: Truth, *, is_certified: bool = False) -> dict[str, float]:
-    """Return the truth keyed as `procedures.solution.Solution.names`.
+    """Return the truth keyed as `procedures.calibration.solution.Solution.names`.
 
     Misalignment and scale factor refer to the mean cube, as the solution's do: columns of ``k E`` along the mean
     normals of the face pairs instead of the cube's own axes, to which those of a certified cube refer.

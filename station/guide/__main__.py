@@ -9,8 +9,8 @@ from station.lazily import collect_seldom
 def main() -> None:
     """Serve one engine."""
     collect_seldom()
-    from station.guide.process import EngineOptions
-    from station.guide.serving import serve
+    from station.guide.engine_process import serve
+    from station.guide.start_engine import EngineOptions
 
     serve(Path(sys.argv[1]), EngineOptions.model_validate_json(sys.stdin.readline()))
 

@@ -7,7 +7,7 @@ from station.guide.command import Command
 from station.guide.view import Check, Sound, View
 
 if TYPE_CHECKING:
-    from station.guide.disk import Disk
+    from station.guide.disk_space import Disk
 
 
 class Campaign(Protocol):

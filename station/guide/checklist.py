@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
+from procedures.calibration.plan_steps import Dwell, FreePosition, Soak, Step, Turn
 from procedures.frames import face_of
-from procedures.steps import Dwell, FreePosition, Soak, Step, Turn
 from station.guide import view
 
 MOVE_S = 45.0  # what a person takes to place the cube

@@ -22,16 +22,16 @@ from station.errors import CannotWrite, DataRefused, DiskFull, StationError
 from station.exit_codes import exit_code
 from station.guide.campaign import Campaign
 from station.guide.command import Command
-from station.guide.considering import Considering, said_of
+from station.guide.last_setup import save_setup
 from station.guide.options import Options
-from station.guide.remembered import save_setup
+from station.guide.readiness_in_background import Considering, said_of
 from station.guide.setup import start_view
 from station.guide.solved import Solved
 from station.guide.step_words import for_people
 from station.guide.view import Check, Readiness, Setup, Stage, Start, View
 
 if TYPE_CHECKING:
-    from station.guide.operator import Operator
+    from station.guide.simulated_operator import Operator
 
 REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
 FOR_UNIT = "waiting for the unit to say who it is"
@@ -145,7 +145,7 @@ class Engine:
 
     def _do_again(self, campaign: Campaign, command: Command) -> None:
         """Open the device of a campaign that is complete, to do a step again; what refuses changes nothing."""
-        from station.guide.finished import finished
+        from station.guide.finished_campaign import finished
         from station.guide.live_campaign import resume
 
         folder = campaign.folder
@@ -220,7 +220,9 @@ class Engine:
 
     def _finish(self, campaign: Campaign) -> None:
         from station.guide.outcome import verdict_view
-        from station.recorder.results import make_results  # scipy and matplotlib: not before they are wanted
+        from station.results.campaign_results import (
+            make_results,  # scipy and matplotlib: not before they are wanted
+        )
 
         self._publish(self.view.model_copy(update={"stage": "solving", "line": "solving"}))
         try:
@@ -234,7 +236,7 @@ class Engine:
         self._show(campaign)
 
     def _store(self) -> None:
-        from station.recorder.results import store
+        from station.results.campaign_results import store
 
         if self._outcome.results is None or self._outcome.sha256:
             return
@@ -251,7 +253,7 @@ class Engine:
         if self._outcome.sha256:
             self._end("left", "the calibration is stored; there is nothing to cancel")
             return
-        from station.guide.unfinished import cancel_campaign
+        from station.guide.interrupted_campaigns import cancel_campaign
 
         campaign.close()
         cancel_campaign(campaign.folder, self._database)
@@ -289,7 +291,7 @@ def _look(verb: str, url: str) -> Check:
         from station.guide.port_check import check_port
 
         return check_port(url)
-    from station.guide.receiver import check_receiver
+    from station.guide.receiver_check import check_receiver
 
     return check_receiver(url)
 
@@ -301,7 +303,7 @@ def _begun(setup: Setup, database: Database, options: Options) -> Campaign:
 
 
 def _resumed(folder: Path, database: Database, options: Options) -> Campaign:
-    from station.guide.finished import finished
+    from station.guide.finished_campaign import finished
     from station.guide.live_campaign import resume
 
     return finished(folder, database) or resume(folder, database, options)
@@ -319,6 +321,6 @@ def _port_of(folder: Path) -> str:
 def _awaited(setup: Setup) -> str:
     if not setup.gnss:
         return FOR_UNIT
-    from station.guide.gnss_beside import FIXES, WAIT_S
+    from station.guide.gnss_in_campaign import FIXES, WAIT_S
 
     return f"waiting for the unit, and up to {WAIT_S:g} s for {FIXES} positions of the receiver"

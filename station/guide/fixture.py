@@ -5,9 +5,9 @@ from dataclasses import replace
 
 from fixtures_db.cubes import cube, cube_row
 from fixtures_db.database import Database
-from procedures.campaign import Fixture
-from station.campaign_folder.schema import FaceTable, FixtureTable, MeasuredTable, axes_matrix
-from station.campaign_folder.writing import measured_table
+from procedures.calibration.campaign import Fixture
+from station.files.campaign_folder.schema import FaceTable, FixtureTable, MeasuredTable, axes_matrix
+from station.files.campaign_folder.writing import measured_table
 
 
 def cube_fixture(

@@ -5,11 +5,11 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from procedures.steps import Step
-from station.campaign_folder import read_plan, write_plan
-from station.campaign_folder.atomic import replace_file
+from procedures.calibration.plan_steps import Step
 from station.errors import DataRefused
-from station.guide.identity import UnitRecord
+from station.files.atomic_file import replace_file
+from station.files.campaign_folder import read_plan, write_plan
+from station.guide.unit_identity import UnitRecord
 from station.guide.view import Setup
 
 SETUP, UNIT, PLAN, LEFT_OUT = "setup.json", "unit.json", "plan.toml", "left_out.json"

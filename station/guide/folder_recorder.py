@@ -4,15 +4,15 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 from procedures.arrays import FloatArray
-from procedures.steps import Step
-from station.campaign_folder import write_tables
+from procedures.calibration.plan_steps import Step
+from station.files.campaign_folder import write_tables
 from station.guide.folder_notes import keep_left_out, keep_plan, read_unit, write_unit
-from station.recorder import CampaignRecorder
-from station.recorder.tape import Run, Tape
+from station.stream.recorder import CampaignRecorder
+from station.stream.recorder.sample_buffer import Run, Tape
 
 
 class FolderRecorder:
-    """A `station.guide.desk.Recorder` on a campaign's folder."""
+    """A `station.guide.stage_context.Recorder` on a campaign's folder."""
 
     def __init__(self, recorder: CampaignRecorder) -> None:
         self._recorder = recorder

@@ -11,27 +11,27 @@ import numpy as np
 
 from drivers.errors import DriverError
 from procedures.arrays import FloatArray
-from procedures.leaning import APART_DEG, nearest_deg
-from procedures.steps import Step
-from station.guide.asking import Asking
+from procedures.calibration.plan_steps import Step
+from procedures.rests_and_moves.free_attitudes import APART_DEG, nearest_deg
 from station.guide.command import Command
-from station.guide.desk import Desk
-from station.guide.identity import UnitRecord
-from station.guide.judge import Look
-from station.guide.leaning import Leaning
-from station.guide.placing import Placing
-from station.guide.pose import HeadingWatch, face_wanted, pose_view
-from station.guide.recognising import Recognising
-from station.guide.resting import Resting
-from station.guide.seat import keep_question
+from station.guide.cube_pose import HeadingWatch, face_wanted, pose_view
+from station.guide.cube_tracking import Tracker
+from station.guide.dwell_stage import Resting
+from station.guide.face_and_stillness import Look
+from station.guide.free_attitude_dwell import Leaning
+from station.guide.placing_stage import Placing
+from station.guide.question import Asking
+from station.guide.seating_check import keep_question
 from station.guide.stage import Stage
-from station.guide.tracking import Tracker
-from station.guide.trouble import Trouble, trouble_of
-from station.guide.turning import Turning
+from station.guide.stage_context import Desk
+from station.guide.stream_trouble import Trouble, trouble_of
+from station.guide.turn_stage import Turning
+from station.guide.unit_identity import UnitRecord
+from station.guide.unit_recognition import Recognising
 from station.guide.view import Gates, Link, PoseView, View
-from station.guide.warming import Warming
+from station.guide.warm_up_stage import Warming
 from station.guide.wording import title
-from station.live.stillness import TIMES_NOISE, Block
+from station.stream.live.stillness import TIMES_NOISE, Block
 
 KEPT_BLOCKS = 8  # of the past, besides those of the step
 

@@ -7,9 +7,9 @@ from fixtures_db.database import Database
 from station.guide.command import Command
 from station.guide.engine import Engine
 from station.guide.live_campaign import begin
-from station.guide.operator import Operator
 from station.guide.options import Options
-from station.guide.process import EngineOptions
+from station.guide.simulated_operator import Operator
+from station.guide.start_engine import EngineOptions
 from station.guide.view import Setup, View
 
 OVER = frozenset({"verdict", "stored", "failed", "left", "cancelled"})

@@ -12,36 +12,36 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from drivers.errors import DeadChannel, DriverError, LinkLost
-from drivers.url_files import anchored
+from drivers.url_paths import anchored
 from drivers.wire import ALL_CHANNELS
 from fixtures_db.database import Database
-from procedures import hand_turns, twelve_position
-from procedures.campaign import Fixture
-from procedures.steps import Step, Turn, steps_of
-from station.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
+from procedures.calibration import hand_turns, twelve_position
+from procedures.calibration.campaign import Fixture
+from procedures.calibration.plan_steps import Step, Turn, steps_of
 from station.errors import DataRefused
-from station.gnss import GnssFeed, open_gnss
+from station.files.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
+from station.guide.accepted_steps import SoFar, after_pause, so_far
 from station.guide.checklist import Checklist
 from station.guide.command import Command
-from station.guide.desk import POWER_CYCLED, Desk, Facts
-from station.guide.disk import WARM_UP_S, Disk, disk_for, refuse_full
+from station.guide.disk_space import WARM_UP_S, Disk, disk_for, refuse_full
 from station.guide.fixture import cube_fixture
 from station.guide.folder import journal_path, new_folder
 from station.guide.folder_notes import keep_plan, kept_plan, read_setup, read_unit, write_setup, write_unit
 from station.guide.folder_recorder import FolderRecorder
-from station.guide.gnss_beside import GnssBeside, reopened, said_of_site, sited, utc_now
+from station.guide.gnss_in_campaign import GnssBeside, reopened, said_of_site, sited, utc_now
 from station.guide.guide import Guide
 from station.guide.host_clock import HostClock
-from station.guide.identity import UnitRecord
+from station.guide.interrupted_campaigns import FolderLock, reopen
 from station.guide.options import Options
 from station.guide.port_check import RECORD_INSTEAD
-from station.guide.so_far import SoFar, after_pause, so_far
-from station.guide.unfinished import FolderLock, reopen
+from station.guide.stage_context import POWER_CYCLED, Desk, Facts
+from station.guide.unit_identity import UnitRecord
 from station.guide.view import Check, Setup, Sound, View
-from station.live.live_feed import LiveFeed, open_feed
-from station.reader import Reader
-from station.recorder import CampaignRecorder, Unit, UnitChanged, open_campaign
-from station.recorder.campaign import TOML
+from station.stream.gnss import GnssFeed, open_gnss
+from station.stream.live.live_feed import LiveFeed, open_feed
+from station.stream.reader import Reader
+from station.stream.recorder import CampaignRecorder, Unit, UnitChanged, open_campaign
+from station.stream.recorder.campaign_recorder import TOML
 
 REST_S = 5.0
 RETRY_S = 1.0  # between two tries to read a port whose reader died

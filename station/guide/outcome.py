@@ -8,18 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 from fixtures_db.database import Database
 from fixtures_db.history import last_calibration
+from procedures.calibration.solution import StepResidual
 from procedures.frames import AXES
-from procedures.solution import StepResidual
-from station.diagnosis.text import diagnosis_text, warnings_of
-from station.diagnosis.wording import verdict_sentence
 from station.guide.folder_notes import read_left_out
-from station.guide.judgement import Judged, Outcome, judge, judged_in_words
-from station.guide.kept_seats import doubt_of, worst_kept
+from station.guide.kept_tilted_dwells import doubt_of, worst_kept
 from station.guide.step_words import gap_in_words, verdict_for_people
 from station.guide.view import Row, Verdict
-from station.recorder.campaign import step_of
-from station.report.fit import LIMIT_SIGMAS, normalised
-from station.solution_parameters import (
+from station.results.diagnosis.diagnosis_text import diagnosis_text, warnings_of
+from station.results.diagnosis.wording import verdict_sentence
+from station.results.parameters_by_name import (
     Parameter,
     Shift,
     applied,
@@ -30,10 +27,13 @@ from station.solution_parameters import (
     shown_sigma,
     title_of,
 )
+from station.results.report.fit_quality import LIMIT_SIGMAS, normalised
+from station.results.verdict import Judged, Outcome, judge, judged_in_words
+from station.stream.recorder.campaign_recorder import step_of
 
 if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget
-    from station.recorder.results import Results
+    from station.results.campaign_results import Results
 
 NOTABLE_SIGMAS = 3.0
 __all__ = ["Outcome", "judge", "verdict_view"]

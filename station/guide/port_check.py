@@ -6,14 +6,14 @@ import numpy as np
 
 from drivers.errors import DriverError
 from drivers.wire import ALL_CHANNELS
+from procedures.counts.sample_records import RateBlock, SampleBlock, block_rows
 from procedures.frames import AXES
-from procedures.records import RateBlock, SampleBlock, block_rows
 from station.guide.view import Check
-from station.live.counted import RATE_UNIT
-from station.live.stillness import TICKS, Block, block_of
+from station.stream.live.rates_as_counts import RATE_UNIT
+from station.stream.live.stillness import TICKS, Block, block_of
 
 if TYPE_CHECKING:
-    from station.reader.look import Seen
+    from station.devices.imu_probe import Seen
 
 LOOK_S = 2.0
 RECORD_INSTEAD = "record its steps with `station record` and solve them as a campaign folder"
@@ -23,7 +23,7 @@ BAD_SHARE = 0.01  # of the frames; beyond it the line is not good enough to begi
 
 def check_port(url: str, seconds: float = LOOK_S) -> Check:
     """Look at what a port sends; what is wrong with it stands in ``text``, with what to do. Never raises."""
-    from station.reader.look import look
+    from station.devices.imu_probe import look
 
     try:
         seen = look(url, seconds)

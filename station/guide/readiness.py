@@ -1,9 +1,9 @@
 """Whether a campaign can end in PASS and in a certificate, before it begins: a pure function of what is known.
 
-Verdict and certificate follow the same rules afterwards: `station.guide.judgement.judge` says NOT_MEASURED where a
+Verdict and certificate follow the same rules afterwards: `station.results.verdict.judge` says NOT_MEASURED where a
 limited parameter is not estimated, `fixtures_db.references.why_measured` why a calibration is only measured, and
-`station.certificate.checklist` refuses a certificate whose campaign lacks something. What a laboratory's file can
-still say afterwards is not asked for here.
+`station.results.certificate.checklist` refuses a certificate whose campaign lacks something. What a laboratory's
+file can still say afterwards is not asked for here.
 """
 
 from collections.abc import Mapping
@@ -14,11 +14,11 @@ from fixtures_db.campaigns import is_expired
 from fixtures_db.limits import UNITS, Limit
 from fixtures_db.references import why_measured
 from fixtures_db.sites import is_surveyed_at
-from station.campaign_folder.schema import GRAVITY_STD
-from station.certificate.checklist import missing_before
 from station.errors import megabytes
-from station.guide.known import Known, Survey
+from station.files.campaign_folder.schema import GRAVITY_STD
+from station.guide.prior_knowledge import Known, Survey
 from station.guide.view import Check, Readiness, ReadyLine, Setup
+from station.results.certificate.checklist import missing_before
 
 NEVER = ("gyroscope.bias_12_position", "gyroscope.bias_two_direction")  # closed forms of accelerometers alone
 SAYS_NONE = {"operator": "no operator", "software.commit": "the station is not run from a checkout"}

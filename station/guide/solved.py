@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from station.guide.view import Verdict
 
 if TYPE_CHECKING:
-    from station.recorder.results import Results
+    from station.results.campaign_results import Results
 
 
 @dataclass(frozen=True, slots=True, eq=False)

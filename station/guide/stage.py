@@ -2,8 +2,8 @@
 
 from typing import Any, Protocol
 
-from station.guide.judge import Look
-from station.live.stillness import Block
+from station.guide.face_and_stillness import Look
+from station.stream.live.stillness import Block
 
 
 class Stage(Protocol):

@@ -2,9 +2,9 @@
 
 from math import floor, log10
 
+from procedures.calibration.plan_steps import Dwell, FreePosition, Soak, Step, Turn
 from procedures.frames import POSITIONS, face_of
-from procedures.leaning import Lean
-from procedures.steps import Dwell, FreePosition, Soak, Step, Turn
+from procedures.rests_and_moves.free_attitudes import Lean
 
 _WORDS = {"U": "up", "D": "down", "E": "east", "W": "west", "N": "north", "S": "south"}
 

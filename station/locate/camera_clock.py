@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.fusion.aligner import between
-from procedures.fusion.alignment import Waiting
-from procedures.fusion.camera_time import CameraOffset, camera_offset
-from procedures.fusion.records import ImuSeries
-from procedures.fusion.tracks import Tracks
-from station.fusion_folder import FusionLog
+from procedures.fusion.alignment.aligner import between
+from procedures.fusion.alignment.alignment import Waiting
+from procedures.fusion.fusion_records import ImuSeries
+from procedures.fusion.vision.camera_time import CameraOffset, camera_offset
+from procedures.fusion.vision.feature_tracks import Tracks
+from station.files.fusion_folder import FusionLog
 
 FIRST = 5.0  # s of tracks after which it is worth a try
 STEP = 1.0  # s between attempts

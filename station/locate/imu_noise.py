@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from procedures.allan import noise_terms, overlapping_deviation
 from procedures.arrays import FloatArray
-from procedures.fusion.records import ImuNoise, ImuSeries
+from procedures.fusion.fusion_records import ImuNoise, ImuSeries
+from procedures.statistics.allan_deviation import noise_terms, overlapping_deviation
 from station.monitor.filter_settings import FORCE_WALK, WALK, force_bias_std, gyro_bias_std
 
 LEAST_S = 10.0  # of rest, for an Allan deviation

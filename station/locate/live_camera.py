@@ -10,15 +10,15 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from drivers.camera import CameraImage
-from procedures.fusion.camera_keyframes import CLOSEST, SPACING
-from procedures.fusion.camera_time import MISPLACED, CameraOffset, camera_offset
-from procedures.fusion.live_visual_window import Frame, filled, no_frame
-from procedures.fusion.records import ImuSeries
-from procedures.fusion.tracks import Camera, Tracks
-from procedures.gnss import TimeMark
-from station.camera.following import Follow
-from station.gnss.fix_times import FixTimes
-from station.plural import plural
+from procedures.earth.gnss_records import TimeMark
+from procedures.fusion.fusion_records import ImuSeries
+from procedures.fusion.inner.camera_keyframes import CLOSEST, SPACING
+from procedures.fusion.inner.live_visual_window import Frame, filled, no_frame
+from procedures.fusion.vision.camera_time import MISPLACED, CameraOffset, camera_offset
+from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from station.stream.camera.feature_following import Follow
+from station.stream.gnss.fix_times import FixTimes
+from station.text.plural import plural
 
 MARKS_NS = 60 * 10**9  # of the lines between the clocks
 KEPT_S = 60.0  # of frames: by them the delay is found

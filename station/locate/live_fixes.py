@@ -5,13 +5,13 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from procedures.fusion.keyframes import CLOSEST, SPACING
-from procedures.fusion.records import GnssFixes
-from procedures.geodesy import LocalLevel
-from procedures.gnss import GnssFix, TimeMark
-from procedures.level_fixes import antenna, is_usable, level_fixes, origin_at
-from station.gnss.fix_times import FixTimes
-from station.mcap_files.fix_reader import Record
+from procedures.earth.geodesy import LocalLevel
+from procedures.earth.gnss_records import GnssFix, TimeMark
+from procedures.earth.level_fixes import antenna, is_usable, level_fixes, origin_at
+from procedures.fusion.fusion_records import GnssFixes
+from procedures.fusion.inner.keyframes import CLOSEST, SPACING
+from station.files.mcap_files.fix_reader import Record
+from station.stream.gnss.fix_times import FixTimes
 
 MARKS_NS = 60 * 10**9  # of the lines between the clocks
 BEHIND = (0.1, 1.0)  # s: how far behind the newest sample keyframes may stand

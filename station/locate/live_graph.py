@@ -3,10 +3,10 @@
 from typing import Protocol
 
 from procedures.arrays import FloatArray
-from procedures.fusion.inertial_window import InertialWindow
-from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.outer_graph import GlobalPose, OuterGraph, OuterSettings
-from procedures.fusion.records import GnssFixes
+from procedures.fusion.fusion_records import GnssFixes
+from procedures.fusion.inner.inertial_window import InertialWindow
+from procedures.fusion.outer.odometry import OdometryPose
+from procedures.fusion.outer.outer_graph import GlobalPose, OuterGraph, OuterSettings
 
 RENEWED = 36_000  # poses: half an hour
 RUN_IN = 1_200  # poses that a new graph goes along before it takes over: a minute, six of its windows

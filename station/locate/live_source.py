@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from typing import Protocol
 
 from procedures.arrays import FloatArray
-from procedures.fusion.inertial_window import WindowSettings
-from procedures.fusion.live_window import LiveWindow
-from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.records import ImuSeries
-from station.locate.live_beginning import Begun
+from procedures.fusion.fusion_records import ImuSeries
+from procedures.fusion.inner.inertial_window import WindowSettings
+from procedures.fusion.inner.live_window import LiveWindow
+from procedures.fusion.outer.odometry import OdometryPose
+from station.locate.live_alignment import Begun
 from station.locate.live_fixes import LiveFixes
 
 

@@ -5,12 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from procedures.fusion.alignment import Aligned
-from procedures.fusion.inertial_window import InertialWindow
-from procedures.fusion.outer_graph import REJECTED, GlobalPose
-from procedures.fusion.records import Trajectory
+from procedures.fusion.alignment.alignment import Aligned
+from procedures.fusion.fusion_records import Trajectory
+from procedures.fusion.inner.inertial_window import InertialWindow
+from procedures.fusion.outer.outer_graph import REJECTED, GlobalPose
+from station.locate.outer_layer import timed, trajectory_of
 from station.locate.result import Located
-from station.locate.through_graph import timed, trajectory_of
 
 
 def one_layer(window: InertialWindow, aligned: Aligned) -> Located:

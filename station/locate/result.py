@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from procedures.arrays import FloatArray
-from procedures.fusion.records import Trajectory
+from procedures.fusion.fusion_records import Trajectory
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.frd import earth_rate_ned
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.forward_right_down import earth_rate_ned
 from procedures.attitude.joint_state import DEFAULT, FREE, Settings
-from procedures.attitude.log import AttitudeLog
 from procedures.attitude.sensor_noise import gyro_noise
-from procedures.earth import EARTH_RATE, STANDARD_GRAVITY
+from procedures.earth.gravity_and_rate import EARTH_RATE, STANDARD_GRAVITY
 
 LEAST_NOISE = 1e-7  # rad/sqrt(s)
 TURN_ON = np.radians(1.0) / 3600  # rad/s: what a FOG's bias differs by from its calibration, 1 sigma

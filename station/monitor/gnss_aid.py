@@ -10,11 +10,11 @@ import math
 import time
 from collections.abc import Callable, Sequence
 
-from procedures.gnss import AirData, FixType, GnssFix
-from station.gnss import GnssFeed
-from station.mcap_files.fix_reader import Record
-from station.monitor.attitude import NO_AID, Aiding
+from procedures.earth.gnss_records import AirData, FixType, GnssFix
+from station.files.mcap_files.fix_reader import Record
+from station.monitor.attitude_filter import NO_AID, Aiding
 from station.monitor.view import Stream
+from station.stream.gnss import GnssFeed
 
 AIDS = ("gnss", "airspeed-filter")
 USUAL_LATENCY = 0.1  # s; of most receivers 0.1 to 0.2 s

@@ -8,28 +8,28 @@ from time import monotonic
 import numpy as np
 
 from drivers.errors import DriverError, LinkLost, ReplayEnded
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.joint_state import Settings
-from procedures.attitude.log import AttitudeLog
-from procedures.attitude.north import heading_at_rest
+from station.calibrated.calibration_choice import Applied
+from station.calibrated.rates_and_forces import Sensors, Tick
+from station.files.mcap_files.fix_reader import Record
 from station.guide.view import Event, Sound
-from station.live.live_feed import LiveFeed
-from station.live.told import words_of
-from station.locate.taken import Taken
-from station.mcap_files.fix_reader import Record
+from station.locate.live_inputs import Taken
+from station.locate.monitor_interface import in_imu_axes, news_of
 from station.monitor.alarms import Watch
-from station.monitor.at_rest import DEG_H, Rest
-from station.monitor.attitude import Aiding, Attitude, AttitudeTrack
-from station.monitor.calibration import Applied
+from station.monitor.attitude_filter import Aiding, Attitude, AttitudeTrack
+from station.monitor.error_at_rest import DEG_H, Rest
 from station.monitor.filter_settings import gyro_bias_std, settings_of
 from station.monitor.gnss_aid import aiding_of
-from station.monitor.moments import Moments
 from station.monitor.options import USUAL, Aid, Options
 from station.monitor.recording import Recording
-from station.monitor.sensors import Sensors, Tick
+from station.monitor.sample_times import Moments
 from station.monitor.session import Verb
 from station.monitor.stream_health import StreamHealth
 from station.monitor.view import InUse, Location, Mode, Point, Reading, Stream, View
-from station.monitor.where import in_imu_axes, news_of
+from station.stream.live.live_feed import LiveFeed
+from station.stream.live.trouble_lines import words_of
 
 TICK_S = 0.1
 HISTORY = 600  # points: a minute

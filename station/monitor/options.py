@@ -6,11 +6,11 @@ from typing import Protocol
 
 from drivers.camera import CameraImage
 from procedures.arrays import FloatArray
-from procedures.earth import STANDARD_GRAVITY
-from station.mcap_files.fix_reader import Record
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from station.files.mcap_files.fix_reader import Record
+from station.locate.monitor_interface import Locating
 from station.monitor.alarms import Alarm
 from station.monitor.view import Stream
-from station.monitor.where import Locating
 
 
 class Beside(Protocol):

@@ -9,11 +9,11 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from drivers.wire import FrameKind, WireFormat
-from station.campaign_folder import append_hash
 from station.errors import cannot_write
-from station.mcap_files import BY_OUTPUT, StepWriter
-from station.recorder.row_times import RowTimes, Utc
-from station.recorder.tape import Tape
+from station.files.campaign_folder import append_hash
+from station.files.mcap_files import BY_OUTPUT, StepWriter
+from station.stream.recorder.row_times import RowTimes, Utc
+from station.stream.recorder.sample_buffer import Tape
 
 FLUSH_S = 0.2
 EVENTS = "events.csv"

@@ -4,8 +4,8 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-from station.live.live_feed import LiveFeed
 from station.monitor.view import Stream
+from station.stream.live.live_feed import LiveFeed
 
 RATE_S = 5.0
 

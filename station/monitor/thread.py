@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import Self
 
 from drivers.errors import ReplayEnded
-from station.monitor.attitude import prepare
+from station.monitor.attitude_filter import prepare
 from station.monitor.monitor import Monitor
 from station.monitor.session import Verb
 from station.monitor.view import View

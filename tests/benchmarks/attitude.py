@@ -17,17 +17,17 @@ import numpy as np
 from ahrs.filters import Madgwick, Mahony
 from vqf import VQF
 
-from drivers.simulated.flight import FORCE_UG, LEVEL_S, paper_bench, paper_flight
 from procedures.arrays import BoolArray, FloatArray
 from procedures.attitude.attitude import Track, estimate
-from procedures.attitude.frd import inclination, roll_pitch_of
-from procedures.attitude.joint import JointFilter
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.forward_right_down import inclination, roll_pitch_of
+from procedures.attitude.joint_filter import JointFilter
 from procedures.attitude.joint_state import DEFAULT, FREE, Settings
-from procedures.attitude.log import AttitudeLog
 from procedures.attitude.mixer import Mixer, mix
 from procedures.attitude.smoothing import smooth
-from procedures.earth import STANDARD_GRAVITY
-from station.attitude.reading import read_log
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from station.attitude.attitude_log import read_log
+from tests.drivers.simulated.flight import FORCE_UG, LEVEL_S, paper_bench, paper_flight
 
 AFTER_S = 60.0  # aided logs count from here
 TABLE_1_FORCE = FORCE_UG * 1e-6 * STANDARD_GRAVITY

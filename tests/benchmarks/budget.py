@@ -14,13 +14,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drivers.simulated.bench import simulate_campaign
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.bench_model import mean_cube
-from procedures.calibration import fit
+from procedures.calibration.bench_parameters import mean_cube
+from procedures.calibration.calibration import fit
 from procedures.frames import AXES
 from procedures.uncertainty.budget import budget
-from procedures.uncertainty.inputs import EXACT, Inputs
+from procedures.uncertainty.given_values import EXACT, Inputs
 
 UNIT = 1
 CHUNK = 4

@@ -18,7 +18,7 @@ from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_server import SimulatedCamera
 from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.truth import Truth
-from station.reader import Reader
+from station.stream.reader import Reader
 from tests.drivers.simulated.drives import bends
 
 RENDER_MS, DECODE_MB_S, READER_PERCENT = 15.0, 100.0, 5.0

@@ -13,7 +13,7 @@ from drivers.can.database import load_dbc
 from drivers.can.format import OWN_DBC, can_format
 from drivers.can.record import unpack
 from drivers.framing import Decoder
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 
 SAMPLES, REPEATS, READ, LEAST = 50_000, 3, 65536, 0.8
 

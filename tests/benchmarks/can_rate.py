@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.formats import wire_of
-from station.reader import Chunk, Reader
-from station.recorder import SampleStream
+from drivers.url_wire_format import wire_of
+from station.stream.reader import Chunk, Reader
+from station.stream.recorder import SampleStream
 
 PERIOD_S, FRAMES = 0.002, 6
 TRUTH = f"sample_period_s = {PERIOD_S}\n"

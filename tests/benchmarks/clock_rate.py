@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.reference_time import ClockRate, fit_clock
-from station.gnss.utc_line import UtcLine
+from procedures.counts.reference_time import ClockRate, fit_clock
+from station.stream.gnss.utc_line import UtcLine
 from tests.benchmarks.clock_traces import Trace, read_traces
 
 LAYOUTS = ((10.0, 8.0), (30.0, 10.0), (90.0, 30.0))  # of twelve dwells and the pauses between them [s]

@@ -26,13 +26,14 @@ from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.pace import Pace
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.gnss import TimeMark
-from station.gnss import GnssFeed, open_gnss
-from station.live import open_feed
-from station.reader import Reader
-from station.recorder.row_times import RowTimes
+from procedures.earth.gnss_records import TimeMark
+from station.stream.gnss import GnssFeed, open_gnss
+from station.stream.live import open_feed
+from station.stream.reader import Reader
+from station.stream.recorder.row_times import RowTimes
+from tests.paths import ROOT
 
-STORE = Path(__file__).parents[1] / "data" / "clock_traces.npz"
+STORE = ROOT / "tests" / "data" / "clock_traces.npz"
 # load, length [s], whether the reader is killed halfway and another one begins
 RUNS = (
     *[(0, 180.0, False)] * 3, (0, 180.0, True), *[(1, 120.0, False)] * 4,

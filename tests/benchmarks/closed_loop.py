@@ -12,14 +12,14 @@ from functools import partial
 
 import numpy as np
 
-from procedures.calibration import fit_reduced, reduce_steps, report
-from procedures.campaign import Campaign
+from procedures.calibration.calibration import fit_reduced, reduce_steps, report
+from procedures.calibration.campaign import Campaign
+from procedures.calibration.solution import Solution
 from procedures.diagnosis.candidates import Candidate, candidates
-from procedures.diagnosis.evidence import evidence_of
 from procedures.diagnosis.refit import refit
+from procedures.diagnosis.residual_rows import evidence_of
 from procedures.diagnosis.result import Finding
 from procedures.effects import EFFECTS
-from procedures.solution import Solution
 from tests.benchmarks.diagnosing.designs import DESIGNS, unit
 from tests.benchmarks.diagnosing.plants import PLANTS, drawn_sizes
 from tests.benchmarks.diagnosing.sigmas import Sigmas, sigmas_of

@@ -13,7 +13,7 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 
-from procedures.count_rate import estimate_counts
+from procedures.counts.count_rate import estimate_counts
 
 SAMPLES, PERIOD = 5000, 0.02
 NOISES = (1e-4, 2e-4, 1e-3, 1e-2, 0.1, 1.0, 100.0)  # counts per sample

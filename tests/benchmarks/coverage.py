@@ -11,13 +11,13 @@ import argparse
 
 import numpy as np
 
-from drivers.simulated.bench import simulate_campaign
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.calibration import fit, report
+from procedures.calibration.calibration import fit, report
+from procedures.calibration.solution import Estimate
 from procedures.frames import AXES
-from procedures.solution import Estimate
 from procedures.uncertainty.budget import ParameterBudget, budget
-from procedures.uncertainty.inputs import EXACT
+from procedures.uncertainty.given_values import EXACT
 from tests.benchmarks.monte_carlo import add_options, draws
 
 CERTIFICATE = 5e-6  # rad

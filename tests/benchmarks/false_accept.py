@@ -18,16 +18,16 @@ import numpy as np
 
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.campaign import Fixture
+from procedures.calibration.campaign import Fixture
+from procedures.calibration.plan_steps import Dwell, Step
 from procedures.frames import face_normal, face_of
-from procedures.steps import Dwell, Step
 from station.guide.checklist import Checklist
-from station.guide.desk import Desk, Facts
+from station.guide.face_and_stillness import LIMIT_DEG
 from station.guide.guide import Guide
-from station.guide.judge import LIMIT_DEG
-from station.live import open_feed
-from station.recorder.tape import Run, Tape
-from tests.station.live.bench_in_memory import Source
+from station.guide.stage_context import Desk, Facts
+from station.stream.live import open_feed
+from station.stream.recorder.sample_buffer import Run, Tape
+from tests.station.stream.live.bench_in_memory import Source
 
 KINDS = ("flat", "tilted", "tilted a little", "wrong face", "tapped", "shaken", "creeping")
 OUTCOMES = ("accepted", "refused", "tilted", "mistaken")
@@ -36,7 +36,7 @@ DWELL_S, PATIENCE_S, MOVE_S = 10.0, 60.0, 3.0
 
 @dataclass
 class Accepted:
-    """A `station.guide.desk.Recorder` in memory: the step, and its first and last device time [s]."""
+    """A `station.guide.stage_context.Recorder` in memory: the step, and its first and last device time [s]."""
 
     steps: list[tuple[Step, float, float]] = field(default_factory=list)
 

@@ -1,6 +1,6 @@
 """How long until a fault of a line is told and until samples come again: `python -m tests.benchmarks.fault_times`.
 
-Each fault of `tests.station.reader.faulty` at the device's own speed, on a pty, TCP, an slcan adapter and
+Each fault of `tests.station.stream.reader.faulty` at the device's own speed, on a pty, TCP, an slcan adapter and
 `udp_multicast` at once, by the real reader process. Told: from the last sample before the fault to the words.
 Again: from the fault's end, which is as long after that sample as the fault lasts, to the first sample. By the
 station's clock where the samples are decoded, in seconds.
@@ -9,7 +9,7 @@ station's clock where the samples are decoded, in seconds.
 import argparse
 import math
 
-from tests.station.reader.faulty import (
+from tests.station.stream.reader.faulty import (
     BEGIN_S,
     CASES,
     PERIOD,

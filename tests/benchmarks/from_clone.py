@@ -14,6 +14,7 @@ import time
 from pathlib import Path
 
 from tests.benchmarks.start import until_shown
+from tests.paths import ROOT
 
 LIMIT_S = 180.0
 ASKED_FOR = ("position 1:",)
@@ -59,7 +60,7 @@ def first_position(checkout: Path, folder: Path) -> None:
 
 def main() -> None:
     """Print each part and the whole."""
-    here = Path(__file__).parents[2]
+    here = ROOT
     os.environ.pop("PYTHONPATH", None)
     with tempfile.TemporaryDirectory() as made:
         folder, checkout, times = Path(made), Path(made) / "fog-station", Times()

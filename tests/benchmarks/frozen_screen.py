@@ -21,9 +21,9 @@ from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
-from station.mcap_files import read_step
-from station.reader import Chunk, GapMark, Reader
-from station.recorder import SampleStream
+from station.files.mcap_files import read_step
+from station.stream.reader import Chunk, GapMark, Reader
+from station.stream.recorder import SampleStream
 
 FASTEST = Truth(sample_period_s=0.001)
 FROZEN_S = 5.0

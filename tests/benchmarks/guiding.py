@@ -10,22 +10,22 @@ from time import perf_counter
 
 import numpy as np
 
-from drivers.simulated.bench import SimulatedBench, simulate_campaign, stand, turn_segment
+from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign, stand, turn_segment
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration import solve
-from procedures.campaign import Fixture, TurnRecord
-from procedures.count_rate import estimate_counts
-from procedures.dwell_length import dwell_seconds
-from procedures.earth import DEG_PER_HOUR, earth_rate_n
+from procedures.bench.dwell_length import dwell_seconds
+from procedures.bench.seating_check import ARCSEC, Rates, judge, seating
+from procedures.bench.turn_closing import MOST, Closing, TurnSeen, closing
+from procedures.bench.warm_up import Means, warm_up
+from procedures.calibration.calibration import solve
+from procedures.calibration.campaign import Fixture, TurnRecord
+from procedures.calibration.plan_steps import Dwell, Turn
+from procedures.counts.count_rate import estimate_counts
+from procedures.counts.sample_records import CountSeries
+from procedures.earth.gravity_and_rate import DEG_PER_HOUR, earth_rate_n
+from procedures.earth.gyrocompass import Heading, Known, find_heading
 from procedures.frames import cross_axes, face_normal, face_of, nominal_C_lb, vertical_rotation
-from procedures.gyrocompass import Heading, Known, find_heading
-from procedures.records import CountSeries
-from procedures.seating import ARCSEC, Rates, judge, seating
-from procedures.steps import Dwell, Turn
-from procedures.turn_closing import MOST, Closing, TurnSeen, closing
-from procedures.warm_up import Means, warm_up
-from station.guide.so_far import turn_seen
+from station.guide.accepted_steps import turn_seen
 
 LATITUDES = (0, 20, 31, 45, 50, 55, 60, 65, 70, 75, 80, 85, 89)
 LOOKS_S = (1.0, 2.0, 3.0, 6.0, 10.0, 20.0, 40.0, 70.0, 100.0)

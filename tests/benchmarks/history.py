@@ -11,9 +11,9 @@ import numpy as np
 from procedures.history.chart import BEFORE, control_chart, control_limit
 from procedures.history.prediction import forecast
 from procedures.history.series import Series
-from station.history.population import population_document
+from station.results.history.population import population_document
 from tests.procedures.history.worlds import WORLDS
-from tests.station.history.fleets import MODEL, fleet
+from tests.station.results.history.fleets import MODEL, fleet
 
 RUNS = (3, 4, 6, 10, 20)
 

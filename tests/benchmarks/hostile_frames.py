@@ -20,7 +20,7 @@ import numpy as np
 
 from drivers.framing import Decoder
 from drivers.wire import FORMATS, FrameKind, WireFormat
-from procedures.records import SampleBlock
+from procedures.counts.sample_records import SampleBlock
 from tests.benchmarks.damage import CONTROL_BITS, DAMAGES, HEAD, Outcome, Shape, cuts, damaged, row
 from tests.drivers.wire import blocks
 from tests.drivers.wire.blocks import bare, frames_of

@@ -24,7 +24,7 @@ from drivers.can.record import RECORD, unpack
 from drivers.can.slcan_line import SlcanLine
 from drivers.framing import Decoder
 from drivers.simulated.can_faults import text_of
-from procedures.records import CountBlock, SampleBlock
+from procedures.counts.sample_records import CountBlock, SampleBlock
 from tests.benchmarks.damage import DAMAGES, HEAD, Mutation, Outcome, Shape, cuts, row
 
 BATCH, IDS = 600, range(0x1A0, 0x1A6)

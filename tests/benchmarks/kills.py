@@ -24,19 +24,19 @@ from sqlalchemy import text
 from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import campaign
 from fixtures_db.database import open_db
-from procedures import hand_turns, twelve_position
-from procedures.campaign import Fixture
-from procedures.steps import Dwell, Step, steps_of
-from station.campaign_folder import read_campaign, read_hashes, verify_folder
+from procedures.calibration.calibration import hand_turns, twelve_position
+from procedures.calibration.campaign import Fixture
+from procedures.calibration.plan_steps import Dwell, Step, steps_of
+from station.files.campaign_folder import read_campaign, read_hashes, verify_folder
 from station.guide.checklist import Checklist
-from station.guide.desk import Desk, Facts
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
-from station.guide.unfinished import FolderLock, reopen
+from station.guide.interrupted_campaigns import FolderLock, reopen
+from station.guide.stage_context import Desk, Facts
 from station.guide.view import View
-from station.live import open_feed
-from station.recorder import CampaignRecorder, open_campaign
-from tests.station.live.bench_in_memory import SITE, Source
+from station.stream.live import open_feed
+from station.stream.recorder import CampaignRecorder, open_campaign
+from tests.station.stream.live.bench_in_memory import SITE, Source
 
 TRUTH = Truth.example(1)
 STEPS = (*steps_of(twelve_position.plan(12.0)), *steps_of(hand_turns.plan(1)))
@@ -77,8 +77,8 @@ def solved(target: Path) -> dict[str, object]:
 
     A file that a kill orphaned keeps its name, so that the step has another one.
     """
-    from procedures.calibration import solve
-    from station.solution_json import solution_document
+    from procedures.calibration.calibration import solve
+    from station.results.solution_json import solution_document
 
     loaded = read_campaign(target)
     document = dict(solution_document(solve([loaded.campaign]), [loaded]))

@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.fusion.extra import gtsam
-from procedures.fusion.records import Trajectory
+from procedures.fusion.fusion_records import Trajectory
+from procedures.fusion.optional_libraries import gtsam
 from station import cli
-from station.fusion_folder import read_tum
-from station.locate.scoring import distances
+from station.files.fusion_folder import read_tum
+from station.locate.trajectory_error import distances
 
 IMU_FILE, GNSS_FILE = "KittiEquivBiasedImu.txt", "KittiGps_converted.txt"
 STRAIGHT, MANY = 2e-3, 8  # rad/s or m/s2 of bend, and rows in a line, that no car makes

@@ -16,18 +16,18 @@ import numpy as np
 
 from drivers.camera import CameraImage
 from procedures.arrays import FloatArray
-from procedures.fusion.records import ImuNoise, ImuSeries
-from procedures.fusion.tracks import Tracks
-from procedures.geodesy import LocalLevel
-from procedures.gnss import FixType, GnssFix, TimeMark
-from station.camera.following import Seen
-from station.fusion_folder import FusionLog, read_fusion
+from procedures.earth.geodesy import LocalLevel
+from procedures.earth.gnss_records import FixType, GnssFix, TimeMark
+from procedures.fusion.fusion_records import ImuNoise, ImuSeries
+from procedures.fusion.vision.feature_tracks import Tracks
+from station.files.fusion_folder import FusionLog, read_fusion
+from station.files.mcap_files.fix_reader import Record
 from station.locate.imu_noise import NoiseOf
-from station.locate.live import LiveLocator
 from station.locate.live_camera import LiveCamera
-from station.locate.taken import Taken
-from station.mcap_files.fix_reader import Record
+from station.locate.live_inputs import Taken
+from station.locate.live_locator import LiveLocator
 from station.monitor.view import Location
+from station.stream.camera.feature_following import Seen
 from tests.benchmarks.locate import INERTIAL, OUTAGE
 from tests.benchmarks.locate_vision import seen
 
@@ -36,7 +36,7 @@ LATE_S, SEEN_LATE_S, TICK_S, WARM_UP_S = 0.1, 0.06, 0.1, 15.0
 
 
 class Tracked:
-    """A camera of which tracks are there already: `station.camera.following.Follow`."""
+    """A camera of which tracks are there already: `station.stream.camera.feature_following.Follow`."""
 
     def __init__(self, tracks: Tracks) -> None:
         self._tracks = tracks

@@ -16,21 +16,21 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from procedures.earth import DEG_PER_HOUR, earth_rate_n
+from procedures.earth.gravity_and_rate import DEG_PER_HOUR, earth_rate_n
 from procedures.frames import rotation, vertical_rotation
-from procedures.fusion.aligner import between, fixes_between
-from procedures.fusion.alignment import Aligned
-from procedures.fusion.inertial_window import InertialWindow, WindowSettings
-from procedures.fusion.moving_aligner import MovingAligner
-from procedures.fusion.printed_alignment import align_as_printed
-from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries, Trajectory
-from procedures.fusion.static_aligner import align_at_rest
-from station.fusion_folder import FusionLog, read_fusion
-from station.locate.inertial import by_imu
-from station.locate.recorded import by_odometry
+from procedures.fusion.alignment.aligner import between, fixes_between
+from procedures.fusion.alignment.alignment import Aligned
+from procedures.fusion.alignment.moving_aligner import MovingAligner
+from procedures.fusion.alignment.static_aligner import align_at_rest
+from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
+from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
+from station.files.fusion_folder import FusionLog, read_fusion
+from station.locate.imu_source import by_imu
+from station.locate.odometry_source import by_odometry
 from station.locate.result import Located
-from station.locate.scoring import errors
+from station.locate.trajectory_error import errors
 from tests.benchmarks.truth_level import levelling, righted
+from tests.procedures.fusion.alignment.printed_alignment import align_as_printed
 
 WARM_UP = 15.0  # s
 ODOMETRY = ("mh01_odometry", "mh03_inertial", "v201_inertial", "v203_inertial")
@@ -232,8 +232,8 @@ def bench(_: Path, seeds: int) -> None:
 
 def times(data: Path, _: int) -> None:
     """Figure 7: how long the inner window and the outer graph take."""
-    from procedures.fusion.odometry import RecordedOdometry
-    from procedures.fusion.outer_graph import OuterGraph
+    from procedures.fusion.outer.odometry import RecordedOdometry
+    from procedures.fusion.outer.outer_graph import OuterGraph
 
     log = drawn(read_fusion(data / "v201_inertial"), 0)
     located = by_imu(log, 1)

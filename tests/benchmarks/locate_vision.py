@@ -1,9 +1,9 @@
 """Print what a camera brings: `python -m tests.benchmarks.locate_vision DATA [PART ...] --seeds 10`.
 
 DATA holds fusion/1 folders with real IMU and truth. For every seed GNSS is drawn anew from the truth as in
-`tests.benchmarks.locate`, and a simulated camera (`drivers.simulated.camera_tracks`: 10 Hz, 120 features at 2 to
-8 m, 1 px, 2 % of the points displaced, intrinsics and place on the IMU of EuRoC's left camera) flies along it.
-Errors are without any alignment, over the poses later than the warm-up; median and worst over the seeds.
+`tests.benchmarks.locate`, and a simulated camera (`tests.drivers.simulated.camera_tracks`: 10 Hz, 120 features at
+2 to 8 m, 1 px, 2 % of the points displaced, intrinsics and place on the IMU of EuRoC's left camera) flies along
+it. Errors are without any alignment, over the poses later than the warm-up; median and worst over the seeds.
 """
 
 from collections import Counter
@@ -16,19 +16,19 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from drivers.simulated.camera_tracks import View, simulate_tracks
 from procedures.arrays import FloatArray
-from procedures.earth import earth_rate_n
-from procedures.fusion.alignment import Waiting
-from procedures.fusion.gnss_velocity import LeverArm
-from procedures.fusion.inertial_terms import Site
-from procedures.fusion.tracks import Camera
-from procedures.fusion.visual_aligner import VisualAligner
-from procedures.fusion.visual_inertial_window import VisionSettings, VisualInertialWindow
-from procedures.fusion.visual_start import VisualStart
-from station.fusion_folder import FusionLog, read_fusion
-from station.locate.vision import by_vision
+from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.fusion.alignment.alignment import Waiting
+from procedures.fusion.alignment.visual_aligner import VisualAligner
+from procedures.fusion.alignment.visual_start import VisualStart
+from procedures.fusion.imu.gnss_velocity import LeverArm
+from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
+from procedures.fusion.vision.feature_tracks import Camera
+from station.files.fusion_folder import FusionLog, read_fusion
+from station.locate.camera_source import by_vision
 from tests.benchmarks.locate import HEADS, INERTIAL, OUTAGE, drawn, main, row, said
+from tests.drivers.simulated.camera_tracks import View, simulate_tracks
 
 WRONG = 15.0  # deg of yaw beyond which an accepted alignment is a silent failure
 EVERY = 3.0  # s between the starts that are tried

@@ -11,9 +11,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
 
-from station.cluster.engine import open_engine
-from station.cluster.progress import Progress
-from station.cluster.restartable import map_restartable
+from station.results.cluster.engine import open_engine
+from station.results.cluster.progress import Progress
+from station.results.cluster.restartable import map_restartable
 
 I = TypeVar("I")  # noqa: E741
 

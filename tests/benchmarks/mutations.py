@@ -26,14 +26,14 @@ from fixtures_db.history import accept_calibration
 from fixtures_db.transfer import dump
 from fixtures_db.verification import alterations
 from station import cli
-from station.campaign_folder.manifest import read_hashes
-from station.certificate.issuing import Request, issue
-from station.fixture_files.csv_folder import write_csv
-from station.fixture_files.toml_file import to_toml
-from station.recorder.results import make_results, store
+from station.files.fixture_files.csv_folder import write_csv
+from station.files.fixture_files.toml_file import to_toml
+from station.files.sha256sums import read_hashes
+from station.results.campaign_results import make_results, store
+from station.results.certificate.issuing import Request, issue
 from tests.fixtures_db.factory import facts, fill_fixtures, solution
-from tests.station.certificate.factory import accepted, laboratory
 from tests.station.guide.stored import recorded
+from tests.station.results.certificate.factory import accepted, laboratory
 
 COLUMNS = {  # what the chains cover; of the others docs/fixtures.md says so
     "calibrations": "imu_id campaign_id accepted_utc code_version inputs document previous sha256",

@@ -17,11 +17,11 @@ import numpy as np
 from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from station.live import open_feed
-from station.live.spans import merged
-from station.live.stillness import Block
-from station.reader import Chunk, GapMark, Reader
-from station.recorder.tape import Run
+from station.stream.live import open_feed
+from station.stream.live.accepted_blocks import merged
+from station.stream.live.stillness import Block
+from station.stream.reader import Chunk, GapMark, Reader
+from station.stream.recorder.sample_buffer import Run
 
 SPEED = 20.0  # device seconds a second: 1000 frames a second
 PLUGGED_S = 10.0  # of device time between two unplugs

@@ -13,11 +13,11 @@ import time
 from pathlib import Path
 from typing import Any
 
-from drivers.simulated.bench import simulate_campaign
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from station.campaign_folder import write_campaign
-from station.cluster.engine import open_engine
-from station.cluster.restartable import map_restartable
+from station.files.campaign_folder import write_campaign
+from station.results.cluster.engine import open_engine
+from station.results.cluster.restartable import map_restartable
 from tests.benchmarks import resolve as this  # workers cannot import what was started as __main__
 
 STATION = Path(sys.executable).with_name("station")

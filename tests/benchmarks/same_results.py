@@ -19,9 +19,10 @@ from typing import Any
 
 from drivers.simulated.truth import Truth
 from station import cli
-from station.campaign_folder import read_campaign, write_campaign
-from station.diagnosis.loop import close_loop
+from station.files.campaign_folder import read_campaign, write_campaign
+from station.results.diagnosis.closed_loop import close_loop
 from tests.benchmarks.diagnosing.designs import DESIGNS, unit
+from tests.paths import DATA
 
 PLANTED: tuple[tuple[str, dict[str, dict[str, float]]], ...] = (  # design, effects; ten campaigns
     ("plain", {}),
@@ -43,7 +44,7 @@ def main() -> int:
     """Make all results, keep or compare them."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--data", type=Path, default=Path(os.environ.get("STATION_DATA", "../shared/data")))
+    parser.add_argument("--data", type=Path, default=DATA)
     parser.add_argument("--jobs", type=int, default=2)
     told = parser.parse_args()
     data, folder = told.data.resolve(), told.folder.resolve()

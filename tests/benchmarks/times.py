@@ -1,13 +1,13 @@
 """Print how long whole commands take: `python -m tests.benchmarks.times`."""
 
-import os
 import subprocess
 import sys
 import time
 from pathlib import Path
 
+from tests.paths import DATA
+
 STATION = Path(sys.executable).with_name("station")
-DATA = Path(os.environ.get("STATION_DATA", "../shared/data"))
 REPEATS = 5
 
 

@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivers.simulated.bench import simulate_campaign
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import paper_truth
-from procedures.calibration import solve
+from procedures.calibration.calibration import solve
 from procedures.tolerance.draw import draw, draw_tilts
 from procedures.tolerance.estimators import NAMES, Unit, errors
 from procedures.tolerance.items import ITEMS, angles

@@ -16,8 +16,8 @@ from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
-from procedures.fusion.feature_follower import FeatureFollower, Lens
-from procedures.fusion.tracks import Camera, Tracks
+from procedures.fusion.vision.feature_tracker import FeatureFollower, Lens
+from procedures.fusion.vision.feature_tracks import Camera, Tracks
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor import driving, sighted
 

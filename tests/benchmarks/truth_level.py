@@ -19,8 +19,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from procedures.arrays import FloatArray
 from procedures.frames import rotation
-from procedures.fusion.records import ImuSeries, Trajectory
-from station.fusion_folder import read_fusion
+from procedures.fusion.fusion_records import ImuSeries, Trajectory
+from station.files.fusion_folder import read_fusion
 
 SECOND = 1.0
 EDGE = 1.0  # s at either end, where a spline's velocity is poor

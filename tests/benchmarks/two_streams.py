@@ -17,12 +17,13 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.formats import wire_of
-from station.gnss import open_gnss
-from station.gnss.summary import summary
-from station.live import LiveFeed
-from station.reader import Reader
-from station.recorder import Piece, SampleStream, recording
+from drivers.url_wire_format import wire_of
+from station.stream.gnss import open_gnss
+from station.stream.gnss.summary import summary
+from station.stream.live import LiveFeed
+from station.stream.reader import Reader
+from station.stream.recorder import Piece, SampleStream
+from station.stream.recorder import plain_recording as recording
 from tests.benchmarks.can_rate import cpu_s
 
 PERIOD_S, GNSS_HZ = 0.0005, 10

@@ -19,6 +19,7 @@ from fixtures_db.history import accept_calibration, history
 from fixtures_db.slabs import add_level, add_slab, slab_row
 from fixtures_db.verification import alterations
 from tests.fixtures_db.factory import NOON, facts, solution
+from tests.paths import ROOT
 from tests.with_postgres import URL
 
 WRITERS = ("A", "B")
@@ -40,7 +41,7 @@ def both(url: str, transactions: int) -> tuple[int, list[ChainFault]]:
         for name in WRITERS:
             add_slab(session, name)
     command = [sys.executable, "-m", "tests.benchmarks.two_writers", "--transactions", str(transactions)]
-    root = Path(__file__).parents[2]
+    root = ROOT
     writers = [subprocess.Popen([*command, "--write", url, name], cwd=root) for name in WRITERS]
     codes = [writer.wait() for writer in writers]
     if any(codes):

@@ -8,7 +8,7 @@ import pytest
 
 from drivers.bare_address import Role, whole_url
 from drivers.device_url import parse_device_url
-from drivers.url_files import anchored
+from drivers.url_paths import anchored
 
 
 @pytest.mark.parametrize(

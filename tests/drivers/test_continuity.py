@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivers.continuity import CounterWatch, TimeWatch, onward, unwrap
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 
 
 def block(counter: list[int] | None = None, time: list[float] | None = None) -> CountBlock:

@@ -2,11 +2,9 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 from drivers.wire import FORMATS
-
-ROOT = Path(__file__).parents[2]
+from tests.paths import ROOT
 
 
 def test_damaged_frames_neither_crash_a_decoder_nor_become_data() -> None:

@@ -13,7 +13,7 @@ from drivers.ports import open_port
 from drivers.simulated.lines import PtyLine
 from drivers.triad_port import TriadJoiner
 from drivers.wire import FORMATS, triad
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 
 AXIS, WIRE = FORMATS["ch70"], FORMATS["triad"]
 PERIOD = 0.0025

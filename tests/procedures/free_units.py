@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.campaign import RestRecord, SequenceRecord
+from procedures.calibration.campaign import RestRecord, SequenceRecord
+from procedures.calibration.observations import TriadRests
+from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.frames import rotation
-from procedures.observations import TriadRests
-from procedures.records import CountSeries, RateSeries
 
 NO_SERIES = CountSeries(np.zeros(0), None, None, np.zeros(0), 0.02)
 EARTH_DEG_S = 15.041067 / 3600

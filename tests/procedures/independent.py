@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.campaign import Campaign, DwellRecord, Fixture, ProcedureSigma, Site, TurnRecord
-from procedures.count_rate import RateEstimate
-from procedures.earth import STANDARD_GRAVITY
-from procedures.observations import TriadDwells
-from procedures.records import CountSeries
+from procedures.calibration.campaign import Campaign, DwellRecord, Fixture, ProcedureSigma, Site, TurnRecord
+from procedures.calibration.observations import TriadDwells
+from procedures.counts.count_rate import RateEstimate
+from procedures.counts.sample_records import CountSeries
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 
 TABLE_1 = "UEN UWS DNE DSW SUW NUE WDS EDN NWU SEU ESD WND".split()  # P1, translated letter by letter
 COMPASS = {"E": [1, 0, 0], "N": [0, 1, 0], "U": [0, 0, 1], "W": [-1, 0, 0], "S": [0, -1, 0], "D": [0, 0, -1]}

@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration import Fits
-from procedures.earth import earth_rate_n
-from procedures.least_squares import minimise
-from procedures.triad import reference_axes, scale_misalignment_bias
-from procedures.twelve_position import JointFit, mountings, specific_force
+from procedures.calibration.calibration import Fits
+from procedures.calibration.triad_calibration import reference_axes, scale_misalignment_bias
+from procedures.calibration.twelve_position import JointFit, mountings, specific_force
+from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.statistics.least_squares import minimise
 
 Residual = Callable[[FloatArray], FloatArray]
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.campaign import Campaign, DwellRecord, Fixture, RestRecord
+from procedures.calibration.campaign import Campaign, DwellRecord, Fixture, RestRecord
+from procedures.counts.sample_records import RateSeries
 from procedures.frames import rotation
-from procedures.records import RateSeries
 from tests.procedures.free_units import Unit, unit, ups
 from tests.procedures.independent import campaign, specific_force
 

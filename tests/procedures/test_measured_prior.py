@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.bench_model import mean_axes
-from procedures.calibration import fit, report
-from procedures.campaign import Campaign, Fixture, MeasuredCube
-from procedures.fixture_measurement import measure_cube
-from procedures.free_positions import solve_with_rests
-from procedures.measured_cube import NAMES, from_tilts
-from procedures.observations import dwell_rates
-from procedures.twelve_position import JointFit
+from procedures.bench.cube_measurement import measure_cube
+from procedures.bench.measured_cube import NAMES, from_tilts
+from procedures.calibration.bench_parameters import mean_axes
+from procedures.calibration.calibration import fit, report
+from procedures.calibration.campaign import Campaign, Fixture, MeasuredCube
+from procedures.calibration.observations import dwell_rates
+from procedures.calibration.twelve_position import JointFit
+from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests
 from tests.procedures.measured_units import calibrated, campaigns, some_unit, values
 
 ALL = ("as drawn", "about z", "about x")

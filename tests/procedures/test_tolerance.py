@@ -7,15 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.simulated.bench import SimulatedBench
+from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth, paper_truth
 from procedures.arrays import FloatArray
+from procedures.calibration.plan_steps import Dwell
+from procedures.calibration.triad_calibration import triad_vector
+from procedures.calibration.twelve_position import closed_form, solve_accelerometer
 from procedures.frames import C_bn, face_of
-from procedures.steps import Dwell
 from procedures.tolerance.estimators import Unit, errors, up_vectors
 from procedures.tolerance.items import ITEMS, STACK, angles, p1_tilts
-from procedures.triad import triad_vector
-from procedures.twelve_position import closed_form, solve_accelerometer
 from tests.procedures.independent import TABLE_4_D, TABLE_4_E, THETA, campaign, dwells, table_3
 
 P1_ITEMS = angles(dict.fromkeys(ITEMS, 0.04), 400.0)

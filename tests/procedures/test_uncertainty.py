@@ -6,19 +6,19 @@ from functools import cache
 import numpy as np
 import pytest
 
-from drivers.simulated.bench import simulate_campaign
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.calibration import Fits, fit, report
-from procedures.campaign import Campaign, RestRecord
-from procedures.diagnosis.diagnosis import diagnose
-from procedures.earth import DEG_PER_HOUR
+from procedures.calibration.calibration import Fits, fit, report
+from procedures.calibration.campaign import Campaign, RestRecord
+from procedures.counts.sample_records import RateSeries
+from procedures.diagnosis.diagnose import diagnose
+from procedures.earth.gravity_and_rate import DEG_PER_HOUR
 from procedures.frames import AXES
-from procedures.records import RateSeries
 from procedures.uncertainty import sources as named
 from procedures.uncertainty.budget import ParameterBudget, budget, combined
-from procedures.uncertainty.inputs import EXACT, Inputs
+from procedures.uncertainty.given_values import EXACT, Inputs
 from procedures.uncertainty.sources import ORDER, Cell
-from tests.procedures.test_moves import campaign_of
+from tests.procedures.rests_and_moves.test_gyroscopes_from_moves import campaign_of
 
 SHORT = 10.0  # s a dwell
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.calibration import Fits, fit
-from procedures.triad import DPH, triad_vector
+from procedures.calibration.calibration import Fits, fit
+from procedures.calibration.triad_calibration import DPH, triad_vector
 from tests.benchmarks.budget import compare, trial
 from tests.procedures.linear_chain import accelerometer_residual, drawn, gyroscope_residual
 from tests.procedures.test_uncertainty import simulated

@@ -1,22 +1,22 @@
 """Folders with free dwells, faces without heading and sequences, and what others' tools found on the same data."""
 
 import json
-import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from procedures.calibration import Fits, fit
-from procedures.earth import STANDARD_GRAVITY
-from procedures.residuals import norm_residuals
+from procedures.calibration.calibration import Fits, fit
+from procedures.calibration.residuals import norm_residuals
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from station import cli
-from station.campaign_folder import read_campaign, write_campaign
+from station.files.campaign_folder import read_campaign, write_campaign
+from tests.paths import DATA
 
 
 @pytest.fixture(scope="module")
 def data() -> Path:
-    path = Path(os.environ.get("STATION_DATA", Path(__file__).parents[2] / "../shared/data")).resolve()
+    path = DATA
     if not (path / "measured/xsens_mti").is_dir():
         pytest.skip(f"no shared data at {path}: set STATION_DATA")
     return path

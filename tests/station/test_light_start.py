@@ -7,15 +7,15 @@ import pytest
 
 from station.commands import COMMANDS
 
-NUMERICS = ("numpy", "scipy", "numba", "matplotlib", "procedures.steps")
+NUMERICS = ("numpy", "scipy", "numba", "matplotlib", "procedures.calibration.plan_steps")
 HEAVY = (*NUMERICS, "mcap", "google.protobuf", "alembic", "jinja2")
 NOT_OF_A_SCREEN = (*HEAVY, "sqlalchemy", "serial", "fixtures_db")
 FORM = """
 import sys, pathlib, station.cli
 from station.commands.calibrate import calibrate
 from station.commands._guided import set_up, campaigns_root
-from station.guide.remembered import load_setup
-from station.guide.process import EngineOptions, engine_process
+from station.guide.last_setup import load_setup
+from station.guide.start_engine import EngineOptions, engine_process
 from station.guide.client import Connection
 from station.tui.app import StationApp
 from station.tui.screens import SCREEN_FOR
@@ -27,7 +27,7 @@ ENGINE = """
 import sys, pathlib
 from station.guide import serving
 from station.guide.engine import Engine
-from station.guide.process import EngineOptions
+from station.guide.start_engine import EngineOptions
 from fixtures_db.database import open_db
 with open_db(sys.argv[1]) as database:
     engine = Engine(database, EngineOptions(root=pathlib.Path(".")).engine(), print)

@@ -1,19 +1,19 @@
 """``station solve`` from folder to file: its exit codes, and the same answer from CSV and MCAP."""
 
 import json
-import os
 import shutil
 from pathlib import Path
 
 import pytest
 
 from station import cli
-from station.campaign_folder import read_campaign, write_campaign
+from station.files.campaign_folder import read_campaign, write_campaign
+from tests.paths import DATA
 
 
 @pytest.fixture
 def clean(tmp_path: Path) -> Path:
-    data = Path(os.environ.get("STATION_DATA", Path(__file__).parents[2] / "../shared/data")).resolve()
+    data = DATA
     if not (data / "campaigns/clean").is_dir():
         pytest.skip(f"no shared data at {data}: set STATION_DATA")
     return Path(shutil.copytree(data / "campaigns/clean", tmp_path / "clean"))

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from station import cli
-from station.campaign_folder import append_hash, read_hashes
 from station.errors import CannotWrite
+from station.files.campaign_folder import append_hash, read_hashes
 
 
 @pytest.fixture

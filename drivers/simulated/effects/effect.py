@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from drivers.simulated.bench_truth import World
 from drivers.simulated.truth import Sizes
-from drivers.simulated.world import World
 from procedures.arrays import FloatArray
 
 AXES = "xyz"

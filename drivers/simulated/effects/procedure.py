@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from drivers.simulated.bench_truth import World
 from drivers.simulated.effects.effect import VECTOR_KEYS, Effect, Felt, Stimulus, vector
 from drivers.simulated.truth import Sizes
-from drivers.simulated.world import World
 from procedures.arrays import FloatArray
 
 AUXILIARY_PERIOD_S = 600.0

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.log import AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog
 from procedures.frames import AXES
 
 SMOOTH_S = 0.2  # of what is differentiated

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.attitude.log import GAP
+from procedures.attitude.attitude_log import GAP
 from procedures.attitude.tracing.effects import ATTITUDE_EFFECTS, AttitudeEffect, Motion
 from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.evidence import KINDS, TRIADS, Evidence
-from procedures.diagnosis.model import Term
+from procedures.diagnosis.linear_model import Term
+from procedures.diagnosis.residual_rows import KINDS, TRIADS, Evidence
 from procedures.effects.effect import Columns, Effect, Seen, SeenStep
 from procedures.frames import rotation
 

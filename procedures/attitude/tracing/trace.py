@@ -1,8 +1,9 @@
 """Trace an attitude log's residual to what the model lacks, add it, and compare on rows that were not used.
 
 The first part of the rows is what effects are found in, one at a time, by the calibration's own rules
-(`procedures.diagnosis.selection`): Holm over all that were tried, better foretold stretches, plausible sizes,
-repeated by stretches left out in turn. The rest, which had no say, is where the mixer runs on the corrected log.
+(`procedures.diagnosis.effect_selection`): Holm over all that were tried, better foretold stretches, plausible
+sizes, repeated by stretches left out in turn. The rest, which had no say, is where the mixer runs on the corrected
+log.
 """
 
 from collections.abc import Sequence
@@ -12,18 +13,27 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.attitude.attitude import Track, estimate
-from procedures.attitude.frd import inclination
-from procedures.attitude.gains import Gains
-from procedures.attitude.log import AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.forward_right_down import inclination
+from procedures.attitude.mixer_gains import Gains
 from procedures.attitude.tracing.effects import ATTITUDE_EFFECTS, AttitudeEffect, Motion
 from procedures.attitude.tracing.evidence import NAMED, Windows, carried, evidence_of, stretches, windows
-from procedures.diagnosis.aliases import takes_its_place
 from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.evidence import Evidence
-from procedures.diagnosis.model import significance
-from procedures.diagnosis.repeats import std_of_repeats
+from procedures.diagnosis.effect_selection import (
+    CLAIMED,
+    GAIN,
+    MOST,
+    Adopted,
+    Tried,
+    gain_of,
+    next_effect,
+    try_all,
+)
+from procedures.diagnosis.equivalent_effects import takes_its_place
+from procedures.diagnosis.linear_model import significance
+from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Confidence, Errors, Finding, Test, Verdict
-from procedures.diagnosis.selection import CLAIMED, GAIN, MOST, Adopted, Tried, gain_of, next_effect, try_all
+from procedures.diagnosis.sweep_repeatability import std_of_repeats
 from procedures.errors import NotObservable
 
 USED = 0.6  # of the rows, in time; the rest judges

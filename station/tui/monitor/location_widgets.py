@@ -5,7 +5,7 @@ from textwrap import wrap
 from textual.content import Content
 
 from station.monitor.view import LATE_S, Location, View
-from station.plural import plural
+from station.text.plural import plural
 from station.tui.monitor.map_picture import map_picture
 from station.tui.widgets.drawn import Drawn
 

@@ -8,7 +8,7 @@ from textual.content import Content
 
 from station.monitor.view import Location
 from station.tui.canvas import Canvas
-from station.tui.monitor.strip import DOTS, EMPTY
+from station.tui.monitor.line_chart import DOTS, EMPTY
 
 LEAST = 20.0  # m that a map shows at least
 STEPS = (1, 2, 5, 10)

@@ -5,7 +5,7 @@ from textual.content import Content
 from station.monitor.view import Bought, InUse, Mode, Point, Stream, View
 from station.tui.canvas import Canvas
 from station.tui.monitor.horizon_picture import horizon_picture
-from station.tui.monitor.strip import EMPTY, limits, strip
+from station.tui.monitor.line_chart import EMPTY, limits, strip
 from station.tui.widgets.drawn import Drawn
 
 SPAN = 600  # points in a chart: a minute

@@ -8,7 +8,7 @@ from textual.containers import Horizontal, Vertical
 from textual.widgets import ContentSwitcher
 
 from station.guide.command import Command
-from station.guide.enough import lacking
+from station.guide.enough_to_solve import lacking
 from station.guide.view import Stage, View
 from station.tui.orientation import is_counter_clockwise
 from station.tui.screens.framed import FramedScreen

@@ -9,10 +9,10 @@ from textual.widgets import Button, OptionList, Static
 
 from station.guide.command import Command, Verb
 from station.guide.view import Setup, Start, View
-from station.tui.entries import seconds_needed
+from station.tui.durations_in_words import duration
 from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.stage import StageScreen
-from station.tui.spoken import duration
+from station.tui.setup_entries import seconds_needed
 from station.tui.widgets.ready_lines import ReadyLines
 from station.tui.widgets.setup_form import SetupForm
 from station.tui.widgets.unfinished_list import UnfinishedList

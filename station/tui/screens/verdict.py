@@ -17,7 +17,7 @@ from station.tui.widgets.fact import Fact
 from station.tui.widgets.number_table import NumberTable
 from station.tui.widgets.verdict_sentence import VerdictSentence
 
-REPORT = "report"  # where a page finds it: `station.web.guard.Guard.report`
+REPORT = "report"  # where a page finds it: `station.tui.web.guard.Guard.report`
 
 
 class VerdictScreen(StageScreen):

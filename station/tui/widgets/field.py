@@ -4,7 +4,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.widgets import Input, Label
 
-from station.tui.entries import Entry
+from station.tui.setup_entries import Entry
 
 
 class Field(Horizontal):

@@ -6,7 +6,7 @@ from textual.content import Content
 
 from station.guide.view import Gates
 from station.tui.bars import bar
-from station.tui.spoken import against
+from station.tui.durations_in_words import against
 from station.tui.widgets.drawn import Drawn
 
 NEARER = 45.0  # deg, beyond which another face is the one that is up

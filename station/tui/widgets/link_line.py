@@ -3,7 +3,7 @@
 from textual.content import Content
 
 from station.guide.view import Link
-from station.plural import plural
+from station.text.plural import plural
 from station.tui.widgets.drawn import Drawn
 
 NO_DATA = "NO DATA"

@@ -3,7 +3,7 @@
 from textual.content import Content
 
 from station.guide.view import View
-from station.tui.spoken import duration
+from station.tui.durations_in_words import duration
 from station.tui.widgets.drawn import Drawn
 
 

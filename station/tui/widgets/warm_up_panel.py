@@ -5,7 +5,7 @@ from textual.content import Content
 from station.guide.view import WarmUp
 from station.guide.wording import rounded
 from station.tui.bars import bar
-from station.tui.spoken import duration
+from station.tui.durations_in_words import duration
 from station.tui.widgets.drawn import Drawn
 
 

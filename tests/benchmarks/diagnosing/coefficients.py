@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from drivers.simulated.bench import WAIT_S
+from drivers.simulated.bench_in_memory import WAIT_S
 from drivers.simulated.truth import Truth
 from procedures.diagnosis.result import Finding
 from procedures.frames import AXES, FACES, cross_axes

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drivers.simulated.bench import simulate_campaign, turn_steps
+from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
 from drivers.simulated.effects import Planted
 from drivers.simulated.effects.procedure import auxiliary
 from drivers.simulated.truth import Truth
-from procedures.campaign import Campaign
+from procedures.calibration.campaign import Campaign
+from procedures.calibration.plan_steps import Turn
 from procedures.frames import TURN_START, rotation
-from procedures.steps import Turn
 from tests.procedures.diagnosis.planted import with_reference_time
 
 PERIOD = 0.1  # s: ten times fewer samples than a FOG's 100 Hz, the same noise a second

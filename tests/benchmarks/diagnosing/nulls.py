@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drivers.simulated.truth import Truth
-from procedures.diagnosis.diagnosis import diagnose
+from procedures.diagnosis.diagnose import diagnose
 from procedures.frames import FACES, cross_axes, face_of
 from tests.benchmarks.diagnosing.designs import DESIGNS, unit
 from tests.benchmarks.diagnosing.trials import Outcome, accused, of_bench, untrue

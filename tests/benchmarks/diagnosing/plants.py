@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.simulated.bench import WAIT_S
+from drivers.simulated.bench_in_memory import WAIT_S
 from procedures.frames import cross_axes, face_of
 from tests.benchmarks.diagnosing.sigmas import Sigmas
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.calibration import fit
+from procedures.calibration.calibration import fit
 from procedures.diagnosis.candidates import Candidate, candidates
-from procedures.diagnosis.evidence import Evidence, evidence_of
-from procedures.diagnosis.model import Term
+from procedures.diagnosis.linear_model import Term
+from procedures.diagnosis.residual_rows import Evidence, evidence_of
 from procedures.effects import EFFECTS
 from tests.benchmarks.diagnosing.designs import DESIGNS, clock_sigma, unit
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivers.simulated.truth import Truth
-from procedures.diagnosis.diagnosis import diagnose
+from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
 from tests.benchmarks.diagnosing.coefficients import error_of
 from tests.benchmarks.diagnosing.designs import CERTIFIED, DESIGNS, unit

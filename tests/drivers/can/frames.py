@@ -1,17 +1,14 @@
 """Samples and their CAN frames, for the tests of this folder."""
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from drivers.can.format import can_format
 from drivers.can.record import RECORD
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
+from tests.paths import DATA
 
 WIRE = can_format()
-DATA = Path(os.environ.get("STATION_DATA", Path(__file__).parents[3] / "../shared/data"))
 DBC = DATA / "captures/dbc"
 needs_captures = pytest.mark.skipif(not DBC.is_dir(), reason=f"no captures at {DBC}; set STATION_DATA")
 PERIOD = 0.002

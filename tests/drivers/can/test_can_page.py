@@ -10,8 +10,8 @@ from drivers.can.database import load_dbc
 from drivers.can.format import OWN_DBC, can_format
 from drivers.can.mapping import KEYS
 from tests.drivers.can.frames import DBC, needs_captures
+from tests.paths import ROOT
 
-ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs/can.md").read_text(encoding="utf-8")
 
 

@@ -13,7 +13,6 @@ import pytest
 from drivers.can import record
 from drivers.can.can_port import CanPort
 from drivers.errors import BadDeviceUrl, LinkLost, PortBusy, PortNotFound
-from drivers.formats import wire_of
 from drivers.framing import Decoder
 from drivers.ports import Port, open_port, parse_device_url
 from drivers.simulated.can_lines import SlcanAdapter
@@ -21,7 +20,8 @@ from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.server import CAN_TRANSPORTS, SimulatedDevice
 from drivers.simulated.truth import Truth
-from procedures.records import CountBlock
+from drivers.url_wire_format import wire_of
+from procedures.counts.sample_records import CountBlock
 from tests.drivers.can.frames import WIRE, frames_of, samples
 
 FAST = Truth(sample_period_s=0.002)

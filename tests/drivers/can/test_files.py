@@ -15,7 +15,7 @@ from drivers.can.layout import words_of
 from drivers.errors import BadCanFile
 from drivers.framing import Decoder
 from drivers.wire import WireFormat
-from procedures.records import RateBlock
+from procedures.counts.sample_records import RateBlock
 from station import cli
 from tests.drivers.can.frames import DBC, needs_captures, samples
 

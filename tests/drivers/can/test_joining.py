@@ -9,7 +9,7 @@ from hypothesis import given, settings
 
 from drivers.can import record
 from drivers.framing import Decoder
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 from tests.drivers.can.frames import RECORD_BYTES, WIRE, frames_of, samples
 
 N = 60

@@ -1,9 +1,7 @@
 """A real vehicle's log (ArduSub, MAVLink 2) decodes to what pymavlink made of it."""
 
 import csv
-import os
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,10 +9,10 @@ import pytest
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.framing import MavlinkFramer
 from drivers.mavlink.messages import GPS_RAW_INT, NAMES, fields
-from procedures.gnss import FixType, GnssFix, averaged_site
+from procedures.earth.gnss_records import FixType, GnssFix, averaged_site
+from tests.paths import DATA
 
-ROOT = Path(__file__).parents[3]
-FOLDER = Path(os.environ.get("STATION_DATA", ROOT / "../shared/data")) / "captures/mavlink"
+FOLDER = DATA / "captures/mavlink"
 LOG = FOLDER / "ardusub_small.tlog"
 pytestmark = pytest.mark.skipif(not LOG.exists(), reason=f"no captures at {FOLDER}; set STATION_DATA")
 

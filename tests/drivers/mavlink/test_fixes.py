@@ -7,7 +7,7 @@ import pytest
 from pymavlink.dialects.v20 import all as dialect
 
 from drivers.mavlink.decoder import MavlinkDecoder
-from procedures.gnss import GnssFix
+from procedures.earth.gnss_records import GnssFix
 
 Message = Callable[[dialect.MAVLink], dialect.MAVLink_message]
 

@@ -14,7 +14,7 @@ import pytest
 
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.ports import Port, open_port
-from procedures.gnss import FixType, GnssFix, TimeMark
+from procedures.earth.gnss_records import FixType, GnssFix, TimeMark
 
 MAVPROXY = shutil.which("mavproxy.py") or shutil.which("mavproxy.py", path=str(Path(sys.executable).parent))
 SENDER = Path(__file__).with_name("mavsdk_sender.py")

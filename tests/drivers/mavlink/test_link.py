@@ -16,9 +16,9 @@ from drivers.ports import open_port, parse_device_url
 from drivers.simulated.autopilot_truth import EPOCH_UTC, AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.gnss_server import SimulatedGnss
-from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
-from procedures.gnss import AirData, Ambient, GnssFix, TimeMark, averaged_site
+from drivers.simulated.vehicle_track import Track
+from procedures.earth.gnss_records import AirData, Ambient, GnssFix, TimeMark, averaged_site
 
 KEY = bytes(range(100, 132))
 TRUTH = Truth(latitude_deg=-33.5, longitude_deg=179.99999, height_m=120.0)

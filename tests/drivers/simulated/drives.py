@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from drivers.simulated.track import Track
+from drivers.simulated.vehicle_track import Track
 
 SETTING_OFF = 4.0  # s
 

@@ -5,18 +5,18 @@ import tomllib
 import numpy as np
 import pytest
 
-from drivers.simulated.bench import stand
+from drivers.simulated.bench_in_memory import stand
 from drivers.simulated.camera_faults import CameraFault
 from drivers.simulated.camera_images import CameraImages
+from drivers.simulated.camera_mount import Mounted
 from drivers.simulated.camera_room import Room
 from drivers.simulated.camera_truth import CameraTruth, camera_toml
-from drivers.simulated.drive import drive
 from drivers.simulated.errors import TruthRefused
 from drivers.simulated.imu import LYING
-from drivers.simulated.mounted import Mounted
 from drivers.simulated.truth import Truth
+from drivers.simulated.vehicle_motion import drive
 from procedures.frames import rotation
-from procedures.fusion.feature_follower import FeatureFollower, FollowerSettings, Lens
+from procedures.fusion.vision.feature_tracker import FeatureFollower, FollowerSettings, Lens
 from tests.drivers.simulated.drives import bends
 
 cv2 = pytest.importorskip("cv2", reason="opencv is not installed")

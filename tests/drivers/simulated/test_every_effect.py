@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from drivers.simulated.bench import SimulatedBench
+from drivers.simulated.bench_in_memory import SimulatedBench
+from drivers.simulated.cube_motion import Segment, rest
 from drivers.simulated.effects import EFFECTS
-from drivers.simulated.motion import Segment, rest
 from drivers.simulated.truth import truth_from
 from procedures.arrays import FloatArray
-from procedures.earth import STANDARD_GRAVITY
+from procedures.calibration.plan_steps import Dwell, Turn
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import POSITIONS
-from procedures.steps import Dwell, Turn
 
 UNIT = {
     "accel_e": [[1, 2e-3, 0], [0, 1, -1e-3], [3e-3, 0, 1]],

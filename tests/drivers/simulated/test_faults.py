@@ -7,7 +7,7 @@ from drivers.simulated.faults import KINDS, Fault, FaultyLine, Silence, faults_f
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 
 WIRE = FORMATS["counts"]
 

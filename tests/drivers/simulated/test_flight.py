@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from drivers.simulated.flight import LEVEL_S, PERIOD_S, paper_flight, sensor_errors
 from procedures.arrays import FloatArray
-from procedures.earth import DEG_PER_HOUR, STANDARD_GRAVITY
+from procedures.earth.gravity_and_rate import DEG_PER_HOUR, STANDARD_GRAVITY
 from procedures.frames import rotation
+from tests.drivers.simulated.flight import LEVEL_S, PERIOD_S, paper_flight, sensor_errors
 
 
 def strapdown(C: FloatArray, rate: FloatArray, force: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivers.simulated.cube_motion import flip, rest
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.motion import flip, rest
 from drivers.simulated.sensor import Sensor
 from drivers.simulated.truth import Truth
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 
 TRUTH = replace(
     Truth.example(1),

@@ -1,15 +1,15 @@
 """The page on simulated devices says what the code does."""
 
 import re
-from pathlib import Path
 
-from drivers.simulated.bench import SimulatedBench
+from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.camera_faults import KINDS as CAMERA_KINDS
 from drivers.simulated.effects import EFFECTS
 from drivers.simulated.faults import CAN_KINDS, KINDS, load_faults
 from drivers.simulated.truth import load_truth
+from tests.paths import ROOT
 
-PAGE = (Path(__file__).parents[3] / "docs/simulated-devices.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/simulated-devices.md").read_text(encoding="utf-8")
 
 
 def test_the_example_file_is_a_truth_and_faults() -> None:

@@ -4,16 +4,15 @@ import re
 import subprocess
 import sys
 import tomllib
-from pathlib import Path
 
 import pytest
 
 from drivers.simulated import pytest_plugin
 from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
+from tests.paths import ROOT
 
 pytest_plugins = ["pytester"]
-ROOT = Path(__file__).parents[3]
 THREE_LINES, WHOLE_FILE = re.findall(
     r"```python\n(.*?)```", (ROOT / "docs/testing.md").read_text(encoding="utf-8"), re.DOTALL
 )

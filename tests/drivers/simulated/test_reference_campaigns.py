@@ -1,25 +1,24 @@
 """The campaigns of `shared/data`, made by another generator of the same physics, through this model."""
 
 import json
-import os
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from drivers.simulated.bench import SimulatedBench
-from drivers.simulated.motion import rest
+from drivers.simulated.bench_in_memory import SimulatedBench
+from drivers.simulated.cube_motion import rest
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.steps import Dwell
+from procedures.calibration.plan_steps import Dwell
+from tests.paths import DATA
 
-DATA = Path(os.environ.get("STATION_DATA", Path(__file__).parents[4] / "shared/data")) / "campaigns"
+CAMPAIGNS = DATA / "campaigns"
 NAMES = (
     "clean", "bench_only", "bias_temperature", "g_sensitivity",
     "one_seating_off", "quadratic_certified", "quadratic_free", "quadratic_uncertified",
 )  # fmt: skip
-pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason=f"STATION_DATA: no reference campaigns in {DATA}")
+pytestmark = pytest.mark.skipif(not CAMPAIGNS.is_dir(), reason=f"STATION_DATA: no reference campaigns in {CAMPAIGNS}")
 
 
 def effects_of(planted: dict) -> dict[str, dict[str, float]]:
@@ -41,7 +40,7 @@ def effects_of(planted: dict) -> dict[str, dict[str, float]]:
 
 
 def truth_of(name: str) -> Truth:
-    told = json.loads((DATA / name / "truth.json").read_text())["truth"]
+    told = json.loads((CAMPAIGNS / name / "truth.json").read_text())["truth"]
     return Truth(
         sample_period_s=told["dt"], latitude_deg=told["lat"], gravity_m_s2=told["g"],
         accel_k=np.array(told["ka"]), accel_e=np.array(told["Ea"]), accel_d_g=np.array(told["Da"]),
@@ -58,7 +57,7 @@ def truth_of(name: str) -> Truth:
 
 
 def recorded(name: str, position: int) -> FloatArray:
-    (path,) = (DATA / name).glob(f"dwell_*_position_{position:02d}.csv")
+    (path,) = (CAMPAIGNS / name).glob(f"dwell_*_position_{position:02d}.csv")
     return np.loadtxt(path, delimiter=",", skiprows=1)
 
 

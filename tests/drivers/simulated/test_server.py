@@ -16,7 +16,7 @@ from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
-from procedures.records import SampleBlock
+from procedures.counts.sample_records import SampleBlock
 from tests.drivers.wire.blocks import CHANNELS
 
 TRUTH = Truth.example(1)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from drivers.simulated.bench import stand
+from drivers.simulated.bench_in_memory import stand
 from drivers.simulated.effects import planted
 from drivers.simulated.errors import TruthRefused, UnknownEffect
 from drivers.simulated.truth import Truth, load_truth, truth_from

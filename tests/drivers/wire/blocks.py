@@ -8,7 +8,7 @@ import pytest
 
 from drivers.framing import Decoder
 from drivers.wire import FORMATS, WireFormat
-from procedures.records import CountBlock, RateBlock, SampleBlock, block_rows
+from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock, block_rows
 
 PERIOD = 0.005
 CHANNELS = {"gyro": ("gx", "gy", "gz"), "accel": ("ax", "ay", "az")}

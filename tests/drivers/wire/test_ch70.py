@@ -8,7 +8,7 @@ import pytest
 
 from drivers.framing import Decoder, sniff
 from drivers.wire import FORMATS, ch70
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 from tests.drivers.wire.blocks import a_block
 from tests.drivers.wire.captures import CAPTURES, needs_captures
 

@@ -2,15 +2,15 @@
 
 import re
 import zlib
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from drivers.wire import Identity, counts
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
+from tests.paths import ROOT
 
-PAGE = (Path(__file__).parents[3] / "docs/wire-format-counts.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/wire-format-counts.md").read_text(encoding="utf-8")
 EXAMPLES = [bytes.fromhex(line) for line in re.findall(r"^EB 90[ 0-9A-F]+$", PAGE, re.MULTILINE)]
 TYPES = {"u8": "u1", "u16": "<u2", "u32": "<u4", "u64": "<u8", "i16": "<i2", "i32": "<i4"}
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivers.wire import FORMATS, Identity, WireFormat
-from procedures.records import CountBlock, RateBlock, SampleBlock
+from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock
 from tests.drivers.wire.blocks import assert_equal, bare, decoded, each_format, frames_of, of_format, row_of
 
 every_format = each_format()

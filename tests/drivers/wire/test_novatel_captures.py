@@ -8,7 +8,7 @@ import pytest
 
 from drivers.framing import Decoder, sniff
 from drivers.wire import FORMATS, WireFormat, novatel, rawimus, rawimusx
-from procedures.records import CountBlock
+from procedures.counts.sample_records import CountBlock
 from tests.drivers.wire.captures import CAPTURES, needs_captures
 
 RAWIMU = CAPTURES / "novatel_rawimu"

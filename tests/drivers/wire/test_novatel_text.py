@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from drivers.framing import MANY, Decoder
 from drivers.wire import FORMATS, WireFormat, novatel
-from procedures.records import BLOCK_FIELDS, joined_blocks
+from procedures.counts.sample_records import BLOCK_FIELDS, joined_blocks
 from tests.benchmarks.damage import DAMAGES, Shape, damaged
 from tests.drivers.wire.blocks import a_block, each_format, frames_of
 

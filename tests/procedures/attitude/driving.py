@@ -3,8 +3,8 @@
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.frd import roll_pitch_of
-from procedures.attitude.log import AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.forward_right_down import roll_pitch_of
 from procedures.frames import rotation
 
 G = 9.80665

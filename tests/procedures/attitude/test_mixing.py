@@ -3,11 +3,11 @@ import pytest
 from scipy.signal import lsim
 
 from procedures.arrays import FloatArray
-from procedures.attitude import mixing_kernels
-from procedures.attitude.frd import down_of, inclination, roll_pitch_of
-from procedures.attitude.gains import PAPER, Gains
-from procedures.attitude.log import AttitudeLog
+from procedures.attitude import mixer_kernels as mixing_kernels
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.forward_right_down import down_of, inclination, roll_pitch_of
 from procedures.attitude.mixer import Mixer, PaperMixer, mix, mix_as_printed
+from procedures.attitude.mixer_gains import PAPER, Gains
 from procedures.frames import nominal_C_lb
 
 G = 9.80665

@@ -1,6 +1,6 @@
 import numpy as np
 
-from procedures.attitude.log import AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.observability import determinant, observability, observability_matrix
 
 

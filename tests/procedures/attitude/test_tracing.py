@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.attitude.log import AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.tracing.effects import ATTITUDE_EFFECTS, Motion
 from procedures.attitude.tracing.evidence import NAMED
 from procedures.attitude.tracing.trace import trace

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivers.simulated.bench import simulate_campaign, turn_steps
+from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
 from drivers.simulated.truth import Truth
-from procedures.campaign import Campaign, DwellRecord
-from procedures.records import Series
+from procedures.calibration.campaign import Campaign, DwellRecord
+from procedures.counts.sample_records import Series
 
 Effects = Mapping[str, Mapping[str, float]]
 

@@ -6,10 +6,10 @@ from functools import cache
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration import Fits, fit
+from procedures.calibration.calibration import Fits, fit
 from procedures.diagnosis.candidates import Candidate, candidates
-from procedures.diagnosis.evidence import KINDS, Evidence, evidence_of
-from procedures.diagnosis.model import Term
+from procedures.diagnosis.linear_model import Term
+from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Columns, Effect, Seen, SeenStep
 from tests.benchmarks.diagnosing.designs import DESIGNS, unit

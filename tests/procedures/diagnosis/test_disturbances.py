@@ -3,10 +3,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.calibration import solve
-from procedures.campaign import Campaign
+from procedures.calibration.calibration import solve
+from procedures.calibration.campaign import Campaign
+from procedures.diagnosis.constant_rate_check import bent_strip_width, strip_width
 from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
-from procedures.diagnosis.strips import bent_strip_width, strip_width
 from tests.procedures.diagnosis.planted import lively, planted
 
 

@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.diagnosis import diagnosis as module
-from procedures.diagnosis.diagnosis import diagnose
+from procedures.diagnosis import diagnose as module
+from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
 from tests.procedures.diagnosis.test_rate_tables import NONLINEAR, campaign, table
 

@@ -1,19 +1,17 @@
 """Turntables in the diagnosis: simulated tables with effects planted, and the measured one of a real FOG."""
 
-import os
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from procedures.campaign import Campaign, Fixture, RateTable, Site
-from procedures.diagnosis.diagnosis import diagnose
+from procedures.calibration.campaign import Campaign, Fixture, RateTable, Site
+from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.errors import NotObservable
+from tests.paths import DATA
 from tests.procedures.diagnosis.planted import planted
 
-DATA = Path(os.environ.get("STATION_DATA", Path(__file__).parents[3] / "../shared/data")).resolve()
 SITE = Site(0.7, 9.8, 1e-3)
 RATES = np.concatenate((np.arange(0, 101, 5), -np.arange(0, 101, 5)))
 SWEEPS, NOISE = 9, 2e-3  # deg/s

@@ -1,10 +1,10 @@
 import numpy as np
 
-from drivers.simulated.bench import simulate_campaign
-from procedures.calibration import Fits, Reduced, fit_reduced, reduce_steps
+from drivers.simulated.bench_in_memory import simulate_campaign
+from procedures.calibration.calibration import Fits, Reduced, fit_reduced, reduce_steps
 from procedures.diagnosis.candidates import Candidate, candidates
-from procedures.diagnosis.evidence import evidence_of
 from procedures.diagnosis.refit import Refit, refit, refit_with
+from procedures.diagnosis.residual_rows import evidence_of
 from procedures.effects import EFFECTS
 from tests.benchmarks.diagnosing.designs import unit
 

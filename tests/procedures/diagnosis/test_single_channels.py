@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.simulated.bench import SimulatedBench, simulate_campaign
+from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.campaign import Campaign, SoakRecord
+from procedures.calibration.campaign import Campaign, SoakRecord
+from procedures.calibration.plan_steps import Dwell
 from procedures.diagnosis.single_channels import single_channels
-from procedures.steps import Dwell
 
 PER_KELVIN = 1e-3  # deg/s per K
 TRUTH = replace(

@@ -6,19 +6,19 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from drivers.simulated.bench import simulate_campaign
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration import Fits, Reduced, solve
-from procedures.campaign import Campaign, DwellRecord, ProcedureSigma, Site
+from procedures.calibration.calibration import Fits, Reduced, solve
+from procedures.calibration.campaign import Campaign, DwellRecord, ProcedureSigma, Site
+from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis import refit as refit_module
 from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.diagnosis import diagnose
-from procedures.diagnosis.evidence import Evidence
-from procedures.diagnosis.validation import validate
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.residual_rows import Evidence
+from procedures.diagnosis.validation_campaigns import validate
 from procedures.errors import FitsNoFace, ProcedureError
 from procedures.frames import face_normal, face_of, rotation
-from procedures.records import RateSeries
 
 OFFSET = np.array([0.5, -0.6, 0.4])  # m/s2
 
@@ -95,5 +95,5 @@ def test_what_only_cannot_be_solved_when_put_right_is_diagnosed_as_it_is(monkeyp
     def spoils(_: object) -> object:
         raise ProcedureError("put right, it cannot be solved")
 
-    monkeypatch.setattr("procedures.diagnosis.diagnosis.preliminary", spoils)
+    monkeypatch.setattr("procedures.diagnosis.diagnose.preliminary", spoils)
     assert diagnose([campaign]).solution.accelerometer is not None

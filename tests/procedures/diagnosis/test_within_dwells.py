@@ -6,11 +6,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from procedures.diagnosis.diagnosis import diagnose
+from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
 from procedures.uncertainty import sources as named
 from procedures.uncertainty.budget import ParameterBudget, budget
-from procedures.uncertainty.inputs import Inputs
+from procedures.uncertainty.given_values import Inputs
 from tests.benchmarks.diagnosing.designs import certified, unit
 from tests.procedures.diagnosis.planted import wandering
 

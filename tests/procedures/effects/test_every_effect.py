@@ -3,25 +3,25 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from drivers.simulated.bench import simulate_campaign
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.effects import EFFECTS as PLANTED
 from drivers.simulated.effects.procedure import auxiliary
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration import Fits, Reduced, fit_reduced, reduce_steps
-from procedures.campaign import ProcedureSigma
-from procedures.diagnosis.evidence import KINDS, Evidence, evidence_of
+from procedures.calibration.calibration import Fits, Reduced, fit_reduced, reduce_steps
+from procedures.calibration.campaign import ProcedureSigma
+from procedures.calibration.observations import TriadDwells
+from procedures.calibration.plan_steps import Turn
+from procedures.counts.sample_records import CountSeries, RateSeries
+from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.effects import EFFECTS, sagnac_sine
 from procedures.effects.effect import BENCH, Effect
 from procedures.frames import TURN_START, rotation
-from procedures.observations import TriadDwells
-from procedures.records import CountSeries, RateSeries
-from procedures.steps import Turn
+from tests.paths import ROOT
 
 BY_NAME = {effect.name: effect for effect in EFFECTS}
 NAMES = (
@@ -32,7 +32,7 @@ NAMES = (
     "gyroscope.scale_nonlinearity gyroscope.sagnac_sine slab.tilt fixture.face_tilt fixture.parallelism "
     "placement.dwell placement.label site.azimuth site.gravity clock.rate disturbance.dwell auxiliary.channel"
 ).split()  # DESIGN 7
-PAGE = Path(__file__).parents[3] / "docs/effects.md"
+PAGE = ROOT / "docs/effects.md"
 NO_COLUMNS = ("placement.label", "disturbance.dwell")
 
 UNIT = Truth(

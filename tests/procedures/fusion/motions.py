@@ -6,10 +6,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.earth import DEG_PER_HOUR, earth_rate_n
+from procedures.earth.gravity_and_rate import DEG_PER_HOUR, earth_rate_n
 from procedures.frames import rotation
-from procedures.fusion.odometry import Drift, RecordedOdometry
-from procedures.fusion.records import GnssFixes, ImuNoise, ImuSeries, Trajectory
+from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
+from procedures.fusion.outer.odometry import Drift, RecordedOdometry
 
 RATE = 20.0  # Hz
 SETTING_OFF = 2.0  # s

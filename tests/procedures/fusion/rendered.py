@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 from scipy.spatial.transform import Rotation
 
-from procedures.fusion.feature_follower import Image
+from procedures.fusion.vision.feature_tracker import Image
 
 WIDTH, HEIGHT, FOCAL = 376, 240, 230.0
 K = np.array([[FOCAL, 0.0, WIDTH / 2], [0.0, FOCAL, HEIGHT / 2], [0.0, 0.0, 1.0]])

@@ -3,10 +3,10 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drivers.simulated.camera_tracks import View, simulate_tracks
-from procedures.fusion.inertial_terms import Site
-from procedures.fusion.records import Trajectory
-from procedures.fusion.tracks import Camera, Tracks
+from procedures.fusion.fusion_records import Trajectory
+from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from tests.drivers.simulated.camera_tracks import View, simulate_tracks
 from tests.procedures.fusion.motions import EARTH, GRAVITY, NOISE, Eight
 
 # the flight's x axis points up: the camera looks along body z, its right is body -y

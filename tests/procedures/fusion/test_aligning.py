@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.earth import DEG_PER_HOUR
-from procedures.fusion.aligner import align_when_possible, fixes_between
-from procedures.fusion.alignment import Aligned, Waiting
-from procedures.fusion.moving_aligner import MovingAligner
-from procedures.fusion.records import GnssFixes
-from procedures.fusion.static_aligner import align_at_rest
+from procedures.earth.gravity_and_rate import DEG_PER_HOUR
+from procedures.fusion.alignment.aligner import align_when_possible, fixes_between
+from procedures.fusion.alignment.alignment import Aligned, Waiting
+from procedures.fusion.alignment.moving_aligner import MovingAligner
+from procedures.fusion.alignment.static_aligner import align_at_rest
+from procedures.fusion.fusion_records import GnssFixes
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
 
 LEVER = np.array([0.5, 0.2, -0.3])

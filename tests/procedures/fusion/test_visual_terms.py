@@ -8,14 +8,14 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.frames import rotation
-from procedures.fusion.inertial_increments import Grid
-from procedures.fusion.inertial_terms import add_inertial, add_velocities, predicted
-from procedures.fusion.landmarks import Landmarks
-from procedures.fusion.preintegration import Preintegrated, preintegrate
-from procedures.fusion.reprojection import Sights, linearise, residuals
-from procedures.fusion.turns import log_rotation
-from procedures.fusion.window_problem import Held, Prior, assemble, marginalised
-from procedures.fusion.window_state import CAMERA, COMMON, OFFSET, WindowState, zero
+from procedures.fusion.imu.inertial_increments import Grid
+from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
+from procedures.fusion.inner.inertial_terms import add_inertial, add_velocities, predicted
+from procedures.fusion.inner.landmarks import Landmarks
+from procedures.fusion.inner.reprojection import Sights, linearise, residuals
+from procedures.fusion.inner.window_problem import Held, Prior, assemble, marginalised
+from procedures.fusion.inner.window_state import CAMERA, COMMON, OFFSET, WindowState, zero
+from procedures.fusion.rotation_vectors import log_rotation
 from tests.procedures.fusion.motions import NOISE
 from tests.procedures.fusion.seen import CAMERA as LENS
 from tests.procedures.fusion.seen import SITE

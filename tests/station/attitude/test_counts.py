@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from procedures.attitude.attitude import estimate
-from procedures.attitude.frd import inclination
-from station.attitude.counts import FORWARD_LEFT_UP, log_of_counts
+from procedures.attitude.forward_right_down import inclination
+from tests.station.attitude.counts import FORWARD_LEFT_UP, log_of_counts
 
 K_A, K_G = np.array([1020e3, 1015e3, 1018e3]), np.array([36000.0, 35500.0, 36300.0])
 E = np.array([[1.0, 1e-3, -2e-3], [5e-4, 1.0, 1e-3], [-1e-3, 2e-3, 1.0]])

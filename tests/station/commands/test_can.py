@@ -10,20 +10,20 @@ from mcap.reader import make_reader
 
 from drivers.can.format import OWN_DBC, OWN_MAP
 from drivers.device_url import parse_device_url
-from drivers.formats import wire_of
 from drivers.framing import seen_instead
 from drivers.ports import open_port
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from drivers.url_files import anchored
+from drivers.url_paths import anchored
+from drivers.url_wire_format import wire_of
 from drivers.wire import WireFormat
 from fixtures_db.database import open_db
 from station import cli
-from station.campaign_folder import read_campaign, verify_folder
+from station.files.campaign_folder import read_campaign, verify_folder
 from station.guide.live_campaign import begin, resume
 from station.guide.options import Options
 from station.guide.view import Setup
-from station.recorder import check_raw_bytes
+from station.stream.recorder import check_raw_bytes
 from tests.station.commands.program import Program
 
 SPEED, PERIOD_S = 200.0, 0.1  # as many frames/s as 2000 samples/s give

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from station import cli
-from station.campaign_folder import write_campaign
-from tests.procedures.test_dead_channels import ACCEL, GYRO, Kill, dead, every_step, everywhere, recorded
+from station.files.campaign_folder import write_campaign
+from tests.procedures.counts.test_dead_channels import ACCEL, GYRO, Kill, dead, every_step, everywhere, recorded
 
 CASES: dict[str, tuple[Kill, str, int]] = {  # what is dead, what is said, exit code of measuring the cube
     "one gyroscope": (dead(GYRO, "yz", everywhere, 17.0), "gyroscope y puts out a constant 17", 0),

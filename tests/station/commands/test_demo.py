@@ -9,10 +9,10 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from fixtures_db.limits import Limit, limits_of, set_limits
 from station import cli
-from station.campaign_folder import read_campaign, verify_folder
-from station.certificate.checklist import COMMIT
 from station.demo.run import MARK, clear
 from station.errors import CannotWrite
+from station.files.campaign_folder import read_campaign, verify_folder
+from station.results.certificate.checklist import COMMIT
 from tests.station.commands.program import Program
 
 

@@ -7,16 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.simulated.bench import simulate_campaign
+from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from fixtures_db.cube_measurements import measurements
 from fixtures_db.cubes import cube_row
 from fixtures_db.database import open_db
 from fixtures_db.measured_rows import measurement
-from procedures.campaign import Fixture
+from procedures.calibration.campaign import Fixture
 from procedures.frames import face_of
 from station import cli
-from station.campaign_folder import read_campaign, write_campaign
+from station.files.campaign_folder import read_campaign, write_campaign
 from station.guide.fixture import cube_fixture
 from tests.procedures.measured_units import values
 

@@ -14,8 +14,8 @@ from fixtures_db.history import accept_calibration
 from station import cli
 from station.demo.truth_values import truth_values
 from station.errors import DataRefused
-from station.limits_example import example_limits
-from station.limits_toml import limits_in
+from station.files.limits_example import example_limits
+from station.files.limits_toml import limits_in
 from tests.fixtures_db.factory import facts, solution
 
 LIMITS = """model = "FOG-3"

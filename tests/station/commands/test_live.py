@@ -18,9 +18,9 @@ from fixtures_db.campaigns import campaign
 from fixtures_db.database import open_db
 from fixtures_db.history import history, verify_chain
 from station import cli
-from station.campaign_folder import read_campaign, verify_folder
-from station.mcap_files import read_step
-from station.recorder import check_raw_bytes
+from station.files.campaign_folder import read_campaign, verify_folder
+from station.files.mcap_files import read_step
+from station.stream.recorder import check_raw_bytes
 from tests.station.commands.program import Program
 
 SPEED = 100.0

@@ -14,7 +14,7 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station.guide.command import Command
-from station.guide.plain import HELP, PlainScreen, between_words, command_of, shown_at_end
+from station.guide.text_lines import HELP, PlainScreen, between_words, command_of, shown_at_end
 from station.guide.view import Event, Readiness, Setup, Stage, Start, Verdict, View
 from tests.station.commands.program import MAIN, Program
 

@@ -10,9 +10,9 @@ import pytest
 
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from procedures.steps import Dwell, FreePosition, Soak, Step
+from procedures.calibration.plan_steps import Dwell, FreePosition, Soak, Step
 from station import cli
-from station.campaign_folder import read_campaign, verify_folder, write_plan
+from station.files.campaign_folder import read_campaign, verify_folder, write_plan
 from tests.station.commands.program import Program
 
 SPEED = 100.0

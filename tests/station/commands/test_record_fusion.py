@@ -15,9 +15,9 @@ from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
-from station.fusion_folder import read_fusion
-from station.mcap_files import read_step
-from station.mcap_files.fix_reader import Record, read_fixes
+from station.files.fusion_folder import read_fusion
+from station.files.mcap_files import read_step
+from station.files.mcap_files.fix_reader import Record, read_fixes
 from tests.drivers.simulated.drives import bends
 from tests.station.commands.program import Program
 from tests.station.monitor.driving import record_drive

@@ -9,7 +9,7 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
-from station.live.told import Told
+from station.stream.live.trouble_lines import Told
 from tests.station.commands.program import Program
 
 

@@ -11,10 +11,10 @@ from drivers.simulated.device import ByteDevice
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.database import Database, open_db
-from procedures.steps import Dwell, Step
-from station.campaign_folder.schema import SiteTable
-from station.reader import Chunk
-from station.recorder import CampaignRecorder, SampleStream, Tape, Unit, open_campaign
+from procedures.calibration.plan_steps import Dwell, Step
+from station.files.campaign_folder.schema import SiteTable
+from station.stream.reader import Chunk
+from station.stream.recorder import CampaignRecorder, SampleStream, Tape, Unit, open_campaign
 
 WIRE = FORMATS["counts"]
 UNIT = Unit("SIM-FOG3", "SIM-7", 0.02)

@@ -8,19 +8,19 @@ import numpy as np
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from procedures.campaign import Fixture
-from procedures.steps import Dwell, Step
+from procedures.calibration.campaign import Fixture
+from procedures.calibration.plan_steps import Dwell, Step
+from station.guide.accepted_steps import so_far
 from station.guide.checklist import Checklist
 from station.guide.command import Command
-from station.guide.desk import Desk, Facts
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
-from station.guide.so_far import so_far
-from station.guide.unfinished import reopen
+from station.guide.interrupted_campaigns import reopen
+from station.guide.stage_context import Desk, Facts
 from station.guide.view import View
-from station.live import open_feed
-from station.recorder import open_campaign
-from tests.station.live.bench_in_memory import SITE, Source
+from station.stream.live import open_feed
+from station.stream.recorder import open_campaign
+from tests.station.stream.live.bench_in_memory import SITE, Source
 
 Watch = Callable[[View], None]
 

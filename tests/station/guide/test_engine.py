@@ -17,11 +17,11 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
 from fixtures_db.history import history, verify_chain
-from station.campaign_folder import read_campaign, verify_folder
+from station.files.campaign_folder import read_campaign, verify_folder
 from station.guide.client import Connection
 from station.guide.command import Command
 from station.guide.open_campaigns import unfinished
-from station.guide.process import EngineOptions, engine_process
+from station.guide.start_engine import EngineOptions, engine_process
 from station.guide.view import Setup, View
 
 SPEED = 60.0
@@ -166,7 +166,7 @@ def test_what_cannot_begin_is_said_and_leaves_nothing_behind(device: SimulatedDe
 def test_an_engine_that_waits_for_a_receiver_does_not_keep_whoever_leaves(
     device: SimulatedDevice, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("station.guide.process.END_S", 0.1)
+    monkeypatch.setattr("station.guide.start_engine.END_S", 0.1)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as nobody:
         nobody.bind(("127.0.0.1", 0))
         silent = f"udpout:127.0.0.1:{nobody.getsockname()[1]}"

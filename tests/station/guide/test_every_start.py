@@ -20,7 +20,7 @@ from station.guide.command import Command
 from station.guide.engine import REFUSALS, Engine
 from station.guide.headless import run_headless
 from station.guide.options import Options
-from station.guide.process import EngineOptions
+from station.guide.start_engine import EngineOptions
 from station.guide.view import Setup
 
 

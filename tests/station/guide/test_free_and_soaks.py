@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from drivers.simulated.truth import Truth
-from procedures.leaning import LEANS, angle_deg, way_up
-from procedures.steps import Dwell, FreePosition, Soak
-from station.campaign_folder import read_campaign, verify_folder
-from station.guide.so_far import so_far
-from station.guide.unfinished import reopen
+from procedures.calibration.plan_steps import Dwell, FreePosition, Soak
+from procedures.rests_and_moves.free_attitudes import LEANS, angle_deg, way_up
+from station.files.campaign_folder import read_campaign, verify_folder
+from station.guide.accepted_steps import so_far
+from station.guide.interrupted_campaigns import reopen
 from station.guide.view import View
 from tests.station.guide.rig import GuideRig, dwells
 

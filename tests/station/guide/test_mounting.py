@@ -7,10 +7,10 @@ from pathlib import Path
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from station.campaign_folder import read_campaign
+from station.files.campaign_folder import read_campaign
 from station.guide.headless import record
-from station.guide.operator import SimulatedOperator
-from station.guide.process import EngineOptions
+from station.guide.simulated_operator import SimulatedOperator
+from station.guide.start_engine import EngineOptions
 from station.guide.view import Setup
 
 PLAN = """format = "plan/1"

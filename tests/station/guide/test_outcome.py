@@ -10,17 +10,17 @@ import pytest
 from fixtures_db.calibration import calibration_document
 from fixtures_db.chain import GENESIS
 from fixtures_db.limits import Limit, each_axis
+from procedures.calibration.twelve_position import is_determined
 from procedures.frames import FACES, face_normal, face_of
-from procedures.twelve_position import is_determined
 from procedures.uncertainty.budget import combined
 from procedures.uncertainty.sources import HEADING, Cell
-from station.guide.enough import in_ranges, lacking
-from station.guide.judgement import Word, judge, judged_in_words, limit_in_words
+from station.guide.enough_to_solve import in_ranges, lacking
 from station.guide.outcome import change_in_words, verdict_rows, worst_residual
 from station.guide.view import Step
-from station.solution_parameters import Parameter, applied, parameters, shifts
+from station.results.parameters_by_name import Parameter, applied, parameters, shifts
+from station.results.verdict import Word, judge, judged_in_words, limit_in_words
 from tests.fixtures_db.factory import facts, solution
-from tests.station.report import factory
+from tests.station.results.report import factory
 
 BIAS = Limit("accelerometer.bias.y", -2.5e-3, 2.5e-3, "g")  # the value is 2e-3, sigma 8e-8
 GYRO = Limit("gyroscope.bias.x", -1.0, 1.0, "deg/h")

@@ -18,22 +18,22 @@ from fixtures_db.history import calibration
 from fixtures_db.limits import Limit, limits_of, set_limits
 from fixtures_db.sites import Survey, add_site
 from fixtures_db.slabs import add_level, add_slab
-from procedures.campaign import FaceCertificate
+from procedures.calibration.campaign import FaceCertificate
 from procedures.frames import FACES
-from station.certificate.certificate import Certificate
-from station.certificate.checklist import missing
 from station.guide.folder_notes import write_setup
-from station.guide.judgement import judge
-from station.guide.known import known
 from station.guide.live_campaign import site_table, usual_steps
-from station.guide.plain import ready_lines
+from station.guide.prior_knowledge import known
 from station.guide.readiness import readiness
+from station.guide.text_lines import ready_lines
 from station.guide.view import Check, Readiness, Setup
-from station.recorder import Unit, open_campaign
-from station.recorder import results as module
-from station.recorder.results import Results, make_results, store
-from tests.station.certificate.factory import laboratory
+from station.results import campaign_results as module
+from station.results.campaign_results import Results, make_results, store
+from station.results.certificate.certificate import Certificate
+from station.results.certificate.checklist import missing
+from station.results.verdict import judge
+from station.stream.recorder import Unit, open_campaign
 from tests.station.guide.stored import recorded
+from tests.station.results.certificate.factory import laboratory
 
 LONG_AGO, PAST, AHEAD = datetime(2020, 1, 1, tzinfo=UTC), date(2021, 1, 1), date(2090, 1, 1)
 KINDS = ("", "bare", "good", "open", "old")  # none, without certificate, in force, never due, expired
@@ -117,7 +117,9 @@ def test_the_answer_before_a_campaign_is_the_one_after_it(bench: Bench, monkeypa
     lab = laboratory().given("traceability", {"gravity_source": "gravimeter 7"})
     lab = lab.given("environment", {"temperature_c": [20.0, 21.0]})
     limits, answers = list(LIMITS), set[tuple[bool | None, bool | None]]()
-    monkeypatch.setattr("station.report.writing.write_report", lambda *_: None)  # of the same numbers each time
+    monkeypatch.setattr(
+        "station.results.report.report.write_report", lambda *_: None
+    )  # of the same numbers each time
     cases = list(product(KINDS, KINDS, ("", "M. Huber"), SITES))
     for number, (cube, slab, operator, site) in enumerate(cases):
         setup = Setup(url="x", cube=cube, slab=slab, operator=operator, **SITES[site])

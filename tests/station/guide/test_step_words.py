@@ -7,14 +7,14 @@ import pytest
 
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from procedures.hand_turns import plan
-from procedures.steps import Dwell, Turn, steps_of
+from procedures.calibration.hand_turns import plan
+from procedures.calibration.plan_steps import Dwell, Turn, steps_of
 from station.guide.command import Command
 from station.guide.outcome import verdict_view
-from station.guide.plain import PlainScreen, command_of, listen, verdict_lines
 from station.guide.step_words import for_people, gap_in_words, in_words, step_typed
+from station.guide.text_lines import PlainScreen, command_of, listen, verdict_lines
 from station.guide.view import Event
-from station.recorder.results import make_results
+from station.results.campaign_results import make_results
 from tests.station.guide.rig import GuideRig, dwells
 from tests.station.tui import views
 from tests.station.tui.session import MemorySession

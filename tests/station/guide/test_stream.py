@@ -8,9 +8,9 @@ from drivers.errors import LinkSilent
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
-from station.campaign_folder import read_campaign
-from station.guide.so_far import so_far
-from station.recorder import UnitChanged
+from station.files.campaign_folder import read_campaign
+from station.guide.accepted_steps import so_far
+from station.stream.recorder import UnitChanged
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]

@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment import Waiting
+from procedures.fusion.alignment.alignment import Waiting
 from station import cli
-from station.fusion_folder import FusionLog, read_fusion
-from station.fusion_folder.tracks import write_tracks
+from station.files.fusion_folder import FusionLog, read_fusion
+from station.files.fusion_folder.tracks import write_tracks
 from station.locate.camera_clock import ClockedTracks, on_imu_clock, suspicion
-from station.locate.text import location_text
+from station.locate.location_text import location_text
 from tests.procedures.fusion.motions import Eight
 from tests.procedures.fusion.seen import tracks_of
-from tests.station.locate.test_inertial import write_flight
-from tests.station.locate.test_vision import table_of
+from tests.station.locate.test_camera_source import table_of
+from tests.station.locate.test_imu_source import write_flight
 
 SECONDS = 10.0
 LATE = -0.08  # s to be added to the stamps

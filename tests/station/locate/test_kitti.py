@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from station import cli
-from station.fusion_folder import read_tum
+from station.files.fusion_folder import read_tum
 
 
 def test_a_car_with_every_other_fix_is_where_the_others_say(tmp_path: Path) -> None:

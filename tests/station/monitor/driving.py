@@ -11,24 +11,24 @@ from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault
-from drivers.simulated.track import Track
 from drivers.simulated.truth import Truth
-from procedures.fusion.camera_time import CameraOffset
-from procedures.gnss import AirData, GnssFix, TimeMark
-from station.live import open_feed
+from drivers.simulated.vehicle_track import Track
+from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
+from procedures.fusion.vision.camera_time import CameraOffset
+from station.calibrated.body_axes import DEFAULT, body_axes
+from station.calibrated.calibration_choice import Applied
+from station.files.mcap_files.fix_reader import Record
+from station.files.mcap_files.fix_writer import FixWriter
 from station.locate.live_camera import LiveCamera
-from station.mcap_files.fix_reader import Record
-from station.mcap_files.fix_writer import FixWriter
-from station.monitor.body_axes import DEFAULT, body_axes
-from station.monitor.calibration import Applied
-from station.monitor.locating import locating
+from station.monitor.locator_thread import locating
 from station.monitor.monitor import Monitor
 from station.monitor.options import Options
 from station.monitor.recording import Recording
 from station.monitor.view import InUse, Stream, View
-from tests.station.live.bench_in_memory import Source
+from station.stream.live import open_feed
 from tests.station.monitor.sighted import CAMERA, Sight
 from tests.station.monitor.unit import calibration_of
+from tests.station.stream.live.bench_in_memory import Source
 
 
 class Receiver:

@@ -6,14 +6,14 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drivers.camera import CameraImage
-from drivers.simulated.camera_tracks import View, simulate_tracks
-from drivers.simulated.drive import SLOWEST
-from drivers.simulated.track import Track
-from procedures.fusion.records import Trajectory
-from procedures.fusion.tracks import Camera, Tracks
-from station.camera.following import Seen
+from drivers.simulated.vehicle_motion import SLOWEST
+from drivers.simulated.vehicle_track import Track
+from procedures.fusion.fusion_records import Trajectory
+from procedures.fusion.vision.feature_tracks import Camera, Tracks
 from station.monitor.view import Stream
-from tests.station.live.bench_in_memory import Source
+from station.stream.camera.feature_following import Seen
+from tests.drivers.simulated.camera_tracks import View, simulate_tracks
+from tests.station.stream.live.bench_in_memory import Source
 
 # it looks ahead and 60 deg to the left, level
 C_BC = np.array([[np.sqrt(0.75), 0.0, 0.5], [-0.5, 0.0, np.sqrt(0.75)], [0.0, -1.0, 0.0]])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from station.monitor.lines import json_line, reading_line
+from station.monitor.text_lines import json_line, reading_line
 from station.monitor.view import Location, View
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DriveRig

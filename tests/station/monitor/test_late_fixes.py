@@ -8,9 +8,9 @@ import pytest
 
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.truth import Truth
-from procedures.gnss import FixType, GnssFix
+from procedures.earth.gnss_records import FixType, GnssFix
 from station.monitor import monitor
-from station.monitor.attitude import Aiding
+from station.monitor.attitude_filter import Aiding
 from station.monitor.gnss_aid import USUAL_LATENCY, aiding_of
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DriveRig

@@ -15,9 +15,9 @@ from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
-from station.mcap_files.schemas import CAMERA_RAW_TOPIC
-from station.reader import Chunk
-from station.reader.journal import Journal
+from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
+from station.stream.reader import Chunk
+from station.stream.reader.journal import Journal
 from tests.drivers.simulated.drives import bends
 from tests.station.commands.program import Program
 from tests.station.monitor.driving import record_drive, stands_on

@@ -11,12 +11,12 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.frames import nominal_C_lb
-from station.mcap_files import read_step
+from station.calibrated.body_axes import body_axes
+from station.files.mcap_files import read_step
 from station.monitor.alarms import Alarm
-from station.monitor.body_axes import body_axes
 from station.monitor.options import Options
 from station.monitor.view import View
-from station.recorder import check_raw_bytes
+from station.stream.recorder import check_raw_bytes
 from tests.station.monitor.rig import MonitorRig
 from tests.station.monitor.unit import calibration_of
 

@@ -16,8 +16,8 @@ from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
-from station.campaign_folder import verify_folder
-from station.monitor.body_axes import body_axes
+from station.calibrated.body_axes import body_axes
+from station.files.campaign_folder import verify_folder
 from tests.station.commands.program import Program
 from tests.station.monitor.unit import write_calibration
 

@@ -2,13 +2,13 @@
 
 import asyncio
 import re
-from pathlib import Path
 
 from station.guide.view import View
+from tests.paths import ROOT
 from tests.station.tui import views
 from tests.station.tui.session import SMALL, screens
 
-FOLDER = Path(__file__).parents[3] / "docs" / "screens"
+FOLDER = ROOT / "docs" / "screens"
 PICTURES = {
     "setup": views.START,
     "placing": views.PLACING,

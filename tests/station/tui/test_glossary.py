@@ -1,17 +1,17 @@
 """Every word that the screens show in capitals, and every state of a step, is explained in the glossary."""
 
 import re
-from pathlib import Path
 
-from station.guide.trouble import trouble_of
+from station.guide.stream_trouble import trouble_of
 from station.tui.screens.campaign import LOOKS as BANNERS
 from station.tui.widgets.link_line import NO_DATA
 from station.tui.widgets.step_grid import LOOKS as STATES
+from tests.paths import ROOT
 from tests.station.tui import views
 from tests.station.tui.session import screens
 from tests.station.tui.test_messages import STREAM
 
-PAGE = (Path(__file__).parents[3] / "docs" / "glossary.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8")
 WORDS = [word.strip() for row in re.findall(r"^\| (.+?) \|", PAGE, re.MULTILINE) for word in row.split(",")]
 SHOUTED = re.compile(r"(?<![\w/+-])[A-Z]{2,}(?:[ -][A-Z]{2,})*(?![\w-])")
 NAMES = {"SIM", "FOG", "IMU", "IMUS", "SLAB", "CUBE", "GNSS", "FTDI", "USB", "PASS", "FAIL", "CANCELLED", "LEFT"}

@@ -8,10 +8,10 @@ from textual.widget import Widget
 
 from drivers.errors import DriverError, LinkLost, LinkSilent, PortBusy, PortDenied, WrongFormat
 from station.errors import DataRefused, cannot_write
-from station.guide.trouble import trouble_of
+from station.guide.stream_trouble import trouble_of
 from station.guide.view import Event, Stage, View
-from station.live.trouble import AMISS
-from station.recorder import UnitChanged
+from station.stream.live.stream_trouble import AMISS
+from station.stream.recorder import UnitChanged
 from tests.station.tui import views
 from tests.station.tui.session import SMALL, Screens, screens
 

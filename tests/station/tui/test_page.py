@@ -1,7 +1,5 @@
 """The technician's page names every key, sound and sign of the screens, and its pictures are there."""
 
-from pathlib import Path
-
 import pytest
 from textual.binding import Binding
 
@@ -9,9 +7,10 @@ from station.tui.app import StationApp
 from station.tui.screens import SCREEN_FOR
 from station.tui.screens.campaign import LOOKS as WORDS
 from station.tui.widgets.step_grid import LOOKS as STATES
+from tests.paths import ROOT
 from tests.station.tui.screenshots import PICTURES, picture
 
-DOCS = Path(__file__).parents[3] / "docs"
+DOCS = ROOT / "docs"
 PAGE = (DOCS / "guided-calibration.md").read_text(encoding="utf-8")
 SHOWN = {"down": "arrows", "enter": "Enter", "question_mark": "`?`", "escape": "Esc"}
 

@@ -11,9 +11,9 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from fixtures_db.history import history
-from station.campaign_folder import read_campaign
+from station.files.campaign_folder import read_campaign
 from station.guide.client import Connection
-from station.guide.process import EngineOptions, engine_process
+from station.guide.start_engine import EngineOptions, engine_process
 from station.guide.view import Setup, View
 from station.tui.app import StationApp
 

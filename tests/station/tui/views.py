@@ -4,7 +4,7 @@ import numpy as np
 
 from drivers.errors import LinkSilent
 from procedures.frames import TURN_START, nominal_C_lb, rotation, vertical_rotation
-from station.guide.trouble import trouble_of
+from station.guide.stream_trouble import trouble_of
 from station.guide.view import (
     Check,
     Choice,
@@ -28,7 +28,7 @@ from station.guide.view import (
     View,
     WarmUp,
 )
-from station.recorder import UnitChanged
+from station.stream.recorder import UnitChanged
 
 UNIT = "SIM-FOG3 SIM-7"
 FOLDER = "/srv/campaigns/2026-11-21_1240_SIM-7"

@@ -1,19 +1,19 @@
 """The monitor's page names every key, alarm and mode, and its pictures are what the screen shows."""
 
-from pathlib import Path
 from typing import get_args
 
 import pytest
 from textual.binding import Binding
 
 from station.monitor.alarms import ALARMS
-from station.monitor.lines import KEYS
+from station.monitor.text_lines import KEYS
 from station.monitor.view import Mode
 from station.tui.monitor.app import MonitorApp
 from station.tui.monitor.screen import MonitorScreen
+from tests.paths import ROOT
 from tests.station.tui.monitor.screenshots import PICTURES, picture
 
-DOCS = Path(__file__).parents[4] / "docs"
+DOCS = ROOT / "docs"
 PAGE = (DOCS / "monitor.md").read_text(encoding="utf-8")
 
 

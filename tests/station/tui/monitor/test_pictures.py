@@ -5,7 +5,7 @@ import math
 import pytest
 
 from station.tui.monitor.horizon_picture import horizon_picture
-from station.tui.monitor.strip import limits, strip
+from station.tui.monitor.line_chart import limits, strip
 
 
 def ground(roll: float, pitch: float) -> list[list[bool]]:

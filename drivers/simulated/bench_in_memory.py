@@ -1,0 +1,200 @@
+"""A bench wholly in memory: answers steps with counts at the speed of their arithmetic.
+
+Between steps it lets the clock run for the move and draws new counter remainders instead of simulating counts
+nobody reads; `SimulatedImu` simulates the moves too.
+"""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from drivers.simulated.bench_truth import World, turn_sign, world_of
+from drivers.simulated.cube_motion import Segment, hand_turn, rest
+from drivers.simulated.effects import Planted, planted
+from drivers.simulated.sensor import Sensor
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
+from procedures.calibration.campaign import (
+    Campaign,
+    DwellRecord,
+    FaceCertificate,
+    Fixture,
+    ProcedureSigma,
+    RestRecord,
+    Site,
+    TurnRecord,
+)
+from procedures.calibration.plan_steps import Dwell, Soak, Step, Turn
+from procedures.counts.sample_records import CountSeries
+from procedures.frames import AXES, FACES, TURN_START, face_of
+from procedures.rests_and_moves.free_attitudes import LEANS, leaned, way_up
+
+WAIT_S = 5.0  # of every move, the last seconds are a wait for the cube to settle
+MOST_REVOLUTIONS = 100
+ALL_POSITIONS = tuple(range(1, 13))
+
+
+def stand(truth: Truth) -> World:
+    """Return the bench of a truth with its bench and procedure effects in."""
+    world = world_of(truth)
+    for effect, sizes in planted(truth.effects):
+        if effect.world is not None:
+            world = effect.world(world, sizes)
+    return world
+
+
+class SimulatedBench:
+    """Performs steps on a simulated unit; ``truth`` and ``world`` say what was true.
+
+    Headings and closures are drawn per step from the truth's sigmas. Equal seeds give equal counts.
+    ``seed`` None: no noise and no scatter. ``also`` are effects that no catalogue holds.
+    """
+
+    def __init__(
+        self, truth: Truth, seed: int | None, move_s: float = 45.0, world: World | None = None,
+        also: Planted = (),
+    ) -> None:  # fmt: skip
+        hands, power = np.random.SeedSequence(seed or 0).spawn(2)
+        self._hands = np.random.default_rng(hands)
+        self._scatter = float(seed is not None)
+        self.truth = truth if seed is None else truth.powered_on(np.random.default_rng(power))
+        self.world = stand(truth) if world is None else world
+        entropy = None if seed is None else [seed]
+        self.sensor = Sensor(self.truth, self.world, (*planted(truth.effects), *also), entropy)
+        self._move = round(move_s / truth.sample_period_s)
+        self._wait = round(min(WAIT_S, move_s) / truth.sample_period_s)
+        self._index = 0
+
+    def perform(self, step: Step) -> CountSeries:
+        """Do one step and return its counts; device time runs on through the move before it."""
+        self._move_on()
+        match step:
+            case Turn():
+                return self._turn(step)
+            case Dwell() | Soak(position=1 | 2 | 3 | 4 | 5 | 6 | 7 | 8 | 9 | 10 | 11 | 12):
+                return self._dwell(step.position, step.seconds)
+            case Soak(up=up) if up:
+                return self._dwell(next(p for p in ALL_POSITIONS if face_of(p) == up), step.seconds)
+        up_b = way_up(LEANS[(step.number - 1) % len(LEANS)])
+        return self._rest(leaned(up_b, self._hands.uniform(0, 2 * np.pi)), step.seconds)
+
+    def free(self, C_bn: FloatArray, seconds: float) -> CountSeries:
+        """Rest in an attitude (3, 3), East-North-Up to the cube, that is none of the twelve positions."""
+        self._move_on()
+        return self._rest(C_bn, seconds)
+
+    def _rest(self, C_bn: FloatArray, seconds: float, position: int = 0) -> CountSeries:
+        samples = round(seconds / self.truth.sample_period_s)
+        return self._record(rest(C_bn, samples, position, self._wait), samples)
+
+    def _move_on(self) -> None:
+        self._index += self._move
+        self.sensor.skip()
+
+    def _dwell(self, position: int, seconds: float) -> CountSeries:
+        C_bn = self.world.attitude(position, self._draw(self.truth.heading_std_deg))
+        return self._rest(C_bn, seconds, position)
+
+    def _turn(self, step: Turn) -> CountSeries:
+        truth = self.truth
+        C_bn = self.world.attitude(step.start_position, self._draw(truth.heading_std_deg), seated=False)
+        segment = turn_segment(
+            self.world, C_bn, step, self._draw(truth.closure_std_deg), truth.sample_period_s, self._hands
+        )
+        return self._record(segment, segment.samples or 0)
+
+    def _draw(self, std_deg: float) -> float:
+        return float(np.radians(std_deg) * self._hands.standard_normal() * self._scatter)
+
+    def _record(self, segment: Segment, samples: int) -> CountSeries:
+        gyro, accel = self.sensor.counts(segment, self._index, 0, samples)
+        ends = np.arange(self._index + 1, self._index + samples + 1, dtype=np.float64)
+        t: FloatArray = self.truth.sample_period_s * ends
+        self._index += samples
+        temperature = self.sensor.temperature(t)
+        return CountSeries(t, gyro, accel, temperature, self.truth.sample_period_s)
+
+
+def turn_segment(
+    world: World, C_bn: FloatArray, turn: Turn, closure: float, period: float, rng: np.random.Generator
+) -> Segment:
+    """Return a hand turn from ``C_bn`` about the slab's normal, ``closure`` [rad] short of or beyond closing.
+
+    ``turn.direction`` is right-handed about the cube axis, which may point up or down.
+    """
+    normal_b = C_bn @ world.slab_normal_n()
+    sense = turn_sign(turn.axis, turn.direction)
+    if not 1 <= turn.revolutions <= MOST_REVOLUTIONS:
+        raise ValueError(f"turn of {turn.revolutions} revolutions: expected 1 to {MOST_REVOLUTIONS}")
+    along = AXES.index(turn.axis)
+    if abs(normal_b[along]) < 0.9:
+        raise ValueError(
+            f"turn about {turn.axis}: that axis is not vertical; place the cube in a position where it is"
+        )
+    total = float(sense * np.sign(normal_b[along]) * 2 * np.pi * turn.revolutions + closure)
+    return hand_turn(C_bn, normal_b, total, round(turn.rest_s / period), period, rng, turn.speed_deg_s)
+
+
+def turn_steps(revolutions: int = 3, rest_s: float = 5.0) -> tuple[Turn, ...]:
+    """Return the six turns, + and - about each axis."""
+    return tuple(Turn(a, d, revolutions, TURN_START[a], rest_s) for a in AXES for d in "+-")
+
+
+def simulate_campaign(
+    truth: Truth,
+    seed: int,
+    *,
+    dwell_s: float = 100.0,
+    positions: Iterable[int] = ALL_POSITIONS,
+    turns: Iterable[Turn] | None = None,
+    certificate_sigma: float | None = None,
+    gravity_std: float = 1e-5,
+    draw_stated: bool = True,
+    move_s: float = 45.0,
+    free: Iterable[FloatArray] = (),
+    also: Planted = (),
+) -> Campaign:
+    """Return a whole campaign: dwells, turns (the six of `turn_steps` unless given), rests in attitudes ``free``.
+
+    Those are (3, 3) each, East-North-Up to the cube.
+
+    The campaign states the truth's gravity with ``gravity_std`` [m/s2], its operator sigmas, and, with
+    ``certificate_sigma`` [rad], a certificate of all six faces. ``draw_stated``: true gravity is the stated one
+    plus a draw of ``gravity_std``, and a certificate is the truth's tilt plus a draw of its sigma; else both are
+    exact (a planted site or fixture effect is what they do not state). Headings and closures are always drawn.
+    """
+    rng = np.random.default_rng([seed, 0xCA17])
+    world = stand(truth)
+    gravity_error, face_error = rng.standard_normal(), rng.standard_normal((6, 2))
+    if draw_stated:
+        world = replace(world, gravity=world.gravity + gravity_std * gravity_error)
+    bench = SimulatedBench(truth, seed, move_s, world, also)
+    dwells = [Dwell(position, dwell_s) for position in positions]
+    faces: dict[str, FaceCertificate] = {}
+    if certificate_sigma is not None:
+        stated = truth.faces_rad + certificate_sigma * face_error * draw_stated
+        covariance = certificate_sigma**2 * np.eye(2)
+        faces = {face: FaceCertificate(stated[i], covariance) for i, face in enumerate(FACES)}
+    return Campaign(
+        model=truth.model,
+        serial=truth.serial,
+        counts=True,
+        site=Site(float(np.radians(truth.latitude_deg)), truth.local_gravity, gravity_std, _field(truth)),
+        dwells=tuple(DwellRecord(d.name, d.position, bench.perform(d)) for d in dwells),
+        turns=tuple(_turn_record(i, t, bench) for i, t in enumerate(turn_steps() if turns is None else turns)),
+        sigma=ProcedureSigma(float(np.radians(truth.heading_std_deg)), float(np.radians(truth.closure_std_deg))),
+        fixture=Fixture(faces, world.C_ib),
+        rests=tuple(RestRecord(f"free_{i + 1:02d}", None, bench.free(C, dwell_s)) for i, C in enumerate(free)),
+    )
+
+
+def _field(truth: Truth) -> tuple[float, float, float]:
+    east, north, up = (float(component) for component in truth.magnetic_enu_ut)
+    return east, north, up
+
+
+def _turn_record(number: int, turn: Turn, bench: SimulatedBench) -> TurnRecord:
+    series = bench.perform(turn)
+    name = f"{turn.name}_{number + 1}" if turn.speed_deg_s is not None else turn.name
+    return TurnRecord(name, turn.axis, turn.direction, turn.revolutions, turn.start_position, series)

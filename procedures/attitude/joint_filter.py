@@ -1,0 +1,87 @@
+"""The joint attitude-velocity-bias filter: the default of every aid.
+
+One error-state filter; only the velocity measurement changes with the aid. Attitude error and velocity share one
+covariance, which is what P2's velocity filter lacks: there the attitude's error is taken for velocity, and in a
+turn beyond a minute the two feed each other.
+"""
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.joint_kernels import AIRSPEED, GNSS, NO_AID, advance, filter_log
+from procedures.attitude.joint_state import AT_REST, BIAS, DEFAULT, FORCE_BIAS, Settings, new_state
+
+AID_CODE = {"none": NO_AID, "airspeed-filter": AIRSPEED, "gnss": GNSS}
+NO_VELOCITY = np.full(3, np.nan)
+
+
+class JointFilter:
+    """Attitude of one sample after another; nothing is kept but the state.
+
+    ``aid`` is one of `AID_CODE`. The first sample's specific force is taken for the vertical, within
+    ``settings.tilt_std``; a gap of more than 5 s begins anew with the biases that were learned.
+    """
+
+    def __init__(self, aid: str = "none", settings: Settings = DEFAULT) -> None:
+        self.aid, self.settings = AID_CODE[aid], settings
+        self.state = new_state(self.aid == AIRSPEED)
+        self._t: float | None = None
+
+    def step(
+        self, t: float, rate: FloatArray, force: FloatArray, airspeed: float = np.nan,
+        velocity: FloatArray = NO_VELOCITY, heading: float = np.nan,
+    ) -> FloatArray:  # fmt: skip
+        """Take the sample that ends at ``t`` [s] and return the down vector (3,) there.
+
+        ``rate`` (3,) [rad/s], ``force`` (3,) [m/s2]; aids are nan where there is none: ``airspeed`` [m/s],
+        ``velocity`` (3,) north-east-down [m/s], ``heading`` [rad] true.
+        """
+        dt = self.settings.nominal_s if self._t is None else t - self._t
+        self._t = t
+        advance(
+            self.state, self.settings, self.aid, dt, rate[0], rate[1], rate[2], force[0], force[1], force[2],
+            airspeed, velocity, heading,
+        )  # fmt: skip
+        return self.down
+
+    def run(self, log: AttitudeLog) -> FloatArray:
+        """Take a whole log: the down vector and its sigma [rad] of every row, (n, 4)."""
+        n = len(log.t)
+        out, none = np.empty((n, 4)), np.full(n, np.nan)
+        dt = log.intervals
+        if self._t is not None:
+            dt[0] = log.t[0] - self._t
+        filter_log(
+            self.state, self.settings, self.aid, dt, log.rate, log.force,
+            none if log.airspeed is None else log.airspeed,
+            np.broadcast_to(NO_VELOCITY, (n, 3)).copy() if log.velocity is None else log.velocity,
+            none if log.heading is None else log.heading, out,
+        )  # fmt: skip
+        self._t = float(log.t[-1])
+        return out
+
+    @property
+    def down(self) -> FloatArray:
+        """The down vector (3,) in body axes."""
+        return np.array(self.state.C_nb[2])
+
+    @property
+    def sigma(self) -> float:
+        """1 sigma [rad] of the down vector's direction."""
+        return float(np.sqrt(self.state.P[0, 0] + self.state.P[1, 1]))
+
+    @property
+    def gyro_bias(self) -> tuple[FloatArray, FloatArray]:
+        """The gyro bias (3,) [rad/s] and its 1 sigma."""
+        return self.state.slow[BIAS : BIAS + 3].copy(), np.sqrt(np.diag(self.state.P)[6:9])
+
+    @property
+    def force_bias(self) -> tuple[FloatArray, FloatArray]:
+        """The accelerometer bias (3,) [m/s2] and its 1 sigma."""
+        return self.state.slow[FORCE_BIAS : FORCE_BIAS + 3].copy(), np.sqrt(np.diag(self.state.P)[12:15])
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the unit was found at rest at the last update."""
+        return bool(self.state.block[AT_REST])

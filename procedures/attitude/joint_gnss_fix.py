@@ -1,0 +1,93 @@
+"""A GNSS velocity in the joint filter: at its own moment, which may be some tenths of a second ago."""
+
+import math
+
+from procedures.arrays import FloatArray
+from procedures.attitude.joint_aids import doubt, heading_of, level_velocity, set_velocity, turn_level_frame
+from procedures.attitude.joint_state import (
+    DV,
+    HEADING_KNOWN,
+    NEWEST,
+    RATE,
+    SPEED,
+    TIME,
+    VELOCITY_KNOWN,
+    Settings,
+    State,
+)  # fmt: skip
+from procedures.attitude.joint_update import measure
+from procedures.attitude.kernel_options import inlined
+
+
+@inlined
+def remember(s: State, c: Settings) -> None:
+    """Keep what velocity and heading gained since the last update, without its corrections."""
+    block, n = s.block, len(s.past)
+    at = (int(block[NEWEST]) + 1) % n
+    block[NEWEST] = at
+    s.past[at, 0] = block[TIME]
+    for i in range(3):
+        s.past[at, 1 + i] = block[DV + i]
+    s.past[at, 3] += c.gravity * block[TIME]
+    C = s.C_nb
+    s.past[at, 4] = C[2, 0] * block[RATE] + C[2, 1] * block[RATE + 1] + C[2, 2] * block[RATE + 2]
+
+
+@inlined
+def look_back(s: State, seconds: float) -> None:
+    """Sum the ring over the last ``seconds`` [s], as far as it reaches, into ``s.gained`` (5,)."""
+    n, at, gained = len(s.past), int(s.block[NEWEST]), s.gained
+    gained[:] = 0.0
+    for _ in range(n):
+        T = s.past[at, 0]
+        if seconds <= 0.0 or T <= 0.0:
+            break
+        share = min(seconds / T, 1.0)
+        for i in range(5):
+            gained[i] += s.past[at, i] * share
+        seconds -= T
+        at = (at + n - 1) % n
+
+
+@inlined
+def velocity_fix(s: State, c: Settings, vel: FloatArray) -> None:
+    """Take in a GNSS velocity (3,) [m/s]; the first fast enough gives the heading where none was given.
+
+    The filter's own velocity carries the motion over the fix interval, so that what is compared are velocity
+    increments, not accelerations at a point; and likewise from the moment of the fix to now.
+    """
+    look_back(s, c.fix_latency)
+    speed = math.hypot(vel[0], vel[1])
+    if math.isnan(s.block[SPEED]) and speed > c.rest_speed:
+        doubt(s, c)
+    s.block[SPEED] = speed
+    knows_heading = s.block[HEADING_KNOWN] > 0.0
+    anew = s.block[VELOCITY_KNOWN] == 0.0
+    if not knows_heading and speed > c.course_speed:
+        turn_level_frame(s, math.atan2(vel[1], vel[0]) + s.gained[4] - heading_of(s), c.course_std)
+        look_back(s, c.fix_latency)
+        knows_heading = anew = True
+    if knows_heading and anew:
+        north, east, down = vel[0] + s.gained[1], vel[1] + s.gained[2], vel[2] + s.gained[3]
+        set_velocity(s, north, east, down, 2 * c.velocity_fix_std)
+        return
+    for i in range(3):
+        if knows_heading or i == 2:
+            late_velocity(s, c, i, vel[i])
+        else:  # as far as the speed goes in some direction
+            level_velocity(s, c, i, 0.0, c.velocity_fix_std**2 + speed * speed)
+
+
+@inlined
+def late_velocity(s: State, c: Settings, i: int, measured: float) -> None:
+    """Measure component ``i`` [m/s] of the velocity as it was at the fix.
+
+    It is v less what was gained since, and that is wrong by psi x (what specific force gained).
+    """
+    gained = s.gained
+    j, k = (i + 1) % 3, (i + 2) % 3
+    by_weight = c.gravity * gained[0]
+    s.at[0], s.H[0] = 3 + i, 1.0
+    s.at[1], s.H[1] = j, -(gained[1 + k] - (by_weight if k == 2 else 0.0))
+    s.at[2], s.H[2] = k, gained[1 + j] - (by_weight if j == 2 else 0.0)
+    measure(s, 3, s.v_n[i] - gained[1 + i] - measured, c.velocity_fix_std**2, c.believed_sigma)

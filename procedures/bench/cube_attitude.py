@@ -1,0 +1,121 @@
+"""How a cube stands while it is carried: its attitude on the slab, from gyro angles and from gravity.
+
+``C_lb`` takes the cube's axes to the slab's East, North, Up. A small angle theta (3,) that the gyros saw, cube
+axes, makes it ``C_lb exp([theta x])``. Gravity says the two tilts, by a rotation about a level axis, which leaves
+the heading alone. The heading is known only from what told it last, and less well with what came since:
+
+    std^2 = told^2 + (k_std turned)^2 + (MISALIGNED path)^2 + lost^2
+
+with ``turned`` the angle about the vertical, whose scale is known to ``k_std``, ``path`` that about level axes,
+of which a gyro that is off square shows that part about the vertical, ``lost`` what a gap may hide. Where nothing
+has told it, std is infinite: it is not known, and no value of it means anything.
+
+Rotation vectors: Rodrigues, `procedures.frames.rotation`. The bookkeeping of the sigma is this project's own.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.frames import face_normal, face_of, nominal_C_lb, rotation, vertical_rotation
+from procedures.rests_and_moves.free_attitudes import leaned
+
+MISALIGNED = 0.01  # rad: gyros are 0.1 deg to 1 deg off square
+HAND_RATE = np.pi / 2  # rad/s: as fast as hands turn a cube that nobody watches
+AGREES = 4.0  # sigma
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Standing:
+    """``C_lb`` (3, 3); ``told_std`` [rad] of the heading when it was told last, infinite if never.
+
+    ``turned`` and ``path`` [rad] since then.
+    """
+
+    C_lb: FloatArray
+    told_std: float = np.inf
+    turned: float = 0.0
+    path: float = 0.0
+
+    @property
+    def up(self) -> FloatArray:
+        """The unit vector (3,), cube axes, that points up."""
+        up: FloatArray = self.C_lb[2]
+        return up
+
+    def heading_std(self, k_std: float) -> float:
+        """Return 1 sigma of the heading [rad]; ``k_std`` is that of the gyros' scale factor, relative."""
+        parts = np.array([self.told_std, k_std * self.turned, MISALIGNED * self.path])
+        return float(np.sqrt(parts @ parts)) if np.isfinite(parts).all() else np.inf
+
+
+def standing(up: FloatArray) -> Standing:
+    """Return a cube of which no more is known than which way ``up`` (3,), cube axes, is up."""
+    return Standing(leaned(up).T)
+
+
+def carried(before: Standing, angles: FloatArray) -> Standing:
+    """Return the cube after the small rotations ``angles`` (n, 3) [rad], cube axes, one after the other."""
+    C, turned, path = before.C_lb, before.turned, before.path
+    for angle, step in zip(angles, rotation(angles), strict=True):
+        vertical = float(C[2] @ angle)
+        turned += vertical
+        path += float(np.sqrt(max(angle @ angle - vertical**2, 0.0)))
+        C = C @ step
+    return replace(before, C_lb=C, turned=turned, path=path)
+
+
+def levelled(before: Standing, up: FloatArray, gain: float) -> Standing:
+    """Return the cube tilted by ``gain`` of the way to where ``up`` (3,), a unit vector in cube axes, is up."""
+    seen = before.C_lb @ up
+    axis = np.array([seen[1], -seen[0], 0.0])  # seen x vertical: level
+    sine = float(np.linalg.norm(axis))
+    if sine < 1e-9:  # upright, or upside down: which way over, nothing says
+        return before if seen[2] > 0 else replace(standing(up), path=before.path)
+    angle = float(np.arctan2(sine, seen[2]))
+    return replace(before, C_lb=_square(rotation(axis / sine * angle * gain) @ before.C_lb))
+
+
+def lost_sight(before: Standing, seconds: float, k_std: float) -> Standing:
+    """Return the cube after a gap in which nobody saw it: hands turn it by `HAND_RATE` at most."""
+    return replace(
+        before, told_std=float(np.hypot(before.heading_std(k_std), HAND_RATE * seconds)), turned=0, path=0
+    )
+
+
+def forgotten(before: Standing) -> Standing:
+    """Return the cube with its heading unknown."""
+    return replace(before, told_std=np.inf, turned=0.0, path=0.0)
+
+
+def told(before: Standing, off: float, std: float, k_std: float) -> Standing:
+    """Return the cube once its heading was told: ``off`` [rad], 1 sigma ``std``, farther counter-clockwise.
+
+    The mean by both sigmas; where they contradict each other what was told counts, as it does not drift.
+    """
+    known = before.heading_std(k_std)
+    if not np.isfinite(std):
+        return before
+    agrees = abs(off) <= AGREES * np.hypot(known, std)
+    share = known**2 / (known**2 + std**2) if agrees and np.isfinite(known) else 1.0
+    C = vertical_rotation(share * off) @ before.C_lb
+    return Standing(C, float(np.sqrt(share)) * std)
+
+
+def heading_off(now: Standing, position: int) -> float:
+    """Return how far to turn the cube [rad], counter-clockwise seen from above, to stand as in ``position``.
+
+    Between -pi and pi; it must rest on the face of that position, near enough.
+    """
+    up = face_normal(face_of(position))
+    C = levelled(now, up, 1.0).C_lb
+    turn = nominal_C_lb(position) @ C.T  # about the vertical
+    return float(np.arctan2(turn[1, 0], turn[0, 0]))
+
+
+def _square(C: FloatArray) -> FloatArray:
+    """Return the rotation nearest to ``C``: rounding adds up over hours."""
+    left, _, right = np.linalg.svd(C)
+    squared: FloatArray = left @ right
+    return squared

@@ -1,0 +1,129 @@
+"""Which dwells stood turned against the marks, by the Earth's rate that the gyros saw in them.
+
+At rest in position p, turned by ``delta`` counter-clockwise from above, a triad counts
+``r = K C_ib C_bl(p) Rz(-(alpha + delta)) w + b`` per second, with ``w`` the Earth's rate East-North-Up and
+``alpha`` what the slab's marks are off North, common to all. K, b, alpha and every delta are parameters of one
+Bayesian fit to the dwells' rates. What a dwell's heading is without its prior follows from that prior's residual
+and leverage h (deletion, as in Cook and Weisberg 1982, 2.2): ``delta / (1 - h)``, with the variance
+``h std^2 / (1 - h)``. It is off where that is beyond `SIGMAS` of both together. The two dwells of a face alone
+show the sum of their headings: both are named until other faces have shown the bias.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import chdtri
+
+from procedures.arrays import FloatArray
+from procedures.earth.gravity_and_rate import DEG_PER_HOUR, earth_rate_n
+from procedures.earth.gyrocompass import Known
+from procedures.frames import nominal_C_lb
+from procedures.statistics.least_squares import Fit, minimise_if_determined
+
+SIGMAS = 4.0
+AS_WELL = 9.0  # of chi2: a dwell whose heading explains nearly as much may be the one
+WIDE = 0.3  # rad, 1 sigma of a heading of which nothing is said
+BIAS_RANGE = 30 * DEG_PER_HOUR  # rad/s, 1 sigma
+SCALE_RANGE, MISALIGNMENT_RANGE = 0.1, 1e-2  # 1 sigma, where only a rough scale factor is known
+STRANGE = 1e-4  # probability of a chi2 above which sigma is widened to what the dwells scatter by
+MOST = 3  # dwells named at most: more of them are another matter than a slip
+FAR = 0.5  # rad: a dwell that stood further off was taken for another position
+
+
+@dataclass(frozen=True, slots=True)
+class HeadingError:
+    """Which of the dwells (their numbers) stood off: one, or one of several that cannot be told apart.
+
+    ``angle`` [rad] is counter-clockwise seen from above against the marks, if it was the first; with 1 sigma.
+    """
+
+    dwells: tuple[int, ...]
+    angle: float
+    std: float
+
+
+def heading_errors(
+    dwells: Sequence[Known], latitude: float, C_ib: FloatArray, K: FloatArray, heading_std: float,
+    ranges: tuple[float, float] = (SCALE_RANGE, MISALIGNMENT_RANGE),
+) -> list[HeadingError]:  # fmt: skip
+    """Name the dwells that stood turned, the clearest first; none where the gyros cannot tell.
+
+    ``K`` (3, 3) [count/rad] is what the gyros count, IMU axes, known to ``ranges``: scale factor and misalignment,
+    relative, 1 sigma. ``latitude`` and ``heading_std`` in rad.
+    """
+    stds, found = np.full(len(dwells), heading_std), list[tuple[int, ...]]()
+    fit, ratio = None, 1.0
+    while len(found) <= MOST and (fit := _fit(dwells, latitude, C_ib, K, stds, ranges)) is not None:
+        gain = _gain(fit, len(dwells))
+        gain[[each[0] for each in found]] = 0.0
+        order = np.argsort(-gain)
+        best = gain[order[0]]
+        if len(found) == MOST or not best > (SIGMAS * _birge_ratio(fit, 3 * len(dwells), best)) ** 2:
+            ratio = _birge_ratio(fit, 3 * len(dwells))
+            break
+        found.append(tuple(int(i) for i in order if gain[i] > best - AS_WELL and gain[i] > 0))
+        stds[found[-1][0]] = WIDE
+    if fit is None:
+        return []
+    angles = fit.x[-len(dwells) :]
+    own = ratio * np.sqrt(np.diag(fit.covariance)[-len(dwells) :])
+    if any(abs(angles[each[0]]) > FAR for each in found):
+        return []
+    errors = [HeadingError(each, float(angles[each[0]]), float(own[each[0]])) for each in found]
+    return [one for one in errors if abs(one.angle) > SIGMAS * np.hypot(one.std, heading_std)]
+
+
+def stood(error: HeadingError) -> str:
+    """Say how a dwell stood."""
+    way = "counter-clockwise" if error.angle > 0 else "clockwise"
+    angle, std = np.degrees(abs(error.angle)), np.degrees(error.std)
+    return f"stood {angle:.1f} deg off, {way} from above, by the Earth rate (1 sigma {std:.1g} deg)"
+
+
+def _gain(fit: Fit, n: int) -> FloatArray:
+    """Return by how much chi2 (n,) would fall if nothing were said of each dwell's heading."""
+    residual, leverage = fit.residual[-n:], fit.leverage[-n:]
+    gain: FloatArray = np.where(leverage < 1 - 1e-9, residual**2 / np.maximum(1 - leverage, 1e-9), 0.0)
+    return gain
+
+
+def _birge_ratio(fit: Fit, rows: int, explained: float = 0.0) -> float:
+    """Return by how much wider sigma is than the dwells' rows say, ``explained`` of chi2 aside (Birge 1932)."""
+    chi2 = fit.chi2 - explained
+    if chi2 <= chdtri(fit.dof, STRANGE):
+        return 1.0
+    free = float(np.sum(1 - fit.leverage[:rows])) - bool(explained)
+    return float(np.sqrt(max(chi2 / max(free, 1.0), 1.0)))
+
+
+def _fit(
+    dwells: Sequence[Known], latitude: float, C_ib: FloatArray, K: FloatArray, stds: FloatArray,
+    ranges: tuple[float, float],
+) -> Fit | None:  # fmt: skip
+    """Fit K (9), b (3), alpha and the headings, in units of the scale factors and the Earth's rate."""
+    k = np.linalg.norm(K, axis=1)
+    C = np.array([C_ib @ nominal_C_lb(each.position).T for each in dwells])
+    _, level, up = earth_rate_n(latitude)
+    unit = float(np.hypot(level, up))
+    rate = np.array([each.rate for each in dwells]) / (k * unit)
+    std = np.array([each.std for each in dwells]) / (k * unit)
+    start_K = K / k[:, None]
+    width = np.where(np.abs(start_K) > 0.5, *ranges)
+
+    def residual(x: FloatArray) -> FloatArray:
+        turned = x[12] + x[13:]
+        w = np.column_stack((level * np.sin(turned), level * np.cos(turned), np.full(len(dwells), up))) / unit
+        model = (C @ w[..., None])[..., 0] @ x[:9].reshape(3, 3).T + x[9:12]
+        return np.concatenate(
+            (
+                ((rate - model) / std).ravel(),
+                (x[:9] - start_K.ravel()) / width.ravel(),
+                x[9:12] / (BIAS_RANGE / unit),
+                x[12:13] / WIDE,
+                x[13:] / stds,
+            )
+        )
+
+    start = np.concatenate((start_K.ravel(), np.zeros(4 + len(dwells))))
+    return minimise_if_determined(residual, start, np.ones(len(start)))

@@ -1,0 +1,175 @@
+"""Is the cube seated as the dwells before say it should be: judged while it is being recorded.
+
+A crumb under the cube tilts it, and a level accelerometer shows the tilt as specific force. What it should show is
+known once the face was up before: its output is ``N = K u + b`` (Yao, Hu, He 2018, eq. 1, 2) with ``u`` the up
+vector as `procedures.calibration.bench_parameters` has it, from slab tilt, face tilt and heading. All of these are
+parameters of one Bayesian fit to the raw rates of the accepted dwells, with the bench's priors and wide ones for K
+and b, centred on what the vertical accelerometers count. The dwell in question takes part with next to no weight,
+so that its residual and its row of the Jacobian are what the others predict of it: ``cov = J P J'``.
+
+The first dwell of a face shows face tilt, bias and misalignment in one sum; the second shows the same sum and the
+slab's tilt reversed. So there is nothing to say of the first, and until one pair is complete the slab is only
+known to be level within its plausible range.
+
+Dwells that contradict each other, as one on a crumb and its clean partner do, predict nothing to their own sigma:
+the prediction's is then wider by the Birge ratio, the square root of chi2 over what the dwells leave free (Birge,
+Phys. Rev. 40, 1932). What no fit explains is not judged at all.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import chdtri
+
+from procedures.arrays import FloatArray
+from procedures.calibration.bench_parameters import Bench, Placement
+from procedures.calibration.campaign import Campaign, Fixture, ProcedureSigma, Site
+from procedures.calibration.twelve_position import mountings, specific_force
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.frames import AXES, cross_axes, face_normal, face_of
+from procedures.statistics.least_squares import Fit, minimise_if_determined
+
+SCALE_RANGE = 0.1  # 1 sigma of k about what a vertical accelerometer counts, or the others do
+MISALIGNMENT_RANGE = 1e-2  # 1 sigma
+BIAS_RANGE = 2e-2  # g, 1 sigma
+GRAVITY_STD = 1e-6  # m/s2: g and k are one factor here
+BLIND = 1e3  # g, 1 sigma of the dwell in question
+
+ARCSEC = float(np.radians(1 / 3600))  # rad
+SURE = 5.0  # sigma
+FLOOR = 3 * ARCSEC  # as well as a clean cube comes back to a clean slab
+GROSS, FINE = 60 * ARCSEC, 15 * ARCSEC
+STRANGE = 1e-4  # probability of a chi2 above which the dwells before contradict each other
+MOST_OFF = 0.1  # rad: a cube whose face passed for upright is not tilted by more; such a fit has failed
+PLAUSIBLE = (
+    1e-3  # rad: what a cube's own faces may be tilted by, as `procedures.calibration.bench_parameters.FACE_RANGE`
+)
+
+Rates = tuple[int, FloatArray, FloatArray]
+"""Position 1..12, accelerometer rates (3,) and 1 sigma (3,) [count/s], IMU axes, raw."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seating:
+    """How far the cube is tilted from where the dwells before put it [rad], each (2,).
+
+    Measured less predicted up vector along the face's two other cube axes, in x, y, z order; 1 sigma of the
+    prediction and of the measurement.
+    """
+
+    off: FloatArray
+    predicted_std: FloatArray
+    measured_std: FloatArray
+    axes: str
+
+    @property
+    def std(self) -> FloatArray:
+        """1 sigma (2,) [rad] of prediction and measurement together."""
+        both: FloatArray = np.hypot(self.predicted_std, self.measured_std)
+        return both
+
+
+def seating(accepted: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: float) -> Seating | None:
+    """Compare a dwell, while it is being recorded, with what the accepted ones predict of it.
+
+    None while no other dwell has this face up, or where the dwells before contradict each other so much that they
+    predict nothing. Dwells in the position of ``now`` are left out: they are what is being done again; so should
+    be those that are known to sit badly. ``heading_std`` [rad] is how well a position's heading is set.
+    """
+    position, _, std = now
+    face = face_of(position)
+    before = [each for each in accepted if each[0] != position]
+    if not any(face_of(each[0]) == face for each in before):
+        return None
+    k = _scale(before, fixture.C_ib)
+    fit = _fit(before, now, fixture, heading_std)
+    if fit is None or not _is_plausible(fit.x[:9].reshape(3, 3), k):
+        return None
+    row = slice(3 * len(before), 3 * len(before) + 3)
+    to_tilt = (fixture.C_ib.T @ np.linalg.inv(fit.x[:9].reshape(3, 3)))[list(cross_axes(face))]
+    J = BLIND * to_tilt @ (k[:, None] * fit.jacobian[row])
+    predicted: FloatArray = np.sqrt(np.einsum("ip,pq,iq->i", J, fit.covariance, J))
+    off: FloatArray = BLIND * to_tilt @ (k * fit.residual[row])
+    if not np.all(np.abs(off) < MOST_OFF):
+        return None
+    return Seating(
+        off=off,
+        predicted_std=_birge_ratio(fit, 3 * len(before)) * predicted,
+        measured_std=np.sqrt(to_tilt**2 @ std**2),
+        axes="".join(AXES[i] for i in cross_axes(face)),
+    )
+
+
+def judge(seating: Seating) -> str:
+    """Say why the cube should be lifted; empty if it sits well.
+
+    Off is an axis by more than five sigma of prediction and measurement together, but not by less than 3 arcsec:
+    a good cube on a clean slab comes back no better, and nobody should wipe for nothing. Sigma shrinks while
+    the dwell lasts; so that a gross tilt need not wait for it, 60 arcsec are enough where sigma is at most 15.
+    Chance passes five sigma once in 1.7e6 looks and that second rule's four once in 16000; the latter applies in
+    the few seconds only in which sigma falls from 15 to 12 arcsec.
+    """
+    limit = np.maximum(SURE * seating.std, FLOOR)
+    limit = np.where(seating.std <= FINE, np.minimum(limit, GROSS), limit)
+    worst = int(np.argmax(np.abs(seating.off) / limit))
+    if abs(seating.off[worst]) <= limit[worst]:
+        return ""
+    off, most = seating.off[worst] / ARCSEC, limit[worst] / ARCSEC
+    way = ("-" if off < 0 else "+") + seating.axes[worst]
+    return f"tilted by {abs(off):.0f} arcsec along {way}, limit {most:.0f}"
+
+
+def _is_plausible(K: FloatArray, k: FloatArray) -> bool:
+    """Say whether K is the scale factors ``k`` but for what units differ by; five sigma are granted."""
+    off = np.abs(K / k[:, None] - np.eye(3))
+    return bool(np.all(off < 5 * np.where(np.eye(3), SCALE_RANGE, MISALIGNMENT_RANGE)))
+
+
+def _birge_ratio(fit: Fit, rows: int) -> float:
+    """Return by how much wider sigma is than the first ``rows`` rows say, which are those of the dwells before."""
+    if fit.chi2 <= chdtri(fit.dof, STRANGE):
+        return 1.0
+    free = float(np.sum(1 - fit.leverage[:rows]))
+    return float(np.sqrt(fit.chi2 / max(free, 1.0)))
+
+
+def _fit(before: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: float) -> Fit | None:
+    """Fit K (9), b (3) and the bench's parameters; the last dwell's three rows carry no weight."""
+    site = Site(0.0, STANDARD_GRAVITY, GRAVITY_STD)
+    campaign = Campaign("", "", True, site, (), (), ProcedureSigma(heading_std), fixture)
+    bench = Bench(tuple(Placement(0, 0, each[0], heading_std) for each in (*before, now)), (campaign,), 1)
+    C_ib, prior, k = mountings([campaign], bench), bench.priors(), _scale(before, fixture.C_ib)
+    rate = np.array([*(each[1] for each in before), now[1]])
+    sigma = np.array([*(each[2] for each in before), BLIND * k])
+    centre = np.diag(k)
+    ranges = np.abs(k)[:, None] * np.where(np.eye(3), SCALE_RANGE, MISALIGNMENT_RANGE)
+
+    def residual(x: FloatArray) -> FloatArray:
+        K, b = x[:9].reshape(3, 3), x[9:12]
+        model = specific_force(bench, x[12:], C_ib) @ K.T + b
+        return np.concatenate(
+            (
+                ((rate - model) / sigma).ravel(),
+                ((K - centre) / ranges).ravel(),
+                b / (BIAS_RANGE * k),
+                prior.matrix @ x[12:] - prior.mean,
+            )
+        )
+
+    start = np.concatenate((centre.ravel(), np.zeros(3 + bench.size)))
+    scale = np.concatenate((np.full(12, np.abs(k).max()), np.full(bench.size, 0.1)))
+    return minimise_if_determined(residual, start, scale)
+
+
+def _scale(dwells: Sequence[Rates], C_ib: FloatArray) -> FloatArray:
+    """Return what 1 g counts (3,) per second, from the dwells that have a sensor upright.
+
+    A sensor that was never upright is taken to be like the others, and to count forwards.
+    """
+    up = np.array([C_ib @ face_normal(face_of(position)) for position, _, _ in dwells])
+    rate = np.array([rate for _, rate, _ in dwells])
+    upright = np.abs(up).sum(axis=0)
+    k = (up * rate).sum(axis=0) / np.maximum(upright, 1)
+    like: FloatArray = np.where(upright > 0, k, np.mean(np.abs(k[upright > 0])))
+    return like

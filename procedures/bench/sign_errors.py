@@ -1,0 +1,191 @@
+"""Signs that contradict each other: sensors that count backwards, turns and positions recorded the wrong way.
+
+A sensor's own term of E is near -1 where its sign is inverted, and just as well where the turns about its axis, or
+the positions with it up and down, are recorded exchanged. The Earth's rate in the dwells tells these apart where
+the gyroscopes resolve it: with K as the turns have it, a gyroscope at rest puts out ``b + a K w``, w the Earth's
+rate as the positions have it, and a = +1 where turns and dwells agree. Turns recorded in the opposite direction
+leave a = -1 in the vertical part of w and in the horizontal one, positions recorded upside down in the vertical
+part alone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.calibration.campaign import Campaign
+from procedures.calibration.hand_turns import GyroscopeFit
+from procedures.calibration.observations import TriadDwells
+from procedures.calibration.twelve_position import JointFit
+from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.frames import AXES, nominal_C_lb
+
+ALONG = 0.8  # of a row of E that must lie along the sensor's own axis for its sign to mean anything
+SURE = 6.0  # sigmas of a from nought
+NEAR = 0.3  # of a from +-1, beside four of its sigmas
+LEAST = 6  # dwells
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EarthSigns:
+    """a of each gyroscope (3,) with 1 sigma (3,), by the vertical and the horizontal part of the Earth's rate."""
+
+    vertical: FloatArray
+    vertical_std: FloatArray
+    horizontal: FloatArray
+    horizontal_std: FloatArray
+
+    def of_turns(self, sensors: Sequence[int]) -> int:
+        """Return +1 or -1 as the dwells agree with the turns' directions or contradict them; 0 if not told."""
+        both = (
+            _sign(self.vertical, self.vertical_std, sensors),
+            _sign(self.horizontal, self.horizontal_std, sensors),
+        )
+        told = {sign for sign in both if sign}
+        values = np.concatenate([self.vertical[sensors], self.horizontal[sensors]])
+        stds = np.concatenate([self.vertical_std[sensors], self.horizontal_std[sensors]])
+        whole = _sign(values, stds, range(len(values)))
+        return whole if told == {whole} else 0
+
+    def of_faces(self, sensors: Sequence[int]) -> int:
+        """Return +1 or -1 as the dwells agree with the faces that their positions name; 0 if not told."""
+        return _sign(self.vertical, self.vertical_std, sensors)
+
+
+def _sign(a: FloatArray, std: FloatArray, sensors: Sequence[int]) -> int:
+    use = [q for q in sensors if np.isfinite(std[q])]
+    if not use:
+        return 0
+    weight = std[use] ** -2.0
+    mean, sigma = float(weight @ a[use] / weight.sum()), float(weight.sum() ** -0.5)
+    sign = 1 if mean > 0 else -1
+    return sign if abs(mean) > SURE * sigma and abs(mean - sign) < max(NEAR, 4 * sigma) else 0
+
+
+def earth_signs(
+    campaigns: Sequence[Campaign],
+    dwells: Sequence[tuple[int, int]],
+    rate: FloatArray,
+    std: FloatArray,
+    K: FloatArray,
+) -> EarthSigns:
+    """Compare the gyroscopes' rates (n, 3) in dwells, (campaign, position) each, with the Earth's by K (3, 3).
+
+    ``std`` (n, 3) is the rates' 1 sigma by counting noise [output/s]; scatter beyond it widens a's.
+    """
+    parts = np.array([_earth(campaigns[number], position) for number, position in dwells]).reshape(-1, 2, 3)
+    first = np.array([float(number == n) for number, _ in dwells for n in range(len(campaigns))])
+    own_bias = first.reshape(len(dwells), len(campaigns))
+    own_bias = own_bias[:, own_bias.any(axis=0)]
+    found = np.array([_ratio(parts @ K[q], own_bias, rate[:, q], std[:, q]) for q in range(3)])
+    return EarthSigns(found[:, 0, 0], found[:, 0, 1], found[:, 1, 0], found[:, 1, 1])
+
+
+def _earth(campaign: Campaign, position: int) -> FloatArray:
+    """Return the Earth's rate (2, 3) [deg/s] in IMU axes at a position: vertical part, horizontal part."""
+    omega = np.degrees(earth_rate_n(campaign.site.latitude))
+    C = campaign.fixture.C_ib @ nominal_C_lb(position).T
+    return np.array([C[:, 2] * omega[2], C[:, 1] * omega[1]])
+
+
+def _ratio(parts: FloatArray, bias: FloatArray, rate: FloatArray, std: FloatArray) -> FloatArray:
+    """Return a and its 1 sigma (2, 2) of both parts (n, 2) of a sensor's output; infinite where not seen."""
+    A = np.hstack((parts, bias))
+    unknown = np.tile([0.0, np.inf], (2, 1))
+    size = np.linalg.norm(A, axis=0)
+    if len(A) < max(LEAST, A.shape[1] + 2) or np.any(size[2:] == 0):
+        return unknown
+    use = np.concatenate((size[:2] > 0, np.ones(bias.shape[1], dtype=bool)))
+    scaled = A[:, use] / size[use]
+    if np.linalg.cond(scaled) > 1e3:
+        return unknown
+    x, *_ = np.linalg.lstsq(scaled, rate, rcond=None)
+    left = rate - scaled @ x
+    variance = max(float(left @ left) / (len(A) - int(use.sum())), float(np.mean(std**2)))
+    sigma = np.sqrt(np.diag(np.linalg.inv(scaled.T @ scaled)) * variance)
+    found = unknown.copy()
+    number = int(use[:2].sum())
+    found[use[:2]] = np.stack((x[:number], sigma[:number]), axis=1) / size[:2][use[:2], None]
+    return found
+
+
+def backwards(K: FloatArray) -> list[int]:
+    """Return the sensors whose own input is inverted; none where a sensor lies along another's axis."""
+    E = K / np.linalg.norm(K, axis=1)[:, None]
+    own = np.diag(E)
+    return np.flatnonzero(own < 0).tolist() if np.all(np.abs(own) > ALONG) else []
+
+
+def sign_warnings(
+    campaigns: Sequence[Campaign],
+    accelerometer: JointFit | None,
+    gyroscope: GyroscopeFit | None,
+    gyro: TriadDwells | None,
+) -> list[str]:
+    """Name the sensors that count backwards, and what else would look so."""
+    accel_back = backwards(accelerometer.K) if accelerometer is not None else []
+    gyro_back = backwards(gyroscope.joint.K) if gyroscope is not None else []
+    if not accel_back and not gyro_back:
+        return []
+    signs = None
+    if gyroscope is not None and gyro is not None:
+        dwells = [(number, dwell.position) for number, dwell in gyro.dwells]
+        signs = earth_signs(campaigns, dwells, gyro.rate, gyro.std, gyroscope.joint.K)
+    C_ib = campaigns[0].fixture.C_ib
+    found = []
+    for sensors in [gyro_back] if len(gyro_back) == 3 else [[q] for q in gyro_back]:
+        found.append(_of_gyroscopes(sensors, C_ib, 0 if signs is None else signs.of_turns(sensors)))
+    for sensors in [accel_back] if len(accel_back) == 3 else [[q] for q in accel_back]:
+        told = signs is not None and not set(sensors) & set(gyro_back)
+        found.append(_of_accelerometers(sensors, C_ib, signs.of_faces(sensors) if told and signs else 0))
+    return found
+
+
+def _of_gyroscopes(sensors: Sequence[int], C_ib: FloatArray, sign: int) -> str:
+    whole = len(sensors) == 3
+    turns = "all turns are" if whole else f"the turns about {cube_axis(C_ib, sensors[0])} are"
+    who = "the gyroscopes' signs are" if whole else f"the sign of gyroscope {AXES[sensors[0]]} is"
+    they = "all three gyroscopes count" if whole else f"gyroscope {AXES[sensors[0]]} counts"
+    if sign < 0:
+        return (
+            f"{turns} labelled in the opposite direction: by them {they} backwards, by the Earth's rate in the "
+            f"dwells forwards; correct their direction"
+        )
+    if sign > 0:
+        return f"{who} inverted: {they} backwards in the turns, and under the Earth's rate in the dwells"
+    return (
+        f"{turns} labelled in the opposite direction, or {who} inverted: by them {they} backwards, and the "
+        f"Earth's rate in the dwells does not tell which; look at the direction of one turn"
+    )
+
+
+def _of_accelerometers(sensors: Sequence[int], C_ib: FloatArray, sign: int) -> str:
+    whole = len(sensors) == 3
+    axis = cube_axis(C_ib, sensors[0])
+    who = "the accelerometers' signs are" if whole else f"the sign of accelerometer {AXES[sensors[0]]} is"
+    they = "all three accelerometers count" if whole else f"accelerometer {AXES[sensors[0]]} counts"
+    faces = "all positions are recorded upside down"
+    if not whole:
+        faces = f"the positions with {axis} up and those with {axis} down are exchanged"
+    if sign > 0:
+        return f"{who} inverted: {they} backwards, and the Earth's rate in the dwells bears the positions out"
+    if sign < 0:
+        return f"{faces}: by them {they} backwards, and the Earth's rate in the dwells is that of the other faces"
+    return f"{who} inverted, or {faces}: {they} backwards; look at one position with {axis} up"
+
+
+def cube_axis(C_ib: FloatArray, sensor: int) -> str:
+    """Return the cube axis along which a sensor lies."""
+    return AXES[int(np.argmax(np.abs(C_ib[sensor])))]
+
+
+def reversed_axes(K: FloatArray, signs: EarthSigns, C_ib: FloatArray) -> BoolArray:
+    """Mark the cube axes (3,) the turns about which are, for certain, recorded in the opposite direction."""
+    back = backwards(K)
+    groups = [back] if len(back) == 3 else [[q] for q in back]
+    marked = np.zeros(3, dtype=bool)
+    for sensors in groups:
+        if signs.of_turns(sensors) < 0:
+            marked[[AXES.index(cube_axis(C_ib, q)) for q in sensors]] = True
+    return marked

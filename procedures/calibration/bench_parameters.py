@@ -1,0 +1,314 @@
+"""What the bench adds to the IMU: slab tilt, face tilts, headings and gravity, as parameters with priors.
+
+A cube face's tilt is kept as two numbers a pair of opposite faces shares: parallelism p, the sum of both
+faces' up tilts, and perpendicularity q, half their difference, so that the tilts are p/2 + q with the axis
+up and p/2 - q with it down. Turning the IMU's misalignment with q changes nothing that twelve positions can see,
+to first order. Without a certificate q is held at what p makes likely: a face is tilted by the machining items it
+is reached through (P1, Yao, Hu, He 2018, table 2), one for X up and three for X down, three and five for Y and
+Z, so the datum faces, on which the cube stands with an axis up, have the smaller share of p. Misalignment is
+reported for the *mean cube*, each pair's two normals averaged (`mean_cube`).
+
+To second order the part of q that makes the cube skew, ``S_xy = q_xy + q_yx``, does enter the bias:
+``dD_x = -(S_xy p_xy + S_xz p_xz) / 2`` (from the unit length of every up vector; `skew_jacobian`). On P1's cube
+that is 0.7e-7 g if q is taken as zero, as much as the noise of 100 s dwells.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.bench.measured_cube import NAMES, SKEW, from_tilts
+from procedures.calibration.campaign import Campaign, MeasuredCube, Site
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.frames import AXES, cross_axes, face_normal, face_of, nominal_C_lb, rotation, slab_C_ln
+
+FACE_RANGE = 1e-3  # rad, 1 sigma: a cube 0.4 mm off in 400 mm is not a fixture
+ITEMS_UP, ITEMS_DOWN = np.array([1.0, 3.0, 3.0]), np.array([3.0, 5.0, 5.0])  # P1 table 2, per face pair
+HELD = 1e-9  # rad, 1 sigma of what is held: nothing beside any tilt, yet no more than the arithmetic bears
+SLAB_RANGE = 5e-3  # rad, 1 sigma: 0.3 deg
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placement:
+    """One step's cube on the slab: which campaign, which cube, which position, 1 sigma of its heading [rad]."""
+
+    campaign: int
+    cube: int
+    position: int
+    heading_std: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prior:
+    """Rows of prior knowledge: the whitened residual is ``matrix @ x - mean``; matrix (k, p), mean (k,).
+
+    ``loose`` (k,) marks plausible ranges: they keep a parameter in bounds and are no measurements of it.
+    """
+
+    mean: FloatArray
+    matrix: FloatArray
+    loose: BoolArray
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """The nuisance parameters of all steps and where each stands in the vector (p,).
+
+    Order: per campaign slab tilt (2); per site relative gravity error (1); per cube parallelism (6) and
+    perpendicularity (6), row by face pair; per placement heading (1).
+    """
+
+    placements: tuple[Placement, ...]
+    campaigns: tuple[Campaign, ...]
+    cubes: int
+    skew_seen: bool = False  # by rests in free attitudes: then only the cube's turning as a whole is held
+
+    @cached_property
+    def sites(self) -> tuple[Site, ...]:
+        """The sites: campaigns at one share its gravity and that gravity's error."""
+        return tuple(dict.fromkeys(campaign.site for campaign in self.campaigns))
+
+    @property
+    def shared(self) -> int:
+        """Number of parameters that belong to no single placement."""
+        return 2 * len(self.campaigns) + len(self.sites) + 12 * self.cubes
+
+    @property
+    def size(self) -> int:
+        """Number of parameters."""
+        return self.shared + len(self.placements)
+
+    def slab(self, x: FloatArray, campaign: int) -> FloatArray:
+        """Slab tilt (2,) [rad]: East and North components of the up vector seen from the slab."""
+        return x[2 * campaign : 2 * campaign + 2]
+
+    def gravity(self, x: FloatArray, campaign: int) -> float:
+        """Local gravity [g]."""
+        site = self.campaigns[campaign].site
+        error = float(x[2 * len(self.campaigns) + self.sites.index(site)])
+        return site.gravity / STANDARD_GRAVITY * (1 + error)
+
+    def cube_slice(self, cube: int) -> slice:
+        """Where a cube's parallelism (6) and perpendicularity (6) stand."""
+        begin = 2 * len(self.campaigns) + len(self.sites) + 12 * cube
+        return slice(begin, begin + 12)
+
+    def heading_index(self, placement: int) -> int:
+        """Where a placement's heading stands."""
+        return self.shared + placement
+
+    def parallelism(self, x: FloatArray, cube: int = 0) -> FloatArray:
+        """Parallelism (3, 2) [rad] of a cube."""
+        return x[self.cube_slice(cube)][:6].reshape(3, 2)
+
+    def perpendicularity(self, x: FloatArray, cube: int = 0) -> FloatArray:
+        """Perpendicularity (3, 2) [rad] of a cube."""
+        return x[self.cube_slice(cube)][6:].reshape(3, 2)
+
+    @cached_property
+    def _nominal(self) -> FloatArray:
+        return np.array([nominal_C_lb(at.position).T for at in self.placements]).reshape(-1, 3, 3)
+
+    @cached_property
+    def _campaign(self) -> IntArray:
+        return np.array([at.campaign for at in self.placements])
+
+    @cached_property
+    def _tilt_rotation(self) -> FloatArray:
+        """(m, 3, p): takes the parameters to the rotation vector of every placement's face, as `face_C_bs`."""
+        G = np.zeros((len(self.placements), 3, self.size))
+        for i, at in enumerate(self.placements):
+            face = face_of(at.position)
+            turn = np.stack([np.cross(face_normal(face), np.eye(3)[k]) for k in cross_axes(face)], axis=1)
+            p = self.cube_slice(at.cube).start + 2 * AXES.index(face[0])
+            G[i, :, p : p + 2] = turn / 2
+            G[i, :, p + 6 : p + 8] = turn if face.endswith("up") else -turn
+        return G
+
+    def to_cube(self, x: FloatArray) -> FloatArray:
+        """Return (m, 3, 3): the rotation from the slab's marks, at nominal heading, to every placement's cube."""
+        result: FloatArray = rotation(self._tilt_rotation @ x) @ self._nominal
+        return result
+
+    def seen(self, x: FloatArray, vector_n: Sequence[FloatArray], motion: FloatArray | None = None) -> FloatArray:
+        """Return (m, 3): each campaign's vector, given East-North-Up, as every placement's cube sees it.
+
+        ``motion`` (m, 3, 3), where given, is the integral over a turn of the rotation from its start.
+        All placements at once: this is the inner loop of the solve.
+        """
+        on_slab = np.stack([slab_C_ln(self.slab(x, i)) @ v for i, v in enumerate(vector_n)])[self._campaign]
+        heading = np.zeros((len(self.placements), 3))
+        heading[:, 2] = -x[self.heading_index(0) : self.size]
+        turned = rotation(heading) @ on_slab[..., None]
+        if motion is not None:
+            turned = motion @ turned
+        result: FloatArray = (self.to_cube(x) @ turned)[..., 0]
+        return result
+
+    def priors(self) -> "Prior":
+        """Return what is known before the first count.
+
+        Perpendicularity without a certificate is held where `ITEMS_UP` and `ITEMS_DOWN` put it; where the skew
+        is seen or was measured, only the part of it that turns the cube.
+        """
+        rows: list[FloatArray] = []
+        means: list[float] = []
+        loose: list[bool] = []
+
+        def add(index: int, sigma: float, is_range: bool = False) -> None:
+            row = np.zeros(self.size)
+            row[index] = 1 / sigma
+            rows.append(row)
+            means.append(0.0)
+            loose.append(is_range)
+
+        for i in range(2 * len(self.campaigns)):
+            add(i, SLAB_RANGE, True)
+        for i, site in enumerate(self.sites):
+            add(2 * len(self.campaigns) + i, site.gravity_std / site.gravity)
+        for cube in range(self.cubes):
+            certified = self._certificates(cube)
+            begin = self.cube_slice(cube).start
+            for pair in range(3):
+                held = self.held_pairs(cube)[pair] and not self.skew_known(cube)
+                for k in (0, 1):
+                    add(begin + 2 * pair + k, FACE_RANGE * np.sqrt(2), True)
+                    add(begin + 6 + 2 * pair + k, HELD if held else FACE_RANGE, not held)
+                    if held:
+                        rows[-1][begin + 2 * pair + k] = -_datum_share(pair) / HELD
+            for (pair, sign), (tilt, covariance) in certified.items():
+                white = np.linalg.inv(np.linalg.cholesky(covariance))
+                row = np.zeros((2, self.size))
+                row[:, begin + 2 * pair : begin + 2 * pair + 2] = white / 2
+                row[:, begin + 6 + 2 * pair : begin + 8 + 2 * pair] = sign * white
+                rows.extend(row)
+                means.extend(white @ tilt)
+                loose.extend((False, False))
+            if (measured := self.measured(cube)) is not None:
+                white = np.linalg.inv(np.linalg.cholesky(measured.covariance))
+                row = np.zeros((len(measured.names), self.size))
+                row[:, begin : begin + 12] = white @ from_tilts()[[NAMES.index(name) for name in measured.names]]
+                rows.extend(row)
+                means.extend(white @ measured.value)
+                loose.extend([False] * len(row))
+            if self.skew_known(cube):
+                rows.extend(turns := self._held_turns(cube))
+                means.extend([0.0] * len(turns))
+                loose.extend([False] * len(turns))
+        for i, at in enumerate(self.placements):
+            add(self.heading_index(i), at.heading_std)
+        return Prior(np.array(means), np.stack(rows), np.array(loose))
+
+    def measured(self, cube: int) -> MeasuredCube | None:
+        """Return what IMUs measured of a cube before; None of one that nobody did."""
+        return self.campaigns[self._campaign_of(cube)].fixture.measured
+
+    def skew_known(self, cube: int = 0) -> bool:
+        """Say whether rests in free attitudes show a cube's skew, or it was measured: it is then not held."""
+        measured = self.measured(cube) if self.cubes else None
+        return self.skew_seen or (measured is not None and any(name in SKEW for name in measured.names))
+
+    def _held_turns(self, cube: int) -> list[FloatArray]:
+        """Return rows (p,) that hold ``q_ac - q_ca`` of uncertified pairs a, c where their p makes it likely."""
+        begin, held, rows = self.cube_slice(cube).start, self.held_pairs(cube), list[FloatArray]()
+        for a, c in ((0, 1), (0, 2), (1, 2)):
+            row = np.zeros(self.size)
+            for pair, other, sign in ((a, c, 1.0), (c, a, -1.0)):
+                at = begin + 2 * pair + cross_axes(f"{AXES[pair]}_up").index(other)
+                row[at + 6], row[at] = sign / HELD, -sign * _datum_share(pair) / HELD
+            rows += [row] if held[a] and held[c] else []
+        return rows
+
+    def held_pairs(self, cube: int) -> list[bool]:
+        """Say of each face pair whether its perpendicularity is held: of the first cube, without a certificate.
+
+        A second cube differs from the first, and an IMU turned in its cube sees the difference: there it is free.
+        """
+        certified = self._certificates(cube)
+        mountings = {c.fixture.C_ib.tobytes() for c in self.campaigns}
+        alone = cube == 0 and len(mountings) == 1
+        return [alone and (pair, 1) not in certified and (pair, -1) not in certified for pair in range(3)]
+
+    def certified_pairs(self, cube: int) -> list[bool]:
+        """Say of each face pair whether its parallelism is known: certified of both faces, or measured by IMUs."""
+        certified, measured = self._certificates(cube), self.measured(cube) is not None
+        return [measured or {(pair, 1), (pair, -1)} <= set(certified) for pair in range(3)]
+
+    def _campaign_of(self, cube: int) -> int:
+        """Return the first campaign in which a cube stands somewhere."""
+        stands = (at.campaign for at in self.placements if at.cube == cube)
+        return next(stands, cube_numbers(self.campaigns).tolist().index(cube))
+
+    def _certificates(self, cube: int) -> dict[tuple[int, int], tuple[FloatArray, FloatArray]]:
+        return {
+            (AXES.index(face[0]), 1 if face.endswith("up") else -1): (each.up_tilt, each.covariance)
+            for face, each in self.campaigns[self._campaign_of(cube)].fixture.faces.items()
+        }
+
+
+def _datum_share(pair: int) -> float:
+    """Return q / p of the likeliest cube: the up face's share of p, less a half."""
+    return float(ITEMS_UP[pair] / (ITEMS_UP[pair] + ITEMS_DOWN[pair]) - 0.5)
+
+
+def mean_cube(q: FloatArray) -> FloatArray:
+    """Return (3, 3): columns the unit mean normals of the face pairs for perpendicularity ``q`` (3, 2)."""
+    normals = np.eye(3)
+    for pair, axis in enumerate(AXES):
+        normals[list(cross_axes(f"{axis}_up")), pair] = q[pair]
+    unit: FloatArray = normals / np.linalg.norm(normals, axis=0)
+    return unit
+
+
+def mean_axes(q: FloatArray) -> FloatArray:
+    """Return (3, 3): columns the orthogonal axes nearest to the mean normals (polar factor of `mean_cube`)."""
+    U, _, Vt = np.linalg.svd(mean_cube(q))
+    axes: FloatArray = U @ Vt
+    return axes
+
+
+def skew_variance(p: FloatArray, held: Sequence[bool]) -> FloatArray:
+    """Return the variance (3,) [rad^2] of the skews S_xy, S_xz, S_yz of a cube whose parallelism is ``p`` (3, 2).
+
+    An item's variance is judged from p, whose two values per pair have the pair's items between them; the factor
+    is the mean of the posterior of a variance seen with that many degrees of freedom. Certified pairs add none.
+    """
+    free = np.asarray(held)
+    items = ITEMS_UP + ITEMS_DOWN
+    if not free.any():
+        return np.zeros(3)
+    item = np.sum((p**2 / items[:, None])[free]) / max(2 * free.sum() - 2, 1)
+    q = np.where(free, item * ITEMS_UP * ITEMS_DOWN / items, 0.0)
+    return np.array([q[0] + q[1], q[0] + q[2], q[1] + q[2]])
+
+
+def skew_jacobian(p: FloatArray, E: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return d(k)/k (3, 3) and dD (3, 3) [g] by the skews S_xy, S_xz, S_yz; rows are sensors in cube axes.
+
+    ``|K_q|`` changes by ``k E_qa E_qc S_ac`` as the cube's skew turns misalignment into it.
+    """
+    pairs = ((0, 1), (0, 2), (1, 2))
+    scale = np.stack([E[:, a] * E[:, c] for a, c in pairs], axis=1)
+    table = np.zeros((3, 3))
+    for pair, axis in enumerate(AXES):
+        table[pair, list(cross_axes(f"{axis}_up"))] = p[pair]
+    bias = np.zeros((3, 3))
+    for k, (a, c) in enumerate(pairs):
+        bias[a, k], bias[c, k] = -table[a, c] / 2, -table[c, a] / 2
+    return scale, bias
+
+
+def cube_numbers(campaigns: Sequence[Campaign]) -> IntArray:
+    """Return (c,) the number of each campaign's cube: campaigns whose ``fixture.id`` agrees share one."""
+    names: list[object] = [c.fixture.id if c.fixture.id is not None else object() for c in campaigns]
+    first = {id(name) if not isinstance(name, str) else name: None for name in names}
+    order = list(first)
+    return np.array([order.index(id(n) if not isinstance(n, str) else n) for n in names], dtype=np.int64)
+
+
+def tilt_names() -> list[str]:
+    """Return the six names ``x.y``, ``x.z``, ``y.x`` ... of a cube's parallelism or perpendicularity."""
+    return [f"{axis}.{AXES[k]}" for axis in AXES for k in cross_axes(f"{axis}_up")]

@@ -1,0 +1,338 @@
+"""From campaigns to a solution: both triads, the bench, the residual, and what stayed open."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.bench.face_check import refuse_wrong_faces
+from procedures.bench.heading_warnings import turned_off
+from procedures.bench.sign_errors import sign_warnings
+from procedures.calibration.bench_parameters import tilt_names
+from procedures.calibration.campaign import Campaign, RestRecord, period_std
+from procedures.calibration.hand_turns import GyroscopeFit, solve_gyroscope
+from procedures.calibration.observations import (
+    TriadDwells,
+    TriadRests,
+    TurnTotal,
+    dwell_rates,
+    rest_rates,
+    turn_totals,
+)
+from procedures.calibration.residuals import fit_quality, step_residuals
+from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
+from procedures.calibration.triad_calibration import (
+    TriadVector,
+    moves_vector,
+    paper_biases,
+    triad_vector,
+    with_clock,
+)
+from procedures.calibration.turn_on_warnings import turn_on_warnings
+from procedures.calibration.twelve_position import JointFit, missing_positions, solve_accelerometer
+from procedures.counts.dead_channels import without_dead
+from procedures.errors import NotObservable
+from procedures.frames import AXES
+from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests, with_known_faces
+from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit, solve_moves
+from procedures.rests_and_moves.norm_fit import LEAST_RESTS
+from procedures.rests_and_moves.sequences import Segmented, all_rests, segment
+from procedures.uncertainty.latitude_and_time_base import clock_on_accelerometer, clock_on_moves
+
+NEVER_EXCITED = ("accelerometer.cross_product", "accelerometer.cubic (with accelerometer.scale_factor)")
+FREE_FRAME = (
+    "rotation of the frame (no face known; E of the accelerometers is lower triangular: x along sensor x, "
+    "y in the plane of sensors x and y)"
+)
+ROOM = (1.0, 0.999, 0.99, 0.97, 0.9, 0.7, 0.0)  # of what the triads have in common, tried in turn
+ROUNDING = 1e-9  # of a correlation matrix's least eigenvalue
+DOUBTFUL = 0.01  # p-value of the global test below which the sigmas are said to be in doubt
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fits:
+    """What was seen and fitted of both triads; None where a triad is absent or not determined.
+
+    ``left_out`` says which channels were dead, and where.
+
+    The gyroscopes' fit is that of turns, ``gyroscope``, or where there is none that of ``moves``.
+    """
+
+    campaigns: tuple[Campaign, ...]
+    accel: TriadDwells | None
+    gyro: TriadDwells | None
+    accelerometer: JointFit | None
+    gyroscope: GyroscopeFit | None
+    rests: tuple[tuple[int, RestRecord], ...] = ()
+    segmented: tuple[Segmented, ...] = ()
+    moves: MovesFit | None = None
+    left_out: tuple[str, ...] = ()
+
+
+def solve(campaigns: Sequence[Campaign]) -> Solution:
+    """Solve one unit's campaigns jointly.
+
+    Raises
+    ------
+    NotObservable
+        If neither triad can be solved.
+    WrongFace, WrongMounting
+        If the accelerometers contradict a dwell's position, or the way the IMU sits in the cube.
+    """
+    return report(fit(campaigns))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reduced:
+    """What the steps of campaigns say, before anything is fitted; ``rests`` are those of ``others`` with rates."""
+
+    campaigns: tuple[Campaign, ...]
+    accel: TriadDwells | None
+    gyro: TriadDwells | None
+    segmented: tuple[Segmented, ...]
+    others: tuple[tuple[int, RestRecord], ...]
+    rests: TriadRests | None
+    turns: tuple[TurnTotal, ...]
+    left_out: tuple[str, ...] = ()
+
+
+def fit(campaigns: Sequence[Campaign]) -> Fits:
+    """Reduce the steps and fit both triads; raises as `solve`."""
+    return fit_reduced(reduce_steps(campaigns))
+
+
+def reduce_steps(campaigns: Sequence[Campaign]) -> Reduced:
+    """Reduce dwells, rests and turns to rates and totals, those of dead channels left out."""
+    campaigns, left_out = without_dead(campaigns)
+    accel, gyro = (dwell_rates(campaigns, triad) for triad in ("accelerometer", "gyroscope"))
+    segmented = segment(campaigns)
+    others = all_rests(campaigns, segmented)
+    turns = turn_totals(campaigns, gyro.noise) if gyro is not None else []
+    rests = rest_rates(others, "accelerometer")
+    return Reduced(campaigns, accel, gyro, segmented, tuple(others), rests, tuple(turns), left_out)
+
+
+def fit_reduced(steps: Reduced) -> Fits:
+    """Fit both triads to what the steps say; raises as `solve`."""
+    campaigns, accel, gyro, rests = steps.campaigns, steps.accel, steps.gyro, steps.rests
+    if labelled := with_known_faces(accel, rests):
+        refuse_wrong_faces(labelled, [campaign.fixture.C_ib for campaign in campaigns])
+    if rests is not None:
+        accelerometer = solve_with_rests(campaigns, accel, rests)
+    else:
+        accelerometer = solve_accelerometer(campaigns, accel) if accel is not None else None
+    gyroscope = None
+    if gyro is not None:
+        gyroscope = solve_gyroscope(campaigns, gyro, steps.turns, accelerometer)
+    moves = None
+    if gyroscope is None and accelerometer is not None:
+        moves = solve_moves(campaigns, steps.segmented, accelerometer)
+    if accelerometer is None and gyroscope is None:
+        missing = missing_positions(accel or gyro) or ["turns about x, y and z, or a channel that responds"]
+        if steps.others:
+            missing = [
+                f"{LEAST_RESTS} rests that differ in attitude ({len(steps.others)} found), or all six faces"
+            ]
+        if steps.left_out:
+            dead = f"a channel that responds ({'; '.join(steps.left_out)})"
+            missing = [dead] if accel is None and gyro is None else [*missing, dead]
+        raise NotObservable("the scale factor and bias of either triad", missing)
+    return Fits(
+        campaigns, accel, gyro, accelerometer, gyroscope, steps.others, steps.segmented, moves, steps.left_out
+    )  # fmt: skip
+
+
+def report(fits: Fits) -> Solution:
+    """Put the fits into one solution."""
+    counts = fits.campaigns[0].counts
+    quality = fit_quality(fits.accelerometer, fits.gyroscope.joint if fits.gyroscope else None, fits.moves)
+    accel = triad_vector(fits.accelerometer, "accelerometer", fits.accelerometer) if fits.accelerometer else None
+    gyro = triad_vector(fits.gyroscope.joint, "gyroscope", fits.accelerometer) if fits.gyroscope else None
+    if fits.moves is not None and fits.accelerometer is not None:
+        gyro = moves_vector(fits.moves, fits.accelerometer)
+    if (std := period_std(fits.campaigns)) > 0:
+        accel = accel and with_clock(accel, clock_on_accelerometer(accel.value, counts), std)
+        gyro = gyro and with_clock(gyro, clock_on_moves(gyro.value, counts), std)
+    on_bench = fits.accelerometer is not None and not fits.accelerometer.is_turned_freely
+    slab, parallelism = _bench(fits.accelerometer) if on_bench and fits.accelerometer else (None, None)
+    names, covariance = joint_covariance(fits, accel, gyro)
+    stood, sure = turned_off(fits.campaigns, fits.gyroscope.joint) if fits.gyroscope else ([], [])
+    return Solution(
+        accelerometer=_accelerometer(accel, fits) if accel else None,
+        gyroscope=gyro.calibration("count/deg" if counts else "output/(deg/s)") if gyro else None,
+        slab_tilt=slab, parallelism=parallelism, quality=quality, names=names, covariance=covariance,
+        reference_temperature=_mean_temperature(fits),
+        residuals=step_residuals(fits.accelerometer, fits.gyroscope),
+        not_observable=_not_observable(fits), warnings=(*_warnings(fits, quality), *stood),
+        unused_steps=_unused(fits), turned_off=tuple(sure),
+    )  # fmt: skip
+
+
+def joint_covariance(
+    fits: Fits, accel: TriadVector | None, gyro: TriadVector | None
+) -> tuple[tuple[str, ...], FloatArray]:
+    """Return names and covariance of accelerometer, slab and faces, gyroscope, in this order.
+
+    The triads meet in the tilts alone: the gyroscopes took them from the accelerometers, so what the two have in
+    common is the gyroscopes' regression on the tilts times the tilts' covariance with the rest.
+    """
+    names: tuple[str, ...] = ()
+    blocks, tilts, own_K = np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
+    if accel is not None and fits.accelerometer is not None:
+        joint = fits.accelerometer
+        index, bench_names = _bench_index(joint)
+        names = (*accel.names, *bench_names)
+        J = np.zeros((len(names), len(joint.fit.x)))
+        J[:15] = accel.jacobian
+        J[np.arange(15, len(names)), index] = 1.0
+        blocks = J @ joint.fit.covariance @ J.T
+        blocks[:15, :15] = accel.covariance
+        tilts = joint.fit.covariance[12 : 12 + joint.bench.shared] @ J.T
+        own_K = joint.fit.covariance[:12] @ J.T
+    if gyro is not None and fits.moves is not None:
+        common = gyro.jacobian @ fits.moves.by_accelerometer @ own_K
+        return (*names, *gyro.names), np.block([[blocks, common.T], [common, gyro.covariance]])
+    if gyro is None or fits.gyroscope is None:
+        return names, blocks
+    if not names:
+        return gyro.names, gyro.covariance
+    own = fits.gyroscope.joint.fit.covariance
+    shared = slice(12, 12 + len(tilts))
+    given = own[shared, shared]
+    if fits.accelerometer is not None and fits.accelerometer.bench.skew_known():  # gyroscopes may see it
+        given = fits.accelerometer.fit.covariance[shared, shared]
+    regression = gyro.jacobian @ own[:, shared] @ np.linalg.pinv(given, hermitian=True)
+    return (*names, *gyro.names), _joined(blocks, regression @ tilts, gyro.covariance)
+
+
+def _joined(first: FloatArray, common: FloatArray, second: FloatArray) -> FloatArray:
+    """Return both covariances in one; ``common`` (n2, n1) gives way where they do not leave room for all of it.
+
+    The tilts' covariance is not to the last digit the same in both fits, and the second holds more than came
+    through them: taken as it is, a correlation could come out a thousandth beyond one.
+    """
+    size = np.sqrt(np.concatenate((np.diag(first), np.diag(second))))
+    for share in ROOM:
+        whole: FloatArray = np.block([[first, share * common.T], [share * common, second]])
+        correlation = whole / np.where(size > 0, size, 1.0) / np.where(size > 0, size, 1.0)[:, None]
+        if np.linalg.eigvalsh(correlation)[0] > -ROUNDING:
+            break
+    return whole
+
+
+def _bench_index(joint: JointFit) -> tuple[IntArray, tuple[str, ...]]:
+    """Where slab tilt (2) and parallelism (6) of the first campaign stand in the fit, and their names."""
+    if joint.is_turned_freely:
+        return np.zeros(0, dtype=np.int64), ()
+    first = joint.bench.placements[0].cube if joint.bench.placements else 0
+    cube = 12 + joint.bench.cube_slice(first).start
+    names = ("slab.tilt.east", "slab.tilt.north", *(f"fixture.parallelism.{n}" for n in tilt_names()))
+    return np.array([12, 13, *range(cube, cube + 6)]), names
+
+
+def _bench(joint: JointFit) -> tuple[Estimate, Estimate]:
+    """Slab tilt of the first campaign and parallelism of its cube, as the accelerometers found them."""
+    index, _ = _bench_index(joint)
+    value, std = joint.fit.x[index], np.sqrt(np.diag(joint.fit.covariance)[index])
+    parallelism = Estimate(value[2:].reshape(3, 2), std[2:].reshape(3, 2), "rad")
+    return Estimate(value[:2], std[:2], "rad"), parallelism
+
+
+def _accelerometer(vector: TriadVector, fits: Fits) -> TriadCalibration:
+    assert fits.accelerometer is not None
+    twelve, two = paper_biases(fits.accelerometer)
+    calibration = vector.calibration("count/(g s)" if fits.campaigns[0].counts else "output/g")
+    return replace(calibration, bias_12_position=twelve, bias_two_direction=two)
+
+
+def _mean_temperature(fits: Fits) -> float | None:
+    dwells = [d.series.temperature for c in fits.campaigns for d in c.dwells]
+    values = np.concatenate([*dwells, *(rest.series.temperature for _, rest in fits.rests), np.zeros(0)])
+    values = values[np.isfinite(values)]
+    return float(values.mean()) if len(values) else None
+
+
+def _not_observable(fits: Fits) -> tuple[str, ...]:
+    found = []
+    for triad, solved in (("accelerometer", fits.accelerometer), ("gyroscope", fits.gyroscope or fits.moves)):
+        if solved is None:
+            found += [f"{triad}.{part}" for part in ("scale_factor", "misalignment", "bias")]
+    if fits.accelerometer is not None:
+        found += _left_open(fits.accelerometer)
+    return tuple(found)
+
+
+def _left_open(accelerometer: JointFit) -> list[str]:
+    """Name what the accelerometers' steps do not show, beside parameters of a triad that was left out."""
+    bench = accelerometer.bench
+    if accelerometer.is_turned_freely:
+        return [FREE_FRAME]
+    held = [axis for axis, it_is in zip(AXES, bench.held_pairs(0), strict=True) if it_is]
+    found = [f"fixture.perpendicularity.{n} (with misalignment)" for n in tilt_names() if n[0] in held]
+    if bench.skew_known():
+        pairs = [(a, c) for a, c in ("xy", "xz", "yz") if a in held and c in held]
+        found = [f"fixture.perpendicularity.{a}.{c} less {c}.{a} (with misalignment)" for a, c in pairs]
+    if bench.skew_seen:
+        return found
+    if held:
+        found.append("accelerometer.quadratic (with accelerometer.bias and fixture.parallelism)")
+    return [*found, *NEVER_EXCITED]
+
+
+def _warnings(fits: Fits, quality: FitQuality) -> tuple[str, ...]:
+    found = list(fits.left_out)
+    if quality.p_value < DOUBTFUL:
+        found.append(
+            f"the residual is larger than counting noise explains (chi-square {quality.chi2:.4g} at {quality.dof} "
+            f"degrees of freedom): the sigmas are too small; run `station diagnose`"
+        )
+    if fits.accel is not None and fits.accelerometer is None:
+        found.append(f"accelerometer not solved: {_why_not(fits.accel)}")
+    if fits.gyro is not None and fits.gyroscope is None and fits.moves is None:
+        lacking = [a for a in AXES if not any(t.axis == a for c in fits.campaigns for t in c.turns)]
+        what = f"no turn about {', '.join(lacking)}" if lacking else "a channel is dead, or turns were left out"
+        found.append(f"gyroscope not solved: its scale factor is unknown ({what})")
+    found += sign_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope, fits.gyro)
+    found += [f"{each.record.name}: no rest found in it" for each in fits.segmented if not each.rests]
+    if fits.gyroscope is not None:
+        found += _turn_warnings(fits.gyroscope)
+    return (*found, *turn_on_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope), *_few_counts(fits))
+
+
+def _why_not(accel: TriadDwells) -> str:
+    missing = missing_positions(accel)
+    return f"missing {', '.join(missing)}" if missing else "a channel does not respond to gravity"
+
+
+def _turn_warnings(gyroscope: GyroscopeFit) -> list[str]:
+    found = [f"{name}: samples were lost while turning; the turn is not used" for name in gyroscope.broken]
+    for turn, shape in zip(gyroscope.turns, gyroscope.geometry, strict=True):
+        if shape.open_ends:
+            taken = np.degrees(shape.closure_std)
+            found.append(
+                f"{turn.record.name}: less than 2 s of rest at an end; its closure is taken as {taken:.2g} deg"
+            )
+    return found
+
+
+def _few_counts(fits: Fits) -> list[str]:
+    found = []
+    for triad, seen in (("accelerometer", fits.accel), ("gyroscope", fits.gyro)):
+        for (_, dwell), row in zip(seen.dwells, seen.estimates, strict=True) if seen else ():
+            for axis, estimate in zip(AXES, row, strict=True):
+                if estimate.interval is not None:
+                    low, high = estimate.interval
+                    found.append(
+                        f"{dwell.name}: {triad} {axis} shows {'one' if estimate.edges else 'no'} count edge; "
+                        f"its rate is only known to lie in [{low:.3g}, {high:.3g}] count/s"
+                    )
+    return found
+
+
+def _unused(fits: Fits) -> tuple[str, ...]:
+    rests = [rest.name for c in fits.campaigns for rest in c.rests] if fits.accelerometer is None else []
+    rests += [each.record.name for each in fits.segmented if fits.accelerometer is None or not each.rests]
+    if fits.gyroscope is None:
+        return (*rests, *(turn.name for campaign in fits.campaigns for turn in campaign.turns))
+    return (*rests, *fits.gyroscope.broken)

@@ -1,0 +1,168 @@
+"""A campaign in memory: everything a solve needs, nothing of where it came from."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.counts.sample_records import Series
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """Where the slab stands: latitude [rad], gravity and its 1 sigma [m/s2], magnetic field [uT] East-North-Up."""
+
+    latitude: float
+    gravity: float
+    gravity_std: float
+    magnetic: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ProcedureSigma:
+    """How well the operator works, 1 sigma [rad]: a position's heading, a turn's return to where it began.
+
+    ``unsettled_gyro`` [rad/s] and ``unsettled_accelerometer`` [m/s2]: 1 sigma of the bias from step to step where
+    the unit was not given the time to settle.
+    """
+
+    heading: float = float(np.radians(0.1))
+    closure: float = float(np.radians(0.02))
+    unsettled_gyro: float = 0.0
+    unsettled_accelerometer: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FaceCertificate:
+    """A measured resting face: up vector's components along the two other cube axes (2,) and covariance (2, 2)."""
+
+    up_tilt: FloatArray
+    covariance: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasuredCube:
+    """A cube as IMUs measured it: ``value`` (n,) [rad] of ``names`` and covariance (n, n) [rad2].
+
+    The names are of `procedures.bench.measured_cube.NAMES`; ``units`` names the IMUs, model and serial number.
+    """
+
+    names: tuple[str, ...]
+    value: FloatArray
+    covariance: FloatArray
+    units: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fixture:
+    """The cube: certificates by face name (``x_up`` ...), and how the IMU sits in it.
+
+    ``C_ib`` (3, 3) takes the cube's axes to the IMU's; its rows are the cube axes along which IMU x, y, z point.
+    ``measured`` is what IMUs found of a cube whose faces have no certificate.
+    """
+
+    faces: Mapping[str, FaceCertificate] = field(default_factory=dict)
+    C_ib: FloatArray = field(default_factory=lambda: np.eye(3))
+    id: str | None = None
+    measured: MeasuredCube | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DwellRecord:
+    """A dwell as it was recorded; ``name`` is the file's name or the step's.
+
+    ``turn_on`` says, of every step, for which time from 1 the unit was switched on in its campaign.
+    """
+
+    name: str
+    position: int
+    series: Series
+    turn_on: int = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TurnRecord:
+    """A turn as it was recorded: cube axis up, direction + or -, whole revolutions, where it begins and ends."""
+
+    name: str
+    axis: str
+    direction: str
+    revolutions: int
+    start_position: int
+    series: Series
+    turn_on: int = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RestRecord:
+    """A dwell in none of the twelve positions: ``up`` is the face where it is known (``x_up`` ...), else None."""
+
+    name: str
+    up: str | None
+    series: Series
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SequenceRecord:
+    """An unsegmented recording: rests in unknown attitudes and moves between them."""
+
+    name: str
+    series: Series
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SoakRecord:
+    """A long rest while temperature or an auxiliary channel moves.
+
+    In a position 1..12, or 0: then with the face ``up`` (``x_up`` ...), or None: at an attitude unknown.
+    """
+
+    name: str
+    position: int
+    up: str | None
+    series: Series
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RateTable:
+    """A turntable's points, in the order they were taken; ``axis`` is the cube's that it turned about.
+
+    ``reference`` (n,) [deg/s], ``output`` (n, 3) of the gyroscopes, nan where absent, per second for counts;
+    ``temperature`` (n,) [degC], nan where unknown.
+    """
+
+    name: str
+    axis: str
+    reference: FloatArray
+    output: FloatArray
+    temperature: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Campaign:
+    """One campaign of one unit. ``counts`` says whether the output is counts (else rates).
+
+    ``nominal_period`` [s] is the sample period that the campaign states, where it states one. ``period_std``,
+    relative, is 1 sigma of the sample period that all its steps have in common, where stamps leave it open.
+    """
+
+    model: str
+    serial: str
+    counts: bool
+    site: Site
+    dwells: tuple[DwellRecord, ...]
+    turns: tuple[TurnRecord, ...]
+    sigma: ProcedureSigma = ProcedureSigma()
+    fixture: Fixture = field(default_factory=Fixture)
+    rests: tuple[RestRecord, ...] = ()
+    sequences: tuple[SequenceRecord, ...] = ()
+    nominal_period: float | None = None
+    rate_tables: tuple[RateTable, ...] = ()
+    soaks: tuple[SoakRecord, ...] = ()
+    period_std: float = 0.0
+
+
+def period_std(campaigns: Sequence[Campaign]) -> float:
+    """Return the relative 1 sigma of the time base that stamps leave open: of the worst of campaigns."""
+    return max(campaign.period_std for campaign in campaigns)

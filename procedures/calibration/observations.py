@@ -1,0 +1,124 @@
+"""What a campaign's steps say, reduced to a rate per dwell and a total per turn, each with its sigma."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration.campaign import Campaign, DwellRecord, RestRecord, TurnRecord
+from procedures.counts.count_rate import LEAST_SAMPLES, RateEstimate, estimate_counts
+from procedures.counts.rate_mean import estimate_rates
+from procedures.counts.sample_records import CountSeries, Series
+from procedures.errors import TooShort
+
+TRIADS = ("accelerometer", "gyroscope")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TriadDwells:
+    """One triad's rate (n, 3) [output/s, or output] and its 1 sigma (n, 3) in n dwells, with the estimates."""
+
+    dwells: tuple[tuple[int, DwellRecord], ...]  # (campaign, record)
+    rate: FloatArray
+    std: FloatArray
+    noise: FloatArray  # (3,) white noise, output per sqrt(s)
+    estimates: tuple[tuple[RateEstimate, ...], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TriadRests:
+    """One triad's rate (n, 3) [output/s, or output] and its 1 sigma (n, 3) in n rests outside the positions."""
+
+    rests: tuple[tuple[int, RestRecord], ...]  # (campaign, record)
+    rate: FloatArray
+    std: FloatArray
+    noise: FloatArray  # (3,) white noise, output per sqrt(s)
+
+
+def channel(series: Series, triad: str) -> FloatArray | None:
+    """Return the samples (n, 3) of a triad, or None where it is absent."""
+    samples = series.accel if triad == "accelerometer" else series.gyro
+    return None if samples is None else np.asarray(samples)
+
+
+def dwell_rates(campaigns: Sequence[Campaign], triad: str) -> TriadDwells | None:
+    """Estimate one triad's rate in every dwell that holds it; None if none does.
+
+    A channel's white noise belongs to the instrument, so all dwells of a campaign share it.
+    """
+    found: list[tuple[int, DwellRecord]] = []
+    estimates: list[tuple[RateEstimate, ...]] = []
+    for number, campaign in enumerate(campaigns):
+        dwells = [d for d in campaign.dwells if channel(d.series, triad) is not None]
+        if not dwells:
+            continue
+        found += [(number, dwell) for dwell in dwells]
+        axes = [_axis_rates(dwells, triad, axis) for axis in range(3)]
+        estimates += list(zip(*axes, strict=True))
+    if not found:
+        return None
+    rate = np.array([[e.rate for e in row] for row in estimates])
+    std = np.array([[e.std for e in row] for row in estimates])
+    noise = np.sqrt(np.mean([[e.noise**2 for e in row] for row in estimates], axis=0))
+    return TriadDwells(tuple(found), rate, std, noise, tuple(estimates))
+
+
+def rest_rates(rests: Sequence[tuple[int, RestRecord]], triad: str) -> TriadRests | None:
+    """Estimate one triad's rate in every rest that holds it, as `dwell_rates`; None if none does."""
+    found = [(n, rest) for n, rest in rests if channel(rest.series, triad) is not None]
+    if not found:
+        return None
+    estimates = list[tuple[RateEstimate, ...]]()
+    for number in dict.fromkeys(n for n, _ in found):
+        records = [rest for n, rest in found if n == number]
+        estimates += zip(*(_axis_rates(records, triad, axis) for axis in range(3)), strict=True)
+    rate = np.array([[e.rate for e in row] for row in estimates])
+    std = np.array([[e.std for e in row] for row in estimates])
+    noise = np.sqrt(np.mean([[e.noise**2 for e in row] for row in estimates], axis=0))
+    return TriadRests(tuple(found), rate, std, noise)
+
+
+def _axis_rates(dwells: Sequence[DwellRecord | RestRecord], triad: str, axis: int) -> list[RateEstimate]:
+    for dwell in dwells:
+        if len(dwell.series) < LEAST_SAMPLES:
+            raise TooShort(dwell.name, len(dwell.series), LEAST_SAMPLES)
+    samples = [np.asarray(channel(d.series, triad))[:, axis] for d in dwells]
+    starts = [d.series.starts for d in dwells]
+    period = float(np.median([d.series.period for d in dwells]))
+    if isinstance(dwells[0].series, CountSeries):
+        return estimate_counts(samples, period, starts, [d.series.t for d in dwells])
+    return estimate_rates(samples, period, starts)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TurnTotal:
+    """A closed turn: the integral of the gyro's output (3,) and its 1 sigma without closure and bias; its time."""
+
+    campaign: int
+    record: TurnRecord
+    total: FloatArray
+    std: FloatArray
+    seconds: float
+    counts: bool
+
+
+def turn_totals(campaigns: Sequence[Campaign], noise: FloatArray) -> list[TurnTotal]:
+    """Integrate the gyro over every turn; ``noise`` (3,) is the white noise [output/sqrt(s)] of the dwells.
+
+    A counter's total is off by the difference of two remainders, variance 1/6; a rate's only by noise.
+    """
+    found = []
+    for number, campaign in enumerate(campaigns):
+        for turn in campaign.turns:
+            samples = channel(turn.series, "gyroscope")
+            if samples is None:
+                continue
+            counts = isinstance(turn.series, CountSeries)
+            total = samples.sum(axis=0) * (1.0 if counts else turn.series.period)
+            seconds = len(samples) * turn.series.period
+            variance = noise**2 * seconds + (len(turn.series.starts) / 6 if counts else 0.0)
+            found.append(
+                TurnTotal(number, turn, np.asarray(total, dtype=float), np.sqrt(variance), seconds, counts)
+            )
+    return found

@@ -1,0 +1,99 @@
+"""What a fit leaves: residuals of dwells and turns in natural units, and the global test."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.special import gammaincc
+
+from procedures.arrays import FloatArray
+from procedures.calibration.hand_turns import GyroscopeFit
+from procedures.calibration.solution import FitQuality, StepResidual
+from procedures.calibration.triad_calibration import DPH
+from procedures.calibration.twelve_position import JointFit, RestFit
+from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit
+
+ABSORBED = (
+    1e-6  # a residual whose sigma is less than a thousandth of the observation's is the fit's, not the data's
+)
+
+
+def dwell_residuals(joint: JointFit) -> tuple[FloatArray, FloatArray]:
+    """Return residual (n, 3) and its 1 sigma, in input units (g, deg/s), of every dwell."""
+    n = len(joint.seen.dwells)
+    sigma = joint.sigma / scale_factor(joint)
+    free = np.sqrt(np.maximum(1 - joint.fit.leverage[: 3 * n].reshape(n, 3), ABSORBED))
+    return joint.fit.residual[: 3 * n].reshape(n, 3) * sigma, sigma * free
+
+
+def scale_factor(joint: JointFit) -> FloatArray:
+    """Return k (3,)."""
+    k: FloatArray = np.linalg.norm(joint.K, axis=1)
+    return k
+
+
+def step_residuals(accelerometer: JointFit | None, gyroscope: GyroscopeFit | None) -> tuple[StepResidual, ...]:
+    """Return every dwell's and turn's residual, accelerometers first."""
+    found: list[StepResidual] = []
+    gyro = gyroscope.joint if gyroscope else None
+    for triad, joint, per, unit in (("accelerometer", accelerometer, 1.0, "g"), ("gyroscope", gyro, DPH, "deg/h")):
+        if joint is not None:
+            for (_, dwell), r, s in zip(joint.seen.dwells, *dwell_residuals(joint), strict=True):
+                found.append(StepResidual(dwell.name, "dwell", triad, dwell.position, r * per, s * per, unit))
+    return (*found, *(_turn_residuals(gyroscope) if gyroscope else ()))
+
+
+def _turn_residuals(gyroscope: GyroscopeFit) -> list[StepResidual]:
+    """Residual (3,) of every turn [deg]; the closure is part of the fit, so what is left is smaller than it."""
+    joint, found = gyroscope.joint, []
+    for i, turn in enumerate(gyroscope.turns):
+        first = 3 * (len(joint.seen.dwells) + i)
+        rows = slice(first, first + 3)
+        sigma = gyroscope.turn_sigma[i] / scale_factor(joint)
+        free = np.sqrt(np.maximum(1 - joint.fit.leverage[rows], ABSORBED))
+        residual, std = joint.fit.residual[rows] * sigma, sigma * free
+        start = turn.record.start_position
+        found.append(StepResidual(turn.record.name, "turn", "gyroscope", start, residual, std, "deg"))
+    return found
+
+
+def fit_quality(
+    accelerometer: JointFit | None, gyroscope: JointFit | None, moves: MovesFit | None = None
+) -> FitQuality:
+    """Return the global test over counting noise alone: what scatters more than it does not pass unseen.
+
+    What the campaign itself states of an unsettled unit is expected.
+    """
+    fits: Sequence[JointFit] = [fit for fit in (accelerometer, gyroscope) if fit is not None]
+    chi2 = sum(_chi2(fit) for fit in fits) + (moves.chi2 if moves else 0.0)
+    dof = sum(fit.dof for fit in fits) + (moves.dof if moves else 0)
+    gyroscope_rms = _rms(gyroscope) if gyroscope else None
+    if moves is not None:
+        gyroscope_rms = float(np.sqrt(np.mean(moves.rate_error**2)))
+    return FitQuality(
+        chi2=chi2,
+        dof=dof,
+        p_value=float(gammaincc(dof / 2, chi2 / 2)) if dof > 0 else 1.0,
+        accelerometer_rms_g=_rms(accelerometer) if accelerometer else None,
+        gyroscope_rms_dph=gyroscope_rms * DPH if gyroscope_rms is not None else None,
+    )
+
+
+def _chi2(joint: JointFit) -> float:
+    rows = joint.fit.residual.copy()
+    rows[: joint.seen.std.size] *= np.sqrt(1 + (joint.excess / joint.expected) ** 2).ravel()
+    if joint.rests is not None:
+        rows[joint.rests.rows] *= joint.rests.sigma / joint.rests.noise
+    return float(rows @ rows)
+
+
+def _rms(joint: JointFit) -> float:
+    rows = [dwell_residuals(joint)[0].ravel()]
+    if joint.rests is not None:
+        rows.append(norm_residuals(joint.rests, joint.fit.residual))
+    return float(np.sqrt(np.mean(np.concatenate(rows) ** 2)))
+
+
+def norm_residuals(rests: RestFit, residual: FloatArray) -> FloatArray:
+    """Return by how much every rest's specific force (n,) is longer than gravity [g]."""
+    longer: FloatArray = residual[rests.rows] * rests.sigma
+    return longer

@@ -1,0 +1,166 @@
+"""From a joint fit's K = diag(k) E and b = k D to k, E and D with their covariance."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration.bench_parameters import mean_axes, mean_cube, skew_jacobian, skew_variance
+from procedures.calibration.solution import Estimate, TriadCalibration
+from procedures.calibration.twelve_position import JointFit, by_position, closed_form
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.frames import AXES
+from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit
+
+DPH = 3600.0  # deg/h per deg/s
+SHARED_DWELLS = 3  # neighbours that have a bias's instability in common: minutes, as the correlation of a FOG's
+STEP = 1e-5  # rad, for central differences of the axes that E refers to
+SKEWED = np.array([0, 1, 2, 12, 13, 14])  # k and D of the vector k (3), E (9), D (3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TriadVector:
+    """k (3), E (9) by rows and D (3) in one vector (15,), its names and covariance (15, 15).
+
+    ``jacobian`` (15, p) takes the fit's parameters to it, K (9) and b (3) first.
+    """
+
+    value: FloatArray
+    jacobian: FloatArray
+    covariance: FloatArray
+    names: tuple[str, ...]
+    bias_unit: str
+
+    def calibration(self, scale_unit: str) -> TriadCalibration:
+        """Return the parts with 1 sigma each."""
+        std = np.sqrt(np.diag(self.covariance))
+        k, E, D = slice(0, 3), slice(3, 12), slice(12, 15)
+        return TriadCalibration(
+            scale_factor=Estimate(self.value[k], std[k], scale_unit),
+            misalignment=Estimate(self.value[E].reshape(3, 3), std[E].reshape(3, 3), "1"),
+            bias=Estimate(self.value[D], std[D], self.bias_unit),
+        )
+
+
+def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) -> TriadVector:
+    """Refer a fit to the mean cube and turn it into k, E and D.
+
+    Scatter from dwell to dwell beyond counting noise is taken as bias instability, which wanders slowly: the
+    mean over the dwells averages it less than independent draws. The drift of an unsettled unit is common to all
+    of them: its bias when it has settled differs by as much as it moved meanwhile. An uncertified cube's skew
+    adds to the sigma of k, and of accelerometers' D (`procedures.calibration.bench_parameters`).
+    """
+    unit, per = ("g", 1.0) if triad == "accelerometer" else ("deg/h", DPH)
+    C_ib = joint.bench.campaigns[0].fixture.C_ib
+    skew_seen = (accelerometer or joint).bench.skew_known()
+    value, J = scale_misalignment_bias(joint.K @ reference_axes(joint, skew_seen), joint.b, per)
+    J = J @ _referred(joint, skew_seen)
+    covariance = J @ joint.fit.covariance @ J.T
+    if accelerometer is not None and not skew_seen:
+        p = accelerometer.bench.parallelism(accelerometer.fit.x[12:])
+        variance = skew_variance(p, accelerometer.bench.held_pairs(0))
+        scale, bias = skew_jacobian(p, C_ib.T @ value[3:12].reshape(3, 3) @ C_ib)
+        rows = np.vstack((value[:3, None] * (np.abs(C_ib) @ scale), C_ib @ bias * (triad == "accelerometer")))
+        covariance[np.ix_(SKEWED, SKEWED)] += rows * variance @ rows.T
+    covariance[12:, 12:] += np.diag(sum(common_variance(joint, value[:3] / per)))
+    return TriadVector(value, J, covariance, vector_names(triad), unit)
+
+
+def with_clock(vector: TriadVector, change: FloatArray, std: float) -> TriadVector:
+    """Return the vector with a time base open to ``std``, relative; ``change`` (15,) is per relative error."""
+    return replace(vector, covariance=vector.covariance + np.outer(change, change) * std**2)
+
+
+def common_variance(joint: JointFit, k: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return what dwells have in common, as variances (3,) of D.
+
+    Bias instability, a drift that is stated, and how far apart turn-ons were of which D is the mean.
+
+    ``k`` (3,) is the scale factor in output/s per unit of D.
+    """
+    n = len(joint.seen.dwells)
+    if not n:
+        return np.zeros(3), np.zeros(3), np.zeros(3)
+    shared = (joint.excess / k) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
+    return shared, np.mean((joint.unsettled / k) ** 2, axis=0), (joint.spread / k) ** 2
+
+
+def moves_vector(moves: MovesFit, accelerometer: JointFit) -> TriadVector:
+    """Turn the moves' fit into k, E and D, in the axes that the accelerometers' E refers to.
+
+    The covariance holds the accelerometers' share, and bias instability as `triad_vector` does.
+    """
+    axes = reference_axes(accelerometer, accelerometer.bench.skew_known())
+    value, J = scale_misalignment_bias(moves.K @ axes, moves.b, DPH)
+    G = moves.by_accelerometer
+    covariance = J @ (moves.fit.covariance[:12, :12] + G @ accelerometer.fit.covariance[:12, :12] @ G.T) @ J.T
+    n = len(moves.rate_error)
+    covariance[12:, 12:] += np.eye(3) * (moves.scatter[1] * DPH) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
+    return TriadVector(value, J, covariance, vector_names("gyroscope"), "deg/h")
+
+
+def reference_axes(joint: JointFit, skew_seen: bool) -> FloatArray:
+    """Return (3, 3), IMU axes: columns what E refers to: the mean cube, or the orthogonal axes nearest to it."""
+    bench = joint.bench
+    if not bench.cubes or not any(bench.held_pairs(0)):
+        return np.eye(3)
+    cube = (mean_axes if skew_seen else mean_cube)(bench.perpendicularity(joint.fit.x[12:]))
+    C_ib = bench.campaigns[0].fixture.C_ib
+    axes: FloatArray = C_ib @ cube @ C_ib.T
+    return axes
+
+
+def _referred(joint: JointFit, skew_seen: bool) -> FloatArray:
+    """Return the Jacobian (12, p) of K and b, K in the axes that E refers to, by the fit's parameters.
+
+    The axes follow the face pairs' q, which follows p: what p leaves open moves K and its axes alike.
+    """
+    axes = reference_axes(joint, skew_seen)
+    T = np.zeros((12, len(joint.fit.x)))
+    T[:9, :9], T[9:, 9:12] = np.kron(np.eye(3), axes.T), np.eye(3)
+    if not joint.bench.cubes or not any(joint.bench.held_pairs(0)):
+        return T
+    begin = 12 + joint.bench.cube_slice(0).start + 6
+    for column in range(begin, begin + 6):
+        d = np.zeros(len(joint.fit.x))
+        d[column] = STEP
+        up, down = (
+            reference_axes(replace(joint, fit=replace(joint.fit, x=joint.fit.x + sign * d)), skew_seen)
+            for sign in (1, -1)
+        )
+        T[:9, column] = (joint.K @ (up - down) / (2 * STEP)).ravel()
+    return T
+
+
+def vector_names(triad: str) -> tuple[str, ...]:
+    """Return the names of k (3), E (9) and D (3) of a triad."""
+    names = [f"{triad}.scale_factor.{a}" for a in AXES]
+    names += [f"{triad}.misalignment.{a}{b}" for a in AXES for b in AXES]
+    return (*names, *(f"{triad}.bias.{a}" for a in AXES))
+
+
+def scale_misalignment_bias(K: FloatArray, b: FloatArray, per: float) -> tuple[FloatArray, FloatArray]:
+    """Return k (3), E (9), D (3) times ``per`` in one vector (15,), and its Jacobian (15, 12) by K (9), b (3)."""
+    k = np.linalg.norm(K, axis=1)
+    E, D = K / k[:, None], b / k
+    J = np.zeros((15, 12))
+    for q in range(3):
+        row = slice(3 * q, 3 * q + 3)
+        J[q, row] = E[q]
+        J[3 + 3 * q : 6 + 3 * q, row] = (np.eye(3) - np.outer(E[q], E[q])) / k[q]
+        J[12 + q, row] = -per * D[q] / k[q] * E[q]
+        J[12 + q, 9 + q] = per / k[q]
+    return np.concatenate((k, E.ravel(), D * per)), J
+
+
+def paper_biases(joint: JointFit) -> tuple[Estimate | None, Estimate | None]:
+    """Return P1's 12-position and two-direction biases [g] with counting noise; None without all positions."""
+    C_ib = joint.bench.campaigns[0].fixture.C_ib
+    table = by_position(joint.bench.campaigns, joint.seen, C_ib)
+    if table is None:
+        return None, None
+    form, order = closed_form(*table), np.argmax(np.abs(C_ib), axis=1)
+    local = joint.bench.campaigns[0].site.gravity / STANDARD_GRAVITY  # the formulas' unit is the local g
+    twelve = Estimate(form.bias_12_position[order] * local, form.bias_12_position_std[order] * local, "g")
+    two = Estimate(form.bias_two_direction[order] * local, form.bias_two_direction_std[order] * local, "g")
+    return twelve, two

@@ -1,0 +1,37 @@
+"""What a solution says of a unit that was switched off and on within a campaign."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from procedures.calibration.campaign import Campaign
+from procedures.calibration.hand_turns import GyroscopeFit
+from procedures.calibration.twelve_position import JointFit
+
+
+def turn_on_warnings(
+    campaigns: Sequence[Campaign], accelerometer: JointFit | None, gyroscope: GyroscopeFit | None
+) -> list[str]:
+    """Say which bias the solution has, and by how much turn-ons differed; nothing of campaigns with one."""
+    times = max(_turn_ons(each) for each in campaigns)
+    if times < 2:
+        return []
+    triads = (
+        ("accelerometer", accelerometer, "ug", 1e6),
+        ("gyroscope", None if gyroscope is None else gyroscope.joint, "deg/h", 3600.0),
+    )
+    parts = list[str]()
+    for name, joint, unit, per in triads:
+        if joint is not None and joint.profiled:
+            spread = joint.spread / np.linalg.norm(joint.K, axis=1) * per
+            parts.append(f"{name} {', '.join(f'{each:.2g}' for each in spread)} {unit}")
+        elif joint is not None:
+            parts.append(f"{name} not parted: one bias was solved for all")
+    return [
+        f"the unit was switched on {times} times within a campaign: each time has biases of its own, and the "
+        f"bias here is their mean; 1 sigma of the mean x, y, z: {'; '.join(parts)}, which is in its sigma"
+    ]
+
+
+def _turn_ons(campaign: Campaign) -> int:
+    return len({dwell.turn_on for dwell in campaign.dwells} | {turn.turn_on for turn in campaign.turns})

@@ -1,0 +1,235 @@
+"""The twelve positions of a cube on a slab: plan, the paper's formulas, and the joint solve.
+
+Yao, Hu, He 2018 (P1): ``N = k * (E u + D)``, eq. (1), (2). The closed form (3)-(8) takes every face as perfect;
+the two-direction bias (9)-(11) uses only the positions with the axis up or down, in which a face's tilt enters
+at second order. The joint solve estimates face parallelism and slab tilt beside k, E and D, so that nothing is
+assumed of the bench but how far off it may plausibly be; its bias has the two-direction one's variance or less.
+Eq. (7) of the paper divides by k of the gyroscope; the accelerometer's own is meant.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.calibration.bench_parameters import Bench, Placement, cube_numbers
+from procedures.calibration.campaign import Campaign
+from procedures.calibration.observations import TriadDwells, TriadRests
+from procedures.calibration.plan_steps import Dwell, Plan
+from procedures.calibration.turn_ons import fit_parted
+from procedures.counts.sample_records import Series
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.statistics.least_squares import Fit
+
+TURN_ON_RANGE = 5e-3  # g, 1 sigma of what a bias may step by as a unit is switched off and on
+ALIVE = 10.0  # sigmas of a dwell's rate that one g must move a channel
+
+
+def plan(seconds: float = 100.0, positions: Iterable[int] = range(1, 13)) -> Plan[dict[int, Series]]:
+    """Rest the cube in each position for ``seconds``; return what was recorded, by position."""
+    recorded = {}
+    for position in positions:
+        recorded[position] = yield Dwell(position, seconds)
+    return recorded
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClosedForm:
+    """P1's estimators: scale factor (3,), misalignment (3, 3), both biases (3,) and 1 sigma of counting noise."""
+
+    scale_factor: FloatArray
+    misalignment: FloatArray
+    bias_12_position: FloatArray
+    bias_12_position_std: FloatArray
+    bias_two_direction: FloatArray
+    bias_two_direction_std: FloatArray
+
+
+def closed_form(rate: FloatArray, std: FloatArray) -> ClosedForm:
+    """Solve P1 (3)-(11) from the count rates (12, 3) of positions 1..12, cube axes, unit specific force."""
+    pairs = rate.reshape(3, 2, 2, 3)  # face axis, up or down, heading, sensor
+    K = (pairs[:, 0] - pairs[:, 1]).sum(axis=1).T / 4  # (3)-(5)
+    k = np.linalg.norm(K, axis=1)  # (6)
+    own = np.arange(3)
+    two = rate.reshape(3, 4, 3).mean(axis=1)[own, own]  # (9)-(11)
+    two_std = np.sqrt((std**2).reshape(3, 4, 3).sum(axis=1)[own, own]) / 4
+    twelve_std = np.sqrt(np.sum(std**2, axis=0)) / 12
+    return ClosedForm(k, K / k[:, None], rate.mean(axis=0) / k, twelve_std / k, two / k, two_std / k)
+
+
+def by_position(
+    campaigns: Sequence[Campaign], seen: TriadDwells, C_ib: FloatArray
+) -> tuple[FloatArray, FloatArray] | None:
+    """Return rates and sigmas (12, 3), sensors named by the cube axis they lie along; None if a position lacks.
+
+    Only campaigns with the IMU mounted as ``C_ib`` says are looked at; repeats are averaged. Reordering the
+    sensors to cube axes makes P1's formulas hold for an IMU that sits turned in its cube; one that points along
+    a cube axis backwards keeps its own sign.
+    """
+    order = np.argmax(np.abs(C_ib), axis=0)
+    mounted = [n for n, campaign in enumerate(campaigns) if np.array_equal(campaign.fixture.C_ib, C_ib)]
+    rows, sigmas = [], []
+    for position in range(1, 13):
+        here = [i for i, (n, d) in enumerate(seen.dwells) if d.position == position and n in mounted]
+        if not here:
+            return None
+        rows.append(seen.rate[here].mean(axis=0)[order])
+        sigmas.append(np.sqrt(np.sum(seen.std[here] ** 2, axis=0))[order] / len(here))
+    return np.array(rows), np.array(sigmas)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RestFit:
+    """The rests' part of a fit: their ``rows``, the norm's 1 sigma (n,) by noise and its ``excess`` [g].
+
+    ``up`` (n, 3) are the up vectors found, of unit length, in IMU axes; ``rows`` hold one norm each.
+    """
+
+    rests: TriadRests
+    rows: slice
+    noise: FloatArray
+    excess: float
+    up: FloatArray
+
+    @property
+    def sigma(self) -> FloatArray:
+        """1 sigma (n,) of the norm [g]."""
+        total: FloatArray = np.hypot(self.noise, self.excess)
+        return total
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointFit:
+    """A joint fit: the parameters are K (9) = diag(k) E by rows, b (3) = k D, then the bench's.
+
+    ``fit`` is the whole; to the sigma of every dwell were added ``excess`` (3,), the scatter from dwell to dwell
+    that was found beyond counting noise, and ``unsettled`` (n, 3), what the campaign states of it [output/s].
+    ``rests`` are the rows of rests outside the twelve positions; with ``quadratic`` K2 (3) stands last in x.
+    ``spread`` (3,) is 1 sigma of b as the mean over turn-ons [output/s]; the dwells' rates are freed of its steps,
+    of which ``profiled`` parameters were fitted besides.
+    """
+
+    fit: Fit
+    bench: Bench
+    seen: TriadDwells
+    excess: FloatArray
+    unsettled: FloatArray
+    loose: BoolArray  # of the rows that follow the dwells'
+    rests: RestFit | None = None
+    quadratic: bool = False
+    spread: FloatArray = field(default_factory=lambda: np.zeros(3))
+    profiled: int = 0
+
+    @property
+    def expected(self) -> FloatArray:
+        """1 sigma (n, 3) of every dwell without the excess [output/s]."""
+        return np.hypot(self.seen.std, self.unsettled)
+
+    @property
+    def sigma(self) -> FloatArray:
+        """1 sigma (n, 3) of every dwell [output/s]."""
+        total: FloatArray = np.sqrt(self.expected**2 + self.excess**2)
+        return total
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom: rows less parameters, less what plausible ranges only seem to add."""
+        first = 3 * len(self.bench.placements)
+        rows = slice(first, first + len(self.loose))
+        idle = float(np.sum((1 - self.fit.leverage[rows])[self.loose]))
+        return self.fit.dof - self.profiled - round(idle)
+
+    @property
+    def K2(self) -> FloatArray | None:
+        """Quadratic coefficient (3,) [g/g^2], None where it was not asked for."""
+        return self.fit.x[-3:] if self.quadratic else None
+
+    @property
+    def is_turned_freely(self) -> bool:
+        """Say whether no known face ties the frame: E is then lower triangular, as in `norm_fit`."""
+        return self.bench.cubes == 0
+
+    @property
+    def K(self) -> FloatArray:
+        """Scale factor times misalignment (3, 3), rows sensors, columns IMU axes."""
+        return self.fit.x[:9].reshape(3, 3)
+
+    @property
+    def b(self) -> FloatArray:
+        """Scale factor times bias (3,)."""
+        return self.fit.x[9:12]
+
+
+def dwell_bench(campaigns: Sequence[Campaign], seen: TriadDwells) -> Bench:
+    """Lay out the bench's parameters for the dwells seen."""
+    cubes = cube_numbers(campaigns)
+    placements = tuple(
+        Placement(number, int(cubes[number]), dwell.position, campaigns[number].sigma.heading)
+        for number, dwell in seen.dwells
+    )
+    return Bench(placements, tuple(campaigns), int(cubes.max()) + 1)
+
+
+def mountings(campaigns: Sequence[Campaign], bench: Bench) -> FloatArray:
+    """Return (m, 3, 3): for every placement the rotation from the cube's axes to the IMU's."""
+    return np.stack([campaigns[at.campaign].fixture.C_ib for at in bench.placements])
+
+
+def specific_force(bench: Bench, x: FloatArray, C_ib: FloatArray) -> FloatArray:
+    """Return (m, 3) [g] in IMU axes in every placement, for the bench's parameters ``x``."""
+    up = [np.array([0.0, 0.0, bench.gravity(x, i)]) for i in range(len(bench.campaigns))]
+    seen: FloatArray = (C_ib @ bench.seen(x, up)[..., None])[..., 0]
+    return seen
+
+
+def missing_positions(seen: TriadDwells | None) -> list[str]:
+    """Name the positions of 1..12 that no dwell holds."""
+    there = {d.position for _, d in seen.dwells} if seen else set()
+    return [f"position {p}" for p in range(1, 13) if p not in there]
+
+
+def is_determined(u: FloatArray) -> bool:
+    """Say whether dwells at the inputs ``u`` (m, 3) determine a full row of K and a bias."""
+    if len(u) < 4:
+        return False
+    A = np.hstack((u, np.ones((len(u), 1)) * np.max(np.abs(u))))
+    return bool(np.linalg.svd(A, compute_uv=False)[-1] > 0.1 * np.max(np.abs(u)))
+
+
+def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> JointFit | None:
+    """Solve k, E and D of the accelerometers with slab tilt and face tilts; None if not determined."""
+    bench = dwell_bench(campaigns, seen)
+    C_ib = mountings(campaigns, bench)
+    u = specific_force(bench, np.zeros(bench.size), C_ib)
+    if not is_determined(u):
+        return None
+    linear, *_ = np.linalg.lstsq(np.hstack((u, np.ones((len(u), 1)))), seen.rate, rcond=None)
+    if np.any(np.linalg.norm(linear[:3], axis=0) < ALIVE * np.median(seen.std, axis=0)):
+        return None
+    start = np.concatenate((linear[:3].T.ravel(), linear[3], np.zeros(bench.size)))
+    prior = bench.priors()
+    scale = np.concatenate((np.full(12, np.max(np.abs(linear))), np.full(bench.size, 0.1)))
+    g = [campaigns[number].sigma.unsettled_accelerometer / STANDARD_GRAVITY for number, _ in seen.dwells]
+    unsettled = np.outer(g, np.linalg.norm(linear[:3], axis=0))
+    sigma = np.hypot(seen.std, unsettled)
+
+    def residual(x: FloatArray, steps: FloatArray) -> FloatArray:
+        model = specific_force(bench, x[12:], C_ib) @ x[:9].reshape(3, 3).T + x[9:12]
+        off = (seen.rate - steps - model) / sigma
+        return np.concatenate((off.ravel(), prior.matrix @ x[12:] - prior.mean))
+
+    turn_ons = [(number, dwell.turn_on) for number, dwell in seen.dwells]
+    plausible = TURN_ON_RANGE * np.linalg.norm(linear[:3], axis=0)
+    parted = fit_parted(residual, start, scale, turn_ons, plausible)
+    seen = replace(seen, rate=seen.rate - parted.steps)
+    return JointFit(
+        parted.fit,
+        bench,
+        seen,
+        np.zeros(3),
+        unsettled,
+        prior.loose,
+        spread=parted.spread,
+        profiled=parted.profiled,
+    )

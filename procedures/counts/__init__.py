@@ -1,0 +1,1 @@
+"""From recorded counts to rates with an honest sigma, and whether counts can be true."""

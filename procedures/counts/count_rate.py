@@ -1,0 +1,321 @@
+"""From counts to a rate with an honest sigma.
+
+A count is the integer part of an integral, so a sample's increment is off by up to one count, but the errors
+are not independent: they telescope. Last-minus-first throws away everything between; a least-squares slope
+treats the remainder as white, which it is not at low rates. Here every node says what it really says, that the
+cumulative output lay in ``[c, c + 1)``, and the output is a straight line plus the random walk that white rate
+noise integrates to; `procedures.counts.count_kernels.propagate` combines the statements (expectation propagation,
+started from the least-squares slope). The noise is the one that makes the counts most likely, averaged over what
+the counts leave open. With few edges this matters most: see ``docs/count-rate.md`` for the figures.
+
+Only nodes that can bind are used: in each of `WINDOWS` stretches the few that come closest to either end of
+their interval. Dropping a true statement costs information, never truth; measured, it costs none.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.counts.count_kernels import propagate, smooth
+from procedures.errors import TooShort
+
+WINDOWS, CLOSEST = 64, 3
+DOUBT = 3.5  # sigmas from either end of its interval within which a node is admitted
+ROUNDS = 4
+WHITE = 0.35  # counts per sqrt(sample) above which the remainder is white: its harmonic is e^-2(pi s)^2
+LAG = 16  # samples
+STEPS = 4  # noises tried per factor e
+NOISE_RANGE = (-42, 0)  # steps of the logarithm of counts per sqrt(sample): 2.8e-5 to 1
+DROP = 5.0  # nats below the best at which a noise is given up
+REPEATED = 1.5  # by which the evidence is divided: neighbouring nodes say in part the same, which it counts twice
+FALLING = 0.25  # the prior of a noise s is s^-FALLING ds / s; it matters below about four counts a dwell
+FEW_EDGES = 2  # below which a dwell gives an interval, no point
+LEAST_SAMPLES = 8
+SWEEPS, TOLERANCE = 60, 1e-3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RateEstimate:
+    """Mean rate of a dwell's channel [output/s], 1 sigma; slope [/s] and curvature [/s2] of the rate, 1 sigma.
+
+    ``noise`` is the white rate noise [output/sqrt(s)]. ``edges`` counts the different count boundaries crossed,
+    beside the usual increment: noise crossing one to and fro is one edge. With fewer than two there is no point
+    estimate: ``interval`` holds the rates that the counts allow, and ``rate`` is no more than its middle.
+    """
+
+    rate: float
+    std: float
+    slope: float
+    slope_std: float
+    curvature: float
+    curvature_std: float
+    noise: float
+    edges: int
+    interval: tuple[float, float] | None = None
+
+
+@dataclass(slots=True, eq=False)
+class _Path:
+    """One channel's cumulative count in one dwell, about the line of ``rate`` counts per sample.
+
+    ``t`` (m,) node times in samples from the middle; ``low`` (m,) the least the output can have been there;
+    ``keep`` (m,) the nodes in use; ``tau``, ``nu`` their sites after the last `fit`.
+    """
+
+    t: FloatArray
+    low: FloatArray
+    segment: IntArray
+    keep: BoolArray
+    rate: float
+    edges: int
+    tau: FloatArray = field(default_factory=lambda: np.zeros(0))
+    nu: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def span(self) -> float:
+        return float(self.t[-1] - self.t[0])
+
+    def arrays(self, terms: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return times, links, lows and the integrated Legendre polynomials of the nodes in use.
+
+        theta is then the rate's mean, slope and curvature, each in counts per span.
+        """
+        t = self.t[self.keep]
+        linked = np.concatenate(([0.0], (np.diff(self.segment[self.keep]) == 0) * 1.0))
+        x = 2 * t / self.span
+        columns = (x / 2, (x**2 - 1) / 4, (x**3 - x) / 4)
+        return t, linked, self.low[self.keep], np.ascontiguousarray(np.stack(columns[:terms], axis=1))
+
+    def fit(self, noise: float) -> float:
+        """Find the sites at a noise; return the log evidence."""
+        t, linked, low, basis = self.arrays(1)
+        self.tau, self.nu = np.empty_like(t), np.empty_like(t)
+        return propagate(t, linked, low, self.tau, self.nu, basis, noise, SWEEPS, TOLERANCE)[2]
+
+    def terms(self, noise: float) -> tuple[FloatArray, FloatArray]:
+        """Mean rate of the line, slope and curvature of the cubic, and their variances, in counts per span."""
+        t, linked, _, basis = self.arrays(3)
+        line = smooth(t, linked, self.tau, self.nu, np.ascontiguousarray(basis[:, :1]), noise)
+        bent = smooth(t, linked, self.tau, self.nu, basis, noise)
+        theta = np.array([line[2][0], bent[2][1], bent[2][2]])
+        return theta, np.array([line[3][0, 0], bent[3][1, 1], bent[3][2, 2]])
+
+    def allowed(self, noise: float) -> tuple[float, float]:
+        """Return the least and the largest rate beside ``rate`` that the counts allow, counts per sample.
+
+        Between any two nodes the output moved by the count's change, give or take one and three sigma of the
+        random walk: a bound that no approximation enters. Ends and edges bound most.
+        """
+        turn = np.flatnonzero(np.abs(np.diff(self.low, n=2)) > 0.5) + 1
+        ends = np.flatnonzero(np.diff(self.segment, prepend=-1, append=self.segment[-1] + 1))
+        at = np.unique(np.clip(np.concatenate((turn, turn + 1, ends, ends - 1)), 0, len(self.t) - 1))
+        i, j = np.triu_indices(len(at), 1)
+        same = self.segment[at[i]] == self.segment[at[j]]
+        i, j = at[i][same], at[j][same]
+        dt, change = self.t[j] - self.t[i], self.low[j] - self.low[i]
+        slack = 1 + 3 * noise * np.sqrt(dt)
+        return float(np.max((change - slack) / dt)), float(np.min((change + slack) / dt))
+
+    def admit(self, noise: float) -> bool:
+        """Take in the nodes that the sites found so far leave in doubt; say whether there were any."""
+        if self.keep.all():
+            return False
+        t, linked, _, basis = self.arrays(1)
+        mean, variance, *_ = smooth(t, linked, self.tau, self.nu, basis, noise)
+        before = np.clip(np.searchsorted(t, self.t, side="right") - 1, 0, len(t) - 2)
+        share = (self.t - t[before]) / (t[before + 1] - t[before])
+        at = mean[before] + share * (mean[before + 1] - mean[before])
+        bridge = noise**2 * share * (1 - share) * (t[before + 1] - t[before])
+        margin = DOUBT * np.sqrt(np.maximum(variance[before], variance[before + 1]) + np.maximum(bridge, 0))
+        doubtful = (at - self.low < margin) | (self.low + 1 - at < margin)
+        fresh = bool(np.any(doubtful & ~self.keep))
+        self.keep |= doubtful
+        return fresh
+
+
+def estimate_counts(
+    dwells: Sequence[IntArray],
+    period: float,
+    starts: Sequence[IntArray] | None = None,
+    times: Sequence[FloatArray] | None = None,
+) -> list[RateEstimate]:
+    """Estimate the rate of one channel in each of several dwells that share one white noise.
+
+    Parameters
+    ----------
+    dwells : increments (n,) of each dwell, counts per sample
+    period : sample period [s]
+    starts : index of the first sample of every gap-free segment of each dwell; default: no gap
+    times : end of each sample's interval [s] of each dwell; default: evenly spaced
+
+    Raises
+    ------
+    TooShort
+        If a dwell has fewer than `LEAST_SAMPLES` samples.
+
+    Source: the interval likelihood and its figures are this project's own (docs/count-rate.md); expectation
+    propagation is Minka, UAI 2001.
+    """
+    for dwell in dwells:
+        if len(dwell) < LEAST_SAMPLES:
+            raise TooShort("a dwell", len(dwell), LEAST_SAMPLES)
+    starts = starts or [np.zeros(1, dtype=np.int64)] * len(dwells)
+    samples = [np.arange(1.0, len(d) + 1) if times is None else times[i] / period for i, d in enumerate(dwells)]
+    paths = [_path(*each) for each in zip(dwells, samples, starts, strict=True)]
+    white = _white_noise(dwells)
+    if white > 0:
+        for path in paths:
+            path.keep[:] = True
+            path.tau, path.nu = np.full(len(path.t), 12.0), 12.0 * (path.low + 0.5)
+        return [_finish(path, [(white, 1.0)], period, refit=False) for path in paths]
+    weights = _noise_posterior(paths)
+    return [_finish(path, weights, period, refit=True) for path in paths]
+
+
+def _white_noise(dwells: Sequence[IntArray]) -> float:
+    """Return the noise [counts/sqrt(sample)] if it is large enough to make the remainder white, else 0.
+
+    An increment is r + w + q' - q with q uniform of variance 1/12: half the mean square of the increments'
+    differences is s^2 + 3/12. A rate near a simple fraction imitates that, but not over `LAG` samples, where
+    a remainder that only repeats cannot pass `WHITE`; nor does it ever change an increment by more than 2.
+    """
+    fast = _mean_square([np.diff(d) for d in dwells]) / 2 - 0.25
+    long = [np.diff(_lag_sums(d)) for d in dwells if len(d) > 2 * LAG]
+    if not long:
+        beyond = max(int(np.abs(np.diff(d)).max(initial=0)) for d in dwells) > 2
+        return float(np.sqrt(fast)) if beyond else 0.0
+    slow = (_mean_square(long) - 0.5) / (2 * LAG)
+    if slow < WHITE**2:
+        return 0.0
+    return float(np.sqrt(fast if fast > WHITE**2 else slow))  # slow alone: a step, as from a knock
+
+
+def _lag_sums(increments: IntArray) -> IntArray:
+    sums: IntArray = increments[: len(increments) // LAG * LAG].reshape(-1, LAG).sum(axis=1)
+    return sums
+
+
+def _mean_square(parts: Sequence[IntArray]) -> float:
+    return float(sum(np.sum(part**2.0) for part in parts) / sum(len(part) for part in parts))
+
+
+def _path(increments: IntArray, t: FloatArray, starts: IntArray) -> _Path:
+    """Lay the nodes: one before each segment's first sample and one after every sample."""
+    at = np.zeros(len(increments) + len(starts))
+    count = np.zeros_like(at)
+    first = np.zeros(len(at), dtype=bool)
+    for k, (begin, end) in enumerate(zip(starts, [*starts[1:], len(increments)], strict=True)):
+        here = slice(begin + k, end + k + 1)
+        at[here] = np.concatenate(([t[begin] - 1.0], t[begin:end]))
+        count[here] = np.concatenate(([0], np.cumsum(increments[begin:end])))
+        first[begin + k] = True
+    segment = np.cumsum(first) - 1
+    at -= (at[0] + at[-1]) / 2
+    rate = _common_slope(at, count, segment)
+    low = count - rate * at
+    low -= (np.bincount(segment, low) / np.bincount(segment))[segment] + 0.5
+    beside = np.cumsum(increments - np.round(np.median(increments)))
+    edges = int(np.ptp(np.concatenate(([0], beside))))
+    return _Path(at, low, segment, _binding(low, segment), rate, edges)
+
+
+def _common_slope(at: FloatArray, count: FloatArray, segment: IntArray) -> float:
+    """Least-squares slope shared by segments that each have their own level."""
+    size = np.bincount(segment)
+    x = at - (np.bincount(segment, at) / size)[segment]
+    return float(x @ count / (x @ x))
+
+
+def _binding(low: FloatArray, segment: IntArray) -> BoolArray:
+    """Mark the nodes nearest to either end of their interval in every window, and each segment's ends."""
+    n = len(low)
+    width = max(n // WINDOWS, 1)
+    keep = np.ones(n, dtype=bool)
+    if width <= 2 * CLOSEST:
+        return keep
+    rows = n // width
+    order = np.argsort(low[: rows * width].reshape(rows, width), axis=1) + width * np.arange(rows)[:, None]
+    keep[order[:, CLOSEST:-CLOSEST].ravel()] = False
+    change = np.flatnonzero(np.diff(segment))
+    keep[[0, n - 1, *change, *(change + 1)]] = True
+    return keep
+
+
+def _noise_posterior(paths: Sequence[_Path]) -> list[tuple[float, float]]:
+    """Return (noise, weight) around the most likely noise of all paths."""
+    telling = max(paths, key=lambda path: path.edges)  # where one path leads, all need few steps
+    best = _climb([telling], sum(NOISE_RANGE) // 2, STEPS, {})
+    for _ in range(ROUNDS):
+        found: dict[int, float] = {}
+        best = _climb(paths, best, 1, found)
+        noise = float(np.exp(best / STEPS))
+        _evidence(paths, best, found, again=True)
+        fresh = [path.admit(noise) for path in paths]
+        if not any(fresh):
+            break
+    return _grid(paths, best, found)
+
+
+def _evidence(paths: Sequence[_Path], step: int, found: dict[int, float], again: bool = False) -> float:
+    """Log probability of all the counts at a noise of ``step``, up to a constant, computed once."""
+    if step not in found or again:
+        noise = float(np.exp(step / STEPS))
+        found[step] = sum(path.fit(noise) for path in paths)
+    return found[step]
+
+
+def _climb(paths: Sequence[_Path], best: int, stride: int, found: dict[int, float]) -> int:
+    """Walk to the most likely noise in ever smaller strides; where none is possible, to a larger one."""
+    low, high = NOISE_RANGE
+    while stride:
+        near = [k for k in (best - stride, best, best + stride) if low <= k <= high]
+        leader = max(near, key=lambda k: (_evidence(paths, k, found), k))
+        stride = stride // 2 if leader == best else stride
+        best = leader
+    return best
+
+
+def _grid(paths: Sequence[_Path], best: int, found: dict[int, float]) -> list[tuple[float, float]]:
+    """Weigh every noise within `DROP` of the best; where that is hardly one step, put one noise for all."""
+    low, high = NOISE_RANGE
+    fall = {best: 0.0}
+    for direction in (-1, 1):
+        k = best + direction
+        while low <= k <= high and (drop := (found[best] - _evidence(paths, k, found)) / REPEATED) < DROP:
+            fall[k] = drop
+            k += direction
+    if len(fall) <= 3 and low < best < high:
+        below, above = ((found[best] - found[best + k]) / REPEATED for k in (-1, 1))
+        if np.isfinite(below + above):
+            mode = (best + (below - above) / (2 * (below + above))) / STEPS
+            return [(float(np.exp(mode + 1 / ((below + above) * STEPS**2))), 1.0)]
+    weight = {k: float(np.exp(-drop - FALLING * (k - best) / STEPS)) for k, drop in sorted(fall.items())}
+    return [(float(np.exp(k / STEPS)), w / sum(weight.values())) for k, w in weight.items()]
+
+
+def _finish(path: _Path, weights: Sequence[tuple[float, float]], period: float, refit: bool) -> RateEstimate:
+    """Average a dwell's rate, slope and curvature over what is open of the noise."""
+    mean, square = np.zeros(3), np.zeros(3)
+    for noise, weight in weights:
+        if refit:
+            path.fit(noise)
+        theta, variance = path.terms(noise)
+        mean += weight * theta
+        square += weight * (variance + theta**2)
+    std = np.sqrt(np.maximum(square - mean**2, 0.0))
+    half = path.span * period / 2
+    value, sigma = (each / (path.span * period) * (1, 1 / half, 3 / half**2) for each in (mean, std))
+    rate = path.rate / period + value[0]
+    noise_mean = float(np.sqrt(sum(w * s * s for s, w in weights)))
+    interval = None
+    if path.edges < FEW_EDGES:
+        low, high = (path.rate + bound for bound in path.allowed(noise_mean))
+        interval = (low / period, high / period)
+        rate, sigma[0] = sum(interval) / 2, (interval[1] - interval[0]) / np.sqrt(24)
+    return RateEstimate(
+        rate=float(rate), std=float(sigma[0]), slope=float(value[1]), slope_std=float(sigma[1]),
+        curvature=float(value[2]), curvature_std=float(sigma[2]),
+        noise=noise_mean / float(np.sqrt(period)), edges=path.edges, interval=interval,
+    )  # fmt: skip

@@ -1,0 +1,270 @@
+"""Channels that put out a constant where it cannot be true: named, and left out where they are dead.
+
+A channel that is not there, as of a one-axis device, a broken wire or a sensor that stopped puts out one value
+without end. So does a healthy one that counts slowly, for a while. A constant stretch is dead only where something
+else says so:
+
+- the cube was turned about its own axis, or a sequence moved it, or its axis was up and down all alike;
+- a rate output with noise of several steps of its converter never holds still;
+- by the channel's other dwells and their attitudes it should have moved by more than `LEAST` counts;
+- or it stopped within the step itself (`procedures.counts.stopped_channels`).
+
+The whole triad is left out of such a step; of a soak the channel alone (`procedures.diagnosis.thermal_soaks`).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration.campaign import (
+    Campaign,
+    DwellRecord,
+    RateTable,
+    RestRecord,
+    SequenceRecord,
+    SoakRecord,
+    TurnRecord,
+)
+from procedures.counts.sample_records import CountSeries, Series
+from procedures.counts.stopped_channels import (
+    LEAST,
+    LEVELS,
+    TAIL,
+    Constant,
+    constant_end,
+    stopped,
+    stopped_in_sequence,
+    stopped_in_turn,
+)
+from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.frames import AXES, face_normal, face_of, nominal_C_lb
+
+TRIADS = ("accelerometer", "gyroscope")
+FIELDS = {"accelerometer": "accel", "gyroscope": "gyro"}
+OWN = 0.5  # of a turn's axis along the sensor, or of an attitude beyond those of the other dwells
+FEWEST = 5  # other dwells that foretell one
+STOOD_OFF = 0.02  # rad by which a position may be off and its channels are still right
+
+Record = DwellRecord | RestRecord | TurnRecord | SequenceRecord
+R = TypeVar("R", DwellRecord, RestRecord, TurnRecord, SequenceRecord)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Channel:
+    """One channel in all steps of a campaign: its samples by step, and where each ends constant."""
+
+    campaign: Campaign
+    triad: str
+    axis: int
+    steps: Sequence[Record]
+    values: Sequence[FloatArray]
+    ends: Sequence[Constant | None]
+
+    @property
+    def name(self) -> str:
+        return f"{self.triad} {AXES[self.axis]}"
+
+    def is_constant(self, i: int) -> bool:
+        end = self.ends[i]
+        return end is not None and end.begin == 0
+
+    def dead(self) -> list[int]:
+        """Return the numbers of the steps in which it is dead."""
+        certain = [i for i in range(len(self.steps)) if self._is_dead(i)]
+        order = sorted(range(len(self.steps)), key=lambda i: float(self.steps[i].series.t[0]))
+        found, run = set(certain), list[int]()
+        for i in [*order, None]:  # a constant step beside a dead one, without a live one between, is dead too
+            if i is not None and (self.is_constant(i) or i in found):
+                run.append(i)
+                continue
+            if any(j in found for j in run):
+                found |= set(run)
+            run = []
+        return sorted(found)
+
+    def _is_dead(self, i: int) -> bool:
+        step, end = self.steps[i], self.ends[i]
+        if end is None:
+            return False
+        counts = isinstance(step.series, CountSeries)
+        if end.begin and isinstance(step, TurnRecord):
+            along = self._along(step) if self.triad == "gyroscope" else 0.0
+            return stopped_in_turn(step, self.values[i], end, abs(along) > OWN)
+        if end.begin and isinstance(step, SequenceRecord):
+            return stopped_in_sequence(step, self.values[i], end)
+        if end.begin:
+            return stopped(self.values[i], end, counts)
+        if isinstance(step, TurnRecord):
+            if self.triad == "gyroscope":
+                return bool(abs(self._along(step)) > OWN or self._should_swing(len(self.values[i])))
+        if isinstance(step, SequenceRecord):
+            return True
+        if not counts and self._levels() >= LEVELS:
+            return True
+        return self._is_off(i, end.value) if isinstance(step, DwellRecord) else False
+
+    def _along(self, turn: TurnRecord) -> float:
+        return float(self.campaign.fixture.C_ib[self.axis] @ face_normal(face_of(turn.start_position)))
+
+    def _levels(self) -> int:
+        """Return how many values its noise takes in the quietest rest that is not constant."""
+        rests = [i for i, step in enumerate(self.steps) if isinstance(step, DwellRecord | RestRecord)]
+        return min((len(np.unique(self.values[i])) for i in rests if not self.is_constant(i)), default=0)
+
+    def _is_off(self, i: int, value: float) -> bool:
+        """Say whether a dwell's constant is not what the other dwells make of its attitude."""
+        others = self._other_dwells(value)
+        if not others and self.triad == "accelerometer":
+            return self._was_up_and_down()
+        if len(others) < FEWEST:
+            return False
+        A, own = np.array([self._input(j) for j in others]), self._input(i)
+        mean = np.array([self.values[j].mean() for j in others])
+        x, _, rank, _ = np.linalg.lstsq(A, mean, rcond=0.1)
+        like_them, *_ = np.linalg.lstsq(A.T, own, rcond=0.1)
+        if np.linalg.norm(A.T @ like_them - own) > OWN:
+            return False  # none of them says what it should put out in this attitude
+        scatter = float(np.sqrt(np.sum((mean - A @ x) ** 2) / max(len(mean) - rank, 1)))
+        stood = STOOD_OFF * float(np.linalg.norm(x[:3]))
+        return abs(float(own @ x) - value) > LEAST / len(self.values[i]) + 6 * scatter + stood
+
+    def _other_dwells(self, value: float) -> list[int]:
+        """Return the dwells that put out something else than one constant ``value``, and did not stop."""
+        dwells = [j for j, step in enumerate(self.steps) if isinstance(step, DwellRecord)]
+        moved = [j for j in dwells if not self.is_constant(j) or self.values[j][-1] != value]
+        return [j for j in moved if self.is_constant(j) or not self._is_dead(j)]
+
+    def _should_swing(self, samples: int) -> bool:
+        """Say whether a turn's headings should show, by the Earth's rate that spreads the dwells."""
+        means = [v.mean() for s, v in zip(self.steps, self.values, strict=True) if isinstance(s, DwellRecord)]
+        swing = float(np.ptp(means)) / 2 * np.cos(self.campaign.site.latitude) if means else 0.0
+        return bool(swing * samples / 4 > LEAST)
+
+    def _was_up_and_down(self) -> bool:
+        faces = {face_of(s.position) for s in self.steps if isinstance(s, DwellRecord)}
+        axis = AXES[int(np.argmax(np.abs(self.campaign.fixture.C_ib[self.axis])))]
+        return {f"{axis}_up", f"{axis}_down"} <= faces
+
+    def _input(self, i: int) -> FloatArray:
+        step = self.steps[i]
+        assert isinstance(step, DwellRecord)
+        C = nominal_C_lb(step.position).T
+        seen = C[:, 2]
+        if self.triad == "gyroscope":
+            omega = earth_rate_n(self.campaign.site.latitude)
+            seen = C @ omega / np.linalg.norm(omega)
+        return np.append(seen, 1.0)
+
+
+def without_dead(campaigns: Sequence[Campaign]) -> tuple[tuple[Campaign, ...], tuple[str, ...]]:
+    """Return the campaigns without the triads of dead channels where these are dead, and what is said of it."""
+    kept, said = list[Campaign](), list[str]()
+    for campaign in campaigns:
+        for triad in TRIADS:
+            dead = {each.axis: each.dead() for each in _channels(campaign, triad)}
+            steps = _holding(campaign, triad)
+            said += [_sentence(each, dead[each.axis]) for each in _channels(campaign, triad) if dead[each.axis]]
+            gone = {id(steps[i]) for numbers in dead.values() for i in numbers}
+            if gone:
+                campaign = _without(campaign, triad, gone)
+        tables, in_tables = _tables(campaign)
+        kept.append(replace(campaign, rate_tables=tables) if in_tables else campaign)
+        said += in_tables
+        in_soaks = [text for soak in campaign.soaks for text in _of_soak(soak)]
+        everywhere = [text.split(" in every step")[0] for text in said if " in every step" in text]
+        said += [text for text in in_soaks if not any(text.startswith(f"{each} in all") for each in everywhere)]
+    return tuple(kept), tuple(said)
+
+
+def dead_in_soak(soak: SoakRecord, triad: str) -> list[Constant | None]:
+    """Return for each channel (3,) of a soak where it is constant to the end, or stopped; None if alive."""
+    samples = getattr(soak.series, FIELDS[triad])
+    if samples is None:
+        return [None] * 3
+    counts = isinstance(soak.series, CountSeries)
+    found = list[Constant | None]()
+    for values in np.asarray(samples, dtype=np.float64).T:
+        end = constant_end(values)
+        is_dead = end is not None and (end.begin == 0 or stopped(values, end, counts))
+        found.append(end if is_dead else None)
+    return found
+
+
+def _steps(campaign: Campaign) -> tuple[Record, ...]:
+    return (*campaign.dwells, *campaign.turns, *campaign.rests, *campaign.sequences)
+
+
+def _holding(campaign: Campaign, triad: str) -> list[Record]:
+    return [step for step in _steps(campaign) if getattr(step.series, FIELDS[triad]) is not None]
+
+
+def _channels(campaign: Campaign, triad: str) -> list[_Channel]:
+    steps = _holding(campaign, triad)
+    samples = [np.asarray(getattr(step.series, FIELDS[triad]), dtype=np.float64) for step in steps]
+    found = list[_Channel]()
+    for axis in range(3):
+        values = [each[:, axis] for each in samples]
+        found.append(_Channel(campaign, triad, axis, steps, values, [constant_end(v) for v in values]))
+    return found
+
+
+def _sentence(channel: _Channel, dead: Sequence[int]) -> str:
+    ends = [end for i in dead if (end := channel.ends[i]) is not None]
+    value = f"{ends[0].value + 0.0:.6g}"
+    triad = f"{channel.triad}s"
+    if len(dead) == len(channel.steps) and all(end.begin == 0 for end in ends):
+        return f"{channel.name} puts out a constant {value} in every step: the {triad} are left out"
+    names = [_where(channel.steps[i], channel.ends[i]) for i in dead]
+    said = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+    return f"{channel.name} puts out a constant {value} in {said}: the {triad} are left out there"
+
+
+def _where(step: Record | SoakRecord, end: Constant | None) -> str:
+    if end is None or end.begin == 0:
+        return f"all of {step.name}"
+    return f"{step.name} from {float(step.series.t[end.begin]):.6g} s on"
+
+
+def _of_soak(soak: SoakRecord) -> list[str]:
+    return [
+        f"{triad} {axis} puts out a constant {end.value + 0.0:.6g} in {_where(soak, end)}: left out"
+        for triad in TRIADS
+        for axis, end in zip(AXES, dead_in_soak(soak, triad), strict=True)
+        if end is not None
+    ]
+
+
+def _tables(campaign: Campaign) -> tuple[tuple[RateTable, ...], list[str]]:
+    """Return the rate tables without the gyroscopes that put out a constant while turned about their own axis."""
+    kept, said = list[RateTable](), list[str]()
+    for table in campaign.rate_tables:
+        along = np.abs(campaign.fixture.C_ib[:, AXES.index(table.axis)]) > OWN
+        output = np.array(table.output)
+        for axis in np.flatnonzero(along & (np.ptp(np.abs(table.reference)) > 0)):
+            read = output[np.isfinite(output[:, axis]), axis]
+            if len(read) >= TAIL and np.ptp(read) == 0:
+                name, value = f"gyroscope {AXES[axis]}", f"{read[0]:.6g}"
+                said.append(f"{name} puts out a constant {value} in all of {table.name}: left out")
+                output[:, axis] = np.nan
+        kept.append(replace(table, output=output))
+    return tuple(kept), said
+
+
+def _bare(series: Series, triad: str) -> Series:
+    return replace(series, gyro=None) if triad == "gyroscope" else replace(series, accel=None)
+
+
+def _without(campaign: Campaign, triad: str, gone: set[int]) -> Campaign:
+    """Return a campaign whose steps (by identity) lack a triad; one that lacks both is no step any more."""
+
+    def kept(records: tuple[R, ...]) -> tuple[R, ...]:
+        found = [replace(r, series=_bare(r.series, triad)) if id(r) in gone else r for r in records]
+        return tuple(r for r in found if r.series.gyro is not None or r.series.accel is not None)
+
+    return replace(
+        campaign, dwells=kept(campaign.dwells), turns=kept(campaign.turns), rests=kept(campaign.rests),
+        sequences=kept(campaign.sequences),
+    )  # fmt: skip

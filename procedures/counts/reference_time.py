@@ -1,0 +1,185 @@
+"""How fast a device's clock is, from the reference time beside its rows.
+
+Reference time of a row is read when the row is, late by what ports, adapters and a busy machine add, never
+early. The delays are heavy-tailed and hang together for seconds or minutes, but now and then a row comes through
+at once: the lower envelope keeps the rate while all else moves. So of each stretch of a campaign the least late
+row counts, and the noise of these is estimated with its memory
+(`procedures.statistics.line_with_correlated_errors`).
+
+A reference that is latched by a pulse errs to both sides instead: there the mean of a stretch tells more. Which
+it is shows in how well each draws a line. One that is cut to whole seconds tells the moment at which it goes on,
+to the distance of two rows; that error may well be the same for all, so that no scatter shows it.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line
+
+PPM = 1e6
+BLOCKS, LEAST = 24, 6  # stretches of all rows, and as few as that are a line
+OUTLIER = 5.0  # robust sigmas
+STEPS = 4  # of the delay at the most: a logger that was started again has another one
+PASSES = 4  # of taking the least late rows by the rate before
+BETTER = 0.7  # of the envelope's sigma: from there on another one counts instead
+COARSE = 0.5  # of rows whose reference is another than that of the row before: with fewer it is cut
+LEAP, DRIFT = 2.0, 0.05  # s, relative: by more, one clock was set or began anew between two records
+
+Piece = tuple[FloatArray, FloatArray]
+
+
+@dataclass(frozen=True, slots=True)
+class ClockRate:
+    """How fast the device's clock is [ppm], 1 sigma, and the degrees of freedom behind it.
+
+    ``delay`` [s] is how late of the line nine of ten rows at most are: of a quiet machine's reading, milliseconds.
+    """
+
+    ppm: float
+    std: float
+    dof: float
+    delay: float = 0.0
+
+
+def fit_clock(pieces: Sequence[Piece]) -> ClockRate | None:
+    """Fit reference time over device time, pairs of (n,) [s] for each record; None where too few rows have both.
+
+    A reference is nan where it is not known. Where a clock was set, or began anew, between two records, a line
+    begins there of its own, with the same slope.
+    """
+    points = _Points.of(pieces)
+    if points is None:
+        return None
+    tried = [line for pick in (np.min, np.mean) if (line := _line(points, pick)) is not None]
+    if not tried:
+        return None
+    best = min(tried, key=lambda line: line.std)
+    line = tried[0] if tried[0].std * BETTER <= best.std else best
+    std = float(np.hypot(line.std, points.grain / np.sqrt(6) / np.ptp(points.t)))  # both ends uniform within it
+    late = points.behind - line.slope * points.t
+    delay = max(float(np.quantile(late[b], 0.9) - late[b].min()) for b in points.blocks)
+    # x ppm fast: the reference moves by 1 / (1 + 1e-6 x) of what device time does
+    rate = 1 + line.slope
+    return ClockRate(PPM * (1 / rate - 1), PPM * std / rate**2, line.dof, delay)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Points:
+    """Device time and by how much the reference has moved more (n,) [s]; blocks of rows, and each one's session.
+
+    ``least`` [s] is what a float leaves open of each point, ``grain`` what coarse stamps leave open of all.
+    """
+
+    t: FloatArray
+    behind: FloatArray
+    blocks: list[IntArray]
+    session: IntArray
+    least: float
+    grain: float
+
+    @classmethod
+    def of(cls, pieces: Sequence[Piece]) -> "_Points | None":
+        known = [(t[keep], u[keep]) for t, u in pieces if (keep := np.isfinite(u) & np.isfinite(t)).any()]
+        known.sort(key=lambda piece: float(np.median(piece[1])))
+        known, grain = _ticks(known) if known else (known, 0.0)
+        if sum(len(t) for t, _ in known) < 2 * LEAST:
+            return None
+        t0, u0 = known[0][0][0], known[0][1][0]  # a float holds a quarter microsecond of seconds since 1970
+        known = [(t - t0, (u - u0) - (t - t0)) for t, u in known]
+        t, behind = (np.concatenate(each) for each in zip(*known, strict=True))
+        blocks, session = _blocks([piece[0] for piece in known], _sessions(known))
+        if len(blocks) < LEAST:
+            return None
+        return cls(t, behind, blocks, session, 4 * float(np.spacing(max(np.abs(t).max(), abs(u0)))), grain)
+
+
+def _ticks(known: list[Piece]) -> tuple[list[Piece], float]:
+    """Return the rows at which a coarse reference goes on, and how far [s] the row before is; else all rows."""
+    is_tick = [np.diff(u, prepend=u[0]) != 0 for _, u in known]
+    steps = np.concatenate([np.diff(t) for t, _ in known])
+    if not len(steps) or sum(map(np.count_nonzero, is_tick)) >= COARSE * len(steps):
+        return known, 0.0
+    grain = float(np.median(steps))
+    near = [np.diff(t, prepend=-np.inf) < 1.5 * grain for t, _ in known]
+    ticks = [(t[a & b], u[a & b]) for (t, u), a, b in zip(known, is_tick, near, strict=True) if (a & b).any()]
+    return ticks, grain
+
+
+def _sessions(known: Sequence[Piece]) -> list[int]:
+    """Return a number for each record, another from where a clock was set or began anew."""
+    found = [0]
+    for (t, behind), (later, after) in pairwise(known):
+        leap = abs(float(np.median(after) - np.median(behind)))
+        is_anew = later[0] <= t[-1] or leap > LEAP + DRIFT * (later[-1] - t[0])
+        found.append(found[-1] + is_anew)
+    return found
+
+
+def _blocks(times: Sequence[FloatArray], sessions: Sequence[int]) -> tuple[list[IntArray], IntArray]:
+    """Cut the records to about `BLOCKS` blocks of equal length that reach over no pause between two."""
+    rows = np.split(np.arange(sum(map(len, times))), np.cumsum([len(t) for t in times])[:-1])
+    spans = np.array([t[-1] - t[0] for t in times])
+    blocks, session = list[IntArray](), list[int]()
+    for i, one in enumerate(rows):
+        share = BLOCKS * spans[i] / spans.sum() if spans.sum() > 0 else 1.0
+        parts = np.array_split(one, max(1, min(round(share), len(one) // 2)))
+        blocks += parts
+        session += [sessions[i]] * len(parts)
+    return blocks, np.array(session)
+
+
+def _line(points: _Points, pick: Callable[[FloatArray], float]) -> CorrelatedLine | None:
+    """Fit a line through what is picked of each block; where its offset surely steps, a session begins anew."""
+    session, line = points.session, None
+    for _ in range(STEPS + 1):
+        found, index = _line_in(points, session, pick)
+        if found is None:
+            return line
+        line = found
+        if line.step is None:
+            break
+        at = index[line.step]
+        later = (session == session[at]) & (np.arange(len(session)) >= at)
+        session = np.where(later, session.max() + 1, session)
+    return line
+
+
+def _line_in(
+    points: _Points, session: IntArray, pick: Callable[[FloatArray], float]
+) -> tuple[CorrelatedLine | None, IntArray]:
+    """Fit a line through what is picked of each block about the line before; tell the blocks it goes through."""
+    slope = 0.0
+    middle = np.array([points.t[b].mean() for b in points.blocks])
+    for _ in range(PASSES):
+        off = points.behind - slope * points.t
+        picked = np.array([pick(off[b]) for b in points.blocks])
+        slope += _usual_slope(middle, picked, session)
+    off = points.behind - slope * points.t
+    picked = np.array([pick(off[b]) for b in points.blocks])
+    keep = np.flatnonzero(_inliers(picked, session))
+    if len(keep) < LEAST:
+        return None, keep
+    line = fit_correlated_line(middle[keep], picked[keep], session[keep], points.least)
+    return None if line is None else replace(line, slope=line.slope + slope), keep
+
+
+def _usual_slope(x: FloatArray, y: FloatArray, session: IntArray) -> float:
+    """Return the median slope between all pairs of one session (Theil and Sen)."""
+    i, j = np.triu_indices(len(x), 1)
+    same = (session[i] == session[j]) & (x[j] > x[i])
+    if not same.any():
+        return 0.0
+    return float(np.median((y[j] - y[i])[same] / (x[j] - x[i])[same]))
+
+
+def _inliers(off: FloatArray, session: IntArray) -> BoolArray:
+    """Mark the points near the line of their session."""
+    off = off.copy()
+    for each in np.unique(session):
+        off[session == each] -= np.median(off[session == each])
+    far = np.abs(off)
+    return np.asarray(far <= OUTLIER * max(1.4826 * float(np.median(far)), np.finfo(float).tiny))

@@ -1,0 +1,50 @@
+"""What is no column of a linear model and is settled before one is asked: labels, knocks and the clock.
+
+Each is put right in memory, and the rest of the diagnosis looks at the campaigns as they then are: at dwells in
+the positions where they stood, without disturbed stretches, in true seconds.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from procedures.calibration.campaign import Campaign
+from procedures.counts.reference_time import PPM
+from procedures.diagnosis.clock_rate import find_clock, is_timed, with_true_clock
+from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
+from procedures.diagnosis.result import Finding, Test
+from procedures.diagnosis.wrong_positions import find_labels, mislabelled, with_true_labels
+from procedures.diagnosis.wrong_turn_directions import with_true_directions
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Preliminary:
+    """The campaigns put right, the findings and tests made on the way, and the effects so ``settled``, by name.
+
+    ``clock`` is the relative 1 sigma of the clock's rate by which times were put right, None where they were not.
+    """
+
+    campaigns: tuple[Campaign, ...]
+    findings: tuple[Finding, ...]
+    tests: tuple[Test, ...]
+    settled: frozenset[str]
+    clock: float | None = None
+
+
+def preliminary(campaigns: Sequence[Campaign]) -> Preliminary:
+    """Put one unit's campaigns right; a clock that may as well be a wrongly stated period is left alone."""
+    campaigns, directions = with_true_directions(campaigns)
+    wrong = mislabelled(campaigns)
+    labels = find_labels(campaigns, wrong)
+    campaigns = with_true_labels(campaigns, wrong)
+    knocks, knock_tests = find_disturbances(campaigns)
+    campaigns = without_disturbances(campaigns, knocks)
+    clock, clock_tests = find_clock(campaigns)
+    settled = {"placement.label", "disturbance.dwell"} | ({"clock.rate"} if is_timed(campaigns) else set())
+    clock_std = None
+    for each in clock:
+        if each.confidence != "ambiguous":
+            campaigns = with_true_clock(campaigns, float(each.value[0]))
+            clock_std = float(each.std[0]) / PPM
+    findings = (*directions, *labels[0], *(knock.finding for knock in knocks), *clock)
+    tests = (*labels[1], *knock_tests, *clock_tests)
+    return Preliminary(tuple(campaigns), findings, tests, frozenset(settled), clock_std)

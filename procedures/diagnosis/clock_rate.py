@@ -1,0 +1,149 @@
+"""``clock.rate``: the device's clock against reference time, and the sample period against the stated one.
+
+Positive is fast: while the reference moves by dt, device time moves by ``(1 + 1e-6 c) dt``. Every rate computed
+with device time is too small by as much. Where rows hold reference time (``utc_s``), it is fitted by a line over
+device time (`procedures.counts.reference_time`). Without it, a sample period in device time that is not the stated
+one says that either the clock or the statement is wrong, and cannot say which. From a reference that leaves the
+rate open to more than 0.1 %, or is no time [s] of these rows, nothing is concluded.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, TurnRecord
+from procedures.counts.reference_time import PPM, ClockRate, fit_clock
+from procedures.counts.sample_records import Series
+from procedures.diagnosis.result import Confidence, Finding, Test
+from procedures.effects import EFFECTS
+from procedures.statistics.tail_probabilities import log_f_sf
+
+EFFECT = "clock.rate"
+OFF_PERIOD = 1e-3  # relative, as the warning of DESIGN 5
+ESTABLISHED, LIKELY = np.log(0.01), np.log(0.05)
+PLAUSIBLE = 5e4  # ppm: beyond, no clock is off
+KNOWN = 1e-3  # relative: 4 sigma of a rate from which something is concluded
+SIGMAS = 4.0
+NO_TIME = 20.0  # times as fast, or as slow: no device is set as wrong, utc_s is no time [s] of these rows
+LONG_S = 2.0  # of a record that tells it
+
+Record = TypeVar("Record", DwellRecord, TurnRecord, RestRecord, SequenceRecord)
+
+
+def find_clock(campaigns: Sequence[Campaign]) -> tuple[tuple[Finding, ...], tuple[Test, ...]]:
+    """Return what one unit's campaigns show of its clock, and the test made."""
+    rates = [rate for campaign in campaigns if (rate := clock_rate(campaign)) is not None and is_known(rate)]
+    if not rates:
+        return tuple(_off_period(campaigns)), ()
+    mean = _mean(rates)
+    adjusted = min(_log_p(mean) + float(np.log(len(EFFECTS))), 0.0)  # Holm: one of all that are tried
+    test = Test(EFFECT, (mean.ppm / mean.std) ** 2, _log_p(mean), adjusted)
+    if adjusted >= LIKELY or abs(mean.ppm) > PLAUSIBLE:
+        return (), (test,)
+    confidence: Confidence = "established" if adjusted < ESTABLISHED else "likely"
+    return (_finding(mean.ppm, mean.std, confidence, adjusted, "utc_s"),), (test,)
+
+
+def with_true_clock(campaigns: Sequence[Campaign], ppm: float) -> tuple[Campaign, ...]:
+    """Return the campaigns with device times and sample periods [s] as a right clock would have given them."""
+    return tuple(
+        replace(
+            campaign,
+            dwells=tuple(_slowed(each, ppm) for each in campaign.dwells),
+            turns=tuple(_slowed(each, ppm) for each in campaign.turns),
+            rests=tuple(_slowed(each, ppm) for each in campaign.rests),
+            sequences=tuple(_slowed(each, ppm) for each in campaign.sequences),
+        )
+        for campaign in campaigns
+    )
+
+
+def is_timed(campaigns: Sequence[Campaign]) -> bool:
+    """Say whether reference time tells the clock's rate in any campaign."""
+    return any((rate := clock_rate(campaign)) is not None and is_known(rate) for campaign in campaigns)
+
+
+def is_known(rate: ClockRate) -> bool:
+    """Say whether a rate is known to 0.1 %, by four sigma."""
+    return SIGMAS * rate.std / PPM <= KNOWN
+
+
+def clock_rate(campaign: Campaign) -> ClockRate | None:
+    """Fit reference time over device time where rows hold it; None where too few do, or it is no time [s]."""
+    return None if false_pace(campaign) is not None else fit_clock(_pieces(campaign))
+
+
+def false_pace(campaign: Campaign) -> float | None:
+    """Return by how much ``utc_s`` moves in a device's second where it is no time [s] of these rows; else None.
+
+    Milliseconds move by 1000, what runs backwards by -1, a constant by 0. Median of the records.
+    """
+    paces, grains = list[float](), list[float]()
+    for t, u in _pieces(campaign):
+        t, u = t[known := np.isfinite(t) & np.isfinite(u)], u[known]
+        if len(t) and t[-1] - t[0] >= LONG_S:
+            steps = np.abs(np.diff(u))
+            paces.append(float((u[-1] - u[0]) / (t[-1] - t[0])))
+            grains.append(float(np.median(steps[steps > 0])) / float(t[-1] - t[0]) if steps.any() else 0.0)
+    if not paces:
+        return None
+    pace, grain = float(np.median(paces)), float(np.median(grains))
+    is_time = pace < NO_TIME and pace + 2 * grain > 1 / NO_TIME  # coarse stamps may stand still in a short record
+    return None if is_time else pace
+
+
+def _log_p(rate: ClockRate) -> float:
+    """Return ln p of a clock that is right."""
+    return log_f_sf((rate.ppm / rate.std) ** 2, 1, rate.dof)
+
+
+def _mean(rates: Sequence[ClockRate]) -> ClockRate:
+    """Return the weighted mean of several campaigns, its sigma widened where they differ by more than theirs."""
+    w = np.array([rate.std**-2 for rate in rates])
+    values = np.array([rate.ppm for rate in rates])
+    mean = float(w @ values / w.sum())
+    spread = float(w @ (values - mean) ** 2) / max(len(rates) - 1, 1)
+    return ClockRate(mean, float(np.sqrt(max(spread, 1.0) / w.sum())), sum(rate.dof for rate in rates))
+
+
+def _off_period(campaigns: Sequence[Campaign]) -> Iterator[Finding]:
+    """Report a sample period in device time that is not the stated one by more than the files scatter."""
+    off = [s.period / c.nominal_period - 1 for c in campaigns if c.nominal_period is not None for s in _series(c)]
+    if not off or abs(middle := float(np.median(off))) <= OFF_PERIOD:
+        return
+    std = max(float(np.std(off, ddof=1)) if len(off) > 1 else 0.0, abs(middle) * 1e-3)
+    log_p = log_f_sf((middle / std) ** 2, 1, len(off) - 1 if len(off) > 1 else np.inf)
+    adjusted = max(min(log_p + float(np.log(len(EFFECTS))), 0.0), float(np.log(np.finfo(float).tiny)))
+    if adjusted < LIKELY:
+        found = _finding(PPM * middle, PPM * std, "ambiguous", adjusted, "t_s")
+        yield replace(found, aliases=("imu.sample_period_s",))
+
+
+def _finding(ppm: float, std: float, confidence: Confidence, log_p: float, channel: str) -> Finding:
+    told = (
+        "either the device's clock or sample_period_s is wrong: record a reference time beside the rows (utc_s)"
+        if channel == "t_s"
+        else "a second campaign with reference time beside the rows (utc_s)"
+    )
+    return Finding(
+        EFFECT, "procedure", ("value",), np.array([ppm]), np.array([std]), "ppm", {"channel": channel}, confidence,
+        (), told, log_p, 0.0,
+    )  # fmt: skip
+
+
+def _pieces(campaign: Campaign) -> list[tuple[FloatArray, FloatArray]]:
+    return [(s.t, s.extra["utc_s"]) for s in _series(campaign) if "utc_s" in s.extra]
+
+
+def _series(campaign: Campaign) -> Iterator[Series]:
+    for records in (campaign.dwells, campaign.turns, campaign.rests, campaign.sequences):
+        for record in records:
+            yield record.series
+
+
+def _slowed(record: Record, ppm: float) -> Record:
+    series, by = record.series, 1 + ppm / PPM
+    return replace(record, series=replace(series, t=series.t / by, period=series.period / by))

@@ -1,0 +1,235 @@
+"""The closed loop: residual, effect, model, residual again.
+
+    evidence -> candidates -> one effect at a time -> parameters solved again -> what is left
+
+until nothing significant, plausible and foretelling is left; then every finding is held against what could take
+its place, and the whole against noise.
+"""
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from procedures.calibration.calibration import fit_reduced, reduce_steps
+from procedures.calibration.campaign import Campaign
+from procedures.calibration.solution import Solution
+from procedures.counts.dead_channels import without_dead
+from procedures.diagnosis.ambiguous_solution import either
+from procedures.diagnosis.base_model import Bench, Subject
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.checks_before_effects import Preliminary, preliminary
+from procedures.diagnosis.effect_naming import named, other_seatings, settled
+from procedures.diagnosis.effect_selection import (
+    CLAIMED,
+    MOST,
+    Adopted,
+    Tried,
+    next_effect,
+    try_all,
+)
+from procedures.diagnosis.error_before_after import errors_made
+from procedures.diagnosis.fixture_or_sensor import with_channels
+from procedures.diagnosis.left_out_groups import groups
+from procedures.diagnosis.linear_model import LinearFit, fit_linear, significance
+from procedures.diagnosis.loop_state import State, stand
+from procedures.diagnosis.rate_tables import RateTables
+from procedures.diagnosis.rate_tables_and_dwells import combined, with_files
+from procedures.diagnosis.rests_on_faces import faces_as_positions
+from procedures.diagnosis.result import Diagnosis, Finding, Test, Verdict
+from procedures.diagnosis.unexplained_residual import excess, log_p_of
+from procedures.diagnosis.within_dwells import within_dwells
+from procedures.effects import EFFECTS
+from procedures.effects.effect import Effect
+from procedures.errors import DoesNotFit, NotObservable, ProcedureError
+from procedures.uncertainty.clock_rate import with_clock
+
+AGAIN = "the same campaign in another order, on another day: what does not come back is no effect"
+UNEXPLAINED = np.log(0.01)
+# Of what is left: below it an effect must have explained nearly all that it was brought in for.
+LEFT = np.log(1e-3)
+EXPLAINS = 0.95
+
+
+def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS) -> Diagnosis:
+    """Find what the residual of one unit's campaigns says the model lacks, and add it.
+
+    Raises
+    ------
+    NotObservable
+        If neither triad can be solved, and no rate table's sensor either.
+    """
+    tables = RateTables.of(campaigns)
+    if tables is None:
+        return _of_steps(campaigns, effects)
+    of_tables = with_files(_closed(tables, effects))
+    try:
+        return combined(_of_steps(campaigns, effects), of_tables)
+    except NotObservable:
+        return of_tables
+
+
+def _of_steps(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagnosis:
+    """Diagnose dwells, turns and rests, put right first where that is no matter of a linear model."""
+    found_before, bench = _put_right(campaigns)
+    effects = [effect for effect in effects if effect.name not in found_before.settled]
+    found = _with_clock(_closed(bench, effects), found_before.clock)
+    findings = with_channels((*found_before.findings, *found.findings), found.solution_before)
+    verdict = _verdict(findings, found.log_p)
+    return replace(
+        found, verdict=verdict, findings=findings,
+        tried=(*found_before.tests, *found.tried), next_measurement=_next(findings, verdict),
+    )  # fmt: skip
+
+
+def _with_clock(found: Diagnosis, std: float | None) -> Diagnosis:
+    """Return a diagnosis whose solutions hold what is not known of the clock by which times were put right."""
+    if std is None:
+        return found
+    before = with_clock(found.solution_before, found.before, std)
+    return replace(found, solution_before=before, solution=with_clock(found.solution, found.after, std), clock=std)
+
+
+def _put_right(campaigns: Sequence[Campaign]) -> tuple[Preliminary, Bench]:
+    """Return what was put right, and the base model; campaigns that can only be solved as they are stay so."""
+    alive, left_out = without_dead(campaigns)
+    try:
+        before = preliminary([faces_as_positions(campaign) for campaign in alive])
+        steps = replace(reduce_steps(before.campaigns), left_out=left_out)
+        return before, Bench(steps, fit_reduced(steps))
+    except ProcedureError:
+        steps = reduce_steps(campaigns)
+        return Preliminary(tuple(campaigns), (), (), frozenset()), Bench(steps, fit_reduced(steps))
+
+
+def _closed(subject: Subject, effects: Sequence[Effect]) -> Diagnosis:
+    """Add effects to a base model, one at a time, until nothing is left that any of them would explain."""
+    state = first = stand(subject, (), effects)
+    tried = list[Tried]()
+    for _ in range(MOST):
+        found = try_all(state.now.evidence, state.pool, state.adopted)
+        tried = tried or found
+        grown = _grown(state, found, effects)
+        if grown is None:
+            break
+        state = _dropped(settled(grown, effects), effects)
+    state = _lasting(_honest(state, effects), effects)
+    state, findings = named(state, len(first.pool), effects)
+    left = _left(state)
+    unexplained = within_dwells(state.now.evidence, _unwidened(state)) if left < UNEXPLAINED else None
+    verdict = _verdict(findings, left)
+    return Diagnosis(
+        verdict, findings, tuple(_test(each) for each in tried),
+        errors_made(first.now.evidence, state.now, groups(first.now.evidence)), first.now.fits,
+        state.now.fits, state.now.evidence, subject.report(first.now), _reported(state, effects), left,
+        _next(findings, verdict),
+        tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
+        unexplained, on_table=subject.on_table(state.now),
+    )  # fmt: skip
+
+
+def _grown(state: State, found: Sequence[Tried], effects: Sequence[Effect]) -> State | None:
+    """Adopt the best effect with which the model can be solved; None where none is left."""
+    left = list(found)
+    while new := next_effect(state.now.evidence, left, state.adopted, groups(state.now.evidence)):
+        both = (*state.adopted, new)
+        if new.candidate.is_of_model:
+            return replace(state, adopted=both)
+        try:
+            return stand(state.subject, both, effects)
+        except DoesNotFit:
+            left.remove(new.tried)
+    return None
+
+
+def _reported(state: State, effects: Sequence[Effect]) -> Solution:
+    """Return what was solved, its sigmas holding the seatings that could be in the place of one."""
+    found = state.subject.report(state.now)
+    for each in state.adopted:
+        for way in other_seatings(state, each.candidate):
+            instead = [replace(a, candidate=way) if a is each else a for a in state.adopted]
+            with suppress(DoesNotFit):
+                found = either(found, state.subject.report(stand(state.subject, instead, effects).now))
+    return found
+
+
+def _dropped(state: State, effects: Sequence[Effect]) -> State:
+    """Drop an effect that those adopted after it explain."""
+    gone = next((each for each in state.adopted[:-1] if _has_gone(state, each.candidate)), None)
+    return state if gone is None else _without(state, gone, effects)
+
+
+def _lasting(state: State, effects: Sequence[Effect]) -> State:
+    """Drop what is no longer seen in the model that it brought about itself, the last adopted first."""
+    while gone := next((each for each in reversed(state.adopted) if _has_gone(state, each.candidate)), None):
+        state = _without(state, gone, effects)
+    return state
+
+
+def _has_gone(state: State, candidate: Candidate) -> bool:
+    """Say whether an adopted effect is no longer significant over all that was tried."""
+    test = significance(state.now.evidence, candidate.fit(state.now.evidence, state.beside(candidate)))
+    return bool(test.log_p + np.log(len(state.pool)) > CLAIMED)
+
+
+def _without(state: State, gone: Adopted, effects: Sequence[Effect]) -> State:
+    """Return where the loop stands without an effect; those that do not fit without it go with it."""
+    left = [each for each in state.adopted if each is not gone]
+    while left:
+        try:
+            return stand(state.subject, left, effects)
+        except DoesNotFit:
+            left.pop()
+    return stand(state.subject, (), effects)
+
+
+def _left(state: State) -> float:
+    """Return ln p of what the model with all its effects leaves."""
+    return log_p_of(state.now.evidence, _unwidened(state))
+
+
+def _unwidened(state: State) -> LinearFit:
+    evidence = state.now.evidence
+    return fit_linear(evidence, state.beside(), factor=np.ones(len(evidence.residual)))
+
+
+def _honest(state: State, effects: Sequence[Effect]) -> State:
+    """Drop effects that leave more than a little of what they were brought in to explain."""
+    while _left(state) < LEFT:
+        wanting = [
+            (share, each)
+            for each in state.adopted
+            if not each.candidate.is_of_model and (share := _explained(state, each.candidate)) < EXPLAINS
+        ]
+        if not wanting:
+            break
+        state = _without(state, min(wanting, key=lambda each: each[0])[1], effects)
+    return state
+
+
+def _explained(state: State, candidate: Candidate) -> float:
+    """Return how much of what noise does not explain a candidate does."""
+    evidence, ones = state.now.evidence, np.ones(len(state.now.evidence.residual))
+    without = excess(evidence, fit_linear(evidence, state.beside(candidate), factor=ones))
+    with_it = excess(evidence, fit_linear(evidence, state.beside(), factor=ones))
+    return 1 - with_it / without if without > 0 else 0.0
+
+
+def _verdict(findings: Sequence[Finding], left: float) -> Verdict:
+    if left < UNEXPLAINED:
+        return "unexplained"
+    for word in ("ambiguous", "likely", "established"):
+        if any(each.confidence == word for each in findings):
+            return word
+    return "consistent"
+
+
+def _test(tried: Tried) -> Test:
+    return Test(tried.candidate.effect.name, tried.test.statistic, tried.log_p, tried.log_p_adjusted)
+
+
+def _next(findings: Sequence[Finding], verdict: Verdict) -> str:
+    """Say what to measure next."""
+    told = "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "ambiguous"))
+    return AGAIN if verdict == "unexplained" and not told else told

@@ -1,0 +1,166 @@
+"""Blocks of one channel that are livelier than the channel's own quiet: where a dwell was disturbed.
+
+Of a channel whose remainder is not white, as of counts with little noise, a block is judged by the strip its
+counts need (`procedures.diagnosis.constant_rate_check`); of any other by its variance, chi-square with the degrees
+of freedom that the scatter of all blocks' variances shows. Noise and variance are those of the channel's quieter
+dwells, so that a knock does not hide itself.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.counts.count_rate import LAG, LEAST_SAMPLES, WHITE, estimate_counts
+from procedures.diagnosis.constant_rate_check import bent_strip_width, log_p_of_width, strip_width
+from procedures.statistics.tail_probabilities import log_chi2_sf
+
+LENGTHS = (1.0, 2.0, 5.0, 10.0)  # s, of blocks
+LEAST = 12  # samples a block
+MOST_NODES = 128  # of a block's strip: denser counts say little more
+LEAST_NOISE, NOISE_MARGIN = 5e-4, 1.5  # counts per sqrt(sample): few edges leave a smaller one open; factor
+NOISIER = 1.3  # times the channel's variance, up to which a dwell's own is taken for its quiet
+CAUTION = 2.0  # sigmas by which the quiet variance may be larger than was found
+CANDIDATE = np.log(1e-3)  # ln p of a straight strip below which a bent one is tried
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """One channel in one step: ``values`` (n,) a sample, ``starts`` of segments, ``period`` [s]."""
+
+    values: FloatArray
+    starts: IntArray
+    period: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Blocks:
+    """Blocks of one length: the trace, the first sample and the end of each, and ln P of its liveliness (m,)."""
+
+    trace: IntArray
+    first: IntArray
+    end: IntArray
+    log_p: FloatArray
+
+
+def judge(traces: Sequence[Trace], counts: bool) -> list[Blocks]:
+    """Judge all blocks of one channel's traces; shortest blocks first."""
+    if counts and not is_white(traces):
+        return _by_strip(traces)
+    return _by_variance(traces, counts)
+
+
+def is_white(traces: Sequence[Trace]) -> bool:
+    """Say whether most traces' noise is so large that the counts' remainder is white (as `count_rate`)."""
+    slow = list[float]()
+    for trace in traces:
+        sums = trace.values[: len(trace.values) // LAG * LAG].reshape(-1, LAG).sum(axis=1)
+        slow.append(float(np.mean(np.diff(sums) ** 2)) if len(sums) > 1 else 0.0)
+    return bool((np.median(slow) - 0.5) / (2 * LAG) > WHITE**2)
+
+
+def _windows(
+    traces: Sequence[Trace], seconds: float, more: int
+) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+    """Return trace, first and end of half-overlapping blocks, their samples (m, L); ``more`` 1: L + 1 nodes."""
+    length = round(seconds / traces[0].period)
+    at, first, rows = list[IntArray](), list[IntArray](), [np.zeros((0, length + more))]
+    for number, trace in enumerate(traces):
+        for begin, end in zip(trace.starts, [*trace.starts[1:], len(trace.values)], strict=True):
+            values = trace.values[begin:end]
+            if len(values) < length or length < LEAST:
+                continue
+            nodes = np.concatenate(([0.0], np.cumsum(values))) if more else values
+            every = max(length // 2, 1)
+            rows.append(sliding_window_view(nodes, length + more)[::every])
+            first.append(begin + every * np.arange(len(rows[-1])))
+            at.append(np.full(len(rows[-1]), number))
+    if not first:
+        nothing = np.zeros(0, dtype=np.int64)
+        return nothing, nothing, nothing, rows[0]
+    begins = np.concatenate(first)
+    return np.concatenate(at), begins, begins + length, np.concatenate(rows)
+
+
+def _by_strip(traces: Sequence[Trace]) -> list[Blocks]:
+    found, widths = list[Blocks](), list[tuple[IntArray, IntArray, IntArray, FloatArray, FloatArray]]()
+    for seconds in LENGTHS:
+        at, first, end, nodes = _windows(traces, seconds, 1)
+        nodes = nodes[:, :: max(nodes.shape[1] // MOST_NODES, 1)]
+        nodes = nodes - nodes[:, :1]
+        widths.append((at, first, end, nodes, strip_width(nodes) if len(nodes) else np.zeros(0)))
+    noise = _noise(traces, [(at, width) for at, *_, width in widths])
+    for at, first, end, nodes, width in widths:
+        samples = int(end[0] - first[0]) if len(first) else 1
+        log_p = log_p_of_width(width, noise, samples)
+        again = log_p < CANDIDATE
+        if again.any():
+            log_p[again] = log_p_of_width(bent_strip_width(nodes[again]), noise, samples)
+        found.append(Blocks(at, first, end, log_p))
+    return found
+
+
+def _noise(traces: Sequence[Trace], widths: Sequence[tuple[IntArray, FloatArray]]) -> float:
+    """Return the noise [counts per sqrt(sample)] of the half of the traces whose strips are narrowest."""
+    widest = np.zeros(len(traces))
+    for at, width in widths:
+        np.maximum.at(widest, at, width)
+    quiet = [traces[i] for i in np.argsort(widest)[: (len(traces) + 1) // 2]]
+    quiet = [trace for trace in quiet if len(trace.values) >= LEAST_SAMPLES]
+    if not quiet:
+        return np.inf
+    period = traces[0].period
+    values = [trace.values.astype(np.int64) for trace in quiet]
+    estimate = estimate_counts(values, period, [trace.starts for trace in quiet])[0]
+    return max(NOISE_MARGIN * estimate.noise * float(np.sqrt(period)), LEAST_NOISE)
+
+
+def _by_variance(traces: Sequence[Trace], counts: bool) -> list[Blocks]:
+    found, rounding = list[Blocks](), 0.0 if counts else _rounding([trace.values for trace in traces])
+    for seconds in LENGTHS:
+        at, first, end, samples = _windows(traces, seconds, 0)
+        if not len(samples):
+            continue
+        variance = samples.var(axis=1, ddof=1)
+        quiet = _quiet_variance(variance, at, len(traces)) + rounding
+        ratio = variance / quiet[at] if np.all(quiet > 0) else np.ones(len(at))
+        dof = _degrees(ratio, samples.shape[1] - 1)
+        ratio = ratio / _at_most(dof, len(at) / len(traces))
+        log_p = np.array([log_chi2_sf(dof * r, dof) if r > 1 else 0.0 for r in ratio])
+        found.append(Blocks(at, first, end, log_p))
+    return found
+
+
+def _at_most(dof: float, blocks: float) -> float:
+    """Return how much larger than the median of a trace's ``blocks`` variances their mean may be.
+
+    The median of chi-square over its mean is (1 - 2 / (9 dof))^3 (Wilson and Hilferty 1931); it is known to
+    sqrt(pi / 2) times sqrt(2 / dof) over the root of the blocks that do not overlap, half of all. Without both the
+    liveliest of thousands of blocks is a knock in one quiet campaign of fifty.
+    """
+    return float((1 + CAUTION * np.sqrt(2 * np.pi / (dof * blocks))) / (1 - 2 / (9 * dof)) ** 3)
+
+
+def _rounding(values: Sequence[FloatArray]) -> float:
+    """Return the variance that an output flickering between two neighbouring values has at most.
+
+    A rounded output with little noise comes to it, and leaves it, as its mean drifts.
+    """
+    levels = np.unique(np.concatenate([np.unique(each) for each in values]))
+    return float(np.diff(levels).min()) ** 2 / 4 if len(levels) > 1 else 0.0
+
+
+def _quiet_variance(variance: FloatArray, at: IntArray, traces: int) -> FloatArray:
+    """Return the quiet variance of each trace: its own median, unless that is beyond what the channel has."""
+    own = np.array([np.median(variance[at == i]) if np.any(at == i) else np.nan for i in range(traces)])
+    channel = float(np.nanmedian(own))
+    return np.where(own < NOISIER * channel, own, channel)
+
+
+def _degrees(ratio: FloatArray, most: int) -> float:
+    """Return the degrees of freedom that the middle half of the variances shows: var(ln s^2) is 2 / dof."""
+    low, high = np.percentile(np.log(np.maximum(ratio, 1e-12)), (25, 75))
+    spread = (high - low) / 1.349
+    return float(np.clip(2 / spread**2 if spread > 0 else most, 1.0, most))

@@ -1,0 +1,151 @@
+"""Which name a finding goes by, how sure it is, and what else it could be."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.effect_selection import CLAIMED, GAIN, Adopted, gain_of
+from procedures.diagnosis.equivalent_effects import takes_its_place
+from procedures.diagnosis.left_out_groups import groups
+from procedures.diagnosis.linear_model import fit_linear, held_out, significance
+from procedures.diagnosis.loop_state import State, stand
+from procedures.diagnosis.result import Confidence, Finding
+from procedures.diagnosis.sign_flip_test import TOLD, sign_flip_p
+from procedures.diagnosis.sweep_repeatability import std_of_repeats
+from procedures.effects.effect import Effect
+from procedures.errors import DoesNotFit
+from procedures.frames import FACES
+
+RANK = {"bench": 0, "procedure": 1, "instrument": 2}
+
+
+def named(state: State, tried: int, effects: Sequence[Effect]) -> tuple[State, tuple[Finding, ...]]:
+    """Name every finding, or the group it cannot be told from."""
+    renamed = tuple(_renamed(state, each, effects) for each in state.adopted)
+    if any(new.candidate is not old.candidate for new, old in zip(renamed, state.adopted, strict=True)):
+        with suppress(DoesNotFit):  # by the other name it does not fit: it keeps its own
+            state = stand(state.subject, _once(renamed), effects)
+    return state, tuple(_finding(state, each, tried) for each in state.adopted)
+
+
+def _once(adopted: Sequence[Adopted]) -> list[Adopted]:
+    found = dict[tuple[str, str, str], Adopted]()
+    for each in adopted:
+        columns = each.candidate.columns
+        found.setdefault((each.candidate.effect.name, str(columns.where), columns.shape), each)
+    return list(found.values())
+
+
+def _others(state: State, finding: Candidate) -> list[Candidate]:
+    """Return the effects that could take a finding's place, the best of the ways of each."""
+    evidence = state.now.evidence
+    fit = finding.fit(evidence, state.beside(finding))
+    inside = {id(each.candidate) for each in state.adopted}
+    found = list[Candidate]()
+    for ways in state.pool.values():
+        for way in ways:
+            if way.effect is finding.effect or id(way) in inside or way.is_of_model or _holds(way, finding):
+                continue
+            if takes_its_place(evidence, fit, way.term):
+                found.append(way)
+    return found
+
+
+def _holds(other: Candidate, finding: Candidate) -> bool:
+    """Say whether the model holds another effect at its prior already: then it is beside the finding anyway."""
+    return other.tied and finding.effect.kind != "bench"
+
+
+def _renamed(state: State, adopted: Adopted, effects: Sequence[Effect]) -> Adopted:
+    """Return a finding under its group's name: the bench's, the procedure's, or what foretells best."""
+    group = [adopted.candidate, *_others(state, adopted.candidate)]
+    evidence, beside, left_out = state.now.evidence, state.beside(adopted.candidate), groups(state.now.evidence)
+    rank = min(RANK[each.effect.kind] for each in group)
+    if RANK[adopted.candidate.effect.kind] == rank and rank != RANK["instrument"]:
+        return adopted
+    group = [each for each in group if RANK[each.effect.kind] == rank]
+    if any(each.effect.added for each in group):
+        gains = [_exact_gain(state, adopted, each, effects) for each in group]
+    else:
+        gains = [gain_of(evidence, each, beside, left_out) for each in group]
+    ranked = list(zip(group, gains, strict=True))
+    best, order = max(gain for _, gain in ranked), list(state.pool)
+    close = (each for each in ranked if each[1] > best - GAIN)
+    named = min(close, key=lambda each: order.index(each[0].effect.name))
+    return replace(adopted, candidate=named[0], gain=named[1]) if named[0] is not adopted.candidate else adopted
+
+
+def _exact_gain(state: State, adopted: Adopted, instead: Candidate, effects: Sequence[Effect]) -> float:
+    """Return how well the left-out rows are foretold with another effect in the place of one, bent as it is."""
+    others = [each for each in state.adopted if each is not adopted]
+    try:
+        there = stand(state.subject, [*others, replace(adopted, candidate=instead)], effects)
+    except DoesNotFit:
+        return -np.inf
+    fit = fit_linear(there.now.evidence, there.beside(), factor=state.now.linear.factor)
+    return held_out(there.now.evidence, fit, groups(there.now.evidence))[0]
+
+
+def settled(state: State, effects: Sequence[Effect]) -> State:
+    """Settle at once which of a group it is, where one is not linear: they leave different residuals."""
+    if not state.adopted:
+        return state
+    last = state.adopted[-1]
+    group = [last.candidate, *_others(state, last.candidate)]
+    if not any(each.effect.added for each in group):
+        return state
+    renamed = _renamed(state, last, effects)
+    with suppress(DoesNotFit):
+        state = state if renamed is last else stand(state.subject, (*state.adopted[:-1], renamed), effects)
+    return state
+
+
+def _finding(state: State, adopted: Adopted, tried: int) -> Finding:
+    candidate, evidence = adopted.candidate, state.now.evidence
+    beside = state.beside(candidate)
+    fit, left_out = candidate.fit(evidence, beside), groups(evidence)
+    test = significance(evidence, fit)
+    ways = max(len(state.pool.get(candidate.effect.name, ())), 1)
+    log_p = min(test.log_p + np.log(tried * ways), 0.0)
+    gain = gain_of(evidence, candidate, beside, left_out)
+    aliases = tuple(dict.fromkeys(each.effect.name for each in _others(state, candidate)))
+    flipped = sign_flip_p(evidence, candidate, beside)
+    is_sure = log_p < CLAIMED and gain > GAIN and (flipped is None or flipped <= TOLD)
+    confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
+    effect, columns = candidate.effect, candidate.columns
+    told = candidate.term.H.any(axis=0)
+    value, std = test.value, np.maximum(test.std, std_of_repeats(evidence, fit, left_out))
+    value, std = (value, std) if effect.shown is None else effect.shown(value, std)
+    names = tuple(np.array(columns.coefficients)[told].tolist())
+    return Finding(
+        effect.name, effect.kind, names, value[told], std[told], columns.unit or effect.unit,
+        _where(state, candidate), confidence, aliases, _what_would_tell(state, effect), log_p, gain,
+        columns.shape, flipped,
+    )  # fmt: skip
+
+
+def _what_would_tell(state: State, effect: Effect) -> str:
+    """Return the measurement that would tell an effect from its aliases; not one that is there already."""
+    is_certified = all(len(each.fixture.faces) == len(FACES) for each in state.now.fits.campaigns)
+    return (is_certified and effect.separate_by_certified) or effect.separate_by
+
+
+def _where(state: State, finding: Candidate) -> Mapping[str, object]:
+    """Return what a finding is about; of a seating that its pair's other could be instead, both positions."""
+    where = dict(finding.columns.where)
+    if also := [way.columns.where["position"] for way in other_seatings(state, finding)]:
+        where["position"] = [where["position"], *also]
+    return where
+
+
+def other_seatings(state: State, finding: Candidate) -> list[Candidate]:
+    """Return the other positions that could have been seated so instead of a finding's."""
+    if "position" not in finding.columns.where:
+        return []
+    evidence = state.now.evidence
+    fit = finding.fit(evidence, state.beside(finding))
+    ways = state.pool.get(finding.effect.name, ())
+    return [way for way in ways if way is not finding and takes_its_place(evidence, fit, way.term)]

@@ -1,0 +1,172 @@
+"""Selection that does not cry wolf: one effect at a time, over all that were tried, and only if it foretells.
+
+In every round each candidate is tested beside what was adopted before; the smallest p counts as one of as many as
+were tried (Holm 1979). The winner must improve the rows that were left out in turn, its size must be plausible,
+no single step may carry it alone, the sweeps of a rate table must repeat it, and no other campaign of the unit may
+speak against it. After each adoption those before are tested again, and dropped if the newcomer explains what they
+did.
+"""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import IntArray
+from procedures.diagnosis.candidates import Candidate, usable
+from procedures.diagnosis.effect_trial import trial
+from procedures.diagnosis.left_out_groups import campaign_groups
+from procedures.diagnosis.linear_model import (
+    SCARCE,
+    Significance,
+    Term,
+    borne_out,
+    held_out,
+    significance,
+    without_rows,
+)
+from procedures.diagnosis.residual_rows import Evidence
+from procedures.diagnosis.sweep_repeatability import log_p_of_repeats
+from procedures.errors import DoesNotFit
+
+# Of the adjusted p. The words would allow 0.05 for likely; that names what is not there in more than 1 %.
+CLAIMED = np.log(0.01)
+BEYOND = 5.0  # times its plausible size a coefficient is not believed
+ALONE = np.log(0.05)  # p that must stay whichever step is left out
+GAIN = 0.5  # of log predictive density, below which the left-out rows say neither yes nor no
+AGAINST = -1.0  # of it, below which a whole campaign left out speaks against an effect
+UNUSED = 0.5 * np.log(2)  # of it, what a coefficient of nought costs where one of two equal campaigns is left out
+MOST = 8  # effects
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tried:
+    """A candidate and its test beside what was adopted; ``log_p`` counts the ways its effect was tried in."""
+
+    candidate: Candidate
+    test: Significance
+    log_p: float
+    log_p_adjusted: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Adopted:
+    """An effect that entered the model: how it was found, and what the left-out rows gained by it (ln density)."""
+
+    candidate: Candidate
+    tried: Tried
+    gain: float
+
+    @property
+    def term(self) -> Term:
+        """Its columns."""
+        return self.candidate.term
+
+
+def try_all(
+    evidence: Evidence, pool: Mapping[str, Sequence[Candidate]], adopted: Sequence[Adopted] = ()
+) -> list[Tried]:
+    """Test every effect beside what was adopted, the best of its ways each; the least p first."""
+    terms = [each.term for each in adopted if not each.candidate.is_of_model]
+    taken = {(each.candidate.effect.name, str(each.candidate.columns.where)) for each in adopted}
+    found = list[Tried]()
+    for name, ways in pool.items():
+        free = [way for way in ways if way.is_tried and (name, str(way.columns.where)) not in taken]
+        tests = [(way, test) for way in free if (test := _tested(evidence, way, terms)) is not None]
+        if tests:
+            way, test = min(tests, key=lambda each: each[1].log_p)
+            found.append(Tried(way, test, min(test.log_p + np.log(len(tests)), 0.0)))
+    found.sort(key=lambda each: each.log_p)
+    return holm(found)
+
+
+def _tested(evidence: Evidence, way: Candidate, terms: Sequence[Term]) -> Significance | None:
+    """Return the test of one way, None where the model leaves too little of it to see."""
+    try:
+        with trial():
+            return significance(evidence, way.fit(evidence, terms)) if usable(way, evidence, terms) else None
+    except DoesNotFit:
+        return None
+
+
+def holm(found: Sequence[Tried]) -> list[Tried]:
+    """Return Holm's adjusted p of a sorted list."""
+    worst, adjusted = -np.inf, list[Tried]()
+    for i, each in enumerate(found):
+        worst = min(max(worst, each.log_p + np.log(len(found) - i)), 0.0)
+        adjusted.append(replace(each, log_p_adjusted=worst))
+    return adjusted
+
+
+def next_effect(
+    evidence: Evidence, tried: Sequence[Tried], adopted: Sequence[Adopted], left_out: Sequence[IntArray]
+) -> Adopted | None:
+    """Return the best of those tried that is significant, plausible, foretells, and hangs on no single step."""
+    terms = [each.term for each in adopted if not each.candidate.is_of_model]
+    for each in tried:
+        if each.log_p_adjusted >= CLAIMED:
+            return None
+        with suppress(DoesNotFit), trial():
+            gain = gain_of(evidence, each.candidate, terms, left_out)
+            if (
+                is_plausible(each)
+                and gain > 0
+                and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < CLAIMED
+                and stands_without_any(evidence, each.candidate, terms, left_out)
+                and holds_in_every_campaign(evidence, each.candidate, terms)
+            ):
+                return Adopted(each.candidate, each, gain)
+    return None
+
+
+def is_plausible(tried: Tried) -> bool:
+    """Say whether every coefficient lies in its plausible range, as far as its sigma tells."""
+    low = np.abs(tried.test.value) - 2 * tried.test.std
+    return bool(np.all(low < BEYOND * tried.candidate.term.plausible))
+
+
+def gain_of(
+    evidence: Evidence, candidate: Candidate, others: Sequence[Term], left_out: Sequence[IntArray]
+) -> float:
+    """Return by how much the left-out rows are better foretold with a candidate than without [ln density]."""
+    after = candidate.fit(evidence, others)
+    before = candidate.without(evidence, others, after.factor)
+    return held_out(evidence, after, left_out)[0] - held_out(evidence, before, left_out)[0]
+
+
+def stands_without_any(
+    evidence: Evidence, candidate: Candidate, others: Sequence[Term], left_out: Sequence[IntArray]
+) -> bool:
+    """Say whether an instrument's effect is seen whichever position is left out: one bad dwell is none.
+
+    Where a step tells so much of it that the others could hardly (the one fast turn among slow ones), these must
+    at least show of it what they would with 95 % probability.
+    """
+    if candidate.effect.kind != "instrument":
+        return True
+    fit = candidate.fit(evidence, others)
+    told = significance(evidence, fit)
+    for rows in left_out:
+        if not evidence.is_data[rows[0]]:
+            continue
+        again = significance(evidence, without_rows(fit, rows))
+        if again.log_p > ALONE and borne_out(told, again) < -SCARCE:
+            return False
+    return True
+
+
+def holds_in_every_campaign(evidence: Evidence, candidate: Candidate, others: Sequence[Term]) -> bool:
+    """Say whether no campaign speaks against an instrument's effect that the others see without it.
+
+    One that is seen only where the campaigns stand beside each other, as a coefficient of temperature that was
+    steady in each, cannot be foretold from the others, and is not held to that.
+    """
+    if candidate.effect.kind != "instrument":
+        return True
+    fit, against = candidate.fit(evidence, others), AGAINST - UNUSED * len(candidate.term.plausible)
+    for rows in campaign_groups(evidence):
+        is_seen = significance(evidence, without_rows(fit, rows)).log_p < ALONE
+        if is_seen and gain_of(evidence, candidate, others, [rows]) < against:
+            return False
+    return True

@@ -1,0 +1,47 @@
+"""Which other effects could take a finding's place.
+
+An effect is an alias where, fitted beside the finding and held to its own plausible range, it brings some
+combination of the finding's coefficients that stood above three sigma below it. The combinations looked at are
+each coefficient; where none of them stands by itself, the best combination and those whose sigma the other widens
+most (eigenvectors of the one covariance in the other's metric). Some direction at three sigma is always lost to
+anything that overlaps at all: beside coefficients that stand by themselves it is no other explanation.
+
+A true finding keeps its value beside another effect, only its sigma grows; a false one's value goes to nought
+beside the true cause.
+"""
+
+import numpy as np
+from scipy.linalg import eigh
+
+from procedures.arrays import FloatArray
+from procedures.diagnosis.linear_model import LinearFit, Term, coefficients_beside
+from procedures.diagnosis.residual_rows import Evidence
+
+STANDS = 3.0  # sigmas
+LOST = 0.5  # of a combination's sigmas, left at most: less is noise about the threshold, not another explanation
+WIDENED = 3.0  # times, by the other, that a mixed combination's sigma must be to be worth looking at
+
+
+def takes_its_place(evidence: Evidence, finding: LinearFit, other: Term) -> bool:
+    """Say whether ``other`` could be what the last term of a fit, a ``finding``, is taken for."""
+    c, C = finding.coefficients()
+    shifted, wider = coefficients_beside(evidence, finding, other)
+    for w in _combinations(c, C, wider):
+        stood = abs(w @ c) / np.sqrt(w @ C @ w)
+        stands = abs(w @ shifted) / np.sqrt(w @ wider @ w)
+        if stood > STANDS > stands and stands < LOST * stood:
+            return True
+    return False
+
+
+def _combinations(c: FloatArray, C: FloatArray, wider: FloatArray) -> FloatArray:
+    """Return combinations (m, k) of k coefficients worth looking at."""
+    size = np.sqrt(np.diag(C))
+    if np.any(np.abs(c) > STANDS * size):
+        each: FloatArray = np.eye(len(c)) / size
+        return each
+    scaled, wide = C / np.outer(size, size), wider / np.outer(size, size)
+    ratio, vectors = eigh(wide, scaled)
+    best = np.linalg.solve(scaled, c / size)
+    found: FloatArray = np.vstack((best, vectors.T[ratio > WIDENED**2])) / size
+    return found

@@ -1,0 +1,45 @@
+"""The error before and after the effects: the residual's rms in the campaign, and on what was left out."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.diagnosis.linear_model import LinearFit, fit_linear, held_out
+from procedures.diagnosis.refit import Refit
+from procedures.diagnosis.residual_rows import TRIADS, Evidence
+from procedures.diagnosis.result import Errors
+
+SHOWN = (
+    ("mean", "dwells", "g", 1.0, "deg/h", 3600.0),
+    ("turn", "turns", "", 0.0, "deg", 1.0),
+    ("norm", "rests", "g", 1.0, "", 0.0),
+    ("soak", "soaks", "g", 1.0, "deg/h", 3600.0),
+    ("rate", "rate points", "", 0.0, "deg/s", 1.0),
+)
+
+
+def errors_made(before: Evidence, after: Refit, left_out: Sequence[IntArray]) -> tuple[Errors, ...]:
+    """Return the errors of dwells, turns and rests of each triad."""
+    first, last = fit_linear(before, []), after.linear
+    parts = [_natural(before, first, left_out), _natural(after.evidence, last, left_out)]
+    found = list[Errors]()
+    for kind, steps, unit_a, per_a, unit_g, per_g in SHOWN:
+        for triad, unit, per in zip(TRIADS, (unit_a, unit_g), (per_a, per_g), strict=True):
+            rows = before.rows(kind, triad=triad)
+            if rows.any() and per:
+                values = [_rms(each[rows]) for part in parts for each in part]
+                b, hb, a, ha = (None if v is None else v * per for v in values)
+                found.append(Errors(f"{triad} {steps}", unit, b or 0.0, a or 0.0, hb, ha))
+    return tuple(found)
+
+
+def _natural(evidence: Evidence, fit: LinearFit, left_out: Sequence[IntArray]) -> tuple[FloatArray, FloatArray]:
+    """Return the residual (n,) and the error where left out (n,), in natural units."""
+    sigma = evidence.sigma * fit.factor
+    return fit.white * sigma, held_out(evidence, fit, left_out)[1] * sigma
+
+
+def _rms(values: FloatArray) -> float | None:
+    known = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(known**2))) if len(known) else None

@@ -1,0 +1,242 @@
+"""What the sensors went through, at a few nodes of every step: the coordinates that effects are made of.
+
+Attitudes are nominal, as the plan says: on fitted attitudes an effect that faces cannot excite would turn into a
+copy of the faces' own tilts. Rests at unknown attitudes have no nominal one: there it is what gravity showed.
+"""
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.calibration.calibration import Fits
+from procedures.calibration.campaign import Campaign
+from procedures.calibration.hand_turns import heading_history
+from procedures.calibration.observations import TurnTotal, channel
+from procedures.calibration.twelve_position import JointFit
+from procedures.counts.sample_records import CountSeries, Series
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY, earth_rate_n
+from procedures.effects.effect import Seen, SeenStep
+from procedures.frames import face_normal, face_of, nominal_C_lb, rotation
+
+DWELL_NODES = 96
+TURN_NODE_S = 0.1  # s: a hand turns a few degrees meanwhile
+SMOOTH = 2  # degree of the polynomial through a step's temperature, of which its rate is the slope
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """One step's nodes: fields as in `Seen`, whose ``step`` and ``change`` come from the order of all parts."""
+
+    step: SeenStep
+    f: FloatArray
+    omega: FloatArray
+    magnetic: FloatArray
+    accel_output: FloatArray
+    gyro_output: FloatArray
+    t: FloatArray
+    rest_s: FloatArray
+    temperature: FloatArray
+    temperature_rate: FloatArray
+    auxiliary: dict[str, FloatArray]
+    C_ib: FloatArray
+    E_accel: FloatArray
+    E_gyro: FloatArray
+    seconds: FloatArray  # (n,) that a node stands for
+
+
+PER_PART = ("C_ib", "E_accel", "E_gyro")
+
+
+def joined(parts: Sequence[Part]) -> Seen:
+    """Return the nodes of all parts one after the other."""
+    sizes = [len(part.t) for part in parts]
+    number = np.repeat(np.arange(len(parts)), sizes)
+    names = sorted({name for part in parts for name in part.auxiliary})
+    missing = [np.full(size, np.nan) for size in sizes]
+    shared = {f.name for f in fields(Seen)} & {f.name for f in fields(Part)} - {"step", "auxiliary", *PER_PART}
+    return Seen(
+        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in shared},
+        change=_changes(parts, number),
+        auxiliary={
+            name: np.concatenate([p.auxiliary.get(name, gap) for p, gap in zip(parts, missing, strict=True)])
+            for name in names
+        },
+        step=number.astype(np.int64),
+        **{name: np.stack([getattr(part, name) for part in parts])[number] for name in PER_PART},
+        steps=tuple(part.step for part in parts),
+    )
+
+
+def _changes(parts: Sequence[Part], number: IntArray) -> FloatArray:
+    """Return by how much f (n, 3) differs from the step before, in the order of time; nan for the first."""
+    order = sorted(range(len(parts)), key=lambda i: (parts[i].step.campaign, parts[i].t[0]))
+    change = np.full((len(parts), 3), np.nan)
+    for before, after in itertools.pairwise(order):
+        if parts[before].step.campaign == parts[after].step.campaign:
+            change[after] = parts[after].f[0] - parts[before].f[-1]
+    found: FloatArray = change[number]
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bins:
+    """A series cut into ``edges`` (m + 1,), sample numbers."""
+
+    series: Series
+    edges: IntArray
+
+    @classmethod
+    def equal(cls, series: Series, count: int) -> "Bins":
+        """Cut into about ``count`` bins of whole samples."""
+        n = len(series)
+        return cls(series, np.unique(np.linspace(0, n, min(count, n) + 1).round().astype(np.int64)))
+
+    def mean(self, values: FloatArray) -> FloatArray:
+        """Return the mean of samples (n, ...) in every bin."""
+        sums = np.add.reduceat(np.asarray(values, dtype=np.float64), self.edges[:-1], axis=0)
+        size = np.diff(self.edges).astype(np.float64)
+        found: FloatArray = sums / (size if sums.ndim == 1 else size[:, None])
+        return found
+
+    @property
+    def middle(self) -> FloatArray:
+        """Device time [s] of the bins' middles."""
+        return self.mean(self.series.t) - self.series.period / 2
+
+    @property
+    def seconds(self) -> FloatArray:
+        """How long each is [s]."""
+        return np.diff(self.edges) * self.series.period
+
+    def temperature(self) -> tuple[FloatArray, FloatArray]:
+        """Return temperature [degC] and its rate [K/min] at the bins, of a polynomial through what is known."""
+        t, T = self.series.t, self.series.temperature
+        known = np.isfinite(T)
+        middle = self.middle
+        if known.sum() < 8 * (SMOOTH + 1):
+            return np.full(len(middle), np.nan), np.full(len(middle), np.nan)
+        centre, half = t.mean(), max(np.ptp(t) / 2, 1e-9)
+        polynomial = np.polynomial.Polynomial(
+            np.polynomial.polynomial.polyfit((t[known] - centre) / half, T[known], SMOOTH)
+        )
+        x = (middle - centre) / half
+        return polynomial(x), 60 * polynomial.deriv()(x) / half
+
+    def auxiliary(self) -> dict[str, FloatArray]:
+        """Return the mean of every auxiliary channel in the bins, nan where none of it is known."""
+        found = {}
+        for name, values in self.series.extra.items():
+            if name.startswith("aux_"):
+                known = np.isfinite(values)
+                share = self.mean(known.astype(float))
+                with np.errstate(invalid="ignore", divide="ignore"):
+                    found[name.removeprefix("aux_")] = self.mean(np.where(known, values, 0.0)) / share
+        return found
+
+
+class Places:
+    """Makes the parts of steps at rest and of turns for one set of fits."""
+
+    def __init__(self, fits: Fits) -> None:
+        self.campaigns = fits.campaigns
+        self.accel = fits.accelerometer
+        self.gyro = fits.gyroscope.joint if fits.gyroscope is not None else None
+
+    def rest(
+        self,
+        number: int,
+        step: SeenStep,
+        series: Series,
+        C_in: FloatArray | None,
+        f: FloatArray | None = None,
+        nodes: int = DWELL_NODES,
+    ) -> Part:
+        """Return a step at rest; ``C_in`` (3, 3) takes East-North-Up to the IMU's axes, where that is known.
+
+        ``f`` (3,) [g] is the specific force in IMU axes where the attitude is not.
+        """
+        campaign, bins = self.campaigns[number], Bins.equal(series, nodes)
+        n = len(bins.edges) - 1
+        up, earth, magnetic = _site_vectors(campaign)
+        unknown = np.full(3, np.nan)
+        f = C_in @ up if C_in is not None else unknown if f is None else f
+        omega = C_in @ earth if C_in is not None else np.zeros(3)
+        field = C_in @ magnetic if C_in is not None else unknown
+        many = [np.tile(vector, (n, 1)) for vector in (f, omega, field)]
+        return self._part(campaign, step, bins, *many)
+
+    def turn(self, turn: TurnTotal, step: SeenStep) -> Part:
+        """Return a turn, its rate as the gyroscopes measured it."""
+        campaign, series = self.campaigns[turn.campaign], turn.record.series
+        bins = Bins.equal(series, max(round(len(series) * series.period / TURN_NODE_S), 8))
+        assert self.gyro is not None
+        K, b = self.gyro.K, self.gyro.b
+        up, earth, magnetic = _site_vectors(campaign)
+        heading = bins.mean(heading_history(turn, campaign.fixture.C_ib, K, b, float(earth[2])))
+        C_bl = nominal_C_lb(turn.record.start_position).T
+        about = np.zeros((len(heading), 3))
+        about[:, 2] = -heading
+        C_in = campaign.fixture.C_ib @ C_bl @ rotation(about)
+        samples = np.asarray(channel(series, "gyroscope"), dtype=np.float64)
+        rate = bins.mean(samples) / (series.period if isinstance(series, CountSeries) else 1.0)
+        omega: FloatArray = np.linalg.solve(K, (rate - b).T).T.astype(np.float64)
+        return self._part(campaign, step, bins, C_in @ up, omega, C_in @ magnetic)
+
+    def _part(
+        self, campaign: Campaign, step: SeenStep, bins: Bins, f: FloatArray, omega: FloatArray, field: FloatArray
+    ) -> Part:
+        temperature, warming = bins.temperature()
+        return Part(
+            step, f, omega, field, _output(self.accel, f), _output(self.gyro, omega), bins.middle,
+            bins.middle - (bins.series.t[0] - bins.series.period), temperature, warming, bins.auxiliary(),
+            campaign.fixture.C_ib, _misalignment(self.accel), _misalignment(self.gyro), bins.seconds,
+        )  # fmt: skip
+
+
+def _output(fit: JointFit | None, u: FloatArray) -> FloatArray:
+    """Return E u + D (n, 3) of inputs (n, 3), the inputs where the triad is not solved."""
+    if fit is None:
+        return u
+    output: FloatArray = (u @ fit.K.T + fit.b) / np.linalg.norm(fit.K, axis=1)
+    return output
+
+
+def _misalignment(fit: JointFit | None) -> FloatArray:
+    """Return E (3, 3), unit where the triad is not solved."""
+    E: FloatArray = np.eye(3) if fit is None else fit.K / np.linalg.norm(fit.K, axis=1)[:, None]
+    return E
+
+
+def _site_vectors(campaign: Campaign) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return specific force at rest [g], Earth rate [deg/s] and magnetic field [uT], (3,) each, East-North-Up."""
+    up = np.array([0.0, 0.0, campaign.site.gravity / STANDARD_GRAVITY])
+    field = np.full(3, np.nan) if campaign.site.magnetic is None else np.array(campaign.site.magnetic)
+    return up, np.degrees(earth_rate_n(campaign.site.latitude)), field
+
+
+def attitude(campaign: Campaign, position: int) -> FloatArray:
+    """Return the nominal C_in (3, 3), East-North-Up to the IMU's axes, in position 1..12."""
+    C_in: FloatArray = campaign.fixture.C_ib @ nominal_C_lb(position).T
+    return C_in
+
+
+def on_face(campaign: Campaign, face: str) -> FloatArray:
+    """Return the specific force (3,) [g], IMU axes, with a face of the cube up."""
+    f: FloatArray = campaign.site.gravity / STANDARD_GRAVITY * campaign.fixture.C_ib @ face_normal(face)
+    return f
+
+
+def dwell_step(name: str, campaign: int, position: int) -> SeenStep:
+    """Return what a dwell in a position is."""
+    return SeenStep(name, "dwell", campaign, position, face_of(position))
+
+
+def iterate_dwells(fits: Fits, places: Places, seen: JointFit) -> Iterator[Part]:
+    """Return the parts of a fit's dwells in its order."""
+    for number, record in seen.seen.dwells:
+        campaign = fits.campaigns[number]
+        step = dwell_step(record.name, number, record.position)
+        yield places.rest(number, step, record.series, attitude(campaign, record.position))

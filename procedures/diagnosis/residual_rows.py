@@ -1,0 +1,328 @@
+"""The residual as evidence: one row per thing seen, with its 1 sigma, and what the model can do about it.
+
+Rows are in natural units (g, deg/s; deg for turns): observed less modelled output over the scale factor. A row's
+residual obeys, to first order,
+
+    residual = -A dx + H c + noise
+
+with ``A`` the model's own Jacobian (of residual by parameter, so it falls as the model rises), dx what its
+parameters are off by, and H c an effect. Prior knowledge of the parameters is rows too, of no step.
+
+Within a dwell the rate's slope and curvature are rows as well: the model says they are nought, and relaxation,
+drift and temperature show nowhere better.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.calibration.calibration import Fits
+from procedures.calibration.hand_turns import GyroscopeFit
+from procedures.calibration.twelve_position import JointFit, RestFit
+from procedures.diagnosis.excitation_nodes import Part, Places, iterate_dwells, joined, on_face
+from procedures.diagnosis.thermal_soaks import SoakBlock, soaks_seen
+from procedures.effects.effect import Columns, Seen, SeenStep
+
+TRIADS = ("accelerometer", "gyroscope")
+KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate", "soak")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Weights:
+    """How three rows, one a sensor, come about from the nodes of a step.
+
+    A column (m, 3, k) at the nodes becomes ``sum of w * column`` (3, k), and where there is a ``mix`` (r, 3), of
+    fewer rows: ``mix @`` that.
+    """
+
+    nodes: slice
+    w: FloatArray
+    rows: slice
+    triad: int
+    mix: FloatArray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """All rows (n,): ``residual``, its 1 sigma by counting noise, ``A`` (n, p); what, where and when each is.
+
+    ``triad`` is 0 or 1 (`TRIADS`), ``kind`` the number in `KINDS`, ``step`` that of ``seen.steps``, -1 of priors,
+    ``axis`` the sensor. ``is_range`` marks priors that only keep a parameter in bounds. ``x`` (p,) is where the
+    model was linearised; ``columns_of`` says for each triad which columns of A its fit's parameters are.
+    ``noise_dof`` are the degrees of freedom behind sigma, infinite where it is as good as known.
+    """
+
+    residual: FloatArray
+    sigma: FloatArray
+    A: FloatArray
+    triad: IntArray
+    kind: IntArray
+    step: IntArray
+    axis: IntArray
+    is_range: BoolArray
+    x: FloatArray
+    columns_of: tuple[IntArray, IntArray]
+    weights: tuple[Weights, ...]
+    seen: Seen
+    noise_dof: float = np.inf
+
+    def column(self, columns: Columns) -> FloatArray:
+        """Return H (n, k): what a unit of each coefficient adds to every row."""
+        H = np.zeros((len(self.residual), len(columns.coefficients)))
+        for each in self.weights:
+            at_nodes = (columns.accel, columns.gyro)[each.triad]
+            if at_nodes is not None:
+                rows = np.einsum("m,mqk->qk", each.w, at_nodes[each.nodes])
+                H[each.rows] = rows if each.mix is None else each.mix @ rows
+        return H
+
+    @cached_property
+    def is_data(self) -> BoolArray:
+        """Say of every row whether it was measured in this campaign."""
+        return self.step >= 0
+
+    def rows(self, *kinds: str, triad: str | None = None) -> BoolArray:
+        """Mark the rows of some kinds, and of one triad if it is named."""
+        chosen: BoolArray = np.isin(self.kind, [KINDS.index(kind) for kind in kinds])
+        return chosen if triad is None else chosen & (self.triad == TRIADS.index(triad))
+
+
+class _Builder:
+    """Collects rows and nodes of both triads; ``columns_of`` each are the columns of A of a triad's parameters.
+
+    ``own`` columns more follow, for what belongs to single steps.
+    """
+
+    def __init__(self, columns_of: tuple[IntArray, IntArray], own: int) -> None:
+        self.columns_of = columns_of
+        self.first_own = 1 + max((int(c.max()) for c in columns_of if len(c)), default=-1)
+        self.width = self.first_own + own
+        self.parts: list[Part] = []
+        self.numbers: dict[SeenStep, int] = {}
+        self.blocks: list[_Block] = []
+        self.weights: list[Weights] = []
+        self.count = 0
+
+    def nodes(self, part: Part) -> tuple[int, slice]:
+        """Return the number and the nodes of a part, taking it in if it is new."""
+        if part.step not in self.numbers:
+            self.numbers[part.step] = len(self.parts)
+            self.parts.append(part)
+        number = self.numbers[part.step]
+        begin = sum(len(p.t) for p in self.parts[:number])
+        return number, slice(begin, begin + len(self.parts[number].t))
+
+    def add(self, residual: FloatArray, sigma: FloatArray, jacobian: FloatArray, triad: int, kind: str,
+            step: int = -1, is_range: BoolArray | None = None, own: int | None = None) -> slice:  # fmt: skip
+        """Take in rows; return where they stand. ``own`` is the first of their own columns, a constant each."""
+        A = np.zeros((len(residual), self.width))
+        np.add.at(A.T, self.columns_of[triad][: jacobian.shape[1]], jacobian.T)
+        if own is not None:
+            A[:, self.first_own + own : self.first_own + own + len(A)] = -np.eye(len(A))
+        is_range = np.zeros(len(residual), dtype=bool) if is_range is None else is_range
+        self.blocks.append(_Block(residual, sigma, A, triad, KINDS.index(kind), step, is_range))
+        self.count += len(residual)
+        return slice(self.count - len(residual), self.count)
+
+    def weigh(self, nodes: slice, w: FloatArray, rows: slice, triad: int, mix: FloatArray | None = None) -> None:
+        """Say how rows come about from the nodes."""
+        self.weights.append(Weights(nodes, w, rows, triad, mix))
+
+    def evidence(self, x: FloatArray) -> Evidence:
+        """Put the blocks together."""
+        sizes = [len(block.residual) for block in self.blocks]
+        triad, kind, step = (
+            np.repeat([getattr(b, n) for b in self.blocks], sizes) for n in ("triad", "kind", "step")
+        )
+        axis = np.concatenate([np.arange(size) if size == 3 else np.full(size, -1) for size in sizes])
+        residual, sigma, A = (
+            np.concatenate([getattr(b, n) for b in self.blocks]) for n in ("residual", "sigma", "A")
+        )
+        is_range = np.concatenate([b.is_range for b in self.blocks])
+        return Evidence(
+            residual,
+            sigma,
+            A,
+            triad,
+            kind,
+            step,
+            axis,
+            is_range,
+            x,
+            self.columns_of,
+            tuple(self.weights),
+            joined(self.parts),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Block:
+    residual: FloatArray
+    sigma: FloatArray
+    A: FloatArray
+    triad: int
+    kind: int
+    step: int
+    is_range: BoolArray
+
+
+def _columns(fits: Fits) -> tuple[tuple[IntArray, IntArray], FloatArray]:
+    """Return which columns of A the parameters of each triad's fit are, and where the model stands (p,).
+
+    Slab, gravity and faces are one and the same to both triads.
+    """
+    accel = fits.accelerometer
+    gyro = fits.gyroscope.joint if fits.gyroscope is not None else None
+    x = np.zeros(0) if accel is None else accel.fit.x
+    first = np.arange(len(x))
+    if gyro is None:
+        return (first, np.zeros(0, dtype=np.int64)), x
+    second = len(x) + np.arange(len(gyro.fit.x))
+    if accel is not None and not accel.is_turned_freely:
+        shared = accel.bench.shared
+        second[12 : 12 + shared] = 12 + np.arange(shared)
+        second[12 + shared :] -= shared
+    own = second >= len(x)
+    return (first, second), np.concatenate((x, gyro.fit.x[own]))
+
+
+def evidence_of(fits: Fits) -> Evidence:
+    """Return the rows of both triads, of those that are solved."""
+    columns_of, x = _columns(fits)
+    places = Places(fits)
+    soaks = soaks_seen(fits, places)
+    builder = _Builder(columns_of, sum(len(blocks[0].alive) for _, blocks in soaks))
+    if fits.accelerometer is not None:
+        _dwells(builder, fits, places, fits.accelerometer, 0)
+        if fits.accelerometer.rests is not None:
+            _rests(builder, fits, places, fits.accelerometer, fits.accelerometer.rests)
+        _priors(builder, fits.accelerometer, 0)
+    if fits.gyroscope is not None:
+        _dwells(builder, fits, places, fits.gyroscope.joint, 1)
+        _turns(builder, places, fits.gyroscope)
+        _priors(builder, fits.gyroscope.joint, 1, 3 * len(fits.gyroscope.turns))
+    _soaks(builder, soaks)
+    found = builder.evidence(np.concatenate((x, np.zeros(builder.width - builder.first_own))))
+    return _at_one_bench(found, fits)
+
+
+def _at_one_bench(evidence: Evidence, fits: Fits) -> Evidence:
+    """Move the gyroscopes' residual to the accelerometers' slab and faces, of which they found nearly the same."""
+    columns = evidence.columns_of[1]
+    if fits.gyroscope is None or not len(columns):
+        return evidence
+    off = np.zeros(len(evidence.x))
+    off[columns] = evidence.x[columns] - fits.gyroscope.joint.fit.x
+    gyro = evidence.triad == 1
+    return replace(evidence, residual=evidence.residual + gyro * (evidence.A @ off))
+
+
+def _dwells(builder: _Builder, fits: Fits, places: Places, joint: JointFit, triad: int) -> None:
+    k = np.linalg.norm(joint.K, axis=1)
+    none = np.zeros((3, 1))
+    for i, part in enumerate(iterate_dwells(fits, places, joint)):
+        step, nodes = builder.nodes(part)
+        size, rows = len(part.t), slice(3 * i, 3 * i + 3)
+        whitened = joint.sigma[i] / k
+        sigma = joint.expected[i] / k
+        at = builder.add(
+            joint.fit.residual[rows] * whitened,
+            sigma,
+            joint.fit.jacobian[rows] * whitened[:, None],
+            triad,
+            "mean",
+            step,
+        )
+        builder.weigh(nodes, np.full(size, 1 / size), at, triad)
+        x, half = (2 * np.arange(size) + 1) / size - 1, part.seconds.sum() / 2
+        shapes = (("slope", x / np.sum(x**2) / half), ("curvature", _bend(x) / half**2))
+        estimates = joint.seen.estimates[i]
+        if any(e.interval is not None for e in estimates):
+            continue  # too few counts to tell a shape
+        for kind, w in shapes:
+            value = np.array([getattr(e, kind) for e in estimates]) / k
+            std = np.array([getattr(e, f"{kind}_std") for e in estimates]) / k
+            at = builder.add(value, std, none, triad, kind, step)
+            builder.weigh(nodes, w, at, triad)
+
+
+def _bend(x: FloatArray) -> FloatArray:
+    """Return the weights by which values at x in [-1, 1] give their parabola's second derivative."""
+    P2 = (3 * x**2 - 1) / 2
+    P2 -= P2.mean()
+    w: FloatArray = 3 * P2 / np.sum(P2**2)
+    return w
+
+
+def _rests(builder: _Builder, fits: Fits, places: Places, joint: JointFit, found: RestFit) -> None:
+    """Take in the norms; rows of up vectors on a face at an unknown heading stay with the priors."""
+    inverse = np.linalg.inv(joint.K / np.linalg.norm(joint.K, axis=1)[:, None])
+    for i, (number, record) in enumerate(found.rests.rests):
+        campaign = fits.campaigns[number]
+        length = campaign.site.gravity / 9.80665
+        f = found.up[i] * length if record.up is None else on_face(campaign, record.up)
+        step = SeenStep(record.name, "rest", number, 0, record.up or "")
+        number_of, nodes = builder.nodes(places.rest(number, step, record.series, None, f))
+        row = found.rows.start + i
+        whitened = found.sigma[i]
+        at = builder.add(
+            joint.fit.residual[row : row + 1] * whitened, found.noise[i : i + 1],
+            joint.fit.jacobian[row : row + 1] * whitened, 0, "norm", number_of,
+        )  # fmt: skip
+        size = nodes.stop - nodes.start
+        builder.weigh(nodes, np.full(size, 1 / size), at, 0, (found.up[i] @ inverse)[None])
+
+
+def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) -> None:
+    """Take in every block of each soak and triad, beside a constant of its own for every sensor alive."""
+    own = 0
+    for triad, blocks in soaks:
+        alive = blocks[0].alive
+        mix = None if len(alive) == 3 else np.eye(3)[alive]
+        for block in blocks:
+            step, nodes = builder.nodes(block.part)
+            size, which = nodes.stop - nodes.start, TRIADS.index(triad)
+            none = np.zeros((len(alive), 1))
+            at = builder.add(block.residual[alive], block.sigma[alive], none, which, "soak", step, own=own)
+            builder.weigh(nodes, np.full(size, 1 / size), at, which, mix)
+        own += len(alive)
+
+
+def _turns(builder: _Builder, places: Places, gyroscope: GyroscopeFit) -> None:
+    joint = gyroscope.joint
+    k = np.linalg.norm(joint.K, axis=1)
+    first = 3 * len(joint.seen.dwells)
+    for i, turn in enumerate(gyroscope.turns):
+        record = turn.record
+        step = SeenStep(record.name, "turn", turn.campaign, record.start_position, f"{record.axis}_up")
+        part = places.turn(turn, step)
+        number, nodes = builder.nodes(part)
+        rows = slice(first + 3 * i, first + 3 * i + 3)
+        sigma = gyroscope.turn_sigma[i] / k
+        at = builder.add(
+            joint.fit.residual[rows] * sigma, sigma, joint.fit.jacobian[rows] * sigma[:, None], 1, "turn", number
+        )
+        builder.weigh(nodes, part.seconds, at, 1)
+
+
+def _priors(builder: _Builder, joint: JointFit, triad: int, turns: int = 0) -> None:
+    """Take in what is known of the parameters: every row of the fit that is no dwell, turn or norm.
+
+    What the gyroscopes took from the accelerometers of slab and faces is left out where both have them in common.
+    """
+    first = 3 * len(joint.seen.dwells) + turns
+    known = np.ones(len(joint.fit.residual), dtype=bool)
+    known[:first] = False
+    is_range = np.zeros(len(known), dtype=bool)
+    is_range[first : first + len(joint.loose)] = joint.loose
+    if joint.rests is not None:
+        known[joint.rests.rows] = False
+    if triad == 1 and len(builder.columns_of[0]) and builder.columns_of[1][12] < len(builder.columns_of[0]):
+        known[first : first + joint.bench.shared] = False
+    builder.add(
+        joint.fit.residual[known], np.ones(int(known.sum())), joint.fit.jacobian[known], triad, "prior", -1,
+        is_range[known],
+    )  # fmt: skip

@@ -1,0 +1,141 @@
+"""Soaks as evidence: long rests while temperature or an auxiliary channel moves, in blocks as long as dwells.
+
+Each soak has a constant of its own a sensor: attitude, bench and bias are in it, and only what moves within it
+speaks. Temperature and its rate are those of the whole soak, of block means, so that a slow or coarse thermometer
+will do.
+"""
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.calibration.calibration import Fits
+from procedures.calibration.campaign import RestRecord, SoakRecord
+from procedures.calibration.observations import channel, rest_rates
+from procedures.calibration.twelve_position import JointFit
+from procedures.counts.count_rate import LEAST_SAMPLES
+from procedures.counts.dead_channels import dead_in_soak
+from procedures.counts.sample_records import CountSeries, RateSeries, Series
+from procedures.diagnosis.excitation_nodes import Part, Places, attitude, on_face
+from procedures.effects.effect import SeenStep
+
+BLOCK_S = 100.0
+BLOCK_NODES = 4
+LEAST_BLOCKS = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SoakBlock:
+    """A block's nodes, and its mean output less that of the whole soak (3,) with 1 sigma (3,) [g, deg/s].
+
+    ``alive`` are the sensors that the soak shows; of the others residual and sigma say nothing.
+    """
+
+    part: Part
+    residual: FloatArray
+    sigma: FloatArray
+    alive: IntArray
+
+
+def soaks_seen(fits: Fits, places: Places) -> list[tuple[str, list[SoakBlock]]]:
+    """Return the blocks of every soak, by the triad that saw it."""
+    soaks = [(number, soak) for number, campaign in enumerate(fits.campaigns) for soak in campaign.soaks]
+    found = [
+        (triad, list(_blocks(fits, places, number, soak, triad)))
+        for number, soak in soaks
+        for triad in ("accelerometer", "gyroscope")
+    ]
+    return [each for each in found if each[1]]
+
+
+def _blocks(fits: Fits, places: Places, number: int, soak: SoakRecord, triad: str) -> Iterator[SoakBlock]:
+    """Yield a soak's blocks as one triad saw them; none where it is absent or not solved."""
+    joint = _joint(fits, triad)
+    found = None if joint is None else _block_rates(soak, triad)
+    if joint is None or found is None:
+        return
+    series, rate, std = found
+    alive = np.flatnonzero([end is None for end in dead_in_soak(soak, triad)])
+    if not len(alive):
+        return
+    k = np.linalg.norm(joint.K, axis=1)
+    residual = (rate - np.average(rate, axis=0)) / k
+    for part, left, sigma in zip(_parts(fits, places, number, soak, series), residual, std / k, strict=True):
+        yield SoakBlock(part, left, sigma, alive)
+
+
+def _joint(fits: Fits, triad: str) -> JointFit | None:
+    if triad == "accelerometer":
+        return fits.accelerometer
+    return fits.gyroscope.joint if fits.gyroscope is not None else None
+
+
+@lru_cache(maxsize=32)  # a loop asks for the same soak after every refit, and to estimate takes long
+def _block_rates(soak: SoakRecord, triad: str) -> tuple[tuple[Series, ...], FloatArray, FloatArray] | None:
+    """Return a soak's blocks, their rates (m, 3) [output/s, or output] and 1 sigma (m, 3); None of too few."""
+    series = _cut(soak.series)
+    if channel(soak.series, triad) is None or len(series) < LEAST_BLOCKS:
+        return None
+    found = rest_rates([(0, RestRecord(soak.name, None, each)) for each in series], triad)
+    return None if found is None else (series, found.rate, found.std)
+
+
+def _cut(series: Series) -> tuple[Series, ...]:
+    """Return equal blocks of at most `BLOCK_S` seconds."""
+    n = len(series)
+    count = min(int(np.ceil(n * series.period / BLOCK_S)), n // LEAST_SAMPLES)
+    edges = np.linspace(0, n, max(count, 1) + 1).round().astype(np.int64)
+    return tuple(_piece(series, int(a), int(b)) for a, b in itertools.pairwise(edges))
+
+
+def _piece(series: Series, a: int, b: int) -> Series:
+    starts = np.concatenate(([0], series.starts[(series.starts > a) & (series.starts < b)] - a))
+    rows = slice(a, b)
+    extra = {name: values[rows] for name, values in series.extra.items()}
+    t, temperature = series.t[rows], series.temperature[rows]
+    if isinstance(series, CountSeries):
+        gyro, accel = (None if v is None else v[rows] for v in (series.gyro, series.accel))
+        return CountSeries(t, gyro, accel, temperature, series.period, starts, extra)
+    omega, f = (None if v is None else v[rows] for v in (series.gyro, series.accel))
+    return RateSeries(t, omega, f, temperature, series.period, starts, extra)
+
+
+def _parts(
+    fits: Fits, places: Places, number: int, soak: SoakRecord, blocks: tuple[Series, ...]
+) -> Iterator[Part]:
+    campaign = fits.campaigns[number]
+    C_in = attitude(campaign, soak.position) if soak.position else None
+    f = on_face(campaign, soak.up) if soak.up else _force(fits, soak)
+    t, T = _temperature(blocks)
+    known = np.isfinite(T)
+    warming = np.gradient(T[known], t[known] / 60) if known.sum() > 1 else np.array([])
+    for i, series in enumerate(blocks):
+        step = SeenStep(f"{soak.name} block {i + 1}", "soak", number, 0, "")
+        part = places.rest(number, step, series, C_in, f, BLOCK_NODES)
+        if known.sum() > 1:
+            smooth, rate = (np.interp(part.t, t[known], v) for v in (T[known], warming))
+            part = replace(part, temperature=smooth, temperature_rate=rate)
+        # what only adds a constant is in the soak's own: unknown field and heading say nothing, and hide nothing
+        yield replace(part, magnetic=np.nan_to_num(part.magnetic))
+
+
+def _temperature(blocks: tuple[Series, ...]) -> tuple[FloatArray, FloatArray]:
+    """Return the middle [s] and mean temperature [degC] of each block (m,), nan where unknown."""
+    t = np.array([each.t.mean() for each in blocks])
+    T = np.array([np.nanmean(b.temperature) if np.isfinite(b.temperature).any() else np.nan for b in blocks])
+    return t, T
+
+
+def _force(fits: Fits, soak: SoakRecord) -> FloatArray | None:
+    """Return the specific force (3,) [g] as the accelerometers read it; None if they are not solved."""
+    if any(end is not None for end in dead_in_soak(soak, "accelerometer")):
+        return None
+    found = _block_rates(soak, "accelerometer") if fits.accelerometer is not None else None
+    if fits.accelerometer is None or found is None:
+        return None
+    f: FloatArray = np.linalg.solve(fits.accelerometer.K, found[1].mean(axis=0) - fits.accelerometer.b)
+    return f

@@ -1,0 +1,80 @@
+"""Findings put to the test on other campaigns of the unit, which had no part in choosing them.
+
+The coefficients stay as the diagnosis found them; k, E, D and the bench are solved anew, without the effects and
+with what they add taken off. Carried over is what belongs to the unit, and to the cube where it is the same one:
+a seating, a heading or a slab was that campaign's alone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration.calibration import fit_reduced, reduce_steps
+from procedures.calibration.campaign import Campaign
+from procedures.counts.dead_channels import without_dead
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.checks_before_effects import preliminary
+from procedures.diagnosis.error_before_after import errors_made
+from procedures.diagnosis.left_out_groups import groups
+from procedures.diagnosis.refit import refit_with, same_way
+from procedures.diagnosis.residual_rows import Evidence, evidence_of
+from procedures.diagnosis.rests_on_faces import faces_as_positions
+from procedures.diagnosis.result import Diagnosis, Errors
+from procedures.errors import DoesNotFit
+
+OF_THE_CUBE = "fixture.face_tilt"
+OF_THE_UNIT = "auxiliary.channel"  # beside all that is of the instrument: it is the sensor that feels the channel
+
+
+def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Errors, ...]:
+    """Return the errors that other campaigns of the unit show without and with the effects found.
+
+    ``before`` and ``after`` are their residual, ``held_out_*`` the error of each position, turn and rest foretold
+    by the others of these campaigns; where none can be foretold, the residual, which was held out of the finding.
+    ``after`` is nan where these campaigns cannot be fitted with the effects in.
+
+    Raises
+    ------
+    NotObservable
+        If neither triad can be solved on these campaigns.
+    """
+    alive, _ = without_dead(campaigns)
+    steps = reduce_steps(preliminary([faces_as_positions(campaign) for campaign in alive]).campaigns)
+    base = fit_reduced(steps)
+    evidence = evidence_of(base)
+    carried = [
+        (candidate, value)
+        for candidate, value in zip(diagnosis.added, diagnosis.values, strict=True)
+        if _is_carried(candidate, diagnosis, campaigns) and _acts(candidate, evidence)
+    ]
+    try:
+        after = refit_with(steps, base, [candidate for candidate, _ in carried], [value for _, value in carried])
+    except DoesNotFit:
+        without = errors_made(evidence, refit_with(steps, base, (), ()), groups(evidence))
+        return tuple(replace(_held_out(each), after=np.nan, held_out_after=np.nan) for each in without)
+    return tuple(_held_out(each) for each in errors_made(evidence, after, groups(evidence)))
+
+
+def _is_carried(candidate: Candidate, diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> bool:
+    effect = candidate.effect
+    cubes = {campaign.fixture.id for campaign in (*diagnosis.before.campaigns, *campaigns)}
+    if effect.name == OF_THE_CUBE:
+        return len(cubes) == 1 and not cubes & {None, ""}
+    return effect.kind == "instrument" or effect.name == OF_THE_UNIT
+
+
+def _acts(candidate: Candidate, evidence: Evidence) -> bool:
+    """Say whether what an effect depends on is known in the other campaigns."""
+    try:
+        H: FloatArray = evidence.column(same_way(candidate, evidence))
+    except DoesNotFit:
+        return False
+    return bool(np.all(np.isfinite(H)))
+
+
+def _held_out(errors: Errors) -> Errors:
+    if errors.held_out_before is not None and errors.held_out_after is not None:
+        return errors
+    return replace(errors, held_out_before=errors.before, held_out_after=errors.after)

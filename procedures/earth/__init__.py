@@ -1,0 +1,1 @@
+"""Gravity, the Earth rate, places on the Earth, and what shows North."""

@@ -1,0 +1,174 @@
+"""Which heading does the resting cube have: read from the Earth's rate that the gyros themselves see.
+
+At rest in position p a gyro q counts ``r_q = k_q (u_q + b_q)`` per second, with ``u = C_ib C_bl(p) w`` the Earth's
+rate ``w = Omega (0, cos lat, sin lat)`` in the IMU's axes [rad/s], ``b`` the bias [rad/s], ``k`` [count/rad].
+Nothing stored is used: k is one free number, of which the gyros differ by `SPREAD`; the biases have a normal
+prior. With ``s = 1 / k``, one gyro's dwells so far and the one in question obey
+
+    s r = u + error,   cov(error) = bias_std^2 1 1' + SPREAD^2 u u' + SLACK^2 Omega^2 I + s^2 diag(std^2)
+
+so that -2 log likelihood is ``chi2(s) - 6 n log s`` for n dwells, chi2 a quadratic form; its least value over
+``s > 0`` judges a candidate heading. Dwells whose position is certain make the bias drop out. Earth rate and
+signs: `procedures.earth.gravity_and_rate`, `procedures.frames`. The method is gyrocompassing; the rule of decision
+is this project's own (docs/guiding.md).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import chdtri
+
+from procedures.arrays import FloatArray
+from procedures.earth.gravity_and_rate import DEG_PER_HOUR, EARTH_RATE, earth_rate_n
+from procedures.frames import face_normal, face_of, nominal_C_lb, vertical_rotation
+
+BIAS_STD = DEG_PER_HOUR  # rad/s
+SPREAD = 0.03  # 1 sigma of a gyro's scale factor about the unit's own
+SLACK = 0.02  # 1 sigma, of the Earth's rate: misaligned gyros, and a cube set down a degree off
+STRANGE = 1e-3  # probability of a chi2 above which a candidate does not fit
+GAP = 60.0  # of -2 log likelihood, to every other candidate
+ROUNDS = 4
+ROUGH = 0.5  # relative sigma of a scale factor above which nothing is said
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Known:
+    """A dwell in a ``position`` that is certain: gyro rates (3,) and 1 sigma (3,) [count/s], raw."""
+
+    position: int
+    rate: FloatArray
+    std: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """The likeliest of four headings, a quarter turn apart.
+
+    ``quarter`` counts them counter-clockwise seen from above from the face's first position; ``position`` is None
+    where the cube stands 90 deg off both positions of its face. ``margin`` is -2 log of the likelihood ratio of
+    the next candidate to it.
+    """
+
+    position: int | None
+    quarter: int
+    is_sure: bool
+    margin: float
+
+
+def find_heading(
+    rate: FloatArray,
+    std: FloatArray,
+    face: str,
+    latitude: float,
+    C_ib: FloatArray,
+    known: Sequence[Known] = (),
+    bias_std: float = BIAS_STD,
+) -> Heading:
+    """Say which way the cube stands that rests with ``face`` up.
+
+    Sure is: the best candidate fits (`STRANGE`), and every other fits worse by `GAP`. By Ville's inequality,
+    however often one looks at a dwell, a likelihood ratio of ``exp(GAP / 2)`` against the truth is less likely
+    than ``exp(-GAP / 2)`` = 1e-13. A false decision in 1e6 would ask for 30; the rest is for units worse than
+    ``bias_std`` says: three biases of three times that strain the truth by 27.
+
+    Parameters
+    ----------
+    rate, std : (3,) float64, count/s
+        The gyros in this dwell so far, IMU axes, raw, with 1 sigma.
+    face : the cube axis that points up, such as ``x_down``
+    latitude : rad
+    C_ib : (3, 3), takes the cube's axes to the IMU's
+    known : dwells of this unit, since it was switched on, whose position is certain
+    bias_std : rad/s, 1 sigma of a gyro's bias
+    """
+    first = first_position(face)
+    before = [_earth_rate(each.position, 0, latitude, C_ib) for each in known]
+    rates = np.array([*(each.rate for each in known), rate])
+    stds = np.array([*(each.std for each in known), std])
+    candidates = [np.array([*before, _earth_rate(first, quarter, latitude, C_ib)]) for quarter in range(4)]
+    fits = [_fit(rates, stds, u, bias_std) for u in candidates]
+    best, second = np.argsort([fit.cost for fit in fits])[:2]
+    margin = fits[second].cost - fits[best].cost
+    is_like = fits[best].chi2 < chdtri(rates.size - 1, STRANGE)  # of which the scale factor takes one
+    position = {0: first, 2: first + 1}.get(int(best))
+    return Heading(position, int(best), bool(is_like and margin > GAP), float(margin))
+
+
+def scale(
+    known: Sequence[Known], latitude: float, C_ib: FloatArray, bias_std: float = BIAS_STD
+) -> tuple[float, float] | None:
+    """Return the gyros' scale factor [count/rad] and its relative 1 sigma, roughly, from dwells alone.
+
+    None while the dwells do not tell it to within a half, or contradict each other.
+    """
+    if not known:
+        return None
+    u = np.array([_earth_rate(each.position, 0, latitude, C_ib) for each in known])
+    fit = _fit(np.array([k.rate for k in known]), np.array([k.std for k in known]), u, bias_std)
+    fits = fit.chi2 < chdtri(u.size - 1, STRANGE) and fit.std < ROUGH * fit.s
+    return (1 / fit.s, fit.std / fit.s) if fits else None
+
+
+def heading_change(
+    before: Known, after: Known, latitude: float, C_ib: FloatArray, k: float
+) -> tuple[float, float]:
+    """Return how far the cube turned [rad], counter-clockwise seen from above, between two rests, and 1 sigma.
+
+    Both rests are in, or near, ``before.position``. The bias drops out of the difference; a heading error is a
+    difference of the horizontal Earth rate as the cube sees it, along East for a small one:
+    ``dr = k W cos(lat) sin(change)``. Good for angles below 90 deg. The sigma is infinite at the poles.
+
+    ``k`` is the gyros' scale factor [count/rad], of which a few per cent are enough.
+    """
+    up = face_normal(face_of(before.position))
+    north = nominal_C_lb(before.position).T @ np.array([0.0, 1.0, 0.0])
+    east = np.cross(north, up)
+    horizontal = EARTH_RATE * np.cos(latitude)
+    difference = C_ib.T @ (after.rate - before.rate) / k
+    variance = (C_ib.T**2) @ (before.std**2 + after.std**2) / k**2
+    # a cube turned counter-clockwise sees North turn clockwise, towards what pointed East
+    along = np.array([horizontal + difference @ north, difference @ east])
+    if not horizontal > 0:
+        return 0.0, np.inf
+    return float(np.arctan2(along[1], along[0])), float(np.sqrt(variance @ east**2) / horizontal)
+
+
+def first_position(face: str) -> int:
+    """Return the first of the two positions 1..12 that a face has."""
+    return next(p for p in range(1, 13, 2) if face_of(p) == face)
+
+
+def _earth_rate(position: int, quarter: int, latitude: float, C_ib: FloatArray) -> FloatArray:
+    """Return the Earth's rate (3,) [rad/s], IMU axes, ``quarter`` turns counter-clockwise from ``position``."""
+    C_bl = nominal_C_lb(position).T @ vertical_rotation(-quarter * np.pi / 2)
+    rate: FloatArray = C_ib @ C_bl @ earth_rate_n(latitude)
+    return rate
+
+
+@dataclass(frozen=True, slots=True)
+class _Fit:
+    """The likeliest s = 1 / k [rad/count], its 1 sigma, chi2 there, and -2 log likelihood up to a constant."""
+
+    s: float
+    std: float
+    chi2: float
+    cost: float
+
+
+def _fit(rate: FloatArray, std: FloatArray, u: FloatArray, bias_std: float) -> _Fit:
+    """Fit one s to dwells (n, 3) at Earth rates ``u`` (n, 3) [rad/s]; the variance moves little with it."""
+    n = len(rate)
+    r, w, variance = rate.T[:, :, None], u.T[:, :, None], std.T**2  # gyro by gyro
+    own = bias_std**2 + SPREAD**2 * (w @ w.transpose(0, 2, 1)) + (SLACK * EARTH_RATE) ** 2 * np.eye(n)
+    s = float(np.linalg.norm(u)) / max(float(np.linalg.norm(rate)), 1e-9)
+    for _ in range(ROUNDS):
+        covariance = own + s**2 * variance[:, :, None] * np.eye(n)
+        white = np.linalg.inv(covariance)
+        a = max(float(np.sum(r.transpose(0, 2, 1) @ white @ r)), 1e-9)
+        b = float(np.sum(r.transpose(0, 2, 1) @ white @ w))
+        s = (b + np.sqrt(b**2 + 12 * n * a)) / (2 * a)  # where a s^2 - 2 b s - 6 n log s is least
+    left = s * r - w
+    chi2 = float(np.sum(left.transpose(0, 2, 1) @ white @ left))
+    cost = chi2 + float(np.linalg.slogdet(covariance)[1].sum()) - 6 * n * np.log(s)
+    return _Fit(s, a**-0.5, chi2, cost)

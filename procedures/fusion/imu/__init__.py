@@ -1,0 +1,1 @@
+"""IMU samples between moments: increments, preintegration, gaps."""

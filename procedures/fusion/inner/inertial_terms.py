@@ -1,0 +1,102 @@
+"""What IMU and GNSS velocity say of a window of keyframes: residuals and their derivatives into normal equations.
+
+Between keyframes i and j (Forster, Carlone, Dellaert, Scaramuzza 2017; P3's eq. 8 in the form of its reference):
+
+    log(dC' C_i' C_j),   C_i' (v_j - v_i - g dt) - dv,   C_i' (p_j - p_i - v_i dt - g dt2 / 2) - dp,   b_j - b_i
+
+with ``g`` gravity and the Coriolis acceleration. The velocity's residual is P3's, ``R v_k - v_gnss``, with the
+heading R of the window's frame. The Earth's rate is taken as in n: the heading begins within degrees.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.frames import rotation
+from procedures.fusion.fusion_records import ImuNoise
+from procedures.fusion.imu.inertial_increments import skew
+from procedures.fusion.imu.preintegration import Preintegrated
+from procedures.fusion.inner.window_state import FRAME, HEADING, Normal, WindowState
+from procedures.fusion.outer.outer_terms import rz
+from procedures.fusion.rotation_vectors import log_rotation
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Site:
+    """``gravity`` [m/s2], ``earth_n`` (3,) [rad/s], and the noise of the IMU."""
+
+    gravity: float
+    earth_n: FloatArray
+    noise: ImuNoise
+
+    def pull(self, v: FloatArray) -> FloatArray:
+        """Return gravity and Coriolis acceleration (..., 3) [m/s2] at velocities (..., 3)."""
+        pull: FloatArray = np.array([0.0, 0.0, -self.gravity]) - 2 * np.cross(self.earth_n, v)
+        return pull
+
+
+def predicted(state: WindowState, part: Preintegrated, site: Site) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return attitude, position and velocity that follow the last keyframe."""
+    C, p, v, dt = state.C_ob[-1], state.p[-1], state.v[-1], part.dt
+    pull = site.pull(v)
+    return C @ part.turn, p + v * dt + pull * dt**2 / 2 + C @ part.dp, v + pull * dt + C @ part.dv
+
+
+def add_inertial(normal: Normal, state: WindowState, parts: Sequence[Preintegrated], site: Site) -> None:
+    """Add the IMU between keyframes 0 and 1, 1 and 2, as many as there are ``parts``."""
+    if not parts:
+        return
+    r, J, info = _residual(state, parts, site)
+    JtW = np.swapaxes(J, 1, 2) @ info
+    H, g = JtW @ J, (JtW @ r[..., None])[..., 0]
+    for i in range(len(parts)):
+        at = slice(state.frame(i).start, state.frame(i + 1).stop)
+        normal.A[at, at] += H[i]
+        normal.g[at] += g[i]
+
+
+def _residual(
+    state: WindowState, parts: Sequence[Preintegrated], site: Site
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return residuals (f, 15), Jacobians (f, 15, 30) by two keyframes, and weights (f, 15, 15)."""
+    f = len(parts)
+    dt = np.array([part.dt for part in parts])[:, None]
+    by_bias = np.array([part.by_bias for part in parts])
+    bias = np.hstack((state.bg[:f], state.ba[:f]))
+    moved = bias - np.array([np.r_[part.bg, part.ba] for part in parts])
+    due = np.einsum("fij,fj->fi", by_bias, moved)
+    dC = np.array([part.turn for part in parts]) @ rotation(due[:, :3])
+    Ct, C_j = np.swapaxes(state.C_ob[:f], 1, 2), state.C_ob[1 : f + 1]
+    pull, v = site.pull(state.v[:f]), state.v[:f]
+    gained = np.einsum("fij,fj->fi", Ct, state.v[1 : f + 1] - v - pull * dt)
+    went = np.einsum("fij,fj->fi", Ct, state.p[1 : f + 1] - state.p[:f] - v * dt - pull * dt**2 / 2)
+    r = np.hstack((
+        log_rotation(np.swapaxes(dC, 1, 2) @ Ct @ C_j),
+        gained - np.array([part.dv for part in parts]) - due[:, 3:6],
+        went - np.array([part.dp for part in parts]) - due[:, 6:],
+        np.hstack((state.bg[1 : f + 1], state.ba[1 : f + 1])) - bias,
+    ))  # fmt: skip
+    J = np.zeros((f, 15, 2 * FRAME))
+    J[:, :3, :3], J[:, :3, FRAME : FRAME + 3] = -np.swapaxes(C_j, 1, 2) @ state.C_ob[:f], np.eye(3)
+    J[:, 3:6, :3], J[:, 3:6, 6:9], J[:, 3:6, FRAME + 6 : FRAME + 9] = skew(gained), -Ct, Ct
+    J[:, 6:9, :3], J[:, 6:9, 3:6], J[:, 6:9, FRAME + 3 : FRAME + 6] = skew(went), -Ct, Ct
+    J[:, 6:9, 6:9] = -Ct * dt[:, :, None]
+    J[:, :9, 9:FRAME] = -by_bias
+    J[:, 9:, 9:FRAME], J[:, 9:, FRAME + 9 :] = -np.eye(6), np.eye(6)
+    info = np.zeros((f, 15, 15))
+    info[:, :9, :9] = np.array([part.info for part in parts])
+    walk = np.repeat([site.noise.gyro_walk, site.noise.accel_walk], 3)
+    info[:, range(9, 15), range(9, 15)] = 1 / (walk**2 * dt)
+    return r, J, info
+
+
+def add_velocities(normal: Normal, state: WindowState, v: FloatArray, weight: FloatArray) -> None:
+    """Add GNSS velocities ``v`` (k, 3) [m/s] of the first k keyframes; ``weight`` (k, 3) is 0 where none is."""
+    R, dR = rz(np.array(state.heading))
+    for i in range(len(v)):
+        at = np.r_[HEADING, state.frame(i).start + 6 : state.frame(i).start + 9]
+        J = np.column_stack((dR @ state.v[i], R))
+        normal.A[np.ix_(at, at)] += J.T @ (weight[i][:, None] * J)
+        normal.g[at] += J.T @ (weight[i] * (R @ state.v[i] - v[i]))

@@ -1,0 +1,128 @@
+"""The landmarks of a window: which feature is which, where it was seen, and what is known of where it stands."""
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.fusion.inner.reprojection import Sights
+from procedures.fusion.inner.window_state import WindowState
+
+USUAL = 0.1  # 1/m, inverse depth of a landmark whose sights do not say
+LOST = -1  # feature number of a landmark that is not followed any more
+FREE = -1  # slot of a landmark that the prior does not hold
+FARTHEST, NEAREST = 1e-3, 20.0  # 1/m
+TELLING = 0.01  # of parallax, below which sights do not say how far
+SHOWN = 4.0  # sigmas of an image point by which a landmark moves more than by a turn, or
+GONE = 0.5  # m by which the camera has moved, before sights are used: see `Landmarks.settle`
+
+
+class Landmarks:
+    """Rows of landmarks, columns of keyframes; ``slot`` (l,) is the row in the state's ``held``, or `FREE`."""
+
+    def __init__(self) -> None:
+        self.feature = np.zeros(0, np.int64)
+        self.slot = np.zeros(0, np.int64)
+        self.ready = np.zeros(0, bool)
+        none = np.zeros((0, 3))
+        self.sights = Sights(none, np.zeros((0, 3, 3)), none, np.zeros((0, 0, 2)), np.zeros((0, 0), bool))
+
+    def add_frame(self, feature: IntArray, rays: FloatArray) -> None:
+        """Add a keyframe in which ``feature`` (m,) stand at ``rays`` (m, 2); what is not among them is lost."""
+        self.feature[~np.isin(self.feature, feature)] = LOST
+        self._add_rows(feature[~np.isin(feature, self.feature)])
+        order = np.argsort(self.feature, kind="stable")
+        rows = order[np.searchsorted(self.feature[order], feature)]
+        s = self.sights
+        z = np.concatenate((s.z, np.zeros((len(s.at), 1, 2))), axis=1)
+        seen = np.concatenate((s.seen, np.zeros((len(s.at), 1), bool)), axis=1)
+        z[rows, -1], seen[rows, -1] = rays, True
+        self.sights = Sights(s.a, s.A, s.at, z, seen)
+
+    def settle(self, state: WindowState, scale: FloatArray | None = None) -> None:
+        """Give each landmark that now has two sights a first place, by the keyframes as they are known.
+
+        With ``scale`` (2,), focal length over sigma, it must have moved in the image, or the camera by much. At
+        rest a landmark tells nothing of how far it is, but the way between keyframes is then noise, and a landmark
+        that does not move on that way looks infinitely far: the prior grew sure of it (10 s at rest, GNSS
+        velocities of 0.03 m/s), and on setting off the camera's mount bent by up to 2.7 deg, 1 sigma 0.2.
+        """
+        new = np.flatnonzero(~self.ready & (self.sights.seen.sum(axis=1) > 1))
+        C_ob, p = state.exposed()
+        C_oc, p_c = C_ob @ state.C_bc, p + C_ob @ state.t_bc
+        if scale is not None:
+            new = new[_moved(self.sights, new, C_oc, p_c, scale)]
+        if not len(new):
+            return
+        s, first = self.sights, self.sights.seen[new].argmax(axis=1)
+        s.a[new], s.A[new] = p_c[first], C_oc[first]
+        s.at[new, :2] = s.z[new, first]
+        s.at[new, 2] = _inverse_depth(s, new, C_oc, p_c)
+        self.ready[new] = True
+
+    def keep(self, which: BoolArray) -> None:
+        """Forget all other rows."""
+        s = self.sights
+        self.feature, self.slot, self.ready = self.feature[which], self.slot[which], self.ready[which]
+        self.sights = Sights(s.a[which], s.A[which], s.at[which], s.z[which], s.seen[which])
+
+    def drop_first_frame(self) -> None:
+        """Forget the oldest keyframe, and landmarks of which nothing is left."""
+        s = self.sights
+        self.sights = Sights(s.a, s.A, s.at, s.z[:, 1:], s.seen[:, 1:])
+        self.keep(self.sights.seen.any(axis=1) | (self.slot != FREE))
+
+    def reject(self, rows: IntArray, frames: IntArray) -> None:
+        """Forget sights; a landmark whose newest one goes is not followed on."""
+        self.sights.seen[rows, frames] = False
+        self.feature[rows[frames == self.sights.seen.shape[1] - 1]] = LOST
+
+    def step(self, rows: BoolArray, step: FloatArray, held: FloatArray) -> None:
+        """Move the free landmarks of ``rows`` by ``step``, and set those held to ``held``."""
+        at = self.sights.at
+        at[rows] += step
+        at[:, 2] = np.clip(at[:, 2], FARTHEST, NEAREST)
+        fixed = self.slot != FREE
+        at[fixed] = held[self.slot[fixed]]
+
+    def _add_rows(self, feature: IntArray) -> None:
+        n, s = len(feature), self.sights
+        self.feature = np.r_[self.feature, feature]
+        self.slot, self.ready = np.r_[self.slot, np.full(n, FREE)], np.r_[self.ready, np.zeros(n, bool)]
+        frames = s.seen.shape[1]
+        self.sights = Sights(
+            np.vstack((s.a, np.zeros((n, 3)))), np.concatenate((s.A, np.zeros((n, 3, 3)))),
+            np.vstack((s.at, np.zeros((n, 3)))), np.concatenate((s.z, np.zeros((n, frames, 2)))),
+            np.vstack((s.seen, np.zeros((n, frames), bool))),
+        )  # fmt: skip
+
+
+def _moved(s: Sights, rows: IntArray, C_oc: FloatArray, p_c: FloatArray, scale: FloatArray) -> BoolArray:
+    """Return which rows (n,) are seen from far apart, or moved in the image more than the camera's turns explain.
+
+    Two sights must have moved against the first, and two against the last: one alone may be no match.
+    """
+    seen, z = s.seen[rows], s.z[rows]
+    first, last = seen.argmax(axis=1), seen.shape[1] - 1 - seen[:, ::-1].argmax(axis=1)
+    far = (seen & (np.linalg.norm(p_c[None] - p_c[first][:, None], axis=2) > GONE)).any(axis=1)
+    ray = np.concatenate((z, np.ones((*seen.shape, 1))), axis=2)
+    counts = []
+    for ref in (first, last):
+        there = np.einsum("lij,lj->li", C_oc[ref], ray[np.arange(len(rows)), ref])
+        y = np.einsum("kji,lj->lki", C_oc, there)
+        off = scale * (y[:, :, :2] / np.maximum(y[:, :, 2:], TELLING) - z)
+        counts.append((seen & (np.linalg.norm(off, axis=2) > SHOWN)).sum(axis=1))
+    moved: BoolArray = far | (np.minimum(*counts) >= 2)
+    return moved
+
+
+def _inverse_depth(s: Sights, rows: IntArray, C_oc: FloatArray, p_c: FloatArray) -> FloatArray:
+    """Return inverse depths (n,) by least squares: ``z_k (y_3) - y_12 = 0`` is linear in them."""
+    ray = np.einsum("lij,lj->li", s.A[rows], np.column_stack((s.at[rows, :2], np.ones(len(rows)))))
+    far = np.einsum("kji,lj->lki", C_oc, ray)
+    near = np.einsum("kji,lkj->lki", C_oc, s.a[rows][:, None] - p_c)
+    z, seen = s.z[rows], s.seen[rows][:, :, None]
+    by_rho, rest = ((z * y[:, :, 2:] - y[:, :, :2]) * seen for y in (near, far))
+    power = np.sum(by_rho**2, axis=(1, 2))
+    rho = -np.sum(by_rho * rest, axis=(1, 2)) / np.maximum(power, TELLING**2)
+    said = (power > TELLING**2) & (rho > FARTHEST)
+    depth: FloatArray = np.where(said, np.clip(rho, FARTHEST, NEAREST), USUAL)
+    return depth

@@ -1,0 +1,187 @@
+"""The cost of a visual-inertial window as normal equations, and what leaves it as a prior (marginalisation)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.fusion.imu.preintegration import Preintegrated
+from procedures.fusion.inner.inertial_terms import Site, add_inertial, add_velocities
+from procedures.fusion.inner.landmarks import FREE, LOST, USUAL, Landmarks
+from procedures.fusion.inner.reprojection import Visual, linearise
+from procedures.fusion.inner.window_state import (
+    CAMERA,
+    COMMON,
+    FRAME,
+    HEADING,
+    OFFSET,
+    Normal,
+    WindowState,
+    zero,
+)
+
+DEPTH_STD = 1.0  # 1/m about `USUAL`: says nothing to sights, keeps the normal equations regular
+RAY_WEIGHT = 1e-2  # of a ray, whose sights weigh 1e5
+HEADING_WALK = 5e-4  # rad/sqrt(s) by which the window's own frame drifts against n
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prior:
+    """What is known from before: a normal equation at the state ``at``, of the first of the frames."""
+
+    normal: Normal
+    at: WindowState
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Held:
+    """What ties the keyframes: ``parts`` between them, GNSS velocities ``v`` (k, 3) with ``weight`` (k, 3)."""
+
+    parts: Sequence[Preintegrated]
+    v: FloatArray
+    weight: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Eliminated:
+    """Free landmarks that were eliminated: ``rows`` (l,), with what gives their step once the poses' is known."""
+
+    rows: BoolArray
+    columns: IntArray
+    inverse: FloatArray
+    W: FloatArray
+    b: FloatArray
+
+    def step(self, moved: FloatArray) -> FloatArray:
+        """Return the landmarks' step (n, 3) for the state's step."""
+        due = self.b + self.W @ moved[self.columns]
+        step: FloatArray = -(self.inverse @ due[:, :, None])[:, :, 0]
+        return step
+
+
+def assemble(
+    state: WindowState, prior: Prior, held: Held, site: Site, marks: Landmarks, seen: BoolArray, scale: FloatArray
+) -> tuple[Normal, Eliminated]:
+    """Return the normal equations of prior, IMU, velocities and the sights ``seen`` (l, k)."""
+    normal = zero(state.size)
+    _add_prior(normal, state, prior)
+    add_inertial(normal, state, held.parts, site)
+    add_velocities(normal, state, held.v, held.weight)
+    rows = seen.any(axis=1) & marks.ready
+    sights = replace(marks.sights, seen=seen & rows[:, None])
+    return normal, _add_visual(normal, state, linearise(state, sights, scale), marks, rows)
+
+
+def _add_prior(normal: Normal, state: WindowState, prior: Prior) -> None:
+    known = prior.at.held_from
+    last = np.arange(state.held_from, state.held_from + 3 * len(prior.at.held))
+    at = np.r_[0:known, last]
+    moved = replace(state, held=state.held[: len(prior.at.held)]).less(prior.at)
+    normal.A[np.ix_(at, at)] += prior.normal.A
+    normal.g[at] += prior.normal.g + prior.normal.A @ moved
+
+
+def _add_visual(
+    normal: Normal, state: WindowState, visual: Visual, marks: Landmarks, rows: BoolArray
+) -> Eliminated:
+    starts = COMMON + FRAME * np.arange(len(state.p))
+    columns = np.r_[0:CAMERA, OFFSET, (starts[:, None] + np.arange(6)).ravel()]
+    free = rows & (marks.slot == FREE)
+    visual.L[free] += np.diag([RAY_WEIGHT, RAY_WEIGHT, 1 / DEPTH_STD**2])
+    visual.b[free, 2] += (marks.sights.at[free, 2] - USUAL) / DEPTH_STD**2
+    W, b = visual.W[free], visual.b[free]
+    inverse = np.asarray(np.linalg.inv(visual.L[free]), np.float64)
+    WL = (inverse @ W).reshape(-1, len(columns))
+    square = np.ix_(columns, columns)
+    normal.A[square] += visual.H - W.reshape(-1, len(columns)).T @ WL
+    normal.g[columns] += visual.g - WL.T @ b.ravel()
+    fixed = np.flatnonzero(rows & ~free)
+    slots = state.held_from + 3 * marks.slot[fixed][:, None] + np.arange(3)
+    normal.A[slots[:, :, None], slots[:, None, :]] += visual.L[fixed]
+    ties = visual.W[fixed].reshape(-1, len(columns))
+    normal.A[np.ix_(slots.ravel(), columns)] += ties
+    normal.A[np.ix_(columns, slots.ravel())] += ties.T
+    normal.g[slots.ravel()] += visual.b[fixed].ravel()
+    return Eliminated(free, columns, inverse, W, b)
+
+
+class Factor:
+    """A Cholesky factor of normal equations, scaled to a unit diagonal: metres and biases differ by 1e6."""
+
+    def __init__(self, A: FloatArray) -> None:
+        self._size = 1 / np.sqrt(np.diag(A))
+        self._factor = cho_factor(A * np.outer(self._size, self._size), lower=True, check_finite=False)
+
+    def variance(self, at: int) -> float:
+        """Return the variance of one unknown."""
+        pick = np.zeros(len(self._size))
+        pick[at] = 1.0
+        return float(self.solve(pick)[at])
+
+    def solve(self, right: FloatArray) -> FloatArray:
+        """Return the solution for right sides (n,) or (n, m)."""
+        size = self._size if right.ndim == 1 else self._size[:, None]
+        solved: FloatArray = size * cho_solve(self._factor, size * right, check_finite=False)
+        return solved
+
+
+def marginalised(
+    state: WindowState, prior: Prior, held: Held, site: Site, marks: Landmarks, scale: FloatArray
+) -> Prior:
+    """Return the prior that the oldest keyframe leaves, and drop it from ``marks``.
+
+    Landmarks it saw that are still followed are held by the prior from now on; those that are lost go with it,
+    with all their sights, so that no sight is used twice and none is lost.
+    """
+    seen, followed = marks.sights.seen, marks.feature != LOST
+    known = marks.slot != FREE
+    concerned = marks.ready & (seen[:, 0] | known)
+    new = np.flatnonzero(concerned & followed & ~known)
+    marks.slot[new] = len(state.held) + np.arange(len(new))
+    state = replace(state, held=np.vstack((state.held, marks.sights.at[new])))
+    used = seen & concerned[:, None]
+    used[followed, 1:] = False
+    one = Held(held.parts[:1], held.v[:1], held.weight[:1])
+    normal, _ = assemble(state, prior, one, site, marks, used, scale)
+    _add_first_guess(normal, state, marks, new)
+    gone = marks.slot[(marks.slot != FREE) & ~followed]
+    return _reduced(normal, state, marks, gone, concerned & ~followed, held.parts[0].dt)
+
+
+def _add_first_guess(normal: Normal, state: WindowState, marks: Landmarks, new: IntArray) -> None:
+    """Add what keeps a free landmark's depth regular, once, when it becomes one that is held."""
+    at = state.held_from + 3 * marks.slot[new][:, None] + np.arange(3)
+    normal.A[at, at] += [RAY_WEIGHT, RAY_WEIGHT, 1 / DEPTH_STD**2]
+    normal.g[at[:, 2]] += (marks.sights.at[new, 2] - USUAL) / DEPTH_STD**2
+
+
+def _reduced(
+    normal: Normal, state: WindowState, marks: Landmarks, gone: IntArray, rows: BoolArray, dt: float
+) -> Prior:
+    """Eliminate the oldest keyframe and the slots ``gone``; drop ``rows`` of the landmarks, renumber the rest."""
+    stays = np.ones(state.size, bool)
+    stays[state.frame(0)] = False
+    kept = ~np.isin(np.arange(len(state.held)), gone)
+    stays[state.held_from :] = np.repeat(kept, 3)
+    A, B = normal.A[np.ix_(~stays, ~stays)], normal.A[np.ix_(~stays, stays)]
+    solved = Factor(A).solve(np.column_stack((B, normal.g[~stays])))
+    left = normal.A[np.ix_(stays, stays)] - B.T @ solved[:, :-1]
+    g = normal.g[stays] - B.T @ solved[:, -1]
+    held = marks.slot != FREE
+    marks.slot[held] = (np.cumsum(kept) - 1)[marks.slot[held]]
+    marks.keep(~rows)
+    marks.drop_first_frame()
+    known = walked(Normal((left + left.T) / 2, g), HEADING, HEADING_WALK**2 * dt)
+    return Prior(known, replace(state.without_first(), held=state.held[kept]))
+
+
+def walked(normal: Normal, at: int, variance: float) -> Normal:
+    """Return what is known after the unknown ``at`` has walked by ``variance``."""
+    A, g, stiff = normal.A, normal.g, 1 / variance
+    row, pull, whole = A[at].copy(), float(g[at]), float(A[at, at]) + stiff
+    loose, moved = A - np.outer(row, row) / whole, g - row * pull / whole
+    loose[at], loose[:, at] = row * stiff / whole, row * stiff / whole
+    moved[at] = pull * stiff / whole
+    return Normal(loose, moved)

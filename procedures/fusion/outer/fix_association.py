@@ -1,0 +1,165 @@
+"""Which fix hangs on which node: a store of odometry poses and of fixes between them, that grows."""
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.fusion.fusion_records import GnssFixes
+from procedures.fusion.outer.odometry import OdometryPose
+from procedures.fusion.outer.outer_terms import FixTerms, Nodes, wrapped
+from procedures.fusion.outer.track_yaw import TrackYaw, track_yaw
+
+SLOWEST = 0.5  # m/s, below which a course says nothing
+COURSE_STD = np.radians(4.0)  # 1 sigma of a course however fast: odometry's velocity over a frame is not GNSS's
+JERKY = 2.0  # m/s2 by which a motion may differ from a straight one between two poses
+MOVING = 3.0  # sigmas of velocity that are a motion
+LONGEST = 60.0  # s of track behind the yaw by track: what is older has drifted
+_NODE = {"t": 1, "p_o": 3, "C_ob": 9, "drift": 16}
+_FIX = {"node": 1, "arm_o": 3, "C_of": 9, "v_o": 3, "tau": 1, "z": 3, "weight": 1, "course": 1, "course_weight": 1}
+_FIX |= {"v_n": 3, "v_std": 1}
+
+
+class _Rows:
+    """Rows that are appended, in one array that doubles when it is full."""
+
+    def __init__(self, parts: dict[str, int]) -> None:
+        ends = np.cumsum(list(parts.values()))
+        self.parts = {name: slice(end - size, end) for (name, size), end in zip(parts.items(), ends, strict=True)}
+        self._array = np.zeros((256, ends[-1]))
+        self.count = 0
+
+    def append(self, **values: FloatArray | float) -> None:
+        if self.count == len(self._array):
+            self._array = np.vstack((self._array, np.zeros_like(self._array)))
+        for name, part in self.parts.items():
+            self._array[self.count, part] = np.ravel(values[name])
+        self.count += 1
+
+    def get(self, name: str, first: int = 0, end: int | None = None) -> FloatArray:
+        part = self.parts[name]
+        rows = self._array[first : self.count if end is None else end, part]
+        return rows[:, 0] if part.stop - part.start == 1 else rows
+
+
+class Hanging:
+    """Odometry poses and the fixes on them.
+
+    ``lever_arm`` (3,) [m] and ``time_offset`` [s], added to stamps, are what fixes to come are hung by.
+    """
+
+    def __init__(self, lever_arm: FloatArray, time_offset: float) -> None:
+        self.fixes: GnssFixes | None = None
+        self.time_offset = time_offset
+        self.yaw_std: float | None = None
+        self.lever_arm = lever_arm
+        self._uses_velocity = False
+        self._nodes, self._terms = _Rows(_NODE), _Rows(_FIX)
+        self._next = 0  # of the fixes
+
+    @property
+    def t(self) -> FloatArray:
+        """Times (n,) of all nodes [s]."""
+        return self._nodes.get("t")
+
+    @property
+    def p_o(self) -> FloatArray:
+        """Their odometry positions (n, 3) [m]."""
+        return self._nodes.get("p_o")
+
+    @property
+    def C_ob(self) -> FloatArray:
+        """Their odometry attitudes (n, 3, 3)."""
+        return self._nodes.get("C_ob").reshape(-1, 3, 3)
+
+    def add(self, pose: OdometryPose) -> int:
+        """Add a node and hang what fixes it brings within reach; return how many."""
+        self._nodes.append(t=pose.t, p_o=pose.p_o, C_ob=pose.C_ob, drift=pose.drift)
+        self.yaw_std, self._uses_velocity = pose.yaw_std, pose.uses_velocity
+        return self._hang_up_to(pose.t) if self._nodes.count > 1 else 0
+
+    def hang_again(self, time_offset: float) -> None:
+        """Hang all fixes again, at another time offset."""
+        self._terms, self._next, self.time_offset = _Rows(_FIX), 0, time_offset
+        self._hang_up_to(float(self.t[-1]))
+
+    def last_step(self) -> tuple[FloatArray, FloatArray]:
+        """Return the last step (3,) in o [m] and its drift (4, 4)."""
+        return self.p_o[-1] - self.p_o[-2], self._nodes.get("drift")[-1].reshape(4, 4)
+
+    def window(self, first: int, end: int | None = None, fixes_of: int | None = None) -> tuple[Nodes, FixTerms]:
+        """Return nodes ``first`` to ``end`` with the fixes of all, or of the first ``fixes_of`` of them."""
+        p_o = self._nodes.get("p_o", first, end)
+        drift = self._nodes.get("drift", first, end)[1:].reshape(-1, 4, 4)
+        all_nodes = self._terms.get("node")
+        last = len(self.t) if end is None else end
+        begin = int(np.searchsorted(all_nodes, first))
+        stop = int(np.searchsorted(all_nodes, last if fixes_of is None else first + fixes_of))
+        part = {name: self._terms.get(name, begin, stop) for name in self._terms.parts}
+        terms = FixTerms(
+            part["node"].astype(np.int64) - first, part["arm_o"], part["C_of"].reshape(-1, 3, 3), part["v_o"],
+            part["tau"], part["z"], part["weight"], part["course"], part["course_weight"],
+        )  # fmt: skip
+        return Nodes(np.diff(p_o, axis=0), np.asarray(np.linalg.inv(drift), np.float64)), terms
+
+    def yaw_by_track(self) -> TrackYaw:
+        """Return the heading of the odometry's frame by the last minute of track."""
+        recent = self.t[self._terms.get("node").astype(np.int64)] > self.t[-1] - LONGEST
+        get = {name: self._terms.get(name)[recent] for name in self._terms.parts}
+        node = get["node"].astype(np.int64)
+        antenna = get["C_of"].reshape(-1, 3, 3) @ self.lever_arm
+        q = self.p_o[node] + get["arm_o"] + antenna
+        drift = self._nodes.get("drift")[:, 0]
+        v_o, v_std = get["v_o"][:, :2], self._velocity_std(node, get["v_o"], get["v_std"])
+        v_o = np.where(
+            (np.linalg.norm(v_o, axis=1) > MOVING * v_std)[:, None], v_o, np.nan
+        )  # not the noise at rest
+        total = float(drift[int(node[0]) :].sum())
+        return track_yaw(q[:, :2], get["z"][:, :2], get["weight"] ** -0.5, v_o, get["v_n"][:, :2], v_std, total)
+
+    def _velocity_std(self, node: IntArray, v_o: FloatArray, v_std: FloatArray) -> FloatArray:
+        """Return 1 sigma of GNSS's velocity less the odometry's over a frame, blurred by how fast that changes."""
+        changed = np.r_[0.0, np.linalg.norm(np.diff(v_o[:, :2], axis=0), axis=1)]
+        std: FloatArray = np.sqrt(v_std**2 + self._walk(node) ** 2 + (0.5 * changed) ** 2)
+        return std
+
+    def _hang_up_to(self, t: float) -> int:
+        assert self.fixes is not None
+        hung = 0
+        while self._next < len(self.fixes.t) and self.fixes.t[self._next] + self.time_offset <= t:
+            if self.fixes.t[self._next] + self.time_offset > self.t[0]:
+                self._hang(self.fixes, self._next)
+                hung += 1
+            self._next += 1
+        return hung
+
+    def _hang(self, fixes: GnssFixes, i: int) -> None:
+        """Hang a fix on the first node at or after it, by the straight motion between the two nodes."""
+        t = fixes.t[i] + self.time_offset
+        node = max(
+            int(np.searchsorted(self.t, t)), 1, int(self._terms.get("node")[-1]) if self._terms.count else 1
+        )
+        dt = self.t[node] - self.t[node - 1]
+        back = (self.t[node] - t) / dt
+        v_o = (self.p_o[node] - self.p_o[node - 1]) / dt
+        C = self.C_ob[node - 1 : node + 1]
+        v_antenna = v_o + (C[1] - C[0]) @ self.lever_arm / dt
+        off = 0.5 * JERKY * min(back, 1 - back) ** 2 * dt**2  # m
+        course, course_weight = self._course(fixes, i, v_antenna, self._walk(node))
+        self._terms.append(
+            node=float(node), arm_o=-back * dt * v_o, C_of=back * C[0] + (1 - back) * C[1], v_o=v_antenna,
+            tau=self.time_offset, z=fixes.p_n[i], weight=1 / (fixes.position_std[i] ** 2 + off**2), course=course,
+            course_weight=course_weight, v_n=fixes.v_n[i], v_std=fixes.velocity_std[i],
+        )  # fmt: skip
+
+    def _walk(self, node: IntArray | int) -> FloatArray:
+        """Return 1 sigma [m/s] of an odometry's velocity over a frame, by what it says of its drift."""
+        std: FloatArray = np.sqrt(self._nodes.get("drift")[node, 0]) / (self.t[node] - self.t[node - 1])
+        return std
+
+    def _course(self, fixes: GnssFixes, i: int, v_o: FloatArray, v_o_std: FloatArray) -> tuple[float, float]:
+        """Return GNSS's course less that of the odometry's velocity, from East to North, and its weight."""
+        v, speed = fixes.v_n[i, :2], float(np.hypot(*v_o[:2]))
+        course = np.arctan2(v[1], v[0]) if np.isfinite(v).all() else np.pi / 2 - fixes.course[i]
+        if self._uses_velocity or not np.isfinite(course) or speed < SLOWEST:
+            return 0.0, 0.0
+        difference = float(wrapped(course - np.arctan2(v_o[1], v_o[0])))
+        return difference, 1 / (COURSE_STD**2 + (fixes.velocity_std[i] ** 2 + float(v_o_std) ** 2) / speed**2)

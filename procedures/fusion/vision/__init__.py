@@ -1,0 +1,1 @@
+"""What a camera saw: features followed, relative rotation and structure, its delay."""

@@ -1,0 +1,1 @@
+"""Recordings without declared positions: rests found, moves between them, calibration from both."""

@@ -1,0 +1,87 @@
+"""Rests in an unsegmented recording, found by the unit's own noise.
+
+A sample is at rest where a window of one second about it scatters no more than ``multiplier`` times what the
+quietest windows of the same recording do, in each triad by itself (variances of x, y, z added). Tedaldi, Pretto,
+Menegatti, ICRA 2014, do the same with the accelerometers and the scatter of an initial minute.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.calibration.campaign import RestRecord, SequenceRecord
+from procedures.counts.count_rate import LEAST_SAMPLES
+from procedures.counts.sample_records import Series
+
+WINDOW_S = 1.0
+LEAST_S = 1.0  # of samples whose whole window is quiet: two seconds of stillness
+QUIETEST = 0.1  # share of a recording that is at rest at the least
+SPREAD = 2.0  # of the quiet windows' variance: 300 samples scatter it by 8 %, hands by a hundred
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Activity:
+    """How much each sample's window (n,) scatters, in terms of the quietest; infinite near an end or gap."""
+
+    series: Series
+    level: FloatArray
+
+    def rests(self, multiplier: float) -> list[slice]:
+        """Return the stretches of samples at rest, in order."""
+        quiet = np.concatenate(([False], self.level <= multiplier, [False]))
+        edges = np.flatnonzero(np.diff(quiet)).reshape(-1, 2)
+        least = max(LEAST_S / self.series.period, LEAST_SAMPLES)
+        return [slice(int(begin), int(end)) for begin, end in edges if end - begin >= least]
+
+
+@np.errstate(all="ignore")  # what overflows is no rest
+def activity(series: Series) -> Activity:
+    """Measure how much every sample's window scatters beside the quietest windows of the recording."""
+    half = max(round(WINDOW_S / series.period / 2), 4)
+    level = np.full(len(series), np.inf)
+    for begin, end in zip(series.starts, [*series.starts[1:], len(series)], strict=True):
+        if end - begin > 2 * half:
+            level[begin + half : end - half] = 0.0
+    inside = np.isfinite(level)
+    for samples in (series.accel, series.gyro):
+        if samples is None or not inside.any():
+            continue
+        variance = _window_variance(np.asarray(samples, dtype=np.float64), half, inside)
+        level[inside] = np.maximum(level[inside], variance / _quiet(variance))
+    return Activity(series, level)
+
+
+def _window_variance(samples: FloatArray, half: int, inside: BoolArray) -> FloatArray:
+    """Return the variance of x, y and z together in the window about every sample that is ``inside``."""
+    centred = samples - samples.mean(axis=0)
+    sums = [np.concatenate((np.zeros((1, 3)), np.cumsum(centred**power, axis=0))) for power in (1, 2)]
+    at: IntArray = np.flatnonzero(inside)
+    width = 2 * half + 1
+    mean, square = ((total[at + half + 1] - total[at - half]) / width for total in sums)
+    variance: FloatArray = np.maximum(square - mean**2, 0.0).sum(axis=1)
+    return variance
+
+
+def _quiet(variance: FloatArray) -> float:
+    """Return the variance of windows at rest; the least there is, where none moves; nan where all overflow."""
+    low = variance[variance <= SPREAD * float(np.quantile(variance, QUIETEST))]
+    return max(float(np.median(low)), float(np.finfo(np.float64).tiny)) if len(low) else np.nan
+
+
+def cut(sequence: SequenceRecord, stretches: list[slice]) -> tuple[RestRecord, ...]:
+    """Return the stretches of a sequence as rests, named by their number and time."""
+    t = sequence.series.t
+    return tuple(
+        RestRecord(f"{sequence.name} rest {k} ({t[s.start]:.1f} s)", None, part(sequence.series, s))
+        for k, s in enumerate(stretches, 1)
+    )
+
+
+def part(series: Series, stretch: slice) -> Series:
+    """Return a stretch of a series that holds no gap."""
+    one: IntArray = np.zeros(1, dtype=np.int64)
+    t, temperature = series.t[stretch], series.temperature[stretch]
+    gyro = None if series.gyro is None else series.gyro[stretch]
+    accel = None if series.accel is None else series.accel[stretch]
+    return replace(series, t=t, gyro=gyro, accel=accel, temperature=temperature, starts=one)  # type: ignore[arg-type]

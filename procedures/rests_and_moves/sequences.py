@@ -1,0 +1,49 @@
+"""Unsegmented recordings cut into rests and the moves between them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.calibration.campaign import Campaign, RestRecord, SequenceRecord
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.rests_and_moves.norm_fit import choose_rests
+from procedures.rests_and_moves.rest_detection import activity, cut
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Segmented:
+    """A sequence of campaign number ``campaign``: its rests, where they lie, the threshold's multiplier."""
+
+    campaign: int
+    record: SequenceRecord
+    multiplier: float
+    stretches: tuple[slice, ...]
+    rests: tuple[RestRecord, ...]
+
+    def moves(self) -> list[tuple[int, slice]]:
+        """Return per move without a gap the number of the rest it begins from, and its samples."""
+        gaps = self.record.series.starts
+        found = []
+        for i, (before, after) in enumerate(zip(self.stretches, self.stretches[1:], strict=False)):
+            if not np.any((gaps > before.stop - 1) & (gaps <= after.start)):
+                found.append((i, slice(before.stop, after.start)))
+        return found
+
+
+def segment(campaigns: Sequence[Campaign]) -> tuple[Segmented, ...]:
+    """Find the rests of every sequence."""
+    found = []
+    for number, campaign in enumerate(campaigns):
+        for record in campaign.sequences:
+            measured = activity(record.series)
+            multiplier, stretches = choose_rests(measured, campaign.site.gravity / STANDARD_GRAVITY)
+            rests = cut(record, stretches)
+            found.append(Segmented(number, record, multiplier, tuple(stretches), rests))
+    return tuple(found)
+
+
+def all_rests(campaigns: Sequence[Campaign], segmented: Sequence[Segmented]) -> list[tuple[int, RestRecord]]:
+    """Return every rest outside the twelve positions with its campaign's number: those of sequences last."""
+    alone = [(number, rest) for number, campaign in enumerate(campaigns) for rest in campaign.rests]
+    return [*alone, *((each.campaign, rest) for each in segmented for rest in each.rests)]

@@ -1,0 +1,1 @@
+"""Statistics and least squares that know nothing of inertial sensors."""

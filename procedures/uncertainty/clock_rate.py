@@ -1,0 +1,63 @@
+"""A solution whose sigmas hold that of the clock's rate by which its times were put right."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration.calibration import Fits
+from procedures.calibration.solution import Estimate, Solution, TriadCalibration
+from procedures.calibration.triad_calibration import TriadVector, moves_vector, triad_vector, vector_names
+from procedures.uncertainty.latitude_and_time_base import clock_on_accelerometer, clock_on_moves, clock_rows
+from procedures.uncertainty.triad_variance import gain_of
+
+
+def with_clock(solution: Solution, fits: Fits, std: float) -> Solution:
+    """Return the solution of these fits, its sigmas and covariance widened by a relative 1 sigma of the clock."""
+    shifts = {triad: std * shift for triad, shift in _shifts(fits).items()}
+    by_name = dict[str, float]()
+    for triad, shift in shifts.items():
+        by_name |= zip(vector_names(triad), shift.tolist(), strict=True)
+    step = np.array([by_name.get(name, 0.0) for name in solution.names])
+    return replace(
+        solution,
+        accelerometer=_wider(solution.accelerometer, shifts.get("accelerometer")),
+        gyroscope=_wider(solution.gyroscope, shifts.get("gyroscope")),
+        covariance=solution.covariance + np.outer(step, step),
+    )
+
+
+def _shifts(fits: Fits) -> dict[str, FloatArray]:
+    """Return by triad the change of k, E, D (15,) per relative error of the time base."""
+    counts, found = fits.campaigns[0].counts, dict[str, FloatArray]()
+    joint = fits.accelerometer
+    if joint is not None:
+        vector = triad_vector(joint, "accelerometer", joint)
+        found["accelerometer"] = clock_on_accelerometer(vector.value, counts)
+    if fits.gyroscope is not None:
+        vector = triad_vector(fits.gyroscope.joint, "gyroscope", joint)
+        rows = clock_rows(fits.gyroscope, not counts)
+        found["gyroscope"] = _through(vector, gain_of(fits.gyroscope.joint.fit), rows)
+    elif fits.moves is not None and joint is not None:
+        found["gyroscope"] = clock_on_moves(moves_vector(fits.moves, joint).value, counts)
+    return found
+
+
+def _through(vector: TriadVector, gain: FloatArray, rows: FloatArray) -> FloatArray:
+    shift: FloatArray = vector.jacobian @ (gain @ rows)
+    return shift
+
+
+def _wider(triad: TriadCalibration | None, shift: FloatArray | None) -> TriadCalibration | None:
+    if triad is None or shift is None:
+        return triad
+    return replace(
+        triad,
+        scale_factor=_estimate(triad.scale_factor, shift[:3]),
+        misalignment=_estimate(triad.misalignment, shift[3:12].reshape(3, 3)),
+        bias=_estimate(triad.bias, shift[12:]),
+    )
+
+
+def _estimate(one: Estimate, shift: FloatArray) -> Estimate:
+    return replace(one, std=np.hypot(one.std, shift))

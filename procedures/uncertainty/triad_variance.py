@@ -1,0 +1,206 @@
+"""The variance of a triad's k, E and D, split by source: the fit's rows through its gain, and what comes after."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.calibration.calibration import Fits
+from procedures.calibration.campaign import period_std
+from procedures.calibration.triad_calibration import DPH, TriadVector, common_variance, moves_vector, triad_vector
+from procedures.calibration.twelve_position import JointFit
+from procedures.statistics.least_squares import Fit
+from procedures.uncertainty import sources as named
+from procedures.uncertainty.excess_scatter import unexplained, unexplained_within
+from procedures.uncertainty.given_values import Inputs
+from procedures.uncertainty.latitude_and_time_base import (
+    clock_on_accelerometer,
+    clock_on_moves,
+    clock_rows,
+    latitude_rows,
+)
+from procedures.uncertainty.move_variance import moves_shares
+from procedures.uncertainty.row_variance import excess_cell, gyroscope_shares, joint_shares
+from procedures.uncertainty.sources import Cell, Shares, added
+from procedures.uncertainty.temperature import (
+    TemperatureEffect,
+    accelerometer_columns,
+    gyroscope_columns,
+    temperature_effect,
+)
+
+ROUNDING = 1e-6  # of a variance: two ways to the same covariance differ by less
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Decomposition:
+    """A triad's k (3), E (9), D (3) and, by cell, the part that each has in their variances (15,)."""
+
+    vector: TriadVector
+    variance: Shares
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Chain:
+    """A fit's gain (p, n) and the shares (n,) of its rows, with what the global test leaves unexplained."""
+
+    gain: FloatArray
+    shares: Shares
+    temperature: TemperatureEffect | None
+
+
+def gain_of(fit: Fit) -> FloatArray:
+    """Return (p, n) by how much the parameters move with the whitened rows: ``P J'``, by the QR factors of J."""
+    size = np.linalg.norm(fit.jacobian, axis=0)
+    Q, R = np.linalg.qr(fit.jacobian / size)
+    gain: FloatArray = np.linalg.solve(R, Q.T) / size[:, None]
+    return gain
+
+
+def decompose(fits: Fits, inputs: Inputs) -> dict[str, Decomposition]:
+    """Split the variances of every triad that was solved, by ``accelerometer`` and ``gyroscope``."""
+    found = dict[str, Decomposition]()
+    inputs = replace(inputs, clock=float(np.hypot(inputs.clock, period_std(fits.campaigns))))
+    chain = None
+    if fits.accelerometer is not None:
+        chain = _accelerometer_chain(fits.accelerometer, inputs)
+        found["accelerometer"] = _accelerometer(fits, fits.accelerometer, chain, inputs)
+    if fits.gyroscope is not None:
+        found["gyroscope"] = _gyroscope(fits, chain, inputs)
+    elif fits.moves is not None and chain is not None:
+        found["gyroscope"] = _moves(fits, chain, inputs)
+    return found
+
+
+def _accelerometer_chain(joint: JointFit, inputs: Inputs) -> _Chain:
+    n = 3 * len(joint.seen.dwells)
+    observed = np.zeros(len(joint.fit.residual), dtype=bool)
+    observed[:n] = True
+    if joint.rests is not None:
+        observed[joint.rests.rows] = True
+    effect = temperature_effect(joint.fit, accelerometer_columns(joint))
+    extra = _unexplained("accelerometer", joint, observed, effect, inputs)
+    return _Chain(gain_of(joint.fit), added(joint_shares(joint, "accelerometer"), extra), effect)
+
+
+def _accelerometer(fits: Fits, joint: JointFit, chain: _Chain, inputs: Inputs) -> Decomposition:
+    vector = triad_vector(joint, "accelerometer", joint)
+    through = vector.jacobian @ chain.gain
+    shift = clock_on_accelerometer(vector.value, fits.campaigns[0].counts) * inputs.clock
+    variance = added(
+        _spread(through, chain.shares),
+        _after_fit(vector, joint, "accelerometer", 1.0),
+        _effects(vector, joint, through),
+        {Cell(named.CLOCK): shift**2},
+        _temperature("accelerometer", through, chain.temperature),
+    )
+    return Decomposition(vector, variance)
+
+
+def _gyroscope(fits: Fits, accelerometer: _Chain | None, inputs: Inputs) -> Decomposition:
+    gyroscope = fits.gyroscope
+    assert gyroscope is not None
+    joint = gyroscope.joint
+    given = fits.accelerometer is not None and not fits.accelerometer.is_turned_freely
+    observations = 3 * (len(joint.seen.dwells) + len(gyroscope.turns))
+    observed = np.arange(len(joint.fit.residual)) < observations
+    effect = temperature_effect(joint.fit, gyroscope_columns(gyroscope))
+    extra = _unexplained("gyroscope", joint, observed, effect, inputs)
+    vector = triad_vector(joint, "gyroscope", fits.accelerometer)
+    through = vector.jacobian @ gain_of(joint.fit)
+    tilts: Shares = {}
+    if given and accelerometer is not None:
+        rows, shared = slice(observations, observations + joint.bench.shared), slice(12, 12 + joint.bench.shared)
+        through_tilts = through[:, rows]
+        onward = through_tilts @ joint.fit.jacobian[rows, shared] @ accelerometer.gain[shared]
+        tilts = _by_origin(np.sum(through_tilts**2, axis=1), onward, accelerometer.shares)
+    rate_output = not fits.campaigns[0].counts
+    variance = added(
+        _spread(through, added(gyroscope_shares(gyroscope, given), extra)),
+        tilts,
+        _after_fit(vector, joint, "gyroscope", DPH),
+        _effects(vector, joint, through),
+        {Cell(named.LATITUDE): (through @ latitude_rows(gyroscope) * inputs.latitude) ** 2},
+        {Cell(named.CLOCK): (through @ clock_rows(gyroscope, rate_output) * inputs.clock) ** 2},
+        _temperature("gyroscope", through, effect),
+    )
+    return Decomposition(vector, variance)
+
+
+def _unexplained(
+    triad: str, joint: JointFit, observed: BoolArray, effect: TemperatureEffect | None, inputs: Inputs
+) -> Shares:
+    left = inputs.unexplained
+    among = unexplained(triad, joint.fit.chi2, joint.dof, observed, effect, left is not None)
+    return added(among, unexplained_within(triad, joint, joint.dof, (left or {}).get(triad, 0.0)))
+
+
+def _moves(fits: Fits, accelerometer: _Chain, inputs: Inputs) -> Decomposition:
+    moves, joint = fits.moves, fits.accelerometer
+    assert moves is not None
+    assert joint is not None
+    vector = moves_vector(moves, joint)
+    shares, scatter = moves_shares(fits)
+    extra = unexplained(
+        "gyroscope", moves.fit.chi2, moves.fit.dof, np.ones(len(moves.fit.residual), dtype=bool), None,
+        inputs.unexplained is not None,
+    )  # fmt: skip
+    through = vector.jacobian @ gain_of(moves.fit)[:12]
+    onward = vector.jacobian @ moves.by_accelerometer @ accelerometer.gain[:12]
+    own = np.sum(through**2, axis=1) + np.sum(onward**2, axis=1)
+    common = np.maximum(np.diag(vector.covariance) - own, 0.0)
+    shift = clock_on_moves(vector.value, fits.campaigns[0].counts) * inputs.clock
+    variance = added(
+        _spread(through, added(shares, extra)),
+        _spread(onward, accelerometer.shares),
+        {scatter: np.where(np.arange(15) < 12, 0.0, common)},
+        {Cell(named.CLOCK): shift**2},
+    )
+    return Decomposition(vector, variance)
+
+
+def _spread(through: FloatArray, shares: Shares) -> Shares:
+    return {cell: through**2 @ share for cell, share in shares.items()}
+
+
+def _by_origin(total: FloatArray, onward: FloatArray, shares: Shares) -> Shares:
+    """Split ``total`` (15,), what tilts taken from another fit add, as their origin there is split.
+
+    The rows hold the tilts' covariance; what rounding and `TILT_STD` put beside it goes with the rest. What the
+    other fit leaves unexplained comes on top.
+    """
+    size = np.sum(onward**2, axis=1)
+    scale = np.divide(total, size, out=np.zeros_like(total), where=size > 0)
+    return {cell: onward**2 @ share * scale for cell, share in shares.items()}
+
+
+def _after_fit(vector: TriadVector, joint: JointFit, triad: str, per: float) -> Shares:
+    """Return what `triad_vector` adds to the fit's covariance: what dwells have in common, and a skew cube."""
+    of_bias = np.concatenate((np.zeros((3, 12)), common_variance(joint, vector.value[:3] / per)), axis=1)
+    fitted = np.einsum("ip,pq,iq->i", vector.jacobian, joint.fit.covariance, vector.jacobian)
+    skew = np.maximum(np.diag(vector.covariance) - fitted - of_bias.sum(axis=0), 0.0)
+    skew[3:12] = 0.0  # E refers to the mean cube itself
+    return {
+        excess_cell_or_none(joint, triad): of_bias[0],
+        Cell(named.WARM_UP, triad): of_bias[1],
+        Cell(named.TURN_ON, triad, max(joint.profiled // 3, 1)): of_bias[2],
+        Cell(named.CUBE): skew,
+    }
+
+
+def _effects(vector: TriadVector, joint: JointFit, through: FloatArray) -> Shares:
+    """Return what the coefficients of effects leave open: the fit's covariance beyond that of its own rows."""
+    fitted = np.einsum("ip,pq,iq->i", vector.jacobian, joint.fit.covariance, vector.jacobian)
+    own = np.sum(through**2, axis=1)
+    return {Cell(named.EFFECTS): np.where(fitted > own * (1 + ROUNDING), fitted - own, 0.0)}
+
+
+def excess_cell_or_none(joint: JointFit, triad: str) -> Cell:
+    """Return the bias instability's cell; without dwells one that holds nothing."""
+    return excess_cell(joint, triad) if joint.seen.dwells else Cell(named.INSTABILITY, triad)
+
+
+def _temperature(triad: str, through: FloatArray, effect: TemperatureEffect | None) -> Shares:
+    if effect is None:
+        return {}
+    return {Cell(named.TEMPERATURE, triad, effect.dof): effect.variance(through)}

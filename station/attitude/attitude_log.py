@@ -1,0 +1,156 @@
+"""`attitude-log/1` (DESIGN 5) read and held to its rules; the first that is broken is named with its line."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.axes_check import disagreement
+from station.errors import DataRefused
+from station.files.columns import Table
+from station.files.csv_table import read_csv
+from station.files.opening import open_inside
+
+RATES = ("p_rad_s", "q_rad_s", "r_rad_s")
+FORCES = ("fx_m_s2", "fy_m_s2", "fz_m_s2")
+VELOCITY = ("vn_m_s", "ve_m_s", "vd_m_s")
+TRUTH = ("roll_rad", "pitch_rad")
+NEEDED = ("t_s", *RATES, *FORCES)
+FASTEST = 87.0  # rad/s, 5000 deg/s: no gyro measures more
+STRONGEST = 5000.0  # m/s2
+NO_GRAVITY = 0.05  # m/s2, of a median specific force
+GUESSES = ("g", (0.5, 2.0), 9.80665), ("mg", (500.0, 2000.0), 0.00980665)  # by the median, given in another unit
+STEPS = 1e-5, 1.0  # s: no IMU samples faster, and none slower can be followed
+MOST = {  # of what is no sensor of the IMU: the largest value, and what a larger one looks like
+    "airspeed_m_s": (3000.0, ""), **dict.fromkeys(VELOCITY, (10000.0, "")), "heading_rad": (4 * np.pi, "deg"),
+    "roll_rad": (2 * np.pi, "deg"), "pitch_rad": (1.5709, "deg"),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class LogColumns:
+    """The columns of an `attitude-log/1`."""
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The columns that may be there."""
+        return (*NEEDED, "airspeed_m_s", *VELOCITY, "heading_rad", *TRUTH, "scored")
+
+    def cell(self, name: str) -> str:
+        """Return what a cell of a column holds, in words."""
+        return "a number" if name in NEEDED else "a number or nothing"
+
+    def check(self, names: list[str], file: Path) -> None:
+        """Refuse a file that lacks a column, or has only a part of the velocity or of the truth."""
+        for name in NEEDED:
+            if name not in names:
+                raise DataRefused(file, 1, f"no column {name}", f"the columns {','.join(NEEDED)}")
+        for group in (VELOCITY, TRUTH):
+            there = [name for name in group if name in names]
+            if there and len(there) < len(group):
+                raise DataRefused(file, 1, f"only {','.join(there)}", f"all of {','.join(group)} or none")
+
+
+def read_log(path: Path) -> AttitudeLog:
+    """Read a log.
+
+    Raises
+    ------
+    DataRefused
+        If a column is missing or unknown, a cell is no number, time does not go forward, a rate is beyond any
+        gyro, or gyros and accelerometers disagree on how gravity turns.
+    """
+    if not path.exists():
+        raise DataRefused(path, None, "no such file", "a CSV file of attitude-log/1", "name one that is there")
+    with open_inside(path.parent, path.name, path, None) as stream:
+        table = read_csv(stream, path, LogColumns())
+    _check_time(table)
+    _check_size(table)
+    log = _log(table)
+    _check_axes(log, table)
+    return log
+
+
+def _log(table: Table) -> AttitudeLog:
+    columns = table.columns
+
+    def of(name: str) -> FloatArray | None:
+        return columns.get(name)
+
+    velocity = np.stack([columns[name] for name in VELOCITY], axis=1) if VELOCITY[0] in columns else None
+    return AttitudeLog(
+        t=columns["t_s"],
+        rate=np.stack([columns[name] for name in RATES], axis=1),
+        force=np.stack([columns[name] for name in FORCES], axis=1),
+        airspeed=of("airspeed_m_s"), velocity=velocity, heading=of("heading_rad"),
+        roll=of("roll_rad"), pitch=of("pitch_rad"), scored=_scored(table),
+    )  # fmt: skip
+
+
+def _scored(table: Table) -> BoolArray | None:
+    scored = table.columns.get("scored")
+    if scored is None:
+        return None
+    bad = np.flatnonzero(~np.isnan(scored) & (scored != 0) & (scored != 1))
+    if len(bad):
+        found = f"scored = {scored[bad[0]]:g}"
+        raise DataRefused(table.file, table.line(bad[0]), found, "0 or 1")
+    return np.asarray(scored == 1)
+
+
+def _check_time(table: Table) -> None:
+    t = table.columns["t_s"]
+    back = np.flatnonzero(np.diff(t) <= 0)
+    if len(back):
+        row = int(back[0]) + 1
+        found = f"t_s {t[row]:.9g} after {t[row - 1]:.9g}"
+        remedy = "remove the row, or sort the file" if t[row] < t[row - 1] else "remove the repeated row"
+        raise DataRefused(table.file, table.line(row), found, "a later time", remedy)
+    if len(t) < 2:
+        raise DataRefused(table.file, table.line(0), "a single row", "at least two rows")
+    step = float(np.median(np.diff(t)))
+    if not STEPS[0] <= step <= STEPS[1]:
+        found = f"t_s going by {step:.3g} a row" + (": looks like ms or less" if step > 1 else "")
+        raise DataRefused(
+            table.file, table.line(1), found, "seconds, a row at least each", "convert t_s to seconds"
+        )
+
+
+def _check_size(table: Table) -> None:
+    for names, most, unit, guess in ((RATES, FASTEST, "rad/s", "deg/s"), (FORCES, STRONGEST, "m/s2", "mg")):
+        for name in names:
+            _check_column(table, name, most, f"beyond any sensor's range: looks like {guess}", unit)
+    for name, (most, guess) in MOST.items():
+        if name in table.columns:
+            said = f"beyond {most:.4g}" + (f": looks like {guess}" if guess else "")
+            _check_column(table, name, most, said, "rad" if guess else "m/s")
+    usual = float(np.median(np.linalg.norm(np.stack([table.columns[name] for name in FORCES], axis=1), axis=1)))
+    found = f"specific forces of {usual:.3g}"
+    if usual < NO_GRAVITY:
+        raise DataRefused(table.file, table.line(0), found, "m/s2, with gravity", "give what accelerometers feel")
+    for unit, (least, most), factor in GUESSES:
+        if least < usual < most:
+            said = f"{found}: looks like {unit}"
+            raise DataRefused(table.file, table.line(0), said, "m/s2", f"multiply them by {factor}")
+
+
+def _check_column(table: Table, name: str, most: float, said: str, unit: str) -> None:
+    values = table.columns[name]
+    beyond = np.flatnonzero(np.abs(values) > most)
+    if len(beyond):
+        found = f"{name} = {values[beyond[0]]:g}, {said}"
+        raise DataRefused(table.file, table.line(int(beyond[0])), found, unit, f"convert the column to {unit}")
+
+
+def _check_axes(log: AttitudeLog, table: Table) -> None:
+    seen = disagreement(log)
+    if seen is None:
+        return
+    if seen.in_degrees:
+        found = "rates that turn gravity 57.3 times too fast: looks like deg/s"
+        raise DataRefused(table.file, table.line(seen.row), found, "rad/s", "convert the columns to rad/s")
+    found = f"gravity turning as if the rates were {seen.reading}"
+    expected = "p,q,r about right-handed forward-right-down axes, the same for gyros and accelerometers"
+    raise DataRefused(table.file, table.line(seen.row), found, expected, "correct signs or order of the columns")

@@ -1,0 +1,52 @@
+"""What an attitude's residual was traced to, as the parts of `diagnosis/1` that it has, and as people read it."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from procedures.attitude.tracing.trace import Trace
+from station.results.diagnosis.diagnosis_json import FORMAT, error_document, finding_document, tried_document
+from station.results.diagnosis.diagnosis_text import coefficient_rows, tried_rows
+from station.results.diagnosis.wording import SURE, both
+
+METHOD = "the last 40 % of the log, which had no say"
+MOST_TRIED = 6
+SAID = {
+    "consistent": "The model lacks nothing that this log can show.",
+    "established": "The model lacks {names}.",
+    "likely": "The model probably lacks {names}.",
+    "ambiguous": "Something is there, but this log cannot say what: see what could be instead.",
+    "unexplained": "What was found does not foretell the rest of the log: what the model lacks is unexplained.",
+}
+
+
+def trace_document(trace: Trace) -> dict[str, Any]:
+    """Return a trace as the parts of `diagnosis/1` that it has."""
+    doubtful = [each.separate_by for each in trace.findings if each.confidence == "ambiguous"]
+    return {
+        "format": FORMAT, "verdict": trace.verdict,
+        "findings": [finding_document(each) for each in trace.findings],
+        "error": [error_document(each, METHOD) for each in trace.errors],
+        "tried": [tried_document(each) for each in trace.tried],
+        "next_measurement": "; ".join(dict.fromkeys(doubtful)),
+    }  # fmt: skip
+
+
+def trace_text(document: Mapping[str, Any]) -> str:
+    """Return the verdict, the findings with 1 sigma, the error before and after, and what was tried."""
+    names = both([finding["effect"] for finding in document["findings"]]) if document["findings"] else ""
+    lines = [f"{document['verdict'].upper()}. {SAID[document['verdict']].format(names=names)}"]
+    for number, finding in enumerate(document["findings"], 1):
+        lines += ["", f"{number}. {finding['effect']} ({finding['kind']})", f"   {SURE[finding['confidence']]}"]
+        lines += [f"   {name:<9} {value:<44} {size:>12}" for name, value, size in coefficient_rows(finding)]
+        if finding["aliases"]:
+            lines.append(f"   could be instead: {', '.join(finding['aliases'])}")
+            lines.append(f"   what would tell: {finding['separate_by']}")
+    for error in document["error"]:
+        lines += ["", f"error, rms {error['unit']}: {error['quantity']}"]
+        for title, name in (("in the rows used", ""), (error["method"], "held_out_")):
+            if f"{name}before" in error and f"{name}after" in error:
+                lines.append(f"   {error[f'{name}before']:.4f} -> {error[f'{name}after']:.4f}  {title}")
+    if document["tried"]:
+        lines += ["", "what was tried, p after Holm"]
+        lines += [f"   {effect:<24} {p}" for effect, p in tried_rows(document["tried"])[:MOST_TRIED]]
+    return "\n".join(lines)

@@ -1,0 +1,1 @@
+"""What is connected: a look at ports, IMUs, receivers and cameras, recording nothing."""

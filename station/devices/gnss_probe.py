@@ -1,0 +1,75 @@
+"""A short look at a MAVLink link, recording nothing: who is there, what comes how often, where it stands."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from drivers.device_url import DeviceUrl
+from drivers.errors import BadDeviceUrl, LinkSilent, WrongFormat
+from drivers.mavlink.address import MavlinkUrl
+from drivers.mavlink.port import MavlinkPort
+from drivers.mavlink.session import Asked
+from drivers.ports import open_port, parse_device_url
+from station.stream.gnss.gnss_feed import EXPECTED, GnssFeed
+from station.stream.gnss.summary import summary
+from station.stream.reader import Chunk, GapMark
+
+READ_BYTES = 65536
+
+
+class _Direct:
+    """A port as a source, in this process."""
+
+    def __init__(self, address: MavlinkUrl, port: MavlinkPort) -> None:
+        self.address: DeviceUrl = address
+        self._port = port
+        self.bytes = 0
+        self.up_to_ns = 0
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        data = self._port.read(READ_BYTES)
+        self.bytes += len(data)
+        self.up_to_ns = time.time_ns()
+        return [Chunk(self.up_to_ns, data)] if data else []
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """What came of a link, and what was asked of it."""
+
+    feed: GnssFeed
+    asked: Sequence[Asked]
+
+    def lines(self) -> list[str]:
+        """Return it in lines."""
+        systems = [f"system {n}: {count} frames" for n, count in sorted(self.feed.decoder.systems.items())]
+        asked = [f"{one.message} at {one.rate_hz:g} Hz: {one.outcome}" for one in self.asked]
+        return ["format    MAVLink", *systems, *asked, summary(self.feed)]
+
+
+def listen(url: str, seconds: float, fixes: float = float("inf")) -> Heard:
+    """Return what came within ``seconds``, or until there were as many positions as ``fixes``.
+
+    Raises
+    ------
+    DriverError
+        If the port cannot be opened, no byte comes, or no frame is among them.
+    """
+    address = parse_device_url(url, "receiver")
+    if not isinstance(address, MavlinkUrl):
+        raise BadDeviceUrl(url, f"scheme {address.scheme!r}", EXPECTED)
+    port = open_port(address)
+    assert isinstance(port, MavlinkPort)
+    try:
+        source = _Direct(address, port)
+        feed, until = GnssFeed(source), time.monotonic() + seconds
+        while time.monotonic() < until and ((site := feed.site()) is None or site.fixes < fixes):
+            feed.advance()
+    finally:
+        port.close()
+    if not source.bytes:
+        raise LinkSilent(address.name, seconds, address.baud, "check cable, address and power")
+    counters = feed.decoder.framer.counters
+    if not counters.frames + counters.refused:
+        raise WrongFormat(address.name, "MAVLink", source.bytes, address.baud)
+    return Heard(feed, port.session.asked)

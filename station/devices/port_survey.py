@@ -1,0 +1,154 @@
+"""A look at many ports at once: what is on each, however it is connected. Nothing is sent to a port found.
+
+A serial port is read at the usual baud rate; where bytes come and look like nothing, at the others too.
+"""
+
+import re
+import time
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from drivers.device_url import DEFAULT_BAUD
+from drivers.errors import DriverError
+from drivers.framing import sniff
+from drivers.ports import Port, list_ports, open_port, parse_device_url
+from drivers.udp_port import open_udp
+from drivers.url_wire_format import wire_of
+from drivers.wire import FORMATS
+from procedures.earth.gnss_records import GnssFix, averaged_site
+from station.devices.camera_probe import FORMAT, look_at_camera
+from station.devices.imu_probe import read_for, seen_as
+
+GROUND_STATION = "mavlink:udpin:127.0.0.1:14550"  # where routers of this machine send to; others: by --url
+BAUDS = tuple(dict.fromkeys((DEFAULT_BAUD, *(wire.baud for wire in FORMATS.values()), 115200, 57600)))
+ARPHRD_CAN = "280"  # linux/if_arp.h
+SLCAN = re.compile(rb"\r[tT][0-9A-Fa-f]{4,9}[0-9A-Fa-f]*(?=\r)")
+TIMEOUT_S = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A port and what came out of it.
+
+    ``url`` opens it, ``about`` is what it says of itself, ``looks_like`` the format of its bytes, ``mavlink`` or
+    ``slcan``, empty if none. Rates are per second; ``rate_hz`` is by the device's own time. ``errors`` are what
+    the framing counted, ``position`` is where a receiver stands in words, ``systems`` and ``messages`` MAVLink's
+    frames per second. ``trouble`` says what is wrong.
+    """
+
+    url: str
+    about: str = ""
+    looks_like: str = ""
+    model: str | None = None
+    serial: str | None = None
+    frames_s: float = 0.0
+    bytes_s: float = 0.0
+    rate_hz: float | None = None
+    errors: dict[str, int] = field(default_factory=dict)
+    position: str = ""
+    systems: dict[int, float] = field(default_factory=dict)
+    messages: dict[str, float] = field(default_factory=dict)
+    trouble: str = ""
+
+
+def ports_present() -> list[Found]:
+    """Return serial ports, CAN interfaces of the kernel, and the port that ground stations listen on."""
+    found = []
+    for port in list_ports():
+        number = f", serial number {port.serial_number}" if port.serial_number else ""
+        timer = "" if port.latency_ms is None else f", holds bytes for {port.latency_ms} ms"
+        found.append(Found(f"serial://{port.device}", f"{port.description}{number}{timer}"))
+    for kind in sorted(Path("/sys/class/net").glob("*/type")):
+        if kind.read_text().strip() == ARPHRD_CAN:
+            found.append(Found(f"can://socketcan/{kind.parent.name}", "CAN interface"))
+    return [*found, Found(GROUND_STATION, "MAVLink, the ground station's port")]
+
+
+def survey(ports: Iterable[Found], seconds: float) -> list[Found]:
+    """Look at all ports at once, for ``seconds`` each; what cannot be opened says so in ``trouble``."""
+    wanted = list(ports)
+    with ThreadPoolExecutor(max(1, len(wanted))) as pool:
+        return list(pool.map(lambda port: _looked_at(port, seconds), wanted))
+
+
+def _looked_at(port: Found, seconds: float) -> Found:
+    try:
+        address = parse_device_url(port.url)
+        if address.scheme == "camera":
+            return _camera(port, seconds)
+        wire_of(address)  # a wrong DBC or mapping is said before a port is waited for
+        if address.scheme != "serial" or "baud=" in port.url or address.format:
+            return recognised(port, *_timed(_open(port.url), seconds))
+        for baud in BAUDS:
+            url = f"{port.url}?baud={baud}"
+            data, took = _timed(open_port(url, TIMEOUT_S), seconds)
+            found = recognised(replace(port, url=url), data, took)
+            if found.looks_like or not data:
+                return found
+        return replace(found, url=port.url, trouble=f"{found.trouble} at {', '.join(map(str, BAUDS))} baud")
+    except DriverError as error:
+        return replace(port, trouble=str(error))
+
+
+def _camera(port: Found, seconds: float) -> Found:
+    seen = look_at_camera(port.url, seconds, TIMEOUT_S)
+    return replace(
+        port, about=seen.size, looks_like=FORMAT, frames_s=seen.images / seen.seconds,
+        bytes_s=seen.bytes / seen.seconds, rate_hz=seen.rate_hz, errors=seen.errors,
+    )  # fmt: skip
+
+
+def _open(url: str) -> Port:
+    if url == GROUND_STATION:  # found, not asked for: only listen
+        return open_udp("127.0.0.1", 14550, TIMEOUT_S, listens=True)
+    return open_port(url, TIMEOUT_S)
+
+
+def _timed(port: Port, seconds: float) -> tuple[bytes, float]:
+    began = time.monotonic()
+    return read_for(port, seconds), max(time.monotonic() - began, 1e-9)
+
+
+def recognised(port: Found, data: bytes, seconds: float) -> Found:
+    """Return the port with what its bytes are."""
+    if not data:
+        return replace(port, trouble=f"no bytes within {seconds:.1f} s")
+    port = replace(port, bytes_s=len(data) / seconds)
+    address = parse_device_url(port.url)
+    likely = sniff(data) if address.scheme in {"serial", "tcp", "replay"} else []
+    wire = wire_of(address) or (FORMATS[likely[0].format] if likely else None)
+    if wire is not None and (seen := seen_as(wire, data, seconds)) is not None:
+        errors = {name: getattr(seen.counters, name) for name in seen.counters.__slots__}
+        kept = {name: count for name, count in errors.items() if name not in {"frames", "identities"}}
+        return replace(
+            port, looks_like=seen.format, model=seen.model, serial=seen.serial, frames_s=seen.frames / seconds,
+            rate_hz=seen.rate_hz, errors=kept,
+        )  # fmt: skip
+    if address.scheme != "can" and (found := _mavlink(port, data, seconds)) is not None:
+        return found
+    if len(SLCAN.findall(data)) > 1:
+        url = f"can://slcan{address.path}"
+        return replace(port, looks_like="slcan", trouble=f"an open CAN adapter: look at {url}")
+    return replace(port, trouble=f"{len(data)} bytes hold no frame of any known format")
+
+
+def _mavlink(port: Found, data: bytes, seconds: float) -> Found | None:
+    from drivers.mavlink.decoder import MavlinkDecoder  # pymavlink: only where a port needs it
+    from station.stream.gnss.summary import site_in_words
+
+    decoder = MavlinkDecoder()
+    fixes = [one for one in decoder.feed(data, time.monotonic_ns()) if isinstance(one, GnssFix)]
+    site = averaged_site([fix for fix in fixes if fix.source == "GPS_RAW_INT"] or fixes)
+    counters = decoder.framer.counters
+    if not decoder.systems:
+        return None
+    errors = {name: getattr(counters, name) for name in ("bad_crc", "lost", "skipped_bytes")}
+    return replace(
+        port, looks_like="mavlink", url=port.url.replace("serial://", "mavlink:serial:"),
+        frames_s=sum(decoder.systems.values()) / seconds, errors=errors,
+        position="no position" if site is None else site_in_words(site),
+        systems={system: count / seconds for system, count in sorted(decoder.systems.items())},
+        messages={name: count / seconds for name, count in sorted(decoder.messages.items())},
+    )  # fmt: skip

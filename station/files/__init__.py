@@ -1,0 +1,1 @@
+"""Files as the station reads and writes them: campaigns, recordings, fusion folders, fixtures, exports."""

@@ -1,0 +1,93 @@
+"""``anchor/1``: the heads of a database's hash chains as a file, to be kept where the database is not.
+
+```toml
+format = "anchor/1"
+written_utc = 2026-03-04T12:00:00Z
+calibration = "5f0c..."             # the newest one's SHA-256
+certificate = "91ab..."
+level = "0000..."                   # 64 zeros: there was none
+measurement = "0000..."             # of a cube by IMUs; may be missing
+issued = "7c31..."                  # the newest calibration certificate handed out
+[[manifest]]
+folder = "/data/campaigns/2026-03-04"
+steps = 18
+sha256 = "77de..."                  # head of the chain over them
+# sha256 ...                        # of all above
+```
+"""
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, StringConstraints
+
+from fixtures_db.anchor import Anchor
+from fixtures_db.chain import GENESIS
+from fixtures_db.transfer import Value
+from station.files.atomic_file import replace_file
+from station.files.fixture_files.toml_file import seal_of, sealed, table_lines, toml_value
+from station.files.toml_text import read_tables
+
+Sha256 = Annotated[str, StringConstraints(pattern="^[0-9a-f]{64}$")]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ManifestTable(_Table):
+    """``[[manifest]]``."""
+
+    folder: str
+    steps: int
+    sha256: Sha256
+
+
+class AnchorTable(_Table):
+    """The whole of an ``anchor/1``."""
+
+    format: Literal["anchor/1"]
+    written_utc: datetime
+    calibration: Sha256
+    certificate: Sha256
+    level: Sha256
+    measurement: Sha256 = GENESIS  # these two are not in older files
+    issued: Sha256 = GENESIS
+    manifest: list[ManifestTable] = []
+
+
+def write_anchor(path: Path, anchor: Anchor) -> None:
+    """Write an anchor; raise `CannotWrite` if the place cannot be written."""
+    heads: dict[str, Value] = {
+        "format": "anchor/1",
+        "written_utc": datetime.now(UTC),
+        "calibration": anchor.calibration,
+        "certificate": anchor.certificate,
+        "level": anchor.level,
+        "measurement": anchor.measurement,
+        "issued": anchor.issued,
+    }
+    manifests: list[dict[str, Value]] = [
+        {"folder": folder, "steps": steps, "sha256": head} for folder, (steps, head) in anchor.manifests.items()
+    ]
+    lines = [*(f"{key} = {toml_value(value)}" for key, value in heads.items())]
+    replace_file(path, sealed("\n".join([*lines, *table_lines({"manifest": manifests})]) + "\n").encode())
+
+
+def read_anchor(path: Path) -> Anchor:
+    """Return the heads in a file.
+
+    Raises
+    ------
+    Altered
+        If it was changed since it was written.
+    DataRefused
+        If it is no ``anchor/1``.
+    """
+    content, _ = seal_of(path)
+    tables, _ = read_tables(content, path, AnchorTable)
+    manifests = {one.folder: (one.steps, one.sha256) for one in tables.manifest}
+    return Anchor(
+        tables.calibration, tables.certificate, tables.level, tables.issued, manifests, tables.measurement
+    )

@@ -1,0 +1,159 @@
+"""Plans as files (`plan/1`): what is to be done, as the step tables of `campaign/1` without ``file``.
+
+Beside them stands ``seconds``: of a dwell what it records, of a turn the rest at each of its ends (5 if not
+given). ``start_position`` of a turn is 1, 5, 9 for x, y, z if not given. ``speed_deg_s`` of a turn is about how
+fast it should be, where that matters. A ``[[dwell]]`` has ``position`` or ``attitude = "free"``, a ``[[soak]]``
+``position``, ``up`` or ``attitude = "free"``. Dwells come before turns, soaks last. A plan for an IMU that is
+mounted otherwise says so as a campaign does: ``[fixture] imu_axes``.
+"""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from procedures.calibration.plan_steps import Dwell, FreePosition, Soak, Step, Turn
+from procedures.frames import TURN_START, face_of
+from station.errors import DataRefused
+from station.files.atomic_file import replace_file
+from station.files.campaign_folder.schema import Axis, Face, ImuAxes, Position
+from station.files.campaign_folder.writing import toml_text
+from station.files.toml_text import line_of, read_tables, read_text_file
+
+FORMAT = "plan/1"
+REST_S = 5.0
+_GUIDED = '[[dwell]] with position = 1..12 or attitude = "free", [[turn]] and [[soak]]'
+_REMEDY = "leave it out: such a step cannot be guided yet"
+Seconds = Annotated[float, Field(gt=0, le=1e6)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class PlannedDwell(_Table):
+    """``[[dwell]]`` of a plan; of the three attitudes ``up`` cannot be guided yet."""
+
+    seconds: Seconds
+    position: Position | None = None
+    up: Face | None = None
+    attitude: Literal["free"] | None = None
+
+
+class PlannedSoak(PlannedDwell):
+    """``[[soak]]`` of a plan, in any of the three attitudes."""
+
+
+class PlannedTurn(_Table):
+    """``[[turn]]`` of a plan."""
+
+    axis: Axis
+    direction: Literal["+", "-"]
+    revolutions: Annotated[int, Field(ge=1, le=100)]
+    start_position: Position | None = None
+    seconds: Seconds = REST_S
+    speed_deg_s: Annotated[float, Field(gt=0, le=1000)] | None = None
+
+
+class PlannedFixture(_Table):
+    """``[fixture]`` of a plan: how the IMU is to be mounted."""
+
+    imu_axes: ImuAxes
+
+
+class PlanTable(_Table):
+    """The whole of a plan; sequences and rate tables cannot be guided yet."""
+
+    format: Literal["plan/1"]
+    fixture: PlannedFixture | None = None
+    dwell: list[PlannedDwell] = []
+    turn: list[PlannedTurn] = []
+    sequence: list[dict[str, Any]] = []
+    rate: list[dict[str, Any]] = []
+    soak: list[PlannedSoak] = []
+
+
+def write_plan(path: Path, steps: Sequence[Step]) -> None:
+    """Write a plan: there whole or, after a kill, as it was before; raise `CannotWrite` if it cannot be."""
+    tables: dict[str, Any] = {"format": FORMAT, "dwell": [], "turn": [], "soak": []}
+    for step in steps:
+        kind, table = _table(step)
+        tables[kind].append(table)
+    replace_file(path, toml_text({key: value for key, value in tables.items() if value}).encode())
+
+
+def read_plan(path: Path) -> tuple[Step, ...]:
+    """Read a plan.
+
+    Raises
+    ------
+    DataRefused
+        With file and line, if it is no plan, has no step, has a step twice, or one that cannot be guided yet.
+    """
+    plan, lines = read_tables(read_text_file(path), path, PlanTable)
+    for kind in ("sequence", "rate"):
+        if getattr(plan, kind):
+            raise DataRefused(path, line_of((kind, 0), lines), f"a [[{kind}]]", _GUIDED, _REMEDY)
+    tables: list[tuple[str, int, PlannedDwell | PlannedTurn]]
+    tables = [("dwell", i, dwell) for i, dwell in enumerate(plan.dwell)]
+    tables += [("turn", i, turn) for i, turn in enumerate(plan.turn)]
+    tables += [("soak", i, soak) for i, soak in enumerate(plan.soak)]
+    steps = dict[str, Step]()
+    for kind, index, table in tables:
+        line = line_of((kind, index), lines)
+        step = _step(table, path, line, steps.values())
+        if step.name in steps:
+            raise DataRefused(path, line, f"a second {step.name}", "each position and turn once")
+        steps[step.name] = step
+    if not steps:
+        raise DataRefused(path, None, "no step", _GUIDED)
+    return tuple(steps.values())
+
+
+def read_mounting(path: Path) -> tuple[str, ...]:
+    """Return the cube axes along which a plan wants the IMU's x, y, z; none if it does not say.
+
+    Raises
+    ------
+    DataRefused
+        As `read_plan`.
+    """
+    plan, _ = read_tables(read_text_file(path), path, PlanTable)
+    return () if plan.fixture is None else tuple(plan.fixture.imu_axes)
+
+
+def _table(step: Step) -> tuple[str, dict[str, Any]]:
+    """Return a step's kind and its table."""
+    if isinstance(step, Turn):
+        speed = {} if step.speed_deg_s is None else {"speed_deg_s": step.speed_deg_s}
+        own = {name: getattr(step, name) for name in ("axis", "direction", "revolutions", "start_position")}
+        return "turn", {**own, "seconds": step.rest_s, **speed}
+    where: dict[str, Any] = {"attitude": "free"}
+    if isinstance(step, Dwell | Soak) and step.position:
+        where = {"position": step.position}
+    elif isinstance(step, Soak) and step.up:
+        where = {"up": step.up}
+    return "soak" if isinstance(step, Soak) else "dwell", {**where, "seconds": step.seconds}
+
+
+def _step(table: PlannedDwell | PlannedTurn, path: Path, line: int, before: Iterable[Step]) -> Step:
+    """Return the step of a table; free positions and soaks are numbered as they come, after those ``before``."""
+    if isinstance(table, PlannedTurn):
+        start = table.start_position or TURN_START[table.axis]
+        if face_of(start) != f"{table.axis}_up":
+            raise DataRefused(path, line, f"start_position = {start}", f"one with {table.axis} up")
+        return Turn(table.axis, table.direction, table.revolutions, start, table.seconds, table.speed_deg_s)
+    kind = "soak" if isinstance(table, PlannedSoak) else "dwell"
+    given = [name for name in ("position", "up", "attitude") if getattr(table, name) is not None]
+    if len(given) != 1:
+        found = f"a [[{kind}]] with {' and '.join(given)}" if given else f"a [[{kind}]] without position"
+        raise DataRefused(path, line, found, "exactly one of position, up and attitude")
+    if kind == "soak":
+        number = 1 + sum(isinstance(step, Soak) for step in before)
+        return Soak(number, table.seconds, table.position or 0, table.up or "")
+    if table.up is not None:
+        raise DataRefused(path, line, f"a [[dwell]] with up = {table.up!r}", _GUIDED, _REMEDY)
+    if table.position is not None:
+        return Dwell(table.position, table.seconds)
+    return FreePosition(1 + sum(isinstance(step, FreePosition) for step in before), table.seconds)

@@ -1,0 +1,228 @@
+"""The tables of ``campaign.toml`` (`campaign/1`, DESIGN 5): names with units, types, ranges, defaults."""
+
+from collections.abc import Sequence
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+
+from procedures.arrays import FloatArray
+from procedures.bench.measured_cube import NAMES
+from procedures.frames import AXES, POSITIONS, face_of
+
+Axis = Literal["x", "y", "z"]
+Face = Literal["x_up", "x_down", "y_up", "y_down", "z_up", "z_down"]
+Position = Annotated[int, Field(ge=1, le=len(POSITIONS))]
+Sigma = Annotated[float, Field(gt=0, le=90)]
+Tilt = Annotated[float, Field(ge=-0.1, le=0.1)]
+Pair = Annotated[list[Tilt], Field(min_length=2, max_length=2)]
+Row = Annotated[list[float], Field(min_length=2, max_length=2)]
+SignedAxis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+
+
+def _right_handed(imu_axes: list[SignedAxis]) -> list[SignedAxis]:
+    if abs(np.linalg.det(axes_matrix(imu_axes)) - 1) > 0.5:
+        raise ValueError("imu_axes to be right-handed, each cube axis once")
+    return imu_axes
+
+
+ImuAxes = Annotated[list[SignedAxis], Field(min_length=3, max_length=3), AfterValidator(_right_handed)]
+
+
+def axes_matrix(imu_axes: Sequence[str]) -> FloatArray:
+    """Return C_ib (3, 3), the cube's axes to the IMU's: row q is the cube axis along which IMU axis q points."""
+    rows = np.zeros((3, 3))
+    for row, name in enumerate(imu_axes):
+        rows[row, AXES.index(name[1])] = 1.0 if name[0] == "+" else -1.0
+    return rows
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class ImuTable(_Table):
+    """``[imu]``."""
+
+    model: str
+    serial: str
+    sample_period_s: Annotated[float, Field(gt=0, le=1e6)]
+    output: Literal["increments", "cumulative", "rate"]
+    wrap_bits: Literal[16, 24, 32] | None = None
+
+    @model_validator(mode="after")
+    def _wraps_only_if_cumulative(self) -> Self:
+        if self.wrap_bits is not None and self.output != "cumulative":
+            raise ValueError('wrap_bits only beside output = "cumulative"')
+        return self
+
+
+GRAVITY_STD, NORMAL_GRAVITY_STD = 1e-5, 5e-4  # m/s2, 1 sigma where none is given: of a survey, of the formula
+
+
+class SiteTable(_Table):
+    """``[site]``."""
+
+    latitude_deg: Annotated[float, Field(ge=-90, le=90)]
+    longitude_deg: Annotated[float, Field(ge=-180, le=360)] | None = None
+    height_m: Annotated[float, Field(ge=-1000, le=20000)] = 0.0
+    gravity_m_s2: Annotated[float, Field(ge=9.5, le=10.1)] | None = None
+    gravity_std_m_s2: Annotated[float, Field(gt=0, le=1)] | None = None
+    magnetic_enu_ut: Annotated[list[float], Field(min_length=3, max_length=3)] | None = None
+
+    @property
+    def gravity_std(self) -> float:
+        """1 sigma of gravity [m/s2], that of a survey or of normal gravity where none is given."""
+        return self.gravity_std_m_s2 or (NORMAL_GRAVITY_STD if self.gravity_m_s2 is None else GRAVITY_STD)
+
+
+class ProcedureTable(_Table):
+    """``[procedure]``, 1 sigma. ``closure_widened_from_deg``: what was stated before turns did not close to it."""
+
+    heading_std_deg: Sigma = 0.1
+    closure_std_deg: Sigma = 0.02
+    closure_widened_from_deg: Sigma | None = None
+    unsettled_gyro_deg_h: Annotated[float, Field(ge=0, le=1e4)] | None = None
+    unsettled_accelerometer_g: Annotated[float, Field(ge=0, le=1)] | None = None
+
+
+class FaceTable(_Table):
+    """``[[fixture.face]]``: the certificate of one resting face."""
+
+    resting: Face
+    up_tilt_rad: Pair
+    std_rad: Annotated[float, Field(gt=0, le=0.1)] | None = None
+    covariance_rad2: Annotated[list[Row], Field(min_length=2, max_length=2)] | None = None
+
+    @model_validator(mode="after")
+    def _has_one_uncertainty(self) -> Self:
+        if (self.std_rad is None) == (self.covariance_rad2 is None):
+            raise ValueError("exactly one of std_rad and covariance_rad2")
+        if self.covariance_rad2 is not None:
+            (a, b), (c, d) = self.covariance_rad2
+            if abs(b - c) > 1e-6 * max(abs(b), abs(c)) or a <= 0 or d <= 0 or a * d <= b * c:
+                raise ValueError("covariance_rad2 to be symmetric and positive definite")
+        return self
+
+
+class MeasuredTable(_Table):
+    """``[fixture.measured]``: the cube as IMUs measured it; ``units`` are their models and serial numbers."""
+
+    names: Annotated[list[str], Field(min_length=1)]
+    value_rad: list[Tilt]
+    covariance_rad2: list[list[float]]
+    units: list[str] = []
+    source: str | None = None
+
+    @model_validator(mode="after")
+    def _is_a_measurement(self) -> Self:
+        n = len(self.names)
+        if unknown := [name for name in self.names if name not in NAMES]:
+            raise ValueError(f"names of {', '.join(NAMES)}, not {unknown[0]!r}")
+        if len(set(self.names)) != n or len(self.value_rad) != n:
+            raise ValueError("each name once, and a value_rad for each")
+        if [len(row) for row in self.covariance_rad2] != [n] * n:
+            raise ValueError(f"covariance_rad2 of {n} rows and columns, as there are names")
+        C = np.array(self.covariance_rad2)
+        if not np.allclose(C, C.T, rtol=1e-6, atol=0) or not np.linalg.eigvalsh(C)[0] > 0:
+            raise ValueError("covariance_rad2 to be symmetric and positive definite")
+        return self
+
+
+class FixtureTable(_Table):
+    """``[fixture]``."""
+
+    id: str | None = None
+    side_mm: Annotated[float, Field(gt=0, le=1e5)] | None = None
+    imu_axes: ImuAxes = ["+x", "+y", "+z"]
+    face: list[FaceTable] = []
+    measured: MeasuredTable | None = None
+
+    @model_validator(mode="after")
+    def _is_a_cube(self) -> Self:
+        faces = [face.resting for face in self.face]
+        if len(set(faces)) != len(faces):
+            raise ValueError("one certificate per resting face")
+        if faces and self.measured is not None:
+            raise ValueError("[[fixture.face]] or [fixture.measured], not both: a certificate of the faces wins")
+        return self
+
+
+class _Step(_Table):
+    """``turn_on``: for which time, from 1, the unit was switched on in this campaign."""
+
+    turn_on: Annotated[int, Field(ge=1, le=99)] | None = None
+
+
+class _Attitude(_Step):
+    position: Position | None = None
+    up: Face | None = None
+    attitude: Literal["free"] | None = None
+    file: str
+
+    @model_validator(mode="after")
+    def _has_one_attitude(self) -> Self:
+        if sum(value is not None for value in (self.position, self.up, self.attitude)) != 1:
+            raise ValueError("exactly one of position, up and attitude")
+        return self
+
+
+class DwellTable(_Attitude):
+    """``[[dwell]]``: at rest. ``kept_seat_rad``: the operator kept a seat that was judged to be off by so much."""
+
+    kept_seat_rad: Pair | None = None
+
+
+class SoakTable(_Attitude):
+    """``[[soak]]``: at rest while temperature or an auxiliary channel moves."""
+
+
+class TurnTable(_Step):
+    """``[[turn]]``: whole revolutions about the vertical, back to where it began."""
+
+    axis: Axis
+    direction: Literal["+", "-"]
+    revolutions: Annotated[int, Field(ge=1, le=10000)]
+    start_position: Position | None = None
+    file: str
+
+    @model_validator(mode="after")
+    def _starts_with_its_axis_up(self) -> Self:
+        if self.start_position is not None and face_of(self.start_position) != f"{self.axis}_up":
+            raise ValueError(f"a start_position with {self.axis} up")
+        return self
+
+
+class SequenceTable(_Table):
+    """``[[sequence]]``: rests in unknown attitudes and moves between them."""
+
+    file: str
+
+
+class RateTable(_Table):
+    """``[[rate]]``: a turntable's points."""
+
+    axis: Axis
+    file: str
+
+
+class CampaignTable(_Table):
+    """The whole of ``campaign.toml``."""
+
+    format: Literal["campaign/1"]
+    imu: ImuTable
+    site: SiteTable
+    procedure: ProcedureTable = ProcedureTable()
+    fixture: FixtureTable = FixtureTable()
+    dwell: list[DwellTable] = []
+    turn: list[TurnTable] = []
+    sequence: list[SequenceTable] = []
+    rate: list[RateTable] = []
+    soak: list[SoakTable] = []
+
+    def steps(self) -> list["StepTable"]:
+        """Return the steps of all kinds, kind by kind."""
+        return [*self.dwell, *self.turn, *self.sequence, *self.rate, *self.soak]
+
+
+StepTable = DwellTable | TurnTable | SequenceTable | RateTable | SoakTable

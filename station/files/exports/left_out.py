@@ -1,0 +1,30 @@
+"""What a receiver of offset and scale per axis loses, in numbers."""
+
+import numpy as np
+
+from station.files.exports.correction import Correction, TriadCorrection
+
+
+def lost(correction: Correction) -> list[str]:
+    """Say what the off-diagonal of E and the gyroscope's scale factor leave as error when they are left out."""
+    said = list[str]()
+    if (triad := correction.accelerometer) is not None:
+        said += [
+            f"accelerometer: counts to m/s2 by the nominal scale factor {triad.nominal}",
+            f"NOT CARRIED: accelerometer {_misalignment(triad)}: {triad.misalignment * 1e3:.3g} mg error "
+            f"at 1 g across",
+        ]
+    if (triad := correction.gyroscope) is not None:
+        ppm = np.abs(1 / triad.scale - 1).max() * 1e6
+        said += [
+            f"gyroscope: counts to rad/s by the nominal scale factor {triad.nominal}",
+            f"NOT CARRIED: gyroscope {_misalignment(triad)}: {triad.misalignment * 100:.3g} deg/s error "
+            f"at 100 deg/s across",
+            f"NOT CARRIED: gyroscope scale factor, up to {ppm:.0f} ppm off the nominal: {ppm * 1e-4:.3g} deg/s "
+            f"error at 100 deg/s",
+        ]
+    return said
+
+
+def _misalignment(triad: TriadCorrection) -> str:
+    return f"misalignment up to {triad.misalignment * 1e3:.3g} mrad"

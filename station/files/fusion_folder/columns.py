@@ -1,0 +1,77 @@
+"""The CSV files of a fusion folder: which columns there are, read with the line of the first that is wrong."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from station.errors import DataRefused
+from station.files.columns import Table
+from station.files.csv_table import read_csv
+from station.files.opening import open_inside
+
+RATE = ("wx_rad_s", "wy_rad_s", "wz_rad_s")
+FORCE = ("fx_m_s2", "fy_m_s2", "fz_m_s2")
+POSITION = ("e_m", "n_m", "u_m")
+VELOCITY = ("ve_m_s", "vn_m_s", "vu_m_s")
+
+
+@dataclass(frozen=True, slots=True)
+class FusionColumns:
+    """What a file's header must hold, and what it may hold besides; those cells may be empty."""
+
+    needed: tuple[str, ...]
+    optional: tuple[str, ...] = ()
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The columns that may be there."""
+        return (*self.needed, *self.optional)
+
+    def cell(self, name: str) -> str:
+        """Return what a cell of a column holds, in words."""
+        return "a number" if name in self.needed else "a number or nothing"
+
+    def check(self, names: list[str], file: Path) -> None:
+        """Refuse a file that lacks a column, or has half of a horizontal velocity."""
+        for name in self.needed:
+            if name not in names:
+                raise DataRefused(file, 1, f"no column {name}", f"the columns {','.join(self.needed)}")
+        if len({"ve_m_s", "vn_m_s"} & set(names)) == 1:
+            raise DataRefused(file, 1, "half of a horizontal velocity", "both of ve_m_s and vn_m_s, or neither")
+
+
+IMU = FusionColumns(("t_s", *RATE, *FORCE))
+GNSS = FusionColumns(("t_s", *POSITION), (*VELOCITY, "course_rad", "position_std_m", "velocity_std_m_s"))
+TRACKS = FusionColumns(("t_s", "feature", "u_px", "v_px"))
+
+
+def read_table(folder: Path, name: str, line: int, kind: FusionColumns) -> Table:
+    """Read the CSV file ``name`` of ``folder`` that stands at ``line`` of ``fusion.toml``.
+
+    Raises
+    ------
+    DataRefused
+        At the first header, line or cell that breaks a rule.
+    """
+    with open_inside(folder, name, folder / "fusion.toml", line) as stream:
+        return read_csv(stream, folder / name, kind)
+
+
+def stacked(table: Table, names: Sequence[str]) -> FloatArray:
+    """Return columns side by side (n, k); one that is not there is nan."""
+    absent = np.full(table.rows, np.nan)
+    return np.stack([table.columns.get(name, absent) for name in names], axis=1)
+
+
+def refuse_time(t: FloatArray, line: Sequence[int] | int, file: str | Path, repeats: bool = False) -> None:
+    """Refuse a time stamp that is not above the one before (with ``repeats``: below)."""
+    step = np.diff(t)
+    bad = np.flatnonzero(~(step >= 0) if repeats else ~(step > 0))
+    if len(bad):
+        row = int(bad[0]) + 1
+        at = line + row if isinstance(line, int) else line[row]
+        what = "not below" if repeats else "above"
+        raise DataRefused(file, at, f"t_s {t[row]:.6f} after {t[row - 1]:.6f}", f"a time {what} the one before")

@@ -1,0 +1,119 @@
+"""``limits.toml``: the limits of an IMU model as a file.
+
+```toml
+model = "FOG-3"
+[[limit]]
+parameter = "accelerometer.bias"    # all three axes; or accelerometer.bias.x
+low = -2000                         # low, high or both
+high = 2000
+unit = "ug"                         # as on screens, as in solution/1 (here g), or another that `UNITS_OF` has
+guard_band = 1.64                   # optional: times the value's own 1 sigma; 0 if not given
+[[limit]]
+parameter = "gyroscope.scale_factor"
+nominal = 36000                     # in count/deg; low and high then are ppm of it
+low = -5000
+high = 5000
+unit = "ppm"
+[[limit]]
+parameter = "residual.p_value"
+low = 0.01
+unit = "1"
+```
+"""
+
+import math
+from pathlib import Path
+from typing import Annotated, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from fixtures_db.limits import UNITS, Limit, covered, each_axis
+from station.errors import DataRefused
+from station.files.toml_text import line_of, read_tables, read_text_file
+
+STANDARD_GRAVITY = 9.80665  # m/s2, the g of all files
+_ANGLES = {"rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "deg": math.pi / 180, "arcsec": math.pi / 648000}
+UNITS_OF: dict[str, dict[str, float]] = {  # by the unit of files: what a limit may be given in, and how much it is
+    "g": {"mg": 1e-3, "ug": 1e-6, "m/s2": 1 / STANDARD_GRAVITY},
+    "deg/h": {"deg/s": 3600.0, "rad/s": 3600 * 180 / math.pi},
+    "rad": _ANGLES,
+}
+SMALL_ANGLE = {**_ANGLES, "ppm": 1e-6}  # of a misalignment, which has no unit in files
+PPM = "ppm"
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class LimitTable(_Table):
+    """``[[limit]]``."""
+
+    parameter: str
+    low: float | None = None
+    high: float | None = None
+    unit: str
+    nominal: float | None = None
+    guard_band: float = 0.0
+
+    @property
+    def limit(self) -> Limit:
+        """The limit that it says, in the unit of files."""
+        unit, (factor, offset) = self._unit_of_files()
+        low, high = (None if end is None else factor * end + offset for end in (self.low, self.high))
+        return Limit(self.parameter, low, high, unit, self.guard_band)
+
+    def _unit_of_files(self) -> tuple[str, tuple[float, float]]:
+        """Return the unit of files, and what takes a number in the unit given to it: factor and offset."""
+        names = covered(self.parameter)
+        unit = UNITS[names[0]][0] if names else self.unit
+        is_scale = ".scale_factor" in self.parameter
+        if self.nominal is not None and not (is_scale and self.unit == PPM and self.nominal > 0):
+            raise ValueError("nominal above 0 of a scale factor alone, with unit ppm")
+        if is_scale and self.unit == PPM:
+            if self.nominal is None:
+                raise ValueError(f"a nominal value in {unit} where a scale factor's limits are in ppm of it")
+            return unit, (self.nominal * 1e-6, self.nominal)
+        others = SMALL_ANGLE if ".misalignment" in self.parameter else UNITS_OF.get(unit, {})
+        known = UNITS[names[0]] if names else (self.unit,)
+        if self.unit not in known and self.unit not in others:
+            ppm = [f"{PPM} with a nominal value"] if is_scale else []
+            accepted = ", ".join(name for name in [*known, *others, *ppm] if name != "1") or "1"
+            raise ValueError(f"the unit of {self.parameter} to be one of {accepted}")
+        return (unit, (others[self.unit], 0.0)) if self.unit in others else (self.unit, (1.0, 0.0))
+
+    @model_validator(mode="after")
+    def _is_a_limit(self) -> Self:
+        _ = self.limit
+        return self
+
+
+class LimitsTable(_Table):
+    """The whole of a ``limits.toml``."""
+
+    model: str
+    limit: Annotated[list[LimitTable], Field(min_length=1)]
+
+
+def read_limits(path: Path) -> tuple[str, tuple[Limit, ...]]:
+    """Return the model of a ``limits.toml`` and its limits, one for each axis, in the units of files.
+
+    Raises
+    ------
+    DataRefused
+        With file and line, if it is none or limits a parameter twice.
+    """
+    return limits_in(read_text_file(path), path)
+
+
+def limits_in(text: bytes, path: Path) -> tuple[str, tuple[Limit, ...]]:
+    """Return what `read_limits` does, of the text of a file."""
+    tables, lines = read_tables(text, path, LimitsTable)
+    limits = dict[str, Limit]()
+    for index, table in enumerate(tables.limit):
+        for one in each_axis(table.limit):
+            if one.parameter in limits:
+                line = line_of(("limit", index), lines)
+                raise DataRefused(path, line, f"a second limit of {one.parameter}", "one limit of a parameter")
+            limits[one.parameter] = one
+    return tables.model, tuple(limits.values())

@@ -1,0 +1,81 @@
+"""A GNSS receiver's fixes and times as MCAP, beside the IMU's file; readable after a kill."""
+
+import os
+import time
+from dataclasses import fields
+from pathlib import Path
+
+from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
+from station.errors import cannot_write
+from station.files.atomic_file import sync_folder
+from station.files.mcap_files.fix_schemas import (
+    AIR,
+    AIR_TOPIC,
+    FIX,
+    FIX_MESSAGES,
+    FIX_SCHEMA,
+    FIX_TOPIC,
+    TIME,
+    TIME_TOPIC,
+)
+from station.files.mcap_files.new_file import new_channel, new_file
+
+FLUSH_S = 0.5
+TOPICS = {FIX: FIX_TOPIC, TIME: TIME_TOPIC, AIR: AIR_TOPIC}
+NAMES = {GnssFix: FIX, TimeMark: TIME, AirData: AIR}
+GAP = "station.gap"
+
+
+class FixWriter:
+    """Writes records as they come; a file is never overwritten."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.fixes = 0
+        self._stream, self._writer = new_file(path)
+        self._channels = {n: new_channel(self._writer, topic, n, FIX_SCHEMA) for n, topic in TOPICS.items()}
+        self._flushed = time.monotonic()
+
+    def write(self, record: GnssFix | TimeMark | AirData) -> None:
+        """Write one; raise `CannotWrite` if the disk refuses."""
+        name = NAMES[type(record)]
+        known = {f.name: value for f in fields(record) if (value := getattr(record, f.name)) is not None}
+        content = FIX_MESSAGES[name](**known).SerializeToString()
+        self.fixes += name == FIX
+        try:
+            self._writer.add_message(
+                self._channels[name], log_time=record.host_ns, data=content, publish_time=record.host_ns
+            )
+            if time.monotonic() - self._flushed >= FLUSH_S:
+                self._flush()
+        except OSError as error:
+            raise cannot_write(self.path, error) from error
+
+    def mark(self, host_ns: int, reason: str, *, is_open: bool) -> None:
+        """Write that something may be missing from here on, as a metadata record; raise `CannotWrite`."""
+        try:
+            self._writer.add_metadata(
+                GAP, {"host_ns": str(host_ns), "reason": reason, "is_open": str(is_open).lower()}
+            )
+            self._flush()
+        except OSError as error:
+            raise cannot_write(self.path, error) from error
+
+    def close(self) -> None:
+        """Finish the file on the disk; a second call changes nothing."""
+        if self._stream.closed:
+            return
+        try:
+            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._flush()
+        except OSError as error:
+            raise cannot_write(self.path, error) from error
+        finally:
+            self._stream.close()
+        sync_folder(self.path.parent)
+
+    def _flush(self) -> None:
+        self._writer.flush()  # type: ignore[no-untyped-call]
+        self._stream.flush()
+        os.fsync(self._stream.fileno())
+        self._flushed = time.monotonic()

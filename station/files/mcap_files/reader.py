@@ -1,0 +1,60 @@
+"""Reading a step's MCAP file: every chunk checked, a file cut short read as far as it goes.
+
+What the checksums or the format contradict is refused; only an end that comes too early is forgiven, and said.
+"""
+
+import hashlib
+import struct
+from io import BufferedReader
+from pathlib import Path
+
+import zstandard
+from google.protobuf.message import DecodeError
+from mcap.exceptions import McapError
+
+from station.errors import DataRefused
+from station.files.mcap_files.contents import StepContents
+from station.files.mcap_files.messages import Messages
+from station.files.mcap_files.records import CutShort, file_records
+
+DAMAGE = (
+    McapError,
+    DecodeError,
+    zstandard.ZstdError,
+    struct.error,
+    ValueError,
+    KeyError,
+    OverflowError,
+    MemoryError,
+)
+
+
+def read_step(path: Path) -> StepContents:
+    """Read a step's file by its path, see `read_stream`."""
+    with path.open("rb") as stream:
+        return read_stream(stream, path)
+
+
+def read_stream(stream: BufferedReader, file: Path) -> StepContents:
+    """Read the samples and raw bytes of a step; ``damage`` says so where the file ends too early.
+
+    Raises
+    ------
+    DataRefused
+        If a checksum, a record or a message is wrong, or messages are missing from a complete file.
+    """
+    sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
+    stream.seek(0)
+    messages, damage = Messages(), None
+    try:
+        try:
+            for record in file_records(stream):
+                messages.add(record)
+            messages.check_complete()
+        except CutShort:
+            damage = "the recording was cut short"
+        return messages.contents(sha256, damage)
+    except DAMAGE as error:
+        what = " ".join(str(error).split())[:120] or type(error).__name__
+        found = f"damage after message {messages.total} ({what})"
+        raise DataRefused(file, None, found, "an intact MCAP file with messages of campaign/1") from error

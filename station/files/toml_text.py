@@ -1,0 +1,150 @@
+"""``campaign.toml`` and its like to tables; what does not fit is refused with the line where it stands."""
+
+import re
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from station.errors import DataRefused
+from station.files.campaign_folder.schema import CampaignTable
+from station.files.opening import MAX_LINE, open_inside
+
+NAME = "campaign.toml"
+Key = tuple[str | int, ...]
+T = TypeVar("T", bound=BaseModel)
+
+_HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_.\"\s]+?)\s*\]")
+_PART = re.compile(r"\"[^\"]*\"|[^.\"]+")
+_ENTRY = re.compile(r"\s*([A-Za-z0-9_]+)\s*=")
+MOST = 60  # characters of a value in a message
+_AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
+
+
+def read_toml(folder: Path) -> tuple[CampaignTable, dict[Key, int], bytes]:
+    """Read a folder's ``campaign.toml``.
+
+    Returns
+    -------
+    tables, lines, content
+        ``lines`` maps a key's path such as ``("dwell", 3, "file")`` to its line number.
+
+    Raises
+    ------
+    DataRefused
+        With the line of the first key that is wrong, unknown or missing.
+    """
+    path = folder / NAME
+    with open_inside(folder, NAME, folder, None) as stream:
+        content = stream.read(MAX_LINE + 1)
+    if len(content) > MAX_LINE:
+        raise DataRefused(path, None, "more than 1 MiB", f"a {NAME} of at most 1 MiB")
+    tables, lines = read_tables(content, path, CampaignTable)
+    return tables, lines, content
+
+
+def read_tables(content: bytes, path: Path, kind: type[T]) -> tuple[T, dict[Key, int]]:
+    """Return TOML text as the tables of ``kind``, and the line of each key; `DataRefused` as in `read_toml`."""
+    raw = _parse(content, path)
+    lines = line_of_keys(content.decode())
+    try:
+        return kind.model_validate(raw), lines
+    except ValidationError as error:
+        faults = error.errors(include_url=False)
+        unknown = [fault for fault in faults if fault["type"] == "extra_forbidden"]  # it explains what is missing
+        raise _refusal((unknown or faults)[0], path, lines, kind) from None
+
+
+def read_text_file(path: Path, most: int = MAX_LINE) -> bytes:
+    """Return the bytes of a file of at most ``most``; raise `DataRefused` if it is not there or cannot be read."""
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise DataRefused(path, None, f"no readable file ({error.strerror})", "a file of text") from error
+    if len(content) > most:
+        raise DataRefused(path, None, f"more than {most >> 20} MiB", f"a file of at most {most >> 20} MiB")
+    return content
+
+
+def _parse(content: bytes, path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(content.decode())
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise DataRefused(path, line, f"byte 0x{content[error.start]:02x}", "UTF-8 text") from None
+    except RecursionError:
+        raise DataRefused(path, None, "arrays nested too deep", "tables as the format describes them") from None
+    except ValueError as error:  # TOMLDecodeError is one; so is an integer of thousands of digits
+        at = _AT_LINE.search(str(error))
+        what = _AT_LINE.sub("", str(error)).strip()
+        raise DataRefused(path, int(at[1]) if at else None, f"no TOML ({what})", "valid TOML") from None
+
+
+def line_of_keys(text: str) -> dict[Key, int]:
+    """Return the line number of each table header and key, by its path with the index of array tables."""
+    lines: dict[Key, int] = {(): 1}
+    counts: dict[str, int] = {}
+    table: Key = ()
+    for number, line in enumerate(text.split("\n"), start=1):
+        if header := _HEADER.match(line):
+            name = "".join(header[2].split())
+            table = tuple(part.strip('"') for part in _PART.findall(name))
+            if header[1] == "[[":
+                counts[name] = counts.get(name, -1) + 1
+                table = (*table, counts[name])
+            lines.setdefault(table, number)
+        elif entry := _ENTRY.match(line):
+            lines.setdefault((*table, entry[1]), number)
+    return lines
+
+
+def line_of(key: Sequence[str | int], lines: dict[Key, int]) -> int:
+    """Return the line of a key, or of the nearest table around it."""
+    path = tuple(key)
+    while path not in lines:
+        path = path[:-1]
+    return lines[path]
+
+
+def _refusal(error: ErrorDetails, path: Path, lines: dict[Key, int], kind: type[BaseModel]) -> DataRefused:
+    key = error["loc"]
+    name = ".".join(str(part) for part in key if isinstance(part, str)) or "the file"
+    line = line_of(key, lines)
+    match error["type"]:
+        case "missing":
+            return DataRefused(path, line, f"no {name}", f"{name} to be given")
+        case "extra_forbidden":
+            return DataRefused(
+                path, line, f"unknown key {ascii(name)[:60]}", f"one of {', '.join(_accepted(key, kind))}"
+            )
+        case "value_error":
+            return DataRefused(path, line, f"{name} {_short(error['input'])}", str(error["ctx"]["error"]))
+    wanted = error["msg"].removeprefix("Input should be ")
+    return DataRefused(path, line, f"{name} = {_short(error['input'])}", wanted)
+
+
+def _accepted(key: Key, table: type[BaseModel]) -> list[str]:
+    for part in key[:-1]:
+        if isinstance(part, str):
+            table = _table_of(table, part)
+    return list(table.model_fields)
+
+
+def _table_of(owner: type[BaseModel], name: str) -> type[BaseModel]:
+    annotation = owner.model_fields[name].annotation
+    inner = next(iter(get_args(annotation)), annotation)
+    if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+        raise TypeError(f"{name} is no table")
+    return inner
+
+
+def _short(value: object) -> str:
+    """Return a value of a file for a message; of a table the plain values."""
+    if isinstance(value, dict):
+        plain = [f"{key} = {_short(part)}" for key, part in value.items() if not isinstance(part, dict | list)]
+        return f"with {', '.join(plain)[:MOST]}" if plain else "as it stands"
+    text = ascii(value)
+    return text if len(text) <= MOST else text[: MOST - 3] + "..."

@@ -1,0 +1,44 @@
+"""What an accepted dwell leaves for the ones after it: the count rates of both triads with their sigmas."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.counts.count_rate import RateEstimate, estimate_counts
+from procedures.counts.sample_records import CountSeries
+from procedures.frames import face_of
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rested:
+    """Count rates (3,) and 1 sigma (3,) [count/s], raw, of a dwell in ``position``."""
+
+    position: int
+    accel: FloatArray
+    accel_std: FloatArray
+    gyro: FloatArray
+    gyro_std: FloatArray
+
+    @property
+    def face(self) -> str:
+        """The face that was up."""
+        return face_of(self.position)
+
+
+def rested(position: int, series: CountSeries) -> Rested:
+    """Estimate the rates of a dwell."""
+    accel, gyro = estimates(series.accel, series), estimates(series.gyro, series)
+    return Rested(position, *rates(accel), *rates(gyro))
+
+
+def rates(found: Sequence[RateEstimate]) -> tuple[FloatArray, FloatArray]:
+    """Return the rates (3,) and their sigmas (3,)."""
+    return np.array([each.rate for each in found]), np.array([each.std for each in found])
+
+
+def estimates(samples: IntArray | None, series: CountSeries) -> list[RateEstimate]:
+    """Estimate the three channels of a triad."""
+    assert samples is not None, "the station's own recordings hold both triads"
+    return [estimate_counts([samples[:, i]], series.period, [series.starts], [series.t])[0] for i in range(3)]

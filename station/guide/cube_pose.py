@@ -1,0 +1,128 @@
+"""The cube as it stands beside the cube as wanted: what is left to do, and a heading that stays wrong."""
+
+import numpy as np
+
+from procedures.bench.cube_attitude import Standing, heading_off
+from procedures.calibration.plan_steps import Dwell, Soak, Step, Turn
+from procedures.frames import face_normal, face_of
+from station.guide.cube_tracking import Tracker
+from station.guide.face_and_stillness import Look
+from station.guide.stage_context import Desk
+from station.guide.view import PoseView
+from station.guide.wording import face as face_words
+
+TIPPED_DEG = 20.0  # off the vertical, from which on another face is as near as makes no matter
+OFF_DEG, OFF_SIGMA = (
+    10.0,
+    3.0,
+)  # from which on a heading is wrong; nearer a dwell itself judges
+WRONG_S = 20  # at rest
+HALF_DEG = 178.0  # beyond which no way round is the shorter one
+AS_WANTED = "it stands as wanted"
+SIDES = ("east", "north", "west", "south")
+
+
+def pose_view(tracker: Tracker, desk: Desk, step: Step | None) -> PoseView | None:
+    """Return how the cube stands, and what is left to do for ``step``; None before anything was seen."""
+    now = tracker.now
+    if now is None:
+        return None
+    is_known = tracker.is_heading_known
+    off = _turn_deg(now, step) if is_known else None
+    rows = tuple(tuple(round(float(part), 2) + 0.0 for part in row) for row in now.C_lb)
+    return PoseView.model_validate(
+        {
+            "C_lb": rows,
+            "heading_std_deg": round(float(np.degrees(tracker.heading_std)), 1) if is_known else None,
+            "turn_deg": None if off is None else float(round(off)),
+            "text": _left_to_do(now, desk, step, off, is_known=is_known),
+        }
+    )
+
+
+class HeadingWatch:
+    """Counts how long the cube rests on the right face with a wrong heading."""
+
+    def __init__(self, desk: Desk, tracker: Tracker) -> None:
+        self._desk, self._tracker = desk, tracker
+        self._seconds = 0
+        self.text = ""  # once it has been wrong for long
+
+    def take(self, look: Look, step: Step | None) -> None:
+        """Take a second in which ``step`` was wanted; what stays wrong is said once."""
+        pose = pose_view(self._tracker, self._desk, step)
+        is_wrong = (
+            pose is not None and pose.turn_deg is not None and look.is_still and look.is_upright
+            and not self._desk.position  # where it stood for the step before it is yet to be moved
+            and abs(pose.turn_deg) > max(OFF_DEG, OFF_SIGMA * (pose.heading_std_deg or 0.0))
+            and _position_as_it_stands(self._desk, step, pose.turn_deg) is None
+        )  # fmt: skip
+        self._seconds = self._seconds + 1 if is_wrong else 0
+        self.text = self.text if is_wrong else ""
+        if pose is not None and self._seconds >= WRONG_S:
+            text = f"{face_words(look.face)} as wanted, but the heading is wrong: {pose.text}"
+            if not self.text:
+                self._desk.story.say("rejected", text)
+            self.text = text
+
+
+def _turn_deg(now: Standing, step: Step | None) -> float | None:
+    """Return how far the cube must be turned to stand as a step wants it; None where its face is another."""
+    position = step.start_position if isinstance(step, Turn) else getattr(step, "position", 0)
+    if not position or _tipped_deg(now, face_of(position)) > TIPPED_DEG:
+        return None
+    return float(np.degrees(heading_off(now, position)))
+
+
+def _tipped_deg(now: Standing, face: str) -> float:
+    return float(np.degrees(np.arccos(np.clip(now.up @ face_normal(face), -1.0, 1.0))))
+
+
+def _left_to_do(now: Standing, desk: Desk, step: Step | None, off: float | None, *, is_known: bool) -> str:
+    face = face_wanted(step)
+    if step is None or not face:
+        return ""
+    if _tipped_deg(now, face) > TIPPED_DEG:
+        return _tip(now, face, is_known=is_known)
+    if not getattr(step, "position", 0) and not isinstance(step, Turn):
+        return AS_WANTED
+    if off is None:
+        return "which way it points is not known yet"
+    if abs(off) <= OFF_DEG:
+        return AS_WANTED
+    sense = "counter-clockwise" if off > 0 else "clockwise"
+    text = f"turn {abs(off):.0f} deg more, {sense} from above"
+    if abs(off) > HALF_DEG:
+        text = "turn 180 deg, either way round"
+    other = _position_as_it_stands(desk, step, off)
+    return f"{text}; or leave it: position {other} is to do as well" if other else text
+
+
+def face_wanted(step: Step | None) -> str:
+    """Return the face that a step wants up, empty where it wants none."""
+    if isinstance(step, Turn):
+        return face_of(step.start_position)
+    if isinstance(step, Dwell | Soak):
+        return face_of(step.position) if step.position else getattr(step, "up", "")
+    return ""
+
+
+def _tip(now: Standing, face: str, *, is_known: bool) -> str:
+    """Say how to get ``face`` up."""
+    where = now.C_lb @ face_normal(face)
+    said = f"{face_words(face).replace(' points ', ' ')}"
+    if where[2] < -np.cos(np.radians(45.0)):
+        return f"turn it over: {said}"
+    if not is_known:
+        return f"tip it over: {said}"
+    looks = round(float(np.degrees(np.arctan2(where[1], where[0]))) / 90.0) % 4
+    return f"tip it over to the {SIDES[(looks + 2) % 4]}: {said}"
+
+
+def _position_as_it_stands(desk: Desk, step: Step | None, off_deg: float) -> int | None:
+    """Return the other position of the step's face if the cube stands in it and it is to do as well."""
+    if not isinstance(step, Dwell) or abs(abs(off_deg) - 180.0) > OFF_DEG:
+        return None
+    other = step.position + 1 if step.position % 2 else step.position - 1
+    there = desk.checklist.dwell_at(other)
+    return other if there is not None and desk.checklist.is_open(there) else None

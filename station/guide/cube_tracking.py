@@ -1,0 +1,201 @@
+"""Follows the cube from the counts of the stream: how it stands, whether it rests or is carried.
+
+At rest gravity says the face and the tilts, and the Earth's rate, over the whole of a rest, the heading. Between
+two rests the gyros' counts turn it. What nothing has told yet is not known, and is said to be.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.bench.cube_attitude import (
+    Standing,
+    carried,
+    forgotten,
+    heading_off,
+    levelled,
+    lost_sight,
+    standing,
+    told,
+)
+from procedures.calibration.plan_steps import Turn
+from procedures.earth.cube_heading import earth_heading
+from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.earth.gyrocompass import BIAS_STD, SPREAD, first_position, scale
+from procedures.frames import AXES
+from station.guide.face_and_stillness import Look
+from station.guide.stage_context import Desk
+from station.stream.live.rates_as_counts import counted
+from station.stream.live.stillness import Block
+
+TICK_S = 0.05  # a hand turns a cube by some degrees in it
+NOW_S = 0.25  # of the newest samples, whose specific force is taken for gravity
+GAIN = 0.5  # of the way to where gravity seems to be, while hands push as well
+PUSHED = 0.1  # of gravity, by which the specific force may differ from it
+MOST_S = 60  # of a rest: a longer one is a soak, or lasts until biases have wandered
+LEFT_STD = np.radians(2.0)  # how well the marks are kept to by a position that was accepted
+KNOWN_STD = np.radians(15.0)  # of a heading that tells four directions apart
+ROUGH_K_STD = 0.3
+TURNED_K_STD = 0.005  # of a gyro that was turned itself: how the turn closed, and the Earth's rate
+
+
+@dataclass(slots=True)
+class _Rest:
+    """The rest under way: how the cube stood as it began, and the blocks since."""
+
+    before: Standing
+    seconds: int = 0
+    total: FloatArray = field(default_factory=lambda: np.zeros(6))
+
+    @property
+    def rate(self) -> FloatArray:
+        """The mean count rate (6,)."""
+        return self.total / self.seconds
+
+
+class Tracker:
+    """Follows the cube of a ``desk``; `now` is how it stands, None before the first second."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._base: Standing | None = None
+        self.now: Standing | None = None
+        self._block: Block | None = None  # the last one taken
+        self._rest: _Rest | None = None
+        self._resting: FloatArray | None = None  # (6,) count/s at rest, of the last rest
+        self._scale: tuple[float, float] | None = None
+        self._scaled_by: tuple[int, ...] = ()
+        self._turned: dict[str, float] = {}  # scale factor [count/rad] of gyros that were turned, by cube axis
+        self._outdated = 0  # a position from before nobody saw the cube for long
+
+    @property
+    def heading_std(self) -> float:
+        """1 sigma of the heading [rad]; infinite where it is not known."""
+        return float(np.inf) if self.now is None else self.now.heading_std(self._k_std)
+
+    @property
+    def is_heading_known(self) -> bool:
+        """Whether four directions are told apart."""
+        return bool(self.heading_std < KNOWN_STD)
+
+    def take(self, block: Block, look: Look) -> None:
+        """Take a second of the stream."""
+        up = self._desk.judge.way_up(block.rate[3:])
+        base = standing(up) if self._base is None else self._seen_since(self._base, block)
+        self._learn_scale()
+        if look.is_still:
+            base = self._rested(base, block, look)
+        else:
+            self._rest = None
+            base = self._moved(base, self._ticks(block.first, block.last))
+            base = levelled(base, up, GAIN) if self._is_gravity(block.rate[3:]) else base
+        self._base = self.now = base
+        self._block = block
+
+    def glance(self) -> None:
+        """Take what has come since the last whole second, for show only."""
+        tape, block, base = self._desk.feed.tape, self._block, self._base
+        if block is None or base is None or tape.end <= block.last or block.last < max(tape.begin, tape.first):
+            return
+        newest = max(block.last, tape.end - max(round(NOW_S / self._desk.feed.period), 1))
+        accel = counted(tape.block(newest, tape.end), self._desk.feed.period).accel
+        force = accel.mean(axis=0) / self._desk.feed.period
+        base = self._moved(base, self._ticks(block.last, tape.end))
+        gain = 1.0 if self._scale is None else GAIN
+        if self._is_gravity(force):
+            base = levelled(base, self._desk.judge.way_up(force), gain)
+        self.now = base
+
+    @property
+    def _k_std(self) -> float:
+        up = None if self.now is None else AXES[int(np.argmax(np.abs(self.now.up)))]
+        if up in self._turned:
+            return TURNED_K_STD
+        return ROUGH_K_STD if self._scale is None else self._scale[1]
+
+    def _seen_since(self, base: Standing, block: Block) -> Standing:
+        """Return how the cube stands as the block begins: less sure after a gap, unsure after a new beginning."""
+        last = self._block
+        if block.is_anew or last is None:
+            self._rest, self._outdated = None, self._desk.position
+            return forgotten(base)
+        if block.first == last.last and not block.is_broken:
+            return base
+        self._rest = None
+        return lost_sight(base, max(block.begins - last.ends, 0.0), self._k_std)
+
+    def _rested(self, base: Standing, block: Block, look: Look) -> Standing:
+        rest = self._rest = self._rest or _Rest(base)
+        if rest.seconds < MOST_S:
+            rest.seconds, rest.total = rest.seconds + 1, rest.total + block.rate
+        self._resting = rest.rate
+        level = levelled(rest.before, self._desk.judge.way_up(rest.rate[3:]), 1.0)
+        return self._as_left(self._by_earth(level, rest, look))
+
+    def _by_earth(self, level: Standing, rest: _Rest, look: Look) -> Standing:
+        """Return the resting cube with the heading that the Earth's rate tells, if it does."""
+        desk, rate, first = self._desk, rest.rate[:3], 0.0
+        k = None if self._scale is None else self._scale[0]
+        if not desk.rested:  # then the scale factor is part of the question
+            found = desk.heading(rate, rest.seconds, look.face)
+            if not found.is_sure or not look.is_upright:
+                return level
+            k = float(np.linalg.norm(rate)) / EARTH_RATE
+            self._scale = (k, float(np.hypot(BIAS_STD / EARTH_RATE, SPREAD)))
+            first = heading_off(level, first_position(look.face)) + found.quarter * np.pi / 2
+        if k is None:
+            return level
+        std = desk.gyro_std(rest.seconds)
+        turned = told(forgotten(level), first, 0.0, 0.0)
+        off, off_std = earth_heading(rate, std, turned.C_lb, desk.facts.latitude, desk.C_ib, k, desk.known)
+        whole = float(np.angle(np.exp(1j * (first + off))))
+        return told(level, whole, off_std, self._k_std)
+
+    def _as_left(self, level: Standing) -> Standing:
+        """Return the cube with the heading of the position that it was accepted in, where nothing tells better."""
+        position = self._desk.position
+        self._outdated = self._outdated if position == self._outdated else 0
+        if position == self._outdated or level.heading_std(self._k_std) < KNOWN_STD:
+            return level
+        return told(forgotten(level), heading_off(level, position), LEFT_STD, self._k_std)
+
+    def _moved(self, base: Standing, counts: FloatArray) -> Standing:
+        """Return the cube after the ``counts`` (n, 3) of the gyros; without their scale its heading is lost."""
+        if self._scale is None:
+            return forgotten(base)
+        k = np.array([self._turned.get(axis, self._scale[0]) for axis in AXES])
+        return carried(base, counts @ self._desk.C_ib / k)
+
+    def _ticks(self, first: int, last: int) -> FloatArray:
+        """Return what the gyros counted in each tick (n, 3), IMU axes, less what they count at rest."""
+        period = self._desk.feed.period
+        gyro = counted(self._desk.feed.tape.block(first, last), period).gyro.astype(float)
+        if self._resting is not None:
+            gyro -= self._resting[:3] * period
+        size = max(round(TICK_S / period), 1)
+        return np.add.reduceat(gyro, np.arange(0, len(gyro), size)) if len(gyro) else np.zeros((0, 3))
+
+    def _is_gravity(self, force: FloatArray) -> bool:
+        """Say whether a specific force (3,) [count/s] may be gravity alone."""
+        if self._resting is None:
+            return True
+        rest = float(np.linalg.norm(self._resting[3:]))
+        return abs(float(np.linalg.norm(force)) - rest) < PUSHED * rest
+
+    def _learn_scale(self) -> None:
+        """Take the gyros' scale factor from the accepted steps, once there are others."""
+        desk = self._desk
+        done = (len(desk.rested), len(desk.turns))
+        if done == self._scaled_by or not any(done):
+            return
+        self._scaled_by = done
+        if desk.turns:
+            self._scale = (float(desk.gyro_k or 0.0), SPREAD)
+            axes = {step.name: step.axis for step in desk.checklist.steps if isinstance(step, Turn)}
+            self._turned = {axes[n]: each.counts / (2 * np.pi) for n, each in desk.turns.items() if n in axes}
+        else:
+            found = scale(desk.known, desk.facts.latitude, desk.C_ib)
+            self._scale = (
+                None if found is None or found[1] > ROUGH_K_STD else (found[0], float(np.hypot(found[1], SPREAD)))
+            )

@@ -1,0 +1,83 @@
+"""A campaign whose steps are all accepted, gone on with for its verdict: that needs no device."""
+
+from contextlib import ExitStack
+from pathlib import Path
+
+from fixtures_db.database import Database
+from station.guide.checklist import Checklist
+from station.guide.command import Command
+from station.guide.disk_space import Disk, disk_for
+from station.guide.event_log import Story
+from station.guide.folder_lock import FolderLock
+from station.guide.folder_notes import kept_plan, read_setup
+from station.guide.interrupted_campaigns import reopen
+from station.guide.live_campaign import usual_steps
+from station.guide.view import Setup, Sound, View
+from station.stream.recorder import CampaignRecorder
+
+
+class FinishedCampaign:
+    """Holds the folder of a complete campaign; to be closed. A step is done again on a `LiveCampaign` only."""
+
+    is_complete, has_device = True, False
+
+    def __init__(self, recorder: CampaignRecorder, checklist: Checklist, stack: ExitStack) -> None:
+        self._recorder, self._checklist, self._stack = recorder, checklist, stack
+        self._story = Story()
+
+    @property
+    def folder(self) -> Path:
+        """Where it was recorded."""
+        return self._recorder.folder
+
+    @property
+    def disk(self) -> Disk:
+        """The room that its results need, and what there is."""
+        return disk_for(self.folder, (), 0.0)
+
+    def round(self) -> None:
+        """Do nothing: nothing comes."""
+
+    def obey(self, command: Command) -> None:
+        """Do nothing: what needs the device needs a `LiveCampaign`."""
+
+    def say(self, sound: Sound, text: str) -> None:
+        """Tell the operator."""
+        self._story.say(sound, text)
+
+    def view(self, base: View) -> View:
+        """Return ``base`` with everything filled in."""
+        imu = self._recorder.tables.imu
+        return base.model_copy(
+            update={
+                "stage": "solving", "line": "all steps are recorded", "unit": f"{imu.model} {imu.serial}",
+                "folder": str(self.folder), "steps": self._checklist.views(""), "can_redo": self._checklist.latest,
+                "events": self._story.events,
+            }
+        )  # fmt: skip
+
+    def as_checked(self) -> None:
+        """Say nothing of a unit: none is read."""
+
+    def close(self) -> None:
+        """Let the folder go; may be called twice."""
+        self._stack.close()
+
+
+def finished(folder: Path, database: Database) -> FinishedCampaign | None:
+    """Return the campaign in ``folder`` if all of its steps are accepted, else None.
+
+    Raises
+    ------
+    CannotWrite, NotInDatabase, CampaignInUse, DataRefused
+        What folder or database refuse.
+    """
+    with ExitStack() as stack:
+        stack.enter_context(FolderLock(folder))
+        recorder = reopen(folder, database)
+        steps = kept_plan(folder) or usual_steps(read_setup(folder) or Setup())
+        checklist = Checklist(steps, recorder.accepted)
+        if checklist.wanted is not None:
+            return None
+        return FinishedCampaign(recorder, checklist, stack.pop_all())
+    raise AssertionError("unreachable")

@@ -1,0 +1,145 @@
+"""A GNSS receiver beside a guided campaign: the site at its beginning, time and the sample rate all along."""
+
+import json
+import time
+from collections.abc import Iterable, Mapping
+from contextlib import ExitStack
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from drivers.errors import DriverError
+from procedures.earth.gnss_records import AveragedSite
+from station.files.atomic_file import replace_file
+from station.guide.event_log import Story
+from station.guide.view import Setup
+from station.stream.gnss import GnssFeed, open_gnss
+from station.stream.gnss.sample_rate import SampleRate
+from station.stream.gnss.summary import site_in_words
+from station.stream.live.live_feed import LiveFeed
+from station.stream.live.trouble_lines import words_of
+
+NAME = "gnss.json"
+FIXES = 20  # to average before a campaign begins
+WAIT_S = 60.0
+SHORT_WAIT_S = 15.0  # where the site is stated and only to be compared
+POLL_S = 0.05
+FAR_DEG = 0.01  # a kilometre: the stated site is not this one
+
+
+class NoFix(DriverError):
+    """The receiver gave no position in time."""
+
+    def __init__(self, port: str, fixes: int, trouble: str) -> None:
+        self.port, self.fixes, self.trouble = port, fixes, trouble
+        super().__init__(
+            f"{port}: {fixes} positions within {WAIT_S:g} s, expected {FIXES}; "
+            f"{trouble or 'wait for a fix'}, or state the site"
+        )
+
+
+class GnssBeside:
+    """What a campaign does with its receiver each round; troubles are said once each, none stops it."""
+
+    def __init__(self, gnss: GnssFeed, feed: LiveFeed, story: Story) -> None:
+        self._gnss, self._story = gnss, story
+        self._rate = SampleRate(feed, gnss.utc, gnss.utc_scatter)
+        self._said = ""
+
+    def round(self) -> None:
+        """Take what has come; raise `DataRefused` if the device's rate is more than 1 % off GNSS time."""
+        self._gnss.advance()
+        self._rate.look()
+        now = self._gnss.trouble or self._rate.warning
+        if words_of(now) != self._said:  # not once more for each new figure
+            self._said = words_of(now)
+            self._story.say("rejected" if now else "", now or "GNSS is well again")
+
+
+def sited(setup: Setup, gnss: GnssFeed, folder: Path) -> Setup:
+    """Return the set-up with what it does not state of its site taken from averaged fixes; note them in a file.
+
+    Raises
+    ------
+    NoFix
+        If the site is needed and the receiver has none within a minute.
+    """
+    deadline = time.monotonic() + (WAIT_S if setup.latitude_deg is None else SHORT_WAIT_S)
+    while ((site := gnss.site()) is None or site.fixes < FIXES) and time.monotonic() < deadline:
+        gnss.advance(POLL_S)
+    if site is None or site.fixes < FIXES:
+        if setup.latitude_deg is None:
+            raise NoFix(gnss.address.name, site.fixes if site else 0, gnss.trouble)
+        return setup
+    seen = _degrees(site)
+    stated = _stated(setup, seen)
+    _write(folder, gnss, site, seen, stated)
+    new = {name: value for name, value in seen.items() if name not in stated and value is not None}
+    return setup.model_copy(update=new)
+
+
+def said_of_site(given: Setup, gnss: GnssFeed) -> str:
+    """Return where the receiver stands, with sigma, and how that compares with the site given, in words."""
+    if (site := gnss.site()) is None:
+        return "no position from GNSS; the site is as stated"
+    seen = _degrees(site)
+    warnings = _warnings(seen, _stated(given, seen))
+    return "; ".join([f"site by GNSS: {site_in_words(site)}", *warnings])
+
+
+def reopened(stack: ExitStack, setup: Setup, folder: Path) -> tuple[GnssFeed | None, str]:
+    """Open the receiver of a campaign that is gone on with; the site is known, so that it goes on without, too."""
+    if not setup.gnss:
+        return None, ""
+    try:
+        return stack.enter_context(open_gnss(setup.gnss, folder)), ""
+    except DriverError as error:
+        return None, f"going on without GNSS: {error}"
+
+
+def utc_now(gnss: GnssFeed) -> datetime | None:
+    """Return GNSS time, None where it is not known."""
+    if gnss.latest is None or (utc := gnss.utc(gnss.latest.host_ns)) is None:
+        return None
+    return datetime.fromtimestamp(utc, UTC)
+
+
+def _degrees(site: AveragedSite) -> dict[str, float | None]:
+    return {
+        "latitude_deg": round(float(np.degrees(site.latitude)), 9),
+        "longitude_deg": round(float(np.degrees(site.longitude)), 9),
+        "height_m": None if site.height is None else round(site.height, 3),
+    }
+
+
+def _stated(setup: Setup, names: Iterable[str]) -> dict[str, float]:
+    return {name: value for name in names if (value := getattr(setup, name)) not in {None, 0.0}}
+
+
+def _warnings(seen: Mapping[str, float | None], stated: Mapping[str, float]) -> list[str]:
+    return [
+        f"{name} {value:g} is stated, GNSS says {seen[name]:g}"
+        for name, value in stated.items()
+        if name != "height_m" and abs(value - (seen[name] or 0.0)) > FAR_DEG
+    ]
+
+
+def _write(
+    folder: Path, gnss: GnssFeed, site: AveragedSite, seen: dict[str, float | None], stated: dict[str, float]
+) -> None:
+    now = utc_now(gnss)
+    said = {
+        "source": gnss.address.text,
+        "system": gnss.decoder.system,
+        **seen,
+        "height_above": "ellipsoid" if site.is_ellipsoidal else "mean sea level",
+        "horizontal_std_m": site.horizontal_std,
+        "vertical_std_m": site.vertical_std,
+        "fixes": site.fixes,
+        "utc": None if now is None else now.isoformat(),
+        "stated_by_operator": stated,
+        "warnings": _warnings(seen, stated),
+    }
+    known = {name: value for name, value in said.items() if value not in (None, [], {})}
+    replace_file(folder / NAME, (json.dumps(known, indent=1) + "\n").encode())

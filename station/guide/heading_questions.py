@@ -1,0 +1,29 @@
+"""What the operator alone can answer: which way the cube points, and which turn one the wrong way was to be."""
+
+from procedures.calibration.plan_steps import Turn
+from procedures.frames import POSITIONS, face_of
+from station.guide.view import Choice, Question
+from station.guide.wording import axes, sense, title
+
+NEITHER = "n"
+TAKE = "y"
+OTHER_WAY = (TAKE, "n")
+
+
+def which_way(face: str) -> Question:
+    """Ask which of the two positions of a face it is; the answer's key is the position."""
+    pair = [p for p in range(1, len(POSITIONS) + 1) if face_of(p) == face]
+    choices = [Choice(key=str(p), title=f"position {p}: {axes(p)}") for p in pair]
+    choices.append(Choice(key=NEITHER, title="neither: I set it down again"))
+    text = "The Earth rate does not tell which way the cube points. Which is it?"
+    return Question(text=text, choices=tuple(choices))
+
+
+def other_way(asked: Turn, other: Turn) -> Question:
+    """Ask whether a turn the wrong way is to be the other step, which is to be done as well."""
+    text = f"You turn {sense(other)}: that is {title(other)}, asked for is {title(asked)}."
+    choices = (
+        Choice(key=TAKE, title=f"take it as {title(other)}: turn on to the end"),
+        Choice(key=OTHER_WAY[1], title=f"no: I begin {title(asked)} anew, {sense(asked)}"),
+    )
+    return Question(text=text, choices=choices)

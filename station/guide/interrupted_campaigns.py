@@ -1,0 +1,114 @@
+"""Campaigns that were interrupted: how one is gone on with, how one is given up.
+
+At accept the order is file, ``SHA256SUMS``, ``campaign.toml``, row in the database. A kill in between leaves a
+step half accepted; `reopen` decides: with a row it is accepted; named in ``campaign.toml`` it is adopted; a file
+that nothing names stays where it is and is never used.
+"""
+
+import hashlib
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+from fixtures_db.campaigns import accept_step, campaign, remove_campaign, set_state
+from fixtures_db.database import Database
+from fixtures_db.errors import CampaignInUse
+from fixtures_db.schema import StepRow
+from station.errors import DataRefused
+from station.files.campaign_folder import read_hashes
+from station.files.campaign_folder.schema import CampaignTable
+from station.files.opening import open_inside
+from station.files.sha256sums import NAME as SUMS
+from station.files.toml_text import NAME as TOML
+from station.files.toml_text import read_toml
+from station.guide.folder_lock import FolderInUse, FolderLock
+from station.stream.recorder.campaign_recorder import CampaignRecorder, step_of
+
+OPEN = ("recording", "recorded")
+__all__ = ["FolderInUse", "FolderLock", "cancel_campaign", "reopen"]
+
+
+def reopen(folder: Path, database: Database) -> CampaignRecorder:
+    """Go on with a campaign: reconcile folder and database, then return its recorder.
+
+    Doing so again changes nothing. Hold the folder's `station.guide.folder_lock.FolderLock` meanwhile.
+
+    Raises
+    ------
+    DataRefused
+        If an accepted file is gone or is not what was accepted, or ``campaign.toml`` does not name it.
+    NotInDatabase, CampaignInUse
+        If the database does not know the folder, or a calibration was stored from it.
+    """
+    key = str(folder.resolve())
+    tables, _, _ = read_toml(folder)
+    named = _named(tables)
+    with database.read() as session:
+        row = campaign(session, key)
+        steps, state = list(row.steps), row.state
+    if state not in OPEN:
+        raise CampaignInUse(key)
+    adopted = _reconciled(folder, steps, named)
+    if adopted or state != OPEN[0]:
+        with database.write() as session:
+            set_state(session, key, OPEN[0])
+            for name, sha256 in adopted.items():
+                file = named[name]
+                written = datetime.fromtimestamp((folder / file).stat().st_mtime, UTC)
+                accept_step(session, key, name=name, file=file, sha256=sha256, accepted_utc=written)
+    for aside in (*folder.glob(".*.part"), *folder.glob(".*.tmp")):
+        aside.unlink()
+    return CampaignRecorder(folder, tables, database, Counter([*(step.name for step in steps), *adopted]))
+
+
+def _reconciled(folder: Path, steps: Sequence[StepRow], named: Mapping[str, str]) -> dict[str, str]:
+    """Check every accepted file; return the hashes of those in ``campaign.toml`` that have no row, by step."""
+    hashes, known = _hashes(folder), {step.file for step in steps}
+    for step in steps:
+        _check(folder, step.file, step.sha256, hashes)
+        file = named.get(step.name, "")
+        if not step.superseded and file != step.file and (file in known or not file):
+            raise _refusal(folder / TOML, f"file = {file!r}", f"{step.file!r}, which was accepted")
+    adopted = {name: hashes.get(file, "") for name, file in named.items() if file not in known}
+    for name, sha256 in adopted.items():
+        _check(folder, named[name], sha256, hashes)
+    return adopted
+
+
+def cancel_campaign(folder: Path, database: Database) -> None:
+    """Give a campaign up: the database is as it was before it began; its folder and files stay, to be solved.
+
+    Raises
+    ------
+    NotInDatabase, CampaignInUse
+        If the database does not know the folder, or a calibration was stored from it.
+    """
+    with database.write() as session:
+        remove_campaign(session, str(folder.resolve()))
+
+
+def _named(tables: CampaignTable) -> dict[str, str]:
+    """Return the files that ``campaign.toml`` names, by step."""
+    return {step.name: table.file for table in tables.steps() if (step := step_of(table)) is not None}
+
+
+def _hashes(folder: Path) -> dict[str, str]:
+    if not (folder / SUMS).exists():  # before the first step
+        return {}
+    return {name: sha256 for name, (sha256, _) in read_hashes(folder).items()}
+
+
+def _check(folder: Path, file: str, sha256: str, hashes: Mapping[str, str]) -> None:
+    if hashes.get(file) != sha256 or not sha256:
+        raise _refusal(folder / SUMS, f"{hashes.get(file, 'no hash')} for {file}", sha256 or "its hash")
+    if not (folder / file).exists():
+        raise _refusal(folder / file, "no such file", "the one that was accepted")
+    with open_inside(folder, file, folder / SUMS, None) as stream:
+        found = hashlib.file_digest(stream, "sha256").hexdigest()
+    if found != sha256:
+        raise _refusal(folder / file, f"sha256 {found}", f"{sha256} as accepted")
+
+
+def _refusal(path: Path, found: str, expected: str) -> DataRefused:
+    return DataRefused(path, None, found, expected, "restore the folder from a copy, or begin a new campaign")

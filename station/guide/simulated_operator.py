@@ -1,0 +1,120 @@
+"""Who moves the cube when nobody does: the hands of a simulated device, told by the views as a person would be."""
+
+from typing import Protocol
+
+import numpy as np
+
+from drivers.errors import DriverError
+from drivers.simulated.errors import SimulatorError
+from drivers.simulated.hands import SimulatedHands
+from procedures.calibration.plan_steps import Turn
+from procedures.frames import face_of
+from procedures.rests_and_moves.free_attitudes import LEANS, Lean
+from station.guide.view import Step, View
+
+SOAK_K = 15.0
+REST_MARGIN_S = 2.0  # the guide judges rest in blocks of 1 s that begin anywhere
+PATIENCE_S = 300.0  # of the device's time, after a move: the guide sees it late where time runs fast
+
+
+class HandsLost(DriverError):
+    """The simulated hands do not answer or refuse."""
+
+    def __init__(self, reason: str) -> None:
+        self.reason = reason
+        super().__init__(reason)
+
+
+class Operator(Protocol):
+    """Looks at the views and does what they ask for."""
+
+    def look(self, view: View) -> None:
+        """Take a view; returns soon."""
+        ...
+
+
+class Nobody:
+    """A person is at the cube."""
+
+    def look(self, view: View) -> None:
+        """Leave it to them."""
+
+
+class SimulatedOperator:
+    """Moves the cube of a simulated device with its hands at ``address``; a move takes ``move_s`` of its time.
+
+    Each thing asked for is done once; what was rejected is done again, and what is still asked for long after it
+    was done. Views may be old: on a busy machine the device runs ahead of the guide. So nothing is done before
+    the guide has seen all that the hands did last, or the next move would fall into what it is recording. In a
+    soak it warms the unit, and lets it cool from the middle on.
+    """
+
+    def __init__(self, address: str, move_s: float) -> None:
+        self._hands, self._move_s = SimulatedHands(address), move_s
+        self._done: tuple[str, str, int] | None = None
+        self._until = 0.0  # device time [s] at which that was over
+        self._seen, self._restarts = -np.inf, 0.0  # the guide's device time [s]; what restarts took off it
+        self._heated = 0.0  # by how much the unit is warmer than it was
+
+    def look(self, view: View) -> None:
+        """Place the cube, or turn it once it has rested, if that is what is wanted now."""
+        self._heat(view)
+        step = view.step(view.wanted)
+        if step is None or view.stage not in {"place", "turn"} or view.question is not None:
+            return
+        is_ready = view.turn is not None and view.turn.rest_s >= view.turn.rest_wanted_s
+        what = "turn" if view.stage == "turn" else "place"
+        rejected = max((event.number for event in view.events if event.sound == "rejected"), default=0)
+        task = (what, f"{step.name} {step.attempts}", rejected)
+        seen = self._seen_s(view)
+        if seen < self._until or (what == "turn" and not is_ready):
+            return
+        if task == self._done and seen < self._until + PATIENCE_S:
+            return
+        try:
+            self._done, self._until = task, self._do(what, step, view.lean)
+        except SimulatorError as error:
+            raise HandsLost(str(error)) from error
+
+    def close(self) -> None:
+        """Let the hands go."""
+        self._hands.close()
+
+    def _seen_s(self, view: View) -> float:
+        """Return up to which device time [s] the guide has looked; where the stream has none, the device's own.
+
+        A unit that was switched off and on begins its time again; the hands' goes on.
+        """
+        if view.time_s is None:
+            try:
+                return self._hands.time()
+            except SimulatorError:
+                return -np.inf  # the device is gone for now: whoever reads it says so
+        now = view.time_s + self._restarts
+        if now < self._seen:
+            self._restarts += self._seen - now
+            now = self._seen
+        self._seen = now
+        return now
+
+    def _heat(self, view: View) -> None:
+        """Warm the unit in the first half of a soak, let it cool in the second and after it."""
+        is_first = view.soak is not None and view.soak.left_s > view.wanted_s / 2
+        wanted = SOAK_K if is_first else 0.0
+        if wanted == self._heated:
+            return
+        try:
+            self._hands.heat(wanted - self._heated, max(view.wanted_s, 1.0) / 8)
+        except SimulatorError as error:
+            raise HandsLost(str(error)) from error
+        self._heated = wanted
+
+    def _do(self, what: str, step: Step, lean: Lean | None) -> float:
+        """Return the device time [s] at which it will be over."""
+        if what == "place" and step.is_free:
+            return self._hands.lean(lean or LEANS[0], self._move_s)
+        if what == "place":
+            face = next((p for p in range(1, 13) if face_of(p) == step.up), 0)
+            return self._hands.place(step.position or step.start_position or face, self._move_s)
+        turn = Turn(step.axis, step.direction, step.revolutions, step.start_position, 0.0)
+        return self._hands.turn(turn.axis, turn.direction, turn.revolutions, REST_MARGIN_S)

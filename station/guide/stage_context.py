@@ -1,0 +1,268 @@
+"""What the stages of a guided campaign share: stream, judge, checklist, and where steps are accepted."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.bench.heading_errors import HeadingError, heading_errors
+from procedures.bench.turn_closing import Closing, TurnSeen, apart, limit
+from procedures.calibration.campaign import Fixture
+from procedures.calibration.plan_steps import Dwell, Soak, Step, Turn
+from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.earth.gyrocompass import Heading, Known, find_heading, scale
+from station.errors import DataRefused
+from station.guide.accepted_dwell import Rested, rested
+from station.guide.accepted_steps import SoFar
+from station.guide.checklist import Checklist
+from station.guide.event_log import Story
+from station.guide.face_and_stillness import Judge
+from station.guide.turn_pairs import Closings, turns_again, what_now
+from station.guide.wording import title
+from station.stream.live.accepted_blocks import series
+from station.stream.live.live_feed import LiveFeed
+from station.stream.live.stillness import LEAST, TICKS
+from station.stream.recorder.sample_buffer import Run, Tape
+
+NOTHING = SoFar()
+POWER_CYCLED = "the unit was switched off and on: its biases are solved apart from before"
+
+
+class Recorder(Protocol):
+    """Where accepted steps go: on the disk and in the database when `accept` returns."""
+
+    def accept(
+        self, step: Step, tape: Tape, runs: Sequence[Run], *, kept_seat: Sequence[float] | None, turn_on: int
+    ) -> object:
+        """Record ``step`` as the samples of ``runs``, the unit switched on for the ``turn_on``-th time, from 1.
+
+        ``kept_seat`` (2,) [rad]: kept though it sits so far off.
+        """
+        ...
+
+    def keep_steps(self, steps: Sequence[Step]) -> None:
+        """Keep what the campaign is to have."""
+        ...
+
+    def keep_first_rest(self, rate: FloatArray, noise: FloatArray) -> None:
+        """Keep how the unit looks at rest: rate (6,) [count/s], noise (6,), gyros then accelerometers."""
+        ...
+
+    def widen_closure(self, before_deg: float, now_deg: float) -> None:
+        """Say that the operator states a wider closure [deg] than before."""
+        ...
+
+    def set_unsettled(self, gyro_deg_h: float, accelerometer_g: float) -> None:
+        """Say that the unit was not settled: 1 sigma of its bias from dwell to dwell."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Facts:
+    """What is known of the bench: latitude, 1 sigma of headings and closures [rad], the cube; and the rules.
+
+    ``bias_std`` [g] is the accelerometer bias's 1 sigma wanted, from which a dwell's length follows; None: it is
+    given. ``asks``: somebody is there to be asked which way the cube points; else the wanted position is believed
+    where the Earth rate does not tell.
+    """
+
+    latitude: float
+    heading_std: float
+    closure_std: float
+    fixture: Fixture
+    bias_std: float | None = None
+    asks: bool = True
+
+
+class Desk:
+    """Shared by all stages. ``position`` is where the cube is known to stand since it last moved, 0 if not."""
+
+    def __init__(
+        self,
+        feed: LiveFeed,
+        checklist: Checklist,
+        facts: Facts,
+        recorder: Recorder,
+        done: SoFar = NOTHING,
+    ) -> None:
+        self.feed, self.checklist, self.facts, self._recorder = feed, checklist, facts, recorder
+        self.story, self.judge = Story(), Judge(facts.fixture.C_ib)
+        self.rested: dict[int, Rested] = {}
+        self.turns: dict[str, TurnSeen] = dict(done.turns)  # those that stand, by step
+        steps = {step.name: step for step in checklist.steps if isinstance(step, Turn)}
+        standing = [(steps[name].axis, seen) for name, seen in self.turns.items() if name in steps]
+        self.closings = Closings(facts.closure_std, standing)
+        self.leaned: dict[str, FloatArray] = dict(done.leaned)  # accelerometer count rates (3,), by step
+        self.position = 0
+        self.seats: dict[int, FloatArray] = {}  # how the cube sat when it was found off, by position
+        self.kept_seats: dict[int, FloatArray] = {}  # how it sits where the operator keeps it so, by position
+        self.off_seat = 0  # the position in which it was just found off
+        self.badly_seated: set[int] = set(done.badly_seated)  # positions recorded with a seat known to be bad
+        self.turn_on = done.turn_on  # which one since the campaign began, from 1
+        self.told_off: set[tuple[int, ...]] = set()  # positions said to have stood turned, as they stand now
+        for each in done.before:
+            self._learn(each)
+        for step in steps.values():
+            if self.closings.undecided(step.axis) == step.direction:
+                checklist.redo(step.name)
+
+    @property
+    def C_ib(self) -> FloatArray:
+        """Takes the cube's axes to the IMU's (3, 3)."""
+        return self.facts.fixture.C_ib
+
+    @property
+    def well_seated(self) -> list[Rested]:
+        """The dwells by which a seat can be judged: a seat that is known to be bad would mislead."""
+        return [each for each in self.rested.values() if each.position not in self.badly_seated]
+
+    @property
+    def known(self) -> list[Known]:
+        """The gyros' rates where the position is certain."""
+        return [Known(each.position, each.gyro, each.gyro_std) for each in self.rested.values()]
+
+    @property
+    def gyro_k(self) -> float | None:
+        """The gyros' scale factor [count/rad], roughly; None where nothing says it."""
+        if self.turns:
+            return float(np.median(self.turn_counts)) / (2 * np.pi)
+        found = scale(self.known, self.facts.latitude, self.C_ib)
+        return None if found is None or found[1] > 0.3 else found[0]
+
+    def rough_gyro_k(self, rest: FloatArray) -> float:
+        """Return the gyros' scale factor [count/rad], as if the Earth were all they show if it is not known."""
+        return self.gyro_k or float(np.linalg.norm(rest)) / EARTH_RATE
+
+    @property
+    def turn_counts(self) -> list[float]:
+        """Counts per revolution of the turns that stand."""
+        return [seen.counts for seen in self.turns.values()]
+
+    def accept_turn(self, step: Turn, runs: Sequence[Run], seen: TurnSeen, note: str) -> None:
+        """Record a turn; where the turns about its axis do not close, say what is to be done again.
+
+        Raises
+        ------
+        DataRefused
+            If nobody is there to be asked, and more turns would decide nothing. What was recorded stays.
+        """
+        partner, stated = self.closings.partner(step.axis, step.direction), self.closings.closure_std
+        self.turns[step.name] = seen
+        found = self.closings.take(step.axis, seen)
+        if partner is None or found is Closing.CLOSED:
+            self.accept(step, runs, note)
+            return
+        why = what_now(found, step, apart(seen, partner), limit(seen, partner, stated))
+        self.accept(step, runs, note, doubt=why)
+        for again in turns_again(found, step):
+            self.checklist.redo(again)
+        if not self.facts.asks and self.closings.is_vain(step.axis):
+            wide = np.degrees(self.closings.found_std(step.axis))
+            remedy = f"check marks and stop, or state a closure of {wide:.2g} deg"
+            raise DataRefused("hand turns", None, why, f"closures of {np.degrees(stated):.2g} deg", remedy)
+
+    def widen_closure(self, axis: str) -> None:
+        """State the closure that the turns about an axis show, as the operator's act; they stand as they are."""
+        before, now = self.closings.closure_std, self.closings.widen(axis)
+        self._recorder.widen_closure(float(np.degrees(before)), float(np.degrees(now)))
+        for step in self.checklist.steps:
+            if isinstance(step, Turn) and step.axis == axis:
+                self.checklist.keep(step.name)
+        self.story.say(
+            "", f"closures are now {np.degrees(now):.2g} deg, 1 sigma; recorded, and sigmas become wider"
+        )
+
+    def accept(
+        self,
+        step: Step,
+        runs: Sequence[Run],
+        note: str = "",
+        kept_seat: FloatArray | None = None,
+        doubt: str = "",
+    ) -> None:
+        """Record a step; it is said to be accepted once it is on the disk and in the database.
+
+        ``kept_seat`` (2,) [rad]: how far off it sits, where the operator keeps it so. ``doubt``: why it is not to
+        stand, which is then said instead.
+        """
+        tape, period = self.feed.tape, self.feed.period
+        seat = None if kept_seat is None else kept_seat.tolist()
+        self._recorder.accept(step, tape, runs, kept_seat=seat, turn_on=self.turn_on)
+        self.checklist.accept(step, sum(last - first for first, last in runs) * period, note)
+        if isinstance(step, Dwell):
+            self.position = step.position
+            self.kept_seats.pop(step.position, None)
+            self.told_off = {each for each in self.told_off if step.position not in each}
+            (self.badly_seated.discard if kept_seat is None else self.badly_seated.add)(step.position)
+            found = rested(step.position, series(tape, runs, period))
+            if not self.rested:
+                rate = np.concatenate((found.gyro, found.accel))
+                self._recorder.keep_first_rest(rate, self.judge.stillness.noise)
+            self._learn(found)
+        elif isinstance(step, Soak):
+            self.position = step.position
+        if doubt:
+            self.story.say("rejected", doubt)
+            return
+        count = sum(n > 0 for n in self.checklist.attempts.values())
+        of = len(self.checklist.steps)
+        told = [f"accepted: {title(step)}", note, f"{count} of {of} done"]
+        self.story.say("accepted", ", ".join(filter(None, told)))
+
+    def leans_taken(self) -> list[FloatArray]:
+        """Return which way (3,) of the cube was up in each free position that is done and stays so."""
+        open_steps = {step.name for step in self.checklist.steps if self.checklist.is_open(step)}
+        taken = [rate for name, rate in self.leaned.items() if name not in open_steps]
+        return [self.judge.way_up(rate) for rate in taken]
+
+    def skip_warm_up(self, gyro_deg_h: float, accelerometer_g: float) -> None:
+        """Record that the unit was not settled."""
+        self._recorder.set_unsettled(gyro_deg_h, accelerometer_g)
+
+    def set_dwell(self, seconds: float) -> None:
+        """Have every open dwell last ``seconds``."""
+        self.checklist.set_dwell(seconds)
+        self._recorder.keep_steps(self.checklist.steps)
+
+    def heading(self, gyro: FloatArray, seconds: float, face: str) -> Heading:
+        """Say which way the cube stands with ``face`` up, from the gyros' mean count rate (3,)."""
+        std, facts = self.gyro_std(seconds), self.facts
+        return find_heading(gyro, std, face, facts.latitude, self.C_ib, self.known)
+
+    def power_cycled(self, then: str = "") -> None:
+        """Take it that the unit was switched off and on: what its biases were says nothing of what they are.
+
+        ``then`` is what is said to come next.
+        """
+        self.turn_on += 1
+        self.rested.clear()
+        self.seats.clear()
+        self.kept_seats.clear()
+        self.moved()
+        self.story.say("rejected", POWER_CYCLED + then)
+
+    def turned_off(self) -> list[tuple[list[int], HeadingError]]:
+        """Return the positions that stood turned against the marks, as far as the gyros tell by now."""
+        k, known = self.gyro_k, self.known
+        if k is None:
+            return []
+        facts = self.facts
+        errors = heading_errors(known, facts.latitude, self.C_ib, k * np.eye(3), facts.heading_std)
+        return [([known[i].position for i in error.dwells], error) for error in errors]
+
+    def moved(self) -> None:
+        """Take it that the cube no longer stands where it stood."""
+        self.position = self.off_seat = 0
+
+    def gyro_std(self, seconds: float) -> FloatArray:
+        """Return 1 sigma (3,) of a mean gyro count rate over ``seconds``: noise and the counter's step."""
+        noise = np.maximum(self.judge.stillness.noise[:3], LEAST) * TICKS
+        std: FloatArray = np.sqrt(noise / seconds + 1 / (6 * seconds**2))
+        return std
+
+    def _learn(self, found: Rested) -> None:
+        self.rested[found.position] = found
+        self.judge.learn_rest(found.gyro)
+        self.judge.learn_faces({each.face: each.accel for each in self.rested.values()})

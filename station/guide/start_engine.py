@@ -1,0 +1,102 @@
+"""Starts the engine's process, and ends it with whoever started it."""
+
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pydantic import BaseModel, ConfigDict
+
+from station.errors import StationError
+from station.guide.command import Command
+from station.guide.view import Setup
+
+if TYPE_CHECKING:
+    from station.guide.options import Options
+    from station.guide.simulated_operator import Operator
+
+END_S = 30.0  # a solve under way, and a reader's farewell
+
+
+class EngineFailed(StationError):
+    """The engine's process ended as it should not: a bug."""
+
+    def __init__(self, code: int, said: str) -> None:
+        self.code, self.said = code, said
+        last = said.strip().splitlines()[-1:] or [f"exit code {code}"]
+        super().__init__(
+            f"the engine has ended: {last[0]}; what was accepted is safe, see `station resume`. Report this bug"
+        )
+
+
+class EngineOptions(BaseModel):
+    """What the engine's process is told: as `station.guide.options.Options`, with files by their names.
+
+    ``hands`` is the control address of a simulated device whose cube is then moved without a person; ``first``
+    is obeyed at once.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    root: Path
+    database: str | None = None
+    setup: Setup = Setup()
+    plan: Path | None = None
+    asks: bool = True
+    warms_up: bool = True
+    hands: str | None = None
+    move_s: float = 45.0
+    first: Command | None = None
+
+    def engine(self) -> "Options":
+        """Return the engine's options; raise `DataRefused` if the plan cannot be read."""
+        from station.guide.options import Options
+
+        if self.plan is None:
+            return Options(self.root, self.setup, (), self.asks, self.warms_up)
+        from station.files.campaign_folder.plan_toml import (  # a screen need not wait for these
+            read_mounting,
+            read_plan,
+        )
+
+        steps, axes = read_plan(self.plan), read_mounting(self.plan)
+        return Options(self.root, self.setup, steps, self.asks, self.warms_up, imu_axes=axes)
+
+    def operator(self) -> "Operator":
+        """Return who moves the cube, as far as the engine is concerned."""
+        from station.guide.simulated_operator import Nobody, SimulatedOperator
+
+        return SimulatedOperator(self.hands, self.move_s) if self.hands else Nobody()
+
+
+@contextmanager
+def engine_process(options: EngineOptions) -> Iterator[Path]:
+    """Yield the path of the socket of an engine that lives as long as the ``with`` lasts."""
+    with tempfile.TemporaryDirectory(prefix="station-") as folder:  # mode 0700
+        socket, said = Path(folder) / "engine", Path(folder) / "stderr"
+        with said.open("w") as errors, subprocess.Popen(
+            [sys.executable, "-P", "-m", "station.guide", str(socket)],
+            stdin=subprocess.PIPE, stderr=errors, text=True,  # a screen has the terminal to itself
+            start_new_session=True,  # Ctrl-C is for the screen
+        ) as process:  # fmt: skip
+            assert process.stdin is not None
+            try:
+                process.stdin.write(options.model_dump_json() + "\n")
+                process.stdin.flush()
+                yield socket
+            finally:
+                process.stdin.close()
+                if not _has_ended(process):
+                    process.kill()  # it waits for something of its own; what was accepted is on the disk
+                elif process.returncode:
+                    raise EngineFailed(process.returncode, said.read_text())
+
+
+def _has_ended(process: "subprocess.Popen[str]") -> bool:
+    try:
+        process.wait(END_S)
+    except subprocess.TimeoutExpired:
+        return False
+    return True

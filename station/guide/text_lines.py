@@ -1,0 +1,221 @@
+"""A guided calibration as lines of text: for screen readers, logs and consoles that can do no better.
+
+Nothing is ever overwritten: each line says one thing once. Where somebody listens, a line of input is a key.
+"""
+
+from collections.abc import Callable, Iterable
+from textwrap import wrap
+
+from station.guide.command import Command, Verb
+from station.guide.session import Session
+from station.guide.soak_progress import in_words
+from station.guide.step_words import in_words as step_in_words
+from station.guide.step_words import step_typed
+from station.guide.view import Event, Readiness, Sound, Stage, Verdict, View
+
+OVER = frozenset({"cancelled", "left", "failed"})
+BELLS: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}
+EVERY_S = 25.0  # of accepted seconds between two lines of progress
+QUIET_HINTS = ("learning the noise", "waiting for still")
+KEYS = {
+    "r": Command(verb="redo"), "p": Command(verb="pause"), "k": Command(verb="keep_seating"),
+    "f": Command(verb="finish"), "s": Command(verb="store"), "q": Command(verb="leave"),
+    "c": Command(verb="cancel"),
+}  # fmt: skip
+KEYS_IN: dict[tuple[Stage, str], Command] = {  # as on the screen, where a key means another thing in that stage
+    ("warm_up", "s"): Command(verb="skip_warm_up"), ("paused", "p"): Command(verb="go_on"),
+}  # fmt: skip
+HELP = (
+    "keys, each followed by Enter: r do the last step again, r 3 position 3 again, r x+ that turn, n 4 do it "
+    "next, p pause or go on, k keep the cube as it sits, f finish with what is there, s skip the warm-up, at the "
+    "verdict s store, q leave to resume later, c cancel; a question is answered with the key it names"
+)
+AT_THE_END: dict[Stage, str] = {  # what can be typed then, each followed by Enter
+    "verdict": "s store the calibration, d the diagnosis, o the report, r 3 do position 3 again, r x+ that "
+    "turn, q leave: it can be stored another day, c cancel",
+    "stored": "d the diagnosis, o the report, q leave",
+}
+REFUSED = "g try again, an address (such as serial:///dev/ttyUSB1) try that one, q leave: nothing was recorded"
+SHORTEST_ADDRESS = 4  # a shorter line is a slip
+STEP_VERBS: dict[str, Verb] = {"r": "redo", "n": "choose"}
+SAID_STAGES = frozenset({"warm_up", "place", "settle", "paused", "connecting", "solving", *OVER})
+
+
+class PlainScreen:
+    """Writes what is new in each view through ``say``; ``rings`` adds the terminal's bell.
+
+    ``asks``: a person is there to type, and is told what can be typed where nothing goes on without them.
+    """
+
+    def __init__(self, say: Callable[[str], None], *, rings: bool, asks: bool = False) -> None:
+        self._say, self._rings, self._asks = say, rings, asks
+        self._told = {
+            "task": "",
+            "hint": "",
+            "unit": "",
+            "ready": "",
+            "question": "",
+            "verdict": "",
+            "stored": "",
+            "seconds": "",
+            "prompt": "",
+            "ends": "",
+            "refused": "",
+            "keys": "",
+        }
+        self._event = 0
+
+    def show(self, view: View) -> None:
+        """Write what is new."""
+        if view.unit:
+            self._once("unit", f"connected: {view.unit}; recording into {view.folder}")
+            if self._asks:
+                self._once("keys", HELP)
+        if view.readiness:
+            self._once("ready", "\n".join(ready_lines(view.readiness)))
+            self._told["ends"] = ", ".join(view.readiness.said)
+        for event in view.events:
+            self._hear(event)
+        is_said = view.stage in SAID_STAGES or (view.turn is not None and view.turn.is_to_rest)
+        task = view.line if is_said or not view.link.is_live else ""
+        if task:
+            at = (
+                f"[{min(view.done + 1, len(view.steps))}/{len(view.steps)}] " if view.steps and view.wanted else ""
+            )
+            self._once("task", f"{at}{task}")
+        self._hint(view)
+        self._progress(view)
+        if view.verdict:
+            self._verdict(view.verdict)
+        if view.question:
+            choices = "; ".join(f"{choice.key}: {choice.title}" for choice in view.question.choices)
+            self._once("question", f"{view.question.text} {choices}")
+        else:
+            self._told["question"] = ""
+        self._prompt(view)
+
+    def _prompt(self, view: View) -> None:
+        """Say what can be typed where all waits for it."""
+        if view.stage == "connecting":
+            self._told["refused"] = ""  # the same refusal is told again
+        if not self._asks:
+            return
+        if view.start and view.start.refused:
+            self._once("refused", f"refused: {view.start.refused}\n{REFUSED}")
+        self._once("prompt", AT_THE_END.get(view.stage, ""))
+
+    def _verdict(self, verdict: Verdict) -> None:
+        self._once("verdict", "\n".join(verdict_lines(verdict)))
+        if verdict.stored_sha256:
+            self._once("stored", f"stored as {verdict.stored_sha256}")
+
+    def _hear(self, event: Event) -> None:
+        if event.number > self._event:
+            self._event = event.number
+            if (ends := self._told["ends"]) and event.text.endswith(ends):
+                return  # it stands below what is ready
+            self._say(f"{event.text}{chr(7) * BELLS[event.sound] if self._rings else ''}")
+
+    def _hint(self, view: View) -> None:
+        spoken = any(view.hint in event.text for event in view.events)
+        if view.hint and not spoken and not view.hint.startswith(QUIET_HINTS):
+            self._once("hint", view.hint)
+
+    def _progress(self, view: View) -> None:
+        if view.stage == "dwell" and view.accepted_s >= EVERY_S:
+            said = f"{step_in_words(view.live)}: {EVERY_S * (view.accepted_s // EVERY_S):.0f} s accepted"
+            self._once("seconds", f"{said}, {in_words(view.soak)}" if view.soak else said)
+        elif view.stage == "warm_up" and view.warm_up is not None:
+            seconds = EVERY_S * (view.warm_up.seconds // EVERY_S)
+            left = "" if view.warm_up.left_s is None else f", about {view.warm_up.left_s:.0f} s left"
+            self._once("seconds", f"warming up, {seconds:.0f} s{left if seconds else ''}, {view.warm_up.note}")
+
+    def _once(self, kind: str, text: str) -> None:
+        if kind == "seconds" and text.split(",")[0] == self._told[kind].split(",")[0]:
+            return
+        if text != self._told[kind]:
+            self._told[kind] = text
+            if text:
+                self._say(text)
+
+
+def between_words(text: str, width: int) -> str:
+    """Return a text whose lines are at most ``width`` long where their words allow it; a table's spaces stay."""
+    lines = (
+        wrap(line, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False) or [line]
+        for line in text.split("\n")
+    )
+    return "\n".join(part for parts in lines for part in parts)
+
+
+def ready_lines(ready: Readiness) -> list[str]:
+    """Return how ready a campaign is as lines, and how it can end."""
+    words = {"ready": "ready", "note": "note", "lacks": "LACKS"}
+    return [*(f"{words[line.state]:6} {line.name}: {line.text}" for line in ready.lines), *ready.said]
+
+
+def verdict_lines(verdict: Verdict) -> list[str]:
+    """Return a verdict as lines: the sentence, what stands behind it, the numbers."""
+    reason = f": {verdict.status_reason}" if verdict.status_reason else ""
+    lines = [verdict.sentence, f"status {verdict.status}{reason}"]
+    lines += [f"worst residual: {verdict.worst_residual}", verdict.change]
+    lines += [f"diagnosis: {verdict.diagnosis}"] if verdict.diagnosis else []
+    lines += [f"warning: {warning}" for warning in verdict.warnings]
+    lines += [
+        f"{row.name}: {row.value} +- {row.sigma} {row.unit}{row.expanded and f', U (95 %) {row.expanded}'}"
+        + "".join(f", {part}" for part in (row.limit and f"limit {row.limit}", row.verdict, row.change) if part)
+        for row in verdict.rows
+    ]
+    return [*lines, verdict.report, verdict.solution]
+
+
+def command_of(line: str, view: View, first: Command | None = None) -> Command | None:
+    """Return what a line of input asks for, None if it asks for nothing; ``first`` is what was refused."""
+    key, _, rest = line.strip().partition(" ")
+    if view.start and view.start.refused and first is not None:
+        return _once_more(line.strip(), first)
+    if view.question and key in {choice.key for choice in view.question.choices}:
+        return Command(verb="answer", key=key)
+    if key in STEP_VERBS and rest:
+        step = step_typed(rest, view.steps)
+        return Command(verb=STEP_VERBS[key], step=step) if step else None
+    return KEYS_IN.get((view.stage, key)) or KEYS.get(key)
+
+
+def _once_more(typed: str, first: Command) -> Command | None:
+    """Return the first command again, with another address if one was typed."""
+    if typed in {"q", "c"}:
+        return Command(verb="leave")
+    if typed in {"", "g"}:
+        return first
+    if len(typed) < SHORTEST_ADDRESS:
+        return None
+    setup = first.setup and first.setup.model_copy(update={"url": typed})
+    return first.model_copy(update={"setup": setup} if setup else {"url": typed})
+
+
+def shown_at_end(line: str, view: View) -> str:
+    """Return what a line of input asks to be shown of a verdict, empty if it asks for something else."""
+    if view.verdict is None:
+        return ""
+    return {"d": view.verdict.diagnosis_text, "o": view.verdict.report}.get(line.strip(), "")
+
+
+def listen(
+    session: Session, lines: Iterable[str], say: Callable[[str], None], first: Command | None = None
+) -> None:
+    """Turn lines of input into commands until there are no more; ``first`` is what may be refused."""
+    for line in lines:
+        if text := shown_at_end(line, session.view):
+            say(text)
+        elif (command := command_of(line, session.view, first)) is not None:
+            session.send(command)
+        else:
+            say(_not_understood(line, session.view))
+
+
+def _not_understood(line: str, view: View) -> str:
+    key, _, rest = line.strip().partition(" ")
+    if key in STEP_VERBS and rest:
+        return f"there is no step {rest.strip()!r}; {HELP}"
+    return HELP

@@ -1,0 +1,92 @@
+"""Is this the unit that the campaign began with? Where the wire says no serial number, its counts must tell.
+
+On one face the accelerometers' count rates hold scale factor and bias whichever way the cube points, and the
+upright gyro's its bias and the Earth rate's vertical part. A unit switched on again repeats them to
+`ACCELEROMETER` and `GYROSCOPE`; another one of its model seldom comes as near in all of them.
+"""
+
+from typing import Annotated, Literal, NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from procedures.frames import AXES
+from station.stream.live.stillness import LEAST, TICKS
+
+ACCELEROMETER = 1e-3  # of g: turn-on repeatability of bias and scale factor together
+GYROSCOPE = 0.3  # of the greatest gyro rate at rest
+NOISE = 2.0  # ratio of sigmas
+PERIOD = 2e-2  # relative: where a device sends no time it was measured for 3 s, by a busy machine to 1 %
+Six = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
+
+
+class UnitRecord(BaseModel):
+    """A unit as the campaign knows it.
+
+    ``noise`` is the variance of a tenth of a second's counts [count^2] at rest, ``rate`` [count/s] the mean of the
+    first dwell: gyros, then accelerometers, raw, IMU axes. None where not known yet.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model: str
+    serial: str
+    serial_from_wire: bool
+    period: float
+    noise: Six | None = None
+    rate: Six | None = None
+
+
+class Sameness(NamedTuple):
+    """Whether it is the same unit, and why, in words."""
+
+    answer: Literal["yes", "no", "unsure"]
+    text: str
+
+
+def same_unit(before: UnitRecord, now: UnitRecord) -> Sameness:
+    """Say whether the unit connected ``now`` is the one of ``before``.
+
+    The wire's serial number decides where both have one. Else it is ``yes`` if rates and noise agree on the same
+    face: evidence, no proof, so that the operator should be asked still.
+    """
+    if before.serial_from_wire and now.serial_from_wire:
+        if (before.model, before.serial) == (now.model, now.serial):
+            return Sameness("yes", f"it says serial number {now.serial}, as when the campaign began")
+        text = f"it says {now.model} {now.serial}, the campaign began with {before.model} {before.serial}"
+        return Sameness("no", text)
+    if abs(now.period / before.period - 1) > PERIOD:
+        text = f"it sends every {now.period:.6g} s, the campaign's unit every {before.period:.6g} s"
+        return Sameness("no", text)
+    if before.rate is None or before.noise is None or now.rate is None or now.noise is None:
+        return Sameness("unsure", "it says no serial number, and there is no dwell yet to compare with")
+    rate, other = np.array(now.rate), np.array(before.rate)
+    if (here := _face(rate)) != (there := _face(other)):
+        text = f"it rests with {here}; put it down with {there}, as in the campaign's first dwell, to compare"
+        return Sameness("unsure", text)
+    noise, other_noise = (np.maximum(np.array(each), LEAST) for each in (now.noise, before.noise))
+    if unlike := _differences(rate, other, noise, other_noise):
+        return Sameness("unsure", f"unlike the campaign's first dwell: {', '.join(unlike)}")
+    return Sameness("yes", "it says no serial number, but its rates and noise are those of the first dwell")
+
+
+def _face(rate: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
+    upright = int(np.argmax(np.abs(rate[3:])))
+    return f"IMU {AXES[upright]} {'up' if rate[3 + upright] > 0 else 'down'}"
+
+
+def _differences(*arrays: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[str]:
+    """Say what differs more than switching off and on explains; arrays (6,): rates now, then, noise now, then."""
+    rate, other, noise, other_noise = arrays
+    upright = int(np.argmax(np.abs(other[3:])))
+    shift = (rate - other)[3:] / abs(other[3 + upright])
+    said = [
+        f"accelerometer {AXES[i]} by {shift[i] * 1e3:+.1f} mg" for i in range(3) if abs(shift[i]) > ACCELEROMETER
+    ]
+    turn_on = GYROSCOPE * np.abs(other[:3]).max() + 5 * np.sqrt(TICKS * (noise + other_noise)[upright])
+    if abs(rate[upright] - other[upright]) > turn_on:
+        said.append(f"gyro {AXES[upright]} {rate[upright]:.4g} instead of {other[upright]:.4g} counts/s")
+    ratio = np.sqrt(noise / other_noise)
+    for i in np.flatnonzero((ratio > NOISE) | (ratio < 1 / NOISE)).tolist():
+        triad = "gyro" if i < 3 else "accelerometer"
+        said.append(f"noise of {triad} {AXES[i % 3]} {ratio[i]:.2g} times as large")
+    return said

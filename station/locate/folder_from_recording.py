@@ -1,0 +1,141 @@
+"""A recording of IMU and GNSS made a fusion folder: calibrated, on the IMU's clock, level about the first fix."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from drivers.errors import ReplayEnded
+from procedures.earth.geodesy import LocalLevel
+from procedures.earth.gnss_records import GnssFix, TimeMark
+from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.earth.level_fixes import antenna, is_usable, level_fixes, origin_at
+from procedures.fusion.fusion_records import GnssFixes, ImuSeries
+from station.calibrated.calibration_choice import UNKNOWN, Applied, find_calibration
+from station.calibrated.rates_and_forces import Sensors
+from station.errors import DataRefused
+from station.files.fusion_folder.writing import Recorded, Seen, write_fusion
+from station.files.mcap_files.fix_reader import Record
+from station.locate.imu_noise import LEAST_S, Rest, densities, longest_rest
+from station.stream.camera.recorded_tracks import recorded_tracks
+from station.stream.gnss.fix_times import FixTimes
+from station.stream.live.live_feed import LiveFeed, open_feed
+from station.stream.live.silent_channels import refuse_partial
+from station.stream.replay.gnss import read_recorded
+from station.stream.replay.imu import Replay
+from station.text.plural import plural
+
+TICK_S = 0.1
+KNOWN_STD, UNKNOWN_STD = 0.02, 0.1  # s: of fixes placed by their sender's clock, and by when they were read
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Asked:
+    """How to make the folder: ``lever_arm`` (3,) [m], IMU to antenna in IMU axes, empty where not known."""
+
+    calibration: Path | None = None
+    database: str | None = None
+    lever_arm: tuple[float, ...] = ()
+    model: str = ""
+    serial: str = ""
+
+
+def fusion_from_recording(url: str, folder: Path, asked: Asked) -> list[str]:
+    """Write the fusion folder of a recorded MCAP file (``replay:FILE``), and return what was made of it, in lines.
+
+    Raises
+    ------
+    DataRefused
+        If the device does not measure six channels, there is no receiver's file beside it, no fix with a place in
+        it, or neither calibration nor scale.
+    CannotWrite
+        If the folder cannot be written.
+    """
+    feed, applied = _read(url, asked)
+    refuse_partial(feed.address.path, feed.stream.decoder.kind)
+    file = Path(feed.address.path)
+    times, imu, sensors = FixTimes(), *_calibrated(feed, applied)
+    for host_ns, sample in feed.tape.marks(feed.tape.begin, feed.tape.end):
+        times.mark_imu(host_ns, _device_s(feed, sample))
+    origin, fixes = _placed(file, read_recorded(file), times, imu)
+    counts = sensors.quanta() if feed.wire.output == "increments" else (0.0, 0.0)
+    rest = longest_rest(imu, counts[1])
+    gravity = normal_gravity(origin.latitude, origin.height)
+    noise = densities(imu, rest, feed.period, applied.document, counts)
+    std = KNOWN_STD if times.knows_sender else UNKNOWN_STD
+    marks = feed.tape.marks(feed.tape.begin, feed.tape.end)
+    seen = recorded_tracks(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
+    folder.mkdir(parents=True, exist_ok=True)
+    write_fusion(folder, Recorded(origin, gravity, imu, noise, fixes, std, asked.lever_arm, seen))
+    silent = [f"warning: {feed.silent}"] if feed.silent else []
+    return [*silent, *_said(folder, imu, fixes, rest, applied, seen)]
+
+
+def _device_s(feed: LiveFeed, sample: int) -> float:
+    return float(feed.tape.block(sample, sample + 1).device_time[0])
+
+
+def _read(url: str, asked: Asked) -> tuple[LiveFeed, Applied]:
+    """Return a feed that has taken the whole of a recording; what came before a restart is let go."""
+    feed = open_feed(Replay(url, 0.0))
+    unknown = UNKNOWN if feed.wire.identity is None else None
+    try:
+        unit = feed.identify(asked.model or unknown, asked.serial or unknown)
+        while True:
+            feed.advance()
+    except ReplayEnded:
+        if feed.unit is None:
+            raise
+    return feed, find_calibration(asked.calibration, asked.database, unit, feed.wire)
+
+
+def _calibrated(feed: LiveFeed, applied: Applied) -> tuple[ImuSeries, Sensors]:
+    """Return all samples in SI, stamped in the middle of their intervals, IMU axes."""
+    counts = feed.wire.output == "increments"
+    sensors = Sensors(applied.document, applied.nominal, np.eye(3), feed.period, counts=counts)
+    tape, size = feed.tape, max(1, round(TICK_S / feed.period))
+    ticks = [sensors.take(tape.block(at, min(at + size, tape.end))) for at in range(tape.begin, tape.end, size)]
+    t, rate, force = (
+        np.concatenate(parts)
+        for parts in zip(*((tick.t, tick.calibrated.rate, tick.calibrated.force) for tick in ticks), strict=True)
+    )
+    return ImuSeries(t - feed.period / 2, rate, force), sensors
+
+
+def _placed(file: Path, records: list[Record], times: FixTimes, imu: ImuSeries) -> tuple[LocalLevel, GnssFixes]:
+    """Return the usable fixes within the IMU's time, each a new one of the receiver's, level about the first."""
+    for record in records:
+        if isinstance(record, TimeMark):
+            times.mark_sender(record)
+    fixes = [record for record in records if isinstance(record, GnssFix)]
+    source = antenna(fixes)
+    used, stamps = list[GnssFix](), list[float]()
+    for fix in fixes:
+        t = times.of(fix) if fix.source == source and is_usable(fix) else None
+        if t is not None and imu.t[0] <= t <= imu.t[-1] and (not stamps or t > stamps[-1]):
+            used.append(fix)
+            stamps.append(t)
+    if len(used) < 2:
+        raise DataRefused(
+            file, None,
+            f"{plural(len(used), 'fix')} with a place in three dimensions while the IMU was recorded",
+            "two or more",
+            "give the receiver a view of the sky; --gnss URL records it beside the IMU",
+        )  # fmt: skip
+    origin = origin_at(used[0])
+    return origin, level_fixes(origin, np.array(stamps), used)
+
+
+def _said(
+    folder: Path, imu: ImuSeries, fixes: GnssFixes, rest: Rest, applied: Applied, seen: Seen | None
+) -> list[str]:
+    rested = f"noise from {rest.seconds:.0f} s of rest"
+    if rest.seconds < LEAST_S:
+        rested = f"warning: no rest of {LEAST_S:g} s, the noise is that of the quietest seconds"
+    what = [f"{imu.t[-1] - imu.t[0]:.1f} s of IMU", plural(len(fixes.t), "fix")]
+    what += [] if seen is None else [f"{plural(len(seen.tracks.frames()[0]), 'frame')} of the camera"]
+    return [
+        f"{folder}: {', '.join(what)}, calibration {applied.in_use.text}",
+        rested,
+        f"station locate {folder}{'' if seen is None else ' --source vision'}",
+    ]

@@ -1,0 +1,56 @@
+"""What comes before a live location: the unit's noise from its rest, then an alignment, tried again and again."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.fusion.alignment.aligner import FIRST, STEP, WINDOW, attempt, between
+from procedures.fusion.alignment.alignment import Aligned, Waiting
+from procedures.fusion.alignment.moving_aligner import MovingAligner
+from procedures.fusion.fusion_records import GnssFixes, ImuSeries
+
+LONGEST_REST = 60.0  # s of a rest that the window goes through again: its data are what the heading is known by
+KEPT = 300.0  # s of samples
+SPARSER = 0.05  # of the time so far, between two attempts
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Begun:
+    """An alignment, and the samples and fixes from which the window begins."""
+
+    aligned: Aligned
+    imu: ImuSeries
+    fixes: GnssFixes
+
+
+class Beginning:
+    """Tries at growing intervals; ``why`` says what is missing."""
+
+    def __init__(self, aligner: MovingAligner) -> None:
+        self._aligner, self.noise = aligner, aligner.noise
+        self._start: float | None = None
+        self._next = 0.0
+        self.why = "waiting for fixes"
+
+    def attempt(self, imu: ImuSeries, fixes: GnssFixes) -> Begun | None:
+        """Return a beginning if it is time for an attempt and that succeeds."""
+        now = min(float(imu.t[-1]), float(fixes.t[-1]))
+        if self._start is None:
+            self._start = max(float(imu.t[0]), float(fixes.t[0]))
+            self._next = self._start + FIRST
+        if now < self._next:
+            return None
+        self._next = now + max(STEP, SPARSER * (now - self._start))
+        found = attempt(self._aligner, imu, fixes, self._start, now)
+        if isinstance(found, Waiting):
+            self.why = found.why
+            return None
+        first = max(found.t0, now - max(LONGEST_REST, WINDOW))
+        return Begun(replace(found, t0=first), between(imu, first - 1.0, now), fixes)
+
+
+def joined(parts: list[ImuSeries]) -> ImuSeries:
+    """Return consecutive samples as one series."""
+    return ImuSeries(
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in ("t", "omega_b", "f_b"))
+    )

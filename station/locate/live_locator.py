@@ -1,0 +1,161 @@
+"""Where a unit is and which way it points while it is carried: samples, fixes and images in, a location out.
+
+All follows from what came and from the moments at which it was read, so that a replay gives the same. Keyframes
+stand at fixes, or at a camera's frames where there is one, as far behind the newest sample as those are late.
+"""
+
+from collections import deque
+from dataclasses import replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.earth.gravity_and_rate import earth_rate_n, normal_gravity
+from procedures.fusion.alignment.moving_aligner import MovingAligner
+from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
+from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.inner.inertial_window import WindowSettings
+from procedures.fusion.outer.outer_graph import GlobalPose, OuterSettings
+from station.locate.camera_source import with_lever
+from station.locate.imu_noise import NoiseOf
+from station.locate.imu_source import with_constants
+from station.locate.live_alignment import KEPT, Beginning, Begun, joined
+from station.locate.live_camera import LiveCamera
+from station.locate.live_fixes import BEHIND, LiveFixes
+from station.locate.live_graph import Graph, LiveGraph, NoGraph
+from station.locate.live_inputs import Taken
+from station.locate.live_report import Told
+from station.locate.live_source import LiveInertial, LiveSource
+from station.locate.live_vision import LiveVision, VisualBeginning
+from station.locate.outer_layer import FREE_ARM
+from station.monitor.view import Location
+
+TRY_EVERY_S = 1.0
+
+
+class LiveLocator:
+    """Call `take` for each tick; ``location`` is what is known then.
+
+    ``ahead`` (3,) is forward in IMU axes; ``lever_arm`` (3,) [m] from IMU to antenna, None: estimated.
+    """
+
+    def __init__(
+        self, noise_of: NoiseOf, ahead: FloatArray, lever_arm: FloatArray | None = None,
+        camera: LiveCamera | None = None,
+    ) -> None:  # fmt: skip
+        self._noise_of, self._arm, self._told, self._camera = noise_of, lever_arm, Told(ahead), camera
+        self._given = LiveFixes()
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Begin again: the unit's time has no relation to what came before."""
+        self._given = LiveFixes(self._given.origin)
+        self._told.begin_anew()
+        if self._camera is not None:
+            self._camera.begin_anew()
+        self._imu: deque[ImuSeries] = deque()
+        self._beginning: Beginning | VisualBeginning | None = None
+        self._source: LiveSource | None = None
+        self._graph: Graph | None = None
+        self._try_at = -np.inf
+        self.location = Location(why="no fix yet")
+
+    def take(self, taken: Taken) -> None:
+        """Go on by a tick."""
+        now = float(taken.imu.t[-1])
+        self._keep(taken.imu, now)
+        self._given.mark(taken.marks)
+        new = self._given.take(taken.records, now)
+        if self._camera is not None:
+            self._see(self._camera, taken, now)
+        if self._source is not None and self._graph is not None:
+            if new is not None:
+                self._graph.add(new)
+            self._go_on(self._source, self._graph, now)
+        elif self._given.fixes is not None and now >= self._try_at:
+            self._try_at = now + TRY_EVERY_S
+            self._try_to_begin(self._given.fixes)
+
+    def _keep(self, imu: ImuSeries, now: float) -> None:
+        """Keep the samples that an alignment needs, or a camera's delay, or else the next keyframes."""
+        self._imu.append(imu)
+        is_learnt = self._source is not None and (self._camera is None or self._camera.offset is not None)
+        while now - self._imu[0].t[-1] > (2 * BEHIND[1] if is_learnt else KEPT):
+            self._imu.popleft()
+
+    def _see(self, camera: LiveCamera, taken: Taken, now: float) -> None:
+        camera.mark(taken.marks)
+        camera.take(taken.images, now)
+        if camera.is_due:
+            camera.learn(joined(list(self._imu)))
+        self.location = replace(self.location, camera=camera.said)
+
+    def _try_to_begin(self, fixes: GnssFixes) -> None:
+        imu = joined(list(self._imu))
+        begun = None
+        if self._beginning is None and (noise := self._noise_of(imu)) is not None:
+            self._beginning = self._beginning_of(noise)
+        if self._beginning is None:
+            why = "keep it still for 10 s: its noise is learnt"
+        else:
+            begun = self._beginning.attempt(imu, fixes)
+            why = self._beginning.why
+        self.location = replace(self.location, why=why, fixes=self._given.count)
+        if begun is not None and self._beginning is not None:
+            self._begin(begun, self._aligner(self._beginning.noise), fixes)
+
+    def _beginning_of(self, noise: ImuNoise) -> "Beginning | VisualBeginning":
+        aligner = self._aligner(noise)
+        return Beginning(aligner) if self._camera is None else VisualBeginning(aligner, self._camera)
+
+    def _begin(self, begun: Begun, a: MovingAligner, fixes: GnssFixes) -> None:
+        """Go through the data of the alignment again."""
+        given = OuterSettings(lever_arm=self._arm)
+        if self._camera is None:
+            given = with_constants(given, begun.aligned)
+            told = np.isfinite(fixes.v_n[:, :2]).all(axis=1).any()  # else nothing would hold a window's velocity
+            settings = WindowSettings(
+                a.noise, a.gravity, a.earth_n, given.arm, 2 if told else 1, lever_std=a.lever_std
+            )
+            self._source = source = LiveInertial(settings, begun, self._given)
+            self._graph = LiveGraph(given) if told else NoGraph(source.window)
+        else:
+            given = with_lever(replace(given, lever_arm_std=a.lever_std), begun.aligned)
+            site = Site(a.gravity, a.earth_n, a.noise)
+            self._source = LiveVision(site, given, begun, self._given, self._camera)
+            self._graph = LiveGraph(given)
+        self._graph.add(fixes)
+        self._given.taken = 0
+        for pose in self._source.begin():
+            known = self._graph.take(pose)
+            passed = self._given.passed(pose.t)
+            if known is not None and pose.t >= begun.aligned.t:
+                self._show(self._source, self._graph, known, passed)
+
+    def _aligner(self, noise: ImuNoise) -> MovingAligner:
+        origin = self._given.origin
+        assert origin is not None
+        gravity, earth_n = normal_gravity(origin.latitude, origin.height), earth_rate_n(origin.latitude)
+        if self._arm is not None:
+            return MovingAligner(noise, gravity, earth_n, self._arm)
+        return MovingAligner(noise, gravity, earth_n, np.zeros(3), FREE_ARM)
+
+    def _go_on(self, source: LiveSource, graph: Graph, now: float) -> None:
+        """Add the keyframes that are due."""
+        for pose in source.due(joined(list(self._imu)), now - self._given.lateness):
+            if (known := graph.take(pose)) is not None:
+                self._show(source, graph, known, self._given.passed(pose.t))
+                if self._arm is None:
+                    source.learn(graph.lever_arm, graph.lever_std)
+        self._given.forget()
+
+    def _show(self, source: LiveSource, graph: Graph, pose: GlobalPose, passed: range) -> None:
+        fixes, origin = self._given.fixes, self._given.origin
+        assert fixes is not None
+        assert origin is not None
+        velocity, antenna = source.velocity, pose.p + pose.C_nb @ graph.lever_arm
+        for fix in passed:
+            place = antenna - velocity * (pose.t - fixes.t[fix])
+            self._told.look_at(place, float(fixes.position_std[fix]), fixes.p_n[fix])
+        camera = "" if self._camera is None else self._camera.said
+        self.location = replace(self._told.location(pose, velocity, origin, self._given), camera=camera)

@@ -1,0 +1,55 @@
+"""What is told of a live location: place, heading, their sigmas, the way gone, and which fixes stand off."""
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.earth.geodesy import LocalLevel
+from procedures.fusion.outer.outer_graph import REJECTED, GlobalPose
+from station.locate.live_fixes import LiveFixes
+from station.locate.live_track import Track
+from station.monitor.view import Location
+
+LEVEL = 0.1  # of forward's length across the vertical, below which it has no heading
+
+
+class Told:
+    """``ahead`` (3,) is forward in IMU axes."""
+
+    def __init__(self, ahead: FloatArray) -> None:
+        self._ahead, self._track = ahead, Track()
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Go on with the same track."""
+        self._std: FloatArray = np.zeros(3)  # of the last place
+
+    def look_at(self, place: FloatArray, std: float, fix: FloatArray) -> None:
+        """Count a fix (3,) that stands off the antenna's place (3,) by more than chance and what was uncertain."""
+        if np.linalg.norm((fix - place) / np.hypot(std, self._std)) > REJECTED:
+            self._track.add_outlier(fix)
+
+    def location(self, pose: GlobalPose, velocity: FloatArray, origin: LocalLevel, fixes: LiveFixes) -> Location:
+        """Return what is known at a pose, with its ``velocity`` (3,) [m/s].
+
+        The place is no better than the receiver says of itself: its errors last for minutes, they do not average.
+        """
+        self._track.add(pose.p)
+        std = np.sqrt(np.diag(pose.covariance))
+        self._std = std[:3]
+        ahead = pose.C_nb @ self._ahead
+        is_level = bool(np.hypot(*ahead[:2]) > LEVEL)
+        latitude, longitude, height = origin.geodetic(pose.p)
+        return Location(
+            is_located=True, t=pose.t, enu=_three(pose.p), enu_std=_three(np.hypot(std[:3], fixes.std)),
+            velocity=_three(velocity),
+            heading=float(np.degrees(np.arctan2(ahead[0], ahead[1])) % 360) if is_level else None,
+            heading_std=float(np.degrees(std[3])),
+            latitude=float(np.degrees(latitude)), longitude=float(np.degrees(longitude)), height=height,
+            fixes=fixes.count, outliers=self._track.outliers, fix_age=pose.t - fixes.newest_taken,
+            track=self._track.points, far=self._track.far,
+        )  # fmt: skip
+
+
+def _three(vector: FloatArray) -> tuple[float, float, float]:
+    x, y, z = vector.tolist()
+    return x, y, z

@@ -1,0 +1,60 @@
+"""A location as `location/1` (DESIGN 5): JSON-ready, without NaN, what is not estimated left out."""
+
+from typing import Any
+
+import numpy as np
+
+from procedures.fusion.fusion_records import Trajectory
+from station.locate.result import Alignment, Located
+from station.locate.trajectory_error import errors
+
+FORMAT = "location/1"
+
+
+def location_document(located: Located, source: str, truth: Trajectory | None) -> dict[str, Any]:
+    """Return ``location/1``; ``error_m`` are over all poses from the moment of initialisation."""
+    document = {
+        "format": FORMAT,
+        "source": source,
+        "layers": located.layers,
+        "initialised_at_s": located.begun_at,
+        "why_not": located.why_not or None,
+        "alignment": located.alignment and _alignment(located.alignment),
+        "gyro_bias_rad_s": _list(located.gyro_bias),
+        "accel_bias_m_s2": _list(located.accel_bias),
+        "lever_arm_m": _list(located.lever_arm),
+        "time_offset_s": located.time_offset,
+        "camera_time_offset_s": located.camera_time_offset,
+        "camera_time_offset_std_s": located.camera_time_offset_std,
+        "rejected_fixes": located.rejected,
+        "solve_ms": _times(located),
+        "error_m": truth and _errors(located, truth),
+        "warnings": list(located.warnings),
+    }
+    return {name: part for name, part in document.items() if part is not None and part != {}}
+
+
+def _alignment(alignment: Alignment) -> dict[str, Any]:
+    std = {"yaw_deg": alignment.yaw_std_deg, "tilt_deg": alignment.tilt_std_deg}
+    value = {"yaw_deg": alignment.yaw_deg, "tilt_deg": alignment.tilt_deg}
+    known = {name: part for name, part in value.items() if part is not None}
+    return {**known, "std": {name: part for name, part in std.items() if part is not None}}
+
+
+def _list(vector: Any) -> list[float] | None:
+    return None if vector is None else [float(part) for part in vector]
+
+
+def _times(located: Located) -> dict[str, float]:
+    if not len(located.seconds):
+        return {}
+    return {"mean": float(np.mean(located.seconds) * 1e3), "worst": float(np.max(located.seconds) * 1e3)}
+
+
+def _errors(located: Located, truth: Trajectory) -> dict[str, Any]:
+    online, batch = errors(located.online, truth), errors(located.smoothed, truth)
+    parts = {
+        "online": online and {"mean": online.mean, "max": online.worst},
+        "batch": batch and {"mean": batch.mean, "max": batch.worst},
+    }
+    return {name: part for name, part in parts.items() if part is not None}

@@ -1,0 +1,42 @@
+"""What a monitor tells a locator and hears from it."""
+
+from typing import Protocol
+
+from procedures.arrays import FloatArray
+from procedures.fusion.fusion_records import ImuSeries
+from station.calibrated.rates_and_forces import Tick
+from station.guide.view import Sound
+from station.locate.live_inputs import Taken
+from station.monitor.view import Location
+
+
+class Locating(Protocol):
+    """What a monitor tells of each tick, and asks where the unit is."""
+
+    @property
+    def location(self) -> Location:
+        """What is known now."""
+        ...
+
+    def take(self, taken: Taken) -> None:
+        """Go on by a tick."""
+        ...
+
+    def begin_anew(self) -> None:
+        """Begin again: the unit's time has no relation to what came before."""
+        ...
+
+
+def in_imu_axes(tick: Tick, C: FloatArray, period: float) -> ImuSeries:
+    """Return a tick's samples in the middle of their intervals; ``C`` (3, 3) takes IMU axes to the body's."""
+    return ImuSeries(tick.t - period / 2, tick.calibrated.rate @ C, tick.calibrated.force @ C)
+
+
+def news_of(before: Location | None, found: Location) -> tuple[Sound, str] | None:
+    """Return what is to be said of a location, and how it sounds."""
+    was = before is not None and before.is_located
+    if found.is_located and not was:
+        return "accepted", "position and heading are known"
+    if was and not found.is_located:
+        return "rejected", f"position and heading are no longer known: {found.why}"
+    return None

@@ -1,0 +1,19 @@
+"""Locate by somebody else's odometry."""
+
+from procedures.fusion.outer.odometry import RecordedOdometry, without_restarts
+from station.errors import DataRefused
+from station.files.fusion_folder import FusionLog
+from station.locate.outer_layer import through_graph
+from station.locate.result import Located
+
+
+def by_odometry(log: FusionLog, _layers: int = 2) -> Located:
+    """Locate by a recorded odometry."""
+    if log.odometry is None or log.table.odometry is None:
+        raise DataRefused(log.folder / "fusion.toml", None, "no [odometry]", "one, for this source", "add it")
+    kept, dropped = without_restarts(log.odometry)
+    if len(kept) < 2:
+        file = log.folder / log.table.odometry.file
+        raise DataRefused(file, None, "a restart at its end", "an odometry that goes on")
+    said = f"{log.table.odometry.file}: {dropped} poses before a step that no motion explains were dropped"
+    return through_graph(log, RecordedOdometry(kept), (said,) if dropped else ())

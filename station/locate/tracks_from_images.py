@@ -1,0 +1,104 @@
+"""Tracks of a fusion folder from images: a folder of them with ``images.csv``, a camera, or a video file."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from drivers.camera.video import camera_images
+from procedures.fusion.optional_libraries import opencv
+from procedures.fusion.vision.feature_tracker import FeatureFollower, FollowerSettings, Image, Lens
+from procedures.fusion.vision.feature_tracks import Tracks
+from station.errors import DataRefused
+from station.files.fusion_folder.reading import NAME, files_of, read_toml
+from station.files.fusion_folder.tracks import lens_of, write_tracks
+from station.files.opening import open_inside
+from station.files.overwrite_guard import refuse_own
+
+LIST = "images.csv"
+HEADER = "t_s,file"
+
+
+def make_tracks(folder: Path, images: Path, seconds: float) -> Path:
+    """Follow features through ``images`` and write the tracks that ``[tracks]`` of ``folder`` names.
+
+    Raises
+    ------
+    DataRefused
+        If the folder has no ``[tracks]`` with intrinsics, or an image cannot be read.
+    CannotWrite
+        If the tracks would be written over an image or another file of the folder.
+    """
+    table = read_toml(folder)[0].tracks
+    if table is None:
+        raise DataRefused(folder / NAME, None, "no [tracks]", "one, with file and intrinsics", "add it")
+    if Path(table.file).name != table.file:
+        raise DataRefused(folder / NAME, None, f"file {table.file!r}", "the name of a file in the folder itself")
+    made = folder / table.file
+    refuse_own((made,), [*files_of(folder, but="tracks"), *images_of(images)])
+    pairs = listed_images(images, seconds) if images.is_dir() else camera_images(images, seconds)
+    tracks = follow_all(pairs, lens_of(table))
+    if not len(tracks.t):
+        raise DataRefused(images, None, "no feature to follow", "images with corners")
+    write_tracks(made, tracks)
+    return made
+
+
+def images_of(images: Path) -> list[Path]:
+    """Return the files that are read where ``images`` is a folder of them, or a video."""
+    if not images.is_dir():
+        return [images]
+    return [images / LIST, *(images / name for _, _, name in _lines(images))]
+
+
+def follow_all(
+    pairs: Iterable[tuple[float, Image]], lens: Lens, settings: FollowerSettings | None = None
+) -> Tracks:
+    """Return the tracks of features through images in the order of time, without the lens's distortion."""
+    follower = FeatureFollower(lens, settings)
+    t, features, points = list[float](), [np.zeros(0, np.int64)], [np.zeros((0, 2))]
+    for now, image in pairs:
+        feature, uv = follower.follow(image)
+        t.extend([now] * len(feature))
+        features.append(feature)
+        points.append(lens.straightened(uv))
+    return Tracks(np.array(t), np.concatenate(features), np.concatenate(points))
+
+
+def listed_images(folder: Path, seconds: float = float("inf")) -> Iterator[tuple[float, Image]]:
+    """Yield time [s] and grey image of each line ``t_s,file`` of the folder's ``images.csv``."""
+    cv, shape, first = opencv(), None, None
+    for number, t, name in _lines(folder):
+        first = t if first is None else first
+        if t - first > seconds:
+            return
+        with open_inside(folder, name, folder / LIST, number) as stream:
+            image = cv.imdecode(np.frombuffer(stream.read(), np.uint8), cv.IMREAD_GRAYSCALE)
+        if image is None:
+            raise DataRefused(folder / LIST, number, f"{name!r}, which is no image", "PNG, JPEG or PGM")
+        if shape is not None and image.shape != shape:
+            raise DataRefused(folder / LIST, number, f"an image of {image.shape}", f"{shape} as those before it")
+        shape = image.shape
+        yield t, image
+
+
+def _lines(folder: Path) -> Iterator[tuple[int, float, str]]:
+    with open_inside(folder, LIST, folder, None) as stream:
+        lines = stream.read().decode("utf-8", "backslashreplace").splitlines()
+    if not lines or lines[0].strip() != HEADER:
+        raise DataRefused(folder / LIST, 1, repr(lines[0][:40] if lines else ""), f"the header {HEADER}")
+    before = -np.inf
+    for number, line in enumerate(lines[1:], start=2):
+        cell, _, name = line.partition(",")
+        try:
+            t = float(cell)
+        except ValueError:
+            t = np.nan
+        if not np.isfinite(t) or not name.strip():
+            raise DataRefused(folder / LIST, number, repr(line[:60]), f"a time and a file name: {HEADER}")
+        if not t > before:
+            raise DataRefused(
+                folder / LIST, number, f"t_s {t:.6f} after {before:.6f}", "a time above the one before"
+            )
+        before = t
+        yield number, t, name.strip()

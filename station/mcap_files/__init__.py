@@ -1,9 +1,0 @@
-"""A step's recording as MCAP: counts and the bytes as read, open to Foxglove and PlotJuggler."""
-
-from station.mcap_files.contents import StepContents
-from station.mcap_files.reader import read_step
-from station.mcap_files.schemas import BY_OUTPUT, COUNTS, RATES
-from station.mcap_files.step_table import read_table
-from station.mcap_files.writer import StepWriter, write_step
-
-__all__ = ["BY_OUTPUT", "COUNTS", "RATES", "StepContents", "StepWriter", "read_step", "read_table", "write_step"]

@@ -1,0 +1,184 @@
+"""Attitude tick by tick: first seconds kept to learn the noise from, then the joint filter.
+
+The result depends on the samples and not on how they came, so that a replay gives the same to the last bit.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.forward_right_down import inclination, roll_pitch_of
+from procedures.attitude.joint_filter import JointFilter
+from procedures.attitude.joint_state import HEADING_KNOWN, Settings
+from station.calibrated.rates_and_forces import Inputs
+
+ALIGN_S = 2.0
+NORTH_S = (
+    31.0  # of rest, from which north is told: a little more than `procedures.attitude.heading_at_rest` asks for
+)
+RESIDUAL_SHARE = 0.1  # of each tick: a second
+ANEW_S = 10.0  # put between what has no relation in time: the filter then begins anew with the biases learnt
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Aiding:
+    """An aid's newest values, nan where there is none: ``airspeed`` [m/s], ``velocity`` (3,) NED, ``heading``.
+
+    ``age`` [s] of velocity and heading at the tick's end.
+    """
+
+    airspeed: float = np.nan
+    velocity: tuple[float, float, float] = (np.nan, np.nan, np.nan)
+    heading: float = np.nan
+    age: float = 0.0
+
+
+NO_AID = Aiding()
+Compass = Callable[[AttitudeLog], tuple[float, float] | None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Attitude:
+    """Where the unit stands: angles [rad], ``down`` (3,), mean ``rate`` (3,) [rad/s], gyro ``bias`` (3,) [rad/s].
+
+    ``sigma`` and ``residual`` are angles of the vertical [rad]; ``heading`` [rad] is nan where not known.
+    """
+
+    roll: float
+    pitch: float
+    down: FloatArray
+    sigma: float
+    rate: FloatArray
+    bias: FloatArray
+    residual: float
+    at_rest: bool
+    heading: float
+
+
+class AttitudeTrack:
+    """One unit's attitude.
+
+    ``settings`` makes the filter's of some seconds and of whether the heading is known. Where it is not,
+    ``compass`` may tell heading and 1 sigma [rad] of half a minute's rest; the filter then goes through that rest
+    again, knowing it, and ``north`` holds what was found.
+    """
+
+    def __init__(
+        self, aid: str, settings: Callable[[AttitudeLog, bool], Settings], heading: float = np.nan,
+        compass: Compass | None = None,
+    ) -> None:  # fmt: skip
+        self._aid, self._settings, self._heading, self._compass = aid, settings, heading, compass
+        self.north: tuple[float, float] | None = None
+        self._rest: list[AttitudeLog] = []
+        self._first: list[AttitudeLog] = []  # seconds to learn the noise from
+        self._filter: JointFilter | None = None
+        self._shift = 0.0  # of the device's time, so that it goes on
+        self._last: float | None = None
+        self._force: FloatArray | None = None  # smoothed over a second
+
+    @property
+    def is_aligning(self) -> bool:
+        """Whether the first seconds are not over."""
+        return self._filter is None
+
+    def begin_anew(self) -> None:
+        """Take the next tick's time as one of another beginning."""
+        self._first.clear()
+        if self._filter is None:
+            self._last = None
+        else:
+            self._rest.clear()
+            self._shift = np.nan
+
+    def take(self, t: FloatArray, inputs: Inputs, aiding: Aiding = NO_AID) -> Attitude | None:
+        """Take ends (n,) [s] and inputs of a tick; None while aligning. The aid stands at its last sample."""
+        if np.isnan(self._shift):
+            assert self._last is not None
+            self._shift = self._last + ANEW_S - float(t[0])
+        log = self._log(t + self._shift, inputs, aiding)
+        self._last = float(log.t[-1])
+        if self._filter is None:
+            self._first.append(log)
+            if self._last - self._first[0].t[0] < ALIGN_S:
+                return None
+            log = _joined(self._first)
+            self._filter = JointFilter(self._aid, self._settings(log, bool(np.isfinite(self._heading))))
+            self._first.clear()
+        self._filter.settings = self._filter.settings._replace(fix_latency=aiding.age)
+        self._filter.run(log)
+        self._learn_noise(self._filter, log)
+        return self._found(self._find_north(self._filter, log), inputs)
+
+    def _learn_noise(self, kept: JointFilter, log: AttitudeLog) -> None:
+        """Take the noise of a rest if it is less than what was seen so far: the first seconds may have moved."""
+        if not kept.at_rest:
+            self._first.clear()
+            return
+        self._first.append(log)
+        if log.t[-1] - self._first[0].t[0] < ALIGN_S:
+            return
+        seen, now = self._settings(_joined(self._first), False), kept.settings
+        self._first.clear()
+        names = ("gyro_noise", "rest_force_noise")
+        kept.settings = now._replace(**{name: min(getattr(now, name), getattr(seen, name)) for name in names})
+
+    def _find_north(self, kept: JointFilter, log: AttitudeLog) -> JointFilter:
+        """Return the filter to go on with: one that knows north where this rest has told it."""
+        if self._compass is None or kept.state.block[HEADING_KNOWN] > 0:
+            return kept
+        self._rest = [*self._rest, log] if kept.at_rest else []
+        if not self._rest or log.t[-1] - self._rest[0].t[0] < NORTH_S:
+            return kept
+        whole, self._rest = _joined(self._rest), []
+        if (found := self._compass(whole)) is None:
+            return kept
+        assert whole.heading is not None
+        whole.heading[0], std = self.north = found
+        self._filter = JointFilter(self._aid, self._settings(whole, True)._replace(heading_std=std))
+        self._filter.run(whole)
+        return self._filter
+
+    def _log(self, t: FloatArray, inputs: Inputs, aiding: Aiding) -> AttitudeLog:
+        n = len(t)
+        airspeed, heading, velocity = np.full(n, np.nan), np.full(n, np.nan), np.full((n, 3), np.nan)
+        airspeed[-1], velocity[-1] = aiding.airspeed, aiding.velocity
+        heading[-1] = aiding.heading + aiding.age * self._turning(inputs)
+        if self._last is None and np.isnan(aiding.heading):
+            heading[0] = self._heading
+        return AttitudeLog(t, inputs.rate, inputs.force, airspeed, velocity, heading)
+
+    def _turning(self, inputs: Inputs) -> float:
+        """Return the rate of the heading [rad/s]; nought while aligning."""
+        return 0.0 if self._filter is None else float(self._filter.down @ inputs.rate.mean(axis=0))
+
+    def _found(self, kept: JointFilter, inputs: Inputs) -> Attitude:
+        down, force = kept.down, self._smoothed(inputs.force)
+        roll, pitch = roll_pitch_of(down)
+        C, knows = kept.state.C_nb, kept.state.block[HEADING_KNOWN] > 0
+        heading = float(np.arctan2(C[1, 0], C[0, 0])) if knows else np.nan
+        return Attitude(
+            float(roll), float(pitch), down, kept.sigma, inputs.rate.mean(axis=0), kept.gyro_bias[0],
+            float(inclination(-force, down)), kept.at_rest, heading,
+        )  # fmt: skip
+
+    def _smoothed(self, force: FloatArray) -> FloatArray:
+        """Return the specific force (3,) smoothed: of one tick it shows the counter's step more than anything."""
+        now: FloatArray = force.mean(axis=0)
+        self._force = now if self._force is None else self._force + RESIDUAL_SHARE * (now - self._force)
+        return self._force
+
+
+def prepare() -> None:
+    """Have the filter compiled: kept on the disk, so that only a first run of all takes its minute."""
+    t: FloatArray = np.arange(10.0)
+    still = Inputs(np.zeros((10, 3)), np.tile([0.0, 0.0, -9.8], (10, 1)))
+    track = AttitudeTrack("none", lambda log, knows: Settings())
+    track.take(t, still)
+
+
+def _joined(logs: list[AttitudeLog]) -> AttitudeLog:
+    names = ("t", "rate", "force", "airspeed", "velocity", "heading")
+    return AttitudeLog(**{name: np.concatenate([getattr(log, name) for log in logs]) for name in names})

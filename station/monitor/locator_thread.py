@@ -1,0 +1,90 @@
+"""Locating beside the monitor: on a thread of its own when it is live, so that nothing waits for the estimator."""
+
+import threading
+from contextlib import ExitStack
+from dataclasses import replace
+from queue import SimpleQueue
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.fusion.vision.camera_time import CameraOffset
+from station.calibrated.calibration_choice import Applied
+from station.calibrated.rates_and_forces import Sensors
+from station.files.fusion_folder.tracks import camera_of, lens_of
+from station.locate.imu_noise import NoiseOf
+from station.locate.live_camera import LiveCamera
+from station.locate.live_inputs import Taken
+from station.locate.live_locator import LiveLocator
+from station.locate.monitor_interface import Locating
+from station.stream.camera.description import Description
+from station.stream.camera.feature_following import Following
+from station.stream.live.live_feed import LiveFeed
+
+LEAVE_S = 2.0
+FAR_BEHIND = 100  # ticks: ten seconds
+
+
+class LocatorThread:
+    """A locator that works through what it is given as fast as it can; both calls return at once."""
+
+    def __init__(self, locator: LiveLocator) -> None:
+        self._locator = locator
+        self.location = locator.location
+        self._given: SimpleQueue[Taken | None] = SimpleQueue()  # None: begin anew
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="locator", daemon=True)
+        self._thread.start()
+
+    def take(self, taken: Taken) -> None:
+        """Go on by a tick, soon; without images while it is far behind."""
+        self._given.put(taken if self._given.qsize() < FAR_BEHIND else replace(taken, images=()))
+
+    def begin_anew(self) -> None:
+        """Begin again, soon."""
+        self._given.put(None)
+
+    def close(self) -> None:
+        """Let go of what is still to be done."""
+        self._stop.set()
+        self._given.put(None)
+        self._thread.join(LEAVE_S)
+
+    def _run(self) -> None:
+        try:
+            while True:
+                given = self._given.get()
+                if self._stop.is_set():
+                    return
+                if given is None:
+                    self._locator.begin_anew()
+                else:
+                    self._locator.take(given)
+                self.location = self._locator.location
+        except Exception as error:  # the edge of a thread: the monitor goes on without a location and says why
+            why = f"locating has stopped: {type(error).__name__}: {error}"
+            self.location = replace(self.location, is_located=False, why=why)
+
+
+def locating(
+    feed: LiveFeed, applied: Applied, C: FloatArray, lever_arm: tuple[float, ...], stack: ExitStack, *, live: bool,
+    camera: LiveCamera | None = None,
+) -> Locating:  # fmt: skip
+    """Return what locates the unit of a feed; ``C`` (3, 3) takes IMU axes to forward-right-down."""
+    counts = feed.wire.output == "increments"
+    sensors = Sensors(applied.document, applied.nominal, np.eye(3), feed.period, counts=counts)
+    noise_of = NoiseOf(feed.period, applied.document, sensors.quanta() if counts else (0.0, 0.0))
+    locator = LiveLocator(noise_of, C[0], np.array(lever_arm) if lever_arm else None, camera)
+    if not live:
+        return locator
+    thread = LocatorThread(locator)
+    stack.callback(thread.close)
+    return thread
+
+
+def live_camera(described: Description) -> LiveCamera:
+    """Return what follows features through a camera's images; raise `ExtraMissing` without OpenCV."""
+    table = described.table
+    about, std = table.time_offset_s, table.time_offset_std_s
+    known = None if about is None and std is None else CameraOffset(about or 0.0, std or 0.0)
+    return LiveCamera(camera_of(table), Following(lens_of(table)), known)

@@ -1,0 +1,241 @@
+"""`station monitor` put together: source, calibration, engine, and who looks at it."""
+
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import platformdirs
+
+from drivers.device_url import parse_device_url
+from procedures.arrays import FloatArray
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY, normal_gravity
+from procedures.fusion.optional_libraries import gtsam, opencv
+from station.calibrated.calibration_choice import UNKNOWN, Applied, find_calibration
+from station.errors import DataRefused
+from station.guide.folder import new_folder
+from station.locate.monitor_interface import Locating
+from station.monitor.alarms import Alarm
+from station.monitor.monitor import Monitor
+from station.monitor.options import Aid, Options, Seeing
+from station.monitor.reader_restart import Revival
+from station.monitor.recording import EVENTS, Recording
+from station.monitor.text_lines import PlainMonitor, json_line, listen
+from station.monitor.thread import MonitorThread
+from station.monitor.view import View
+from station.stream.camera.camera_feed import SESSION, open_camera
+from station.stream.camera.description import NAME as CAMERA_FILE
+from station.stream.camera.description import Description, read_description
+from station.stream.camera.replayed_camera import RecordedCamera
+from station.stream.live.live_feed import LiveFeed, Source, open_feed
+from station.stream.live.silent_channels import refuse_partial
+from station.stream.replay.gnss import RecordedGnss, recorded_aid, recorded_gnss
+from station.stream.replay.imu import Replay, is_mcap
+
+Output = Literal["screen", "plain", "json"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wanted:
+    """What the command line asks for, checked; angles in deg, ``gravity`` in m/s2."""
+
+    url: str
+    C: FloatArray
+    aid: str = ""  # gnss with a receiver; in a replay as it was then
+    gnss: str = ""
+    mavlink_out: str = ""
+    calibration: Path | None = None
+    latitude_deg: float | None = None
+    heading_deg: float | None = None
+    gravity: float | None = None
+    alarms: tuple[Alarm, ...] = ()
+    locate: bool = False
+    lever_arm: tuple[float, ...] = ()
+    camera: Path | None = None  # its file
+    folder: Path | None = None
+    records: bool = True
+    seconds: float = float("inf")
+    speed: float = 1.0
+    model: str = ""
+    serial: str = ""
+    database: str | None = None
+
+
+def run(wanted: Wanted, output: Output, *, slow: bool = False, quiet: bool = False) -> None:
+    """Monitor until the operator leaves, the replay or the time is over; raise what ended it otherwise."""
+    with ExitStack() as stack:
+        sinks: list[Callable[[View], None]] = [_write_json] if output == "json" else []
+        monitor = stack.enter_context(opened(wanted, tuple(sinks)))
+        stays = output == "screen" and wanted.seconds == float("inf")
+        session = stack.enter_context(MonitorThread(monitor, stays=stays, seconds=wanted.seconds))
+        if output == "screen":
+            from station.tui.monitor.run import run_monitor
+
+            run_monitor(session, slow=slow, quiet=quiet)
+        else:
+            _follow(session, plain=output == "plain", rings=not quiet)
+    if session.failure is not None:
+        raise session.failure
+
+
+@contextmanager
+def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> Iterator[Monitor]:
+    """Yield the engine of a device or a replay, with its folder.
+
+    Raises
+    ------
+    DriverError, CannotWrite, DataRefused
+        What port, disk or calibration refuse; nothing is left behind.
+    """
+    described = _described(wanted)
+    if wanted.locate:
+        (gtsam if described is None else opencv)()  # said before anything is begun
+    with ExitStack() as stack:
+        folder = _folder(wanted, stack)
+        source, revive = _source(wanted, folder or Path(stack.enter_context(tempfile.TemporaryDirectory())), stack)
+        feed = open_feed(source)
+        if isinstance(revive, Revival):
+            revive.feed = feed
+        unknown = UNKNOWN if feed.wire.identity is None else None
+        unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
+        refuse_partial(feed.address.name, feed.stream.decoder.kind)
+        applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
+        aid, aid_name = _aid(wanted, source, folder, stack)
+        camera = None if described is None else _camera(described, source, folder, stack)
+        where = _locating(wanted, feed, applied, aid, described, stack)
+        if wanted.mavlink_out:
+            sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
+        recording = None if folder is None else Recording(folder, feed.wire, aid.utc if aid else None)
+        if recording is not None:
+            recording.note("begin", wanted.url, float("nan"), 0)
+            recording.note("aid", aid_name, float("nan"), 0)
+            if wanted.records:
+                recording.begin()
+        latitude = None if wanted.latitude_deg is None else float(np.radians(wanted.latitude_deg))
+        yield Monitor(
+            feed, applied,
+            Options(
+                aid=aid_name, C=wanted.C, latitude=latitude,
+                heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
+                gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
+                alarms=wanted.alarms, revive=revive, locating=where, camera=camera,
+            ),
+            recording, aid, sinks, "" if folder is None else str(folder),
+        )  # fmt: skip
+
+
+def _folder(wanted: Wanted, stack: ExitStack) -> Path | None:
+    """Return the new folder of the run; None for a replay that asks for none."""
+    folder = wanted.folder
+    if folder is None:
+        if parse_device_url(wanted.url).scheme == "replay":
+            return None
+        root = platformdirs.user_data_path("fog-station") / "monitor"
+        folder = root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
+    return stack.enter_context(new_folder(folder, EVENTS))
+
+
+def _aid(wanted: Wanted, source: Source, folder: Path | None, stack: ExitStack) -> tuple[Aid | None, str]:
+    """Return the receiver, live or recorded, and by name what it aids with."""
+    if isinstance(source, Replay) and not wanted.gnss:
+        file = Path(source.address.path)
+        found = recorded_gnss(file)
+        if found is None and wanted.aid not in {"", "none"}:
+            raise DataRefused(file, None, f"no gnss_*.mcap beside it, --aid {wanted.aid}", "a receiver")
+        return found, wanted.aid or (recorded_aid(file) or "gnss" if found else "none")
+    if not wanted.gnss:
+        return None, wanted.aid or "none"
+    from station.monitor.gnss_aid import GnssAid
+    from station.stream.gnss import open_gnss
+
+    beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+    return GnssAid(stack.enter_context(open_gnss(wanted.gnss, beside))), wanted.aid or "gnss"
+
+
+def _locating(
+    wanted: Wanted, feed: LiveFeed, applied: Applied, aid: Aid | None, camera: Description | None, stack: ExitStack
+) -> Locating | None:
+    if not wanted.locate:
+        return None
+    from station.monitor.locator_thread import live_camera, locating
+
+    is_replay = isinstance(aid, RecordedGnss)
+    if aid is None:
+        raise DataRefused(feed.address.path, None, "no gnss_*.mcap beside it for --locate", "a receiver")
+    eye = None if camera is None else live_camera(camera)
+    return locating(feed, applied, wanted.C, wanted.lever_arm, stack, live=not is_replay, camera=eye)
+
+
+def _described(wanted: Wanted) -> Description | None:
+    """Return the camera's file that was named, or that a recording has; None where nothing is located by it."""
+    address = parse_device_url(wanted.url)
+    beside = Path(address.path).parent / CAMERA_FILE
+    file = wanted.camera or (beside if address.scheme == "replay" and beside.exists() else None)
+    return None if file is None or not wanted.locate else read_description(file)
+
+
+def _camera(described: Description, source: Source, folder: Path | None, stack: ExitStack) -> Seeing:
+    """Return the camera, live or recorded."""
+    if isinstance(source, Replay):
+        recorded = Path(source.address.path).parent
+        if not any(recorded.glob(f"{SESSION}_*.mcap")):
+            raise DataRefused(
+                recorded, None, f"no {SESSION}_*.mcap", "the images of a camera", "name another recording"
+            )
+        return RecordedCamera(recorded)
+    beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+    return stack.enter_context(open_camera(described, beside))
+
+
+def _source(wanted: Wanted, folder: Path, stack: ExitStack) -> tuple[Source, "Revival | None"]:
+    address = parse_device_url(wanted.url)
+    if address.scheme == "replay" and is_mcap(Path(address.path)):
+        return Replay(wanted.url, wanted.speed), None
+    revival = Revival(wanted.url, folder)
+    stack.callback(revival.close)
+    return revival.reader, revival
+
+
+def _mavlink_out(where: str, stack: ExitStack) -> Callable[[View], None]:
+    """Return a sink that tells each attitude by MAVLink."""
+    from drivers.mavlink.attitude_out import open_attitude_out
+
+    out = open_attitude_out(where)
+    stack.callback(out.close)
+
+    def send(view: View) -> None:
+        reading = view.reading
+        assert reading is not None
+        p, q, r = np.radians(reading.rate).tolist()
+        yaw = np.nan if reading.heading is None else np.radians(reading.heading)
+        out.send(reading.t, np.radians(reading.roll), np.radians(reading.pitch), (p, q, r), float(yaw))
+
+    return send
+
+
+def _write_json(view: View) -> None:
+    sys.stdout.write(json_line(view) + "\n")
+    sys.stdout.flush()
+
+
+def _follow(session: MonitorThread, *, plain: bool, rings: bool) -> None:
+    """Write lines, if it is to be plain, and take keys, until it is over."""
+    screen = PlainMonitor(_say, rings=rings)
+    if plain:
+        threading.Thread(target=listen, args=(session, sys.stdin, _say), daemon=True).start()
+    while not session.view.is_over:
+        session.changed.wait(1.0)
+        session.changed.clear()
+        if plain:
+            screen.show(session.view)
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()

@@ -1,0 +1,38 @@
+"""A reader process that is begun again, in the same folder, when it has ended."""
+
+import contextlib
+import time
+from pathlib import Path
+
+from drivers.errors import DriverError
+from station.guide.folder import journal_path
+from station.stream.live.live_feed import LiveFeed
+from station.stream.reader import Reader
+
+RETRY_S = 1.0
+
+
+class Revival:
+    """Call it to have the reader of ``feed`` begin again, if it has ended and a second has passed."""
+
+    def __init__(self, url: str, folder: Path) -> None:
+        self._url, self._folder = url, folder
+        self.reader = Reader(url, journal_path(folder))
+        self.reader.start()
+        self.feed: LiveFeed | None = None
+        self._retry_at = 0.0
+
+    def __call__(self) -> None:
+        """Begin it again where that is due."""
+        if self.feed is None or not self.reader.has_ended or time.monotonic() < self._retry_at:
+            return
+        self._retry_at = time.monotonic() + RETRY_S
+        self.reader.close()
+        self.reader = Reader(self._url, journal_path(self._folder))
+        with contextlib.suppress(DriverError):  # tried again and again
+            self.reader.start()
+            self.feed.replace_source(self.reader)
+
+    def close(self) -> None:
+        """End the reader."""
+        self.reader.close()

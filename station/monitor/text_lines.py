@@ -1,0 +1,144 @@
+"""A monitor as lines: JSON for other programs, text for screen readers and logs; a line of input is a key."""
+
+import json
+import math
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from station.monitor.session import Session, Verb
+from station.monitor.view import LATE_S, Bought, Location, Side, View
+from station.text.plural import plural
+
+FORMAT = "monitor/1"
+EVERY_S = 1.0  # of the device's time, between two lines of text
+KEYS: dict[str, Verb] = {"m": "mark", "r": "record", "z": "zero", "n": "anew", "q": "leave"}
+HELP = "keys, each followed by Enter: m mark, r record or end it, z zero on or off, n anew, q leave"
+
+
+def json_line(view: View) -> str:
+    """Return a reading as a line of `monitor/1`; what is not known is left out, angles are absolute."""
+    reading = view.reading
+    assert reading is not None
+    told: dict[str, Any] = {
+        "format": FORMAT, "t_s": reading.t, "sample": reading.sample, "roll_deg": reading.roll,
+        "pitch_deg": reading.pitch, "sigma_deg": reading.sigma, "rate_deg_s": list(reading.rate),
+        "gyro_bias_deg_h": list(reading.bias), "residual_deg": reading.residual, "mode": reading.mode,
+        "aid": view.aid,
+    }  # fmt: skip
+    if reading.heading is not None:
+        told["heading_deg"] = reading.heading
+    if reading.speed is not None:
+        told["speed_m_s"] = reading.speed
+    if reading.temperature is not None:
+        told["temperature_c"] = reading.temperature
+    if view.zero is not None:
+        told["zero_deg"] = list(view.zero)
+    if view.alarms:
+        told["alarms"] = list(view.alarms)
+    if view.bought is not None:
+        told["at_rest"] = {"seconds": view.bought.seconds, "earth": view.bought.earth} | {
+            name: _side(side) for name, side in _sides(view.bought)
+        }
+    if view.location is not None:
+        told["location"] = _location(view.location)
+    return json.dumps(told)
+
+
+def _location(location: Location) -> dict[str, Any]:
+    """Return where it is, for JSON."""
+    told: dict[str, Any] = {"state": "located" if location.is_located else "waiting", "fixes": location.fixes}
+    if location.camera:
+        told["camera"] = location.camera
+    if not location.is_located:
+        return told | {"why": location.why}
+    told |= {
+        "t_s": location.t, "enu_m": list(location.enu), "enu_std_m": list(location.enu_std),
+        "velocity_enu_m_s": list(location.velocity), "latitude_deg": location.latitude,
+        "longitude_deg": location.longitude, "height_m": location.height, "outliers": location.outliers,
+        "fix_age_s": location.fix_age,
+    }  # fmt: skip
+    known = {"heading_deg": location.heading, "heading_std_deg": location.heading_std}
+    return told | {name: value for name, value in known.items() if value is not None}
+
+
+def _sides(bought: Bought) -> tuple[tuple[str, Side], ...]:
+    return ("calibrated", bought.with_it), ("nominal", bought.without)
+
+
+def _side(side: Side) -> dict[str, float]:
+    values = {"level_deg": side.level, "drift_deg_h": side.drift, "g_error_mg": side.g}
+    return {name: value for name, value in values.items() if math.isfinite(value)}
+
+
+class PlainMonitor:
+    """Writes what is new in each view through ``say``: a line a second, and every event once."""
+
+    def __init__(self, say: Callable[[str], None], *, rings: bool = False) -> None:
+        self._say, self._rings = say, rings
+        self._event, self._next, self._told = 0, -math.inf, ""
+
+    def show(self, view: View) -> None:
+        """Write what is new."""
+        head = f"{view.unit}, calibration {view.in_use.text}"
+        if view.unit and head != self._told:
+            self._told = head
+            self._say(head)
+        for event in view.events:
+            if event.number > self._event:
+                self._event = event.number
+                self._say(event.text + (chr(7) if self._rings and event.sound == "rejected" else ""))
+        reading = view.reading
+        if reading is None or view.shown is None:
+            return
+        if reading.t < self._next <= reading.t + 2 * EVERY_S:
+            return
+        self._next = reading.t + EVERY_S
+        self._say(reading_line(view))
+
+
+def reading_line(view: View) -> str:
+    """Return a view's reading in a line of text."""
+    reading, shown = view.reading, view.shown
+    assert reading is not None
+    assert shown is not None
+    zeroed = " from zero" if view.zero else ""
+    line = (
+        f"{reading.t:.1f} s: roll {shown[0]:.3f}, pitch {shown[1]:.3f} deg{zeroed}, 1 sigma {reading.sigma:.3f}, "
+        f"{reading.mode}, residual {reading.residual:.3f} deg"
+    )
+    if view.bought is not None:
+        with_it, without = view.bought.with_it, view.bought.without
+        line += (
+            f"; with and without calibration: level {with_it.level:.3f}, {without.level:.3f} deg, "
+            f"drift {with_it.drift:.2f}, {without.drift:.2f} deg/h ({view.bought.earth})"
+        )
+    if view.location is not None:
+        line += f"; {location_text(view.location)}{_behind(view)}"
+    return line + "".join(f"; ALARM {alarm}" for alarm in view.alarms)
+
+
+def _behind(view: View) -> str:
+    return f"; {view.behind:.0f} s behind" if view.behind > LATE_S else ""
+
+
+def location_text(location: Location) -> str:
+    """Return where it is, or what is missing, in words."""
+    camera = f"; camera: {location.camera}" if location.camera else ""
+    if not location.is_located:
+        return f"not located, {plural(location.fixes, 'fix')}: {location.why}{camera}"
+    east, north, up = location.enu
+    heading = "" if location.heading is None else f", heading {location.heading:.2f}"
+    heading += "" if not heading or location.heading_std is None else f" +- {location.heading_std:.2f} deg"
+    return (
+        f"E {east:.2f}, N {north:.2f}, U {up:.2f} m +- {max(location.enu_std[:2]):.2f}{heading}, "
+        f"{plural(location.fixes, 'fix')}, {plural(location.outliers, 'outlier')}{camera}"
+    )
+
+
+def listen(session: Session, lines: Iterable[str], say: Callable[[str], None]) -> None:
+    """Turn lines of input into what they ask for until there are no more."""
+    for line in lines:
+        if (verb := KEYS.get(line.strip())) is not None:
+            session.send(verb)
+        else:
+            say(HELP)

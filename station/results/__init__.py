@@ -1,0 +1,1 @@
+"""What came of measurements, for people and files: solutions, reports, diagnoses, histories, certificates."""

@@ -1,0 +1,175 @@
+"""From a recorded campaign to what is handed out: solution, report and, once it is stored, calibration."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from fixtures_db.calibration import CalibrationFacts
+from fixtures_db.campaigns import known_campaign, last_accepted, set_state
+from fixtures_db.database import Database
+from fixtures_db.errors import AlreadyStored
+from fixtures_db.history import accept_calibration, calibration
+from fixtures_db.limits import limits_of
+from fixtures_db.references import references, why_measured
+from procedures.calibration.solution import Solution
+from station.errors import Altered
+from station.files.atomic_file import replace_file
+from station.files.campaign_folder import read_for_solve
+from station.files.campaign_folder.schema import CampaignTable
+from station.guide.folder_notes import read_setup
+from station.guide.kept_tilted_dwells import doubt_of
+from station.results.circumstances import circumstances, diagnosis_kept, judged_values
+from station.results.verdict import Outcome, judge
+
+if TYPE_CHECKING:
+    from sqlalchemy.orm import Session
+
+    from station.results.report.report_inputs import ReportContext
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Results:
+    """A solved campaign: its verdict, and where its results are.
+
+    ``status`` is ``measured`` where cube or slab or a certificate of theirs lacked, or one had expired, when the
+    campaign was recorded; ``status_reason`` says which. ``calibration_file`` is there once `store` was called.
+    ``diagnosis`` is the `diagnosis/1`, ``effects`` what the calibration carries of it.
+    """
+
+    folder: Path
+    solution: Solution
+    document: Mapping[str, Any]
+    outcome: Outcome
+    status: Literal["calibrated", "measured"]
+    status_reason: str
+    context: "ReportContext"
+    solution_file: Path
+    calibration_file: Path
+    report_file: Path
+    tables: CampaignTable
+    diagnosis: dict[str, Any]
+    effects: tuple[Mapping[str, Any], ...]
+
+
+def make_results(
+    folder: Path, database: Database, into: Path | None = None, *, truth: Mapping[str, float] | None = None
+) -> Results:
+    """Solve and diagnose a recorded campaign; write the results to ``into``, else to its folder.
+
+    Nothing is stored. ``truth`` is a simulated unit's, keyed as `Solution.names`.
+    """
+    loaded = read_for_solve([folder])[0]
+    from station.results.diagnosis.closed_loop import (
+        NAME as DIAGNOSIS,  # scipy and kernels: not before the data are right
+    )
+    from station.results.diagnosis.closed_loop import close_loop
+    from station.results.diagnosis.diagnosis_html import section_html
+    from station.results.diagnosis.wording import left_said
+    from station.results.report.report import write_report
+    from station.results.report.report_inputs import report_context
+    from station.results.solution_json import solution_document, write_solution
+
+    into = folder if into is None else into
+    closed = close_loop([loaded])
+    document = solution_document(closed.solution, [loaded])
+    with database.read() as session:
+        limits = limits_of(session, loaded.tables.imu.model)
+        reasons = _why_measured(session, str(folder.resolve()))
+    budgets = closed.budgets()
+    outcome = judge(document, limits, {one.name: one.std for one in budgets})
+    if left := left_said(closed.document, budgets):
+        outcome = replace(outcome, reason=f"{outcome.reason}; {left}")
+    if doubt := doubt_of(loaded.tables):
+        outcome = replace(outcome, reason=f"{doubt}; {outcome.reason}")
+    status_reason = "; ".join(reasons)
+    status: Literal["calibrated", "measured"] = "measured" if reasons else "calibrated"
+    context = replace(
+        report_context(closed.solution, [loaded.campaign], document, budgets),
+        verdict=outcome.word,
+        has_limits=bool(limits),
+        verdict_reason=outcome.reason,
+        truth=truth or {},
+        bench={"Status": f"{status}: {status_reason}" if reasons else status},
+        diagnosis=section_html(closed.document, closed.diagnosis),
+    )
+    results = Results(
+        folder, closed.solution, document, outcome, status, status_reason, context,
+        into / "solution.json", into / "calibration.json", into / "report.html",
+        loaded.tables, closed.document, closed.effects,
+    )  # fmt: skip
+    write_solution(results.solution_file, document)
+    write_solution(into / DIAGNOSIS, closed.document)
+    write_report(results.report_file, context)
+    return results
+
+
+def _why_measured(session: "Session", folder: str) -> list[str]:
+    row = known_campaign(session, folder)
+    on = datetime.now(UTC) if row is None else last_accepted(row)
+    return why_measured(references(session, folder), on.astimezone().date())
+
+
+def store(results: Results, database: Database) -> str:
+    """Append the calibration to the database, the operator's act; return its hash and mark the campaign accepted.
+
+    It is written out, read back and compared, and the report then names its hash.
+
+    Raises
+    ------
+    AlreadyStored
+        If the same campaign's calibration with the same numbers is there; its file is written all the same.
+    NotInDatabase
+        If the database does not know the campaign.
+    """
+    key = str(results.folder.resolve())
+    try:
+        with database.write() as session:
+            row = accept_calibration(session, results.solution, _facts(results, session), campaign_folder=key)
+            set_state(session, key, "accepted")
+    except AlreadyStored as error:  # a kill may have come between the row and the files
+        with database.read() as session:
+            _hand_out(results, calibration(session, error.sha256).document, error.sha256)
+        raise
+    _hand_out(results, row.document, row.sha256)
+    return row.sha256
+
+
+def _hand_out(results: Results, text: str, sha256: str) -> None:
+    from station.results.report.report import write_report
+
+    path = results.calibration_file
+    replace_file(path, text.encode())
+    if path.read_bytes() != text.encode():
+        raise Altered(path, "other bytes than were written", sha256)
+    write_report(results.report_file, replace(results.context, calibration_sha256=sha256))
+
+
+def _facts(results: Results, session: "Session") -> CalibrationFacts:
+    from station.results.budget_json import budget_document
+    from station.results.report.measurement_conditions import temperature_range
+
+    origin, now = results.document["provenance"], datetime.now(UTC)
+    setup = read_setup(results.folder)
+    key, measured = str(results.folder.resolve()), results.context.campaigns[0]
+    return CalibrationFacts(
+        model=origin["model"],
+        serial=origin["serial"],
+        software=origin["software"],
+        inputs=origin["files"],
+        accepted_utc=now,
+        valid_from=now,
+        temperature_range_c=temperature_range(results.context.campaigns),
+        status=results.status,
+        status_reason=results.status_reason,
+        operator="" if setup is None else setup.operator,
+        verdict=results.outcome.word,
+        limits=tuple(one.limit for one in results.outcome.judged),
+        uncertainty=budget_document(results.context.budgets),
+        judged=judged_values(results.outcome.judged),
+        residual=results.document.get("residual", {}),
+        effects=results.effects,
+        diagnosis=diagnosis_kept(results.diagnosis),
+        **circumstances(session, key, measured, results.tables, results.document),
+    )

@@ -1,0 +1,139 @@
+"""What a certificate must say (ISO/IEC 17025:2017, 7.8.2.1, 7.8.4.1, 7.8.6.2), and where each can be given."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from station.errors import DataRefused, Incomplete
+from station.results.certificate.laboratory import Laboratory
+from station.results.parameters_by_name import applied, parameters
+
+COMMIT = re.compile(r"\((?P<commit>[0-9a-f]{7,40})(?P<dirty>-dirty)?\)")
+_ANEW = "a stored calibration is never changed; calibrate again"
+
+
+@dataclass(frozen=True, slots=True)
+class Need:
+    """A field by its path, in a calibration or a laboratory's file, and how it is given.
+
+    ``instead`` is a field of the laboratory's file that will do where the calibration has none.
+    """
+
+    field: str
+    where: str
+    instead: str = ""
+
+
+FROM_CALIBRATION = (
+    Need("model", _ANEW),
+    Need("serial", _ANEW),
+    Need("accepted_utc", _ANEW),
+    Need("operator", f"`station calibrate --operator`; {_ANEW}"),
+    Need("software.commit", f"a station installed from a checkout; {_ANEW}"),
+    Need("inputs", _ANEW),
+    Need("procedure.name", _ANEW),
+    Need("procedure.steps", _ANEW),
+    Need("procedure.started_utc", _ANEW),
+    Need("procedure.ended_utc", _ANEW),
+    Need("site.latitude_deg", _ANEW),
+    Need("site.gravity_m_s2", _ANEW),
+    Need("site.gravity_std_m_s2", _ANEW),
+    Need(
+        "site.gravity_source",
+        "[traceability] gravity_source of the laboratory's file, or `station fixtures add site` first",
+        "traceability.gravity_source",
+    ),
+    Need("references.cube.id", f"`station calibrate --cube`; {_ANEW}"),
+    Need("references.cube.source", f"`station fixtures add certificate`; {_ANEW}"),
+    Need("references.cube.due_date", f"`station fixtures add certificate --due`; {_ANEW}"),
+    Need("references.slab.id", f"`station calibrate --slab`; {_ANEW}"),
+    Need("references.slab.source", f"`station fixtures add level`; {_ANEW}"),
+    Need("references.slab.due_date", f"`station fixtures add level --due`; {_ANEW}"),
+    Need(
+        "temperature_range_c",
+        "[environment] temperature_c of the laboratory's file: the unit measures none",
+        "environment.temperature_c",
+    ),
+    Need("uncertainty", f"a station that makes an uncertainty budget; {_ANEW}"),
+)
+BEFORE = ("model", "serial", "operator", "software", "references")  # what must be there when a campaign begins
+FROM_LABORATORY = (
+    Need("laboratory.name", "[laboratory] name of the laboratory's file"),
+    Need("laboratory.address", "[laboratory] address"),
+    Need("authorised.name", "[authorised] name"),
+    Need("authorised.function", "[authorised] function"),
+    Need("customer.name", "[customer] name, or --customer"),
+    Need("customer.address", "[customer] address, or --customer-address"),
+    Need("item.received", "[item] received, or --received"),
+    Need("item.condition", "[item] condition, or --condition"),
+    Need("traceability.time_base", "[traceability] time_base"),
+)
+
+
+def missing(document: Mapping[str, Any], laboratory: Laboratory) -> list[tuple[str, str]]:
+    """Return every field that neither a calibration/1 nor the laboratory says, and where to give it."""
+    said, lab = fields_of(document), laboratory.model_dump()
+    lacks = [
+        need
+        for need in FROM_CALIBRATION
+        if not _has(said, need.field) and not (need.instead and _has(lab, need.instead))
+    ]
+    lacks += [need for need in FROM_LABORATORY if not _has(lab, need.field)]
+    found = [(need.field, need.where) for need in lacks]
+    if _has(said, "uncertainty"):
+        budget = {one["name"] for one in document["uncertainty"]["parameters"]}
+        values = applied(parameters(document))
+        found += [(f"uncertainty of {name}", _ANEW) for name in values if name not in budget]
+        if not values:
+            found.append(("results", _ANEW))
+    return found
+
+
+def missing_before(document: Mapping[str, Any]) -> list[str]:
+    """Return every field of `BEFORE` that a calibration to be has not, which no laboratory's file can give."""
+    said = fields_of(document)
+    return [
+        need.field
+        for need in FROM_CALIBRATION
+        if need.field.split(".")[0] in BEFORE and not _has(said, need.field)
+    ]
+
+
+def check(what: str, document: Mapping[str, Any], laboratory: Laboratory) -> None:
+    """Raise `Incomplete`, naming all that is missing of the certificate of ``what``."""
+    if lacking := missing(document, laboratory):
+        raise Incomplete(what, lacking)
+
+
+def check_received(document: Mapping[str, Any], laboratory: Laboratory, now: datetime) -> None:
+    """Raise `DataRefused` if the unit was received after ``now`` or after it was measured, by days of ``now``."""
+    received = laboratory.item.received
+    started = datetime.fromisoformat(document["procedure"]["started_utc"]).astimezone(now.tzinfo)
+    remedy = "give the day on which the unit came in with --received or [item] received"
+    for latest, what in ((now, "today"), (started, "when its measurement began")):
+        if received is not None and received > latest.date():
+            expected = f"no day after {latest.date()}, {what}"
+            raise DataRefused("--received", None, received.isoformat(), expected, remedy)
+
+
+def fields_of(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a calibration's document with its references by kind, and the commit of its software."""
+    software = {"name": document.get("software")}
+    if found := COMMIT.search(document.get("software", "")):
+        software["commit"] = found["commit"]
+    return {
+        **document,
+        "references": {one["kind"]: one for one in document.get("references", ())},
+        "software": software,
+    }
+
+
+def _has(tree: Mapping[str, Any], path: str) -> bool:
+    value: Any = tree
+    for part in path.split("."):
+        if not isinstance(value, Mapping) or part not in value:
+            return False
+        value = value[part]
+    return value is not None and value not in ("", [], {})

@@ -1,0 +1,178 @@
+r"""Conformity with limits: guarded acceptance and the risk that it leaves (JCGM 106:2012).
+
+A value y with combined standard uncertainty u and v degrees of freedom is accepted within a tolerance [L, H] if
+
+    L + w <= y <= H - w,    w = r u
+
+where r is the limit's ``guard_band``. Without other knowledge of the true value it is distributed about y as
+u times Student's t, and the probability that it is outside of the tolerance is
+
+    p = 1 - F_v((H - y) / u) + F_v((L - y) / u)
+
+(specific risk: of a false acceptance where y was accepted). For an accepted y it is at most 1 - F_v(r) at an open
+or wide tolerance: 50 % without guard band, 5 % with r = 1.64 of a normal distribution.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from fixtures_db.limits import Limit
+from station.results.certificate.printed_results import Measured, to_two_digits, unit_of
+from station.results.parameters_by_name import Parameter, title_of
+from station.results.verdict import Outcome, Word, judge
+from station.text.rounding import fixed
+
+
+@dataclass(frozen=True, slots=True)
+class Against:
+    """A value held against its limit, in the limit's unit; ``std`` and ``risk`` None without uncertainty."""
+
+    limit: Limit
+    value: float | None
+    std: float | None
+    dof: float
+    word: Word
+
+    @property
+    def guard(self) -> float:
+        """The guard band w."""
+        return self.limit.guard_band * (self.std or 0.0)
+
+    @property
+    def risk(self) -> float | None:
+        """The probability that the true value is outside of the tolerance."""
+        if self.value is None or not self.std:
+            return None
+        low, high = _ends(self.limit)
+        beyond = _cdf((self.value - high) / self.std, self.dof)
+        return beyond + _cdf((low - self.value) / self.std, self.dof)
+
+
+@dataclass(frozen=True, slots=True)
+class ConformityRow:
+    """A printed line; ``bar`` is (value, guard) on a scale where the tolerance is -1 to 1, None if one-sided."""
+
+    title: str
+    value: str
+    unit: str
+    tolerance: str
+    guard: str
+    word: str
+    risk: str
+    bar: tuple[float, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Conformity:
+    """The statement of conformity: the verdict on the uncertainty of this certificate, and what it rests on.
+
+    ``stored`` is the verdict at acceptance, which knew only the sigma of the solve.
+    """
+
+    word: Word
+    against: tuple[Against, ...]
+    stored: str
+
+
+def conformity(document: Mapping[str, Any], results: Mapping[str, Measured]) -> Conformity | None:
+    """Hold a calibration against the limits it was judged by; None if there were none."""
+    limits = [limit_of(one) for one in document.get("limits", ())]
+    if not limits:
+        return None
+    kept = {one["parameter"]: one for one in document.get("judged", ())}
+    against = tuple(_against(limit, results.get(limit.parameter), kept.get(limit.parameter)) for limit in limits)
+    words = {one.word for one in against}
+    word: Word = "FAIL" if "FAIL" in words else "NOT_MEASURED" if "NOT_MEASURED" in words else "PASS"
+    return Conformity(word, against, document.get("verdict", "NOT_MEASURED"))
+
+
+def limit_of(said: Mapping[str, Any]) -> Limit:
+    """Return a limit as a calibration/1 holds it."""
+    guard = said.get("guard_band", 0.0)
+    return Limit(said["parameter"], said.get("low"), said.get("high"), said["unit"], guard)
+
+
+def judge_previous(previous: Mapping[str, Any], document: Mapping[str, Any]) -> Outcome | None:
+    """Hold the previous calibration's values against the limits of this one; None if there are none.
+
+    Limits of what a calibration does not apply (slab, residual) are left out: they are no property of the unit.
+    """
+    limits = [limit_of(one) for one in document.get("limits", ())]
+    mine = [limit for limit in limits if limit.parameter.split(".")[0] in previous]
+    return judge(previous, mine) if mine else None
+
+
+def printed(against: Sequence[Against]) -> list[ConformityRow]:
+    """Return the lines of the table."""
+    return [_row(one) for one in against]
+
+
+def greatest_risk(guard_band: float, dof: float = math.inf) -> float:
+    """Return the greatest probability that an accepted value is outside of a wide tolerance on one side."""
+    return 1 - _cdf(guard_band, dof)
+
+
+def _against(limit: Limit, result: Measured | None, kept: Mapping[str, Any] | None) -> Against:
+    value: float
+    std: float | None
+    if result is not None and result.parameter.unit == limit.unit:
+        value, std, dof = result.parameter.value, result.std, result.dof
+    elif kept is not None and kept.get("unit") == limit.unit:
+        value, std, dof = kept["value"], kept.get("std"), math.inf
+    else:
+        return Against(limit, None, None, math.inf, "NOT_MEASURED")
+    low, high = limit.accepted(std)
+    return Against(limit, value, std, dof, "PASS" if low <= value <= high else "FAIL")
+
+
+def _row(one: Against) -> ConformityRow:
+    scale, unit = unit_of(Parameter(one.limit.parameter, 0.0, None, one.limit.unit))
+    low, high = (None if end is None else f"{end * scale:.6g}".replace("-", "\u2212") for end in _given(one.limit))
+    if low is not None and high is not None:
+        symmetric = one.limit.low == -(one.limit.high or 0.0)
+        tolerance = f"\u00b1{high}" if symmetric else f"{low} to {high}"
+    else:
+        tolerance = f"\u2265 {low}" if high is None else f"\u2264 {high}"
+    if one.value is None:
+        value = "not measured"
+    elif one.std:
+        value = to_two_digits([one.value * scale], [2 * one.std * scale])[0]
+    else:
+        value = f"{one.value * scale:.3g}".replace("-", "\u2212")
+    guard = "\u2013" if not one.std else to_two_digits([one.guard * scale], [2 * one.std * scale])[0]
+    word = one.word.replace("_", " ")
+    return ConformityRow(title_of(one.limit.parameter), value, unit, tolerance, guard, word, _risk(one), _bar(one))
+
+
+def _risk(one: Against) -> str:
+    if one.risk is None:
+        return "\u2013"
+    if one.risk < 1e-3:
+        return "< 0.1 %"
+    return f"{fixed(100 * one.risk, 1)} %"
+
+
+def _bar(one: Against) -> tuple[float, float] | None:
+    low, high = _given(one.limit)
+    if low is None or high is None or one.value is None or high == low:
+        return None
+    half = (high - low) / 2
+    return max(-1.25, min(1.25, (one.value - (low + high) / 2) / half)), min(1.0, one.guard / half)
+
+
+def _given(limit: Limit) -> tuple[float | None, float | None]:
+    return limit.low, limit.high
+
+
+def _ends(limit: Limit) -> tuple[float, float]:
+    return replace(limit, guard_band=0.0).accepted(None)
+
+
+def _cdf(t: float, dof: float) -> float:
+    from scipy.special import ndtr, stdtr
+
+    if math.isinf(t):
+        return float(t > 0)
+    return float(ndtr(t) if math.isinf(dof) else stdtr(dof, t))

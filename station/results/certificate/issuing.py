@@ -1,0 +1,141 @@
+"""Issue a certificate: numbered, recorded and handed out, in this order.
+
+The row, which holds all of it, is committed before the file is written. A kill before the commit leaves nothing, a
+kill after it a certificate that was issued and can be handed out again (`copy_of`), byte by byte.
+"""
+
+import json
+import re
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+from sqlalchemy.orm import Session
+
+from fixtures_db.anchor import take_anchor
+from fixtures_db.chain import GENESIS
+from fixtures_db.database import Database
+from fixtures_db.errors import NotInDatabase
+from fixtures_db.history import (
+    calibrated_serials,
+    calibration,
+    calibration_before,
+    calibrations_like,
+    history,
+)
+from fixtures_db.issued import issued_of, next_number, record_issue
+from fixtures_db.schema import CalibrationRow, IssuedCertificateRow
+from station.errors import Incomplete
+from station.files.sha256sums import sha256_of
+from station.results.certificate.certificate import Certificate, Heads, Replaced
+from station.results.certificate.changed_fields import changed_fields
+from station.results.certificate.checklist import check, check_received, missing
+from station.results.certificate.laboratory import Laboratory
+from station.results.certificate.rendering import render
+
+PREFIX = re.compile(r"[0-9a-f]{6,64}")
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What is to be certified, by whom, and why again where it was done before."""
+
+    calibration: str
+    laboratory: Laboratory
+    amend: str = ""
+
+
+def find_calibration(session: Session, name: str) -> CalibrationRow:
+    """Return a calibration by its file, the serial number of its unit (the newest), or the beginning of its hash.
+
+    Raises
+    ------
+    NotInDatabase
+        If there is none, or more than one begins so.
+    """
+    if (path := Path(name)).is_file():
+        return calibration(session, sha256_of(path))
+    if rows := history(session, name):
+        return rows[-1]
+    found = calibrations_like(session, name) if PREFIX.fullmatch(name) else []
+    if len(found) == 1:
+        return found[0]
+    known = [row.sha256[:16] for row in found] or calibrated_serials(session)
+    raise NotInDatabase("one calibration", name, known)
+
+
+def issue(database: Database, request: Request) -> IssuedCertificateRow:
+    """Make a certificate and record it; the row's ``html`` is what is handed out.
+
+    Raises
+    ------
+    DataRefused
+        If the unit was received after it was measured, or in the future.
+    Incomplete
+        Naming all that is missing; a reason where a certificate of this calibration was issued before.
+    NotInDatabase
+        As `find_calibration`.
+    """
+    import scipy.special  # noqa: F401  here, so that the lock is not held while it is imported
+
+    with database.write() as session:
+        row = find_calibration(session, request.calibration)
+        made = _certificate(session, row, request)
+        html = _said(session, made, row.sha256)
+        return record_issue(
+            session,
+            number=made.number,
+            replaces=None if made.replaced is None else made.replaced.number,
+            calibration_sha256=row.sha256,
+            issued_utc=made.issued_utc,
+            laboratory=str(request.laboratory.laboratory.name),
+            html=html,
+        )
+
+
+def _said(session: Session, made: Certificate, calibration_sha256: str) -> str:
+    """Return a certificate's HTML; one that replaces another names the fields that differ."""
+    html = render(made)
+    if made.replaced is None:
+        return html
+    changed = changed_fields(issued_of(session, calibration_sha256)[-1].html, html)
+    return render(replace(made, replaced=replace(made.replaced, changed=tuple(changed))))
+
+
+def copy_of(database: Database, name: str) -> IssuedCertificateRow:
+    """Return the certificate in force of a calibration; raise `NotInDatabase` if none was issued."""
+    with database.read() as session:
+        row = find_calibration(session, name)
+        if not (rows := issued_of(session, row.sha256)):
+            raise NotInDatabase("certificate of calibration", row.sha256)
+        return rows[-1]
+
+
+def _certificate(session: Session, row: CalibrationRow, request: Request) -> Certificate:
+    document, lab = json.loads(row.document), request.laboratory
+    what = f"certificate of {document['model']} {document['serial']}"
+    earlier = issued_of(session, row.sha256)
+    if earlier and not request.amend:
+        reason = (
+            "reason for replacing it",
+            f"--amend TEXT: No. {earlier[-1].number} of this calibration was issued; --copy hands it out again",
+        )
+        raise Incomplete(what, [*missing(document, lab), reason])
+    check(what, document, lab)
+    check_received(document, lab, datetime.now().astimezone())
+    now, before, heads = (
+        datetime.now(UTC).replace(microsecond=0),
+        calibration_before(session, row),
+        take_anchor(session),
+    )
+    return Certificate(
+        next_number(session, lab.laboratory.number_prefix, now.year),
+        now,
+        document,
+        row.sha256,
+        lab,
+        Heads(heads.calibration, heads.certificate, heads.level, heads.issued),
+        None if before is None else json.loads(before.document),
+        GENESIS if before is None else before.sha256,
+        Replaced(earlier[-1].number, earlier[-1].issued_utc, request.amend) if earlier else None,
+    )

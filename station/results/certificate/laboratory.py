@@ -1,0 +1,100 @@
+"""``laboratory.toml``: what a certificate says that no instrument knows; docs/certificate.md shows one."""
+
+from collections.abc import Mapping
+from datetime import date
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
+
+from station.files.toml_text import read_tables, read_text_file
+
+Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
+Prefix = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9._-]{0,20}$")]  # it becomes a file's name
+Span = Annotated[list[float], Field(min_length=2, max_length=2)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class LaboratoryTable(_Table):
+    """``[laboratory]``; ``location`` is where it was measured, if that is elsewhere."""
+
+    name: Text | None = None
+    address: Text | None = None
+    location: Text | None = None
+    accreditation: Text | None = None
+    number_prefix: Prefix = "CAL-"
+
+
+class AuthorisedTable(_Table):
+    """``[authorised]``: who answers for the certificate."""
+
+    name: Text | None = None
+    function: Text | None = None
+
+
+class CustomerTable(_Table):
+    """``[customer]``."""
+
+    name: Text | None = None
+    address: Text | None = None
+
+
+class ItemTable(_Table):
+    """``[item]``: the unit as it came."""
+
+    received: date | None = None
+    condition: Text | None = None
+
+
+class TraceabilityTable(_Table):
+    """``[traceability]``: what second the counts refer to; whose gravity, if the database does not say."""
+
+    time_base: Text | None = None
+    gravity_source: Text | None = None
+
+
+class EnvironmentTable(_Table):
+    """``[environment]`` of the slab: least and greatest."""
+
+    temperature_c: Span | None = None
+    humidity_percent: Span | None = None
+
+    @model_validator(mode="after")
+    def _has_its_ends_in_order(self) -> Self:
+        for name in ("temperature_c", "humidity_percent"):
+            if (span := getattr(self, name)) is not None and span[0] > span[1]:
+                raise ValueError(f"{name} with the least before the greatest")
+        return self
+
+
+class DecisionTable(_Table):
+    """``[decision]``: what was agreed with the customer, put before the rule itself."""
+
+    agreed: Text | None = None
+
+
+class Laboratory(_Table):
+    """The whole of a ``laboratory.toml``; what is left out may be given on the command line, or is missing."""
+
+    format: Literal["laboratory/1"]
+    laboratory: LaboratoryTable = LaboratoryTable()
+    authorised: AuthorisedTable = AuthorisedTable()
+    customer: CustomerTable = CustomerTable()
+    item: ItemTable = ItemTable()
+    traceability: TraceabilityTable = TraceabilityTable()
+    environment: EnvironmentTable = EnvironmentTable()
+    decision: DecisionTable = DecisionTable()
+
+    def given(self, table: str, values: Mapping[str, object]) -> "Laboratory":
+        """Return it with what is given of a table in the place of what the file says."""
+        known = {name: value for name, value in values.items() if value is not None}
+        changed = type(getattr(self, table)).model_validate(getattr(self, table).model_dump() | known)
+        return self.model_copy(update={table: changed})
+
+
+def read_laboratory(path: Path) -> Laboratory:
+    """Return a file's tables; raise `DataRefused` with file and line at a key that is unknown or no such value."""
+    return read_tables(read_text_file(path), path, Laboratory)[0]

@@ -1,0 +1,95 @@
+"""What a certificate says of the model: what the diagnosis found, what is taken as zero, what is only stated."""
+
+from collections.abc import Mapping
+from typing import Any
+
+NEVER_SOLVED = {
+    "accelerometer": ("accelerometer.quadratic", "accelerometer.scale_asymmetry"),
+    "gyroscope": ("gyroscope.scale_asymmetry",),
+}
+NAMES = {
+    "accelerometer.quadratic": "quadratic term of the accelerometers (K2)",
+    "fixture.parallelism": "cube parallelism",
+}
+SLAB_RANGE_DEG = 0.29  # procedures.calibration.bench_parameters.SLAB_RANGE, 5e-3 rad
+SIMULATED = "SIM-"  # how every model of drivers.simulated begins
+PROGRAM = "run `station"  # in a warning that speaks to the operator
+
+
+def is_simulated(document: Mapping[str, Any]) -> bool:
+    """Say whether a calibration/1 is one of a simulated device, as far as its model tells."""
+    return str(document["model"]).upper().startswith(SIMULATED)
+
+
+def diagnosis_said(document: Mapping[str, Any]) -> list[str]:
+    """Return sentences of what the diagnosis stored with a calibration/1 found in the residual."""
+    diagnosis = document.get("diagnosis")
+    if diagnosis is None:
+        return ["No diagnosis of the residual is stored with this calibration."]
+    findings, said = diagnosis["findings"], list[str]()
+    sure = [f"{_name(f['effect'])} ({f['confidence']})" for f in findings if f["confidence"] != "ambiguous"]
+    if sure:
+        said.append(f"Found in the residual: {'; '.join(sure)}.")
+    doubtful = [(f["effect"], *f["aliases"]) for f in findings if f["confidence"] == "ambiguous"]
+    for group in dict.fromkeys(" or ".join(dict.fromkeys(map(_name, names))) for names in doubtful):
+        said.append(f"Not told apart by this campaign: {group}.")
+    if diagnosis["verdict"] == "consistent":
+        said.append("The residual is what noise leaves: nothing more that this campaign can show.")
+    elif diagnosis["verdict"] not in {"established", "likely", "ambiguous"}:
+        left = " What it leaves unexplained is part of U." if _shares(document, "unexplained") else ""
+        said.append(f"The residual is more than noise, and no known effect accounts for it.{left}")
+    return [f"Diagnosis of the residual: {diagnosis['verdict']}.", *said]
+
+
+def taken_as_zero(document: Mapping[str, Any]) -> list[str]:
+    """Return what the model takes as zero: what the steps did not show, and what no solve of it holds."""
+    steps = list(document["procedure"].get("not_observable", ()))
+    carried = {effect["name"] for effect in document.get("effects", ())}
+    never = [name for triad, names in NEVER_SOLVED.items() if triad in document for name in names]
+    return steps + [
+        name for name in never if name not in carried and not any(text.startswith(name) for text in steps)
+    ]
+
+
+def residual_said(document: Mapping[str, Any], warning: str) -> str:
+    """Return a warning of the program as the customer may read it."""
+    if PROGRAM not in warning:
+        return warning
+    what = warning.partition(": the sigmas")[0]
+    return f"{what}; what it leaves unexplained is part of U" if _shares(document, "unexplained") else what
+
+
+def stated(document: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return label and text of what was taken as stated and not measured."""
+    procedure, lines = document["procedure"], list[tuple[str, str]]()
+    for label, key in (("Heading of a position", "heading_std_deg"), ("Closure of a turn", "closure_std_deg")):
+        if key in procedure:
+            lines.append((label, f"1\u03c3 {procedure[key]:g}\u00b0"))
+    lines.append(("Tilt of the slab", f"solved for within 1\u03c3 {SLAB_RANGE_DEG:g}\u00b0 of level"))
+    relative = max(_shares(document, "clock"), default=0.0)
+    rate = f"; rate taken as right within 1\u03c3 {relative:.1g}, a stated value" if relative else ""
+    compared = "not compared with a reference here"
+    if clock := procedure.get("clock"):
+        off, std = clock["rate_ppm"], clock["std_ppm"]
+        compared = f"by GNSS time recorded beside the counts off by {off:+.2g} ppm, 1\u03c3 {std:.2g} ppm"
+    lines.append(("Time base", f"the device\u2019s own clock{rate}; {compared}"))
+    return lines
+
+
+def is_timed(document: Mapping[str, Any]) -> bool:
+    """Say whether the device's clock was compared with a reference in the campaign of a calibration/1."""
+    return "clock" in document["procedure"]
+
+
+def _shares(document: Mapping[str, Any], source: str) -> list[float]:
+    """Return a source's share of each scale factor's uncertainty, relative; of the others 0."""
+    return [
+        abs(part["std"] / one["value"]) if ".scale_factor." in one["name"] and one["value"] else 0.0
+        for one in document.get("uncertainty", {}).get("parameters", ())
+        for part in one.get("contributions", ())
+        if part["source"] == source
+    ]
+
+
+def _name(effect: str) -> str:
+    return NAMES.get(effect, effect.replace(".", " ").replace("_", " "))

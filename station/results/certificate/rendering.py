@@ -1,0 +1,74 @@
+"""A certificate as HTML that needs no other file and prints on numbered A4 pages; equal ones give equal bytes."""
+
+from dataclasses import replace
+from functools import cache
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from station.results.certificate import model_statement as model_said
+from station.results.certificate import wording
+from station.results.certificate.as_found import AsFound, as_found
+from station.results.certificate.certificate import Certificate
+from station.results.certificate.conformity import ConformityRow, conformity, printed
+from station.results.certificate.printed_results import measured, result_groups
+from station.text.rounding import aligned
+
+
+def render(certificate: Certificate) -> str:
+    """Return the certificate's HTML. Its document has passed `station.results.certificate.checklist.check`."""
+    document, results = certificate.document, measured(certificate.document)
+    found = conformity(document, results)
+    before = None
+    if certificate.previous is not None:
+        before = _aligned(as_found(document, certificate.previous, certificate.previous_sha256))
+    return (
+        _environment()
+        .get_template("certificate.html")
+        .render(
+            certificate=certificate,
+            document=document,
+            lab=certificate.laboratory,
+            procedure=document["procedure"],
+            residual=document.get("residual", {}),
+            groups=result_groups(results),
+            found=found,
+            conformity_rows=[] if found is None else _aligned_rows(printed(found.against)),
+            risks="" if found is None else wording.greatest_risks(found),
+            before=before,
+            conditions=wording.conditions(certificate),
+            references=wording.references(certificate),
+            deviations=wording.deviations(document),
+            diagnosis=model_said.diagnosis_said(document),
+            taken_as_zero=model_said.taken_as_zero(document),
+            stated=[*model_said.stated(document), wording.clock_of_the_laboratory(certificate)],
+            is_timed=model_said.is_timed(document),
+            simulated=model_said.is_simulated(document),
+            day=wording.day,
+            minute=wording.minute,
+            files=sorted(document["inputs"].items()),
+        )
+    )
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        loader=PackageLoader("station.results.certificate"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
+def _aligned(before: AsFound) -> AsFound:
+    columns = [aligned([getattr(row, name) for row in before.rows]) for name in ("before", "error", "expanded")]
+    rows = [
+        replace(row, before=b, error=e, expanded=u) for row, b, e, u in zip(before.rows, *columns, strict=True)
+    ]
+    return replace(before, rows=tuple(rows))
+
+
+def _aligned_rows(rows: list[ConformityRow]) -> list[ConformityRow]:
+    columns = [aligned([getattr(row, name).rstrip() for row in rows]) for name in ("value", "guard")]
+    return [replace(row, value=v, guard=g) for row, v, g in zip(rows, *columns, strict=True)]

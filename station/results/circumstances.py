@@ -1,0 +1,137 @@
+"""How, where and with what a campaign was measured, for its calibration to say; the unknown is left out.
+
+A certificate is made from the stored calibration alone; whatever it needs and nobody can know later stands here.
+"""
+
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from fixtures_db.calibration import utc_text
+from fixtures_db.campaigns import campaign, last_accepted
+from fixtures_db.references import references
+from fixtures_db.schema import CampaignRow, SiteRow
+from procedures.calibration.campaign import Campaign
+from procedures.diagnosis.clock_rate import clock_rate
+from procedures.frames import POSITIONS
+from station.files.campaign_folder.schema import CampaignTable
+from station.guide.folder_notes import read_unit
+from station.results.verdict import Judged
+
+NORMAL_GRAVITY = "normal gravity of WGS 84 at this latitude and height"
+
+
+def circumstances(
+    session: Session, folder: str, measured: Campaign, tables: CampaignTable, document: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return ``procedure``, ``site`` and ``references`` of a calibration; ``document`` is its solution/1.
+
+    Raises
+    ------
+    NotInDatabase
+        If the database does not know the campaign.
+    """
+    row, used = campaign(session, folder), references(session, folder)
+    survey = next((one.get("source") for one in used if one["kind"] == "site"), None)
+    return {
+        "procedure": _procedure(row, measured, tables, document),
+        "site": _site(session, row, measured, tables, survey),
+        "references": used,
+    }
+
+
+def judged_values(judged: tuple[Judged, ...]) -> tuple[dict[str, Any], ...]:
+    """Return what each limit was held against."""
+    return tuple(
+        {
+            "parameter": one.limit.parameter,
+            "verdict": one.word,
+            **({} if one.parameter is None else {"value": one.parameter.value, "unit": one.parameter.unit}),
+            **({} if one.parameter is None or one.parameter.std is None else {"std": one.parameter.std}),
+        }
+        for one in judged
+    )
+
+
+def diagnosis_kept(diagnosis: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a calibration keeps of a `diagnosis/1`: verdict, findings, what each could be instead."""
+    findings = [{name: one[name] for name in ("effect", "confidence", "aliases")} for one in diagnosis["findings"]]
+    return {"verdict": diagnosis["verdict"], "findings": findings}
+
+
+def procedure_name(measured: Campaign) -> str:
+    """Return in words what was done."""
+    positions = {dwell.position for dwell in measured.dwells}
+    if len(positions) == len(POSITIONS):
+        dwells = "twelve-position calibration on a level slab"
+    else:
+        dwells = f"calibration from {len(positions)} of {len(POSITIONS)} positions on a level slab"
+    free = len(measured.rests) + len(measured.sequences)
+    also = [
+        f"{len(measured.turns)} hand turns of whole revolutions" if measured.turns else "",
+        f"{free} recordings in free positions" if free else "",
+    ]
+    return " with ".join([dwells, *filter(None, [" and ".join(filter(None, also))])])
+
+
+def _procedure(
+    row: CampaignRow, measured: Campaign, tables: CampaignTable, document: Mapping[str, Any]
+) -> dict[str, Any]:
+    table = tables.procedure
+    said: dict[str, Any] = {
+        "name": procedure_name(measured),
+        "steps": list(dict.fromkeys(step.name for step in row.steps)),
+        "started_utc": utc_text(row.started_utc),
+        "ended_utc": utc_text(last_accepted(row)),
+        "heading_std_deg": table.heading_std_deg,
+        "closure_std_deg": table.closure_std_deg,
+    }
+    if (clock := clock_rate(measured)) is not None:
+        said["clock"] = {"rate_ppm": clock.ppm, "std_ppm": clock.std}
+    lists = {"deviations": _deviations(row, tables, document)}
+    lists |= {name: list(document.get(name, ())) for name in ("warnings", "not_observable")}
+    return said | {name: texts for name, texts in lists.items() if texts}
+
+
+def _deviations(row: CampaignRow, tables: CampaignTable, document: Mapping[str, Any]) -> list[str]:
+    table, said = tables.procedure, list[str]()
+    if (unit := read_unit(Path(row.folder))) is not None and not unit.serial_from_wire:
+        said.append("the serial number was typed in: the unit does not send one")
+    if table.unsettled_gyro_deg_h or table.unsettled_accelerometer_g:
+        gyro, accel = table.unsettled_gyro_deg_h or 0.0, (table.unsettled_accelerometer_g or 0.0) * 1e6
+        said.append(f"warm-up was skipped: biases may drift by {gyro:.2g} deg/h and {accel:.2g} ug (1 sigma)")
+    if table.closure_widened_from_deg is not None:
+        said.append(
+            f"the closure of hand turns was widened from {table.closure_widened_from_deg:.3g} to "
+            f"{table.closure_std_deg:.3g} deg, as they did not close to it"
+        )
+    said += [
+        f"position {dwell.position} was kept though the cube sat tilted by "
+        f"{np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg"
+        for dwell in tables.dwell
+        if dwell.kept_seat_rad is not None
+    ]
+    said += [f"{step} was not used" for step in document.get("unused_steps", ())]
+    times = Counter(step.name for step in row.steps)
+    said += [f"{name} was recorded {n} times, the last one is used" for name, n in times.items() if n > 1]
+    return said
+
+
+def _site(
+    session: Session, row: CampaignRow, measured: Campaign, tables: CampaignTable, survey: str | None
+) -> dict[str, Any]:
+    known = None if row.site_id is None else session.get(SiteRow, row.site_id)
+    surveyed = None if known is None else known.height_m
+    source = survey if tables.site.gravity_m_s2 is not None else NORMAL_GRAVITY
+    return {
+        **({} if row.site_id is None else {"id": row.site_id}),
+        "latitude_deg": float(np.degrees(measured.site.latitude)),
+        "height_m": tables.site.height_m if surveyed is None else surveyed,
+        "gravity_m_s2": measured.site.gravity,
+        "gravity_std_m_s2": measured.site.gravity_std,
+        **({} if source is None else {"gravity_source": source}),
+    }

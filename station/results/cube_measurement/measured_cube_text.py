@@ -1,0 +1,108 @@
+"""A measured cube as text to read: values in urad and arcsec, each with 1 sigma."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.bench.cube_drift import CubeDrift
+from procedures.bench.measured_cube import NAMES, CubeMeasurement, common_and_difference
+from station.results.cube_measurement.known_faces import Known, Study, drift_of
+from station.results.cube_measurement.observable import not_observable
+from station.results.solution_text import ARCSEC, measured
+
+URAD = 1e-6
+WIDE = 43  # columns of a value's name
+LEAST_CHI2 = 1e-6  # below it, what is left is rounding
+
+
+def study_text(found: Study) -> str:
+    """Return all that `station fixtures measure` prints."""
+    units = ", ".join(f"{unit} ({len(each)})" for unit, each in found.campaigns.items())
+    lines = [f"cube {found.cube}, {found.measured_utc:%Y-%m-%d}, by {units}; +- is 1 sigma"]
+    lines += values(found.measured)
+    if (m := found.measured).dof:
+        lines.append(
+            f"units, and K2 with its range, against each other: chi-square {chi2_text(m.chi2, 4)} at {m.dof} "
+            f"degrees of freedom, p {m.p_value:.2g}"
+        )
+    lines += [f"not observable: {each}" for each in not_observable(found.measured)]
+    lines += [f"warning: {each}" for each in found.warnings]
+    lines += known_lines(found.with_this)
+    return "\n".join(lines)
+
+
+def values(found: CubeMeasurement) -> list[str]:
+    """Return a line for each value, and for the differences, which K2 cannot imitate."""
+    names, H = common_and_difference(found.cube.names)
+    less = [" less " in name for name in names]
+    G, those = H[less], [name for name in names if " less " in name]
+    lines = _table(found.cube.names, found.cube.value, found.cube.covariance)
+    lines += [f"  {name:<{WIDE}} not determined" for name in NAMES if name not in found.cube.names]
+    return lines + _table(those, G @ found.cube.value, G @ found.cube.covariance @ G.T)
+
+
+def _table(names: Sequence[str], value: FloatArray, covariance: FloatArray) -> list[str]:
+    return [
+        f"  {name:<{WIDE}} {measured(v / URAD, s / URAD, 'urad'):<26} {measured(v / ARCSEC, s / ARCSEC, 'arcsec')}"
+        for name, v, s in zip(names, value, np.sqrt(np.diag(covariance)), strict=True)
+    ]
+
+
+def known_lines(known: Known) -> list[str]:
+    """Return how the last measurement agrees with the certificate and each one before it, and the cube's drift."""
+    lines = list[str]()
+    if (found := known.comparison) is not None:
+        lines.append(
+            f"against the certificate of its faces: chi-square {chi2_text(found.chi2, 4)} of {len(found.names)} "
+            f"values, p {found.p_value:.2g}"
+        )
+        lines += _shifts(found.names, found.difference, found.std)
+    for (at, earlier), sources in zip(known.measured[:-1], known.sources[:-1], strict=True):
+        if shared := len(sources & known.sources[-1]):
+            said = f"{shared} of {len(sources)} campaigns are the same: not independent, left out of the drift"
+        else:
+            said = _since(drift_of([(at, earlier), known.measured[-1]]))
+        lines.append(f"against the measurement of {at:%Y-%m-%d}: {said}")
+    if (moved := known.drift) is not None:
+        first, last = (known.independent[i][0] for i in (0, -1))
+        lines.append(f"drift over {len(known.independent)} measurements, {first:%Y-%m-%d} to {last:%Y-%m-%d}")
+        lines += _trends(moved)
+    return lines
+
+
+def verdict(moved: CubeDrift) -> str:
+    """Say whether a cube has changed."""
+    if not moved.changed:
+        return (
+            f"no change beyond chance (least p {moved.p_adjusted.min():.2g}, Holm over {len(moved.names)} values)"
+        )
+    return f"the cube has changed: {', '.join(moved.changed)} (p {moved.p_adjusted.min():.2g}, Holm)"
+
+
+def chi2_text(value: float, digits: int) -> str:
+    """Return a chi-square with so many significant digits, 0 where it is rounding."""
+    return f"{value if value >= LEAST_CHI2 else 0.0:.{digits}g}"
+
+
+def _since(moved: CubeDrift | None) -> str:
+    if moved is None:
+        return "no value in common"
+    sigmas = moved.shift / moved.shift_std
+    most = int(np.argmax(np.abs(sigmas)))
+    return f"{verdict(moved)}; most {moved.names[most]} by {sigmas[most]:+z.1f} sigma"
+
+
+def _shifts(names: Sequence[str], shift: FloatArray, std: FloatArray) -> Iterator[str]:
+    for name, v, s in zip(names, shift, std, strict=True):
+        yield f"  {name:<{WIDE}} {measured(v / URAD, s / URAD, 'urad'):<26} {v / s:+z.1f} sigma"
+
+
+def _trends(moved: CubeDrift) -> Iterator[str]:
+    shifts = _shifts(moved.names, moved.shift, moved.shift_std)
+    columns = zip(shifts, moved.trend, moved.trend_std, moved.chi2, moved.chi2_of_trend, strict=True)
+    for shift, slope, std, constant, line in columns:
+        trend = f", {measured(slope / URAD, std / URAD, 'urad/month')}" if np.isfinite(std) else ""
+        of_line = f", {chi2_text(line, 3)} of a line ({moved.dof - 1})" if moved.dof > 1 else ""
+        yield f"{shift}{trend}, chi-square {chi2_text(constant, 3)} of a constant ({moved.dof}){of_line}"
+    yield f"  {verdict(moved)}"

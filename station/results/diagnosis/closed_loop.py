@@ -1,0 +1,71 @@
+"""The closed loop over recorded campaigns: solved, diagnosed, and solved again with what was found."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from procedures.calibration.calibration import Fits
+from procedures.calibration.solution import Solution
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.result import Diagnosis
+from procedures.uncertainty.budget import ParameterBudget, budget
+from procedures.uncertainty.given_values import Inputs
+from station.errors import DataRefused
+from station.files.campaign_folder import LoadedCampaign
+from station.files.toml_text import read_text_file
+from station.results.diagnosis.adopted_effects import SURE, carried_effects, is_of_unit
+from station.results.diagnosis.diagnosis_json import diagnosis_document, reference_solution
+from station.results.diagnosis.magnetic_field import with_magnetic_field
+
+NAME = "diagnosis.json"
+MOST = 2**26  # bytes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClosedLoop:
+    """A diagnosis with its `diagnosis/1`, and the solution that a calibration takes from it.
+
+    ``effects`` are those of the instrument that the solution holds, as `calibration/1` carries them.
+    """
+
+    diagnosis: Diagnosis
+    document: dict[str, Any]
+    fits: Fits
+    solution: Solution
+    effects: tuple[Mapping[str, Any], ...]
+
+    def budgets(self) -> tuple[ParameterBudget, ...]:
+        """Return the parameters' uncertainty; what the diagnosis leaves unexplained is in it.
+
+        A clock put right is known as well as its rate is; else it is taken for a quartz.
+        """
+        inputs, clock = Inputs(unexplained=self.diagnosis.unexplained), self.diagnosis.clock
+        return budget(self.fits, inputs if clock is None else replace(inputs, clock=clock))
+
+
+def added_effects(folder: Path) -> list[str]:
+    """Return what the diagnosis kept in a campaign's folder added to the model; nothing if there is none."""
+    try:
+        findings = json.loads(read_text_file(folder / NAME, MOST))["findings"]
+        return [str(one["effect"]) for one in findings if one["kind"] != "bench"]
+    except (DataRefused, ValueError, KeyError, TypeError):  # it is no record: without it the plain solve is right
+        return []
+
+
+def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
+    """Diagnose one unit's campaigns; raises as `procedures.diagnosis.diagnose.diagnose`.
+
+    The calibration is the solution with the effects in, so that it is the one that its effects belong to. Where an
+    effect of the instrument is in doubt it is the solution without any: a calibration claims nothing that is not
+    likely at least.
+    """
+    campaigns = [with_magnetic_field(one) for one in campaigns]
+    found = diagnose([one.campaign for one in campaigns])
+    document = diagnosis_document(found, campaigns)
+    if any(is_of_unit(each) and each.confidence not in SURE for each in found.findings):
+        return ClosedLoop(found, document, found.before, found.solution_before, ())
+    reference = reference_solution(found.solution, found.findings)
+    solution = replace(found.solution, reference_temperature=reference)
+    return ClosedLoop(found, document, found.after, solution, carried_effects(found.findings))

@@ -1,0 +1,94 @@
+"""A diagnosis as HTML: the section that a report ends with, and a page of its own."""
+
+import re
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from station.files.atomic_file import replace_file
+from station.results.diagnosis.diagnosis_text import (
+    ON_TABLE,
+    coefficient_rows,
+    error_rows,
+    moved_rows,
+    table_rows,
+    tried_rows,
+    warnings_of,
+)  # fmt: skip
+from station.results.diagnosis.wording import P_OF, SURE, TRIED_HOW, notes, p_text, verdict_sentence, where_text
+
+if TYPE_CHECKING:
+    from procedures.diagnosis.result import Diagnosis
+
+
+def write_page(path: Path, document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> None:
+    """Write a diagnosis as one self-contained HTML file.
+
+    Raises
+    ------
+    CannotWrite
+        If the place cannot be written.
+    """
+    page = _environment().get_template("page.html")
+    origin, section = document["solution"]["provenance"], Markup(section_html(document, diagnosis))
+    replace_file(path, page.render(origin=origin, section=section).encode())
+
+
+def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> str:
+    """Return the section "What the model lacks" of a `diagnosis/1`, with plots where the diagnosis is at hand."""
+    plots = {} if diagnosis is None else _plots(diagnosis)
+    findings = [
+        _finding(finding) | plots.get(finding["effect"], {"plot": "", "caption": ""})
+        for finding in document["findings"]
+    ]
+    return _environment().get_template("section.html").render(
+        document=document, sentence=verdict_sentence(document), findings=findings,
+        errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
+        tried=tried_rows(document["tried"]), p_of=P_OF, tried_how=TRIED_HOW, on_table=ON_TABLE,
+        of_table=table_rows(document.get("solution", {})), warnings=warnings_of(document.get("solution", {})),
+    )  # fmt: skip
+
+
+def _plots(diagnosis: "Diagnosis") -> dict[str, dict[str, Any]]:
+    from station.results.diagnosis.finding_figure import caption, residual_svg
+    from station.results.diagnosis.finding_residuals import residual_panels
+
+    found = dict[str, dict[str, Any]]()
+    for number, panel in enumerate(residual_panels(diagnosis), 1):
+        found.setdefault(panel.effect, {"plot": Markup(residual_svg(number, panel)), "caption": caption(panel)})
+    return found
+
+
+def _finding(finding: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        "effect": finding["effect"],
+        "kind": finding["kind"],
+        "where": where_text(finding["where"]),
+        "sure": SURE[finding["confidence"]],
+        "p": p_text(finding["log10_p"]) if "log10_p" in finding else "",
+        "aliases": finding["aliases"],
+        "separate_by": finding["separate_by"],
+        "rows": coefficient_rows(finding),
+        "notes": notes(finding),
+    }
+
+
+def _typeset(text: str) -> str:
+    """Return text with the signs that a terminal may lack."""
+    for plain, sign in (("+-", "\u00b1"), ("->", "\u2192"), ("ug", "\u00b5g")):
+        text = re.sub(rf"(?<!\w){re.escape(plain)}(?!\w)", sign, text)
+    return text
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=ChoiceLoader([PackageLoader("station.results.diagnosis"), PackageLoader("station.results.report")]),
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    environment.filters["typeset"] = _typeset
+    return environment

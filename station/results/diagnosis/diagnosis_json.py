@@ -1,0 +1,146 @@
+"""A diagnosis as `diagnosis/1` (DESIGN 5): JSON-ready, without NaN, what is not known left out."""
+
+import sys
+from collections.abc import Mapping, Sequence
+from math import exp, isfinite, log
+from typing import Any
+
+import numpy as np
+
+from procedures.calibration.solution import Solution
+from procedures.diagnosis.result import Diagnosis, Errors, Finding, TableSensor, Test
+from procedures.effects.effect import REFERENCE_C
+from station.files.campaign_folder import LoadedCampaign
+from station.results.diagnosis.single_channels import channels_of
+from station.results.parameters_by_name import parameters
+from station.results.solution_json import solution_document
+
+FORMAT = "diagnosis/1"
+LEFT_OUT = "position, turn, rest, or block of a rate table or soak, left out in turn"
+NOT_DETERMINED = "coefficients of a finding are not determined and were left out"
+
+
+def diagnosis_document(
+    diagnosis: Diagnosis,
+    campaigns: Sequence[LoadedCampaign],
+    validated: Mapping[str, Sequence[Errors]] | None = None,
+) -> dict[str, Any]:
+    """Return a diagnosis of ``campaigns`` as `diagnosis/1`; ``validated`` are the errors made on other folders."""
+    before = solution_document(diagnosis.solution_before, campaigns)
+    after = solution_document(diagnosis.solution, campaigns)
+    if any(temperature_effect(finding.effect) for finding in diagnosis.findings):
+        after["reference_temperature_c"] = REFERENCE_C
+    if diagnosis.on_table:
+        counts = campaigns[0].tables.imu.output != "rate"
+        after["rate_tables"] = _on_table(diagnosis.on_table, "count/deg" if counts else "output/(deg/s)")
+    errors = [error_document(each, LEFT_OUT) for each in diagnosis.errors]
+    for folder, found in (validated or {}).items():
+        errors += [error_document(each, f"validation: {folder}") for each in found]
+    channels = channels_of(campaigns, [triad for triad in ("accelerometer", "gyroscope") if triad in before])
+    return {
+        "format": FORMAT,
+        "verdict": diagnosis.verdict,
+        **_p_value("p_value", diagnosis.log_p),
+        "findings": [finding_document(finding) for finding in diagnosis.findings],
+        "error": errors,
+        "parameters": moved(before, after),
+        "solution": after,
+        "tried": [tried_document(each) for each in diagnosis.tried],
+        "next_measurement": diagnosis.next_measurement,
+        **({"channels": channels} if channels else {}),
+    }
+
+
+def finding_document(finding: Finding) -> dict[str, Any]:
+    """Return a finding; ``log10_p`` is adjusted for all that was tried, ``sign_flip_p`` needs no distribution."""
+    value, std = np.atleast_1d(finding.value), np.atleast_1d(finding.std)
+    known = np.isfinite(value) & np.isfinite(std)
+    return {
+        "effect": finding.effect,
+        "kind": finding.kind,
+        "coefficients": {
+            name: {"value": float(value[i]), "std": float(std[i])}
+            for i, name in enumerate(finding.coefficients)
+            if known[i]
+        },
+        "unit": finding.unit,
+        "where": {name: plain(what) for name, what in finding.where.items()},
+        "confidence": finding.confidence,
+        "aliases": list(finding.aliases),
+        "separate_by": finding.separate_by,
+        "log10_p": float(finding.log_p) / log(10),
+        **({"shape": finding.shape} if finding.shape else {}),
+        **({} if finding.sign_flip_p is None else {"sign_flip_p": float(finding.sign_flip_p)}),
+    }
+
+
+def _on_table(sensors: Sequence[TableSensor], unit: str) -> dict[str, Any]:
+    """Return what rate tables say of the gyroscopes they turned, by sensor: a triad's vectors need all three."""
+    return {
+        "gyroscope": {
+            "scale_factor": {each.axis: {"value": each.scale, "std": each.scale_std} for each in sensors},
+            "bias": {each.axis: {"value": each.bias, "std": each.bias_std} for each in sensors},
+        },
+        "unit": {"scale_factor": unit, "bias": "deg/h"},
+    }
+
+
+def temperature_effect(name: str) -> bool:
+    """Say whether an effect is a coefficient of temperature, which vanishes at the reference temperature."""
+    return name.endswith("_temperature")
+
+
+def moved(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return by how much each parameter that two solution/1 hold moved, in sigmas of the latter."""
+    earlier, found = parameters(before), list[dict[str, Any]]()
+    for name, now in parameters(after).items():
+        old = earlier.get(name)
+        if old is None or old.unit != now.unit or now.std is None or not now.std > 0:
+            continue
+        shift = (now.value - old.value) / now.std
+        row = {"name": name, "before": old.value, "after": now.value, "std": now.std, "unit": now.unit}
+        found.append({**row, "shift_sigma": shift})
+    return found
+
+
+def reference_solution(solution: Solution, findings: Sequence[Finding]) -> float | None:
+    """Return the temperature [degC] at which a solution's parameters hold."""
+    return REFERENCE_C if any(temperature_effect(f.effect) for f in findings) else solution.reference_temperature
+
+
+def plain(value: object) -> Any:
+    """Return a value of numpy's or Python's as JSON has it."""
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(each) for each in value]
+    return value
+
+
+def tried_document(test: Test) -> dict[str, Any]:
+    """Return an effect that was tried, with its p before and after Holm."""
+    return {
+        "effect": test.effect,
+        "statistic": float(test.statistic),
+        **_p_value("p_value", test.log_p),
+        **_p_value("p_adjusted", test.log_p_adjusted),
+    }
+
+
+def _p_value(name: str, log_p: float) -> dict[str, float]:
+    """Return p, never nought, and where it is too small for a number its logarithm."""
+    p = max(exp(min(float(log_p), 0.0)), sys.float_info.min)
+    short = {"p_value": "log10_p", "p_adjusted": "log10_p_adjusted"}[name]
+    return {name: p, short: float(log_p) / log(10)}
+
+
+def error_document(error: Errors, method: str) -> dict[str, Any]:
+    """Return an error before and after, as far as it is known; ``method`` says how rows were held out."""
+    values = {
+        "before": error.before,
+        "after": error.after,
+        "held_out_before": error.held_out_before,
+        "held_out_after": error.held_out_after,
+    }
+    known = {name: float(v) for name, v in values.items() if v is not None and isfinite(v)}
+    return {"quantity": error.quantity, "unit": error.unit, **known, "method": method}

@@ -1,0 +1,168 @@
+"""A `diagnosis/1` as text to read in 80 columns: the verdict first, then what it rests on."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from textwrap import wrap
+from typing import Any
+
+from station.results.diagnosis.display_units import shown_unit
+from station.results.diagnosis.single_channels import channel_lines
+from station.results.diagnosis.wording import (
+    P_OF,
+    SURE,
+    TRIED_HOW,
+    notes,
+    p_text,
+    size_in_sigmas,
+    verdict_sentence,
+    where_text,
+)  # fmt: skip
+from station.results.parameters_by_name import Parameter, shown, shown_sigma, title_of
+from station.results.solution_text import measured
+
+WIDTH = 80
+MOST_COEFFICIENTS = 12  # of a finding that are listed; the largest in sigmas
+MOST_MOVED = 8
+ON_TABLE = "on the rate table, its axis' share of the Earth's rate in the bias"
+NOTABLE = 1.0  # sigma
+MOST_TRIED = 6
+PAPER = ("bias_12_position", "bias_two_direction")  # their sigma is counting noise only
+
+
+def diagnosis_text(document: Mapping[str, Any]) -> str:
+    """Return the summary that `station diagnose` prints; +- is 1 sigma."""
+    lines = _fold(f"{document['verdict'].upper()}. {verdict_sentence(document)}", "")
+    for number, finding in enumerate(document["findings"], 1):
+        lines += ["", *_finding(number, finding)]
+    for title, part in (
+        (ON_TABLE, [f"   {name:<27}{value}" for name, value in table_rows(document["solution"])]),
+        ("error, rms, before -> after the findings", list(_errors(document["error"]))),
+        ("parameters that moved most", list(_moved(document["parameters"]))),
+        (f"tried first, {TRIED_HOW}", list(_tried(document["tried"]))),
+    ):
+        if part:
+            lines += ["", title, *part]
+    if channels := document.get("channels"):
+        lines += ["", *channel_lines(channels)]
+    if document["next_measurement"]:
+        lines += ["", *_fold(f"measure next: {document['next_measurement']}", ""), _PLAN]
+    if warnings := warnings_of(document.get("solution", {})):
+        lines += ["", *(line for text in warnings for line in _fold(f"warning: {text}", ""))]
+    return "\n".join(lines)
+
+
+_PLAN = "(--plan FILE writes its steps for `station calibrate --plan FILE`)"
+
+
+def warnings_of(solution: Mapping[str, Any]) -> list[str]:
+    """Return the warnings of a diagnosed solution, without the advice to diagnose it; none of an empty one."""
+    return [text.removesuffix(_ADVICE) for text in solution.get("warnings", [])]
+
+
+_ADVICE = "; run `station diagnose`"
+
+
+def coefficient_rows(finding: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    """Return name, value with sigma and unit, and size in sigmas of a finding's largest coefficients."""
+    scale, unit = shown_unit(finding["unit"])
+    found = finding["coefficients"]
+    strength = {name: abs(c["value"]) / c["std"] if c["std"] > 0 else 0.0 for name, c in found.items()}
+    kept = sorted(found, key=lambda name: -strength[name])[:MOST_COEFFICIENTS]
+    return [
+        (name, measured(c["value"] * scale, c["std"] * scale, unit), size_in_sigmas(c["value"], c["std"]))
+        for name, c in found.items()
+        if name in kept and c["std"] > 0
+    ]
+
+
+def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
+    where = where_text(finding["where"])
+    lines = [f"{number}. {finding['effect']} ({finding['kind']}){f', {where}' if where else ''}"]
+    p = f"; p {p_text(finding['log10_p'])} {P_OF}" if "log10_p" in finding else ""
+    lines += _fold(f"{SURE[finding['confidence']]}{p}", "   ")
+    for note in notes(finding):
+        lines += _fold(note, "   ")
+    for name, value, sigmas in coefficient_rows(finding):
+        lines.append(f"   {name:<9} {value:<44} {sigmas:>12}")
+    if len(finding["coefficients"]) > MOST_COEFFICIENTS:
+        lines.append(f"   ... and {len(finding['coefficients']) - MOST_COEFFICIENTS} more, smaller")
+    if finding["aliases"]:
+        lines += _fold(f"could be instead: {', '.join(finding['aliases'])}", "   ")
+        lines += _fold(f"what would tell: {finding['separate_by']}", "   ")
+    return lines
+
+
+def error_rows(errors: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str, str]]:
+    """Return quantity, unit, error in the campaign, error held out, and how it was held out."""
+    found = []
+    for error in errors:
+        scale, unit = shown_unit(error["unit"])
+        pairs = [
+            f"{error[b] * scale:.3g} -> {error[a] * scale:.3g}" if b in error and a in error else ""
+            for b, a in (("before", "after"), ("held_out_before", "held_out_after"))
+        ]
+        found.append((error["quantity"], unit, *pairs, error["method"]))
+    return found
+
+
+def _errors(errors: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    said = ""
+    for quantity, unit, inside, held_out, method in error_rows(errors):
+        if method != said:
+            said = method
+            title = "fixed from here" if method.startswith("validation") else "held out"
+            yield f"   {'':<24} {'unit':<8} {'in the data':<20} {title}"
+            yield from _fold(f"({method})", "   ")
+        yield f"   {quantity:<24} {unit:<8} {inside:<20} {held_out:<20}".rstrip()
+
+
+def moved_rows(parameters: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str, str]]:
+    """Return title, before, after with sigma, unit and shift in sigmas of those that moved most."""
+    notable = [p for p in parameters if abs(p["shift_sigma"]) >= NOTABLE and p["name"].split(".")[1] not in PAPER]
+    notable.sort(key=lambda row: -abs(row["shift_sigma"]))
+    found = []
+    for row in notable[:MOST_MOVED]:
+        one = Parameter(row["name"], row["after"], row["std"], row["unit"])
+        after, unit = shown(one)
+        before, _ = shown(one, row["before"])
+        found.append((title_of(row["name"]), before, f"{after} +- {shown_sigma(one)}", unit,
+                      _sigmas(row["shift_sigma"])))  # fmt: skip
+    return found
+
+
+def _sigmas(shift: float) -> str:
+    return f"{shift:+.1f}" if abs(shift) < 999.5 else f"{shift:+.0f}" if abs(shift) < 99999 else f"{shift:+.0e}"
+
+
+def table_rows(solution: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what rate tables gave: name, and value with sigma and unit."""
+    found = solution.get("rate_tables", {"gyroscope": {}, "unit": {}})
+    return [
+        (f"gyroscope {name.replace('_', ' ')} {axis}", measured(one["value"], one["std"], found["unit"][name]))
+        for name, sensors in found["gyroscope"].items()
+        for axis, one in sensors.items()
+    ]
+
+
+def _moved(parameters: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    rows = moved_rows(parameters)
+    if rows:
+        yield f"  {'':<29} {'before':>10} {'after +- 1 sigma':>18} {'unit':<11} {'sigmas':>6}"
+    for title, before, after, unit, sigmas in rows:
+        yield f"  {title:<29} {before:>10} {after:>18} {unit:<11} {sigmas:>6}"
+
+
+def tried_rows(tried: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
+    """Return the effects that were tried first, the most significant of them, with p."""
+    return [(each["effect"], p_text(each["log10_p_adjusted"])) for each in tried]
+
+
+def _tried(tried: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    rows = tried_rows(tried)
+    for effect, p in rows[:MOST_TRIED]:
+        yield f"   {effect:<36} {p}"
+    if rest := [effect for effect, _ in rows[MOST_TRIED:]]:
+        yield from _fold(f"and {', '.join(rest)}", "   ")
+
+
+def _fold(text: str, indent: str) -> list[str]:
+    return wrap(text, WIDTH, initial_indent=indent, subsequent_indent=indent, break_long_words=False)

@@ -1,0 +1,109 @@
+"""The residual of the rows that gave an effect away, without it and with it in the model.
+
+Both are residuals of the whole model, fitted again: without the effect its parameters absorb of it what they can,
+as they did before it was found.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.diagnosis.candidates import Candidate, candidates
+from procedures.diagnosis.linear_model import Term
+from procedures.diagnosis.residual_rows import KINDS, TRIADS, Evidence
+from procedures.diagnosis.result import Diagnosis, Finding
+from procedures.effects import EFFECTS
+from station.results.diagnosis.plot_coordinates import Coordinate, coordinate_of
+
+_UNITS = {  # of a row in natural units to people's, by triad and kind
+    ("accelerometer", "mean"): (1e6, "ug"),
+    ("accelerometer", "norm"): (1e6, "ug"),
+    ("accelerometer", "slope"): (3.6e9, "ug/h"),
+    ("accelerometer", "curvature"): (1.296e13, "ug/h^2"),
+    ("gyroscope", "mean"): (3600.0, "deg/h"),
+    ("accelerometer", "soak"): (1e6, "ug"),
+    ("gyroscope", "turn"): (3600.0, "arcsec"),
+    ("gyroscope", "rate"): (1.0, "deg/s"),
+    ("gyroscope", "soak"): (3600.0, "deg/h"),
+    ("gyroscope", "slope"): (1.296e7, "deg/h per h"),
+    ("gyroscope", "curvature"): (4.6656e10, "deg/h per h^2"),
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ResidualPanel:
+    """Rows (n,) of a triad and kind against ``coordinate``: residual ``before``, ``after``, 1 sigma in ``unit``.
+
+    ``axis`` (n,) is the sensor, -1 where a row is of all three.
+    """
+
+    effect: str
+    triad: str
+    kind: str
+    unit: str
+    coordinate: Coordinate
+    axis: IntArray
+    before: FloatArray
+    after: FloatArray
+    sigma: FloatArray
+
+
+def residual_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
+    """Return a panel for every finding that still can be told apart in the evidence."""
+    ways = [_way(diagnosis, finding) for finding in diagnosis.findings]
+    found = list[ResidualPanel]()
+    for finding, way in zip(diagnosis.findings, ways, strict=True):
+        if way is not None:
+            others = [each.term for each in ways if each is not None and each is not way and not each.is_of_model]
+            found.append(_panel(diagnosis.evidence, finding, way, others))
+    return found
+
+
+def _way(diagnosis: Diagnosis, finding: Finding) -> Candidate | None:
+    """Return the columns by which a finding acts; None of what a table showed, where the evidence is a bench's."""
+    tables = {table.name for each in diagnosis.after.campaigns for table in each.rate_tables}
+    if _first(finding.where.get("file")) in tables and not diagnosis.evidence.rows("rate").any():
+        return None
+    effect = [each for each in EFFECTS if each.name == finding.effect]
+    ways = candidates(diagnosis.evidence, diagnosis.after, effect).get(finding.effect, [])
+    same = [way for way in ways if way.columns.shape == finding.shape and _is_there(way, finding)]
+    return next(iter(same or ways), None)
+
+
+def _is_there(way: Candidate, finding: Finding) -> bool:
+    """Say whether a way is about the same position or file; a finding may name several, its own first."""
+    return all(_first(finding.where.get(name)) == _first(value) for name, value in way.columns.where.items())
+
+
+def _first(value: object) -> object:
+    return value[0] if isinstance(value, Sequence) and not isinstance(value, str) else value
+
+
+def _panel(evidence: Evidence, finding: Finding, way: Candidate, others: Sequence[Term]) -> ResidualPanel:
+    with_it = way.fit(evidence, others)
+    without = way.without(evidence, others, with_it.factor)
+    c, _ = with_it.coefficients()
+    added = way.term.H @ c
+    rows = _telling(evidence, added / evidence.sigma)
+    triad, kind = TRIADS[evidence.triad[rows][0]], KINDS[evidence.kind[rows][0]]
+    scale, unit = _UNITS.get((triad, kind), (1.0, ""))
+    natural = scale * evidence.sigma * with_it.factor
+    coordinate = coordinate_of(evidence, finding, rows, added * scale, unit)
+    return ResidualPanel(
+        finding.effect, triad, kind, unit, coordinate, evidence.axis[rows],
+        (without.white * natural)[rows], (with_it.white * natural)[rows], (scale * evidence.sigma)[rows],
+    )  # fmt: skip
+
+
+def _telling(evidence: Evidence, sigmas: FloatArray) -> BoolArray:
+    """Mark the rows of the triad and kind in which an effect shows most; it moves them by ``sigmas`` (n,)."""
+    strength: Mapping[tuple[int, int], float] = {
+        (triad, kind): float(np.sum(sigmas[(evidence.triad == triad) & (evidence.kind == kind)] ** 2))
+        for triad, kind in sorted({*zip(evidence.triad.tolist(), evidence.kind.tolist(), strict=True)})
+        if KINDS[kind] != "prior"
+    }
+    triad, kind = max(strength, key=lambda key: strength[key])
+    rows: BoolArray = (evidence.triad == triad) & (evidence.kind == kind)
+    return rows

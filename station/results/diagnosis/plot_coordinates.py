@@ -1,0 +1,114 @@
+"""The coordinate that gives an effect away: what its residual is drawn against, a line an effect."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.diagnosis.residual_rows import Evidence
+from procedures.diagnosis.result import Finding
+from procedures.effects.effect import Seen
+from procedures.frames import AXES
+
+Values = Callable[[Seen, Finding], FloatArray]  # (n,) of all sensors, or (n, 3) of each, at the nodes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coordinate:
+    """Values (n,) with a label; ``names`` where they only number steps."""
+
+    label: str
+    values: FloatArray
+    names: tuple[str, ...] = ()
+
+
+def coordinate_of(
+    evidence: Evidence, finding: Finding, rows: BoolArray, added: FloatArray, unit: str
+) -> Coordinate:
+    """Return the coordinate of the rows: the effect's own, the step, or what the effect adds to each (n,).
+
+    A row of all three sensors (a rest's norm) has no sensor's own coordinate.
+    """
+    label, values = _COORDINATES.get(finding.effect, ("step", None))
+    if values is None:
+        return _steps(evidence, rows)
+    at_nodes = values(evidence.seen, finding)
+    axis = evidence.axis[rows]
+    if at_nodes.ndim == 2 and np.any(axis < 0):
+        return Coordinate(f"what {finding.effect} adds [{unit}]", added[rows])
+    per_row = _means(evidence, at_nodes)[rows]
+    found = per_row if per_row.ndim == 1 else per_row[np.arange(len(axis)), axis]
+    if not np.isfinite(found).any():
+        return _steps(evidence, rows)
+    return Coordinate(label.format(**{"channel": "channel", **finding.where}), found)
+
+
+def _steps(evidence: Evidence, rows: BoolArray) -> Coordinate:
+    numbers, index = np.unique(evidence.step[rows], return_inverse=True)
+    steps = [evidence.seen.steps[i] for i in numbers]
+    names = tuple(str(s.position) if s.kind == "dwell" else s.name.partition(".")[0] for s in steps)
+    return Coordinate("position, turn or rest", index.astype(float), names)
+
+
+def _means(evidence: Evidence, values: FloatArray) -> FloatArray:
+    """Return the mean of values at the nodes (n, ...) that every row is seen at: a step's, or a single point's."""
+    means = np.full((len(evidence.residual), *values.shape[1:]), np.nan)
+    for each in evidence.weights:
+        of_row = values[each.nodes]
+        known = np.isfinite(of_row)
+        count = np.sum(known, axis=0)
+        total = np.sum(np.where(known, of_row, 0.0), axis=0)
+        means[each.rows] = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    return means
+
+
+def _of_inputs(vector: Callable[[Seen], FloatArray]) -> Values:
+    """Return the input (n, 3) that each sensor's largest coefficient multiplies; key xy: sensor x, input y."""
+
+    def values(seen: Seen, finding: Finding) -> FloatArray:
+        strength = np.zeros((3, 3))
+        for name, value, std in zip(finding.coefficients, finding.value, finding.std, strict=True):
+            if len(name) == 2 and std > 0:
+                strength[AXES.index(name[0]), AXES.index(name[1])] = abs(value) / std
+        inputs: IntArray = np.argmax(strength, axis=1)
+        return vector(seen)[:, inputs]
+
+    return values
+
+
+def _channel(seen: Seen, finding: Finding) -> FloatArray:
+    name = str(finding.where.get("channel", ""))
+    return seen.auxiliary.get(name, np.full(len(seen.t), np.nan))
+
+
+_TEMPERATURE = ("temperature [degC]", lambda seen, finding: seen.temperature)
+_TIME = ("time [h]", lambda seen, finding: (seen.t - np.nanmin(seen.t)) / 3600)
+_FORCE = ("specific force along the sensor [g]", lambda seen, finding: seen.f)
+_RATE = ("rate about the sensor [deg/s]", lambda seen, finding: seen.omega)
+_COORDINATES: Mapping[str, tuple[str, Values]] = {
+    "accelerometer.quadratic": _FORCE,
+    "accelerometer.cubic": _FORCE,
+    "accelerometer.scale_asymmetry": _FORCE,
+    "accelerometer.scale_temperature": _TEMPERATURE,
+    "accelerometer.bias_temperature": _TEMPERATURE,
+    "accelerometer.bias_drift": _TIME,
+    "accelerometer.relaxation": ("change of specific force at the flip [g]", lambda seen, finding: seen.change),
+    "gyroscope.g_sensitivity": (
+        "specific force, along the input that matters most [g]",
+        _of_inputs(lambda s: s.f),
+    ),
+    "gyroscope.magnetic": (
+        "magnetic field, along the input that matters most [uT]",
+        _of_inputs(lambda s: s.magnetic),
+    ),
+    "gyroscope.scale_temperature": _TEMPERATURE,
+    "gyroscope.bias_temperature": _TEMPERATURE,
+    "gyroscope.temperature_rate": ("temperature rate [K/min]", lambda seen, finding: seen.temperature_rate),
+    "gyroscope.bias_drift": _TIME,
+    "gyroscope.scale_asymmetry": _RATE,
+    "gyroscope.scale_nonlinearity": _RATE,
+    "gyroscope.sagnac_sine": _RATE,
+    "auxiliary.channel": ("{channel}", _channel),
+    "clock.rate": _TIME,
+}

@@ -1,0 +1,89 @@
+"""What can be said of a campaign that determines no triad: how level its faces stood.
+
+The mean accelerometer output of a dwell with a known face up points along the up vector, if scale factors agree
+and biases are small beside 1 g. Its components along the two other cube axes over that along the vertical are the
+tilt, in which bias / 1 g and misalignment are. No scale factor is needed for a ratio.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration.campaign import Campaign
+from procedures.counts.sample_records import CountSeries, Series
+from procedures.errors import NotObservable
+from procedures.frames import AXES, cross_axes, face_normal, face_of
+from station.files.campaign_folder import LoadedCampaign
+from station.results.diagnosis.diagnosis_json import FORMAT
+from station.results.diagnosis.single_channels import channels_of
+from station.results.solution_json import provenance
+
+IN_IT = ("accelerometer.bias", "accelerometer.misalignment", "slab.tilt", "placement.dwell")
+ASSUMED_STD = 2e-3  # rad, 1 sigma of bias over 1 g, misalignment and unequal scale factors that are in a tilt
+MOST = 0.5  # rad: beyond, the vertical is not where the face says
+
+
+def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable) -> dict[str, Any] | None:
+    """Return what can be said as `diagnosis/1`, None if nothing can; ``missing`` tells what stays open."""
+    tilts = [found for loaded in campaigns for found in levelling(loaded.campaign)]
+    channels = channels_of(campaigns, ())
+    if not tilts and not channels:
+        return None
+    warnings = list(dict.fromkeys(w for loaded in campaigns for w in loaded.warnings))
+    open_ = [f"{triad}.{part}" for triad in ("accelerometer", "gyroscope")
+             for part in ("scale_factor", "misalignment", "bias")]  # fmt: skip
+    needed = ", ".join(missing.missing)
+    return {
+        "format": FORMAT,
+        "verdict": "ambiguous",
+        "findings": [_finding(name, face, tilt, std, needed) for name, face, tilt, std in tilts],
+        "error": [],
+        "parameters": [],
+        "solution": {"format": "solution/1", "not_observable": open_, "warnings": warnings, "unused_steps": [],
+                     "provenance": provenance(campaigns)},
+        "tried": [],
+        "next_measurement": needed,
+        **({"channels": channels} if channels else {}),
+    }  # fmt: skip
+
+
+def levelling(campaign: Campaign) -> Iterator[tuple[str, str, FloatArray, FloatArray]]:
+    """Yield name, face, tilt (2,) [rad] along the two other cube axes and its 1 sigma (2,) of every known face."""
+    dwells = [(d.name, face_of(d.position), d.series) for d in campaign.dwells]
+    dwells += [(r.name, r.up, r.series) for r in campaign.rests if r.up is not None]
+    for name, face, series in dwells:
+        if (mean := _mean_output(series)) is None:
+            continue
+        output = campaign.fixture.C_ib.T @ mean
+        vertical = float(output @ face_normal(face))
+        across = output[list(cross_axes(face))]
+        if vertical > 0 and np.linalg.norm(across) < MOST * vertical:
+            yield name, face, across / vertical, np.full(2, ASSUMED_STD)
+
+
+def _mean_output(series: Series) -> FloatArray | None:
+    """Return the accelerometers' mean output (3,) over the whole recording, None if they are absent."""
+    if series.accel is None:
+        return None
+    samples: FloatArray = np.asarray(series.accel, dtype=np.float64)
+    mean: FloatArray = samples.mean(axis=0)
+    return mean / series.period if isinstance(series, CountSeries) else mean
+
+
+def _finding(name: str, face: str, tilt: FloatArray, std: FloatArray, needed: str) -> dict[str, Any]:
+    names = [f"{face}.{AXES[i]}" for i in cross_axes(face)]
+    return {
+        "effect": "fixture.face_tilt",
+        "kind": "bench",
+        "coefficients": {
+            key: {"value": float(v), "std": float(s)} for key, v, s in zip(names, tilt, std, strict=True)
+        },
+        "unit": "rad",
+        "where": {"file": name},
+        "levelling_deg": float(np.degrees(np.arctan(np.linalg.norm(tilt)))),
+        "confidence": "ambiguous",
+        "aliases": list(IN_IT),
+        "separate_by": needed,
+    }

@@ -1,0 +1,30 @@
+"""A slab as it is shown: its levels in arcsec, newest last."""
+
+from sqlalchemy.orm import Session
+
+from fixtures_db.chained import in_force
+from fixtures_db.schema import SlabLevelRow
+from fixtures_db.slabs import slab_row, slabs
+from station.results.fixture_kinds.dates import due_text
+from station.results.solution_text import ARCSEC
+
+
+def lines(session: Session) -> list[str]:
+    """Return a line for each slab: its level in force."""
+    return [f"{row.id}: {_level(in_force(row.levels))}, {due_text(row)}" for row in slabs(session)]
+
+
+def description(session: Session, name: str) -> str:
+    """Return every level of a slab; raise `NotInDatabase` if there is none of that name."""
+    row = slab_row(session, name)
+    said = [f"{row.id}: certificate {row.certificate_date or 'none'}, {due_text(row)}"]
+    by_date = sorted(row.levels, key=lambda level: (level.measured_utc, level.id))
+    return "\n".join([*said, *(f"  {_level(level)}" for level in by_date)])
+
+
+def _level(row: SlabLevelRow | None) -> str:
+    if row is None:
+        return "level never measured"
+    tilts = ("east", row.tilt_east_rad, row.std_east_rad), ("north", row.tilt_north_rad, row.std_north_rad)
+    said = ", ".join(f"{way} {tilt / ARCSEC:+z.2f} +- {std / ARCSEC:.2f}" for way, tilt, std in tilts)
+    return f"{said} arcsec ({row.source}, {row.measured_utc:%Y-%m-%d})"

@@ -1,0 +1,142 @@
+"""population/1: which units of a model stand out, and which cubes, slabs, sites or operators shift a parameter.
+
+Two families of tests, each with half of `ALPHA`: all parameters of all units (Bonferroni over parameters, beside
+that over units in `procedures.history.fleet`), and all parameters of all groups (Holm). The adjusted p-values are
+doubled for it, so that a fleet in which nothing is off shows something with probability `ALPHA` at most.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fixtures_db.runs import KINDS, Run, turn_ons
+from procedures.history.fleet import Off, fleet, significant
+from procedures.history.groups import GroupShift, group_shift
+from procedures.statistics.multiple_testing import holm
+from station.results.history.parameter_series import Held, columns, numbers
+from station.text.plural import plural
+
+ALPHA = 0.05
+FAMILIES = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A test: whether this group (a cube named so) shifts this parameter."""
+
+    kind: str
+    name: str
+    parameter: str
+
+
+def population_document(model: str, runs: Sequence[Run]) -> dict[str, Any]:
+    """Return population/1 of all runs of a model; recordings that were solved again count once."""
+    distinct = turn_ons(runs)
+    held, left_out = columns(distinct)
+    if len(distinct) < len(runs):
+        left_out.append(
+            f"{plural(len(runs) - len(distinct), 'calibration')} of recordings that were solved again later"
+        )
+    groups, untold = _groups(held)
+    return {
+        "format": "population/1",
+        "model": model,
+        "units": len({run.serial for run in distinct}),
+        "turn_ons": len(distinct),
+        "false_alarm": ALPHA,
+        "left_out": left_out,
+        "parameters": {name: _parameter(one, len(held)) for name, one in held.items()},
+        "groups": groups,
+        "cannot_tell": untold,
+    }
+
+
+def _parameter(held: Sequence[Held], tests: int) -> dict[str, Any]:
+    newest = {run.serial: one for run, one in held}
+    serials = list(newest)
+    value, std = numbers(list(newest.values()))
+    found = fleet(value, std)
+    flagged = significant(found.extremes, ALPHA / (FAMILIES * tests))
+    return {
+        "unit": held[-1][1].unit,
+        "median": found.median,
+        **({} if found.spread is None else {"spread": found.spread}),
+        "units": [
+            {"serial": one, "value": v, "std": s}
+            for one, v, s in zip(serials, value.tolist(), std.tolist(), strict=True)
+        ],
+        "extremes": [
+            {**_off(one, tests), "serial": serials[one.unit], "stands_out": one in flagged}
+            for one in found.extremes
+        ],
+    }
+
+
+def _off(one: Off, tests: int) -> dict[str, Any]:
+    return {"shift": one.shift, "std": one.std, "p_adjusted": min(1.0, FAMILIES * tests * one.p_adjusted)}
+
+
+def _groups(held_of: dict[str, list[Held]]) -> tuple[list[dict[str, Any]], list[str]]:
+    every = dict.fromkeys(
+        Key(kind, run.made_with[kind], parameter)
+        for kind in KINDS
+        for parameter, held in held_of.items()
+        for run, _ in held
+        if kind in run.made_with
+    )
+    found = {key: one for key in every if (one := _shift(held_of, key, frozenset())) is not None}
+    adjusted = _without_those_off(held_of, found)
+    told = {(key.kind, key.name) for key in found}
+    untold = sorted({(key.kind, key.name) for key in every} - told, key=lambda one: (KINDS.index(one[0]), one[1]))
+    rows = [_row(key, one, held_of[key.parameter][-1][1].unit, adjusted[key]) for key, one in found.items()]
+    return sorted(rows, key=lambda row: float(row["p_value"])), [f"{kind} {name}" for kind, name in untold]
+
+
+def _without_those_off(held_of: dict[str, list[Held]], found: dict[Key, GroupShift]) -> dict[Key, float]:
+    """Return adjusted p; ``found`` is changed: groups are compared again without one that is off.
+
+    An off cube is among "the others" of each good one, which would stand out by it, the other way.
+    """
+    off = dict[tuple[str, str], frozenset[str]]()  # by kind and parameter
+    while True:
+        adjusted = {
+            key: min(1.0, FAMILIES * p) for key, p in holm({k: x.p_value for k, x in found.items()}).items()
+        }
+        new = [k for k, p in adjusted.items() if p <= ALPHA and k.name not in off.get((k.kind, k.parameter), ())]
+        if not new:
+            return adjusted
+        first = min(new, key=lambda key: found[key].p_value)
+        family = first.kind, first.parameter
+        # ... the largest shift of its kind: of three cubes one off by 2 is at +2, each good one at -1
+        worst = max(
+            (key for key in new if (key.kind, key.parameter) == family), key=lambda key: abs(found[key].shift)
+        )
+        off[family] = off.get(family, frozenset()) | {worst.name}
+        for key in found:
+            is_other = (key.kind, key.parameter) == family and key.name not in off[family]
+            if is_other and (again := _shift(held_of, key, off[family])) is not None:
+                found[key] = again
+
+
+def _shift(held_of: dict[str, list[Held]], key: Key, without: frozenset[str]) -> GroupShift | None:
+    names = [(run.made_with.get(key.kind), run, one) for run, one in held_of[key.parameter]]
+    known = [(name, run, one) for name, run, one in names if name is not None and name not in without]
+    inside = np.array([name == key.name for name, _, _ in known])
+    return group_shift([run.serial for _, run, _ in known], inside, *numbers([one for _, _, one in known]))
+
+
+def _row(key: Key, one: GroupShift, unit: str, p_adjusted: float) -> dict[str, Any]:
+    return {
+        "kind": key.kind,
+        "id": key.name,
+        "parameter": key.parameter,
+        "unit": unit,
+        "shift": one.shift,
+        "std": one.std,
+        "p_value": one.p_value,
+        "p_adjusted": p_adjusted,
+        "units": one.units,
+        "stands_out": p_adjusted <= ALPHA,
+    }

@@ -1,0 +1,72 @@
+"""population/1 as lines of at most 80 columns for the terminal."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from procedures.history.fleet import LEAST as LEAST_UNITS
+from procedures.history.groups import LEAST as LEAST_BOTH
+from station.results.parameters_by_name import shown_scale, title_of
+from station.text.rounding import decimals
+
+MOST_SHOWN = 12  # of those that do not stand out none is shown; of those that do, so many of each kind
+
+
+def population_text(document: dict[str, Any]) -> str:
+    """Return what stands out, then the middle and scatter of every parameter."""
+    head = f"{document['model']}, units: {document['units']}, turn-ons: {document['turn_ons']}"
+    lines = [head, *(f"  left out: {text}" for text in document["left_out"]), ""]
+    lines += _units(document)
+    lines += _groups(document)
+    lines += ["", "over the units' newest calibrations", f"  {'':<32}{'median':>14} {'spread':>12}"]
+    lines += [_parameter(name, one) for name, one in document["parameters"].items()]
+    lines += [
+        "",
+        f"A fleet with nothing off shows something in {100 * document['false_alarm']:g} % of cases at most.",
+    ]
+    return "\n".join(lines)
+
+
+def _units(document: dict[str, Any]) -> Iterator[str]:
+    if document["units"] < LEAST_UNITS:
+        yield f"units: {document['units']} are too few to say that one stands out, {LEAST_UNITS} are needed"
+        return
+    rows = [
+        (f"{one['serial']}", name, one, track["unit"])
+        for name, track in document["parameters"].items()
+        for one in track["extremes"]
+        if one["stands_out"]
+    ]
+    yield from _listed("units", rows)
+
+
+def _groups(document: dict[str, Any]) -> Iterator[str]:
+    rows = [
+        (f"{one['kind']} {one['id']}", one["parameter"], one, one["unit"])
+        for one in document["groups"]
+        if one["stands_out"]
+    ]
+    yield from _listed("cubes, slabs, sites and operators", rows)
+    if untold := document["cannot_tell"]:
+        yield f"  cannot tell: {', '.join(untold)}"
+        yield f"  (it takes {LEAST_BOTH} units calibrated with it and without it)"
+
+
+def _listed(what: str, rows: list[tuple[str, str, dict[str, Any], str]]) -> Iterator[str]:
+    yield f"{what} that stand out: {len(rows) or 'none'}"
+    for who, name, one, unit in sorted(rows, key=lambda row: float(row[2]["p_adjusted"]))[:MOST_SHOWN]:
+        scale, shown = shown_scale(name, unit)
+        std = one["std"] * scale
+        places = min(max(decimals(std), 0), 7)
+        by = f"{one['shift'] * scale:+.{places}f} +- {std:.{places}f} {shown}"
+        yield f"  {who}: {title_of(name)}"
+        yield f"      {by}, p = {one['p_adjusted']:.1g} adjusted"
+    if len(rows) > MOST_SHOWN:
+        yield f"  and {len(rows) - MOST_SHOWN} more; --json lists all"
+
+
+def _parameter(name: str, one: dict[str, Any]) -> str:
+    scale, unit = shown_scale(name, one["unit"])
+    spread = one.get("spread", 0.0) * scale
+    places = min(max(decimals(spread or one["units"][0]["std"] * scale), 0), 7)
+    cells = f"{one['median'] * scale:>14.{places}f} {f'{spread:.{places}f}' if spread else '-':>12} {unit}"
+    return f"  {title_of(name):<32}{cells}"

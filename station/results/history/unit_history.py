@@ -1,0 +1,182 @@
+"""history/1: every calibration of a unit, and what they say about it together."""
+
+from collections.abc import Sequence
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+import numpy as np
+
+from fixtures_db.calibration import utc_text
+from fixtures_db.limits import Limit
+from fixtures_db.runs import Run, turn_ons
+from procedures.history.chart import BEFORE, Chart, control_chart, control_limit
+from procedures.history.prediction import FARTHEST, LEAST, Forecast, farthest, forecast
+from procedures.history.repeatability import TOGETHER_DAYS, Repeatability, turn_on_repeatability
+from procedures.history.series import Series
+from procedures.statistics.multiple_testing import holm, two_sided
+from station.results.history.parameter_series import DAY_S, Track, tracks
+from station.results.parameters_by_name import applied, parameters, shifts
+from station.text.plural import plural
+
+HORIZON_DAYS = 3652  # how far ahead a limit's date is looked for
+FAN = 12  # points of the prediction
+
+
+def entries(runs: Sequence[Run]) -> list[dict[str, Any]]:
+    """Return each calibration in the order of storing; drift is against the one before of the same model."""
+    made, last = list[dict[str, Any]](), dict[str, dict[str, Any]]()
+    for run in runs:
+        found = applied(parameters(run.document))
+        moved = shifts(found, applied(parameters(last.get(run.model, {}))))
+        p_adjusted = holm({name: two_sided(one.sigmas) for name, one in moved.items()})
+        made.append(
+            {
+                "sha256": run.sha256,
+                **{key: run.document[key] for key in _SAID if key in run.document},
+                "limited": len(run.document.get("limits", ())),
+                "measured_utc": utc_text(run.ended),
+                **run.made_with,
+                "parameters": {
+                    name: {"value": one.value, "std": one.std, "unit": one.unit} for name, one in found.items()
+                },
+                "drift": {
+                    name: {"shift": one.shift, "shift_sigma": one.sigmas, "p_adjusted": p_adjusted[name]}
+                    for name, one in moved.items()
+                },
+            }
+        )
+        last[run.model] = run.document
+    return made
+
+
+_SAID = ("model", "accepted_utc", "status", "verdict")
+
+
+def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | None) -> dict[str, Any]:
+    """Return what the runs of one model and serial number say together.
+
+    Recordings that were solved again count once. ``asked`` is the date of the prediction; None is the date until
+    which the newest calibration is valid, else a year after it.
+    """
+    distinct = turn_ons(runs)
+    until, because = _within(distinct, *_due(distinct[-1], asked))
+    found = tracks(distinct)
+    control = control_limit(max(len(found.by_name), 1))
+    limit_of = {limit.parameter: limit for limit in limits}
+    left_out = list(found.left_out)
+    if len(distinct) < len(runs):
+        left_out.append(
+            f"{plural(len(runs) - len(distinct), 'calibration')} of recordings that were solved again later"
+        )
+    return {
+        "model": distinct[-1].model,
+        "turn_ons": len(distinct),
+        "first_utc": utc_text(distinct[0].ended),
+        "last_utc": utc_text(distinct[-1].ended),
+        "predicted_utc": utc_text(until),
+        "predicted_because": because,
+        "control_limit": control,
+        "left_out": left_out,
+        "parameters": {
+            name: _parameter(track, limit_of.get(name), control, until) for name, track in found.by_name.items()
+        },
+    }
+
+
+def _within(runs: Sequence[Run], until: datetime, because: str) -> tuple[datetime, str]:
+    """Return the date of the prediction, no later than the history lets it be; as it is where none is made."""
+    first = runs[0].ended
+    last = farthest(np.array([(run.ended - first).total_seconds() / DAY_S for run in runs]))
+    if last is None or until <= (end := first + timedelta(days=last)):
+        return until, because
+    return end, f"{FARTHEST:g} times its history, not {until:%Y-%m-%d}"
+
+
+def _due(newest: Run, asked: datetime | None) -> tuple[datetime, str]:
+    if asked is not None:
+        return asked, "as asked"
+    valid = newest.document.get("valid_until")
+    if valid is not None and (until := datetime.fromisoformat(valid).astimezone(UTC)) > newest.ended:
+        return until, "the newest calibration is valid until then"
+    return newest.ended + timedelta(days=365), "a year after the newest, which has no due date"
+
+
+def _parameter(track: Track, limit: Limit | None, control: float, until: datetime) -> dict[str, Any]:
+    series, unit = track.series, track.parameter.unit
+    made: dict[str, Any] = {
+        "unit": unit,
+        "calibrations": [run.sha256 for run in track.runs],
+        "measured_utc": [utc_text(run.ended) for run in track.runs],
+        "value": series.value.tolist(),
+        "std": series.std.tolist(),
+    }
+    if limit is not None and limit.unit == unit:
+        made["limits"] = {key: one for key in ("low", "high") if (one := getattr(limit, key)) is not None}
+    repeatability = turn_on_repeatability(series)
+    chart = control_chart(series, control)
+    day, last = (until - track.runs[0].ended).total_seconds() / DAY_S, farthest(series.day)
+    is_near = last is not None and day <= last + 1e-3
+    ends = made.get("limits", {})
+    ahead = forecast(series, ends.get("low"), ends.get("high")) if is_near else None
+    made["needs"] = list(_needs(repeatability, chart, ahead, series))
+    if repeatability is not None:
+        made["repeatability"] = _repeatability(repeatability)
+    if chart is not None:
+        made["chart"] = _chart(chart, track)
+    if ahead is not None:
+        made["prediction"] = _prediction(ahead, track, until)
+    return made
+
+
+def _needs(
+    repeatability: Repeatability | None, chart: Chart | None, ahead: Forecast | None, series: Series
+) -> list[str]:
+    needs = []
+    if repeatability is None:
+        needs.append(f"turn-on repeatability: two within {TOGETHER_DAYS:g} days")
+    if chart is None:
+        needs.append(f"control chart: {BEFORE + 1} turn-ons, {len(series)} there")
+    if ahead is None:
+        there = f"{plural(len(series), 'turn-on')} over {series.day[-1] - series.day[0]:.3g} days"
+        further = f"{LEAST} more than {TOGETHER_DAYS:g} days apart, over a third of the days ahead"
+        needs.append(f"prediction: {there}; needs {further}")
+    return needs
+
+
+def _repeatability(found: Repeatability) -> dict[str, Any]:
+    made = {"std": found.value, "interval_95": [found.low_95, found.high_95], "turn_ons": found.runs}
+    made["dof"] = found.dof
+    return made if found.std is None else {**made, "std_of_std": found.std}
+
+
+def _chart(found: Chart, track: Track) -> dict[str, Any]:
+    judged = track.runs[BEFORE:]
+    return {
+        "z": found.z.tolist(),
+        "ewma": found.ewma.tolist(),
+        "ewma_limit": (found.limit * found.ewma_std).tolist(),
+        "alarms": [run.sha256 for run, is_out in zip(judged, found.alarms, strict=True) if is_out],
+    }
+
+
+def _prediction(ahead: Forecast, track: Track, until: datetime) -> dict[str, Any]:
+    first, last = track.runs[0].ended, float(track.series.day[-1])
+    day = max((until - first).total_seconds() / DAY_S, last)
+    found = ahead.at(day)
+    fan = [ahead.at(last + (day - last) * (i / FAN) ** 2) for i in range(FAN + 1)]
+    made: dict[str, Any] = {
+        "value": found.value,
+        "interval_95": [found.low_95, found.high_95],
+        "fan": [[_date(first, one.day), one.value, one.low_95, one.high_95] for one in fan],
+    }
+    if found.outside is not None:
+        made["probability_outside"] = found.outside
+        horizon = min(float(HORIZON_DAYS), FARTHEST * (last - float(track.series.day[0])))
+        touch = ahead.first_touch([last + horizon * (i / 40) ** 2 for i in range(41)])
+        if touch is not None:
+            made["interval_reaches_limit_utc"] = _date(first, touch)
+    return made
+
+
+def _date(first: datetime, day: float) -> str:
+    return utc_text((first + timedelta(days=day)).replace(microsecond=0))

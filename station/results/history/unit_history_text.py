@@ -1,0 +1,126 @@
+"""history/1 as lines of at most 80 columns for the terminal."""
+
+from collections.abc import Iterator
+from textwrap import wrap
+from typing import Any
+
+from station.results.parameters_by_name import Parameter, Shift, largest, shown, shown_scale, shown_sigma, title_of
+from station.results.verdict import word_said
+from station.text.rounding import decimals
+
+SIGNIFICANT = 0.05  # a drift's p-value, adjusted for the number of parameters
+ALARMS = 10  # dates shown
+WIDTH = 80
+MAIN = ("scale_factor", "bias")  # shown in the list; the file holds misalignment too
+
+
+def history_text(document: dict[str, Any]) -> str:
+    """Return the calibrations one by one, then what they say together, model by model."""
+    lines = [line for entry in document["calibrations"] for line in _entry(entry)]
+    for one in document["analysis"]:
+        lines += ["", *_analysis(one)]
+    return "\n".join(lines)
+
+
+def _entry(entry: dict[str, Any]) -> Iterator[str]:
+    verdict = word_said(entry.get("verdict", "not judged"), has_limits=entry["limited"] > 0)
+    when = entry["accepted_utc"][:16].replace("T", " ")
+    yield f"{when} UTC  {entry['model']}  {verdict}, {entry['status']}  {entry['sha256'][:12]}"
+    found = {name: Parameter(name, **values) for name, values in entry["parameters"].items()}
+    moved = {name: Shift(found[name], one["shift"], one["shift_sigma"]) for name, one in entry["drift"].items()}
+    for name, one in found.items():
+        if name.split(".")[1] in MAIN:
+            value, unit = shown(one)
+            drift = f"  {moved[name].sigmas:+z.1f} sigma" if name in moved else ""
+            yield f"  {one.title:<28}{value:>13} +- {shown_sigma(one)} {unit}{drift}"
+    if (most := largest(moved)) is not None:
+        many = sum(one["p_adjusted"] < SIGNIFICANT for one in entry["drift"].values())
+        yield f"  moved most: {most.parameter.title}, {most}"
+        yield f"  moved significantly (p < {SIGNIFICANT:g}, Holm): {many} of {len(moved)}"
+
+
+def _analysis(one: dict[str, Any]) -> Iterator[str]:
+    span = f"{one['first_utc'][:10]} to {one['last_utc'][:10]}"
+    yield f"{one['model']}, turn-ons: {one['turn_ons']}, {span}"
+    if any("prediction" in track for track in one["parameters"].values()):
+        yield f"  predicted for {one['predicted_utc'][:10]}: {one['predicted_because']}"
+    yield f"  control limit {one['control_limit']:.2f} sigma on z and on their moving average, A: beyond it"
+    yield from (f"  left out: {text}" for text in one["left_out"])
+    kind = ""
+    for name, track in one["parameters"].items():
+        if (heading := name.rpartition(".")[0]) != kind:
+            kind = heading
+            yield f"  {_title(name, track)}"
+            yield f"    {'':<4}{'newest':>11} {'turn-on':>9} {'last z':>8}   {'predicted, 95 %':<27}{'outside':>8}"
+        yield f"    {name.rpartition('.')[2]:<4}{_cells(name, track)}".rstrip()
+    needs = {text for track in one["parameters"].values() for text in track["needs"]}
+    for text in sorted(needs):
+        word, _, said = text.partition(": ")
+        yield from wrap(
+            f"too short a history to predict: {said}" if word == "prediction" else f"too few for {text}",
+            width=WIDTH, initial_indent="  ", subsequent_indent="    ",
+        )  # fmt: skip
+    yield from _alarms(one)
+    yield from _touches(one)
+
+
+def _title(name: str, track: dict[str, Any]) -> str:
+    ends = track.get("limits", {})
+    scale, unit = shown_scale(name, track["unit"])
+    limits = " to ".join(f"{ends[end] * scale:g}" if end in ends else "open" for end in ("low", "high"))
+    said = f"; limits {limits}" if ends else ""
+    return f"{name.rpartition('.')[0].replace('_', ' ').replace('.', ' ')} [{unit}]{said}"
+
+
+def _cells(name: str, track: dict[str, Any]) -> str:
+    parameter = Parameter(name, track["value"][-1], track["std"][-1], track["unit"])
+    scatter, chart, ahead = (track.get(key) for key in ("repeatability", "chart", "prediction"))
+    cells = f"{shown(parameter)[0]:>11} "
+    cells += f"{_scatter(name, track, scatter):>9} " if scatter else f"{'-':>9} "
+    mark = " A " if chart and track["calibrations"][-1] in chart["alarms"] else "   "
+    cells += f"{chart['z'][-1]:>+z8.1f}{mark}" if chart else f"{'-':>8}   "
+    if ahead is None:
+        return cells
+    low, high = (_number(name, track, end) for end in ahead["interval_95"])
+    outside = f"{100 * ahead['probability_outside']:>7.1f}%" if "probability_outside" in ahead else ""
+    return cells + f"{low + ' to ' + high:<27}{outside:>8}"
+
+
+def _alarms(one: dict[str, Any]) -> Iterator[str]:
+    on = dict[str, list[str]]()
+    for name, track in one["parameters"].items():
+        for when, sha256 in zip(track["measured_utc"], track["calibrations"], strict=True):
+            if sha256 in track.get("chart", {}).get("alarms", ()):
+                on.setdefault(when[:10], []).append(title_of(name))
+    if len(on) > ALARMS:
+        yield f"  {len(on) - ALARMS} earlier dates with alarms; --json lists all"
+    for when in sorted(on)[-ALARMS:]:
+        more = f" and {len(on[when]) - 1} more" if len(on[when]) > 1 else ""
+        yield f"  alarm on {when}: {on[when][0]}{more}"
+
+
+def _touches(one: dict[str, Any]) -> Iterator[str]:
+    dates = {
+        name: track["prediction"]["interval_reaches_limit_utc"][:10]
+        for name, track in one["parameters"].items()
+        if "interval_reaches_limit_utc" in track.get("prediction", {})
+    }
+    if dates:
+        first = min(dates, key=lambda name: dates[name])
+        yield f"  the 95 % interval first reaches a limit on {dates[first]}: {title_of(first)}"
+
+
+def _number(name: str, track: dict[str, Any], value: float) -> str:
+    """Return a value of a parameter's kind with the decimals that its prediction, else its sigma, deserves."""
+    ends = track.get("prediction", {}).get("interval_95")
+    std = track["std"][-1] if ends is None else max((ends[1] - ends[0]) / 4, track["std"][-1])
+    return shown(Parameter(name, value, std, track["unit"]))[0]
+
+
+def _scatter(name: str, track: dict[str, Any], found: dict[str, Any]) -> str:
+    """Return the repeatability with two digits; where none was seen, what it may be at most (95 %)."""
+    value = found["std"] or found["interval_95"][1]
+    if not value:  # they agree better than their own sigmas let expect
+        return "0"
+    number = value * shown_scale(name, track["unit"])[0]
+    return ("" if found["std"] else "<") + f"{number:.{min(max(decimals(number), 0), 7)}f}"

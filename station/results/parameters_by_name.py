@@ -1,0 +1,136 @@
+"""The parameters of a `solution/1` or `calibration/1` document one by one, by name, and as people read them."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import hypot
+from typing import Any
+
+from procedures.frames import AXES
+from station.text.rounding import decimals
+
+TRIADS = ("accelerometer", "gyroscope")
+APPLIED = ("scale_factor", "misalignment", "bias")  # what a calibration/1 holds of a triad
+_SHOWN = {"g": (1e6, "ug"), "rad": (180 * 3600 / 3.141592653589793, "arcsec")}
+_ANGLES = ("misalignment",)  # dimensionless in files, small angles to people
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A value and its 1 sigma (None where it has none) in ``unit``, both as in the document."""
+
+    name: str
+    value: float
+    std: float | None
+    unit: str
+
+    @property
+    def title(self) -> str:
+        """The parameter in words: ``accelerometer bias z``."""
+        return title_of(self.name)
+
+
+def title_of(name: str) -> str:
+    """Return a parameter's name in words."""
+    return name.replace("_rms_g", " rms").replace("_rms_deg_h", " rms").replace("_", " ").replace(".", " ")
+
+
+def parameters(document: Mapping[str, Any]) -> dict[str, Parameter]:
+    """Return all parameters of a document by name, in its order; what it leaves out is not there."""
+    return {one.name: one for one in (*_triads(document), *_bench(document), *_residual(document))}
+
+
+def applied(found: Mapping[str, Parameter]) -> dict[str, Parameter]:
+    """Return those that a calibration applies: scale factors, misalignments and biases of both triads."""
+    return {
+        name: one for name, one in found.items() if name.split(".")[0] in TRIADS and name.split(".")[1] in APPLIED
+    }
+
+
+def shown_scale(name: str, unit: str) -> tuple[float, str]:
+    """Return by what a value is multiplied for people, and the unit it then has."""
+    if name.split(".")[1] in _ANGLES:
+        return _SHOWN["rad"]
+    return _SHOWN.get(unit, (1.0, unit if unit != "1" else ""))
+
+
+def shown(parameter: Parameter, value: float | None = None) -> tuple[str, str]:
+    """Return a number of a parameter's kind, its own if none is given, as people read it, and the unit.
+
+    It has the decimals that show two digits of the parameter's sigma.
+    """
+    scale, unit = shown_scale(parameter.name, parameter.unit)
+    number = (parameter.value if value is None else value) * scale
+    if parameter.std is None:
+        return f"{number:z.3g}", unit
+    return f"{number:z.{min(max(decimals(parameter.std * scale), 0), 7)}f}", unit
+
+
+def shown_sigma(parameter: Parameter) -> str:
+    """Return a parameter's sigma as people read it, empty if it has none."""
+    return "" if parameter.std is None else shown(parameter, parameter.std)[0]
+
+
+@dataclass(frozen=True, slots=True)
+class Shift:
+    """By how much a parameter moved between two calibrations, and that over their combined sigma."""
+
+    parameter: Parameter
+    shift: float
+    sigmas: float
+
+    def __str__(self) -> str:
+        text, unit = shown(self.parameter, self.shift)
+        return f"{text if text.startswith('-') else '+' + text} {unit} ({abs(self.sigmas):.1f} sigma)"
+
+
+def shifts(now: Mapping[str, Parameter], before: Mapping[str, Parameter]) -> dict[str, Shift]:
+    """Return the shift of every parameter that both documents hold in one unit."""
+    found = dict[str, Shift]()
+    for name, one in now.items():
+        earlier = before.get(name)
+        if earlier is None or earlier.unit != one.unit or one.std is None or earlier.std is None:
+            continue
+        combined = hypot(one.std, earlier.std)
+        if combined > 0:
+            found[name] = Shift(one, one.value - earlier.value, (one.value - earlier.value) / combined)
+    return found
+
+
+def largest(found: Mapping[str, Shift]) -> Shift | None:
+    """Return the shift of most sigmas."""
+    return max(found.values(), key=lambda one: abs(one.sigmas), default=None)
+
+
+def _triads(document: Mapping[str, Any]) -> Iterator[Parameter]:
+    for triad in TRIADS:
+        part = document.get(triad, {})
+        for field in (*APPLIED, "bias_12_position", "bias_two_direction"):
+            if field not in part:
+                continue
+            found, name = part[field], f"{triad}.{field}"
+            for q, sensor in enumerate(AXES):
+                if field != "misalignment":
+                    yield Parameter(f"{name}.{sensor}", found["value"][q], found["std"][q], found["unit"])
+                    continue
+                for p, body in enumerate(AXES):
+                    if p != q:
+                        value, std = found["value"][q][p], found["std"][q][p]
+                        yield Parameter(f"{name}.{sensor}{body}", value, std, found["unit"])
+
+
+def _bench(document: Mapping[str, Any]) -> Iterator[Parameter]:
+    if tilt := document.get("slab", {}).get("tilt_rad"):
+        for i, side in enumerate(("east", "north")):
+            yield Parameter(f"slab.tilt.{side}", tilt["value"][i], tilt["std"][i], tilt["unit"])
+    if faces := document.get("fixture", {}).get("parallelism_rad"):
+        for i, pair in enumerate(AXES):
+            for j, other in enumerate(axis for axis in AXES if axis != pair):
+                name = f"fixture.parallelism.{pair}.{other}"
+                yield Parameter(name, faces["value"][i][j], faces["std"][i][j], faces["unit"])
+
+
+def _residual(document: Mapping[str, Any]) -> Iterator[Parameter]:
+    found = document.get("residual", {})
+    for field, unit in (("accelerometer_rms_g", "g"), ("gyroscope_rms_deg_h", "deg/h"), ("p_value", "1")):
+        if field in found:
+            yield Parameter(f"residual.{field}", found[field], None, unit)

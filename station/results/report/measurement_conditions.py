@@ -1,0 +1,80 @@
+"""Under which conditions the campaign was measured, as lines to print."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.calibration.campaign import Campaign
+from procedures.calibration.solution import Solution
+from procedures.frames import AXES, FACES
+from station.text.plural import plural
+from station.text.rounding import MINUS, decimals, fixed, significant
+
+
+def condition_lines(campaigns: Sequence[Campaign], solution: Solution) -> list[tuple[str, str]]:
+    """Return label and text of each condition; those equal in all campaigns once."""
+    lines: dict[str, list[str]] = {}
+    for campaign in campaigns:
+        for label, text in (*_site(campaign), *_procedure(campaign), *_temperature(campaign), *_fixture(campaign)):
+            texts = lines.setdefault(label, [])
+            if text not in texts:
+                texts.append(text)
+    if solution.reference_temperature is not None:
+        lines["Reference temperature"] = [f"{fixed(solution.reference_temperature, 1)} \u00b0C"]
+    return [(label, "; ".join(texts)) for label, texts in lines.items()]
+
+
+def temperature_range(campaigns: Sequence[Campaign]) -> tuple[float, float] | None:
+    """Return the least and the greatest temperature [degC] of all steps, None if none was measured."""
+    series = [dwell.series for campaign in campaigns for dwell in campaign.dwells]
+    series += [turn.series for campaign in campaigns for turn in campaign.turns]
+    seen = [one.temperature[np.isfinite(one.temperature)] for one in series]
+    measured = np.concatenate(seen) if seen else np.empty(0)
+    return (float(measured.min()), float(measured.max())) if measured.size else None
+
+
+def _site(campaign: Campaign) -> list[tuple[str, str]]:
+    site = campaign.site
+    places = max(decimals(site.gravity_std), 0) if site.gravity_std > 0 else 6
+    std = significant(site.gravity_std)
+    gravity = f"{fixed(site.gravity, min(places, 9))}\u00a0m/s\u00b2, 1\u03c3\u00a0{std}\u00a0m/s\u00b2"
+    return [("Latitude", f"{fixed(float(np.degrees(site.latitude)), 4)}\u00b0"), ("Local gravity", gravity)]
+
+
+def _procedure(campaign: Campaign) -> list[tuple[str, str]]:
+    sigma = campaign.sigma
+    return [
+        ("Heading of a position", f"1\u03c3\u00a0{significant(float(np.degrees(sigma.heading)))}\u00b0"),
+        ("Closure of a turn", f"1\u03c3\u00a0{significant(float(np.degrees(sigma.closure)))}\u00b0"),
+        ("Steps", f"{plural(len(campaign.dwells), 'dwell')}, {plural(len(campaign.turns), 'turn')}"),
+    ]
+
+
+def _temperature(campaign: Campaign) -> list[tuple[str, str]]:
+    span = temperature_range([campaign])
+    return [("Temperature", "not measured" if span is None else f"{span[0]:.1f} to {span[1]:.1f} \u00b0C")]
+
+
+def _fixture(campaign: Campaign) -> list[tuple[str, str]]:
+    fixture = campaign.fixture
+    certified = [face for face in FACES if face in fixture.faces]
+    if fixture.measured is not None:
+        certificate = f"none; measured by {', '.join(fixture.measured.units) or 'IMUs'}"
+    elif not certified:
+        certificate = "none: misalignment refers to the mean cube"
+    else:
+        stds = [float(np.sqrt(np.trace(fixture.faces[face].covariance) / 2)) for face in certified]
+        arcsec = significant(max(stds) * 180 * 3600 / np.pi)
+        certificate = f"{len(certified)} of {len(FACES)} faces, 1\u03c3 up to {arcsec} arcsec"
+    axes = ", ".join(_signed_axis(row) for row in fixture.C_ib)
+    return [
+        ("Fixture", fixture.id or "not named"),
+        ("Face certificate", certificate),
+        ("IMU axes in the cube", axes),
+    ]
+
+
+def _signed_axis(row: FloatArray) -> str:
+    greatest = int(np.argmax(np.abs(row)))
+    return ("+" if row[greatest] > 0 else MINUS) + AXES[greatest]

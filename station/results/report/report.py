@@ -1,0 +1,111 @@
+"""Put the report together and write it, whole or not at all."""
+
+from functools import cache
+from pathlib import Path
+
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from procedures.calibration.solution import Solution, TriadCalibration
+from station.files.atomic_file import replace_file
+from station.results.report.allan_plot import allan_svg
+from station.results.report.budget_table import budget_tables
+from station.results.report.fit_quality import LIMIT_SIGMAS, correlations, residual_tables
+from station.results.report.measurement_conditions import condition_lines
+from station.results.report.noise_figure import axis_names, longest_dwell_noise
+from station.results.report.parameter_tables import bench_groups, matrix_rows, triad_groups
+from station.results.report.report_inputs import ReportContext
+from station.results.report.residual_plot import residual_svg
+from station.results.verdict import word_said
+from station.text.rounding import significant
+
+TRIADS = ("accelerometer", "gyroscope")
+VERDICT_MARK = {"PASS": "\u2713", "FAIL": "\u2717", "NOT_MEASURED": "\u25cb"}
+
+
+def write_report(path: str | Path, context: ReportContext) -> None:
+    """Write the report as one self-contained HTML file, replacing an older one in one step.
+
+    Raises
+    ------
+    CannotWrite
+        If the place cannot be written.
+    """
+    replace_file(Path(path), render(context).encode())
+
+
+def render(context: ReportContext) -> str:
+    """Return the report's HTML; equal contexts give equal text."""
+    solution, first = context.solution, context.campaigns[0]
+    noise = longest_dwell_noise(context.campaigns, solution)
+    return (
+        _environment()
+        .get_template("report.html")
+        .render(
+            context=context,
+            model=first.model,
+            serial=first.serial,
+            verdict=word_said(context.verdict, has_limits=context.has_limits),
+            verdict_mark=VERDICT_MARK[context.verdict],
+            quality=solution.quality,
+            facts=_facts(solution),
+            triads=[_triad(name, triad, context) for name, triad in _solved(solution)],
+            bench=bench_groups(solution, context.truth),
+            budget_tables=budget_tables(context.budgets),
+            correlations=correlations(solution),
+            residual_tables=residual_tables(solution.residuals),
+            residual_plots=[
+                (triad, Markup(svg)) for triad in TRIADS if (svg := residual_svg(triad, solution.residuals))
+            ],
+            limit_sigmas=f"{LIMIT_SIGMAS:g}",
+            noise=noise,
+            noise_plot=Markup(allan_svg(noise)) if noise is not None and noise.triads else "",
+            axis_names=axis_names,
+            conditions=[*condition_lines(context.campaigns, solution), *context.bench.items()],
+            files=sorted(context.files.items()),
+            diagnosis=Markup(context.diagnosis),
+        )
+    )
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        loader=ChoiceLoader([PackageLoader("station.results.report"), PackageLoader("station.results.diagnosis")]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
+def _solved(solution: Solution) -> list[tuple[str, TriadCalibration]]:
+    both = zip(TRIADS, (solution.accelerometer, solution.gyroscope), strict=True)
+    return [(name, triad) for name, triad in both if triad is not None]
+
+
+def _triad(name: str, triad: TriadCalibration, context: ReportContext) -> dict[str, object]:
+    return {
+        "name": name,
+        "groups": triad_groups(name, triad, context.truth, {one.name: one.expanded for one in context.budgets}),
+        "has_budget": any(one.name.startswith(name) for one in context.budgets),
+        "matrix": matrix_rows(triad.misalignment),
+    }
+
+
+def _facts(solution: Solution) -> list[tuple[str, str, str]]:
+    quality = solution.quality
+    facts = [
+        (
+            "Global test",
+            f"p = {quality.p_value:.2g}",
+            f"\u03c7\u00b2 = {quality.chi2:.1f}, {quality.dof} degrees of freedom",
+        )
+    ]
+    if quality.accelerometer_rms_g is not None:
+        rms = significant(quality.accelerometer_rms_g * 1e6, 3)
+        facts.append(("Accelerometer residual", f"{rms} \u00b5g", "rms over all dwells"))
+    if quality.gyroscope_rms_dph is not None:
+        rms = significant(quality.gyroscope_rms_dph, 3)
+        facts.append(("Gyroscope residual", f"{rms} deg/h", "rms over all dwells"))
+    return facts

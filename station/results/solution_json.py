@@ -1,0 +1,150 @@
+"""A solution as `solution/1` (DESIGN 5): JSON-ready, without NaN, what was not estimated left out."""
+
+import json
+import subprocess
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
+from station.files.atomic_file import replace_file
+from station.files.campaign_folder import LoadedCampaign
+
+FORMAT = "solution/1"
+
+
+def solution_document(solution: Solution, campaigns: Sequence[LoadedCampaign]) -> dict[str, Any]:
+    """Return a solution and where it comes from as `solution/1`.
+
+    Warnings and unused steps of the folders stand before those of the solve. What is not finite is not
+    estimated: it is left out and a warning says so.
+    """
+    dropped = list[str]()
+    parts = {
+        "accelerometer": _triad("accelerometer", solution.accelerometer, dropped),
+        "gyroscope": _triad("gyroscope", solution.gyroscope, dropped),
+        "slab": _one("slab", "tilt_rad", solution.slab_tilt, dropped),
+        "fixture": _one("fixture", "parallelism_rad", solution.parallelism, dropped),
+        "residual": _quality(solution.quality),
+        "covariance": _covariance(solution, dropped),
+        "reference_temperature_c": _finite(solution.reference_temperature),
+    }
+    warnings = [w for loaded in campaigns for w in loaded.warnings] + list(solution.warnings)
+    warnings += [f"{name} is not finite and was left out" for name in dropped]
+    unused = [s for loaded in campaigns for s in loaded.unused_steps] + list(solution.unused_steps)
+    return {
+        "format": FORMAT,
+        **{name: part for name, part in parts.items() if part is not None and part != {}},
+        "not_observable": list(solution.not_observable),
+        "warnings": _once(warnings),
+        "unused_steps": _once(unused),
+        "provenance": provenance(campaigns),
+    }
+
+
+def write_solution(path: Path, document: dict[str, Any]) -> None:
+    """Write a document as JSON: there whole, or what stood there before.
+
+    Raises
+    ------
+    CannotWrite
+        If the place cannot be written.
+    """
+    replace_file(path, (json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False) + "\n").encode())
+
+
+def provenance(campaigns: Sequence[LoadedCampaign]) -> dict[str, Any]:
+    """Return the hashes of all files used, the unit, the software and the time."""
+    imu = campaigns[0].tables.imu
+    return {
+        "files": input_hashes(campaigns),
+        "model": imu.model,
+        "serial": imu.serial,
+        "software": software_version(),
+        "created_utc": datetime.now(UTC).isoformat(timespec="seconds").replace("+00:00", "Z"),
+    }
+
+
+def input_hashes(campaigns: Sequence[LoadedCampaign]) -> dict[str, str]:
+    """Return the sha256 of each file; its name is preceded by its folder's where several campaigns are used."""
+    if len(campaigns) == 1:
+        return dict(campaigns[0].files)
+    labels = [loaded.folder.resolve().name for loaded in campaigns]
+    if len(set(labels)) < len(labels):
+        labels = [str(loaded.folder.resolve()) for loaded in campaigns]
+    return {f"{x}/{n}": h for x, loaded in zip(labels, campaigns, strict=True) for n, h in loaded.files.items()}
+
+
+def software_version() -> str:
+    """Return name, version and, in a checkout, the commit (``-dirty`` where files differ from it)."""
+    try:
+        name = f"fog-station {version('fog-station')}"
+    except PackageNotFoundError:
+        name = "fog-station (not installed)"
+    root = Path(__file__).resolve().parents[2]
+    if not (root / ".git").exists():
+        return name
+    command = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
+    try:
+        commit = subprocess.run(command, capture_output=True, text=True, timeout=5, check=True).stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        return name
+    return f"{name} ({commit})"
+
+
+def _triad(name: str, triad: TriadCalibration | None, dropped: list[str]) -> dict[str, Any] | None:
+    if triad is None:
+        return None
+    estimates = ("scale_factor", "misalignment", "bias_12_position", "bias_two_direction", "bias")
+    part = {
+        field: _estimate(f"{name}.{field}", value, dropped)
+        for field in estimates
+        if (value := getattr(triad, field)) is not None
+    }
+    if part["bias"]:
+        part["bias"]["estimator"] = "joint"
+    return {field: value for field, value in part.items() if value}
+
+
+def _one(part: str, field: str, estimate: Estimate | None, dropped: list[str]) -> dict[str, Any] | None:
+    found = estimate and _estimate(f"{part}.{field}", estimate, dropped)
+    return {field: found} if found else None
+
+
+def _estimate(name: str, estimate: Estimate, dropped: list[str]) -> dict[str, Any]:
+    if not (np.isfinite(estimate.value).all() and np.isfinite(estimate.std).all()):
+        dropped.append(name)
+        return {}
+    return {"value": estimate.value.tolist(), "std": estimate.std.tolist(), "unit": estimate.unit}
+
+
+def _quality(quality: FitQuality) -> dict[str, Any]:
+    values = {
+        "accelerometer_rms_g": _finite(quality.accelerometer_rms_g),
+        "gyroscope_rms_deg_h": _finite(quality.gyroscope_rms_dph),
+        "chi2": _finite(quality.chi2),
+        "dof": quality.dof,
+        "p_value": _finite(quality.p_value),
+    }
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _covariance(solution: Solution, dropped: list[str]) -> dict[str, Any] | None:
+    if not len(solution.names):
+        return None
+    if not np.isfinite(solution.covariance).all():
+        dropped.append("covariance")
+        return None
+    return {"names": list(solution.names), "matrix": solution.covariance.tolist()}
+
+
+def _finite(value: float | None) -> float | None:
+    return float(value) if value is not None and np.isfinite(value) else None
+
+
+def _once(texts: Sequence[str]) -> list[str]:
+    return list(dict.fromkeys(texts))

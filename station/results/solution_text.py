@@ -1,0 +1,105 @@
+"""A `solution/1` document as text to read: every value with its sigma and unit."""
+
+from collections.abc import Mapping
+from math import floor, log10
+from typing import Any
+
+import numpy as np
+
+from station.text.plural import plural
+
+USED_HOW = "(of the fit alone; to use a value take the expanded uncertainty U that `station report` gives)"
+ARCSEC = np.pi / 180 / 3600
+_AXES = ("x", "y", "z")
+
+
+def solution_text(document: Mapping[str, Any]) -> str:
+    """Return the summary that ``station solve`` prints; +- is 1 sigma."""
+    origin = document["provenance"]
+    lines = [f"{origin['model']} {origin['serial']}: {plural(len(origin['files']), 'file')}, +- is 1 sigma"]
+    lines += [USED_HOW] if "accelerometer" in document or "gyroscope" in document else []
+    for name in ("accelerometer", "gyroscope"):
+        lines += _triad(name, document.get(name))
+    lines += _tilt(document) + _parallelism(document) + _residual(document.get("residual", {}))
+    for key, title in (
+        ("not_observable", "not observable"),
+        ("warnings", "warning"),
+        ("unused_steps", "read and checked, not used"),
+    ):
+        lines += [f"{title}: {text}" for text in document[key]]
+    return "\n".join(lines)
+
+
+def measured(value: float, std: float, unit: str = "") -> str:
+    """Return ``value +- std unit`` with two digits of the sigma."""
+    if not std > 0:
+        return f"{value:z.9g} {unit}".rstrip()
+    decimals = 1 - floor(log10(std))
+    if decimals > 7:
+        return f"{value:z.{max(0, decimals + floor(log10(abs(value) or std)))}e} +- {std:.1e} {unit}".rstrip()
+    digits = max(0, decimals)
+    return f"{value:z.{digits}f} +- {std:.{digits}f} {unit}".rstrip()
+
+
+def _triad(name: str, part: Mapping[str, Any] | None) -> list[str]:
+    if part is None:
+        return [f"{name}: not solved"]
+    lines = [name]
+    for key, title in (
+        ("scale_factor", "scale factor"),
+        ("bias", "bias"),
+        ("bias_12_position", "bias, 12 positions"),
+        ("bias_two_direction", "bias, two directions"),
+    ):
+        lines += _vector(title, part.get(key))
+    if misalignment := part.get("misalignment"):
+        lines.append("  misalignment less identity, row = sensor [1e-6]")
+        excess = np.array(misalignment["value"]) - np.eye(3)
+        for axis, values, stds in zip(_AXES, excess * 1e6, np.array(misalignment["std"]) * 1e6, strict=True):
+            row = [measured(v, s) for v, s in zip(values, stds, strict=True)]
+            lines.append(f"    {axis}  {'   '.join(row)}")
+    return lines
+
+
+def _vector(title: str, estimate: Mapping[str, Any] | None) -> list[str]:
+    if estimate is None:
+        return []
+    rows = zip(_AXES, estimate["value"], estimate["std"], strict=True)
+    return [f"  {title:<21} {axis}  {measured(value, std, estimate['unit'])}" for axis, value, std in rows]
+
+
+def _tilt(document: Mapping[str, Any]) -> list[str]:
+    if "slab" not in document:
+        return []
+    tilt = document["slab"]["tilt_rad"]
+    east, north = (
+        measured(v / ARCSEC, s / ARCSEC, "arcsec") for v, s in zip(tilt["value"], tilt["std"], strict=True)
+    )
+    return [f"slab tilt               east {east}, north {north}"]
+
+
+def _parallelism(document: Mapping[str, Any]) -> list[str]:
+    if "fixture" not in document:
+        return []
+    both = document["fixture"]["parallelism_rad"]
+    lines = ["parallelism of the faces, sum of a pair [arcsec]"]
+    for pair, values, stds in zip(_AXES, both["value"], both["std"], strict=True):
+        others = [axis for axis in _AXES if axis != pair]
+        row = [
+            f"{axis} {measured(v / ARCSEC, s / ARCSEC)}" for axis, v, s in zip(others, values, stds, strict=True)
+        ]
+        lines.append(f"    {pair} faces: along {', along '.join(row)}")
+    return lines
+
+
+def _residual(residual: Mapping[str, Any]) -> list[str]:
+    said = []
+    if (rms := residual.get("accelerometer_rms_g")) is not None:
+        said.append(f"accelerometer {rms:.3g} g rms")
+    if (rms := residual.get("gyroscope_rms_deg_h")) is not None:
+        said.append(f"gyroscope {rms:.3g} deg/h rms")
+    if "chi2" in residual:
+        said.append(f"chi2 {residual['chi2']:.1f} of {residual['dof']} degrees of freedom")
+    if "p_value" in residual:
+        said.append(f"p {residual['p_value']:.3g}")
+    return [f"residual: {', '.join(said)}"] if said else []

@@ -1,0 +1,101 @@
+"""A cube's tolerance items, from the database or from a file, and the unit they are judged with.
+
+```toml
+side_mm = 400.0
+[tolerance_mm]          # P1 table 2; all eleven
+t1 = 0.04
+t4-1 = 0.04
+# ...
+[cost]                  # optional: an item costs its weight over its tolerance; 1 where not given
+t3 = 2.0
+```
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from drivers.simulated.truth import paper_truth
+from fixtures_db.cubes import cube_row
+from fixtures_db.database import open_db
+from procedures.arrays import FloatArray
+from procedures.tolerance.estimators import Unit
+from procedures.tolerance.items import ITEMS, angles
+from station.errors import DataRefused
+from station.files.toml_text import read_tables, read_text_file
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drawing:
+    """A cube's name, side [mm], items (11,) [rad] and the weights (11,) of their costs."""
+
+    cube: str
+    side_mm: float
+    item: FloatArray
+    weight: FloatArray
+
+
+class ItemsTable(BaseModel):
+    """The whole of an items file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    side_mm: float = Field(gt=0)
+    tolerance_mm: dict[str, float]
+    cost: dict[str, float] = {}
+
+
+def drawing_of_file(path: Path) -> Drawing:
+    """Return the drawing that a file gives; raise `DataRefused` if it is none."""
+    table, _ = read_tables(read_text_file(path), path, ItemsTable)
+    if wrong := [f"{item} = {weight}" for item, weight in table.cost.items() if item not in ITEMS or weight <= 0]:
+        raise DataRefused(path, None, f"cost {', '.join(wrong)}", f"weights above zero of {', '.join(ITEMS)}")
+    weight = np.array([table.cost.get(item, 1.0) for item in ITEMS])
+    return Drawing(path.stem, table.side_mm, _angles(table.tolerance_mm, table.side_mm, path), weight)
+
+
+def drawing_of_cube(db: str | None, name: str) -> Drawing:
+    """Return the drawing of a cube in the database; `NotInDatabase`, or `DataRefused` if items are missing."""
+    with open_db(db) as database, database.read() as session:
+        row = cube_row(session, name)
+        side, items = row.side_mm, {t.item: t.tolerance_mm for t in row.tolerances}
+    return Drawing(name, side, _angles(items, side, f"cube {name}"), np.ones(len(ITEMS)))
+
+
+def paper_unit(K2: float) -> Unit:
+    """Return P1's unit (table 4) with the same ``K2`` [g/g^2] in every sensor."""
+    truth = paper_truth()
+    return Unit(_rows(truth.accel_e), truth.accel_d_g, np.full(3, K2))
+
+
+def unit_of_solution(path: Path, K2: float) -> Unit:
+    """Return the accelerometers of a ``solution/1``, the IMU's axes being the cube's; refuse what is none."""
+    content = read_text_file(path)
+    try:
+        part = json.loads(content)["accelerometer"]
+        E, D = np.array(part["misalignment"]["value"], float), np.array(part["bias"]["value"], float)
+    except (ValueError, KeyError, TypeError) as error:
+        is_other = error.args == ("accelerometer",)
+        found = "a solution without accelerometers (its warnings say why)" if is_other else repr(error)
+        raise DataRefused(path, None, found, "a solution/1 with accelerometers", "name another") from None
+    if E.shape != (3, 3) or D.shape != (3,):
+        raise DataRefused(path, None, f"shapes {E.shape}, {D.shape}", "E (3, 3) and D (3,)")
+    return Unit(_rows(E), D, np.full(3, K2))
+
+
+def _rows(E: FloatArray) -> FloatArray:
+    unit: FloatArray = E / np.linalg.norm(E, axis=1, keepdims=True)
+    return unit
+
+
+def _angles(items: Mapping[str, float], side_mm: float, where: Path | str) -> FloatArray:
+    try:
+        item = angles(items, side_mm)
+    except ValueError as error:
+        raise DataRefused(where, None, str(error), f"all of {', '.join(ITEMS)} in mm") from None
+    if not item.all():
+        raise DataRefused(where, None, "a tolerance of zero", "tolerances above zero")
+    return item

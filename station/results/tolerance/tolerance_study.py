@@ -1,0 +1,122 @@
+"""All that is asked of one cube's tolerances, computed once for table, figure and file."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.tolerance.allowance import Allowed, allow
+from procedures.tolerance.bound import Quantity, all_errors, bound, reached
+from procedures.tolerance.draw import Directions, Sample, Shape, draw
+from procedures.tolerance.estimators import NAMES, Errors, Unit, errors
+from procedures.tolerance.items import ITEMS, p1_tilts
+from procedures.tolerance.remedy import Gain, gain, remedies
+from station.results.tolerance.tolerance_inputs import Drawing
+
+FORMAT = "tolerance/1"
+ESTIMATORS = dict(zip(NAMES, ("12-position", "two-direction", "joint"), strict=True))
+SEED = 1  # equal calls give equal numbers
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """Cubes to draw, and how; the accuracy wanted [g] of which estimator; certificate [rad], noise [g]."""
+
+    cubes: int
+    shape: Shape
+    directions: Directions
+    estimator: str
+    wanted: float | None
+    certificate: float
+    noise: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Study:
+    """The answers.
+
+    ``p1``: errors with every item at its limit in the directions of P1 table 3, one cube. ``worst`` (21,) and
+    ``reached`` (21,): rows of `all_errors`. ``allowed`` is None where no accuracy was asked for.
+    """
+
+    drawing: Drawing
+    question: Question
+    p1: Errors
+    worst: FloatArray
+    reached: FloatArray
+    sample: Sample
+    allowed: list[Allowed] | None
+    gains: list[Gain]
+
+
+def study(drawing: Drawing, unit: Unit, question: Question) -> Study:
+    """Answer all questions about a cube; raise `TooFine` if no cube gives the accuracy wanted."""
+    allowed = None
+    if question.wanted is not None:
+        asked = bound(_bias(unit, NAMES.index(question.estimator)))
+        allowed = allow(asked, question.wanted, drawing.item, drawing.weight)
+    quantity = all_errors(unit)
+    return Study(
+        drawing,
+        question,
+        errors(p1_tilts(drawing.item)[..., None], unit),
+        bound(quantity).largest(drawing.item),
+        reached(quantity, drawing.item),
+        draw(drawing.item, unit, question.cubes, SEED, question.shape, question.directions),
+        allowed,
+        [
+            gain(each, drawing.item, unit, question.noise, shape=question.shape)
+            for each in remedies(question.certificate)
+        ],
+    )
+
+
+def _bias(unit: Unit, estimator: int) -> Quantity:
+    return lambda tilts: errors(tilts, unit).bias[estimator]
+
+
+def document(found: Study) -> dict[str, Any]:
+    """Return ``tolerance/1``: biases [g], scale factor relative, angles [rad], tolerances [mm]."""
+    side, sample = found.drawing.side_mm, found.sample
+    items = dict(zip(ITEMS, (found.drawing.item * side).tolist(), strict=True))
+    parts: dict[str, Any] = {"format": FORMAT, "cube": found.drawing.cube, "side_mm": side, "tolerance_mm": items}
+    parts["cubes_drawn"] = found.question.cubes
+    parts["distribution"] = {"items": found.question.shape, "directions": found.question.directions}
+    parts["bias"] = {
+        name: {
+            "unit": "g",
+            "p1_case": found.p1.bias[i, :, 0].tolist(),
+            "worst_case_at_most": found.worst[3 * i : 3 * i + 3].tolist(),
+            "worst_case_reached": found.reached[3 * i : 3 * i + 3].tolist(),
+            **_spread(sample.bias[i]),
+        }
+        for i, name in enumerate(NAMES)
+    }
+    parts["scale_factor"] = {"unit": "1", "worst_case_at_most": found.worst[9:12].tolist()}
+    parts["scale_factor"] |= _spread(sample.scale_factor)
+    parts["misalignment"] = {"unit": "rad"} | _spread(sample.misalignment)
+    if found.allowed is not None:
+        parts["wanted"] = {"estimator": found.question.estimator, "bias_g": found.question.wanted}
+        parts["allowed"] = [_allowed(one, side) for one in found.allowed]
+    parts["would_buy"] = [_gain(one) for one in found.gains]
+    return parts
+
+
+def _spread(values: FloatArray) -> dict[str, list[float]]:
+    """Return root mean square and 95 % quantile of the magnitude (3,) of errors (3, n)."""
+    return {
+        "rms": np.sqrt(np.mean(values**2, axis=1)).tolist(),
+        "within_95_percent": np.quantile(np.abs(values), 0.95, axis=1).tolist(),
+    }
+
+
+def _allowed(one: Allowed, side_mm: float) -> dict[str, Any]:
+    alone = None if one.alone is None else one.alone * side_mm
+    sizes = {"present_mm": one.present * side_mm, "allowed_mm": one.allowed * side_mm, "alone_mm": alone}
+    return {"item": one.item, **sizes, "change": one.change, "saving": one.saving}
+
+
+def _gain(one: Gain) -> dict[str, Any]:
+    sigmas = {"bias_std_g": one.bias, "bias_std_k2_open_g": one.bias_open, "k2_std_g_per_g2": one.K2}
+    return {"with": one.help.name, **sigmas, "misalignment_std_rad": one.misalignment}

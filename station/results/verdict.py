@@ -1,0 +1,163 @@
+"""The verdict of a calibration against the limits of its model, and why, in words a technician understands.
+
+A value is held against its limit as `fixtures_db.limits` says (guarded acceptance, JCGM 106:2012, 8.3). FAIL if
+any is outside; else NOT_MEASURED if a limited parameter was not estimated or there are no limits; else PASS.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+from fixtures_db.limits import Limit
+from station.results.parameters_by_name import Parameter, parameters, shown, shown_scale, title_of
+
+Word = Literal["PASS", "FAIL", "NOT_MEASURED"]
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A limit and the parameter it was held against, None if that was not estimated.
+
+    ``share`` says how much of the way from the middle to its limit the value stands, 1 at the limit; None where
+    a single open limit has no middle.
+    """
+
+    limit: Limit
+    parameter: Parameter | None
+    word: Word
+    share: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The verdict, what led to it, and why, in words."""
+
+    word: Word
+    judged: tuple[Judged, ...]
+    reason: str
+
+    @property
+    def said(self) -> str:
+        """The verdict's word as people read it."""
+        return word_said(self.word, has_limits=bool(self.judged))
+
+    @property
+    def sentence(self) -> str:
+        """The verdict and its reason."""
+        return f"{self.said}: {self.reason}"
+
+    @property
+    def exit_code(self) -> int:
+        """What a command ends with: 1 on FAIL."""
+        return int(self.word == "FAIL")
+
+
+def word_said(word: str, *, has_limits: bool) -> str:
+    """Return a stored verdict's word as people read it: without limits values were measured and not judged."""
+    return "NO LIMITS" if word == "NOT_MEASURED" and not has_limits else word.replace("_", " ")
+
+
+def stored_verdict_said(document: Mapping[str, Any], otherwise: str) -> str:
+    """Return the word of a `calibration/1` as people read it, ``otherwise`` where nobody judged it."""
+    if "verdict" not in document:
+        return otherwise
+    return word_said(document["verdict"], has_limits=bool(document.get("limits")))
+
+
+def judge(document: Mapping[str, Any], limits: Sequence[Limit], std: Mapping[str, float] | None = None) -> Outcome:
+    """Hold a `solution/1` or `calibration/1` document against limits, one for each axis.
+
+    ``std`` are combined standard uncertainties by parameter; the document's 1 sigma stands where there is none.
+    """
+    found = {name: replace(one, std=(std or {}).get(name, one.std)) for name, one in parameters(document).items()}
+    judged = tuple(_judged(limit, found.get(limit.parameter)) for limit in limits)
+    words = [one.word for one in judged]
+    word: Word = "FAIL" if "FAIL" in words else "NOT_MEASURED" if "NOT_MEASURED" in words or not words else "PASS"
+    origin = document.get("provenance", document)
+    return Outcome(word, judged, _reason(word, judged, origin["model"], origin["serial"]))
+
+
+def _judged(limit: Limit, parameter: Parameter | None) -> Judged:
+    if parameter is None or parameter.unit != limit.unit:
+        return Judged(limit, None, "NOT_MEASURED")
+    low, high = limit.accepted(parameter.std)
+    word: Word = "PASS" if low <= parameter.value <= high else "FAIL"
+    return Judged(limit, parameter, word, _share(parameter.value, low, high))
+
+
+def _share(value: float, low: float, high: float) -> float | None:
+    if math.isfinite(low) and math.isfinite(high):
+        half = (high - low) / 2
+        return abs(value - (low + high) / 2) / half if half > 0 else math.inf
+    if math.isfinite(high):
+        return value / high if high > 0 else None
+    return low / value if value > 0 and low > 0 else None
+
+
+def _reason(word: Word, judged: Sequence[Judged], model: str, serial: str) -> str:
+    unit = f"{model} {serial}"
+    if not judged:
+        return f"no limits are stored for {model}; `station fixtures limits {model} --import FILE` stores them"
+    if word == "FAIL":
+        outside = [one for one in judged if one.word == "FAIL"]
+        worst = max(outside, key=lambda one: one.share if one.share is not None else math.inf)
+        also = f" ({_names(outside)})" if len(outside) > 1 else ""
+        return (
+            f"{unit} is outside {len(outside)} of {len(judged)} limits of its model{also}; "
+            f"the worst is {_against(worst)}"
+        )
+    missing = [one for one in judged if one.word == "NOT_MEASURED"]
+    if missing:
+        return f"{unit} has no value of {len(missing)} of {len(judged)} limited parameters: {_names(missing)}"
+    tightest = max(judged, key=lambda one: (one.share or 0.0, title_of(one.limit.parameter)))
+    return (
+        f"{unit} is within all {len(judged)} limits of its model; the tightest is "
+        f"{title_of(tightest.limit.parameter)} at {100 * (tightest.share or 0.0):.0f} % of its limit"
+        f"{_guard(tightest.limit)}"
+    )
+
+
+def _names(judged: Sequence[Judged]) -> str:
+    names = [title_of(one.limit.parameter) for one in judged]
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+
+
+def _against(judged: Judged) -> str:
+    """Say a value beside its limit."""
+    assert judged.parameter is not None
+    text, unit = shown(judged.parameter)
+    return f"{judged.parameter.title}, {text} {unit}".rstrip() + f" against {judged_in_words(judged)}"
+
+
+def limit_in_words(limit: Limit) -> str:
+    """Return a limit as people read it."""
+    return f"{_ends(limit, limit.low, limit.high)} {_unit(limit)}".rstrip() + _guard(limit)
+
+
+def judged_in_words(judged: Judged) -> str:
+    """Return a limit and, where it is guarded, what of it the value's own sigma leaves."""
+    said, known = limit_in_words(judged.limit), judged.parameter
+    if not judged.limit.guard_band or known is None or known.std is None:
+        return said
+    low, high = judged.limit.accepted(known.std)
+    if low > high:
+        return f"{said}, which leaves nothing"
+    ends = _ends(judged.limit, *(end if math.isfinite(end) else None for end in (low, high)))
+    return f"{said}, so {ends}"
+
+
+def _ends(limit: Limit, low: float | None, high: float | None) -> str:
+    scale, _ = shown_scale(limit.parameter, limit.unit)
+    first, last = (None if end is None else f"{end * scale:.6g}" for end in (low, high))
+    if first is None or last is None:
+        return f"at least {first}" if last is None else f"at most {last}"
+    return f"+-{last}" if low == -(high or 0.0) else f"{first} to {last}"
+
+
+def _unit(limit: Limit) -> str:
+    return shown_scale(limit.parameter, limit.unit)[1]
+
+
+def _guard(limit: Limit) -> str:
+    return f" less {limit.guard_band:g} sigma" if limit.guard_band else ""

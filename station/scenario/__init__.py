@@ -1,6 +1,0 @@
-"""A whole simulated bench from one file: IMU, receiver, the operator's hands, faults; docs/testing.md."""
-
-from station.scenario.reading import Scenario, read_scenario
-from station.scenario.serving import serve_scenario
-
-__all__ = ["Scenario", "read_scenario", "serve_scenario"]

@@ -1,0 +1,98 @@
+"""When a fix was valid, by the IMU's own clock.
+
+Two lines through marks of the station's clock: one to the IMU's (each read ended with a sample), one to the
+sender's (each SYSTEM_TIME). Both have a rate of their own. A fix is stamped by its sender's clock; where that is
+not known the moment it was read must do.
+"""
+
+from collections import deque
+from itertools import islice
+from typing import Protocol
+
+import numpy as np
+
+from procedures.earth.gnss_records import TimeMark
+from procedures.statistics.robust_clock_line import TimeLine, fit_time_line
+
+REFIT_NS = 10**9
+REBOOT_NS = 10**9
+AHEAD_NS = 10**8  # nothing is read before it was sent: a sender's clock that is ahead by more was set
+RECENT = 20  # marks of a sender with which a new one is compared
+Marks = deque[tuple[int, int]]
+
+
+class Stamped(Protocol):
+    """What was read at ``host_ns`` [ns], and stamped ``device_ns`` [ns] by its sender, None where it was not."""
+
+    @property
+    def host_ns(self) -> int: ...  # noqa: D102
+    @property
+    def device_ns(self) -> int | None: ...  # noqa: D102
+
+
+class FixTimes:
+    """Marks of the last ``span_ns`` [ns] of the station's clock; of all where it is None.
+
+    ``in_order``: a sender's marks never overtake each other, so that any time that goes back is a new clock's.
+    """
+
+    def __init__(self, span_ns: int | None = None, *, in_order: bool = False) -> None:
+        self._span_ns, self._back_ns = span_ns, 0 if in_order else REBOOT_NS
+        self._imu, self._sender = Marks(), Marks()
+        self._past = list[tuple[int, TimeLine | None]]()  # until when [ns] a clock of the sender's held
+        self._lines: dict[str, tuple[tuple[int, int], TimeLine | None]] = {}
+
+    def begin_anew(self) -> None:
+        """Let the IMU's marks go: its time has begun anew."""
+        self._imu.clear()
+        self._lines.pop("imu", None)
+
+    def mark_imu(self, host_ns: int, device_s: float) -> None:
+        """Take the moment at which a sample of the IMU was read [ns], and the sample's own time [s]."""
+        self._imu.append((host_ns, round(device_s * 1e9)))
+
+    def mark_sender(self, mark: TimeMark) -> None:
+        """Take the moment at which the sender's time was read; one that goes back, or leaps, is a new clock's."""
+        if self._sender and self._is_new(mark):
+            self._past.append((self._sender[-1][0], fit_time_line(*np.array(self._sender, dtype=np.int64).T)))
+            self._sender.clear()
+            self._lines.pop("sender", None)
+        self._sender.append((mark.host_ns, mark.device_ns))
+
+    def _is_new(self, mark: TimeMark) -> bool:
+        soonest = max(device_ns - host_ns for host_ns, device_ns in islice(reversed(self._sender), RECENT))
+        leaps = mark.device_ns - mark.host_ns > soonest + AHEAD_NS
+        return leaps or mark.device_ns < self._sender[-1][1] - self._back_ns
+
+    def of(self, fix: Stamped) -> float | None:
+        """Return when what came was valid [s of the IMU's clock]; None where the marks do not tell yet."""
+        imu = self._line("imu", self._imu)
+        if imu is None:
+            return None
+        sender = None if fix.device_ns is None else self._sender_line(fix.host_ns)
+        if sender is None or fix.device_ns is None:
+            return imu.at(fix.host_ns)
+        return imu.at(sender.when(fix.device_ns))
+
+    @property
+    def knows_sender(self) -> bool:
+        """Whether fixes are placed by their sender's clock."""
+        return self._line("sender", self._sender) is not None
+
+    def _sender_line(self, host_ns: int) -> TimeLine | None:
+        """Return the line of the clock that the sender had at a moment [ns]."""
+        for until, line in self._past:
+            if host_ns <= until:
+                return line
+        return self._line("sender", self._sender)
+
+    def _line(self, name: str, marks: Marks) -> TimeLine | None:
+        if not marks:
+            return None
+        key = marks[-1][0] // REFIT_NS, marks[0][0] // REFIT_NS if self._span_ns is None else 0
+        held = self._lines.get(name)
+        if held is None or held[0] != key or held[1] is None:
+            while self._span_ns is not None and marks[0][0] < marks[-1][0] - self._span_ns:
+                marks.popleft()
+            self._lines[name] = key, fit_time_line(*np.array(marks, dtype=np.int64).T)
+        return self._lines[name][1]

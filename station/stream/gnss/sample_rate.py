@@ -1,0 +1,154 @@
+"""The sample rate that a device declares against another clock: beyond 0.1 % a warning, beyond 1 % a refusal.
+
+A device's own time follows its counter: where a sync line drives it, counter, time and every health bit look right
+while all rates are wrong.
+"""
+
+import math
+import time
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+
+from procedures.counts.reference_time import ClockRate, fit_clock
+from procedures.diagnosis.clock_rate import PLAUSIBLE
+from station.errors import DataRefused
+from station.files.campaign_folder.loaded import REFUSE_PERIOD, clock_sentence, off_period
+from station.files.campaign_folder.series import WARN_PERIOD
+from station.stream.gnss.gnss_feed import GnssFeed
+from station.stream.live.live_feed import LiveFeed
+from station.stream.recorder.row_times import RowTimes, Utc
+
+KEPT = 4000  # stamps, 200 s
+LEAST = 100
+EVERY_S = 2.0
+SIGMAS = 4.0
+SPAN_S = 30.0  # of this machine's clock: one that is held up for a moment is no wrong rate
+PACE_S = 5.0  # the same for quite another pace
+LINE = 2.0  # scatters of a mark by which UTC at the two ends of the stamps may be off, each end as a whole
+
+
+class SampleRate:
+    """Watches one stream; call `look` often.
+
+    ``scatter`` [s] is that of a mark about the line which ``utc`` reads. Stamps of many seconds share that line's
+    error, which a fit through them does not see: above all at the beginning, when it goes through few marks.
+    ``by`` names the clock in words; with ``span_s`` [s] it is one of this machine's: no rate is judged before. A
+    device that goes at quite another pace is simulated, or its sample period is wrong: ``pace`` says so, and it is
+    no fault.
+    """
+
+    def __init__(
+        self,
+        feed: LiveFeed,
+        utc: Utc,
+        scatter: Callable[[], float] = lambda: 0.0,
+        by: str = "reference time",
+        span_s: float = 0.0,
+    ) -> None:
+        self._feed, self._times, self._scatter = feed, RowTimes(utc), scatter
+        self._by, self._span_s = by, span_s
+        self._anew = 0
+        self._stamps: deque[tuple[float, float]] = deque(maxlen=KEPT)
+        self._next = 0.0
+        self.clock: Callable[[], float] = time.monotonic
+        self.rate: ClockRate | None = None
+        self.warning = self.pace = ""
+        self._refused: DataRefused | None = None
+
+    def look(self) -> None:
+        """Take the newest sample; say what is wrong in ``warning``.
+
+        Raises
+        ------
+        DataRefused
+            If the rate is surely more than 1 % off.
+        """
+        self._take()
+        now = self.clock()
+        if len(self._stamps) >= LEAST and now >= self._next:
+            self._next = now + EVERY_S
+            self._fit()
+        if self._refused is not None:
+            raise self._refused
+
+    def _fit(self) -> None:
+        span, by_clock = (self._stamps[-1][i] - self._stamps[0][i] for i in (0, 1))
+        self.pace = self._pace_said(span / by_clock) if by_clock >= PACE_S else ""
+        t, utc = np.array(self._stamps).T
+        self.rate = fit_clock([(t, utc)]) if span >= self._span_s else None
+        if self.rate is not None and not (self._span_s and abs(self.rate.ppm) > PLAUSIBLE):
+            self._judge(self.rate, LINE * self._scatter() / span)
+
+    def _pace_said(self, ratio: float) -> str:
+        if not self._span_s or abs(ratio - 1.0) * 1e6 <= PLAUSIBLE:
+            return ""
+        return (
+            f"the device's own time goes at {ratio:.3g} times {self._by}, expected 1; if it is not simulated, its "
+            f"sample period is not {self._feed.period:g} s: check its setting, or period_s in its address"
+        )
+
+    def _judge(self, rate: ClockRate, line_std: float) -> None:
+        off, surely = off_period(rate), SIGMAS * math.hypot(rate.std * 1e-6, line_std)
+        sentence = clock_sentence(self._feed.period, off, self._by)
+        self.warning = sentence if abs(off) - surely > WARN_PERIOD else ""
+        self._refused = None
+        if abs(off) - surely > REFUSE_PERIOD and self._is_lasting(off):
+            self._refused = DataRefused(
+                self._feed.address.name, None, sentence, "the declared rate within 1 %",
+                "check the sync line and the rate that the device is set to",
+            )  # fmt: skip
+
+    def _is_lasting(self, off: float) -> bool:
+        """Say whether either half of the stamps, by itself, is off as far: a machine held up bends one only."""
+        t, utc = np.array(self._stamps).T
+        half = len(t) // 2
+        halves = [fit_clock([(t[part], utc[part])]) for part in (slice(half), slice(half, None))]
+        return all(one is not None and off_period(one) * np.sign(off) > REFUSE_PERIOD for one in halves)
+
+    def _take(self) -> None:
+        if self._feed.stamp is None:
+            return
+        host_ns, device_s = self._feed.stamp
+        counters = self._feed.stream.counters
+        if (anew := counters.restarts + counters.clock_jumps) > self._anew:  # two stretches make no line
+            self._anew = anew
+            self._stamps.clear()
+        if self._stamps and device_s <= self._stamps[-1][0]:
+            if device_s < self._stamps[-1][0]:  # it began anew
+                self._stamps.clear()
+            return
+        if (utc := self._times.of(host_ns)) is not None:
+            self._stamps.append((device_s, utc))
+
+
+def by_this_machine(feed: LiveFeed) -> SampleRate:
+    """Return the watch of a device by this machine's clock, which is right to about 1e-4."""
+    return SampleRate(feed, lambda host_ns: host_ns / 1e9, by="this machine's clock", span_s=SPAN_S)
+
+
+def said_of(rate: SampleRate) -> str:
+    """Look, and return what is wrong in words, where a rate that is off is evidence and ends nothing."""
+    try:
+        rate.look()
+    except DataRefused as error:
+        return str(error)
+    return rate.warning or rate.pace
+
+
+class Timed:
+    """A receiver beside a plain recording: UTC for its rows; what its rate's check says stands in ``said``."""
+
+    def __init__(self, gnss: GnssFeed, feed: LiveFeed) -> None:
+        self._gnss, self._rate = gnss, SampleRate(feed, gnss.utc, gnss.utc_scatter)
+        self.said = ""
+
+    def advance(self) -> None:
+        """Take what has come; a rate that is off is evidence here, so that the recording goes on."""
+        self._gnss.advance()
+        self.said = said_of(self._rate)
+
+    def utc(self, host_ns: int) -> float | None:
+        """Return UTC [s] at a moment of the station's clock [ns]."""
+        return self._gnss.utc(host_ns)

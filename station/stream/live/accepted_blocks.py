@@ -1,0 +1,39 @@
+"""From accepted blocks to runs of samples, and from runs to a step's series."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from procedures.counts.sample_records import CountSeries
+from station.stream.live.rates_as_counts import counted
+from station.stream.live.stillness import Block
+from station.stream.recorder.sample_buffer import Run, Tape
+
+
+def merged(blocks: Sequence[Block], samples: int | None) -> list[Run]:
+    """Return the runs of consecutive samples that blocks make up, the first ``samples`` of them."""
+    runs, left = list[Run](), samples
+    for block in blocks:
+        last = block.last if left is None else min(block.last, block.first + left)
+        if left is not None:
+            left -= last - block.first
+        if runs and runs[-1][1] == block.first and not block.is_broken:
+            runs[-1] = (runs[-1][0], last)
+        elif last > block.first:
+            runs.append((block.first, last))
+    return runs
+
+
+def series(tape: Tape, runs: Sequence[Run], period: float) -> CountSeries:
+    """Return the samples of runs as a step's counts; ``period`` [s] where they are too few to tell."""
+    blocks = [counted(tape.block(first, last), period) for first, last in runs]
+    t = np.concatenate([block.device_time for block in blocks])
+    steps = np.concatenate([np.diff(block.device_time) for block in blocks])
+    return CountSeries(
+        t=t,
+        gyro=np.concatenate([block.gyro for block in blocks]),
+        accel=np.concatenate([block.accel for block in blocks]),
+        temperature=np.concatenate([block.temperature for block in blocks]),
+        period=float(steps.mean()) if len(steps) else period,
+        starts=np.cumsum([0, *(len(block) for block in blocks[:-1])]),
+    )

@@ -1,0 +1,327 @@
+"""A live stream cut into blocks of a second, with everything watched that may go wrong with it."""
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from typing import Protocol
+
+import numpy as np
+
+from drivers.device_url import DeviceUrl
+from drivers.errors import BadDeviceUrl, LinkLost, LinkSilent, ReplayEnded, WrongFormat
+from drivers.framing import seen_instead, sniff
+from drivers.url_wire_format import wire_of
+from drivers.wire import FORMATS, WireFormat
+from station.errors import DataRefused
+from station.stream.live.power_cycle import PowerWatch
+from station.stream.live.silent_channels import SilentChannels
+from station.stream.live.stillness import TICKS, Block, block_of
+from station.stream.live.stream_trouble import Trouble
+from station.stream.reader import Chunk, GapMark
+from station.stream.reader.messages import LOST
+from station.stream.recorder import Piece, SampleStream, Tape, Unit
+from station.stream.recorder.connected_unit import refuse_other, unit_of
+
+BLOCK_S = 1.0
+HELD = 10  # samples at least that a block waits for what would show that it is not the device's
+POLL_S = 0.1
+OTHERS = {  # what is no IMU, by scheme, and where it belongs
+    "mavlink": ("a MAVLink link", "--gnss takes a receiver's"),
+    "camera": ("a camera", "--camera takes a camera's file"),
+}
+SILENT_S = 1.8  # of the station's time, without a byte or without a frame: it is to be said within 2 s
+LOOK_AGAIN_S = 1.0  # at what comes instead of frames: that takes time
+JOINING_S = 6.0  # the same until the first sample of what must learn its period to join samples
+REPLUG_S = 30.0  # how long a lost port may stay away
+IDENTITY_S = 3.0  # how long to wait for the device to say who it is
+SNIFFED = 16384  # bytes
+SURE_FRAMES = 3
+TEMPERATURES = 1000  # the newest samples; some devices send a temperature twice a second only
+
+
+class Source(Protocol):
+    """Where chunks come from: a reader process."""
+
+    address: DeviceUrl
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        """Return what has come, within ``timeout_s``."""
+        ...
+
+
+class LiveFeed:
+    """A device's samples on a `Tape`, and its blocks.
+
+    ``unit`` is set by `identify`; from then on another unit's serial number is refused. ``clock`` [s] is the
+    station's, by which it waits.
+    """
+
+    def __init__(
+        self,
+        source: Source,
+        wire: WireFormat,
+        held: Sequence[Chunk] = (),
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._source, self.wire = source, wire
+        self.address = source.address
+        self.unit: Unit | None = None
+        self.stream, self.tape, self._power = SampleStream(wire), Tape(), PowerWatch(wire)
+        self._channels = SilentChannels()
+        self._recent = b""
+        self._silent_s = self._frameless_s = 0.0
+        self._wrong: WrongFormat | None = None  # found so ...
+        self._looked_s = 0.0  # ... after so long without a frame
+        self._lost, self._is_anew = "", True
+        self.losses = 0  # how often the port went away
+        self._clock, self._trouble = clock, Trouble(clock)
+        self._pieces: list[Piece] = []  # the last ones taken
+        self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
+        for chunk in held:
+            self._take(chunk)
+        self._at = self._begin = self.tape.begin
+
+    @property
+    def period(self) -> float:
+        """The nominal sample period [s]: as the device states it, else as it was measured."""
+        period = self.unit.period if self.unit else self.stream.period
+        assert period is not None, "identify first"
+        return period
+
+    @property
+    def restarts(self) -> int:
+        """How often the device was switched off and on since the feed began."""
+        return self._power.count
+
+    @property
+    def tells_time(self) -> bool:
+        """Whether the device sends a time that does not begin again as it runs."""
+        return self.stream.decoder.kind.has_time and self.wire.time_modulus is None
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the port is there."""
+        return not self._lost
+
+    @property
+    def lost(self) -> str:
+        """Why the port is not there, empty where it is."""
+        return self._lost
+
+    @property
+    def trouble(self) -> str:
+        """What is amiss though samples come, and what to do; empty where nothing was for 2 s."""
+        return self._trouble.text
+
+    @property
+    def amiss(self) -> str:
+        """What is wrong with the line while nothing is raised: a port that is away, else `trouble`."""
+        if not self._lost:
+            return self.trouble
+        return f"{self.address.name} was lost ({self._lost}); it is tried again and again: check cable and power"
+
+    @property
+    def silent(self) -> str:
+        """Which channels have put out one value for a while, and what to do; empty where all change."""
+        period = self.unit.period if self.unit else self.stream.period
+        return self._channels.text(period, self.stream.decoder.kind.channels) if period else ""
+
+    @property
+    def temperature_c(self) -> float | None:
+        """The newest temperature, None where the device says none."""
+        end = self.tape.end
+        if end <= self.tape.first:
+            return None
+        values = self.tape.block(max(self.tape.first, end - TEMPERATURES), end).temperature
+        known = values[np.isfinite(values)]
+        return float(known[-1]) if len(known) else None
+
+    def identify(self, model: str | None = None, serial: str | None = None, *, has_begun: bool = False) -> Unit:
+        """Wait until it is known which unit this is; see `unit_of` for what it raises.
+
+        Raises
+        ------
+        DataRefused
+            If a replayed file ends before.
+        """
+        decoder, kind = self.stream.decoder, self.wire.identity
+        says_who = kind is not None and kind is not self.wire.imu
+        deadline = time.monotonic() + IDENTITY_S
+        while (period := self.stream.period) is None or (
+            says_who and not decoder.serial and time.monotonic() < deadline
+        ):
+            try:
+                self.advance()
+            except ReplayEnded as error:
+                raise no_recording(error, self.wire.name) from error
+        self.unit = unit_of(
+            self.address.name, decoder.identity, round(period, 9), model, serial, has_begun=has_begun
+        )
+        return self.unit
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield the stream's blocks of a second, for ever; a block never reaches over a break."""
+        while True:
+            yield from self.ready()
+            self.advance()
+
+    def ready(self) -> Iterator[Block]:
+        """Yield the blocks that are complete by now and were not yielded before.
+
+        What is amiss shows after the fact, as when another device's sample came before the device's own: so a
+        block waits a moment, and what stands shortly before a break is not used.
+        """
+        while True:
+            size = max(TICKS, round(BLOCK_S / self.period))
+            held = max(HELD, round(self.wire.hindsight_s / self.period))
+            if self._begin != self.tape.begin:
+                self._at = self._begin = self.tape.begin
+                self._is_anew = True
+            self._at = max(self._at, self.tape.first)  # what was let go is in no block
+            if self.tape.end - self._at < size + held:
+                return
+            if (broken := self.tape.last_break(self._at, self._at + size + held)) is not None:
+                self._at = broken
+            else:
+                first, self._at = self._at, self._at + size
+                is_anew, self._is_anew = self._is_anew, False
+                is_broken = self.tape.last_break(first - 1, first + 1) is not None
+                yield self._block(first, self._at, is_broken=is_broken, is_anew=is_anew)
+
+    def newest(self) -> Block | None:
+        """Return the last second as a block of its own, for a look in between; None if it is not whole."""
+        size = max(TICKS, round(BLOCK_S / self.period))
+        first = self.tape.end - size
+        if first < max(self.tape.begin, self.tape.first) or self.tape.last_break(first, self.tape.end) is not None:
+            return None
+        return self._block(first, self.tape.end, is_broken=False, is_anew=False)
+
+    def _block(self, first: int, last: int, *, is_broken: bool, is_anew: bool) -> Block:
+        samples = self.tape.block(first, last)
+        return block_of(samples, first, self.period, is_broken=is_broken, is_anew=is_anew)
+
+    def pieces(self, look: Callable[[], None] = lambda: None) -> Iterator[Piece]:
+        """Yield the stream's pieces, for ever; samples are not kept. ``look`` is called often, whatever comes."""
+        while True:
+            yield from self._pieces
+            self.tape.forget_before(self.tape.end)
+            look()
+            self.advance()
+
+    def advance(self) -> None:
+        """Take what has come, waiting for it a moment.
+
+        Raises
+        ------
+        LinkSilent, WrongFormat, LinkLost
+            No byte for 2 s; bytes but no frame for 2 s; the port stays away for 30 s.
+        UnitChanged
+            If another unit answers than the one identified.
+        """
+        began = self._clock()
+        items = self._source.poll(POLL_S)
+        waited = self._clock() - began
+        self._pieces.clear()
+        frames = self.stream.decoder.counters.frames
+        for item in items:
+            if isinstance(item, GapMark):
+                self._mark(item)
+                waited = 0.0  # it was not for this port
+            else:
+                self._silent_s = 0.0
+                self._recent = (self._recent + item.data)[-SNIFFED:]
+                self._take(item)
+        self._trouble.look(self.stream)
+        if self.unit is not None:
+            refuse_other(self.address.name, self.stream.decoder.identity, self.unit)
+        self._watch(waited, is_idle=not items, has_frames=self.stream.decoder.counters.frames > frames)
+
+    def _take(self, chunk: Chunk) -> None:
+        self._pieces.append(piece := self.stream.take(chunk))
+        self._channels.take(piece.block)
+        self._power.take(piece, self.stream.period, has_time=self.stream.decoder.kind.has_time)
+        if len(piece.block):
+            self.stamp = chunk.host_ns, float(piece.block.device_time[-1])
+        self.tape.append(self._pieces[-1])
+
+    def replace_source(self, source: Source) -> None:
+        """Go on with another reader of the same device; what comes next begins anew."""
+        self._source = source
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Let go what came last, as another unit's, and take what comes next as a new beginning."""
+        self.stream.begin_anew()
+        self.tape.begin_anew()
+        self._silent_s = self._frameless_s = 0.0
+
+    def _mark(self, mark: GapMark) -> None:
+        self._lost = "" if mark.is_open else mark.reason.removeprefix(LOST) or "gone"
+        self.losses += not mark.is_open
+        self._silent_s = self._frameless_s = 0.0
+        self.stream.begin_anew()
+
+    @property
+    def _patience_s(self) -> float:
+        return JOINING_S if self.wire.passed_over and not self.stream.counters.samples else SILENT_S
+
+    def _watch(self, waited_s: float, *, is_idle: bool, has_frames: bool) -> None:
+        """Add up the time waited in vain; a station that was itself held up did not wait."""
+        self._silent_s += waited_s if is_idle else 0.0
+        self._frameless_s = 0.0 if has_frames else self._frameless_s + waited_s
+        self._wrong = None if has_frames else self._wrong
+        name, baud = self.address.name, self.address.baud
+        if self._lost:
+            if self._silent_s > REPLUG_S:
+                raise LinkLost(name, f"{self._lost}, not back within {REPLUG_S:g} s")
+        elif self._silent_s >= SILENT_S:
+            raise LinkSilent(name, SILENT_S, baud)
+        elif self._frameless_s >= self._patience_s:
+            if self._wrong is None or self._frameless_s >= self._looked_s + LOOK_AGAIN_S:
+                self._wrong, self._looked_s = self._what_comes_instead(), self._frameless_s
+            raise self._wrong
+
+    def _what_comes_instead(self) -> WrongFormat:
+        address, recent = self.address, self._recent
+        likely = next((found.format for found in sniff(recent) if found.format != self.wire.name), None)
+        seen = seen_instead(self.wire, recent)
+        return WrongFormat(address.name, self.wire.name, len(recent), address.baud, likely, seen)
+
+
+def open_feed(source: Source) -> LiveFeed:
+    """Return the feed of a source in the format its address says, else in the one its first bytes look like.
+
+    Raises
+    ------
+    BadDeviceUrl
+        If it is the address of something else.
+    LinkSilent, WrongFormat
+        If the format must be found and no byte comes for 2 s, or no frame of any.
+    DataRefused
+        If it must be found and a replayed file ends before.
+    """
+    address = source.address
+    if address.scheme in OTHERS:
+        what, option = OTHERS[address.scheme]
+        raise BadDeviceUrl(address.told, f"the address of {what}", f"an IMU's, such as /dev/ttyUSB0; {option}")
+    if (wire := wire_of(address)) is not None:
+        return LiveFeed(source, wire)
+    held, deadline = list[Chunk](), time.monotonic() + SILENT_S
+    while time.monotonic() < deadline:
+        try:
+            held += [item for item in source.poll(POLL_S) if isinstance(item, Chunk)]
+        except ReplayEnded as error:
+            raise no_recording(error, "any known format") from error
+        data = b"".join(chunk.data for chunk in held)[:SNIFFED]
+        found = sniff(data) if data else []
+        if found and found[0].frames >= SURE_FRAMES:
+            return LiveFeed(source, FORMATS[found[0].format], held)
+    if not held:
+        raise LinkSilent(address.name, SILENT_S, address.baud)
+    size = sum(len(chunk.data) for chunk in held)
+    raise WrongFormat(address.name, "", size, address.baud)
+
+
+def no_recording(ended: ReplayEnded, wanted: str) -> DataRefused:
+    """Return the refusal of a replayed file that is at its end before it was known what it is."""
+    found = f"{ended.size} bytes without enough frames of {wanted}"
+    return DataRefused(ended.path, None, found, "bytes as a device sent them", "name a recording")

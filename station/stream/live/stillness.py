@@ -1,0 +1,99 @@
+"""Is the cube still? Judged second by second from counts, against the least this unit was ever seen to do.
+
+A block is a second of consecutive samples in ten ticks. Its restlessness is the variance of the ticks' counts,
+channel by channel. The unit's own noise is the least that the mean over five consecutive blocks ever was; a
+block is still where no channel shows more than 16 times that (four times in amplitude: the variance of ten
+ticks of white noise passes it once in 10^9).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.counts.sample_records import SampleBlock
+from station.stream.live.rates_as_counts import counted
+
+TICKS = 10
+TIMES_NOISE = 16.0
+NOISE_BLOCKS = 5
+LEAST = 1 / TIMES_NOISE  # count^2: a counter at constant rate varies by up to 0.25 count^2 without any noise
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """A second of the stream: samples ``first`` up to before ``last``.
+
+    ``rate`` (6,) counts/s, gyros then accelerometers; ``variance`` (6,) of the ticks [count^2]; ``begins`` and
+    ``ends`` the device's time [s]; ``temperature`` [degC] the mean, nan where unknown; ``is_healthy`` what the
+    device's status says. ``is_broken``: something is missing just before it; ``is_anew``: device or port have
+    begun anew since the block before.
+    """
+
+    first: int
+    last: int
+    rate: FloatArray
+    variance: FloatArray
+    begins: float
+    ends: float
+    temperature: float
+    is_healthy: bool
+    is_broken: bool
+    is_anew: bool
+
+
+def block_of(samples: SampleBlock, first: int, period: float, *, is_broken: bool, is_anew: bool) -> Block:
+    """Return what a block of consecutive samples says; ``period`` [s]."""
+    block = counted(samples, period)
+    counts = np.hstack((block.gyro, block.accel)).astype(float)
+    n = len(counts)
+    per_tick = n // TICKS
+    ticks = counts[: per_tick * TICKS].reshape(TICKS, per_tick, 6).sum(axis=1)
+    return Block(
+        first=first,
+        last=first + n,
+        rate=counts.sum(axis=0) / (n * period),
+        variance=ticks.var(axis=0, ddof=1),
+        begins=float(samples.device_time[0]) - period,
+        ends=float(samples.device_time[-1]),
+        temperature=_mean_known(samples.temperature),
+        is_healthy=bool(samples.healthy.all()),
+        is_broken=is_broken,
+        is_anew=is_anew,
+    )
+
+
+def _mean_known(values: FloatArray) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else float("nan")
+
+
+class Stillness:
+    """Learns a unit's noise and judges blocks by it."""
+
+    def __init__(self) -> None:
+        self.noise: FloatArray = np.full(6, np.inf)
+        self._recent: list[FloatArray] = []
+
+    def learn(self, block: Block) -> None:
+        """Take a block, still or not."""
+        if block.is_anew:
+            self._recent.clear()
+        self._recent = [*self._recent, block.variance][-NOISE_BLOCKS:]
+        if len(self._recent) == NOISE_BLOCKS:
+            self.noise = np.minimum(self.noise, np.mean(self._recent, axis=0))
+
+    @property
+    def is_known(self) -> bool:
+        """Whether enough was seen to judge."""
+        return bool(np.isfinite(self.noise).all())
+
+    @property
+    def limit(self) -> FloatArray:
+        """The variance (6,) [count^2] up to which a block is still."""
+        limit: FloatArray = TIMES_NOISE * np.maximum(self.noise, LEAST)
+        return limit
+
+    def is_still(self, block: Block) -> bool:
+        """Judge a block."""
+        return self.is_known and block.is_healthy and bool(np.all(block.variance <= self.limit))

@@ -1,0 +1,143 @@
+"""The reader process: ``python -m station.stream.reader URL JOURNAL``, messages on stdout, until stdin is closed.
+
+It holds no lock that another process could keep and knows nothing of frames: read, stamp, journal, hand on.
+"""
+
+import os
+import sys
+import threading
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+
+from drivers.errors import DriverError, LinkLost, ReplayEnded
+from drivers.ports import DeviceUrl, Port, open_port, parse_device_url
+from drivers.url_wire_format import told
+from station.errors import CannotWrite
+from station.files.mcap_files.fix_schemas import GNSS_RAW_TOPIC
+from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, RAW_TOPIC
+from station.stream.reader.journal import Journal
+from station.stream.reader.messages import (
+    LOST,
+    Chunk,
+    GapMark,
+    Kind,
+    packed,
+    packed_gap,
+    packed_not_written,
+    packed_refusal,
+)
+from station.stream.reader.outbox import Outbox
+
+READ_BYTES = 65536
+REOPEN_S = (0.05, 0.1, 0.2, 0.4, 0.8)  # back-off; the last one again and again
+FAREWELL_S = 2.0
+TOPICS = {"mavlink": GNSS_RAW_TOPIC, "camera": CAMERA_RAW_TOPIC}  # what stands beside an IMU; its own is RAW_TOPIC
+
+
+def main(url: str, journal: str) -> None:
+    """Read a device until told to stop."""
+    messages = os.dup(sys.stdout.fileno())
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a stray print must not be taken for a message
+    outbox = Outbox(messages)
+    try:
+        _Session(parse_device_url(url), Path(journal), outbox).run()
+    except DriverError as error:
+        outbox.put(packed_refusal(0, error), always=True)
+    except CannotWrite as error:
+        outbox.put(packed_not_written(0, error), always=True)
+    outbox.close(FAREWELL_S)
+    os._exit(0)  # a thread that waits for stdin must not hold us
+
+
+class _Session:
+    """One device, one journal, one station."""
+
+    def __init__(self, url: DeviceUrl, journal: Path, outbox: Outbox) -> None:
+        self._url, self._outbox = url, outbox
+        self._stop = threading.Event()
+        self._failure: CannotWrite | None = None
+        self._since = time.time_ns() - time.monotonic_ns()  # wall time is looked at once
+        self._refused = 0  # bytes that the station did not collect
+        described = told(url)
+        self._port = open_port(url)
+        session = {"url": url.told, "started_utc": datetime.now(UTC).isoformat(), "host_ns": str(self._now())}
+        session |= described
+        self._journal = Journal(journal, session, self._journal_failed, TOPICS.get(url.scheme, RAW_TOPIC))
+
+    def run(self) -> None:
+        """Read until the station closes stdin, the replay ends or the journal cannot be written."""
+        threading.Thread(target=self._watch_stdin, daemon=True).start()
+        self._outbox.put(packed(Kind.OPENED, self._now(), b""))
+        try:
+            while not self._stop.is_set():
+                try:
+                    data = self._port.read(READ_BYTES)
+                except LinkLost as error:
+                    self._reopen(error)
+                else:
+                    if data:
+                        self._hand_on(Chunk(self._now(), data))
+                    elif self._url.scheme in TOPICS:  # whoever merges it with another stream waits for this
+                        self._outbox.put(packed(Kind.QUIET, self._now(), b""))
+        except ReplayEnded as error:
+            self._outbox.put(packed_refusal(self._now(), error), always=True)
+        finally:
+            self._port.close()
+            self._journal.close()
+        if self._failure is not None:
+            raise self._failure
+
+    def _hand_on(self, chunk: Chunk) -> None:
+        self._journal.put(chunk)
+        message = packed(Kind.CHUNK, chunk.host_ns, chunk.data)
+        if self._url.scheme == "replay":  # a file can wait, a device cannot
+            while not self._outbox.put(message) and not self._stop.is_set():
+                self._outbox.wait_for_room(0.1)
+        elif self._refused or not self._outbox.put(message):
+            self._refuse(message, chunk)
+
+    def _refuse(self, message: bytes, chunk: Chunk) -> None:
+        if self._refused:
+            reason = f"{self._refused} bytes not collected in time; they are in the journal only"
+            if self._outbox.put(packed_gap(GapMark(chunk.host_ns, reason, True))):
+                self._refused = 0
+                self._outbox.put(message)
+                return
+        self._refused += len(chunk.data)
+
+    def _reopen(self, lost: LinkLost) -> None:
+        """Try the port again and again; the loss and the return are marked."""
+        self._port.close()
+        self._mark(f"{LOST}{lost.reason}", is_open=False)
+        began, attempt = time.monotonic(), 0
+        while not self._stop.wait(REOPEN_S[min(attempt, len(REOPEN_S) - 1)]):
+            attempt += 1
+            try:
+                port: Port = open_port(self._url)
+            except DriverError:
+                continue
+            self._port = port
+            self._mark(f"port back after {time.monotonic() - began:.1f} s", is_open=True)
+            return
+
+    def _mark(self, reason: str, *, is_open: bool) -> None:
+        mark = GapMark(self._now(), reason, is_open)
+        self._journal.put(mark)
+        self._outbox.put(packed_gap(mark), always=True)
+
+    def _journal_failed(self, error: CannotWrite) -> None:
+        self._failure = error
+        self._stop.set()
+
+    def _watch_stdin(self) -> None:
+        while os.read(0, 1):
+            pass
+        self._stop.set()
+
+    def _now(self) -> int:
+        return self._since + time.monotonic_ns()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], sys.argv[2])

@@ -1,0 +1,135 @@
+"""The station's end of a reader process."""
+
+import os
+import select
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+
+from drivers.errors import DriverError, LinkLost, ReplayEnded
+from drivers.ports import parse_device_url
+from station.errors import CannotWrite
+from station.stream.reader.messages import Item, Kind, item, refusal, unpacked
+
+START_TIMEOUT_S = 30.0  # imports on a busy machine, and 5 s to connect
+STOP_TIMEOUT_S = 10.0
+_PIPE_BYTES = 2**20
+
+
+class Reader:
+    """A device being read and journalled by a process of its own; use it in a ``with``.
+
+    Parameters
+    ----------
+    url : str
+        The device's address, see `drivers.device_url`.
+    journal : Path
+        Where the session's raw bytes go; it must not be there yet.
+    """
+
+    def __init__(self, url: str, journal: Path) -> None:
+        self.address = parse_device_url(url)
+        self.journal = journal
+        self._buffer = bytearray()
+        self._items: list[Item] = []
+        self._ended: DriverError | CannotWrite | None = None
+        self._is_open = False
+        self.up_to_ns = 0  # all that came until then has been returned, or will be by the next `poll`
+
+    def __enter__(self) -> "Reader":
+        self.start()
+        return self
+
+    def start(self) -> None:
+        """Start the process and wait until the port is open; raise what it met, such as `PortBusy`."""
+        command = [sys.executable, "-P", "-m", "station.stream.reader", self.address.text, str(self.journal)]
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0,
+            start_new_session=True,  # Ctrl-C is for the station, which then closes stdin
+        )  # fmt: skip
+        try:
+            deadline = time.monotonic() + START_TIMEOUT_S
+            while not self._is_open:
+                self._collect(max(0.0, deadline - time.monotonic()))
+                if self._ended is not None and not isinstance(self._ended, ReplayEnded):  # that is for `poll`
+                    raise self._ended
+                if time.monotonic() > deadline:
+                    raise LinkLost(self.address.name, "the reader process did not start")
+        except BaseException:
+            self.close()
+            raise
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def pid(self) -> int:
+        """The process's number."""
+        return self._process.pid
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether nothing more will come."""
+        return self._ended is not None
+
+    def poll(self, timeout_s: float) -> list[Item]:
+        """Return what has come since the last call; wait at most ``timeout_s`` for the first of it.
+
+        Raises
+        ------
+        ReplayEnded, LinkLost, CannotWrite
+            Once everything before it was returned: at a replay's end, if the reader process died, if the
+            journal could not be written.
+        """
+        if not self._items:
+            if self._ended is not None:
+                raise self._ended
+            self._collect(timeout_s)
+        items, self._items = self._items, []
+        if not items and self._ended is not None:
+            raise self._ended
+        return items
+
+    def chunks(self) -> Iterator[Item]:
+        """Yield everything as it comes, until a replay is at its end."""
+        try:
+            while True:
+                yield from self.poll(1.0)
+        except ReplayEnded:
+            return
+
+    def close(self) -> None:
+        """Have the journal finished and the process ended; may be called twice."""
+        if self._process.stdin is not None:
+            self._process.stdin.close()
+        if self._process.stdout is not None:
+            self._process.stdout.close()
+        try:
+            self._process.wait(STOP_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+    def _collect(self, timeout_s: float) -> None:
+        assert self._process.stdout is not None
+        ready, _, _ = select.select([self._process.stdout], [], [], timeout_s)
+        if not ready:
+            return
+        data = os.read(self._process.stdout.fileno(), _PIPE_BYTES)
+        if not data:
+            code = self._process.wait()
+            self._ended = LinkLost(self.address.name, f"the reader process ended, exit code {code}")
+        self._buffer += data
+        for kind, host_ns, content in unpacked(self._buffer):
+            if kind is Kind.OPENED:
+                self._is_open = True
+            elif kind in {Kind.REFUSED, Kind.NOT_WRITTEN}:
+                self._ended = refusal(kind, content)
+            elif kind is not Kind.QUIET:
+                self._items.append(item(kind, host_ns, content))
+            self.up_to_ns = max(self.up_to_ns, host_ns)

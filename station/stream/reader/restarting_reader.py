@@ -1,0 +1,84 @@
+"""A reader that lasts: where its process dies another one is started, aside, and the station goes on meanwhile."""
+
+import time
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from datetime import UTC, datetime
+from pathlib import Path
+from threading import Event
+from types import TracebackType
+
+from drivers.errors import DriverError
+from station.stream.reader import Chunk, GapMark, Reader
+
+RETRY_S = 0.5  # between two tries
+FOR_EVER = 2**63 - 1  # ns: the moment up to which nothing more comes of what is gone
+
+
+class LastingReader:
+    """Reads ``url`` by one process after another, each with its own journal in ``folder``; use it in a ``with``.
+
+    The journals are ``NAME_*.mcap``, of the session's ``name``.
+
+    The death of a process and the beginning of the next are gap marks.
+    """
+
+    def __init__(self, url: str, folder: Path, name: str = "gnss_session") -> None:
+        self._url, self._folder, self._name = url, folder, name
+        self._closing = Event()
+        self._aside = ThreadPoolExecutor(1, "reader")
+        self._next: Future[Reader] | None = None
+        self._reader = Reader(url, self._journal())
+        self.address = self._reader.address
+
+    def __enter__(self) -> "LastingReader":
+        self._reader.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
+    ) -> None:
+        self._closing.set()
+        self._aside.shutdown()
+        if self._next is not None and self._next.exception() is None:
+            self._next.result().close()
+        self._reader.close()
+
+    @property
+    def pid(self) -> int:
+        """The number of the process that reads."""
+        return self._reader.pid
+
+    @property
+    def up_to_ns(self) -> int:
+        """The moment up to which all that came was polled [ns]."""
+        return self._reader.up_to_ns
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        """Return what has come, within ``timeout_s``; raise `CannotWrite` if the disk refuses a journal."""
+        if self._next is not None:
+            return self._taken_up(self._next, timeout_s)
+        try:
+            return self._reader.poll(timeout_s)
+        except DriverError as error:
+            self._reader.close()
+            self._next = self._aside.submit(self._another, 0.0)
+            return [GapMark(time.time_ns(), getattr(error, "reason", str(error)), False)]
+
+    def _taken_up(self, coming: Future[Reader], timeout_s: float) -> list[Chunk | GapMark]:
+        if wait([coming], timeout_s).not_done:
+            return []
+        try:
+            self._reader, self._next = coming.result(), None
+        except DriverError:  # such as a port that is busy, or gone as well
+            self._next = self._aside.submit(self._another, RETRY_S)
+            return []
+        return [GapMark(time.time_ns(), "another reader process has begun", True)]
+
+    def _another(self, after_s: float) -> Reader:
+        self._closing.wait(after_s)
+        reader = Reader(self._url, self._journal())
+        reader.start()
+        return reader
+
+    def _journal(self) -> Path:
+        return self._folder / f"{self._name}_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap"

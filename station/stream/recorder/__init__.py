@@ -1,0 +1,19 @@
+"""From bytes to accepted steps on the disk: decoding with gaps seen, cutting, writing, hashing."""
+
+from station.stream.recorder.campaign_recorder import CampaignRecorder, open_campaign
+from station.stream.recorder.connected_unit import Unit, UnitChanged, UnitUnknown
+from station.stream.recorder.raw_check import check_raw_bytes
+from station.stream.recorder.sample_buffer import Tape
+from station.stream.recorder.sample_stream import Piece, SampleStream
+
+__all__ = [
+    "CampaignRecorder",
+    "Piece",
+    "SampleStream",
+    "Tape",
+    "Unit",
+    "UnitChanged",
+    "UnitUnknown",
+    "check_raw_bytes",
+    "open_campaign",
+]

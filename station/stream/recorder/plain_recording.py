@@ -1,0 +1,108 @@
+"""A plain recording: what a device sends for so many seconds, bytes and counts, with no step to it."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from drivers.errors import ReplayEnded
+from station.errors import CannotWrite, cannot_write
+from station.files.campaign_folder import append_hash
+from station.files.mcap_files import BY_OUTPUT, StepWriter
+from station.stream.recorder.row_times import RowTimes
+from station.stream.recorder.sample_stream import Piece, SampleStream
+
+NAME = "recording.mcap"
+FLUSH_S = 0.2
+
+
+class Pieces(Protocol):
+    """A stream being decoded."""
+
+    stream: SampleStream
+
+    def pieces(self, look: Callable[[], None]) -> Iterator[Piece]:
+        """Yield pieces as they come, calling ``look`` often."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """A finished recording and its length [s of device time]."""
+
+    path: Path
+    samples: int
+    seconds: float
+
+
+class Beside(Protocol):
+    """What is read beside the device: a GNSS receiver."""
+
+    def advance(self) -> None:
+        """Take what has come."""
+        ...
+
+    def utc(self, host_ns: int) -> float | None:
+        """Return UTC [s] at a moment of the station's clock [ns]."""
+        ...
+
+
+def record(
+    feed: Pieces,
+    folder: Path,
+    seconds: float,
+    gnss: Beside | None = None,
+    look: Callable[[], None] = lambda: None,
+) -> Recorded:
+    """Record ``seconds`` of samples (lost ones not counted) into a folder; what was flushed survives a kill.
+
+    With ``gnss``, rows hold reference time too (``utc_s``). ``look`` is called often, also while nothing comes.
+
+    Raises
+    ------
+    DriverError
+        What the stream refuses, `ReplayEnded` if a replayed file holds no sample; the file is finished first.
+    CannotWrite
+        If the disk refuses; what it took stays.
+    """
+    decoder, times = feed.stream.decoder, RowTimes(gnss.utc if gnss else None)
+    writer, flushed = StepWriter(folder / NAME, BY_OUTPUT[decoder.wire.output]), time.monotonic()
+    period, samples = 0.0, 0
+
+    def beside() -> None:
+        if gnss is not None:
+            gnss.advance()
+        look()
+
+    with _the_disk_refusing(writer.path):
+        try:
+            for piece in feed.pieces(beside):
+                writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
+                if len(piece.block):
+                    utc_s = times.of(piece.chunk.host_ns)
+                    writer.write_block(piece.chunk.host_ns, piece.block, decoder.kind.triads, utc_s)
+                    samples += len(piece.block)
+                if time.monotonic() - flushed >= FLUSH_S:
+                    writer.flush()
+                    flushed = time.monotonic()
+                period = feed.stream.period or 0.0
+                if period and samples * period >= seconds:
+                    break
+        except ReplayEnded:
+            if not samples:
+                raise
+        finally:
+            append_hash(folder, NAME, writer.close())
+    return Recorded(writer.path, samples, samples * period)
+
+
+@contextmanager
+def _the_disk_refusing(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except (CannotWrite, ConnectionError, TimeoutError):  # said already, or the device's
+        raise
+    except OSError as error:
+        raise cannot_write(path, error) from error

@@ -1,0 +1,175 @@
+"""Chunks of bytes to samples in sequence: counters unwrapped, repeats dropped, every break seen.
+
+A break is where increments are missing or time does not go on: a lost frame, a device that began anew, a port
+that was closed in between. What stands on its two sides is never averaged over it.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.continuity import onward, unwrap
+from drivers.framing import Decoder
+from drivers.host_times import HostTimes
+from drivers.wire import WireFormat
+from procedures.arrays import FloatArray, IntArray
+from procedures.counts.sample_records import SampleBlock, block_rows
+from station.stream.reader import Chunk
+
+GAP = 1.5  # sample periods, as in campaign folders
+LEARNING = 33  # samples from which the period is taken where the device does not state it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """A chunk and the samples that it completed.
+
+    ``block`` holds the samples, counters and device time unwrapped; ``edges`` (n, 2) says where the bytes of
+    each begin and end, counted from the chunk's first; ``breaks`` the samples before which something is missing.
+    ``anew`` is the sample from which device or port have begun anew, so that nothing before it has a relation in
+    time to it; None if they have not.
+    """
+
+    chunk: Chunk
+    block: SampleBlock
+    edges: IntArray
+    breaks: IntArray
+    anew: int | None
+
+
+@dataclass(slots=True)
+class StreamCounters:
+    """What was met beside good samples; ``lost`` are frames by their counter, where the format has one.
+
+    ``contradicted`` are those of the repeated ones that say something else, as another device's would, and frames
+    that do where a sample takes several;
+    ``clock_jumps`` breaks in the device's time where its counter goes on.
+    """
+
+    samples: int = 0
+    repeated: int = 0
+    breaks: int = 0
+    lost: int = 0
+    restarts: int = 0
+    contradicted: int = 0
+    clock_jumps: int = 0
+
+
+class SampleStream:
+    """Decodes one device's chunks in order."""
+
+    def __init__(self, wire: WireFormat) -> None:
+        self.decoder = Decoder(wire)
+        self.counters = StreamCounters()
+        self._modulus = wire.counter_modulus
+        self._counter: int | None = None
+        self._time = np.nan
+        self._host = HostTimes()
+        self._learnt: list[float] = []
+        self._is_anew = True
+        self._values: FloatArray | IntArray | None = None  # of the newest frame
+        self._is_doubted = False  # it was contradicted
+
+    @property
+    def period(self) -> float | None:
+        """The sample period [s]: as the device states it, else the median of the first ones; None before that.
+
+        A format without a frame counter states no more than its model's usual rate: there the times decide.
+        Where the device sends no time, it is the host's that the samples came in.
+        """
+        if not self.decoder.kind.has_time:
+            return self._host.period
+        stated = self.decoder.identity.period if self.decoder.identity and self._modulus else 0.0
+        if stated > 0:
+            return stated
+        return float(np.median(self._learnt)) if len(self._learnt) >= LEARNING else None
+
+    def begin_anew(self) -> None:
+        """Take the next sample as a new beginning, as after a gap mark."""
+        self._is_anew = True
+
+    def take(self, chunk: Chunk) -> Piece:
+        """Decode a chunk."""
+        before = self.decoder.counters.contradicted
+        block = self.decoder.feed(chunk.data)
+        contradicted = self.decoder.counters.contradicted - before
+        self.counters.contradicted += contradicted
+        n = len(block)
+        if not n:
+            self._is_doubted |= contradicted > 0
+            return Piece(chunk, block, self.decoder.edges, np.arange(0), None)
+        if self._is_anew:
+            self._counter, self._time, self._values, self._is_doubted = None, np.nan, None, False
+            self._host.begin_anew()
+        steps = self._steps(block)
+        time, seconds = self._times(chunk, block, steps)
+        self._time = float(time[-1])
+        self._learn(seconds)
+        counter = self._counter if self._counter is not None else int(block.counter[0]) - 1
+        block = replace(block, counter=counter + np.cumsum(steps), device_time=time)
+        self._counter = int(block.counter[-1])
+        repeat = steps == 0 if self._modulus else seconds == 0
+        back = ~repeat & ((steps < 0) | (seconds <= 0))
+        period = self.period
+        missing = (steps > 1) | (seconds > GAP * period if period else np.zeros(n, dtype=bool))
+        self._count(repeat, back, missing, steps)
+        missing |= self._doubted(block, repeat) | (contradicted > 0)
+        self._is_doubted |= contradicted > 0
+        back[0] |= self._is_anew
+        self._is_anew = False
+        kept = np.flatnonzero(~repeat)
+        breaks, begins = np.flatnonzero((back | missing)[kept]), np.flatnonzero(back[kept])
+        anew = int(begins[-1]) if len(begins) else None
+        return Piece(chunk, block_rows(block, kept), self.decoder.edges[kept], breaks, anew)
+
+    def _times(self, chunk: Chunk, block: SampleBlock, steps: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return each sample's time [s] and how far it is from the one before."""
+        if not self.decoder.kind.has_time:
+            time = self._host.take(chunk.host_ns / 1e9, steps)
+            self._is_anew |= self._host.is_anew
+            return time, np.diff(time, prepend=self._time)
+        modulus, time = self.decoder.wire.time_modulus, block.device_time
+        if modulus is None:
+            return time, np.diff(time, prepend=self._time)
+        seconds = onward(np.diff(time, prepend=self._time), modulus)
+        first = time[0] if np.isnan(seconds[0]) else self._time + seconds[0]
+        return first + np.concatenate(([0.0], np.cumsum(seconds[1:]))), seconds
+
+    def _steps(self, block: SampleBlock) -> IntArray:
+        """Return by how many samples the sequence goes on at each frame; all ones where nothing counts them."""
+        if self._modulus is None:
+            return np.ones(len(block), dtype=np.int64)
+        first = int(block.counter[0]) - 1
+        last = first if self._counter is None else self._counter
+        return np.diff(unwrap(block.counter, self._modulus, last), prepend=last)
+
+    def _doubted(self, block: SampleBlock, repeat: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Return before which frames something is amiss, as two frames of one number say different things."""
+        values = np.hstack((block.gyro, block.accel))
+        before = values[:1] if self._values is None else self._values[None]
+        differs = repeat & (np.diff(values, axis=0, prepend=before) != 0).any(axis=1)
+        self._values = values[-1]
+        self.counters.contradicted += int(differs.sum())
+        number = np.cumsum(~repeat)  # 0: repeats of what the chunk before ended with
+        doubted = np.zeros(number[-1] + 1, dtype=bool)
+        doubted[number[differs]] = True
+        doubted[0] |= self._is_doubted
+        self._is_doubted = bool(doubted[-1])
+        doubted[1:] |= doubted[:-1].copy()
+        amiss: NDArray[np.bool_] = ~repeat & doubted[number]
+        return amiss
+
+    def _learn(self, seconds: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
+        if len(self._learnt) < LEARNING:
+            self._learnt += seconds[np.isfinite(seconds) & (seconds > 0)].tolist()
+
+    def _count(self, *what: np.ndarray[tuple[int], np.dtype[np.bool_]] | IntArray) -> None:
+        repeat, back, missing, steps = what
+        self.counters.samples += len(repeat) - int(repeat.sum())
+        self.counters.repeated += int(repeat.sum())
+        self.counters.breaks += int(missing.sum())
+        self.counters.lost += int((steps[steps > 1] - 1).sum())
+        self.counters.restarts += int(back.sum())
+        if self._modulus and self.decoder.kind.has_time:
+            self.counters.clock_jumps += int(((back | missing) & (steps == 1)).sum())

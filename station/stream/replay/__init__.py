@@ -1,0 +1,1 @@
+"""Recordings as live devices: their bytes come again as they came then."""

@@ -1,0 +1,87 @@
+"""A simulated camera: tracks of features along a known path, for recordings that have none.
+
+At any time ``features`` points stand within ``depths`` of the view (as of the reference recordings, FUSION.md 4):
+one is drawn anew, anywhere in the image, when another leaves the view or reaches the end of its life. Image points
+have white noise; some are displaced, as by a wrong match.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation, RotationSpline
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.fusion.fusion_records import Trajectory
+from procedures.fusion.vision.feature_tracks import Camera, Tracks
+
+NEAREST = 0.2  # m, in front of which nothing is seen
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """What the camera sees: image size [px], features at a time, their depths [m] when first seen, rate [Hz].
+
+    ``longest`` [s] is the longest life of a track, lives being spread evenly up to it; ``outliers`` is the share
+    of image points that lie up to ``astray`` [px] off.
+    """
+
+    width: int = 752
+    height: int = 480
+    features: int = 120
+    depths: tuple[float, float] = (2.0, 8.0)
+    rate: float = 10.0
+    longest: float = 4.0
+    outliers: float = 0.02
+    astray: float = 50.0
+
+
+def simulate_tracks(path: Trajectory, camera: Camera, view: View, seed: int) -> Tracks:
+    """Return the tracks that ``camera`` would leave along ``path`` (IMU in n); equal seeds give equal tracks."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(path.t[0], path.t[-1], 1 / view.rate)
+    C_nb = RotationSpline(path.t, Rotation.from_quat(path.q))(t).as_matrix()
+    p_c = CubicSpline(path.t, path.p)(t) + C_nb @ camera.t_bc
+    scene = _Scene(camera, view, rng)
+    rows = [scene.seen(float(now), C @ camera.C_bc, p) for now, C, p in zip(t, C_nb, p_c, strict=True)]
+    feature, uv = (np.concatenate(parts) for parts in zip(*rows, strict=True))
+    return Tracks(np.repeat(t, [len(ids) for ids, _ in rows]), feature, uv)
+
+
+class _Scene:
+    """The features that stand in the view now."""
+
+    def __init__(self, camera: Camera, view: View, rng: np.random.Generator) -> None:
+        self.camera, self.view, self.rng = camera, view, rng
+        self.p_n = np.zeros((0, 3))
+        self.feature = np.zeros(0, np.int64)
+        self.end = np.zeros(0)
+        self.next = 0
+
+    def seen(self, t: float, C_nc: FloatArray, p_c: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Return features and noisy image points of one frame."""
+        uv, inside = self._projected(C_nc, p_c)
+        keep = inside & (self.end > t)
+        self.p_n, self.feature, self.end = self.p_n[keep], self.feature[keep], self.end[keep]
+        uv = np.vstack((uv[keep], self._new(t, C_nc, p_c)))
+        noisy = uv + self.rng.normal(0, self.camera.std, uv.shape)
+        wrong = self.rng.random(len(uv)) < self.view.outliers
+        noisy[wrong] += self.rng.uniform(-self.view.astray, self.view.astray, (int(wrong.sum()), 2))
+        return self.feature.copy(), noisy
+
+    def _projected(self, C_nc: FloatArray, p_c: FloatArray) -> tuple[FloatArray, np.ndarray]:
+        y = (self.p_n - p_c) @ C_nc
+        uv = self.camera.pixels(y[:, :2] / np.maximum(y[:, 2:], NEAREST))
+        size = [self.view.width, self.view.height]
+        return uv, (y[:, 2] > NEAREST) & (uv >= 0).all(axis=1) & (uv < size).all(axis=1)
+
+    def _new(self, t: float, C_nc: FloatArray, p_c: FloatArray) -> FloatArray:
+        """Fill the view up and return where the new features stand in the image."""
+        n, rng, view = self.view.features - len(self.feature), self.rng, self.view
+        uv = rng.uniform(0, [view.width, view.height], (n, 2))
+        y = np.column_stack((self.camera.rays(uv), np.ones(n))) * rng.uniform(*view.depths, n)[:, None]
+        self.p_n = np.vstack((self.p_n, p_c + y @ C_nc.T))
+        self.feature = np.r_[self.feature, self.next + np.arange(n)]
+        self.end = np.r_[self.end, t + rng.uniform(0, view.longest, n)]
+        self.next += n
+        return uv

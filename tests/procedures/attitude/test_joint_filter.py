@@ -1,0 +1,258 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.attitude import joint_strapdown, joint_update
+from procedures.attitude.attitude import estimate
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.forward_right_down import earth_rate_ned, inclination
+from procedures.attitude.joint_filter import JointFilter
+from procedures.attitude.joint_state import DEFAULT, FREE
+from procedures.attitude.smoothing import smooth
+from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.frames import nominal_C_lb, rotation
+from tests.drivers.simulated.flight import FRD_OF_CUBE, paper_bench, paper_flight
+from tests.procedures.attitude.driving import driving
+
+G = 9.80665
+
+
+@pytest.mark.parametrize("aid", ["airspeed-filter", "gnss"])
+def test_an_aid_holds_the_vertical_through_turns_and_braking_within_its_own_sigma(aid: str) -> None:
+    log, down = driving()
+    track = estimate(log, aid)
+    error = inclination(track.down, down)
+    late = log.t > 40
+    assert np.degrees(np.sqrt(np.mean(error[late] ** 2))) < 0.3
+    assert track.sigma is not None
+    assert np.sqrt(np.mean((error[late] / track.sigma[late]) ** 2)) < 2
+    assert track.gyro_bias_std is not None
+    assert np.all(np.abs(track.gyro_bias - [2e-3, -1e-3, 3e-3]) < 4 * track.gyro_bias_std)
+    assert np.degrees(inclination(estimate(log, "none").down, down)[late]).mean() > 1
+
+
+@pytest.mark.parametrize("turn_s", [50.0, 300.0])
+def test_the_papers_turn_at_200_m_s_stays_below_the_figure(turn_s: float) -> None:
+    for seed in range(2):
+        log = paper_flight(seed, turn_s)
+        truth = log.true_down
+        assert truth is not None
+        error = np.degrees(inclination(estimate(log, "airspeed-filter").down, truth))
+        assert error[log.t > 250].max() < 0.6
+
+
+@pytest.mark.parametrize("position", range(1, 13))
+def test_on_the_bench_every_position_reads_to_the_accelerometers_bias(position: int) -> None:
+    log = paper_bench(3, position)
+    truth = log.true_down
+    assert truth is not None
+    error = inclination(estimate(log, "none").down, truth)[log.t > 60]
+    bias = np.linalg.norm(np.cross(log.force.mean(axis=0) / G, truth[0]))
+    assert np.sqrt(np.mean(error**2)) < bias + np.radians(0.002)
+
+
+def test_at_rest_sigma_is_what_the_error_is_where_the_accelerometers_are_known() -> None:
+    """NEES over the twelve positions of two units: chi square of 2 x 24, within 4 of its own sigma."""
+    ratios = list[float]()
+    for seed in (3, 4):
+        for position in range(1, 13):
+            log = paper_bench(seed, position, seconds=70.0)
+            track = estimate(log, "none", force_bias_std=140e-6 * G)
+            assert log.true_down is not None
+            assert track.sigma is not None
+            ratios.append(float(inclination(track.down, log.true_down)[-1] / track.sigma[-1]))
+    assert np.mean(np.square(ratios)) == pytest.approx(1.0, abs=4 / np.sqrt(len(ratios)))
+    assert np.mean(np.square(ratios)) > 0.5
+
+
+def test_rest_teaches_nothing_of_a_tilt_however_long_it_lasts() -> None:
+    log = paper_bench(0, 1, seconds=300.0)
+    sigma = estimate(log, "none").sigma
+    assert sigma is not None
+    assert sigma[-1] > FREE.force_bias_std / G  # two axes of it, less what could be an error of the start
+
+
+@pytest.mark.parametrize("late_s", [0.1, 0.2])
+def test_a_late_velocity_counts_at_its_own_moment(late_s: float) -> None:
+    log, down = driving()
+    assert log.velocity is not None
+    rows = round(late_s / 0.01)
+    late = replace(log, velocity=np.vstack([np.full((rows, 3), np.nan), log.velocity[:-rows]]))
+
+    def error(log: AttitudeLog, **told: float) -> float:
+        off = inclination(estimate(log, "gnss", **told).down, down)  # type: ignore[arg-type]
+        return float(np.degrees(np.sqrt(np.mean(off[log.t > 40] ** 2))))
+
+    at_once, told = error(log), error(late, fix_latency=late_s)
+    assert told < 1.3 * at_once + 0.02
+    assert error(late) > 2 * told
+
+
+def test_one_sample_at_a_time_gives_what_a_log_gives() -> None:
+    log, _ = driving(seconds=20.0)
+    assert log.airspeed is not None
+    assert log.velocity is not None
+    for aid in ("none", "airspeed-filter", "gnss"):
+        online, whole = JointFilter(aid), JointFilter(aid)
+        out = whole.run(log)
+        for row in zip(log.t, log.rate, log.force, log.airspeed, log.velocity, strict=True):
+            online.step(*row)
+        assert online.down == pytest.approx(out[-1, :3], abs=1e-9)
+        assert online.sigma == pytest.approx(out[-1, 3], rel=1e-6)
+
+
+def test_a_log_in_pieces_gives_what_it_gives_whole() -> None:
+    log, _ = driving(seconds=20.0)
+    whole, pieces = JointFilter(), JointFilter()
+    whole.run(log)
+    for part in (slice(0, 700), slice(700, None)):
+        pieces.run(AttitudeLog(log.t[part], log.rate[part], log.force[part]))
+    assert pieces.down == pytest.approx(whole.down, abs=1e-9)
+
+
+def test_the_covariance_measures_a_scalar_as_the_textbook_does() -> None:
+    rng = np.random.default_rng(4)
+    kept = JointFilter("airspeed-filter")
+    root = rng.standard_normal((17, 17))
+    kept.state.P[:] = root @ root.T
+    before = kept.state.P.copy()
+    h = np.zeros(17)
+    h[[0, 3, 15]] = kept.state.H[:3] = [0.3, -1.0, 0.7]
+    kept.state.at[:3] = [0, 3, 15]
+    joint_update.measure(kept.state, 3, 0.2, 0.5, 100.0)
+    gain = before @ h / (h @ before @ h + 0.5)
+    assert kept.state.dx == pytest.approx(gain * 0.2)
+    assert kept.state.P == pytest.approx(before - np.outer(gain, h @ before))
+
+
+def test_rest_is_denied_by_a_speed_and_teaches_the_bias_of_yaw() -> None:
+    n = 3000
+    rate = np.tile([0.0, 0.0, 0.004], (n, 1)) + 1e-4 * np.random.default_rng(1).standard_normal((n, 3))
+    force = np.tile([0.0, 0.0, -G], (n, 1))
+    for speed, at_rest in ((0.0, True), (30.0, False)):
+        kept = JointFilter("airspeed-filter")
+        kept.run(AttitudeLog(np.arange(n) * 0.01, rate, force, np.full(n, speed)))
+        assert kept.at_rest == at_rest
+        bias, std = kept.gyro_bias
+        assert (std[2] < 1e-3) == at_rest
+        if at_rest:
+            assert bias[2] == pytest.approx(0.004, abs=4 * std[2])
+
+
+def at_rest_in_coarse_counts(fix_hz: int | None) -> AttitudeLog:
+    """Ninety seconds on a bench at 50 Hz: a count of 1/1020 g s is 0.05 g in one sample; fixes of 5 cm/s."""
+    rng = np.random.default_rng(8)
+    n, dt, count = 4500, 0.02, G / 1020
+    true = np.cumsum(np.tile([0.05, -0.08, -G], (n, 1)) * dt + 6e-5 * rng.standard_normal((n, 3)), axis=0)
+    force = np.diff(np.floor(true / count), axis=0, prepend=0.0) * count / dt
+    velocity = np.full((n, 3), np.nan)
+    if fix_hz is not None:
+        velocity[:: round(1 / dt / fix_hz)] = 0.0
+        velocity += 0.05 * rng.standard_normal((n, 3))
+    return AttitudeLog(np.arange(n) * dt, 2e-4 * rng.standard_normal((n, 3)), force, velocity=velocity)
+
+
+@pytest.mark.parametrize("fix_hz", [2, 5, 10, 25, None])
+def test_fixes_that_cut_the_updates_of_coarse_counts_deny_no_rest(fix_hz: int | None) -> None:
+    log = at_rest_in_coarse_counts(fix_hz)
+    assert log.velocity is not None
+    kept = JointFilter("gnss", DEFAULT._replace(nominal_s=0.02))
+    resting = list[bool]()
+    for t, rate, force, velocity in zip(log.t, log.rate, log.force, log.velocity, strict=True):
+        kept.step(t, rate, force, velocity=velocity)
+        resting.append(kept.at_rest)
+    assert np.mean(resting) > 0.95
+
+
+def test_a_push_between_fixes_ends_a_rest_within_a_tenth_of_a_second() -> None:
+    log = at_rest_in_coarse_counts(5)
+    assert log.velocity is not None
+    kept = JointFilter("gnss", DEFAULT._replace(nominal_s=0.02))
+    for row in range(3000):
+        kept.step(log.t[row], log.rate[row], log.force[row], velocity=log.velocity[row])
+    assert kept.at_rest
+    for row in range(3000, 3006):
+        kept.step(log.t[row], log.rate[row] + np.array([0.1, 0, 0]), log.force[row], velocity=log.velocity[row])
+    assert not kept.at_rest
+
+
+def test_a_gap_widens_sigma_and_a_long_one_begins_anew() -> None:
+    log = paper_bench(1, 9, seconds=40.0)
+    for seconds, wider in ((2.0, 1.2), (60.0, 5.0)):
+        late = log.t > 20
+        track = estimate(replace(log, t=log.t + seconds * late), "none")
+        assert track.sigma is not None
+        first = int(np.argmax(late))
+        assert track.sigma[first + 5] > wider * track.sigma[first - 1]
+        assert np.degrees(inclination(track.down, log.true_down)[-1]) < 0.05  # type: ignore[arg-type]
+
+
+def test_saturated_rates_are_hardly_believed() -> None:
+    log, down = driving()
+    rate = log.rate.copy()
+    rate[6000:6100] = np.clip(rate[6000:6100] + np.array([4.0, 0, 0]), -2.0, 2.0)  # a knock beyond the range
+    track = estimate(replace(log, rate=rate), "airspeed-filter")
+    assert any("range" in said for said in track.warnings)
+    assert track.sigma is not None
+    assert track.sigma[6110] > 5 * track.sigma[5990]
+    assert np.degrees(inclination(track.down, down)[-1]) < 2
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_the_earths_rate_is_taken_off_with_latitude_and_heading(known: bool) -> None:
+    """Truth at rest in a fast gyro's eyes: what it reads is the Earth, and no bias of the gyro."""
+    heading, latitude, n = 0.7, 0.8, 60000
+    C_bn = rotation(np.array([0.0, 0.0, -heading]))
+    rate = np.tile(C_bn @ earth_rate_ned(latitude), (n, 1))
+    log = AttitudeLog(
+        np.arange(n) * 0.01, rate, np.tile([0.0, 0.0, -G], (n, 1)), np.zeros(n), heading=np.full(n, heading)
+    )
+    track = estimate(log, "airspeed-filter", latitude=latitude if known else None)
+    assert track.gyro_bias_std is not None
+    size = float(np.linalg.norm(track.gyro_bias))
+    assert size < 0.05 * EARTH_RATE if known else size == pytest.approx(EARTH_RATE, rel=0.05)
+
+
+def test_a_reversed_log_smooths() -> None:
+    log, down = driving()
+    online = inclination(estimate(log, "airspeed-filter").down, down)
+    both = inclination(smooth(log, "airspeed-filter"), down)
+    early = log.t < 30
+    assert np.sqrt(np.mean(both[early] ** 2)) < np.sqrt(np.mean(online[early] ** 2))
+
+
+def test_settings_are_plain_numbers() -> None:
+    assert all(isinstance(value, float) for value in (*DEFAULT, *FREE))
+    assert FRD_OF_CUBE @ nominal_C_lb(9)[2] == pytest.approx([0, 0, -1])
+
+
+@pytest.mark.parametrize(("aid", "from_row"), [("airspeed-filter", 1700), ("gnss", 1700)])
+def test_an_aid_that_begins_under_way_is_no_outlier(aid: str, from_row: int) -> None:
+    log, down = driving()
+    assert log.airspeed is not None
+    assert log.velocity is not None
+    speed, velocity, heading = log.airspeed.copy(), log.velocity.copy(), np.full(len(log.t), np.nan)
+    speed[:from_row] = velocity[:from_row] = np.nan
+    heading[0] = 1.0
+    late = replace(log, airspeed=speed, velocity=velocity, heading=heading if aid == "gnss" else None)
+    error = np.degrees(inclination(estimate(late, aid).down, down))
+    assert error[1500:1700].max() > 5  # what was taken for rest was 3 m/s2 of starting
+    assert np.sqrt(np.mean(error[log.t > 60] ** 2)) < 0.5
+
+
+def test_kernels_equal_their_plain_form() -> None:
+    log, _ = driving(seconds=2.0)
+    plain, compiled = JointFilter(), JointFilter()
+    for kept, take, propagate in (
+        (plain, joint_strapdown.take.py_func, joint_update.propagate.py_func),  # type: ignore[attr-defined]
+        (compiled, joint_strapdown.take, joint_update.propagate),
+    ):
+        s, c = kept.state, kept.settings
+        joint_strapdown.start(s, c, 0.1, 0.2, -9.8, 3.0)
+        for w, f in zip(log.rate[:20], log.force[:20], strict=True):
+            take(s.C_nb, s.v_n, s.slow, s.sums, s.block, c, 0.01, *w, *f, 3.0)
+        propagate(s, c)
+    assert plain.state.C_nb == pytest.approx(compiled.state.C_nb, abs=1e-13)
+    assert plain.state.P == pytest.approx(compiled.state.P, abs=1e-13)
+    assert np.linalg.eigvalsh(plain.state.P).min() > -1e-12

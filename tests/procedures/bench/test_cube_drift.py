@@ -1,0 +1,136 @@
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.bench.cube_drift import compare, drift, holm
+from procedures.bench.cube_measurement import measure_cube
+from procedures.bench.measured_cube import PARALLELISM, CubeMeasurement, UnitShare, from_certificate
+from procedures.calibration.campaign import FaceCertificate, MeasuredCube
+from procedures.frames import FACES
+from tests.procedures.measured_units import calibrated, some_unit, values
+
+BY_K2 = np.array([[0, -2.0, 0], [0, 0, -2], [-2, 0, 0], [0, 0, -2], [-2, 0, 0], [0, -2, 0]])
+NOISE, RANGE = 1e-7, 5e-5
+MONTHS = [0.0, 3.0, 6.0, 9.0]
+
+
+def months_of_one_unit(
+    rng: np.random.Generator, per_month: float = 0.0, unit: str | None = "S"
+) -> list[CubeMeasurement]:
+    """A cube whose parallelism x.y moves by ``per_month``; another unit each time where ``unit`` is None."""
+    found, K2 = list[CubeMeasurement](), RANGE * rng.standard_normal(3)
+    for i, month in enumerate(MONTHS):
+        if unit is None:
+            K2 = RANGE * rng.standard_normal(3)
+        value = BY_K2 @ K2 + NOISE * rng.standard_normal(6)
+        value[0] += per_month * month
+        covariance = NOISE**2 * np.eye(6) + RANGE**2 * BY_K2 @ BY_K2.T
+        name = unit or f"S{i}"
+        share = UnitShare(name, BY_K2, RANGE, np.full(3, RANGE))
+        found.append(
+            CubeMeasurement(MeasuredCube(PARALLELISM, value, covariance, (name,)), NOISE**2 * np.eye(6), (share,))
+        )
+    return found
+
+
+def trends(seeds: int, per_month: float, unit: str | None) -> FloatArray:
+    """(seeds, q): how far each trend is from the true one, in its sigma."""
+    z = []
+    for seed in range(seeds):
+        moved = drift(months_of_one_unit(np.random.default_rng(seed), per_month, unit), MONTHS)
+        assert moved is not None
+        true = [
+            per_month * ((name.startswith("parallelism.x.y")) + 0.5 * ("mean of parallelism.x.y" in name))
+            for name in moved.names
+        ]
+        z.append((moved.trend - true) / moved.trend_std)
+    return np.array(z)
+
+
+@pytest.mark.parametrize("unit", ["S", None])
+@pytest.mark.parametrize("per_month", [0.0, 1e-6])
+def test_a_trend_is_found_within_its_sigma(unit: str | None, per_month: float) -> None:
+    z = trends(100, per_month, unit)
+    assert np.mean(z**2) == pytest.approx(1.0, abs=4 * np.sqrt(2 / z.size))
+
+
+def test_a_cube_that_stays_is_said_to_have_changed_once_in_a_hundred() -> None:
+    changed = 0
+    for seed in range(200):
+        moved = drift(months_of_one_unit(np.random.default_rng(seed)), MONTHS)
+        assert moved is not None
+        changed += bool(moved.changed)
+    assert changed <= 2 + 4 * np.sqrt(2)
+
+
+def test_between_measurements_of_one_unit_k2_cancels() -> None:
+    rng = np.random.default_rng(1)
+    same, other = (drift(months_of_one_unit(rng, 5e-7, unit), MONTHS) for unit in ("S", None))
+    assert same is not None
+    assert other is not None
+    assert set(same.changed) == {
+        "parallelism.x.y less parallelism.z.y",
+        "mean of parallelism.x.y and parallelism.z.y",
+    }
+    assert set(other.changed) == {"parallelism.x.y less parallelism.z.y"}
+    assert max(same.shift_std) < 3 * NOISE
+    assert max(other.shift_std) > 1e-4
+
+
+def test_a_real_cube_that_bends_between_two_campaigns_is_found() -> None:
+    rng = np.random.default_rng(3)
+    faces = 3e-5 * rng.standard_normal((6, 2))
+    it, bent = some_unit(rng), faces.copy()
+    bent[0, 0] += 4e-6
+    first, again, last = (measure_cube([calibrated(rng, it, f)]) for f in (faces, faces, bent))
+    quiet, moved = drift([first, again], [0.0, 1.0]), drift([first, last], [0.0, 1.0])
+    assert quiet is not None
+    assert moved is not None
+    assert not quiet.changed
+    assert "mean of parallelism.x.y and parallelism.z.y" in moved.changed
+    row = moved.names.index("mean of parallelism.x.y and parallelism.z.y")
+    assert abs(moved.shift[row] - 2e-6) < 4 * moved.shift_std[row]
+
+
+def test_two_on_one_day_have_no_trend_and_one_has_no_drift() -> None:
+    two = months_of_one_unit(np.random.default_rng(4))[:2]
+    moved = drift(two, [0.0, 0.0])
+    assert moved is not None
+    assert np.all(np.isinf(moved.trend_std))
+    assert drift(two[:1], [0.0]) is None
+    assert drift([], []) is None
+
+
+def test_a_certificate_of_the_faces_is_compared_with_what_imus_measured() -> None:
+    rng = np.random.default_rng(5)
+    faces = 3e-5 * rng.standard_normal((6, 2))
+    found = measure_cube([calibrated(rng, some_unit(rng), faces)])
+    sigma = 1e-6
+    stated = faces + sigma * rng.standard_normal((6, 2))
+    wrong = stated.copy()
+    wrong[0] += 3e-5
+    good, bad = (
+        from_certificate({face: FaceCertificate(each[i], sigma**2 * np.eye(2)) for i, face in enumerate(FACES)})
+        for each in (stated, wrong)
+    )
+    assert good is not None
+    assert bad is not None
+    assert dict(zip(good.names, good.value, strict=True)) == pytest.approx(values(faces), abs=6 * sigma)
+    assert np.sqrt(np.diag(good.covariance)) == pytest.approx([np.sqrt(2) * sigma] * 6 + [sigma] * 3)
+    agrees, differs = compare(good, found.cube), compare(bad, found.cube)
+    assert agrees is not None
+    assert differs is not None
+    assert agrees.p_value > 1e-3
+    assert differs.p_value < 1e-6
+
+
+def test_of_a_certificate_only_whole_pairs_count() -> None:
+    face = FaceCertificate(np.array([1e-5, 2e-5]), 1e-12 * np.eye(2))
+    assert from_certificate({"x_up": face, "y_down": face}) is None
+    some = from_certificate({"x_up": face, "x_down": face, "z_up": face, "z_down": face})
+    assert some is not None
+    assert some.names == ("parallelism.x.y", "parallelism.x.z", "parallelism.z.x", "parallelism.z.y", "skew.x.z")
+
+
+def test_holm_steps_down() -> None:
+    assert holm(np.array([0.04, 0.01, 0.03])) == pytest.approx([0.06, 0.03, 0.06])

@@ -1,0 +1,149 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.bench.cube_measurement import QUADRATIC, measure_cube
+from procedures.bench.measured_cube import PARALLELISM, CubeMeasurement, common_and_difference
+from procedures.errors import NotObservable
+from tests.procedures.measured_units import calibrated, campaigns, some_unit, values
+
+ALL = ("as drawn", "about z", "about x")
+
+
+def cube(seed: int) -> tuple[np.random.Generator, FloatArray]:
+    rng = np.random.default_rng(seed)
+    return rng, 3e-5 * rng.standard_normal((6, 2))
+
+
+def in_sigma(found: CubeMeasurement, faces: FloatArray) -> FloatArray:
+    true = values(faces)
+    error = found.cube.value - np.array([true[name] for name in found.cube.names])
+    whitened: FloatArray = np.linalg.solve(np.linalg.cholesky(found.cube.covariance), error)
+    plain = error / np.sqrt(np.diag(found.cube.covariance))
+    return np.stack((plain, whitened))
+
+
+def spread(found: CubeMeasurement, kind: str) -> FloatArray:
+    """1 sigma of the means or the differences."""
+    names, H = common_and_difference(found.cube.names)
+    rows = H[[kind in name for name in names]]
+    sigma: FloatArray = np.sqrt(np.diag(rows @ found.cube.covariance @ rows.T))
+    return sigma
+
+
+@pytest.mark.parametrize(
+    ("units", "mountings", "free", "seeds"),
+    [
+        (1, ("as drawn",), 0, 40),
+        (1, ALL[:2], 0, 12),
+        (1, ALL, 0, 8),
+        (3, ("as drawn",), 0, 8),
+        (1, ("as drawn",), 14, 12),
+    ],
+)
+def test_intervals_cover_whatever_the_campaigns_show(
+    units: int, mountings: tuple[str, ...], free: int, seeds: int
+) -> None:
+    z = []
+    for seed in range(seeds):
+        rng, faces = cube(seed)
+        z.append(in_sigma(measure_cube(campaigns(rng, faces, units, mountings, free)), faces))
+    plain, whitened = np.concatenate(z, axis=1)
+    sure = 4 * np.sqrt(0.05 * 0.95 / len(whitened))
+    assert abs(np.mean(np.abs(whitened) < 1.959964) - 0.95) < sure
+    assert np.mean(whitened**2) == pytest.approx(1.0, abs=4 * np.sqrt(2 / len(whitened)))
+    assert np.mean(np.abs(plain) < 1.959964) > 0.95 - 2 * sure
+
+
+def test_twelve_positions_know_the_differences_and_leave_the_means_to_the_range_of_k2() -> None:
+    rng, faces = cube(1)
+    found = measure_cube(campaigns(rng, faces))
+    assert found.cube.names == PARALLELISM
+    assert spread(found, "mean") == pytest.approx(2 * QUADRATIC, rel=0.02)
+    assert np.all(spread(found, "less") < 0.02 * QUADRATIC)
+    assert found.shares[0].quadratic_left == pytest.approx(QUADRATIC, rel=0.02)
+
+
+def test_a_range_of_k2_twice_as_wide_leaves_twice_as_much_open() -> None:
+    rng, faces = cube(1)
+    seen = campaigns(rng, faces)
+    wide, narrow = (spread(measure_cube(seen, std), "mean") for std in (1e-4, 5e-5))
+    assert wide / narrow == pytest.approx(2.0, rel=0.05)
+
+
+def test_turned_about_z_the_imu_tells_x_and_y_and_not_z() -> None:
+    rng, faces = cube(2)
+    found = measure_cube(campaigns(rng, faces, 1, ALL[:2]))
+    names, _ = common_and_difference(found.cube.names)
+    means = dict(zip([n[-1] for n in names if "mean" in n], spread(found, "mean"), strict=True))
+    assert means["x"] < 1e-6
+    assert means["y"] < 1e-6
+    assert means["z"] == pytest.approx(2 * QUADRATIC, rel=0.02)
+    assert [name for name in found.cube.names if "skew" in name] == ["skew.x.y", "skew.x.z", "skew.y.z"]
+
+
+def test_turned_about_two_axes_it_tells_all() -> None:
+    rng, faces = cube(2)
+    found = measure_cube(campaigns(rng, faces, 1, ALL))
+    assert np.all(np.sqrt(np.diag(found.cube.covariance)) < 1e-6)
+    assert np.all(found.shares[0].quadratic_left < 0.01 * QUADRATIC)
+
+
+def test_rests_in_free_attitudes_tell_all_without_a_second_mounting() -> None:
+    rng, faces = cube(3)
+    found = measure_cube(campaigns(rng, faces, free=14))
+    assert len(found.cube.names) == 9
+    assert np.all(np.sqrt(np.diag(found.cube.covariance)) < 2e-6)
+
+
+def test_more_units_know_the_means_better() -> None:
+    rng, faces = cube(4)
+    one, four = (spread(measure_cube(campaigns(rng, faces, units)), "mean") for units in (1, 4))
+    assert np.all(four < 0.55 * one)  # 1 / sqrt(4), and what their misalignments differ by helps
+
+
+def test_a_units_k2_moves_its_measurement_as_its_share_says() -> None:
+    _, faces = cube(5)
+    moved = list[FloatArray]()
+    for K2 in (0.0, 1e-4):
+        it = some_unit(np.random.default_rng(9), 0.0)
+        it.K2[:] = (K2, 0, 0)
+        found = measure_cube([calibrated(np.random.default_rng(9), it, faces)])
+        moved.append(found.cube.value)
+    assert moved[1] - moved[0] == pytest.approx(found.shares[0].by_quadratic @ [1e-4, 0, 0], abs=2e-7)
+
+
+def test_units_that_disagree_are_told() -> None:
+    rng, faces = cube(6)
+    other = faces.copy()
+    other[0, 0] += 2e-5
+    agree = measure_cube(campaigns(rng, faces, 2))
+    assert agree.dof > 0
+    assert agree.p_value > 1e-3
+    two = [calibrated(rng, some_unit(rng), f, serial=s) for f, s in ((faces, "S1"), (other, "S2"))]
+    found = measure_cube(two)
+    assert found.p_value < 1e-6
+    assert any("disagree" in warning for warning in found.warnings)
+
+
+def test_a_seating_that_is_off_makes_the_sigmas_larger_and_is_told() -> None:
+    rng, faces = cube(7)
+    seen = campaigns(rng, faces)
+    quiet = measure_cube(seen)
+    third = seen[0].dwells[2].series
+    assert third.accel is not None
+    np.asarray(third.accel)[:, 1] += 5e-3  # 5 urad
+    found = measure_cube(seen)
+    assert any("residual is larger" in warning for warning in found.warnings)
+    assert np.all(spread(found, "less") > 1.5 * spread(quiet, "less"))
+
+
+def test_too_few_positions_are_refused() -> None:
+    rng, faces = cube(8)
+    (whole,) = campaigns(rng, faces)
+    with pytest.raises(NotObservable, match="twelve positions"):
+        measure_cube([replace(whole, dwells=whole.dwells[:2])])
+    with pytest.raises(NotObservable, match="face positions"):
+        measure_cube([replace(whole, dwells=())])

@@ -1,0 +1,125 @@
+"""Sensors that count backwards, and turns and positions recorded the wrong way: named rightly, or left open."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import simulate_campaign
+from drivers.simulated.truth import Truth
+from procedures.bench.sign_errors import earth_signs
+from procedures.calibration.calibration import solve
+from procedures.calibration.campaign import Campaign
+from procedures.counts.sample_records import Series
+from procedures.diagnosis.diagnose import diagnose
+
+OPPOSITE = {"+": "-", "-": "+"}
+OTHER_FACE = {1: 3, 3: 1, 2: 4, 4: 2, 5: 7, 7: 5, 6: 8, 8: 6, 9: 11, 11: 9, 10: 12, 12: 10}
+TURNS, GYROS = "labelled in the opposite direction", "gyroscopes' signs are inverted"
+DOES_NOT_TELL = "does not tell which"
+
+
+@cache
+def recorded(seed: int, resolves: bool = True) -> Campaign:
+    """Twelve positions and six turns; a unit that does not resolve the Earth's rate is a coarse one."""
+    truth = replace(Truth.example(seed), sample_period_s=0.05)
+    if not resolves:
+        truth = replace(truth, gyro_k=truth.gyro_k / 200, gyro_arw_deg_rt_s=0.05, gyro_instability_dph=60.0)
+    return simulate_campaign(truth, seed, dwell_s=10.0)
+
+
+def turned_round(campaign: Campaign, axes: str = "xyz") -> Campaign:
+    turns = (replace(t, direction=OPPOSITE[t.direction]) if t.axis in axes else t for t in campaign.turns)
+    return replace(campaign, turns=tuple(turns))
+
+
+def negated(campaign: Campaign, triad: str, axes: Sequence[int] = (0, 1, 2)) -> Campaign:
+    def negate(series: Series) -> Series:
+        values = getattr(series, triad).copy()
+        values[:, list(axes)] *= -1
+        return replace(series, **{triad: values})  # type: ignore[arg-type]
+
+    dwells = tuple(replace(each, series=negate(each.series)) for each in campaign.dwells)
+    return replace(
+        campaign, dwells=dwells, turns=tuple(replace(t, series=negate(t.series)) for t in campaign.turns)
+    )
+
+
+def left_handed(campaign: Campaign) -> Campaign:
+    return negated(negated(campaign, "gyro", [2]), "accel", [2])
+
+
+def upside_down(campaign: Campaign) -> Campaign:
+    dwells = (replace(each, position=OTHER_FACE[each.position]) for each in campaign.dwells)
+    return replace(campaign, dwells=tuple(dwells))
+
+
+def south(campaign: Campaign) -> Campaign:
+    return replace(campaign, site=replace(campaign.site, latitude=-campaign.site.latitude))
+
+
+def said(campaign: Campaign) -> str:
+    """Return what a solve says of signs."""
+    return "\n".join(text for text in solve([campaign]).warnings if "backwards" in text)
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize(
+    ("changed", "words", "never"),
+    [
+        (lambda c: c, (), ("backwards",)),
+        (turned_round, ("all turns are labelled in the opposite direction: ",), ("inverted",)),
+        (lambda c: negated(c, "gyro"), ("the gyroscopes' signs are inverted: ",), (TURNS,)),
+        (lambda c: turned_round(c, "y"), ("the turns about y are labelled in the opposite",), ("inverted", "x")),
+        (lambda c: negated(c, "gyro", [1]), ("the sign of gyroscope y is inverted: ",), (TURNS,)),
+        (lambda c: turned_round(c, "xz"), ("turns about x are", "turns about z are"), ("inverted", "about y")),
+        (lambda c: negated(c, "accel", [1]), ("the sign of accelerometer y is inverted: ",), ("exchanged",)),
+        (lambda c: negated(c, "accel"), ("the accelerometers' signs are inverted: ",), ("upside down",)),
+        (upside_down, ("or all positions are recorded upside down",), ()),
+        (left_handed, ("sign of gyroscope z is inv", "sign of accelerometer z is inv"), (TURNS,)),
+        (lambda c: turned_round(south(c)), (TURNS, GYROS, DOES_NOT_TELL), ()),
+        (south, (), ("backwards",)),
+    ],
+    ids=["none", "all turns", "all gyros", "a pair of turns", "a gyro", "two pairs", "an accelerometer",
+         "all accelerometers", "upside down", "left-handed", "turns and a wrong hemisphere", "a wrong hemisphere"],
+)  # fmt: skip
+def test_what_counts_backwards_is_named_rightly(
+    changed: Callable[[Campaign], Campaign], words: Sequence[str], never: Sequence[str], seed: int
+) -> None:
+    told = said(changed(recorded(seed)))
+    assert all(word in told for word in words)
+    assert not any(word in told for word in never)
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("changed", [turned_round, lambda c: negated(c, "gyro")])
+def test_where_the_gyroscopes_do_not_resolve_the_earth_rate_both_are_named(
+    changed: Callable[[Campaign], Campaign], seed: int
+) -> None:
+    told = said(changed(recorded(seed, resolves=False)))
+    assert all(word in told for word in ("all turns are " + TURNS + ", or the " + GYROS, DOES_NOT_TELL))
+
+
+def test_a_diagnosis_turns_them_round_says_so_and_finds_the_truth() -> None:
+    found = diagnose([turned_round(recorded(3))])
+    [finding] = [each for each in found.findings if each.unit == "direction"]
+    assert (finding.effect, finding.kind) == ("placement.label", "procedure")
+    assert len(finding.where["file"]) == 6
+    assert not [each for each in found.findings if each.effect == "placement.label" and each is not finding]
+    gyroscope, truth = found.solution.gyroscope, Truth.example(3)
+    assert gyroscope is not None
+    assert np.max(np.abs(gyroscope.misalignment.value - truth.gyro_e)) < 1e-3
+    assert not [text for text in found.solution.warnings if "backwards" in text]
+
+
+def test_a_diagnosis_leaves_an_inverted_sign_as_it_is_and_says_so() -> None:
+    found = diagnose([negated(recorded(3), "gyro")])
+    assert not [each for each in found.findings if each.effect == "placement.label"]
+    assert any(GYROS in text for text in found.solution.warnings)
+
+
+def test_without_a_dwell_the_earths_rate_tells_no_sign() -> None:
+    signs = earth_signs([recorded(1)], [], np.zeros((0, 3)), np.zeros((0, 3)), np.eye(3))
+    assert signs.of_faces([0, 1, 2]) == 0

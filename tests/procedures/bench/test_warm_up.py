@@ -1,0 +1,178 @@
+"""Warm-up of simulated units: 10 count/s are 1 deg/h, noise 3.6 count/sqrt(s), dwells of 100 s, pairs of 290 s."""
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.bench.warm_up import Means, Unsettled, WarmUpState, sensitivity, time_constant, unsettled, warm_up
+
+WHITE, DPH = 3.6, 10.0
+DWELL_S, PAIR_S, TAU_S = 100.0, 290.0, 600.0
+LIMIT = WHITE / np.sqrt(DWELL_S)
+PER_K = DPH * np.array([0.05, -0.025, 0.015])
+
+
+def history(
+    seed: int, n: int, rise: float = 0.0, *, step: float | None = 1e-3, per_k: FloatArray = PER_K,
+    drift: float = 0.0, white: float = WHITE,
+) -> Means:  # fmt: skip
+    """Means of a unit that warms by ``rise`` [K] and drifts [count/s2]; ``step`` [K] of the thermometer."""
+    rng, t = np.random.default_rng(seed), 10.0 * np.arange(1, n + 1)
+    warmth = rise * (1 - np.exp(-(t - 5) / TAU_S))
+    std = np.full((n, 3), white / np.sqrt(10))
+    gyro = (
+        np.array([80.0, 3.0, 130.0])
+        + np.outer(warmth, per_k)
+        + drift * t[:, None]
+        + std * rng.standard_normal((n, 3))
+    )
+    accel = np.array([1000.0, 2.0, 3.0]) + np.outer(warmth, [0.02, 0.0, 0.0]) + 1e-3 * rng.standard_normal((n, 3))
+    seen = 23 + warmth + 3e-3 * rng.standard_normal(n)
+    temperature = np.full(n, np.nan) if step is None else np.round(seen / step) * step
+    return Means(t, gyro, std, temperature, accel, np.full((n, 3), 1e-3))
+
+
+def begin_of(means: Means, n: int) -> Means:
+    return Means(means.t[:n], means.gyro[:n], means.gyro_std[:n], means.temperature[:n])
+
+
+def judged(means: Means, marks: tuple[float, ...] = ()) -> WarmUpState:
+    return warm_up(means, DWELL_S, PAIR_S, marks)
+
+
+def ready_at(means: Means) -> float:
+    return next(
+        (means.t[n - 1] for n in range(1, len(means.t) + 1) if judged(begin_of(means, n)).is_ready), np.inf
+    )
+
+
+def left_at(seconds: float, rise: float = 10.0) -> float:
+    """True drift of the worst gyro over a pair, in limits."""
+    return float(rise / TAU_S * np.exp(-seconds / TAU_S) * PER_K[0] * PAIR_S / LIMIT)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_stable_unit_with_a_thermometer_is_ready_within_a_minute_and_a_half(seed: int) -> None:
+    assert ready_at(history(seed, 30)) <= 90.0
+    assert ready_at(history(seed, 30, step=0.25)) <= 90.0
+
+
+@pytest.mark.parametrize("step", [1e-3, 0.25, 1.0, None])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_warming_unit_is_not_ready_before_its_drift_is_below_its_noise(seed: int, step: float | None) -> None:
+    seconds = ready_at(history(seed, 300, 10.0, step=step))
+    assert left_at(60.0) > 6
+    assert left_at(seconds) < 1
+    assert seconds < 2900
+
+
+def test_a_thermometer_that_shows_always_the_same_is_given_time_to_step() -> None:
+    means = history(0, 8, step=10.0)
+    assert np.ptp(means.temperature) == 0
+    assert not judged(begin_of(means, 7)).is_ready
+    assert judged(means).is_ready
+
+
+def test_a_thermometer_too_coarse_for_a_quiet_unit_neither_lets_it_begin_early_nor_for_ever_not() -> None:
+    seconds = ready_at(history(1, 450, 10.0, step=1.0, white=0.3 * WHITE))
+    assert left_at(seconds) < 0.3
+    assert seconds < 4500
+
+
+def test_without_a_thermometer_readiness_takes_as_long_as_the_noise_does() -> None:
+    """The slope's sigma is white sqrt(12 / W^3); times the pair it is half the limit after 739 s."""
+    enough = (12 * (2 * PAIR_S) ** 2 * DWELL_S) ** (1 / 3)
+    seconds = [ready_at(history(seed, 200, step=None)) for seed in range(5)]
+    assert min(seconds) == pytest.approx(enough, abs=10.0)
+    assert max(seconds) < 2 * enough
+    early = judged(history(0, 30, step=None))
+    assert early.left_s == pytest.approx(enough - 300.0)
+    assert early.temperature_rate is None
+
+
+def test_a_gyro_that_clearly_drifts_is_not_ready_at_a_steady_temperature() -> None:
+    assert judged(history(1, 60)).is_ready
+    assert not judged(history(1, 60, drift=0.02)).is_ready
+
+
+def test_the_limits_are_the_units_own() -> None:
+    means = history(2, 100, 10.0)
+    state = judged(means)
+    assert state.gyro_limit == pytest.approx(np.full(3, LIMIT), rel=1e-9)
+    assert state.temperature_limit is not None
+    assert state.temperature_rate == pytest.approx(10 / TAU_S * np.exp(-940 / TAU_S), rel=0.05)
+    # the worst gyro's sensitivity, 0.5 count/s/K, allows LIMIT / (PAIR_S 0.5) K/s
+    assert 0.75 < state.temperature_limit / (LIMIT / (PAIR_S * PER_K[0])) < 1.0
+    insensitive = judged(history(2, 100, 10.0, per_k=0.1 * PER_K))
+    assert insensitive.temperature_limit is not None
+    assert insensitive.temperature_limit > 2 * state.temperature_limit
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_time_left_comes_true(seed: int) -> None:
+    means = history(seed, 300, 10.0)
+    ends = ready_at(means)
+    for n in (60, 90, 110):
+        left = judged(begin_of(means, n)).left_s
+        assert left is not None
+        assert abs(10.0 * n + left - ends) < 0.35 * (ends - 10.0 * n) + 60
+    assert judged(begin_of(means, 10)).left_s is None  # a minute tells no time constant
+
+
+def test_a_cube_that_was_moved_begins_anew() -> None:
+    still, rate = history(3, 60), np.array([0.0, 60.0, -40.0])
+    gyro = still.gyro + np.outer(still.t > 300, rate)
+    moved = Means(still.t, gyro, still.gyro_std, still.temperature)
+    assert not judged(moved).is_ready
+    assert judged(moved, (100.0, 300.0)).is_ready
+    just = judged(moved, (560.0,))
+    assert not just.is_ready
+    assert just.left_s == pytest.approx(20.0)
+
+
+def test_nothing_is_said_of_nothing() -> None:
+    for n in (0, 1, 3):
+        state = judged(begin_of(history(4, 10), n))
+        assert not state.is_ready
+        assert np.isnan(state.gyro_drift).all()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_sensitivity_and_its_sigma_are_those_of_the_regression(seed: int) -> None:
+    means = history(seed, 100, 10.0)
+    c, std = sensitivity(means.temperature, means.gyro, np.full(3, WHITE / np.sqrt(10)), 0.1 / 15)
+    assert np.abs((c - PER_K) / std).max() < 4
+    assert std.max() < 0.05
+
+
+def test_a_straight_line_has_no_time_constant() -> None:
+    t, rng = 10.0 * np.arange(60), np.random.default_rng(6)
+    noise = 0.01 * rng.standard_normal(60)
+    assert time_constant(t, 1e-3 * t + noise, 0.01) is None
+    tau = time_constant(t, 5 * np.exp(-t / 200) + noise, 0.01)
+    assert tau == pytest.approx(200, rel=0.1)
+
+
+def rms_to_go(seconds: float, remaining: float, rise: float = 10.0) -> float:
+    """Root mean square of what the worst gyro's bias has still to go over the campaign, by numbers."""
+    t = np.linspace(seconds, seconds + remaining, 10001)
+    return float(np.sqrt(np.mean((rise * np.exp(-t / TAU_S) * PER_K[0]) ** 2)))
+
+
+@pytest.mark.parametrize("n", [60, 100])
+def test_skipping_the_warm_up_costs_what_the_bias_has_still_to_go(n: int) -> None:
+    found = unsettled(begin_of(history(7, 100, 10.0), n), 2400.0)
+    assert found.gyro[0] / rms_to_go(10.0 * n, 2400.0) == pytest.approx(1.0, rel=0.4)
+    assert found.accel is None
+    accel = unsettled(history(7, 100, 10.0), 2400.0).accel
+    assert accel is not None
+    assert accel[0] / (rms_to_go(1000.0, 2400.0) / PER_K[0] * 0.02) == pytest.approx(1.0, rel=0.4)
+
+
+def test_skipping_at_once_costs_a_whole_warm_up_and_a_stable_unit_nothing_to_speak_of() -> None:
+    at_once: Unsettled = unsettled(begin_of(history(8, 100, 10.0, step=None), 6), 3000.0)
+    whole = 0.1 / 15 * 10 * np.linalg.norm([80.0, 3.0, 130.0])
+    assert at_once.gyro == pytest.approx(np.full(3, whole), rel=0.02)
+    assert np.all(unsettled(history(8, 30), 3000.0).gyro < LIMIT)
+    with pytest.raises(ValueError, match="5 means at rest, expected at least 6"):
+        unsettled(begin_of(history(8, 10), 5), 3000.0)

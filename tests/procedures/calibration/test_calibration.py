@@ -1,0 +1,416 @@
+"""From campaigns to a solution.
+
+Where the estimate of rates is not what is tested, units count so finely that remainders do not matter: such
+campaigns are solved in a tenth of the time.
+"""
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import simulate_campaign
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
+from procedures.bench.face_check import refuse_wrong_faces
+from procedures.calibration.calibration import solve
+from procedures.calibration.campaign import Campaign, FaceCertificate, Fixture
+from procedures.calibration.solution import Estimate, Solution, TriadCalibration
+from procedures.counts.sample_records import CountSeries, RateSeries, Series
+from procedures.errors import FitsNoFace, NotObservable, WrongFace, WrongMounting
+from procedures.frames import FACES, face_of
+from station.files.campaign_folder import read_campaign
+from tests.paths import DATA
+from tests.procedures.independent import body_from_level, dwells
+
+CAMPAIGNS = DATA / "campaigns"
+OFF = ~np.eye(3, dtype=bool)
+Z = FloatArray
+
+
+def fine(seed: int) -> Truth:
+    truth = Truth.example(seed)
+    return replace(truth, accel_k=1e5 * truth.accel_k, gyro_k=1e3 * truth.gyro_k)
+
+
+def simulated(truth: Truth, seed: int, **options: object) -> Campaign:
+    return simulate_campaign(truth, seed, dwell_s=20.0, **options)  # type: ignore[arg-type]
+
+
+@cache
+def usual() -> tuple[Truth, Campaign]:
+    truth = fine(3)
+    return truth, simulated(truth, 3)
+
+
+def z(estimate: Estimate, truth: FloatArray) -> Z:
+    return (estimate.value - truth) / np.maximum(estimate.std, 1e-300)
+
+
+def scores(solution: Solution, truth: Truth, misalignment: bool = False) -> Z:
+    """Errors of everything both triads claim, in their own sigma."""
+    found = []
+    for triad, k, E, D in (
+        (solution.accelerometer, truth.accel_k, truth.accel_e, truth.accel_d_g),
+        (solution.gyroscope, truth.gyro_k, truth.gyro_e, truth.gyro_d_deg_s * 3600),
+    ):
+        if triad is not None:
+            found += [z(triad.scale_factor, k), z(triad.bias, D)]
+            found += [z(triad.misalignment, E)[OFF]] if misalignment else []
+    return np.concatenate(found)
+
+
+def both(solution: Solution) -> tuple[TriadCalibration, TriadCalibration]:
+    assert solution.accelerometer is not None
+    assert solution.gyroscope is not None
+    return solution.accelerometer, solution.gyroscope
+
+
+def mapped(campaign: Campaign, change: Callable[[Series], Series]) -> Campaign:
+    """The campaign with every recording changed."""
+    return replace(
+        campaign,
+        dwells=tuple(replace(d, series=change(d.series)) for d in campaign.dwells),
+        turns=tuple(replace(t, series=change(t.series)) for t in campaign.turns),
+    )
+
+
+def mean_cube_of(faces: FloatArray) -> FloatArray:
+    normals = np.eye(3)
+    for pair in range(3):
+        others = [i for i in range(3) if i != pair]
+        normals[others, pair] = (faces[2 * pair] - faces[2 * pair + 1]) / 2
+    return normals
+
+
+def referred(E: FloatArray, cube: FloatArray) -> FloatArray:
+    turned = E @ cube
+    return turned / np.linalg.norm(turned, axis=1)[:, None]
+
+
+@pytest.mark.parametrize("name", ["clean", "bench_only"])
+def test_the_reference_campaigns_are_solved_within_four_sigma(name: str) -> None:
+    if not (CAMPAIGNS / name).is_dir():
+        pytest.skip(f"no reference campaign {name} in {CAMPAIGNS}: set STATION_DATA")
+    solution = solve([read_campaign(CAMPAIGNS / name).campaign])
+    told = json.loads((CAMPAIGNS / name / "truth.json").read_text())["truth"]
+    accel, gyro = both(solution)
+    faces = np.array(told["faces"])
+    cube = mean_cube_of(faces)
+    for triad, k, E, D in (
+        (accel, "ka", "Ea", np.array(told["Da"])),
+        (gyro, "kg", "Eg", np.array(told["Dg"]) * 3600),
+    ):
+        assert np.abs(z(triad.scale_factor, np.array(told[k]))).max() < 4
+        assert np.abs(z(triad.bias, D)).max() < 4
+        # without a certificate E refers to the mean cube
+        assert np.abs(z(triad.misalignment, referred(np.array(told[E]), cube))[OFF]).max() < 4
+    assert solution.slab_tilt is not None
+    assert solution.parallelism is not None
+    assert np.abs(z(solution.slab_tilt, -np.array(told["slab"]))).max() < 4  # data/README: up is (-s_e, -s_n)
+    assert np.abs(z(solution.parallelism, faces[0::2] + faces[1::2])).max() < 4
+    assert solution.quality.p_value > 1e-3
+    assert not [w for w in solution.warnings if "residual" in w]
+
+
+def test_a_campaign_on_a_coarse_counter_is_solved_within_four_sigma() -> None:
+    truth = Truth.example(1)
+    assert np.abs(scores(solve([simulate_campaign(truth, 1)]), truth)).max() < 4
+
+
+def test_an_imu_turned_in_the_cube_is_solved_in_its_own_axes() -> None:
+    truth = replace(fine(4), imu_axes=("-y", "+z", "-x"))
+    campaign = simulated(truth, 4)
+    assert not np.array_equal(campaign.fixture.C_ib, np.eye(3))
+    solution = solve([campaign])
+    assert np.abs(scores(solution, truth)).max() < 4
+    cube = campaign.fixture.C_ib @ mean_cube_of(truth.faces_rad) @ campaign.fixture.C_ib.T
+    for triad, E in zip(both(solution), (truth.accel_e, truth.gyro_e), strict=True):
+        assert np.abs(z(triad.misalignment, referred(E, cube))[OFF]).max() < 4
+
+
+def test_a_certificate_makes_misalignment_the_imu_s_own() -> None:
+    truth = fine(5)
+    with_it, without = (solve([simulated(truth, 5, certificate_sigma=s)]) for s in (5e-6, None))
+    assert np.abs(scores(with_it, truth, misalignment=True)).max() < 4
+    assert np.abs(scores(without, truth)).max() < 4
+    assert not any("perpendicularity" in name for name in with_it.not_observable)
+    assert sum("perpendicularity" in name for name in without.not_observable) == 6
+
+
+def test_a_wrong_certificate_shows_in_the_residual() -> None:
+    _, campaign = usual()
+    faces = {face: FaceCertificate(np.array([2e-4, -2e-4]), 1e-12 * np.eye(2)) for face in FACES}
+    solution = solve([replace(campaign, fixture=Fixture(faces))])
+    assert solution.quality.p_value < 1e-6
+    assert any("residual" in warning for warning in solution.warnings)
+
+
+def test_repeated_positions_are_used() -> None:
+    truth = fine(6)
+    once = solve([simulated(truth, 6, turns=())])
+    twice = solve([simulated(truth, 6, turns=(), positions=[*range(1, 13), *range(1, 13)])])
+    assert np.abs(scores(twice, truth)).max() < 4
+    assert once.accelerometer is not None
+    assert twice.accelerometer is not None
+    gain = twice.accelerometer.bias.std / once.accelerometer.bias.std
+    assert np.all(gain < 0.85)  # noise falls by 0.71; what the skew leaves open does not
+    assert twice.accelerometer.bias_12_position is not None
+
+
+@pytest.mark.parametrize("ids", [("A", "A"), ("A", "B"), (None, None)])
+def test_two_campaigns_of_one_unit_are_better_than_one(ids: tuple[str | None, str | None]) -> None:
+    truth = fine(7)
+    other = truth if ids[0] == ids[1] == "A" else replace(truth, faces_rad=np.roll(truth.faces_rad, 1, axis=0))
+    pair = [simulated(truth, 7), simulated(other, 8)]
+    pair = [replace(c, fixture=replace(c.fixture, id=name)) for c, name in zip(pair, ids, strict=True)]
+    one, joint = solve(pair[:1]), solve(pair)
+    assert np.abs(scores(joint, truth)).max() < 4
+    for single, double in zip(both(one), both(joint), strict=True):
+        assert np.all(double.bias.std < single.bias.std)
+    assert np.all(both(joint)[1].scale_factor.std < 0.8 * both(one)[1].scale_factor.std)
+
+
+@pytest.mark.parametrize("positions", [tuple(range(1, 12)), (2, 4, 6, 8, 10, 12, 1)])
+def test_fewer_positions_are_solved_within_four_sigma(positions: tuple[int, ...]) -> None:
+    truth = fine(8)
+    solution = solve([simulated(truth, 8, positions=positions)])
+    assert np.abs(scores(solution, truth)).max() < 4
+    accel, _ = both(solution)
+    assert accel.bias_12_position is None
+    assert accel.bias_two_direction is None
+
+
+def test_two_faces_are_refused_by_what_is_missing() -> None:
+    _, campaign = usual()
+    few = replace(campaign, dwells=campaign.dwells[:4], turns=())
+    with pytest.raises(NotObservable, match="position 5") as caught:
+        solve([few])
+    assert caught.value.missing == tuple(f"position {p}" for p in range(5, 13))
+
+
+@pytest.mark.parametrize(("absent", "left"), [("gyro", "accelerometer"), pytest.param("accel", "gyroscope")])
+def test_a_triad_that_is_absent_is_left_out(absent: str, left: str) -> None:
+    truth, campaign = usual()
+    solution = solve([mapped(campaign, lambda s: replace(s, **{absent: None}))])
+    other = {"accelerometer": "gyroscope", "gyroscope": "accelerometer"}[left]
+    assert getattr(solution, other) is None
+    assert getattr(solution, left) is not None
+    assert f"{other}.scale_factor" in solution.not_observable
+    assert all(name.startswith((left, "slab", "fixture")) for name in solution.names)
+    if left == "accelerometer":
+        assert np.abs(scores(solution, truth)).max() < 4
+
+
+def test_gyroscopes_alone_have_honest_sigmas() -> None:
+    truth, campaign = usual()
+    solution = solve([mapped(campaign, lambda s: replace(s, accel=None))])
+    assert np.abs(scores(solution, truth)).max() < 4
+
+
+def test_without_turns_there_is_no_gyroscope_and_a_warning_says_why() -> None:
+    truth, campaign = usual()
+    solution = solve([replace(campaign, turns=())])
+    assert solution.gyroscope is None
+    assert "gyroscope.bias" in solution.not_observable
+    assert any("gyroscope not solved" in warning and "x, y, z" in warning for warning in solution.warnings)
+    assert np.abs(scores(solution, truth)).max() < 4
+
+
+def test_a_missing_axis_leaves_the_gyroscope_out_and_names_the_unused_turns() -> None:
+    _, campaign = usual()
+    solution = solve([replace(campaign, turns=campaign.turns[:4])])
+    assert solution.gyroscope is None
+    assert any("no turn about z" in warning for warning in solution.warnings)
+    assert solution.unused_steps == tuple(t.name for t in campaign.turns[:4])
+
+
+def nominal_rates(positions: list[int], C_ib: FloatArray) -> FloatArray:
+    """Raw outputs of a misaligned, biased unit in these positions."""
+    E = np.eye(3) + 5e-3 * np.random.default_rng(1).standard_normal((3, 3))
+    u = np.array([C_ib @ body_from_level(p)[:, 2] for p in positions])
+    return np.array([1000.0, 990.0, 1010.0]) * (u @ E.T + [2e-3, -1e-3, 3e-3])
+
+
+@pytest.mark.parametrize("wrong", [pytest.param(p * (p in {5, 6, 7, 8})) for p in range(1, 13)])
+def test_one_wrong_label_is_named_with_both_faces(wrong: int) -> None:
+    rate = nominal_rates(list(range(1, 13)), np.eye(3))
+    for named in range(1, 13):
+        if face_of(named) == face_of(wrong):
+            continue
+        labels = list(range(1, 13))
+        labels[wrong - 1] = named
+        with pytest.raises(WrongFace) as caught:
+            refuse_wrong_faces(dwells(rate, 1e-3, labels), [np.eye(3)])
+        assert (caught.value.position, caught.value.named, caught.value.seen) == (
+            named,
+            face_of(named),
+            face_of(wrong),
+        )
+        assert caught.value.step == f"dwell_{named:02d}"
+
+
+def test_a_wrong_label_is_refused_by_solve_and_named_by_its_file() -> None:
+    _, campaign = usual()
+    steps = list(campaign.dwells)
+    steps[3] = replace(steps[3], position=5)
+    with pytest.raises(
+        WrongFace, match=r"dwell_04: position 5 means y_up, but the counts show x_down; .*diagnose"
+    ):
+        solve([replace(campaign, dwells=tuple(steps))])
+
+
+@pytest.mark.parametrize(
+    "positions",
+    [
+        [1, 3, 5, 9],
+        [1, 3],
+        [1],
+        [1, 2, 3, 4],
+        [1, 3, 5, 7, 9, 11],
+        [2, 6, 10, 12],
+        list(range(1, 12)),
+        [1, 1, 1, 5],
+    ],
+)
+@pytest.mark.parametrize("C_ib", [np.eye(3), np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])])
+def test_correct_labels_are_never_refused(positions: list[int], C_ib: FloatArray) -> None:
+    refuse_wrong_faces(dwells(nominal_rates(positions, C_ib), 1e-3, positions), [C_ib])
+
+
+@pytest.mark.parametrize(
+    "axes",
+    [
+        ("+y", "-x", "+z"),
+        pytest.param(("-x", "-y", "+z")),
+        ("+z", "+x", "+y"),
+        ("-y", "+z", "-x"),
+    ],
+)
+def test_a_wrong_mounting_is_named(axes: tuple[str, str, str]) -> None:
+    truth = replace(fine(9), imu_axes=axes)
+    campaign = simulated(truth, 9, turns=())
+    with pytest.raises(WrongMounting) as caught:
+        solve([replace(campaign, fixture=Fixture())])
+    assert caught.value.seen == str(list(axes))
+    assert np.abs(scores(solve([campaign]), truth)).max() < 4
+
+
+def test_names_and_covariance_are_those_of_the_values() -> None:
+    _, campaign = usual()
+    solution = solve([campaign])
+    assert solution.slab_tilt is not None
+    assert solution.parallelism is not None
+    parts = {"slab.tilt": (solution.slab_tilt, 1.0), "fixture.parallelism": (solution.parallelism, 1.0)}
+    for name in ("accelerometer", "gyroscope"):
+        for part in ("scale_factor", "misalignment", "bias"):
+            parts[f"{name}.{part}"] = (getattr(getattr(solution, name), part), 1.0)
+    std = np.sqrt(np.diag(solution.covariance))
+    for part, (estimate, _) in parts.items():
+        index = [i for i, name in enumerate(solution.names) if name.startswith(part + ".")]
+        assert std[index] == pytest.approx(estimate.std.ravel(), rel=1e-12)
+    assert len(solution.names) == len(set(solution.names)) == 15 + 8 + 15 == len(solution.covariance)
+    assert solution.covariance == pytest.approx(solution.covariance.T)
+    assert solution.names[3:6] == tuple(f"accelerometer.misalignment.{pair}" for pair in ("xx", "xy", "xz"))
+    scale = np.where(std > 0, std, 1.0)
+    assert np.linalg.eigvalsh(solution.covariance / np.outer(scale, scale)).min() > -1e-6
+
+
+def test_a_rate_output_is_solved() -> None:
+    """ADC counts of white noise, with an offset, as a sensor without an integrator puts out."""
+    truth, campaign = usual()
+    solution = solve([replace(mapped(campaign, rates), counts=False)])
+    accel, gyro = both(solution)
+    assert accel.scale_factor.unit == "output/g"
+    assert gyro.scale_factor.unit == "output/(deg/s)"
+    assert np.abs(scores(solution, truth)).max() < 4
+    counted = both(solve([campaign]))[0]
+    assert accel.bias.std == pytest.approx(counted.bias.std, rel=0.3)
+
+
+def rates(series: Series) -> Series:
+    assert isinstance(series, CountSeries)
+    assert series.gyro is not None
+    assert series.accel is not None
+    gyro, accel = (x / series.period for x in (series.gyro, series.accel))
+    return RateSeries(series.t, gyro, accel, series.temperature, series.period, series.starts)
+
+
+@pytest.mark.parametrize("triad", ["accel", "gyro"])
+def test_a_triad_with_a_dead_channel_is_left_out(triad: str) -> None:
+    truth, campaign = usual()
+
+    def dead(series: Series) -> Series:
+        samples = np.array(getattr(series, triad))
+        samples[:, 0] = 0
+        return replace(series, **{triad: samples})
+
+    solution = solve([mapped(campaign, dead)])
+    assert (solution.accelerometer if triad == "accel" else solution.gyroscope) is None
+    assert np.abs(scores(solution, truth)).max() < 4
+
+
+def test_a_unit_that_sends_nothing_but_zeros_is_not_observable() -> None:
+    _, campaign = usual()
+
+    def silent(series: Series) -> Series:
+        return replace(series, gyro=np.zeros_like(series.gyro), accel=np.zeros_like(series.accel))
+
+    with pytest.raises(NotObservable, match="a channel that responds"):
+        solve([mapped(campaign, silent)])
+
+
+def test_one_absurd_sample_names_its_own_dwell_and_no_other_face() -> None:
+    _, campaign = usual()
+    first = campaign.dwells[0]
+    accel = np.array(first.series.accel)
+    accel[7, 0] = 2_000_000_000
+    spoilt = replace(first, series=replace(first.series, accel=accel))
+    with pytest.raises(FitsNoFace, match=f"{first.name}: found"):
+        solve([replace(campaign, dwells=(spoilt, *campaign.dwells[1:]))])
+
+
+@pytest.mark.parametrize("exchanged", [("x",), ("x", "y", "z")])
+def test_turns_labelled_the_wrong_way_round_do_not_pass_unseen(exchanged: tuple[str, ...]) -> None:
+    _, campaign = usual()
+    other = {"+": "-", "-": "+"}
+    turns = tuple(replace(t, direction=other[t.direction]) if t.axis in exchanged else t for t in campaign.turns)
+    solution = solve([replace(campaign, turns=turns)])
+    assert solution.quality.p_value < 1e-6
+    assert any("residual" in warning for warning in solution.warnings)
+
+
+@cache
+def many(certified: bool) -> list[tuple[Truth, Solution]]:
+    """Two dozen units on as many cubes; gravity, headings, closures and certificates drawn from stated sigmas."""
+    found = []
+    for seed in range(500, 524):
+        truth = fine(seed)
+        found.append((truth, solve([simulated(truth, seed, certificate_sigma=5e-6 if certified else None)])))
+    return found
+
+
+@pytest.mark.parametrize("certified", [False, True])
+def test_errors_are_as_large_as_their_sigmas_say(certified: bool) -> None:
+    """The short form of tests/benchmarks/coverage.py."""
+    everything = np.array([scores(solution, truth, certified) for truth, solution in many(certified)])
+    assert 0.8 < np.sqrt(np.mean(everything**2)) < 1.2
+    assert np.abs(everything).max() < 5
+
+
+def test_residuals_over_their_sigmas_are_unit_normals() -> None:
+    steps = [step for _, solution in many(False) for step in solution.residuals]
+    for kind, triad in (("dwell", "accelerometer"), ("dwell", "gyroscope"), ("turn", "gyroscope")):
+        found = np.array([s.residual / s.sigma for s in steps if s.kind == kind and s.triad == triad])
+        assert len(found) == 24 * (12 if kind == "dwell" else 6)
+        assert 0.9 < np.sqrt(np.mean(found**2)) < 1.1  # 432 values or more, less what the fit ties together
+        assert np.abs(np.mean(found)) < 0.15
+
+
+def test_the_global_test_is_uniform_where_the_model_is_right() -> None:
+    p = np.sort([solution.quality.p_value for _, solution in many(True)])
+    distance = np.max(np.abs(p - (np.arange(24) + 0.5) / 24))
+    assert distance < 0.40  # Kolmogorov-Smirnov, 24 values, one in two thousand

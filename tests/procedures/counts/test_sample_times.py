@@ -1,0 +1,119 @@
+"""Rows whose stamps are no times of samples: reads that bring many at once, late, shaken and rounded stamps."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.counts.sample_times import sample_times
+
+PERIOD = 0.01006
+ROWS = 3000
+
+
+def in_bursts(true: FloatArray, least: int, most: int) -> FloatArray:
+    """Stamp rows when a read brought them, some microseconds after another."""
+    rng = np.random.default_rng(least)
+    t, first = true.copy(), 0
+    while first < len(t):
+        last = min(first + int(rng.integers(least, most + 1)), len(t)) - 1
+        t[first : last + 1] = true[last] + rng.exponential(1e-3) + 1e-5 * np.arange(last + 1 - first)
+        first = last + 1
+    return rising(t)
+
+
+def rising(t: FloatArray) -> FloatArray:
+    return np.maximum.accumulate(t) + 1e-7 * np.arange(len(t))
+
+
+def shaken(true: FloatArray) -> FloatArray:
+    return rising(true + 0.3 * PERIOD * np.random.default_rng(1).standard_normal(len(true)))
+
+
+STAMPS: dict[str, Callable[[FloatArray], FloatArray]] = {
+    "as taken": lambda true: true,
+    "in twos": lambda true: in_bursts(true, 2, 2),
+    "one to three": lambda true: in_bursts(true, 1, 3),
+    "four to twelve": lambda true: in_bursts(true, 4, 12),
+    "in fifties": lambda true: in_bursts(true, 50, 50),
+    "two to fifty": lambda true: in_bursts(true, 2, 50),
+    "shaken": shaken,
+    "to the millisecond": lambda true: np.round(true, 3),
+    "to 8.4 ms": lambda true: rising(np.floor(true / 8.4e-3) * 8.4e-3),
+}
+
+
+@pytest.mark.parametrize("kind", STAMPS)
+@pytest.mark.parametrize("lost", [(), (700,), (400, 1100, 2000)])
+def test_the_mean_period_and_the_rows_lost_are_those_of_the_samples(kind: str, lost: tuple[int, ...]) -> None:
+    taken = PERIOD * np.delete(np.arange(ROWS), [row + i for row in lost for i in range(5)])
+    found = sample_times(STAMPS[kind](taken), 0.01)
+    assert found.period == pytest.approx(PERIOD, rel=1e-3)
+    gaps = np.flatnonzero(np.diff(taken) > 1.5 * PERIOD) + 1
+    assert len(found.begins) == 1 + len(lost)
+    assert np.all(np.abs(found.begins[1:] - gaps) <= 50)  # somewhere in its burst
+    assert found.is_uneven == (kind not in {"as taken", "to the millisecond"})
+    assert np.all(np.diff(found.t) > 0)
+
+
+@pytest.mark.parametrize("kind", STAMPS)
+@pytest.mark.parametrize("stated", [0.00276, 0.005, 0.02])
+def test_the_period_found_is_found_again_where_it_is_stated(kind: str, stated: float) -> None:
+    t = STAMPS[kind](PERIOD * np.arange(ROWS))
+    found = sample_times(t, stated)
+    assert abs(found.period / stated - 1) > 0.01
+    again = sample_times(t, float(f"{found.period:.9g}"))
+    assert again.period == pytest.approx(found.period, rel=1e-3)
+    if kind != "to 8.4 ms":  # these alone look like a device of 8.4 ms that loses rows
+        assert found.period == pytest.approx(PERIOD, rel=2e-3)
+        assert len(again.begins) == 1
+
+
+def of_reads(true: FloatArray, every: float, delay: float, seed: int) -> FloatArray:
+    """Stamp rows when reads at any phase of the sample period brought them, late by about ``delay`` [s]."""
+    rng = np.random.default_rng(seed)
+    due = np.arange(true[0], true[-1] + 3 * every, every) + rng.uniform(0, every)
+    read = np.maximum.accumulate(due + rng.exponential(delay, len(due)))
+    by = np.minimum(np.searchsorted(read, true), len(read) - 1)
+    return np.asarray(read[by] + 2e-5 * (np.arange(len(true)) - np.searchsorted(by, by)))
+
+
+@pytest.mark.parametrize(("every", "delay"), [(0.1, 0.005), (0.1, 0.001), (0.04, 0.01), (0.25, 0.05)])
+def test_reads_of_any_phase_make_no_gap_and_hide_none(every: float, delay: float) -> None:
+    for seed in range(40):
+        found = sample_times(of_reads(0.02 * np.arange(1000), every, delay, seed), 0.02)
+        assert len(found.begins) == 1
+    for seed in range(10):
+        lost = 0.02 * np.delete(np.arange(1005), np.arange(400, 405))
+        found = sample_times(of_reads(lost, every, delay, seed), 0.02)
+        assert np.any(np.abs(found.begins - 400) <= every / 0.02)
+
+
+def test_rows_on_the_grid_are_no_later_than_their_stamps_and_hold_the_pace() -> None:
+    t = in_bursts(PERIOD * np.arange(ROWS), 4, 12)
+    found = sample_times(t, PERIOD)
+    assert np.all(found.t <= t + 1e-9)
+    assert np.ptp(np.diff(found.t)) < 1e-9
+
+
+def test_rows_lost_one_by_one_from_even_stamps_are_gaps_each() -> None:
+    rng = np.random.default_rng(2)
+    kept = np.sort(rng.choice(ROWS, ROWS * 9 // 10, replace=False))
+    found = sample_times(0.01 * kept, 0.01)
+    assert not found.is_uneven
+    assert len(found.begins) - 1 == np.count_nonzero(np.diff(kept) > 1)
+    assert found.period == pytest.approx(0.01)
+
+
+def test_a_period_is_found_where_quite_another_is_stated() -> None:
+    for kind in ("as taken", "in twos", "in fifties", "shaken", "to the millisecond"):
+        found = sample_times(STAMPS[kind](PERIOD * np.arange(ROWS)), 7 * PERIOD)
+        assert found.period == pytest.approx(PERIOD, rel=2e-3)
+
+
+@pytest.mark.parametrize("rows", [1, 2, 3, 5])
+def test_a_few_rows_are_taken_as_they_come(rows: int) -> None:
+    found = sample_times(0.02 * np.arange(rows), 0.02)
+    assert found.period == pytest.approx(0.02)
+    assert found.begins.tolist() == [0]

@@ -1,0 +1,117 @@
+import numpy as np
+import pytest
+
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.effect_selection import (
+    Tried,
+    gain_of,
+    holds_in_every_campaign,
+    holm,
+    next_effect,
+    stands_without_any,
+    try_all,
+)
+from procedures.diagnosis.left_out_groups import campaign_groups, groups
+from procedures.diagnosis.linear_model import significance
+from procedures.diagnosis.residual_rows import Evidence
+from tests.procedures.diagnosis.redrawn import made_up, redrawn, seen_by, small
+
+CANDIDATES = 30
+
+
+def pool_of(rng: np.random.Generator, evidence: Evidence) -> dict[str, list[Candidate]]:
+    return {
+        f"accelerometer.{i}": [made_up(evidence, rng.standard_normal((36, 1)), f"accelerometer.{i}")]
+        for i in range(CANDIDATES)
+    }
+
+
+def test_of_thirty_candidates_on_noise_five_in_a_hundred_runs_at_most_adopt_one() -> None:
+    rng, adopted, runs = np.random.default_rng(1), 0, 500
+    base = small(rng)
+    pool, left_out = pool_of(rng, base), groups(base)
+    for _ in range(runs):
+        evidence = redrawn(base, rng)
+        tried = try_all(evidence, pool)
+        assert len(tried) == CANDIDATES
+        adopted += next_effect(evidence, tried, (), left_out) is not None
+    assert adopted <= 0.05 * runs + 2 * np.sqrt(0.05 * 0.95 * runs)
+    assert adopted > 0  # a rule that never adopts would pass otherwise
+
+
+def test_one_term_of_eight_sigma_is_adopted() -> None:
+    rng, right, runs = np.random.default_rng(2), 0, 100
+    base = small(rng)
+    pool, left_out = pool_of(rng, base), groups(base)
+    for i in range(runs):
+        name = f"accelerometer.{i % CANDIDATES}"
+        way = pool[name][0]
+        size = 8 * np.sqrt(way.fit(base, (), np.ones(36)).coefficients()[1][0, 0])
+        evidence = redrawn(base, rng, way.term.H[:, 0] * size)
+        new = next_effect(evidence, try_all(evidence, pool), (), left_out)
+        right += new is not None and new.candidate.effect.name == name
+    assert right >= 0.97 * runs
+
+
+def test_p_is_adjusted_as_holm_has_it() -> None:
+    rng = np.random.default_rng(3)
+    evidence = small(rng)
+    way = made_up(evidence, rng.standard_normal((36, 1)))
+    test = significance(evidence, way.fit(evidence))
+    tried = [Tried(way, test, float(np.log(p))) for p in (0.001, 0.015, 0.016, 0.4)]
+    by_hand = [0.004, 0.045, 0.045, 0.4]  # 4 x 0.001, 3 x 0.015, the larger of 2 x 0.016 and that, 1 x 0.4
+    assert np.exp([each.log_p_adjusted for each in holm(tried)]) == pytest.approx(by_hand)
+
+
+def test_one_bad_dwell_is_no_effect_of_the_instrument_but_may_be_of_the_bench() -> None:
+    rng = np.random.default_rng(4)
+    base = small(rng)
+    H = rng.standard_normal((36, 1)) * 0.005
+    H[3] = 1.0  # the effect shows in one dwell nearly alone
+    evidence = redrawn(base, rng, 10 * H[:, 0])
+    instrument, bench = made_up(base, H), made_up(base, H, "fixture.made_up")
+    assert significance(evidence, instrument.fit(evidence)).log_p < np.log(1e-4)
+    assert not stands_without_any(evidence, instrument, (), groups(base))
+    assert stands_without_any(evidence, bench, (), groups(base))
+
+
+def test_an_effect_that_one_step_tells_mostly_stands_if_the_others_show_it_as_far_as_they_could() -> None:
+    rng = np.random.default_rng(7)
+    base = small(rng)
+    H = np.where(np.arange(36) == 4, 4.0, 0.45)[:, None] * np.sign(rng.standard_normal((36, 1)))
+    way, left_out = made_up(base, H), groups(base)
+    size = 6 * np.sqrt(way.fit(base, (), np.ones(36)).coefficients()[1][0, 0])
+    one_bad = np.where(np.arange(36) == 4, 20.0, 0.0)
+    there = [stands_without_any(redrawn(base, rng, size * H[:, 0]), way, (), left_out) for _ in range(50)]
+    bad = [stands_without_any(redrawn(base, rng, one_bad), way, (), left_out) for _ in range(50)]
+    assert np.mean(there) >= 0.85
+    assert np.mean(bad) <= 0.1
+
+
+def test_a_gain_is_positive_with_the_effect_and_negative_without() -> None:
+    rng = np.random.default_rng(5)
+    base = small(rng)
+    way, left_out = made_up(base, rng.standard_normal((36, 1))), groups(base)
+    there = [gain_of(redrawn(base, rng, 1.5 * way.term.H[:, 0]), way, (), left_out) for _ in range(50)]
+    not_there = [gain_of(redrawn(base, rng), way, (), left_out) for _ in range(50)]
+    assert min(there) > 0
+    assert np.mean(np.array(not_there) < 0) > 0.6
+
+
+def test_an_effect_that_another_campaign_of_the_unit_speaks_against_is_refused() -> None:
+    _, evidence, pool = seen_by("two temperatures")
+    way, rng = pool["gyroscope.g_sensitivity"][0], np.random.default_rng(6)
+    first, second = campaign_groups(evidence)
+    assert set(first).isdisjoint(second)
+    size = np.zeros(9)
+    size[0] = 12 * np.sqrt(way.fit(evidence, (), np.ones(len(evidence.sigma))).coefficients()[1][0, 0])
+    in_both = way.term.H @ size
+    in_one = np.where(np.isin(np.arange(len(in_both)), first), in_both, 0.0)
+    borne_out = [holds_in_every_campaign(redrawn(evidence, rng, in_both), way, ()) for _ in range(10)]
+    refused = [not holds_in_every_campaign(redrawn(evidence, rng, in_one), way, ()) for _ in range(10)]
+    assert np.mean(borne_out) >= 0.9
+    assert np.mean(refused) >= 0.9
+
+
+def test_a_single_campaign_is_held_against_no_other() -> None:
+    assert campaign_groups(seen_by("certified")[1]) == []

@@ -1,0 +1,182 @@
+import numpy as np
+import pytest
+from scipy import stats
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.diagnosis.left_out_groups import groups
+from procedures.diagnosis.linear_model import (
+    Significance,
+    Term,
+    borne_out,
+    coefficients_beside,
+    fit_linear,
+    held_out,
+    significance,
+    without_rows,
+)
+from procedures.diagnosis.residual_rows import KINDS, Evidence
+from procedures.statistics.tail_probabilities import log_chi2_sf
+from tests.procedures.diagnosis.redrawn import made_up, redrawn, seen_by, small
+
+
+def brute(evidence: Evidence, term: Term, keep: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Minimise the weighted rows ``keep`` and the coefficients' prior by normal equations."""
+    D = np.hstack((evidence.A, -term.H))[keep] / evidence.sigma[keep, None]
+    y = evidence.residual[keep] / evidence.sigma[keep]
+    prior = np.concatenate((np.zeros(evidence.A.shape[1]), 1 / term.plausible**2))
+    C = np.linalg.inv(D.T @ D + np.diag(prior))
+    return -C @ D.T @ y, C
+
+
+def small_with_term(seed: int) -> tuple[Evidence, Term]:
+    rng = np.random.default_rng(seed)
+    evidence = small(rng)
+    return evidence, Term(rng.standard_normal((36, 2)), np.array([0.1, 5.0]))
+
+
+def test_the_fit_is_the_dense_weighted_least_squares_with_priors() -> None:
+    _, evidence, pool = seen_by("certified")
+    for name in ("accelerometer.quadratic", "gyroscope.g_sensitivity", "fixture.face_tilt"):
+        term = pool[name][0].term
+        scale = np.concatenate((np.ones(evidence.A.shape[1]), term.plausible))  # so that the inverse is tame
+        fit = fit_linear(evidence, [term], factor=np.ones(len(evidence.residual)))
+        D = np.vstack(
+            (
+                np.hstack((evidence.A, -term.H)) / evidence.sigma[:, None],
+                np.zeros((len(term.plausible), len(scale))),
+            )
+        )
+        D[len(evidence.A) :, evidence.A.shape[1] :] = np.diag(1 / term.plausible)
+        y = np.concatenate((evidence.residual / evidence.sigma, np.zeros(len(term.plausible))))
+        size = np.linalg.norm(D, axis=0)
+        theta = np.linalg.lstsq(D / size, -y, rcond=1e-15)[0] / size
+        std = np.sqrt(np.diag(fit.covariance))
+        np.testing.assert_allclose(fit.theta / std, theta / std, atol=1e-4)
+        np.testing.assert_allclose(fit.white, (y + D @ theta)[: len(evidence.A)], atol=1e-6)
+
+
+def test_coefficients_have_the_covariance_of_normal_equations() -> None:
+    evidence, term = small_with_term(1)
+    fit = fit_linear(evidence, [term], factor=np.ones(36))
+    theta, C = brute(evidence, term, np.arange(36))
+    np.testing.assert_allclose(fit.theta, theta, atol=1e-10)
+    np.testing.assert_allclose(fit.covariance, C, atol=1e-10)
+    np.testing.assert_allclose(fit.coefficients()[0], theta[-2:], atol=1e-10)
+
+
+def test_held_out_is_what_really_leaving_each_group_out_and_fitting_again_gives() -> None:
+    evidence, term = small_with_term(2)
+    fit = fit_linear(evidence, [term], factor=np.ones(36))
+    left_out = groups(evidence)
+    total, errors = held_out(evidence, fit, left_out)
+    expected = 0.0
+    for rows in left_out:
+        theta, C = brute(evidence, term, np.setdiff1d(np.arange(36), rows))
+        D = np.hstack((evidence.A, -term.H))[rows]
+        error = evidence.residual[rows] + D @ theta
+        V = np.eye(len(rows)) + D @ C @ D.T
+        np.testing.assert_allclose(errors[rows], error, atol=1e-9)
+        expected -= 0.5 * (error @ np.linalg.solve(V, error) + np.linalg.slogdet(V)[1])
+    assert total == pytest.approx(expected, rel=1e-9)
+
+
+def test_an_error_that_nothing_foretells_is_not_given() -> None:
+    evidence, term = small_with_term(3)
+    evidence.A[:, 0] = 0
+    evidence.A[:3, 0] = 1.0
+    _, errors = held_out(evidence, fit_linear(evidence, [term], factor=np.ones(36)), groups(evidence))
+    assert np.isnan(errors[:3]).any()
+    assert np.isfinite(errors[3:]).all()
+
+
+def test_a_fit_less_some_rows_is_the_fit_without_them() -> None:
+    evidence, term = small_with_term(4)
+    fit = fit_linear(evidence, [term], factor=np.ones(36))
+    rows: IntArray = np.arange(9, 12)
+    theta, C = brute(evidence, term, np.setdiff1d(np.arange(36), rows))
+    got = without_rows(fit, rows)
+    np.testing.assert_allclose(got.theta, theta, atol=1e-9)
+    np.testing.assert_allclose(got.covariance, C, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "name", ["accelerometer.relaxation", "gyroscope.magnetic", "gyroscope.bias_drift", "site.azimuth"]
+)
+def test_p_of_what_is_not_there_is_uniform(name: str) -> None:
+    _, evidence, pool = seen_by("certified")
+    way, rng = pool[name][0], np.random.default_rng(5)
+    tests = [significance(new, way.fit(new)) for new in (redrawn(evidence, rng) for _ in range(150))]
+    k = len(way.term.plausible)
+    joint = [np.exp(log_chi2_sf(t.statistic * k, k)) for t in tests]
+    assert stats.kstest(joint, "uniform").pvalue > 1e-3
+    p = np.exp([t.log_p for t in tests])  # of two looks, the lesser twice: never less than uniform by much
+    assert stats.kstest(p, "uniform", alternative="greater").pvalue > 1e-3
+    assert np.mean(p < 0.5) > 0.15
+
+
+def test_p_is_uniform_too_where_the_variance_had_to_be_widened() -> None:
+    rng, p = np.random.default_rng(6), []
+    for _ in range(400):
+        evidence = small(rng)
+        evidence.residual[:] *= 3.0
+        fit = made_up(evidence, rng.standard_normal((36, 1)), size=1e4).fit(evidence)
+        assert fit.factor[0] > 1.5
+        assert fit.dof[0] == pytest.approx(26, abs=0.01)
+        p.append(np.exp(significance(evidence, fit).log_p))
+    assert stats.kstest(p, "uniform").pvalue > 1e-3
+
+
+def test_noise_as_large_as_stated_is_seldom_widened() -> None:
+    rng = np.random.default_rng(7)
+    assert np.mean([fit_linear(small(rng), []).factor[0] > 1 for _ in range(400)]) == pytest.approx(0.05, abs=0.04)
+
+
+@pytest.mark.parametrize("name", ["accelerometer.quadratic", "fixture.face_tilt", "placement.dwell"])
+def test_coefficients_beside_another_term_are_those_of_fitting_both(name: str) -> None:
+    _, evidence, pool = seen_by("certified")
+    first, other = pool["accelerometer.scale_asymmetry"][0], pool[name][0].term
+    alone = first.fit(evidence)
+    c, C = coefficients_beside(evidence, alone, other)
+    both = fit_linear(evidence, [first.term, other], factor=alone.factor)
+    expected, covariance = both.coefficients(0)
+    std = np.sqrt(np.diag(covariance))
+    np.testing.assert_allclose(c / std, expected / std, atol=1e-6)
+    np.testing.assert_allclose(C / np.outer(std, std), covariance / np.outer(std, std), atol=1e-6)
+
+
+def scattered(means: float, norms: float) -> float:
+    """Return the factor on norms' sigma where 24 mean rows and 12 norms scatter by as many sigmas."""
+    rng = np.random.default_rng(8)
+    evidence = small(rng, 2)
+    evidence.kind[24:] = KINDS.index("norm")
+    evidence.A[:] = 0.0
+    size = np.where(evidence.kind == KINDS.index("mean"), means, norms)
+    evidence.residual[:] = size * np.sign(evidence.residual)
+    evidence.A[0, 0] = evidence.A[1, 1] = 1.0
+    return float(fit_linear(evidence, []).factor[-1])
+
+
+def test_norms_of_rests_are_widened_by_what_cannot_be_chance_or_what_means_bear_out() -> None:
+    assert scattered(1.0, 1.35) == 1.0  # p = 0.04 of 12 norms, while the means are quiet
+    assert scattered(1.5, 1.35) == pytest.approx(1.35)
+    assert scattered(1.0, 2.0) == pytest.approx(2.0)
+
+
+def test_what_fewer_rows_leave_of_a_coefficient_scatters_by_what_borne_out_says() -> None:
+    rng, found = np.random.default_rng(9), list[float]()
+    base = small(rng)
+    way = made_up(base, rng.standard_normal((36, 1)), size=1e6)
+    std = np.sqrt(way.fit(base, (), np.ones(36)).coefficients()[1][0, 0])
+    for _ in range(300):
+        evidence = redrawn(base, rng, 8 * std * way.term.H[:, 0])
+        fit = way.fit(evidence, (), np.ones(36))
+        found.append(
+            borne_out(significance(evidence, fit), significance(evidence, without_rows(fit, np.arange(12))))
+        )
+    assert np.mean(found) == pytest.approx(0.0, abs=4 / np.sqrt(300))
+    assert np.std(found) == pytest.approx(1.0, abs=4 / np.sqrt(600))
+
+
+def test_what_the_other_rows_could_not_tell_is_not_borne_out() -> None:
+    told = Significance(-10.0, 20.0, np.array([4.5]), np.array([1.0]), np.inf)
+    assert borne_out(told, Significance(-1.0, 1.0, np.array([4.5]), np.array([3.0]), np.inf)) == -np.inf

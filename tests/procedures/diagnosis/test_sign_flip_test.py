@@ -1,0 +1,69 @@
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.sign_flip_test import TOLD, sign_flip_p
+from tests.procedures.diagnosis.redrawn import made_up, redrawn, seen_by, small
+
+
+def eight_sigma(way: Candidate, sigmas: float = 8.0) -> FloatArray:
+    """Return what a first coefficient of so many sigmas adds."""
+    _, evidence, _ = seen_by("certified")
+    std = np.sqrt(way.fit(evidence, (), np.ones(len(evidence.sigma))).coefficients()[1][0, 0])
+    added: FloatArray = way.term.H[:, 0] * sigmas * std
+    return added
+
+
+@pytest.mark.parametrize("name", ["accelerometer.bias_drift", "accelerometer.relaxation", "gyroscope.magnetic"])
+def test_an_effect_that_is_there_stands_out_from_its_flips(name: str) -> None:
+    _, evidence, pool = seen_by("certified")
+    way, rng = pool[name][0], np.random.default_rng(1)
+    found = [sign_flip_p(redrawn(evidence, rng, eight_sigma(way, 12.0)), way, ()) for _ in range(12)]
+    told = [p for p in found if p is not None]
+    assert len(told) >= 9
+    assert np.mean(np.array(told) <= TOLD) >= 0.9
+    assert min(told) >= 1 / 1000
+
+
+@pytest.mark.parametrize("width", [1.0, 3.0])
+def test_of_noise_of_any_width_a_twentieth_stands_out(width: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        "procedures.diagnosis.sign_flip_test.POWER", 0.0
+    )  # noise seldom looks like an effect to be told
+    monkeypatch.setattr("procedures.diagnosis.sign_flip_test.FLIPS", 199)
+    monkeypatch.setattr("procedures.diagnosis.linear_model.DOUBT", -np.inf)  # a sigma that is wrong and stays so
+    rng, found = np.random.default_rng(2), []
+    for _ in range(300):
+        evidence = small(rng, 20)  # a fit with few rows to spare, as a campaign's is
+        evidence.residual[:] *= width * rng.standard_t(4, 36)  # and tails that are not normal
+        found.append(sign_flip_p(evidence, made_up(evidence, rng.standard_normal((36, 2))), ()))
+    p = np.array([each for each in found if each is not None])
+    assert len(p) == 300
+    assert np.mean(p <= 0.05) < 0.05 + 3 * np.sqrt(0.05 * 0.95 / 300)
+    assert np.mean(p <= 0.5) == pytest.approx(0.5, abs=0.12)
+
+
+def test_one_wild_dwell_does_not_look_like_an_effect_to_its_flips(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("procedures.diagnosis.linear_model.DOUBT", -np.inf)  # else a wider sigma hides it at once
+    rng = np.random.default_rng(3)
+    base = small(rng)
+    way = made_up(base, rng.standard_normal((36, 1)))
+    wild = np.zeros(36)
+    wild[6:9] = 25 * np.sign(way.term.H[6:9, 0])
+    found = [sign_flip_p(redrawn(base, rng, wild), way, ()) for _ in range(10)]
+    assert all(p is None or p > TOLD for p in found)
+    assert any(p is not None for p in found)
+
+
+def test_of_an_effect_in_a_single_dwell_signs_say_nothing() -> None:
+    _, evidence, pool = seen_by("certified")
+    way = pool["placement.dwell"][0]
+    assert sign_flip_p(redrawn(evidence, np.random.default_rng(4), eight_sigma(way)), way, ()) is None
+
+
+def test_it_is_the_same_every_time() -> None:
+    _, evidence, pool = seen_by("certified")
+    way = pool["gyroscope.magnetic"][0]
+    new = redrawn(evidence, np.random.default_rng(5), eight_sigma(way, 12.0))
+    assert sign_flip_p(new, way, ()) == sign_flip_p(new, way, ())

@@ -1,0 +1,25 @@
+"""P3's eq. 3 as printed, for comparison: attitude from GNSS velocity differentiated.
+
+P3 (III.B) takes roll and pitch from ``C a_i = G + a_l``: the accelerometer against gravity and the acceleration of
+the motion, GNSS velocity differentiated, and yaw from the track. Without a camera both come from the same
+equation, carried to one body frame by the gyro and solved for all instants at once (Wahba's problem). Differencing
+turns white velocity noise into ``sqrt(2) std / dt`` of acceleration, and no bias is estimated; `moving_aligner` is
+what the station uses. Measured beside it in docs/locate.md.
+"""
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.fusion.fusion_records import GnssFixes, ImuSeries
+from procedures.fusion.imu.inertial_increments import grid, integrate
+
+
+def align_as_printed(imu: ImuSeries, fixes: GnssFixes, gravity: float, gyro_bias: FloatArray) -> FloatArray:
+    """Return C_nb (3, 3) at the last fix; every fix has a velocity and lies within the IMU's data."""
+    made = integrate(grid(imu, fixes.t), gyro_bias, np.zeros(3))
+    a_n = np.gradient(fixes.v_n, fixes.t, axis=0) + np.array([0.0, 0.0, gravity])
+    f_b = np.stack([np.interp(fixes.t, imu.t, imu.f_b[:, i]) for i in range(3)], axis=1)
+    felt = np.einsum("nij,nj->ni", made.C, f_b)
+    U, _, Vt = np.linalg.svd(a_n.T @ felt)
+    C: FloatArray = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt @ made.C[-1]
+    return C

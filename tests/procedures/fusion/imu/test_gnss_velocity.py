@@ -1,0 +1,56 @@
+"""What fixes say of velocity: told, or of the vertical one by their heights, no better than the heights are."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.fusion.fusion_records import GnssFixes, ImuSeries
+from procedures.fusion.imu.gnss_velocity import CLIMBED, UNSTEADY, Velocities, velocities
+
+RISE, STD, RATE = 0.5, 0.3, 5.0  # m/s, m, Hz
+ZERO = np.zeros(3)
+
+
+def climbing(seconds: float = 60.0, seed: int = 0) -> GnssFixes:
+    t = np.arange(0.0, seconds, 1 / RATE)
+    p = np.zeros((len(t), 3))
+    p[:, 2] = RISE * t + np.random.default_rng(seed).normal(0, STD, len(t))
+    v, of_each = np.tile([3.0, 0.0, np.nan], (len(t), 1)), np.ones(len(t))
+    return GnssFixes(t, p, v, np.full(len(t), np.nan), STD * of_each, 0.1 * of_each)
+
+
+def said(fixes: GnssFixes) -> Velocities:
+    t = np.arange(-1.0, fixes.t[-1] + 1.0, 0.05)
+    return velocities(fixes, ImuSeries(t, np.zeros((len(t), 3)), np.zeros((len(t), 3))), ZERO)
+
+
+def test_heights_say_how_fast_it_climbs_as_well_as_they_are_known() -> None:
+    found = said(climbing())
+    early = found.t < CLIMBED / 2
+    assert np.all(np.isinf(found.std[early, 2]))
+    late = found.t >= CLIMBED
+    off = found.v_n[late, 2] - RISE
+    expected = np.sqrt(CLIMBED * RATE) * np.hypot(np.sqrt(2) * STD / CLIMBED, UNSTEADY)
+    assert np.allclose(found.std[late, 2], expected, rtol=0.05)
+    weight = found.std[late, 2] ** -2
+    assert abs((weight * off).sum() / weight.sum()) < 4 / np.sqrt(weight.sum())
+    assert np.allclose(found.v_n[:, 0], 3.0)
+    assert np.allclose(found.std[:, 0], 0.1)
+
+
+def test_what_a_receiver_tells_goes_before_its_heights() -> None:
+    fixes = climbing()
+    v = fixes.v_n.copy()
+    v[:, 2] = 0.2
+    found = said(replace(fixes, v_n=v))
+    assert np.all(found.v_n[:, 2] == 0.2)
+    assert np.all(found.std == 0.1)
+
+
+@pytest.mark.parametrize("part", ["v_n", "velocity_std"])
+def test_what_is_not_told_weighs_nothing(part: str) -> None:
+    fixes = climbing(2.0)
+    found = said(replace(fixes, **{part: np.full_like(getattr(fixes, part), np.nan)}))
+    assert np.all(np.isinf(found.std))
+    assert np.all(np.isfinite(found.v_n))

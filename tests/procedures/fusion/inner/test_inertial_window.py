@@ -1,0 +1,127 @@
+"""The inertial window follows a planted flight; skipped where gtsam is not installed."""
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.earth.gravity_and_rate import DEG_PER_HOUR, earth_rate_n
+from procedures.fusion.alignment.aligner import align_when_possible
+from procedures.fusion.alignment.alignment import Aligned
+from procedures.fusion.alignment.moving_aligner import MovingAligner
+from procedures.fusion.alignment.static_aligner import align_at_rest
+from procedures.fusion.fusion_records import GnssFixes
+from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
+from procedures.fusion.inner.keyframes import keyframes
+from procedures.fusion.optional_libraries import ExtraMissing, gtsam
+from procedures.fusion.outer.outer_graph import OuterGraph
+from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
+
+REASON = "gtsam is not installed: `make locate`"
+ZERO = np.zeros(3)
+LEVER = np.array([0.5, 0.2, -0.3])
+
+
+def window(flight: Eight, seed: int, layers: int, fixes: GnssFixes | None = None) -> InertialWindow:
+    pytest.importorskip("gtsam", reason=REASON)
+    rng = np.random.default_rng(seed)
+    imu, made = flight.imu(rng, EARTH), flight.fixes(rng)
+    fixes = fixes or made
+    aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, ZERO), imu, fixes)
+    assert isinstance(aligned, Aligned)
+    return InertialWindow(WindowSettings(NOISE, GRAVITY, EARTH, ZERO, layers), imu, fixes, aligned)
+
+
+@pytest.fixture(scope="module")
+def flight() -> Eight:
+    return Eight(25.0)
+
+
+def test_one_layer_follows_within_its_own_sigma(flight: Eight) -> None:
+    tight = window(flight, 1, layers=1)
+    nees = []
+    for state in tight.states():
+        if state.t > 8.0:
+            e = state.p - flight.p(np.array(state.t))
+            nees.append(e @ np.linalg.solve(tight.covariance()[3:, 3:], e) / 3)
+    assert 0.3 < np.mean(nees) < 2.0  # some twenty independent errors
+    assert tight.state is not None
+    sigma = np.sqrt(np.diag(tight.bias_covariance()))
+    bias = np.r_[tight.state.accel_bias - ACCEL_BIAS, tight.state.gyro_bias - GYRO_BIAS]
+    assert np.all(np.abs(bias) < 4 * sigma)
+    smoothed = np.array([p - flight.p(np.array(t)) for t, p, _ in tight.smoothed()])
+    assert np.linalg.norm(smoothed[100:-20], axis=1).mean() < 0.03
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> None:
+    pytest.importorskip("gtsam", reason=REASON)
+    flight, rng = Eight(16.0), np.random.default_rng(seed)
+    imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng, LEVER, late=0.12)
+    aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, ZERO, 1.0, 0.2), imu, fixes)
+    assert isinstance(aligned, Aligned)
+    assert abs(aligned.time_offset + 0.12) < 4 * np.sqrt(aligned.covariance[15, 15])
+    settings = WindowSettings(NOISE, GRAVITY, EARTH, aligned.lever, lever_std=1.0, offset_std=0.2)
+    source = InertialWindow(settings, imu, fixes.shifted(aligned.time_offset), aligned)
+    poses = list(source.poses())
+    antenna = poses[-1].antenna
+    assert antenna is not None
+    off = np.r_[antenna.lever - LEVER, aligned.time_offset + antenna.time_offset + 0.12]
+    assert off @ np.linalg.solve(antenna.covariance, off) < 18.5  # 0.1 % of four
+    sigma = np.sqrt(np.diag(antenna.covariance))
+    assert sigma[:3].max() < 0.12
+    assert sigma[3] < 0.01
+
+
+def test_two_layers_reach_what_one_does(flight: Eight) -> None:
+    source = window(flight, 1, layers=2)
+    poses = [pose for pose in OuterGraph().run(source, source.fixes) if pose.t > 8.0]
+    error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
+    assert np.linalg.norm(error, axis=1).mean() < 0.06
+    truth = flight.attitude(np.array([pose.t for pose in poses])).as_matrix()
+    turn = np.array([pose.C_nb for pose in poses]) @ truth.transpose(0, 2, 1)
+    assert np.degrees(np.arccos(np.clip(turn[:, 2, 2], -1, 1))).max() < 1.0
+    assert np.degrees(np.abs(np.arctan2(turn[:, 1, 0], turn[:, 0, 0]))).max() < 5.0
+
+
+def test_a_fog_on_the_bench_keeps_north_to_what_its_east_bias_explains() -> None:
+    pytest.importorskip("gtsam", reason=REASON)
+    rng = np.random.default_rng(3)
+    bias = rng.normal(size=3) * 0.05 * DEG_PER_HOUR
+    imu, C_nb, noise = fog(rng, 300.0, bias)
+    start = align_at_rest(imu, noise, GRAVITY, EARTH)
+    assert isinstance(start, Aligned)
+    start = replace(start, C_nb=_turned(10.0) @ start.C_nb)
+    nan = np.full((1, 3), np.nan)
+    none = GnssFixes(imu.t[:1], np.zeros((1, 3)), nan, nan[:, 0], np.ones(1), nan[:, 0])
+    bench = InertialWindow(
+        WindowSettings(noise, GRAVITY, EARTH, ZERO, still_std=1e-3, spacing=1.0, lag=20.0), imu, none, start
+    )
+    *_, last = bench.states()
+    E = last.C_nb @ C_nb.T
+    yaw = np.degrees(E[1, 0] - E[0, 1]) / 2
+    assert abs(yaw - np.degrees((C_nb @ bias)[0] / EARTH[1])) < 0.2
+    sigma = np.degrees(np.sqrt((last.C_nb @ bench.covariance()[:3, :3] @ last.C_nb.T)[2, 2]))
+    assert 0.3 < sigma < 0.5
+
+
+def _turned(degrees: float) -> np.ndarray:
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
+
+
+def test_keyframes_stand_at_fixes_and_never_far_apart() -> None:
+    flight = Eight(5.0)
+    rng = np.random.default_rng(1)
+    fixes = flight.fixes(rng).part(slice(0, None, 17))
+    made = keyframes(fixes, flight.imu(rng, earth_rate_n(0.8)), float(fixes.t[0]))
+    assert np.diff(made.t).max() < 0.076
+    assert np.diff(made.t).min() > 0.02
+    assert np.array_equal(made.t[made.fix >= 0], fixes.t)
+
+
+def test_without_the_extra_the_command_that_installs_it_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "gtsam", None)
+    with pytest.raises(ExtraMissing, match=r"pip install 'fog-station\[locate\]'"):
+        gtsam()

@@ -1,0 +1,74 @@
+"""Patches are found again as they were first seen; what is torn or no longer alike is said to be."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.ndimage import map_coordinates
+
+from procedures.fusion.vision.anchored_patches import AnchoredPatches, Fitted
+from tests.procedures.fusion.rendered import texture
+
+WALL = texture(1).astype(np.float32)
+AT = np.stack(np.meshgrid(np.arange(60.0, 240.0, 30.0), np.arange(60.0, 240.0, 30.0)), axis=-1).reshape(-1, 2)
+MIDDLE = np.array([150.0, 150.0])
+Places = Callable[[np.ndarray], np.ndarray]
+
+
+def image(back: Places, size: int = 300) -> np.ndarray:
+    """Return the wall as seen where a pixel (u, v) shows the wall's point ``back`` of it."""
+    v, u = np.mgrid[:size, :size].astype(float)
+    at = back(np.stack((u, v), axis=-1)) + 200.0
+    return map_coordinates(WALL, [at[..., 1], at[..., 0]], order=3).astype(np.float32)
+
+
+def fitted(second: np.ndarray, guess: np.ndarray) -> Fitted:
+    pytest.importorskip("cv2", reason="opencv is not installed")
+    patches = AnchoredPatches()
+    patches.add(image(lambda uv: uv), AT.astype(np.float32))
+    return patches.fit(second, guess.astype(np.float32))
+
+
+def test_a_patch_is_found_however_it_is_warped_and_lit() -> None:
+    A = np.array([[1.1, 0.06], [-0.04, 0.94]])
+    warped = image(lambda uv: (uv - MIDDLE) @ np.linalg.inv(A).T + MIDDLE)
+    true = (AT - MIDDLE) @ A.T + MIDDLE
+    found = fitted(0.7 * warped + 40.0, true + 0.7)
+    off = np.linalg.norm(found.uv - true, axis=1)
+    assert np.median(off) < 0.03
+    assert np.quantile(off, 0.9) < 0.1
+    assert np.abs(np.median(found.A, axis=0) - A).max() < 0.01
+    assert np.median(found.alike) > 0.99
+    assert np.quantile(found.apart, 0.9) < 0.1
+    sizes = np.linalg.svd(A)[1]
+    assert np.median(found.stretch) == pytest.approx(max(sizes[0], 1 / sizes[1]), rel=0.02)
+
+
+def test_halves_that_go_apart_are_torn() -> None:
+    """As at the edge of a near thing: what is right of each patch's middle goes 4 px on, the left does not."""
+    right = image(lambda uv: uv - np.stack((4.0 * ((uv[..., 0] % 30.0) < 15.0), 0 * uv[..., 0]), axis=-1))
+    found = fitted(right, AT)
+    assert np.mean((found.apart > 0.3) | (found.alike < 0.9)) > 0.6  # a stretch explains the others: they drift
+    assert np.mean(found.apart > 0.3) > 0.4
+    assert np.quantile(fitted(image(lambda uv: uv), AT).apart, 0.9) < 0.05
+
+
+def test_another_place_is_not_alike() -> None:
+    elsewhere = image(lambda uv: uv + 200.0)
+    assert np.quantile(fitted(elsewhere, AT).alike, 0.9) < 0.9
+
+
+def test_rows_are_kept_and_begun_anew() -> None:
+    pytest.importorskip("cv2", reason="opencv is not installed")
+    patches, first = AnchoredPatches(), image(lambda uv: uv)
+    patches.add(first, AT.astype(np.float32))
+    patches.keep(AT[:, 0] < 100.0)
+    left = AT[AT[:, 0] < 100.0].astype(np.float32)
+    larger = image(lambda uv: (uv - MIDDLE) / 1.2 + MIDDLE)
+    at = ((left - MIDDLE) * 1.2 + MIDDLE).astype(np.float32)
+    assert np.median(patches.fit(larger, at).stretch) == pytest.approx(1.2, abs=0.03)
+    patches.renew(larger, at, np.arange(len(left)) < 3)
+    again = patches.fit(larger, at)
+    assert np.abs(again.stretch[:3] - 1.0).max() < 0.01
+    assert np.median(again.stretch[3:]) == pytest.approx(1.2, abs=0.03)
+    assert np.linalg.norm(again.uv[:3] - at[:3], axis=1).max() < 0.01

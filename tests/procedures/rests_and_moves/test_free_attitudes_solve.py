@@ -1,0 +1,223 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.calibration.bench_parameters import mean_axes
+from procedures.calibration.campaign import Campaign, Fixture, RestRecord
+from procedures.calibration.observations import TriadRests
+from procedures.calibration.residuals import fit_quality
+from procedures.calibration.triad_calibration import triad_vector
+from procedures.calibration.twelve_position import JointFit, solve_accelerometer
+from procedures.frames import FACES, face_normal
+from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests, with_known_faces
+from tests.procedures.free_units import NO_SERIES, Unit, at_rest, unit, ups
+from tests.procedures.independent import campaign, dwells, specific_force
+
+SIGMA = 1e-4  # count/s: 1e-7 g
+EVERY = range(1, 13)
+
+
+def errors(joint: JointFit | None, true: Unit) -> np.ndarray:
+    """k (3), E (9), D (3): error over its own sigma, 0 where the convention holds it."""
+    assert joint is not None
+    vector = triad_vector(joint, "accelerometer", joint)
+    std = np.sqrt(np.diag(vector.covariance))
+    off = vector.value - np.concatenate((true.k, true.E.ravel(), true.D))
+    return np.where(std > 3e-9, off / np.maximum(std, 1e-300), 0.0)
+
+
+def cube_and_free(seed: int, free: int, quadratic: float = 5e-5) -> tuple[Campaign, Unit, np.ndarray, np.ndarray]:
+    """Rates of a unit with K2 on a tilted cube, and of free rests."""
+    rng = np.random.default_rng(seed)
+    true = unit(rng, 1000.0, 2e-3, quadratic=quadratic)
+    faces, slab = 5e-5 * rng.standard_normal((6, 2)), 5e-5 * rng.standard_normal(2)
+    u = specific_force(faces, slab, 1e-3 * rng.standard_normal(12), tuple(EVERY))
+    rate, loose = true.output(u), true.output(ups(rng, free))
+    rate += SIGMA * rng.standard_normal(rate.shape)
+    loose += SIGMA * rng.standard_normal(loose.shape)
+    return campaign(), true, rate, loose
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_rests_alone_give_the_truth_within_its_own_sigma(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    true = unit(rng, 1000.0, 2e-3, lower=True)
+    rate = true.output(ups(rng, 30)) + SIGMA * rng.standard_normal((30, 3))
+    joint = solve_with_rests([campaign()], None, at_rest(rate, SIGMA))
+    assert joint is not None
+    assert joint.is_turned_freely
+    assert joint.dof == 30 - 9
+    assert np.max(np.abs(errors(joint, true))) < 4.5
+
+
+def test_the_sigmas_of_rests_alone_are_honest() -> None:
+    found = []
+    for seed in range(60):
+        rng = np.random.default_rng(1000 + seed)
+        true = unit(rng, 1000.0, 2e-3, lower=True)
+        rate = true.output(ups(rng, 24)) + SIGMA * rng.standard_normal((24, 3))
+        z = errors(solve_with_rests([campaign()], None, at_rest(rate, SIGMA)), true)
+        found.append(z[[0, 1, 2, 6, 9, 10, 12, 13, 14]])
+    rms = np.sqrt(np.mean(np.square(found)))
+    assert 0.85 < rms < 1.15  # 540 numbers; the scatter found is never below zero, which widens a little
+
+
+def test_scatter_beyond_noise_widens_the_sigmas_and_shows_in_the_global_test() -> None:
+    rng = np.random.default_rng(5)
+    true = unit(rng, 1000.0, 2e-3, lower=True)
+    rate = true.output(ups(rng, 40)) + 10 * SIGMA * rng.standard_normal((40, 3))
+    joint = solve_with_rests([campaign()], None, at_rest(rate, SIGMA))
+    assert joint is not None
+    assert joint.rests is not None
+    assert joint.rests.excess == pytest.approx(1e-6, rel=0.4)
+    assert np.max(np.abs(errors(joint, true))) < 4.5
+    assert fit_quality(joint, None).p_value < 1e-6
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_free_positions_separate_k2_from_parallelism(seed: int) -> None:
+    site, true, rate, loose = cube_and_free(seed, 12)
+    joint = solve_with_rests([site], dwells(rate, SIGMA), at_rest(loose, SIGMA), quadratic=True)
+    assert joint is not None
+    assert joint.K2 is not None
+    std = np.sqrt(np.diag(joint.fit.covariance)[-3:])
+    assert np.all(std < 1e-6)
+    assert np.all(np.abs(joint.K2 - true.K2) < 4.5 * std)
+    z = errors(joint, true)
+    assert np.max(np.abs(z[[0, 1, 2, 12, 13, 14]])) < 4.5
+    assert fit_quality(joint, None).p_value > 1e-4
+
+
+def test_without_free_positions_k2_is_as_wide_as_parallelism_may_be() -> None:
+    site, _, rate, _ = cube_and_free(1, 12)
+    joint = solve_with_rests([site], dwells(rate, SIGMA), None, quadratic=True)
+    assert joint is not None
+    assert np.all(np.sqrt(np.diag(joint.fit.covariance)[-3:]) > 1e-4)
+
+
+def test_without_k2_in_the_model_a_unit_that_has_it_fails_the_global_test() -> None:
+    site, _, rate, loose = cube_and_free(1, 12)
+    joint = solve_with_rests([site], dwells(rate, SIGMA), at_rest(loose, SIGMA))
+    assert fit_quality(joint, None).p_value < 1e-9
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_free_positions_show_the_misalignment_but_for_how_the_cube_is_turned(seed: int) -> None:
+    site, true, rate, loose = cube_and_free(seed, 12, quadratic=0.0)
+    joint = solve_with_rests([site], dwells(rate, SIGMA), at_rest(loose, SIGMA))
+    assert joint is not None
+    vector = triad_vector(joint, "accelerometer", joint)
+    K = vector.value[:3, None] * vector.value[3:12].reshape(3, 3)
+    turn = np.linalg.solve(true.k[:, None] * true.E, K)  # a rotation, if K is the truth in a turned frame
+    assert np.abs(turn.T @ turn - np.eye(3)).max() < 2e-6  # tens of sigma; the faces are off by 1e-4
+    assert np.abs(turn - np.eye(3)).max() > 1e-6
+
+
+def test_twelve_positions_without_rests_give_what_they_give_alone() -> None:
+    site, _, rate, _ = cube_and_free(2, 12)
+    alone = solve_accelerometer([site], dwells(rate, SIGMA))
+    joint = solve_with_rests([site], dwells(rate, SIGMA), None)
+    assert alone is not None
+    assert joint is not None
+    assert joint.fit.x == pytest.approx(alone.fit.x, rel=1e-12, abs=1e-12)
+    assert joint.dof == alone.dof
+
+
+def on_faces(seed: int, slab: float) -> tuple[TriadRests, Unit]:
+    """Six faces, each at a heading of its own on a leaning slab."""
+    rng = np.random.default_rng(seed)
+    true = unit(rng, 1000.0, 2e-3)
+    up = np.array([face_normal(face) for face in FACES])
+    lean = slab * rng.standard_normal((6, 3)) * (up == 0)
+    u = up * np.sqrt(1 - np.sum(lean**2, axis=1))[:, None] + lean
+    rate = true.output(u) + SIGMA * rng.standard_normal((6, 3))
+    rests = at_rest(rate, SIGMA)
+    return replace(rests, rests=tuple((0, RestRecord(f, f, NO_SERIES)) for f in FACES)), true
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_six_faces_without_heading_give_the_truth_as_far_as_a_slab_may_lean(seed: int) -> None:
+    rests, true = on_faces(seed, 5e-3)
+    joint = solve_with_rests([campaign()], None, rests)
+    assert joint is not None
+    assert not joint.is_turned_freely
+    assert np.max(np.abs(errors(joint, true))) < 4.5
+    vector = triad_vector(joint, "accelerometer", joint)
+    assert 1e-3 < np.sqrt(vector.covariance[4, 4]) < 1e-2  # E_xy
+
+
+def test_rests_beside_six_faces_without_heading_are_solved_in_their_frame() -> None:
+    rests, true = on_faces(3, 5e-3)
+    rng = np.random.default_rng(30)
+    loose = at_rest(true.output(ups(rng, 20)) + SIGMA * rng.standard_normal((20, 3)), SIGMA)
+    both = TriadRests((*rests.rests, *loose.rests), np.vstack((rests.rate, loose.rate)),
+                      np.vstack((rests.std, loose.std)), rests.noise)  # fmt: skip
+    joint = solve_with_rests([campaign()], None, both)
+    assert joint is not None
+    assert not joint.is_turned_freely
+    z = errors(joint, true)
+    assert np.max(np.abs(z)) < 4.5
+    wide = np.sqrt(np.diag(triad_vector(joint, "accelerometer", joint).covariance))
+    assert np.all(wide[:3] < 1e-3)  # count/(g s): k no longer waits for the faces
+
+
+def test_few_rests_or_rests_in_one_plane_determine_nothing() -> None:
+    rng = np.random.default_rng(7)
+    true = unit(rng, 1000.0, 2e-3, lower=True)
+    assert solve_with_rests([campaign()], None, at_rest(true.output(ups(rng, 9)), SIGMA)) is None
+    angle = np.linspace(0, 2 * np.pi, 30)
+    flat = np.stack((np.cos(angle), np.sin(angle), 0 * angle), axis=1)
+    noisy = true.output(flat) + SIGMA * rng.standard_normal((30, 3))
+    assert solve_with_rests([campaign()], None, at_rest(noisy, SIGMA)) is None
+    assert solve_with_rests([campaign()], None, None) is None
+
+
+def test_positions_too_few_for_a_frame_count_by_their_norm() -> None:
+    rng = np.random.default_rng(8)
+    true = unit(rng, 1000.0, 2e-3, lower=True)
+    two = true.output(np.array([[1.0, 0, 0], [-1.0, 0, 0]]))
+    joint = solve_with_rests([campaign()], dwells(two, SIGMA, (1, 3)), at_rest(true.output(ups(rng, 20)), SIGMA))
+    assert joint is not None
+    assert joint.is_turned_freely
+    assert joint.rests is not None
+    assert len(joint.rests.rests.rests) == 22
+
+
+def test_rests_on_known_faces_stand_with_the_dwells_where_faces_are_compared() -> None:
+    rests, _ = on_faces(1, 0.0)
+    seen = with_known_faces(None, rests)
+    assert seen is not None
+    assert [dwell.position for _, dwell in seen.dwells] == [1, 3, 5, 7, 9, 11]
+    assert with_known_faces(None, at_rest(rests.rate, SIGMA)) is None
+
+
+def test_an_imu_turned_in_its_cube_is_solved_in_its_own_axes() -> None:
+    C_ib = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    rests, true = on_faces(4, 0.0)
+    turned = replace(rests, rate=true.output(np.array([face_normal(f) for f in FACES]) @ C_ib.T))
+    joint = solve_with_rests([campaign(fixture=Fixture(C_ib=C_ib))], None, turned)
+    assert np.max(np.abs(errors(joint, true))) < 0.1
+
+
+def test_the_nearest_orthogonal_axes_keep_the_turn_and_drop_the_skew() -> None:
+    turn, skew = 1e-4, 3e-4
+    q = np.array([[turn + skew / 2, 0], [-turn + skew / 2, 0], [0, 0]])  # x.y, x.z; y.x, y.z; z.x, z.y
+    axes = mean_axes(q)
+    assert axes.T @ axes == pytest.approx(np.eye(3), abs=1e-14)
+    assert axes[1, 0] == pytest.approx(turn, rel=1e-3)
+    assert axes[0, 1] == pytest.approx(-turn, rel=1e-3)
+
+
+@pytest.mark.parametrize("spoil", ["constant", "copied", "zero"])
+def test_accelerometers_that_say_nothing_determine_nothing(spoil: str) -> None:
+    rng = np.random.default_rng(9)
+    rate = unit(rng, 1000.0, 2e-3).output(ups(rng, 30)) + SIGMA * rng.standard_normal((30, 3))
+    if spoil == "copied":
+        rate[:, 1] = rate[:, 0]
+    else:
+        rate[:, 0] = {"constant": 5.0, "zero": 0.0}[spoil]
+    rests = at_rest(rate, SIGMA)
+    assert solve_with_rests([campaign()], None, rests) is None
+    faces = tuple((0, RestRecord(f, FACES[i % 6], NO_SERIES)) for i, f in enumerate(map(str, range(30))))
+    assert solve_with_rests([campaign()], None, replace(rests, rests=faces)) is None

@@ -1,0 +1,122 @@
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.calibration.calibration import fit, report
+from procedures.calibration.campaign import Campaign, Site
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.frames import rotation
+from procedures.rests_and_moves.move_rotation import carry, padded, rotations
+from tests.procedures.free_units import LATITUDE, Unit, sequence, unit
+
+
+def campaign_of(
+    seed: int, *, rests: int = 20, accel_noise: float, gyro_noise: float, bias: float = 0.1
+) -> tuple[Campaign, Unit, Unit]:
+    rng = np.random.default_rng(seed)
+    accel, gyro = unit(rng, 400.0, 1e-2, lower=True), unit(rng, 80.0, bias)
+    record = sequence(rng, accel, gyro, rests=rests, accel_noise=accel_noise, gyro_noise=gyro_noise)
+    site = Site(LATITUDE, STANDARD_GRAVITY, 1e-9)
+    return Campaign("M", "S", False, site, (), (), sequences=(record,)), accel, gyro
+
+
+def z_of(campaign: Campaign, accel: Unit, gyro: Unit) -> FloatArray:
+    """Errors over sigma: k (3), E (9), D (3) of the gyroscopes."""
+    solution = report(fit([campaign]))
+    found = solution.gyroscope
+    assert found is not None
+    bias = gyro.D * 3600
+    return np.concatenate([
+        (found.scale_factor.value - gyro.k) / found.scale_factor.std,
+        ((found.misalignment.value - gyro.E) / found.misalignment.std).ravel(),
+        (found.bias.value - bias) / found.bias.std,
+    ])  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_moves_give_the_gyroscopes_of_a_mems_unit_within_their_own_sigma(seed: int) -> None:
+    z = z_of(*campaign_of(seed, accel_noise=1e-3, gyro_noise=0.1))
+    assert np.max(np.abs(z)) < 4.5
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_moves_give_the_gyroscopes_of_a_fog_that_sees_the_earth_turn(seed: int) -> None:
+    """The Earth's rate, left out, would put 15 deg/h into the bias: two hundred of its sigmas."""
+    campaign, accel, gyro = campaign_of(seed, accel_noise=1e-5, gyro_noise=1e-3, bias=1e-4)
+    assert np.max(np.abs(z_of(campaign, accel, gyro))) < 4.5
+    bias = report(fit([campaign])).gyroscope
+    assert bias is not None
+    assert np.all(bias.bias.std < 0.5)  # deg/h
+
+
+def test_the_sigmas_are_honest_over_many_units() -> None:
+    z = np.array([z_of(*campaign_of(100 + seed, accel_noise=1e-3, gyro_noise=0.1)) for seed in range(25)])
+    k_and_D = z[:, [0, 1, 2, 12, 13, 14]]
+    off_axis = z[:, [4, 5, 6, 8, 9, 10]]
+    assert 0.7 < np.sqrt(np.mean(k_and_D**2)) < 1.3  # 150 numbers each
+    assert 0.7 < np.sqrt(np.mean(off_axis**2)) < 1.3
+
+
+def test_a_gyroscope_that_is_mounted_backwards_has_a_negative_row() -> None:
+    campaign, _, gyro = campaign_of(3, accel_noise=1e-3, gyro_noise=0.1)
+    (record,) = campaign.sequences
+    assert record.series.gyro is not None
+    record.series.gyro[:, 1] *= -1
+    found = report(fit([campaign])).gyroscope
+    assert found is not None
+    assert found.misalignment.value[1] == pytest.approx(-gyro.E[1], abs=5e-3)
+
+
+def test_too_few_moves_leave_the_gyroscopes_out_and_say_so() -> None:
+    campaign, _, _ = campaign_of(4, rests=20, accel_noise=1e-3, gyro_noise=0.1)
+    (record,) = campaign.sequences
+    assert record.series.gyro is not None
+    record.series.gyro[:] = record.series.gyro[0]
+    solution = report(fit([campaign]))
+    assert solution.accelerometer is not None
+    assert solution.gyroscope is None
+    assert "gyroscope.scale_factor" in solution.not_observable
+
+
+def test_the_covariance_of_both_triads_is_one_matrix_that_can_be() -> None:
+    solution = report(fit([campaign_of(5, accel_noise=1e-3, gyro_noise=0.1)[0]]))
+    std = np.sqrt(np.diag(solution.covariance))
+    live = std > 1e-8
+    correlation = (solution.covariance / np.outer(std, std))[np.ix_(live, live)]
+    assert len(solution.names) == len(std) == 30
+    assert np.linalg.eigvalsh(correlation).min() > -1e-9
+    assert np.abs(correlation[:9, -12:]).max() > 1e-3  # the directions are the accelerometers'
+
+
+def test_how_a_move_changes_with_the_parameters_is_what_differences_say() -> None:
+    rng = np.random.default_rng(6)
+    samples = padded([rng.standard_normal((n, 3)) * 300 for n in (40, 25)], [0.01, 0.02])
+    x = np.concatenate((80 * (np.eye(3) + 0.01 * rng.standard_normal((3, 3))).ravel(), rng.standard_normal(3)))
+    found = carry(samples, x[:9].reshape(3, 3), x[9:])
+    for p in range(12):
+        d = np.zeros(12)
+        d[p] = 1e-4
+        other = carry(samples, (x + d)[:9].reshape(3, 3), (x + d)[9:]).rotation
+        expected = rotation(-found.sensitivity @ d) @ found.rotation
+        assert np.abs(other - expected).max() < 2e-2 * np.abs(other - found.rotation).max()
+
+
+def test_the_quick_rotations_are_those_of_the_careful_ones_about_one_axis() -> None:
+    turn = np.outer(np.sin(np.linspace(0, 3, 37)), [10.0, -20.0, 5.0])
+    samples = padded([turn, turn[:20]], [0.02, 0.02])
+    K, b = np.eye(3), np.zeros(3)
+    assert rotations(samples, K, b) == pytest.approx(carry(samples, K, b).rotation, abs=1e-12)
+
+
+def test_coning_within_a_sample_is_counted() -> None:
+    """An axis that sweeps a cone at 2 Hz, sampled at 20 Hz: the mean rates alone drift (Savage, 1998)."""
+    fine, coarse, amplitude = 20000, 20, 0.05
+    t = (np.arange(fine) + 0.5) / fine
+    w = np.degrees(amplitude * 4 * np.pi) * np.stack(
+        (-np.sin(4 * np.pi * t), np.cos(4 * np.pi * t), 0 * t), axis=1
+    )
+    truth = rotations(padded([w], [1 / fine]), np.eye(3), np.zeros(3))
+    mean = padded([w.reshape(coarse, -1, 3).mean(axis=1)], [1 / coarse])
+    plain = rotations(mean, np.eye(3), np.zeros(3))
+    careful = carry(mean, np.eye(3), np.zeros(3)).rotation
+    assert np.abs(careful - truth).max() < 0.2 * np.abs(plain - truth).max()

@@ -1,0 +1,57 @@
+import numpy as np
+import pytest
+
+from procedures.statistics.least_squares import minimise
+
+
+def linear(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    return rng.standard_normal((40, 5)), rng.standard_normal(40), np.array([1.0, 10.0, 0.1, 1e3, 1e-3])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_linear_problem_gives_its_normal_equations(seed: int) -> None:
+    A, y, scale = linear(seed)
+    A = A / scale  # parameters as large as their scales
+    fit = minimise(lambda x: A @ x - y, np.zeros(5), scale)
+    exact = np.linalg.inv(A.T @ A)
+    assert np.all(np.abs(fit.x - exact @ A.T @ y) < 1e-9 * np.sqrt(np.diag(exact)))  # rounding of differences
+    assert np.allclose(
+        fit.covariance, exact, rtol=1e-8, atol=1e-9 * np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
+    )
+    assert fit.chi2 == pytest.approx(np.sum((A @ exact @ A.T @ y - y) ** 2), rel=1e-10)
+    assert fit.dof == 35
+
+
+def test_leverage_sums_to_the_number_of_parameters() -> None:
+    A, y, scale = linear(7)
+    fit = minimise(lambda x: A @ x - y, np.zeros(5), scale)
+    assert fit.leverage.sum() == pytest.approx(5, abs=1e-8)
+    assert np.all((fit.leverage > 0) & (fit.leverage < 1))
+    hat = A @ np.linalg.inv(A.T @ A) @ A.T
+    assert fit.leverage == pytest.approx(np.diag(hat), abs=1e-8)
+
+
+def test_a_bent_problem_is_solved_to_its_minimum() -> None:
+    rng = np.random.default_rng(1)
+    t = np.linspace(0, 2, 50)
+    y = 3 * np.exp(-1.5 * t) + 1e-3 * rng.standard_normal(50)
+    fit = minimise(lambda x: (x[0] * np.exp(-x[1] * t) - y) / 1e-3, np.array([2.0, 1.0]), np.ones(2))
+    slope = fit.jacobian.T @ fit.residual  # the gradient, in sigma: zero at the minimum
+    assert np.all(np.abs(fit.covariance @ slope) < 1e-3 * np.sqrt(np.diag(fit.covariance)))
+    assert np.all(np.abs(fit.x - [3, 1.5]) < 4 * np.sqrt(np.diag(fit.covariance)))
+
+
+def test_the_start_is_left_as_it_was() -> None:
+    start = np.zeros(1)
+    minimise(lambda x: x - 1, start, np.ones(1))
+    assert start[0] == 0
+
+
+def test_a_held_parameter_leaves_the_others_their_sigma() -> None:
+    """A row 1e9 times stiffer than the rest, as a held perpendicularity is: (q - s p) / HELD."""
+    held, share = 1e-9, -0.25
+    wide = minimise(
+        lambda x: np.array([x[0] / 1.4e-3, (x[1] - share * x[0]) / held]), np.zeros(2), np.full(2, 0.1)
+    )
+    assert np.sqrt(np.diag(wide.covariance)) == pytest.approx([1.4e-3, 1.4e-3 * abs(share)], rel=1e-3)

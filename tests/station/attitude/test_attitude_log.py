@@ -1,0 +1,108 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from station.attitude.attitude_log import read_log
+from station.cli import run
+from station.errors import DataRefused
+
+HEADER = "t_s,p_rad_s,q_rad_s,r_rad_s,fx_m_s2,fy_m_s2,fz_m_s2"
+ROW = "0.001,0.002,-0.001,0.1,-0.2,-9.8"
+
+
+def write(path: Path, rows: list[str], header: str = HEADER) -> Path:
+    path.write_text("\n".join([header, *rows]) + "\n")
+    return path
+
+
+def rows(n: int = 50) -> list[str]:
+    return [f"{i * 0.01:.2f},{ROW}" for i in range(n)]
+
+
+def put(line: int, text: str) -> Callable[[list[str]], list[str]]:
+    return lambda lines: [*lines[: line - 2], text, *lines[line - 1 :]]
+
+
+@pytest.mark.parametrize(
+    ("damage", "line", "said"),
+    [
+        (put(7, f"nan,{ROW}"), 7, "'nan' in column t_s"),
+        (put(7, "0.05,0.001,NaN,-0.001,0.1,-0.2,-9.8"), 7, "'NaN' in column q_rad_s"),
+        (put(7, "0.05,0.001,,-0.001,0.1,-0.2,-9.8"), 7, "'' in column q_rad_s"),
+        (put(7, f"0.04,{ROW}"), 7, "remove the repeated row"),
+        (put(7, f"0.01,{ROW}"), 7, "t_s 0.01 after 0.04"),
+        (put(7, "0.05,0.001,120,-0.001,0.1,-0.2,-9.8"), 7, "looks like deg/s"),
+        (put(7, "0.05,0.001,0"), 7, "3 cells"),
+        (lambda lines: [line.replace("-9.8", "-1.0") for line in lines], 2, "looks like g"),
+        (lambda lines: lines[:1], 2, "a single row"),
+        (lambda lines: [line.replace("-9.8", "-999") for line in lines], 2, "looks like mg"),
+        (lambda lines: [f"{i},0,0,0,0,0,0" for i in range(9)], 2, "with gravity"),
+        (lambda lines: [f"{i}0,{ROW}" for i in range(50)], 3, "looks like ms"),
+    ],
+)
+def test_a_bad_row_is_refused_with_its_line(
+    tmp_path: Path, damage: Callable[[list[str]], list[str]], line: int, said: str
+) -> None:
+    path = write(tmp_path / "log.csv", damage(rows()))
+    with pytest.raises(DataRefused) as refused:
+        read_log(path)
+    assert refused.value.line == line
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize("missing", HEADER.split(","))
+def test_a_missing_column_is_refused(tmp_path: Path, missing: str) -> None:
+    path = write(
+        tmp_path / "log.csv", rows(), HEADER.replace(missing, "scored" if missing != "t_s" else "roll_rad")
+    )
+    with pytest.raises(DataRefused, match=f"1: found no column {missing}|only roll_rad"):
+        read_log(path)
+
+
+def test_half_a_velocity_and_a_score_of_2_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(DataRefused, match="only vn_m_s,vd_m_s"):
+        read_log(write(tmp_path / "a.csv", [f"{r},1,2" for r in rows()], HEADER + ",vn_m_s,vd_m_s"))
+    with pytest.raises(DataRefused, match=r"b.csv:2: found scored = 2, expected 0 or 1"):
+        read_log(write(tmp_path / "b.csv", [f"{r},2" for r in rows()], HEADER + ",scored"))
+
+
+@pytest.mark.parametrize(
+    ("columns", "cells", "said"),
+    [
+        ("roll_rad,pitch_rad", "0.1,45", "pitch_rad = 45, beyond 1.571: looks like deg"),
+        ("heading_rad", "270", "heading_rad = 270, beyond 12.57: looks like deg"),
+        ("airspeed_m_s", "1e6", "airspeed_m_s = 1e+06, beyond 3000"),
+        ("vn_m_s,ve_m_s,vd_m_s", "1,2,-1e9", "vd_m_s = -1e+09, beyond 1e+04"),
+    ],
+)
+def test_aids_and_truth_beyond_what_is_possible_are_refused(
+    tmp_path: Path, columns: str, cells: str, said: str
+) -> None:
+    with pytest.raises(DataRefused, match=f"log.csv:2: found {said}".replace("e+0", r"e\+0")):
+        read_log(write(tmp_path / "log.csv", [f"{r},{cells}" for r in rows()], f"{HEADER},{columns}"))
+
+
+def test_optional_cells_may_be_empty(tmp_path: Path) -> None:
+    lines = [f"{r},{'' if i % 2 else 12.5},,," for i, r in enumerate(rows())]
+    log = read_log(write(tmp_path / "log.csv", lines, HEADER + ",airspeed_m_s,vn_m_s,ve_m_s,vd_m_s"))
+    assert log.airspeed is not None
+    assert np.isnan(log.airspeed[1::2]).all()
+    assert (log.airspeed[::2] == 12.5).all()
+    assert log.velocity is not None
+    assert np.isnan(log.velocity).all()
+
+
+def test_axes_that_are_not_right_handed_exit_3_with_the_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    t = np.arange(0, 10, 0.01)
+    roll = np.sin(t)
+    table = np.stack([t, -np.cos(t), 0 * t, 0 * t, 0 * t, -9.8 * np.sin(roll), -9.8 * np.cos(roll)], axis=1)
+    path = write(tmp_path / "log.csv", [",".join(f"{x:.7g}" for x in row) for row in table])
+    assert run(["attitude", str(path)]) == 3
+    said = capsys.readouterr().err
+    assert "log.csv:" in said
+    assert "as if the rates were -p,q,r" in said
+    assert said.count("\n") == 1

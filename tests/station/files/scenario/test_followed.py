@@ -1,0 +1,37 @@
+"""A guided campaign beside the shipped scenario: its operator does what the guide asks for, untold."""
+
+from collections import deque
+from pathlib import Path
+
+from procedures.calibration.plan_steps import Dwell, Turn
+from station.files.scenario import read_scenario
+from station.guide.live_campaign import usual_steps
+from station.guide.view import Setup, View
+from tests.paths import ROOT
+from tests.station.guide.rig import GuideRig
+
+SCENARIO = read_scenario(ROOT / "docs/scenarios/calibration.toml")
+STEPS = usual_steps(Setup(dwell_s=20.0, revolutions=1))
+ENOUGH = 4  # steps: the knock is in the fourth
+
+
+def test_the_shipped_calibration_is_accepted_step_by_step_also_after_the_knock(tmp_path: Path) -> None:
+    rig, moves = GuideRig(tmp_path, STEPS[:ENOUGH], SCENARIO.truth, asks=False), deque(SCENARIO.moves)
+
+    def operate(_: View) -> None:
+        while moves and moves[0].at_s <= rig.source.device.imu.time:
+            rig.hands(moves.popleft().command)
+
+    rig.run(rig.done(ENOUGH), operate)
+    rig.database.close()
+    accepted = [text for text in rig.texts if text.startswith("accepted")]
+    assert [f"position {n}, {n} of" in text for n, text in enumerate(accepted, 1)] == [True] * ENOUGH
+
+
+def test_it_has_all_steps_of_a_campaign_in_the_order_in_which_they_are_asked_for() -> None:
+    done = [words for words in (move.command.split() for move in SCENARIO.moves) if words[0] in {"place", "turn"}]
+    positions = [str(step.position) for step in STEPS if isinstance(step, Dwell)]
+    starts = ["1", "5", "9"]
+    assert ["1", *(words[1] for words in done if words[0] == "place")] == [*positions, *starts]
+    turns = [(step.axis, step.direction) for step in STEPS if isinstance(step, Turn)]
+    assert [(words[1], words[2]) for words in done if words[0] == "turn"] == turns

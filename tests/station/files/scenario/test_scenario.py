@@ -1,0 +1,185 @@
+"""A whole bench from a file: what it serves, and what it refuses with which line."""
+
+import re
+import signal
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.camera import CameraDecoder, http_port
+from drivers.framing import Decoder
+from drivers.ports import open_port
+from drivers.simulated.camera_truth import CameraTruth
+from drivers.simulated.device import ByteDevice, Move
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
+from procedures.counts.sample_records import joined_blocks
+from station import cli
+from station.errors import DataRefused
+from station.files.scenario import read_scenario
+from station.stream.camera.description import read_description
+from tests.paths import ROOT
+from tests.station.commands.program import Program
+
+DOCS = ROOT / "docs"
+EXAMPLES = sorted((DOCS / "scenarios").glob("*.toml"))
+SMALLEST = 'format = "scenario/1"\n'
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_shipped_examples_can_be_served_and_stand_on_the_page(path: Path) -> None:
+    scenario = read_scenario(path)
+    assert scenario.table.title
+    assert scenario.moves or scenario.drive
+    assert f"scenarios/{path.name}" in (DOCS / "testing.md").read_text(encoding="utf-8")
+
+
+def test_moves_follow_each_other_and_happen_to_the_sample(tmp_path: Path) -> None:
+    hands = (("rest 3", ""), ("place 3 5", ""), ("rest 1", ""), ("place 1", "at_s = 30"))
+    text = "".join(f"[[hands]]\ndo = {do!r}\n{at}\n" for do, at in hands)
+    (tmp_path / "s.toml").write_text(SMALLEST + text)
+    scenario = read_scenario(tmp_path / "s.toml")
+    settling_s = 12 * scenario.truth.settle_tau_s
+    assert [move.at_s for move in scenario.moves] == pytest.approx([0, 3, 8 + settling_s, 30])
+    device = ByteDevice(scenario.truth, 1, "counts", moves=scenario.moves)
+    states = list[tuple[float, int, bool]]()
+    while device.imu.time < 31:
+        device.chunk(7)
+        states.append((device.imu.time, device.imu.position, device.imu.is_moving))
+    assert min(t for t, position, _ in states if position == 3) == pytest.approx(3, abs=0.15)
+    assert not any(moving for t, _, moving in states if 9.5 + settling_s < t <= 30)
+    assert [command for command, answer in device.moved if answer.startswith("ok")] == [
+        move.command for move in scenario.moves
+    ]
+
+
+def test_moves_at_set_times_give_the_same_bytes_however_they_are_taken() -> None:
+    streams = []
+    for most in (3, 50):
+        device = ByteDevice(
+            Truth.example(1), 1, "counts", moves=[Move(0.5, "place 3 1"), Move(6.0, "knock 1 0.1")]
+        )
+        parts = list[bytes]()
+        while device.samples < 400:
+            parts += [part for part in device.chunk(min(most, 400 - device.samples)) if isinstance(part, bytes)]
+        streams.append(b"".join(parts))
+    assert streams[0] == streams[1]
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "found", "expected"),
+    [
+        ('format = "scenario/2"', 1, "format = 'scenario/2'", "'scenario/1'"),
+        (SMALLEST + "sped = 2", 2, "unknown key 'sped'", "speed"),
+        (SMALLEST + "[imu]\ntransport = 'pigeon'", 3, "imu.transport = 'pigeon'", "'slcan'"),
+        (SMALLEST + "[imu]\nformat = 'x'", 2, "imu with format = 'x'", "stim300"),
+        (SMALLEST + "[imu]\nport = 5", 2, "imu with port = 5", "tcp"),
+        (SMALLEST + "[gnss]\nto = 'here'", 2, "gnss with to = 'here'", "HOST:PORT"),
+        (SMALLEST + "[truth]\nserial = 'S'\ncolour = 1", 4, "key 'colour'", "latitude_deg"),
+        (SMALLEST + "[truth]\naccel_k = [1, 2]", 3, "accel_k = [1, 2]", "shape (3,)"),
+        (
+            SMALLEST + '\n[truth.effects."gyroscope.luck"]\nx = 1',
+            4,
+            "effect 'gyroscope.luck'",
+            "gyroscope.bias_drift",
+        ),
+        (SMALLEST + "[[hands]]\ndo = 'place 3'\n[[hands]]\n\ndo = 'fly'", 6, "'fly'", "place POSITION"),
+        (SMALLEST + "[[hands]]\ndo = 'turn y + 1'", 3, "'turn y + 1'", "vertical"),
+        (SMALLEST + "[[hands]]\ndo = 'time'", 3, "'time'", "a move"),
+        (SMALLEST + "[[hands]]\ndo='rest 9'\n[[hands]]\ndo='rest 1'\nat_s=5.0", 6, "at_s = 5", "9.0 or more"),
+        (SMALLEST + "[[fault]]\nkind='lost'\nat_s=1\n[[fault]]\nkind='babble'\nat_s=1", 5, "'babble'", "garbage"),
+        (SMALLEST + "[[fault]]\nkind='lost'", 2, "at_s = None", "a number"),
+        (SMALLEST + "[[gnss_fault]]\nkind='jump'\nat_s=1", 2, "not there", "[gnss]"),
+        (SMALLEST + "[gnss]\n[[gnss_fault]]\nkind='luck'\nat_s=1", 3, "'luck'", "no_fix"),
+        (SMALLEST + "[gnss]\n[gnss.autopilot]\nkey = 'nofile'", 4, "nofile", "key file"),
+        (SMALLEST + "[[camera_fault]]\nkind='dark'\nat_s=1", 2, "not there", "[camera]"),
+        (SMALLEST + "[camera]\n[[camera_fault]]\nkind='luck'\nat_s=1", 3, "'luck'", "no_stamp"),
+        (SMALLEST + "[camera]\nwidth = 1", 3, "camera.width = 1", "16"),
+        (SMALLEST + "[camera]\nimu_from_camera = [[1.0]]", 3, "imu_from_camera = [1.0]", "4 items"),
+        (SMALLEST + f"[camera]\nimu_from_camera = {[[1.0] * 4] * 4}", 3, "imu_from_camera", "rotation"),
+        (SMALLEST + "[imu]\ntrack = 's.toml'", 3, "could not convert", "t_s,e_m,n_m,u_m"),
+        (SMALLEST + "speed =\nseed = 1", 2, "no TOML", "valid TOML"),
+    ],
+)
+def test_a_bad_file_is_refused_with_its_line(
+    text: str, line: int, found: str, expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "s.toml"
+    path.write_text(text)
+    with pytest.raises(DataRefused) as caught:
+        read_scenario(path)
+    assert (caught.value.line, caught.value.file) == (line, str(path))
+    assert found in caught.value.found
+    assert expected in caught.value.expected
+    assert cli.run(["simulate", "--scenario", str(path)]) == 3
+    said = capsys.readouterr().err
+    assert said.startswith(f"{path}:{line}: found ")
+    assert said.count("\n") == 1
+
+
+def test_a_scenario_and_another_truth_are_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["simulate", "--scenario", str(EXAMPLES[0]), "--example", "3"]) == 2
+    assert "--example and --scenario" in capsys.readouterr().err
+
+
+def test_a_bench_is_served_and_tells_what_happens(tmp_path: Path) -> None:
+    text = 'speed = 50\n[imu]\ntransport = "tcp"\n[gnss]\n[[hands]]\ndo = "place 3 5"\nat_s = 2\n'
+    (tmp_path / "s.toml").write_text(SMALLEST + text + '[[fault]]\nkind = "lost"\nat_s = 4\n')
+    with Program("simulate", "--scenario", str(tmp_path / "s.toml")) as program:
+        said = "".join(program.until("control "))
+        (url,) = re.findall(r"^url (tcp:\S+)$", said, re.MULTILINE)
+        assert re.search(r"^gnss mavlink:udpout:127.0.0.1:\d+$", said, re.MULTILINE)
+        with Program("record", url, "--seconds", "10", "--out", str(tmp_path / "r")) as other:
+            assert other.end()[0] == 0
+        program.process.send_signal(signal.SIGINT)
+        code, _, told = program.end()
+    assert code == 0
+    assert re.findall(r"^ *(\d+\.\d) s  (.*)$", told, re.MULTILINE) == [
+        ("2.0", "hands: place 3 5"), ("4.0", "fault: lost"),
+    ]  # fmt: skip
+
+
+def test_imu_receiver_and_camera_go_along_one_track(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("cv2", reason="opencv is not installed")
+    monkeypatch.setattr(http_port, "SILENT_S", 100.0)  # on a machine however loaded
+    scenario = read_scenario(DOCS / "scenarios/drive.toml")
+    assert scenario.drive is scenario.track
+    assert scenario.camera is not None
+    assert np.array_equal(scenario.camera.C_bc, CameraTruth().C_bc)
+    text = (DOCS / "scenarios/drive.toml").read_text(encoding="utf-8")
+    (tmp_path / "s.toml").write_text(text.replace("drive.csv", str(DOCS / "scenarios/drive.csv")))
+    eye = tmp_path / "eye.toml"
+    with Program(
+        "simulate", "--scenario", str(tmp_path / "s.toml"), "--speed", "4", "--camera-file", str(eye)
+    ) as program:
+        said = "".join(program.until("control "))
+        (imu,) = re.findall(r"^url (tcp:\S+)$", said, re.MULTILINE)
+        (camera,) = re.findall(r"^camera (camera:http://127.0.0.1:\d+/stream)$", said, re.MULTILINE)
+        assert read_description(eye).address.text == camera
+        with closing(open_port(camera)) as seen, closing(open_port(imu)) as felt:
+            wire, cameras, images, samples = Decoder(FORMATS["counts"]), CameraDecoder(), [], []
+            while len(images) < 3:  # one clock for all: it goes on while the IMU is read
+                samples.append(wire.feed(felt.read(4096)))
+                images += cameras.feed(seen.read(2**20), 0)
+        program.process.send_signal(signal.SIGINT)
+        assert program.end()[0] == 0
+    last_s = joined_blocks(samples).device_time[-1]
+    assert 0 <= images[-1].device_ns / 1e9 - scenario.camera.clock_offset_s < last_s + 1.0
+
+
+def test_hands_cannot_move_what_is_driven(tmp_path: Path) -> None:
+    text = f"{SMALLEST}[imu]\ntrack = '{DOCS}/scenarios/drive.csv'\n[[hands]]\ndo = 'rest 1'\n"
+    (tmp_path / "s.toml").write_text(text)
+    with pytest.raises(DataRefused, match="driven along a track"):
+        read_scenario(tmp_path / "s.toml")
+
+
+def test_the_scenario_on_the_page_can_be_served(tmp_path: Path) -> None:
+    (text,) = re.findall(r"```toml\n(.*?)```", (DOCS / "testing.md").read_text(encoding="utf-8"), re.DOTALL)
+    (tmp_path / "s.toml").write_text(text)
+    scenario = read_scenario(tmp_path / "s.toml")
+    assert [move.at_s for move in scenario.moves[:2]] == pytest.approx([20, 30 + 12 * scenario.truth.settle_tau_s])
+    assert scenario.autopilot is not None
+    assert scenario.autopilot.system == 5

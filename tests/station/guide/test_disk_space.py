@@ -1,0 +1,72 @@
+"""Room on the disk is looked at before a campaign begins; what a sample takes is measured, not guessed."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.framing import Decoder
+from drivers.simulated.device import ByteDevice
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
+from procedures.counts.sample_records import CountBlock, SampleBlock, block_rows
+from station.errors import DiskFull
+from station.files.mcap_files import BY_OUTPUT, StepWriter
+from station.guide.disk_space import JOURNAL_BYTES, STEP_BYTES, disk_for, disk_free, disk_needed, refuse_full
+from station.guide.live_campaign import usual_steps
+from station.guide.view import Setup
+from station.stream.reader import Chunk
+from station.stream.reader.journal import Journal
+
+SAMPLES = 1000
+GNSS_EPOCH_NS = 1_800_000_000_000_000_000
+WHOLE_IMUS = [name for name, wire in FORMATS.items() if len(wire.imu.channels) == 6]
+
+
+def noisy(block: SampleBlock, bits: int, rng: np.random.Generator) -> SampleBlock:
+    """Give every channel 16 random bits, or what the format holds."""
+    if isinstance(block, CountBlock):
+        most = 2 ** (min(16, bits - 2) - 1)
+        noise = [rng.integers(-most, most, (len(block), 3)) for _ in range(2)]
+        return replace(block, gyro=block.gyro // 8 + noise[0], accel=block.accel // 8 + noise[1])
+    noise = [rng.normal(0, 1e-3, (len(block), 3)) for _ in range(2)]
+    return replace(block, gyro=block.gyro + noise[0], accel=block.accel + noise[1])
+
+
+@pytest.mark.parametrize("name", WHOLE_IMUS)
+def test_no_sample_of_any_format_takes_more_than_is_reckoned(name: str, tmp_path: Path) -> None:
+    wire, rng, number = FORMATS[name], np.random.default_rng(1), 0
+    device, decoder, again = ByteDevice(Truth.example(1), 1, name), Decoder(wire), Decoder(wire)
+    journal = Journal(tmp_path / "journal.mcap", {}, pytest.fail)
+    writer = StepWriter(tmp_path / "step.mcap", BY_OUTPUT[wire.output])
+    while number < SAMPLES:
+        block = decoder.feed(b"".join(part for part in device.chunk() if isinstance(part, bytes)))
+        for row in range(len(block)):
+            one = noisy(block_rows(block, slice(row, row + 1)), wire.count_bits, rng)
+            chunk = Chunk(GNSS_EPOCH_NS + number * 1_000_000 + int(rng.integers(100_000)), wire.encode(one))
+            journal.put(chunk)
+            writer.write_raw(chunk.host_ns, chunk.data)
+            writer.write_block(chunk.host_ns, again.feed(chunk.data))
+            number += 1
+    journal.close()
+    writer.close()
+    assert JOURNAL_BYTES / 2 < (tmp_path / "journal.mcap").stat().st_size / number <= JOURNAL_BYTES
+    assert STEP_BYTES / 2 < (tmp_path / "step.mcap").stat().st_size / number <= STEP_BYTES
+
+
+def test_what_a_campaign_needs_grows_with_its_length_and_its_rate() -> None:
+    short, long = usual_steps(Setup(dwell_s=10)), usual_steps(Setup(dwell_s=200))
+    assert disk_needed(short, 200) < disk_needed(long, 200) < disk_needed(long, 2000)
+    assert 50e6 < disk_needed(usual_steps(Setup()), 200) < 300e6
+
+
+def test_what_is_free_is_told_of_a_folder_that_is_not_there_yet(tmp_path: Path) -> None:
+    assert disk_free(tmp_path / "not" / "yet") == pytest.approx(disk_free(tmp_path), rel=0.1)
+
+
+def test_a_campaign_that_has_no_room_is_refused_with_both_figures(tmp_path: Path) -> None:
+    steps = usual_steps(Setup(dwell_s=1e9))
+    assert not disk_for(tmp_path, steps, 200).is_enough
+    with pytest.raises(DiskFull, match=r"disk full, \d+ MB free, \d+ MB needed; make room, or name a folder"):
+        refuse_full(tmp_path, steps, 200)

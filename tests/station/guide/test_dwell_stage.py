@@ -1,0 +1,397 @@
+"""Dwells: what is accepted, what is left out, and what begins again."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivers.simulated.faults import Fault
+from drivers.simulated.truth import Truth
+from station.files.campaign_folder import read_campaign, verify_folder
+from station.files.toml_text import read_toml
+from station.guide.view import View
+from tests.station.guide.rig import GuideRig, dwells
+
+Make = Callable[..., GuideRig]
+
+
+def at(stage: str) -> Callable[[View], bool]:
+    return lambda view: view.stage == stage
+
+
+def after(seconds: float) -> Callable[[View], bool]:
+    return lambda view: view.stage == "dwell" and view.accepted_s >= seconds
+
+
+def accepted_seconds(rig: GuideRig) -> list[float]:
+    return [view.accepted_s for view in rig.seen if view.stage == "dwell"]
+
+
+def test_a_resting_cube_is_recorded_without_a_key_and_is_on_the_disk_when_accepted(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=12.5))
+    guided.run(guided.done(1))
+    [dwell] = read_campaign(guided.folder).campaign.dwells
+    assert (dwell.position, len(dwell.series)) == (1, 625)
+    assert verify_folder(guided.folder) == ["dwell_01.mcap"]
+    assert guided.texts == ["start: recording: keep your hands off", "accepted: accepted: position 1, 1 of 1 done"]
+    assert guided.guide.is_complete
+
+
+def test_any_order_is_taken_and_the_wish_stays_the_first_open_step(rig: Make) -> None:
+    guided = rig(dwells(1, 2, 7, 8))
+    for count, position in enumerate((7, 8, 2, 1), start=1):
+        guided.hands(f"place {position} 8")
+        guided.run(lambda v, p=position: v.step(f"dwell_{p:02}").attempts == 1)
+        assert guided.view.done == count
+    assert [d.position for d in read_campaign(guided.folder).campaign.dwells] == [7, 8, 2, 1]
+    assert not any(text.startswith("rejected") for text in guided.texts)
+
+
+def test_a_face_with_nothing_left_to_do_is_said_and_is_no_failure(rig: Make) -> None:
+    guided = rig(dwells(1, 3))
+    guided.hands("place 9 8")
+    view = guided.run(lambda v: bool(v.events))
+    assert view.events[-1].text == "Z points up: nothing is left to do there"
+    assert view.line.startswith("put the cube in position 1")
+    assert view.stage == "place"
+    for _ in range(8):  # the wrong face five times kills the run elsewhere
+        guided.hands("place 9 8")
+        guided.rest(20)
+    guided.hands("place 1 8")
+    guided.run(guided.done(1))
+
+
+def test_the_same_position_again_is_known_by_the_earth_rate(rig: Make) -> None:
+    guided = rig(dwells(1, 2))
+    guided.run(guided.done(1))
+    guided.hands("place 1 8")
+    view = guided.run(lambda v: any(e.sound == "rejected" for e in v.events))
+    assert view.events[-1].text == "position 1 is done already; position 2 is the same face turned by 180 deg"
+    guided.hands("place 2 8")
+    guided.run(guided.done(2))
+
+
+@pytest.mark.parametrize("position", [3, 4])
+@pytest.mark.parametrize(("turn", "sense"), [(90, "clockwise"), (-90, "counter-clockwise")])
+def test_a_cube_turned_by_90_deg_is_told_the_way_to_the_position_that_is_wanted(
+    rig: Make, turn: int, sense: str, position: int
+) -> None:
+    guided = rig(dwells(position))
+    guided.hands(f"place {position} 8 {-turn} 0 0")  # x is down
+    view = guided.run(lambda v: any(e.sound == "rejected" for e in v.events))
+    told = f"turn 90 deg more, {sense} from above"
+    assert view.events[-1].text == f"the heading is wrong: {told}, to position {position}"
+
+
+def test_where_the_earth_rate_does_not_tell_it_is_asked(rig: Make) -> None:
+    guided = rig(dwells(5, 6, seconds=20.0), replace(Truth.example(3), latitude_deg=89.5))
+    guided.hands("place 6 8")
+    view = guided.run(lambda v: v.question is not None)
+    assert [choice.key for choice in view.question.choices] == ["5", "6", "n"]
+    assert "position 6: X north, Y up, Z east" in view.question.choices[1].title
+    guided.run(lambda v: "accepted once it is known" in v.hint)  # the dwell is complete and waits
+    guided.rest(30)
+    assert guided.view.done == 0
+    guided.obey("answer", key="6")
+    guided.run(guided.done(1))
+    assert guided.view.gates.heading in {"as said", ""}
+    assert [d.position for d in read_campaign(guided.folder).campaign.dwells] == [6]
+
+
+def test_a_cube_that_is_in_neither_position_is_set_down_again(rig: Make) -> None:
+    guided = rig(dwells(5, seconds=10.0), replace(Truth.example(3), latitude_deg=89.5))
+    guided.hands("place 5 8")
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="n")
+    view = guided.run(lambda v: v.question is None)
+    assert (view.stage, view.hint) == ("place", "set the cube down along the marks on the slab")
+    guided.hands("place 5 8")
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="5")
+    guided.run(guided.done(1))
+
+
+def test_a_short_dwell_is_asked_for_as_well(rig: Make) -> None:
+    guided = rig(dwells(5, seconds=4.0), replace(Truth.example(3), latitude_deg=89.5))
+    guided.hands("place 5 8")
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="5")
+    guided.run(guided.done(1))
+
+
+def test_with_nobody_to_ask_the_position_asked_for_is_believed(rig: Make) -> None:
+    guided = rig(dwells(5), replace(Truth.example(3), latitude_deg=89.5), asks=False)
+    guided.hands("place 5 8")
+    guided.run(guided.done(1))
+
+
+def test_a_knock_costs_the_disturbed_seconds_only_and_the_bar_never_falls(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=30.0))
+    guided.run(after(25.0))
+    guided.hands("knock 7 0.05")
+    guided.run(guided.done(1))
+    seconds = accepted_seconds(guided)
+    assert np.min(np.diff(seconds)) >= 0
+    assert "still: disturbed: keep still, only those seconds are left out" in guided.texts
+    assert len(read_campaign(guided.folder).campaign.dwells[0].series.starts) > 1
+
+
+def test_a_cube_that_was_turned_a_little_begins_again(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=30.0))
+    guided.run(after(20.0))
+    guided.hands("creep 2 0.3 0 0")  # about the vertical: no accelerometer sees it
+    guided.run(lambda v: any(e.sound == "rejected" for e in v.events))
+    assert re.search(r"the cube was moved by 0\.(2[5-9]|3\d) deg; it begins again", guided.texts[-1])  # k is rough
+    guided.run(guided.done(1))
+
+
+def test_a_cube_that_was_lifted_begins_again_in_whatever_position_it_comes_down(rig: Make) -> None:
+    guided = rig(dwells(1, 4, seconds=30.0))
+    guided.run(after(20.0))
+    guided.hands("place 4 8")
+    guided.run(guided.done(1))
+    assert any("the cube was lifted or tilted" in text for text in guided.texts)
+    assert [d.position for d in read_campaign(guided.folder).campaign.dwells] == [4]
+
+
+def test_a_slow_creep_is_seen_at_the_end(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=100.0))
+    guided.hands("creep 200 0 0.1 0")  # 2 arcsec a second
+    guided.run(lambda v: any(e.sound == "rejected" for e in v.events))
+    assert "the cube crept by" in guided.texts[-1]
+    assert guided.view.done == 0
+
+
+def test_a_tilted_cube_is_told_its_angle_and_never_recorded(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=5.0))
+    guided.hands("place 1 8 0 4 0")
+    guided.rest(60)
+    view = guided.view
+    assert view.hint.startswith("tilted by 4.")
+    assert view.gates.off_deg == pytest.approx(4.0, abs=0.6)  # the biases are not known yet
+    assert not view.gates.is_right_face
+    assert view.gates.is_still
+    assert view.done == 0
+
+
+def test_a_dwell_across_an_unplug_is_rejected(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=30.0), faults=[Fault("unplug", at_s=25.0, seconds=5.0)])
+    guided.run(guided.done(1))
+    assert "rejected: the stream was interrupted; the dwell begins again" in guided.texts
+    series = read_campaign(guided.folder).campaign.dwells[0].series
+    assert series.t[0] > 30.0
+    assert len(series.starts) == 1
+
+
+def test_a_lost_frame_splits_a_dwell(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=30.0), faults=[Fault("lost", at_s=25.006, count=3)])
+    view = guided.run(guided.done(1))
+    assert len(read_campaign(guided.folder).campaign.dwells[0].series.starts) == 2
+    assert view.link.lost == 3
+
+
+def test_a_step_done_again_supersedes_and_keeps_the_old_file(rig: Make) -> None:
+    guided = rig(dwells(1, 2))
+    guided.run(guided.done(1))
+    guided.obey("redo")
+    assert guided.view.wanted == "dwell_01"
+    assert guided.view.step("dwell_01").state == "redo"
+    view = guided.run(lambda v: v.step("dwell_01").attempts == 2)  # where it stands, nobody need lift it
+    assert view.step("dwell_01").superseded == 1
+    assert [d.name for d in read_campaign(guided.folder).campaign.dwells] == ["dwell_01_2.mcap"]
+    assert verify_folder(guided.folder) == ["dwell_01.mcap", "dwell_01_2.mcap"]
+    assert view.wanted == "dwell_02"
+
+
+def test_a_chosen_step_comes_next(rig: Make) -> None:
+    guided = rig(dwells(1, 2, 5, 6))
+    guided.obey("choose", step="dwell_06")
+    assert guided.view.wanted == "dwell_06"
+    guided.obey("choose", step="dwell_99")
+    assert guided.view.wanted == "dwell_06"
+
+
+@pytest.mark.parametrize("when", ["place", "settle", "dwell"])
+def test_a_pause_keeps_what_was_accepted_and_records_nothing(rig: Make, when: str) -> None:
+    guided = rig(dwells(1, seconds=20.0))
+    guided.run(at(when) if when != "dwell" else after(10.0))
+    before = guided.view.accepted_s
+    guided.obey("pause")
+    view = guided.rest(60)
+    assert (view.stage, view.hint) == ("paused", "p goes on")
+    assert (view.done, view.accepted_s) == (0, before)
+    guided.obey("go_on")
+    guided.run(guided.done(1))
+    assert np.min(np.diff(accepted_seconds(guided))) >= 0
+
+
+def test_the_second_seat_of_a_pair_on_a_crumb_is_told_to_be_wiped(rig: Make) -> None:
+    truth = replace(Truth.example(2), accel_k=np.full(3, 1e5))
+    guided = rig(dwells(1, 2, 3, 4, seconds=60.0), truth)
+    for count, position in enumerate((1, 2, 3), start=1):
+        guided.hands(f"place {position} 8")
+        guided.run(guided.done(count))
+    guided.hands("place 4 8 0 0.03 0")  # 108 arcsec
+    view = guided.run(lambda v: any("not seated" in e.text for e in v.events))
+    assert "lift, wipe, set down" in view.events[-1].text
+    assert not view.gates.is_seated
+    guided.hands("place 4 8")
+    guided.run(guided.done(4))
+
+
+@pytest.mark.parametrize("how", ["again", "kept"])
+def test_a_seat_that_comes_back_or_is_kept_is_taken(rig: Make, how: str) -> None:
+    truth = replace(Truth.example(2), accel_k=np.full(3, 1e5))
+    guided = rig(dwells(1, 2, 3, 4, seconds=40.0), truth)
+    for count, position in enumerate((1, 2, 3), start=1):
+        guided.hands(f"place {position} 8")
+        guided.run(guided.done(count))
+    guided.hands("place 4 8 0 0.03 0")
+    guided.run(lambda v: any("not seated" in e.text for e in v.events))
+    if how == "again":
+        guided.hands("place 4 8 0 0.03 0")
+    else:
+        guided.obey("keep_seating")
+    guided.run(guided.done(4))
+
+
+def on_a_crumb(rig: Make, tilt_deg: float) -> GuideRig:
+    """Positions 1 to 3, then 4 tilted, up to where it is said."""
+    truth = replace(Truth.example(2), accel_k=np.full(3, 1e5))
+    guided = rig(dwells(1, 2, 3, 4, 5, 6, 7, 8, seconds=20.0), truth)
+    for count, position in enumerate((1, 2, 3), start=1):
+        guided.hands(f"place {position} 8")
+        guided.run(guided.done(count))
+    guided.hands(f"place 4 8 0 {tilt_deg} 0")
+    guided.run(lambda v: any("not seated" in e.text for e in v.events))
+    return guided
+
+
+@pytest.mark.parametrize("is_resumed", [False, True])
+def test_a_kept_tilted_seat_condemns_no_good_seat_after_it_also_after_a_resume(
+    rig: Make, is_resumed: bool
+) -> None:
+    guided = on_a_crumb(rig, 0.3)
+    guided.obey("keep_seating")
+    view = guided.run(lambda v: v.question is not None)
+    assert "tilted by 0.30 deg" in view.question.text
+    guided.obey("answer", key="y")
+    guided.run(guided.done(4))
+    [kept] = [d.kept_seat_rad for d in read_toml(guided.folder)[0].dwell if d.position == 4]
+    assert np.degrees(np.hypot(*kept)) == pytest.approx(0.3, abs=0.01)
+    if is_resumed:
+        guided.resume()
+    said = max((event.number for event in guided.view.events), default=0)
+    for count, position in enumerate((5, 6, 7, 8), start=5):
+        guided.hands(f"place {position} 8")
+        guided.run(guided.done(count))
+    assert not any(text.startswith("rejected") for number, text in guided.said.items() if number > said)
+    assert any("tilted by 0.3 deg" in warning for warning in read_campaign(guided.folder).warnings)
+
+
+def test_a_kept_seat_that_is_done_again_well_judges_again(rig: Make) -> None:
+    guided = on_a_crumb(rig, 0.3)
+    guided.obey("keep_seating")
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="y")
+    guided.run(guided.done(4))
+    guided.obey("redo", step="dwell_04")
+    guided.hands("place 4 8")
+    guided.run(lambda v: v.step("dwell_04").attempts == 2)
+    assert guided.desk.badly_seated == set()
+    assert all(d.kept_seat_rad is None for d in read_toml(guided.folder)[0].dwell)
+
+
+def test_a_tilt_that_no_face_has_is_kept_only_with_a_yes(rig: Make) -> None:
+    guided = on_a_crumb(rig, 0.3)
+    guided.obey("keep_seating")
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="n")
+    guided.rest(60)
+    assert (guided.view.done, guided.view.question) == (3, None)
+    guided.hands("place 4 8")
+    guided.run(guided.done(4))
+    assert guided.desk.badly_seated == set()
+
+
+def test_a_small_tilt_is_kept_without_a_question_and_holds_for_that_seat_alone(rig: Make) -> None:
+    guided = on_a_crumb(rig, 0.03)
+    guided.obey("keep_seating")
+    assert guided.view.question is None
+    guided.hands("place 4 8 0 0.2 0")
+    guided.run(lambda v: v.events[-1].sound == "rejected" and "tilted by 7" in v.events[-1].text)  # arcsec
+    guided.hands("place 4 8 0 0.03 0")
+    guided.run(guided.done(4))
+    assert guided.desk.badly_seated == {4}
+
+
+def placed_7_turned(rig: Make, **how: bool) -> GuideRig:
+    guided = rig(dwells(1, 2, 3, 4, 5, 6, 7, 8, seconds=40.0), **how)
+    for count, position in enumerate((1, 2, 3, 4, 5, 6), start=1):
+        guided.hands(f"place {position} 8")
+        guided.run(guided.done(count))
+    guided.hands("place 7 8 0 4 0")  # y is down: clockwise from above
+    return guided
+
+
+def test_a_position_that_stood_4_deg_off_is_named_at_once_and_done_again(rig: Make) -> None:
+    guided = placed_7_turned(rig)
+    view = guided.run(lambda v: v.question is not None)
+    told = re.match(
+        r"Position 7 stood (\d\.\d) deg off, clockwise from above, by the Earth rate", view.question.text
+    )
+    assert told
+    assert float(told[1]) == pytest.approx(4.0, abs=1.0)
+    assert view.done == 7
+    guided.obey("answer", key="r")
+    guided.run(lambda v: v.stage == "place" and "set position 7 along the marks" in v.hint)
+    guided.rest(20)
+    assert guided.view.step("dwell_07").attempts == 1  # not where it stands
+    guided.hands("place 7 8")
+    guided.run(lambda v: v.step("dwell_07").attempts == 2)
+    assert guided.rest(20).question is None
+    assert guided.view.wanted == "dwell_08"
+
+
+def test_a_heading_that_is_kept_is_not_asked_of_again(rig: Make) -> None:
+    guided = placed_7_turned(rig)
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="k")
+    guided.run(lambda v: v.question is None)
+    guided.hands("place 8 8")
+    guided.run(guided.done(8))
+    assert guided.rest(20).question is None
+    assert guided.guide.is_complete
+
+
+def test_with_nobody_to_ask_it_is_done_again_once(rig: Make) -> None:
+    guided = placed_7_turned(rig, asks=False)
+    guided.run(lambda v: v.step("dwell_07").state == "redo")
+    guided.hands("place 7 8 0 4 0")
+    guided.run(lambda v: v.step("dwell_07").attempts == 2)
+    assert guided.view.wanted == "dwell_08"
+
+
+def test_that_a_recording_began_is_not_said_once_it_is_over(rig: Make) -> None:
+    guided = rig(dwells(1, 2, seconds=30.0))
+    guided.run(after(10.0))
+    assert guided.view.events[-1].text == "recording: keep your hands off"
+    guided.hands("place 1 8")  # lifted in mid-recording
+    view = guided.run(lambda v: v.stage == "place")
+    assert not [event for event in view.events if event.sound == "start"]
+    guided.run(guided.done(1))
+    assert not [event for event in guided.view.events if event.sound == "start"]
+
+
+def test_a_kept_seat_is_said_to_be_kept_while_it_is_recorded(rig: Make) -> None:
+    guided = on_a_crumb(rig, 0.3)
+    guided.obey("keep_seating")
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="y")
+    guided.run(lambda v: v.gates is not None and v.gates.seating.startswith("kept as it sits: tilted by"))
+    assert guided.view.stage == "dwell"
+    assert guided.view.gates.is_seated
+    guided.run(guided.done(4))
+    assert guided.desk.badly_seated == {4}

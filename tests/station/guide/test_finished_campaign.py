@@ -1,0 +1,157 @@
+"""A campaign that is complete but not stored is gone on with for its verdict, whether or not its IMU is there."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from fixtures_db.database import Database, open_db
+from fixtures_db.history import history
+from procedures.calibration.calibration import hand_turns
+from procedures.calibration.plan_steps import Dwell, steps_of
+from station import cli
+from station.files.toml_text import read_toml
+from station.guide.command import Command
+from station.guide.engine import Engine
+from station.guide.folder_notes import keep_plan, write_setup
+from station.guide.kept_tilted_dwells import doubt_of
+from station.guide.last_setup import save_setup
+from station.guide.options import Options
+from station.guide.start_engine import EngineOptions
+from station.guide.view import Setup
+from tests.station.guide.stored import recorded
+
+NOWHERE = "serial:///dev/ttyNONE?format=counts"
+POSITIONS = tuple(Dwell(position, 4.0) for position in range(1, 13))
+
+
+@pytest.fixture
+def database(tmp_path: Path) -> Iterator[Database]:
+    with open_db(tmp_path / "s.db") as opened:
+        yield opened
+
+
+@pytest.fixture
+def folder(tmp_path: Path, database: Database) -> Path:
+    made = recorded(tmp_path / "c", database)
+    keep_plan(made, POSITIONS)
+    write_setup(made, Setup(url=NOWHERE, latitude_deg=31.17))
+    return made
+
+
+def kept_tilted(folder: Path, position: int, *off: float) -> None:
+    """Have it said that the cube was kept as it sat, so far off [rad]."""
+    toml, found = folder / "campaign.toml", f"position = {position}\n"
+    text = toml.read_text()
+    assert text.count(found) == 1
+    toml.write_text(text.replace(found, f"{found}kept_seat_rad = [{off[0]}, {off[1]}]\n"))
+
+
+def resumed(folder: Path, database: Database, url: str = "") -> Engine:
+    engine = Engine(database, Options(folder.parent, Setup(url=url), warms_up=False), lambda view: None)
+    engine.obey(Command(verb="resume", folder=str(folder)))
+    engine.round()
+    return engine
+
+
+def test_it_goes_to_the_verdict_without_its_port_and_can_be_stored(folder: Path, database: Database) -> None:
+    engine = resumed(folder, database)
+    assert engine.view.stage == "verdict"
+    assert (engine.view.unit, engine.view.done) == ("SIM-FOG3 SIM-7", 12)
+    assert engine.view.verdict.diagnosis_text
+    assert not engine.is_busy
+    engine.obey(Command(verb="store"))
+    assert engine.view.stage == "stored"
+    engine.close()
+    with database.read() as session:
+        assert len(history(session, "SIM-7")) == 1
+
+
+def test_the_seat_kept_farthest_off_is_offered_to_be_recorded_again(folder: Path, database: Database) -> None:
+    kept_tilted(folder, 4, 3e-4, 0.0)
+    kept_tilted(folder, 8, 0.0, -5e-4)
+    engine = resumed(folder, database)
+    assert engine.view.verdict.redo == "dwell_08"
+    engine.close()
+
+
+def test_a_seat_that_spoils_the_calibration_is_the_first_thing_a_verdict_says(
+    folder: Path, database: Database
+) -> None:
+    kept_tilted(folder, 8, 0.0, -5e-4)  # as a cube's own face may be
+    assert doubt_of(read_toml(folder)[0]) == ""
+    kept_tilted(folder, 4, 5.2e-3, 0.0)
+    engine = resumed(folder, database)
+    verdict = engine.view.verdict
+    assert verdict.doubt.startswith("do not rely on it, record position 4 again: ")
+    assert "tilted by 0.3 deg" in verdict.doubt
+    assert f": {verdict.doubt}; " in verdict.sentence
+    assert verdict.redo == "dwell_04"
+    assert "do not rely on it, record position 4 again" in Path(verdict.report).read_text(encoding="utf-8")
+    engine.close()
+
+
+def test_a_step_done_again_opens_the_port_and_its_refusal_changes_nothing(
+    folder: Path, database: Database
+) -> None:
+    engine = resumed(folder, database)
+    engine.obey(Command(verb="redo", step="dwell_03"))
+    assert engine.view.stage == "verdict"
+    assert "not done again: /dev/ttyNONE: no such port" in engine.view.events[-1].text
+    engine.obey(Command(verb="store"))
+    assert engine.view.stage == "stored"
+    engine.close()
+
+
+def test_a_step_done_again_on_its_unit_is_wanted_next(folder: Path, database: Database) -> None:
+    with SimulatedDevice(Truth.example(7), 7) as device:
+        engine = resumed(folder, database, device.url)
+        assert engine.view.stage == "verdict"
+        engine.obey(Command(verb="redo", step="dwell_03"))
+        assert (engine.view.wanted, engine.view.verdict) == ("dwell_03", None)
+        assert engine.is_busy
+        engine.close()
+
+
+def test_one_step_short_it_wants_its_port(folder: Path, database: Database) -> None:
+    keep_plan(folder, (*POSITIONS, *steps_of(hand_turns.plan(1, 5.0))))
+    engine = resumed(folder, database)
+    assert engine.view.stage == "start"
+    assert "no such port" in engine.view.start.refused
+    assert "`station resume --device URL`" in engine.view.start.refused
+    assert engine.view.start.setup.url == NOWHERE
+    engine.close()
+
+
+def test_a_refused_campaign_leaves_the_form_as_it_stood(folder: Path, database: Database) -> None:
+    keep_plan(folder, (*POSITIONS, *steps_of(hand_turns.plan(1, 5.0))))
+    remembered = Setup(latitude_deg=48.1, operator="Curie", cube="CUBE-7")
+    engine = Engine(database, Options(folder.parent, remembered), lambda view: None)
+    typed = remembered.model_copy(update={"url": "/dev/ttyNEW", "operator": "Noether"})
+    engine.obey(Command(verb="consider", setup=typed))
+    engine.obey(Command(verb="resume", folder=str(folder)))
+    assert engine.view.start.setup == typed
+    assert NOWHERE.split("?")[0].removeprefix("serial://") in engine.view.start.refused
+    begun = typed.model_copy(update={"operator": "Curie", "folder": str(folder.parent / "n")})
+    engine.obey(Command(verb="begin", setup=begun))
+    assert engine.view.start.setup == begun
+    assert "--device" not in engine.view.start.refused
+    engine.close()
+
+
+def test_a_resume_that_ends_at_the_form_finds_it_filled_as_it_was_remembered(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("STATION_CONFIG", str(tmp_path / "config"))
+    save_setup(Setup(url="/dev/ttyOLD", latitude_deg=48.1, operator="Curie", cube="CUBE-7"))
+    given = list[EngineOptions]()
+
+    def keep(options: EngineOptions, _: object) -> int:
+        given.append(options)
+        return 0
+
+    monkeypatch.setattr("station.commands._guided.guide", keep)
+    assert cli.run(["resume", str(folder), "--db", str(tmp_path / "s.db")]) == 0
+    assert given[0].setup == Setup(latitude_deg=48.1, operator="Curie", cube="CUBE-7")

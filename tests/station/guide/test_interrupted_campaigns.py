@@ -1,0 +1,247 @@
+"""What a kill leaves is put in order, once; what was given up leaves no trace; what was altered is refused."""
+
+import os
+from collections.abc import Callable, Iterator
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from fixtures_db.campaigns import campaign, set_state, verify_steps
+from fixtures_db.database import Database, open_db
+from fixtures_db.errors import CampaignInUse
+from fixtures_db.history import accept_calibration
+from procedures.calibration.plan_steps import Turn
+from station.errors import DataRefused
+from station.files.campaign_folder import read_campaign, verify_folder
+from station.guide.folder_notes import keep_plan
+from station.guide.interrupted_campaigns import FolderInUse, FolderLock, cancel_campaign, reopen
+from station.guide.open_campaigns import unfinished
+from station.stream.recorder import Unit
+from station.stream.recorder import campaign_recorder as recording
+from tests.fixtures_db.factory import facts, solution
+from tests.station.guide.recorded import accept, begin, die, everything, killed, step
+
+Kill = Callable[[pytest.MonkeyPatch], None]
+
+
+@pytest.fixture
+def db(tmp_path: Path) -> Iterator[Database]:
+    with open_db(tmp_path / "station.db") as opened:
+        yield opened
+
+
+def rows(database: Database, folder: Path) -> list[tuple[str, bool]]:
+    with database.read() as session:
+        return [(s.file, s.superseded) for s in campaign(session, str(folder.resolve())).steps]
+
+
+def after(name: str) -> Kill:
+    """Return a patch by which the process dies right after it has done ``name`` of the recorder."""
+
+    def patch(monkeypatch: pytest.MonkeyPatch) -> None:
+        real = getattr(recording, name)
+        monkeypatch.setattr(recording, name, lambda *a, **k: (real(*a, **k), die()))
+
+    return patch
+
+
+def before(name: str, owner: object = recording) -> Kill:
+    return lambda monkeypatch: monkeypatch.setattr(owner, name, die)
+
+
+KILLS: dict[str, tuple[Kill, bool]] = {  # where the process dies, and whether the step then counts as accepted
+    "before the file has its name": (before("rename", os), False),
+    "before its hash": (before("append_hash"), False),
+    "after its hash": (after("append_hash"), False),
+    "after campaign.toml": (after("write_tables"), True),
+    "before the row": (before("accept_step"), True),
+    "before the commit": (after("accept_step"), True),
+}
+
+
+@pytest.mark.parametrize("point", KILLS)
+@pytest.mark.parametrize("position", [3, 1], ids=["new", "redo"])
+def test_a_kill_at_any_point_of_accepting_leaves_a_campaign_that_goes_on(
+    db: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, point: str, position: int
+) -> None:
+    folder = tmp_path / "c"
+    accept(begin(folder, db), 1, 2)
+    kill, counts = KILLS[point]
+
+    def redo(own: Database) -> None:
+        recorder = reopen(folder, own)
+        kill(monkeypatch)
+        accept(recorder, position)
+
+    killed(tmp_path / "station.db", redo)
+    once = reopen(folder, db)
+    expected = {1: 1, 2: 1}
+    expected[position] = expected.get(position, 0) + counts
+    assert once.accepted == {step(p).name: n for p, n in expected.items() if n}
+    before_again = everything(db), sorted(p.name for p in folder.iterdir())
+    assert reopen(folder, db).accepted == once.accepted
+    assert (everything(db), sorted(p.name for p in folder.iterdir())) == before_again
+    assert not list(folder.glob("*.part")) + list(folder.glob(".*.part"))
+    [again] = accept(once, position)
+    assert rows(db, folder)[-1] == (again.name, False)
+    assert {d.name for d in read_campaign(folder).campaign.dwells} == {f for f, old in rows(db, folder) if not old}
+    verify_folder(folder)
+    with db.read() as session:
+        assert verify_steps(session) == []
+
+
+def test_an_orphan_is_kept_and_never_used_again(
+    db: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recorder = begin(tmp_path / "c", db)
+    monkeypatch.setattr(recording, "append_hash", die)
+    killed(tmp_path / "station.db", lambda own: accept(recorder, 1))
+    monkeypatch.undo()
+    orphan = (tmp_path / "c" / "dwell_01.mcap").read_bytes()
+    [path] = accept(reopen(tmp_path / "c", db), 1)
+    assert path.name == "dwell_01_2.mcap"
+    assert (tmp_path / "c" / "dwell_01.mcap").read_bytes() == orphan
+
+
+def test_a_row_that_cannot_be_written_is_no_accepted_step(
+    db: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recorder = begin(tmp_path / "c", db)
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(recording, "write_tables", full)
+    with pytest.raises(OSError, match="No space"):
+        accept(recorder, 1)
+    monkeypatch.undo()
+    accept(recorder, 2)
+    assert [d.position for d in read_campaign(tmp_path / "c").campaign.dwells] == [2]
+    assert recorder.accepted == {"dwell_02": 1}
+
+
+def damage(folder: Path, file: str, change: str) -> None:
+    path = folder / file
+    if change == "gone":
+        path.unlink()
+    elif change == "bit":
+        content = bytearray(path.read_bytes())
+        content[len(content) // 2] ^= 1
+        path.write_bytes(content)
+    elif change == "unnamed":
+        toml = folder / "campaign.toml"
+        toml.write_text(toml.read_text().partition("[[dwell]]")[0])
+    else:
+        sums = folder / "SHA256SUMS"
+        sums.write_text("".join(line for line in sums.read_text().splitlines(True) if file not in line))
+
+
+@pytest.mark.parametrize("change", ["gone", "bit", "unnamed", "no hash"])
+def test_an_accepted_file_that_is_not_what_it_was_is_refused(db: Database, tmp_path: Path, change: str) -> None:
+    folder = tmp_path / "c"
+    accept(begin(folder, db), 1, 2, 1)
+    reopen(folder, db)
+    damage(folder, "dwell_01.mcap", change)  # superseded, and yet a record
+    with pytest.raises(DataRefused, match="restore the folder"):
+        reopen(folder, db)
+    assert len(rows(db, folder)) == 3
+
+
+def test_a_folder_set_back_to_before_a_redo_is_refused(db: Database, tmp_path: Path) -> None:
+    recorder = begin(tmp_path / "c", db)
+    accept(recorder, 1)
+    old = (tmp_path / "c" / "campaign.toml").read_text()
+    accept(recorder, 1)
+    (tmp_path / "c" / "campaign.toml").write_text(old)
+    with pytest.raises(DataRefused, match=r"expected 'dwell_01_2\.mcap'"):
+        reopen(tmp_path / "c", db)
+
+
+def test_cancel_leaves_the_database_row_for_row_as_it_was(db: Database, tmp_path: Path) -> None:
+    accept(begin(tmp_path / "other", db, Unit("SIM-FOG3", "SIM-1", 0.02)), 1)
+    was = everything(db)
+    accept(begin(tmp_path / "c", db), 1, 2, 1)
+    assert everything(db) != was
+    cancel_campaign(tmp_path / "c", db)
+    assert everything(db) == was
+    assert len(read_campaign(tmp_path / "c").campaign.dwells) == 2
+    assert len(verify_folder(tmp_path / "c")) == 3
+
+
+def test_cancel_keeps_a_unit_that_others_know(db: Database, tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        begin(tmp_path / name, db)
+    cancel_campaign(tmp_path / "two", db)
+    assert [row[1:] for row in everything(db)["imus"]] == [("SIM-FOG3", "SIM-7")]
+    cancel_campaign(tmp_path / "one", db)
+    assert everything(db)["imus"] == []
+
+
+def test_a_campaign_with_a_stored_calibration_is_neither_cancelled_nor_gone_on_with(
+    db: Database, tmp_path: Path
+) -> None:
+    folder = str((tmp_path / "c").resolve())
+    begin(tmp_path / "c", db)
+    with db.write() as session:
+        accept_calibration(session, solution(), facts(), campaign_folder=folder)
+        set_state(session, folder, "accepted")
+    for refused in (cancel_campaign, reopen):
+        with pytest.raises(CampaignInUse):
+            refused(tmp_path / "c", db)
+    assert unfinished(db) == []
+
+
+def test_unfinished_campaigns_are_listed_newest_first_with_what_is_done(db: Database, tmp_path: Path) -> None:
+    accept(begin(tmp_path / "one", db), 1, 2, 1)
+    keep_plan(tmp_path / "one", (step(1), step(2), Turn("x", "+", 3, 1, 5.0)))
+    begin(tmp_path / "two", db)
+    yesterday = datetime.now(UTC) - timedelta(days=1)
+    with db.write() as session:
+        campaign(session, str((tmp_path / "one").resolve())).started_utc = yesterday
+    second, first = unfinished(db)
+    began = yesterday.astimezone()
+    assert first.title == f"campaign of {began:%Y-%m-%d %H:%M}, 2 of 3 done, SIM-FOG3 SIM-7"
+    assert (first.done, first.total, first.serial, first.state) == (2, 3, "SIM-7", "free")
+    assert second.title.endswith(", 0 of 18 done, SIM-FOG3 SIM-7")
+    assert len(second.title.split(",")[0]) == len("campaign of 12:40")
+    with FolderLock(tmp_path / "one"):
+        assert [each.state for each in unfinished(db)] == ["free", "in use"]
+    (tmp_path / "two").rename(tmp_path / "moved")
+    assert [each.state for each in unfinished(db)] == ["not here", "free"]
+
+
+def test_a_folder_has_one_station_and_a_killed_one_lets_it_go(db: Database, tmp_path: Path) -> None:
+    folder = tmp_path / "c"
+    begin(folder, db)
+
+    def hold(own: Database) -> None:
+        FolderLock(folder).__enter__()
+        die()
+
+    with FolderLock(folder), pytest.raises(FolderInUse, match="another station"), FolderLock(folder):
+        pass
+    assert not (folder / ".lock").exists()
+    killed(tmp_path / "station.db", hold)
+    assert (folder / ".lock").exists()
+    assert [each.state for each in unfinished(db)] == ["free"]
+    with FolderLock(folder):
+        assert [each.state for each in unfinished(db)] == ["in use"]
+
+
+def test_two_stations_on_one_database_do_not_disturb_each_other(db: Database, tmp_path: Path) -> None:
+    with open_db(tmp_path / "station.db") as other:
+        here = begin(tmp_path / "here", db)
+        there = begin(tmp_path / "there", other, Unit("SIM-FOG3", "SIM-8", 0.02))
+        for position in range(1, 5):
+            accept(here, position)
+            accept(there, position)
+        cancel_campaign(tmp_path / "there", other)
+    assert [file for file, _ in rows(db, tmp_path / "here")] == [f"dwell_{p:02d}.mcap" for p in range(1, 5)]
+    assert reopen(tmp_path / "here", db).accepted == here.accepted
+
+
+def test_a_row_always_has_its_folder(db: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recording, "write_tables", die)
+    killed(tmp_path / "station.db", lambda own: begin(tmp_path / "c", own))
+    assert unfinished(db) == []

@@ -1,0 +1,62 @@
+"""The simulated hands do what is asked once, and again where it was undone and is asked for long after."""
+
+from contextlib import closing
+
+from drivers.ports import open_port
+from drivers.simulated.hands import SimulatedHands
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from station.guide.simulated_operator import PATIENCE_S, SimulatedOperator
+from station.guide.view import Event, Step, View
+
+MOVE_S = 5.0
+WANTS_7 = View(stage="place", wanted="dwell_07", steps=(Step(name="dwell_07", state="todo", position=7),))
+
+
+def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None:
+    with (
+        SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
+        closing(SimulatedOperator(device.control, MOVE_S)) as operator,
+        SimulatedHands(device.control) as hands,
+        closing(open_port(device.url, 0.1)) as port,
+    ):
+
+        def wait_until(time: float) -> None:
+            while hands.time() <= time:
+                port.read(65536)
+
+        operator.look(WANTS_7)
+        over = hands.done()
+        wait_until(over + PATIENCE_S / 2)
+        operator.look(WANTS_7)
+        assert hands.done() <= hands.time()
+        wait_until(over + PATIENCE_S)
+        operator.look(WANTS_7)
+        assert hands.done() > over + PATIENCE_S
+
+
+def test_hands_wait_for_a_guide_that_is_behind_however_far_the_device_has_run() -> None:
+    with (
+        SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
+        closing(SimulatedOperator(device.control, MOVE_S)) as operator,
+        SimulatedHands(device.control) as hands,
+        closing(open_port(device.url, 0.1)) as port,
+    ):
+        operator.look(WANTS_7.model_copy(update={"time_s": 1.0}))
+        over = hands.done()
+        while hands.time() <= over + 2 * PATIENCE_S:
+            port.read(65536)
+        rejected = {"events": (Event(number=1, sound="rejected", text="touched"),)}
+        for behind in ({"time_s": 2.0}, {"time_s": over - 0.5}, {"time_s": over - 0.5, **rejected}):
+            operator.look(WANTS_7.model_copy(update=behind))
+        assert hands.done() <= hands.time()
+        operator.look(WANTS_7.model_copy(update={"time_s": over + PATIENCE_S - 1.0}))
+        assert hands.done() <= hands.time()
+        operator.look(WANTS_7.model_copy(update={"time_s": over + 1.0, **rejected}))
+        assert hands.done() > hands.time()
+        again = hands.done()
+        while hands.time() <= again + 10:
+            port.read(65536)
+        for restarted in (0.5, 400.0, again - over + PATIENCE_S + 10):  # the device's time began again
+            operator.look(WANTS_7.model_copy(update={"time_s": restarted, **rejected}))
+        assert hands.done() > again

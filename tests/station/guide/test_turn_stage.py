@@ -1,0 +1,300 @@
+"""Hand turns: counted live, accepted when they come back, refused with a reason."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivers.simulated.faults import Fault
+from drivers.simulated.truth import Truth
+from procedures.calibration.plan_steps import Dwell, Turn
+from station.errors import DataRefused
+from station.files.campaign_folder import read_campaign
+from station.guide.view import View
+from tests.station.guide.rig import GuideRig
+
+Make = Callable[..., GuideRig]
+PLUS, MINUS = Turn("x", "+", 3, 1, 5.0), Turn("x", "-", 3, 1, 5.0)
+
+
+def ready(view: View) -> bool:
+    return view.turn is not None and view.turn.rest_s >= view.turn.rest_wanted_s and not view.hint
+
+
+def rejected(view: View) -> bool:
+    return any(event.sound == "rejected" for event in view.events)
+
+
+def test_a_turn_has_rest_at_both_ends_and_three_revolutions_between(rig: Make) -> None:
+    guided = rig([PLUS])
+    guided.run(ready)
+    guided.hands("turn x + 3 2")
+    guided.run(guided.done(1))
+    [turn] = read_campaign(guided.folder).campaign.turns
+    k = guided.truth.gyro_k[0]
+    assert abs(turn.series.gyro[:, 0].sum() / k - 1080) < 1
+    for end in (turn.series.gyro[:200, 0], turn.series.gyro[-200:, 0]):  # 4 s
+        assert abs(end.sum() / k) < 0.1
+
+
+def test_the_counter_runs_with_the_turn_and_ends_at_the_revolutions_asked_for(rig: Make) -> None:
+    guided = rig([Dwell(1, 20.0), Dwell(2, 20.0), MINUS])
+    guided.run(guided.done(1))
+    guided.hands("place 2 8")
+    guided.run(guided.done(2))
+    guided.hands("place 1 8")
+    guided.run(ready)
+    guided.hands("turn x - 3 2")
+    guided.run(guided.done(3))
+    turning = [view.turn for view in guided.seen if view.turn is not None]
+    counted = [turn.revolutions for turn in turning]
+    assert min(counted) == pytest.approx(-3.0, rel=0.05)  # the Earth's rate tells the scale to a few per cent
+    assert 20 < max(turn.speed_deg_s for turn in turning) < 100
+    assert "turn X-: 2." in " ".join(view.line for view in guided.seen)
+
+
+def test_the_second_turn_of_a_pair_says_how_well_both_closed(rig: Make) -> None:
+    guided = rig([PLUS, MINUS])
+    for count, direction in enumerate("+-", start=1):
+        guided.run(lambda v, d=direction: ready(v) and v.live.endswith({"+": "plus", "-": "minus"}[d]))
+        guided.hands(f"turn x {direction} 3 2")
+        guided.run(guided.done(count))
+    first, second = (step.note for step in guided.view.steps)
+    assert re.fullmatch(r"came back within \d\.\d deg \(1 sigma \d\.\d deg\)", first)
+    assert re.fullmatch(r"0\.0\d\d deg from the turn the other way, limit 0\.0[45]\d", second)
+
+
+@pytest.mark.parametrize(
+    ("command", "reason"),
+    [
+        ("turn x - 3 2", "it was the other way round, expected counter-clockwise seen from above"),
+        ("turn x + 2 2", "it was 2.00 revolutions, by the turns before it, expected 3"),
+        ("place 5 8", "the cube was tipped over"),
+        ("place 2 8", "it was"),
+    ],
+)
+def test_a_turn_that_is_not_the_one_asked_for_is_told_why(rig: Make, command: str, reason: str) -> None:
+    guided = rig([MINUS, PLUS])
+    guided.run(ready)
+    guided.hands("turn x - 3 2")
+    guided.run(guided.done(1))
+    guided.run(lambda v: ready(v) and v.live == "turn_x_plus")
+    guided.hands(command)
+    view = guided.run(rejected)
+    assert view.events[-1].text.startswith(f"turn X+: {reason}")
+    assert view.events[-1].text.endswith("; once more")
+    guided.hands("place 1 8")
+    guided.run(ready)
+    guided.hands("turn x + 3 2")
+    guided.run(guided.done(2))
+
+
+def test_a_turn_in_which_samples_were_lost_is_done_again(rig: Make) -> None:
+    guided = rig([PLUS], faults=[Fault("lost", at_s=25.0, count=2)])
+    guided.run(ready)
+    guided.hands("turn x + 3 2")
+    view = guided.run(rejected)
+    assert "samples were lost while it turned" in view.events[-1].text
+
+
+def test_a_turn_from_the_other_position_of_its_face_is_refused(rig: Make) -> None:
+    guided = rig([PLUS])
+    guided.hands("place 2 8")
+    view = guided.run(rejected)
+    assert view.events[-1].text == "the cube stands in position 2; a turn X+ begins in position 1"
+
+
+def test_it_is_asked_where_a_turn_begins_if_the_earth_rate_does_not_tell(rig: Make) -> None:
+    guided = rig([PLUS], replace(Truth.example(1), latitude_deg=89.5))
+    view = guided.run(lambda v: v.question is not None)
+    assert [choice.key for choice in view.question.choices] == ["1", "2", "n"]
+    guided.obey("answer", key="1")
+    guided.run(ready)
+    guided.hands("turn x + 3 2")
+    guided.run(guided.done(1))
+
+
+def test_a_pause_in_mid_turn_lets_it_be_done_again(rig: Make) -> None:
+    guided = rig([PLUS])
+    guided.run(ready)
+    guided.hands("turn x + 3 2")
+    guided.rest(10)
+    guided.obey("pause")
+    guided.rest(60)
+    assert guided.view.done == 0
+    guided.obey("go_on")
+    guided.run(ready)
+    guided.hands("turn x + 3 2")
+    guided.run(guided.done(1))
+
+
+@pytest.mark.parametrize("revolutions", [2, 4])
+def test_the_first_turn_is_counted_by_the_earth_rate(rig: Make, revolutions: int) -> None:
+    guided = rig([Dwell(1, 20.0), PLUS])
+    guided.run(guided.done(1))
+    guided.run(ready)
+    guided.hands(f"turn x + {revolutions} 2")
+    view = guided.run(rejected)
+    assert re.search(r"it was about \d\.\d revolutions, expected 3", view.events[-1].text)
+    guided.run(ready)
+    guided.hands("turn x + 3 2")
+    guided.run(guided.done(2))
+
+
+def test_a_turn_the_wrong_way_stops_at_once_where_nothing_else_is_to_be_done_that_way(rig: Make) -> None:
+    guided = rig([PLUS])
+    guided.run(ready)
+    guided.hands("turn x - 3 2")
+    began = guided.source.device.imu.time
+    view = guided.run(rejected)
+    assert guided.source.device.imu.time < began + 15  # of about 35
+    assert view.events[-1].text == (
+        "turn X+: it was the other way round, expected counter-clockwise seen from above; once more"
+    )
+    assert max((v.turn.revolutions for v in guided.seen if v.turn is not None), default=0.0) < 0.1
+
+
+@pytest.mark.parametrize("position", range(3, 13))
+def test_a_cube_that_is_tipped_over_is_no_turn_the_wrong_way(rig: Make, position: int) -> None:
+    guided = rig([PLUS])
+    guided.run(ready)
+    guided.hands(f"place {position} 8")
+    assert "the cube was tipped over" in guided.run(rejected).events[-1].text
+
+
+@pytest.mark.parametrize("when", ["while it turns", "after it"])
+def test_a_turn_the_wrong_way_is_taken_as_the_other_one_if_the_operator_says_so(rig: Make, when: str) -> None:
+    guided = rig([PLUS, MINUS])
+    guided.run(ready)
+    guided.hands("turn x - 3 2")
+    view = guided.run(lambda v: v.question is not None)
+    assert view.hint.startswith("the other way round")
+    assert "that is turn X-, asked for is turn X+" in view.question.text
+    if when == "after it":
+        guided.rest(90)
+        assert guided.view.done == 0
+    guided.obey("answer", key="y")
+    view = guided.run(guided.done(1))
+    assert view.step("turn_x_minus").attempts == 1
+    assert view.wanted == "turn_x_plus"
+    [turn] = read_campaign(guided.folder).campaign.turns
+    assert turn.direction == "-"
+    assert turn.series.gyro[:, 0].sum() < 0
+
+
+def test_a_turn_the_wrong_way_begins_anew_if_the_operator_says_so(rig: Make) -> None:
+    guided = rig([PLUS, MINUS])
+    guided.run(ready)
+    guided.hands("turn x - 3 2")
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="n")
+    guided.run(rejected)
+    guided.run(ready)
+    guided.hands("turn x + 3 2")
+    assert guided.run(guided.done(1)).step("turn_x_plus").attempts == 1
+
+
+def test_with_nobody_to_ask_a_turn_the_wrong_way_is_the_other_step(rig: Make) -> None:
+    guided = rig([PLUS, MINUS], asks=False)
+    guided.run(ready)
+    guided.hands("turn x - 3 2")
+    assert guided.run(guided.done(1)).step("turn_x_minus").attempts == 1
+
+
+def turn(guided: GuideRig, direction: str) -> None:
+    before = guided.recorder.accepted.total()
+    guided.run(lambda v: ready(v) and v.live.endswith({"+": "plus", "-": "minus"}[direction]))
+    guided.hands(f"turn x {direction} 3 2")
+    guided.run(lambda _: guided.recorder.accepted.total() > before)
+
+
+def off_by(guided: GuideRig, direction: str, degrees: float) -> None:
+    """Turn, and end off the mark: the cube creeps on in the last moment of the turn."""
+    before = guided.recorder.accepted.total()
+    guided.run(lambda v: ready(v) and v.live.endswith({"+": "plus", "-": "minus"}[direction]))
+    guided.hands(f"turn x {direction} 3 0")
+    guided.hands(f"creep 1 {degrees if direction == '+' else -degrees} 0 0")
+    guided.run(lambda _: guided.recorder.accepted.total() > before)
+
+
+def test_a_pair_that_did_not_close_is_not_taken_and_a_third_turn_decides(rig: Make) -> None:
+    guided = rig([PLUS, MINUS])
+    turn(guided, "+")
+    off_by(guided, "-", 0.5)
+    text = guided.texts[-1]
+    assert re.match(
+        r"rejected: turn X- and turn X\+ came back 0\.\d\d deg apart, limit 0\.05: one more turn X-", text
+    )
+    assert not guided.guide.is_complete
+    view = guided.run(lambda v: v.question is not None)
+    assert [choice.key for choice in view.question.choices] == ["t", "w"]
+    turn(guided, "-")  # no answer is needed to turn
+    assert guided.guide.is_complete
+    assert [t.name for t in read_campaign(guided.folder).campaign.turns] == [
+        "turn_x_plus.mcap",
+        "turn_x_minus_2.mcap",
+    ]
+
+
+def test_where_the_third_turn_confirms_the_second_the_first_is_done_again(rig: Make) -> None:
+    guided = rig([PLUS, MINUS])
+    off_by(guided, "+", 0.5)
+    turn(guided, "-")
+    turn(guided, "-")
+    assert "turn X- is confirmed, do turn X+ again" in guided.texts[-1]
+    turn(guided, "+")
+    assert guided.guide.is_complete
+
+
+def test_a_pair_that_did_not_close_is_known_after_a_resume(rig: Make) -> None:
+    guided = rig([PLUS, MINUS])
+    turn(guided, "+")
+    off_by(guided, "-", 0.5)
+    guided.resume()
+    assert guided.view.wanted == "turn_x_minus"
+    assert guided.view.step("turn_x_minus").state == "redo"
+    guided.hands("place 1 8")
+    turn(guided, "-")
+    assert guided.guide.is_complete
+    guided.resume()
+    assert guided.guide.is_complete
+
+
+def test_the_operator_may_state_a_wider_closure_which_is_recorded_as_that_act(rig: Make) -> None:
+    guided = rig([PLUS, MINUS])
+    turn(guided, "+")
+    off_by(guided, "-", 0.5)
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="w")
+    guided.run(lambda _: guided.guide.is_complete)
+    loaded = read_campaign(guided.folder)
+    stated = loaded.tables.procedure
+    assert stated.closure_widened_from_deg == pytest.approx(np.degrees(2e-4), rel=1e-6)
+    assert 0.2 < stated.closure_std_deg < 0.6
+    assert np.degrees(loaded.campaign.sigma.closure) == pytest.approx(stated.closure_std_deg)
+    assert any("widened by the operator" in warning for warning in loaded.warnings)
+
+
+def test_with_nobody_to_ask_turns_that_never_agree_end_honestly(rig: Make) -> None:
+    guided = rig([PLUS, MINUS], asks=False)
+
+    def turn_until_refused() -> None:
+        for off in (0.1, 0.4, 0.8, -0.3, 0.2, 0.6, 1.0, -0.7):
+            off_by(guided, guided.view.step(guided.view.wanted).direction, off)
+
+    with pytest.raises(DataRefused, match=r"came back \d\.\d\d deg apart"):
+        turn_until_refused()
+    assert guided.recorder.accepted.total() in {6, 7}
+
+
+def test_a_turn_that_ends_degrees_off_is_seen_by_the_earth_rate_alone(rig: Make) -> None:
+    guided = rig([PLUS])
+    guided.run(ready)
+    guided.hands("turn x + 3 0")
+    guided.hands("creep 1 20 0 0")
+    view = guided.run(rejected)
+    assert re.search(
+        r"turn X\+: it came back \d+\.\d deg off \(1 sigma \d\.\d deg\); once more", view.events[-1].text
+    )

@@ -1,0 +1,86 @@
+"""A unit without a serial number is known by its counts, as far as they tell it from another of its model."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import SimulatedBench
+from drivers.simulated.truth import Truth
+from procedures.calibration.plan_steps import Dwell
+from station.errors import DataRefused
+from station.guide.folder_notes import read_unit, write_unit
+from station.guide.unit_identity import UnitRecord, same_unit
+from station.stream.live.stillness import TICKS
+
+SECONDS = 20
+
+
+def record(truth: Truth, position: int = 1, seed: int = 1, *, wire: bool = False) -> UnitRecord:
+    """Return what a station sees of a unit at rest, switched on anew."""
+    series = SimulatedBench(truth, seed).perform(Dwell(position, SECONDS))
+    assert series.gyro is not None
+    assert series.accel is not None
+    counts = np.hstack((series.gyro, series.accel))
+    ticks = counts.reshape(SECONDS, TICKS, -1, 6).sum(axis=2)
+    return UnitRecord(
+        model="M",
+        serial=truth.serial if wire else "as said",
+        serial_from_wire=wire,
+        period=truth.sample_period_s,
+        noise=tuple(ticks.var(axis=1, ddof=1).mean(axis=0).tolist()),
+        rate=tuple((counts.sum(axis=0) / SECONDS).tolist()),
+    )
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("position", [1, 2])
+def test_a_unit_switched_off_and_on_is_known_again_in_either_heading(seed: int, position: int) -> None:
+    before = record(Truth.example(seed))
+    found = same_unit(before, record(Truth.example(seed), position, seed=99 + seed))
+    assert found.answer == "yes", found.text
+
+
+def test_another_unit_of_the_model_is_hardly_ever_taken_for_it() -> None:
+    units = [record(Truth.example(seed)) for seed in range(40)]
+    answers = [same_unit(a, b).answer for i, a in enumerate(units) for b in units[:i]]
+    assert answers.count("yes") < 0.01 * len(answers)
+    found = same_unit(units[0], units[1])
+    assert found.answer == "unsure"
+    assert "unlike the campaign's first dwell: " in found.text
+    assert "accelerometer x by " in found.text
+
+
+def test_the_wires_serial_number_decides() -> None:
+    before = record(Truth.example(1), wire=True)
+    assert same_unit(before, record(Truth.example(1), 3, wire=True)).answer == "yes"
+    other = same_unit(before, record(Truth.example(2), wire=True))
+    assert other.answer == "no"
+    assert "M SIM-2, the campaign began with M SIM-1" in other.text
+
+
+def test_what_cannot_be_compared_is_unsure_and_says_what_to_do() -> None:
+    before = record(Truth.example(1))
+    face = same_unit(before, record(Truth.example(1), 3))
+    assert face.answer == "unsure"
+    assert "it rests with IMU x down; put it down with IMU x up" in face.text
+    for bare in ({"rate": None}, {"noise": None}):
+        assert same_unit(before.model_copy(update=bare), before).answer == "unsure"
+        assert same_unit(before, before.model_copy(update=bare)).answer == "unsure"
+    assert same_unit(before, before.model_copy(update={"period": 0.01})).answer == "no"
+
+
+def test_a_noisier_unit_is_not_taken_for_it() -> None:
+    before = record(Truth.example(1))
+    assert before.noise is not None
+    louder = before.model_copy(update={"noise": (*before.noise[:5], 100.0)})
+    assert "noise of accelerometer z" in same_unit(before, louder).text
+
+
+def test_the_record_is_kept_in_the_folder(tmp_path: Path) -> None:
+    assert read_unit(tmp_path) is None
+    write_unit(tmp_path, record(Truth.example(1)))
+    assert read_unit(tmp_path) == record(Truth.example(1))
+    (tmp_path / "unit.json").write_text("{}")
+    with pytest.raises(DataRefused, match=r"unit\.json"):
+        read_unit(tmp_path)

@@ -1,0 +1,93 @@
+"""Warm-up: positions begin once the unit has settled; skipping is recorded and said."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from drivers.simulated.truth import Truth
+from station.files.campaign_folder import read_campaign
+from station.files.toml_text import read_toml
+from station.guide.folder_notes import kept_plan
+from station.guide.view import WarmUp
+from station.guide.warm_up_stage import waits_for
+from station.guide.wording import rounded
+from tests.station.guide.rig import GuideRig, dwells
+
+Make = Callable[..., GuideRig]
+HEATING = replace(
+    Truth.example(4), temperature_rise_k=10.0, temperature_tau_s=600.0,
+    effects={"gyroscope.bias_temperature": {"x": 0.05, "y": 0.05, "z": 0.05}},
+)  # fmt: skip
+
+
+def test_a_settled_unit_begins_within_two_minutes(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=20.0), warms_up=True)
+    view = guided.run(lambda v: v.stage != "warm_up", seconds=120)
+    assert "start: the unit has settled; positions may begin" in guided.texts
+    guided.run(guided.done(1))
+    assert view.warm_up is None
+
+
+def test_a_heating_unit_waits_and_says_how_long(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=100.0), HEATING, warms_up=True)
+    view = guided.rest(300)
+    assert view.stage == "warm_up"
+    assert view.warm_up.temperature_rate_c_min > view.warm_up.temperature_limit_c_min
+    assert 60 < view.warm_up.left_s < 6000
+    guided.run(lambda v: v.stage != "warm_up", seconds=6000)
+
+
+def test_a_skipped_warm_up_is_recorded_and_widens_the_sigma(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=20.0), HEATING, warms_up=True)
+    guided.obey("skip_warm_up")
+    assert guided.view.stage == "warm_up"  # not before anything is known
+    guided.rest(100)
+    guided.obey("skip_warm_up")
+    guided.run(guided.done(1))
+    procedure = read_toml(guided.folder)[0].procedure
+    assert procedure.unsettled_gyro_deg_h > 0.01
+    assert read_campaign(guided.folder).campaign.sigma.unsettled_gyro > 0
+    assert any("warm-up skipped" in text for text in guided.texts)
+
+
+def test_moving_the_cube_meanwhile_does_no_harm(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=20.0), warms_up=True)
+    guided.rest(40)
+    guided.hands("place 3 10")
+    guided.rest(20)
+    assert guided.view.stage == "warm_up"
+    guided.run(lambda v: v.stage != "warm_up", seconds=200)
+
+
+@pytest.mark.parametrize("bias_ug", [1.0, 0.1])
+def test_the_dwells_last_as_long_as_the_sigma_wanted_asks_for(rig: Make, bias_ug: float) -> None:
+    guided = rig(dwells(1, 2), warms_up=True, bias_std=bias_ug * 1e-6)
+    guided.run(lambda v: v.stage != "warm_up", seconds=200)
+    seconds = {step.seconds for step in kept_plan(guided.folder)}
+    assert len(seconds) == 1
+    assert seconds == {step.seconds for step in guided.desk.checklist.steps}
+    assert (10 <= seconds.pop() < 30) if bias_ug == 1.0 else seconds.pop() > 30
+
+
+def test_it_says_what_it_waits_for_in_numbers_and_never_that_no_time_is_left(rig: Make) -> None:
+    guided = rig(dwells(1, seconds=100.0), HEATING, warms_up=True)
+    guided.rest(400)
+    warm = [view.warm_up for view in guided.seen if view.warm_up is not None]
+    assert all(each.left_s is None or each.left_s >= 1 for each in warm)
+    lasting = [each.left_s for each in warm if each.left_s is not None]
+    assert lasting  # it is said where it can be
+    notes = {each.note for each in warm}
+    assert any(
+        note.startswith("waiting for a ") and ("deg/h, now" in note or "/min, now" in note) for note in notes
+    )
+    assert not [note for note in notes if "e-" in note]
+    assert {view.line for view in guided.seen} == {"leave the cube at rest on the slab"}
+
+
+def test_a_drift_is_told_as_finely_as_its_limit() -> None:
+    assert rounded(4.35e-14, 0.0285235) == "0.000"
+    assert rounded(0.0285235, 0.0285235) == "0.029"
+    assert rounded(12.3, 2.5) == "12.3"
+    drifting = WarmUp(gyro_drift_deg_h=0.31, gyro_limit_deg_h=0.0281)
+    assert waits_for(drifting) == "waiting for a gyro drift below 0.028 deg/h, now 0.310 deg/h"

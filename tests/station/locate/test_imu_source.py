@@ -1,0 +1,81 @@
+"""``station locate`` by an IMU: a planted flight through files, and what is said without the extra."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.earth.gravity_and_rate import earth_rate_n
+from station import cli
+from tests.procedures.fusion.motions import GRAVITY, NO_LEVER, Eight
+from tests.station.files.fusion_folder.folders import TOML, write_folder, write_rows
+
+GNSS_HEADER = "t_s,e_m,n_m,u_m,ve_m_s,vn_m_s,vu_m_s"
+RATE_HEADER = "t_s,wx_rad_s,wy_rad_s,wz_rad_s,fx_m_s2,fy_m_s2,fz_m_s2"
+
+
+def write_flight(folder: Path, seconds: float, lever: np.ndarray = NO_LEVER, late: float = 0.0) -> Path:
+    """Write the IMU, GNSS and truth of a flight, the antenna at ``lever`` [m] and stamped ``late`` [s]."""
+    folder.mkdir()
+    flight, rng = Eight(seconds), np.random.default_rng(1)
+    text = TOML.replace("gravity_m_s2 = 9.8066", f"gravity_m_s2 = {GRAVITY}")
+    (folder / "fusion.toml").write_text(text.replace('[odometry]\nfile = "odometry.tum"\n', ""))
+    imu, fixes = flight.imu(rng, earth_rate_n(np.radians(47.4))), flight.fixes(rng, lever, late)
+    t = np.arange(0.0, seconds, 0.05)
+    write_rows(folder / "imu.csv", ",", np.c_[imu.t, imu.omega_b, imu.f_b], RATE_HEADER)
+    write_rows(folder / "gnss.csv", ",", np.c_[fixes.t, fixes.p_n, fixes.v_n], GNSS_HEADER)
+    write_rows(folder / "truth.tum", " ", np.c_[t, flight.p(t), flight.attitude(t).as_quat()])
+    return folder
+
+
+@pytest.mark.parametrize("layers", ["1", "2"])
+def test_a_flight_is_located_by_its_imu(layers: str, tmp_path: Path) -> None:
+    pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
+    folder, out = write_flight(tmp_path / "log", 16.0), tmp_path / "t.tum"
+    arguments = ["--layers", layers, "--out", str(out), "--json", str(tmp_path / "j.json")]
+    assert cli.run(["locate", str(folder), *arguments]) == 0
+    said = json.loads((tmp_path / "j.json").read_text())
+    assert said["source"] == "inertial"
+    assert said["layers"] == int(layers)
+    assert said["error_m"]["online"]["mean"] < 0.1
+    assert said["error_m"]["batch"]["mean"] < 0.06
+    assert said["alignment"]["std"]["yaw_deg"] < 4.0
+    assert abs(said["gyro_bias_rad_s"][2] - 0.07) < 0.005
+    assert np.diff(np.loadtxt(out)[:, 0]).max() < 0.1001
+
+
+@pytest.mark.parametrize("layers", ["1", "2"])
+def test_an_antenna_whose_place_and_delay_are_not_given_is_found(layers: str, tmp_path: Path) -> None:
+    pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
+    lever = np.array([0.4, -0.2, 0.3])
+    folder = write_flight(tmp_path / "log", 18.0, lever, late=0.12)
+    text = (folder / "fusion.toml").read_text()
+    (folder / "fusion.toml").write_text(text.replace("lever_arm_m = [0.0, 0.0, 0.0]", "time_offset_std_s = 0.2"))
+    assert cli.run(["locate", str(folder), "--layers", layers, "--json", str(tmp_path / "j.json")]) == 0
+    said = json.loads((tmp_path / "j.json").read_text())
+    assert np.abs(np.array(said["lever_arm_m"]) - lever).max() < 0.3  # 3 sigma of so short a flight
+    assert abs(said["time_offset_s"] + 0.12) < 0.025
+    assert said["error_m"]["online"]["mean"] < 0.2
+    assert said["error_m"]["batch"]["mean"] < 0.15
+
+
+@pytest.mark.parametrize("layers", ["1", "2"])
+def test_speed_and_course_without_a_climb_are_enough(layers: str, tmp_path: Path) -> None:
+    pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
+    folder = write_flight(tmp_path / "log", 20.0)
+    rows = np.loadtxt(folder / "gnss.csv", delimiter=",", skiprows=1)
+    write_rows(folder / "gnss.csv", ",", rows[:, :6], GNSS_HEADER.removesuffix(",vu_m_s"))
+    assert cli.run(["locate", str(folder), "--layers", layers, "--json", str(tmp_path / "j.json")]) == 0
+    said = json.loads((tmp_path / "j.json").read_text())
+    assert said["error_m"]["online"]["mean"] < 0.12
+    assert said["layers"] == int(layers)
+
+
+def test_without_the_extra_it_is_exit_2_and_says_how_to_install_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "gtsam", None)
+    assert cli.run(["locate", str(write_folder(tmp_path / "log"))]) == 2
+    assert "pip install 'fog-station[locate]'" in capsys.readouterr().err

@@ -1,0 +1,144 @@
+"""``station locate --images``: rendered images and video become ``[tracks]``; what is no image is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.camera.video import camera_images, open_camera
+from drivers.errors import PortNotFound
+from procedures.fusion.vision.feature_tracker import Lens
+from station import cli
+from station.errors import CannotWrite, DataRefused
+from station.files.fusion_folder import read_fusion
+from station.locate.tracks_from_images import follow_all, listed_images, make_tracks
+from tests.procedures.fusion.rendered import FOCAL, HEIGHT, WIDTH, Scene, frames
+from tests.station.files.fusion_folder.folders import write_folder
+
+cv2 = pytest.importorskip("cv2", reason="opencv is not installed")
+TRACKS = f"""[tracks]
+file = "tracks.csv"
+fx_px = {FOCAL}
+fy_px = {FOCAL}
+cx_px = {WIDTH / 2}
+cy_px = {HEIGHT / 2}
+imu_from_camera = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+"""
+SEEN = [(t, image) for t, image in frames(Scene(cv2), 0.6)]
+LENS = Lens(FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2, np.zeros(4))
+
+
+@pytest.fixture
+def images(tmp_path: Path) -> Path:
+    """A folder of images."""
+    folder = tmp_path / "cam0"
+    folder.mkdir()
+    lines = ["t_s,file"]
+    for t, image in SEEN:
+        name = f"{round(t * 1000):04d}.png"
+        assert cv2.imwrite(str(folder / name), image)
+        lines.append(f"{t:.3f},{name}")
+    (folder / "images.csv").write_text("\n".join(lines) + "\n")
+    return folder
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A fusion folder whose tracks are still to be made."""
+    made = write_folder(tmp_path / "log", seconds=5.0)
+    with (made / "fusion.toml").open("a") as stream:
+        stream.write(TRACKS)
+    return made
+
+
+def test_images_become_the_tracks_of_a_folder(folder: Path, images: Path) -> None:
+    assert make_tracks(folder, images, np.inf) == folder / "tracks.csv"
+    tracks, same = read_fusion(folder).tracks, follow_all(SEEN, LENS)
+    assert tracks is not None
+    assert np.array_equal(tracks.feature, same.feature)
+    assert np.abs(tracks.uv - same.uv).max() < 0.001
+    assert len(tracks.frames()[0]) == len(SEEN)
+    shorter = follow_all(listed_images(images, 0.25), LENS)
+    assert len(shorter.frames()[0]) == 3
+
+
+def test_a_video_gives_the_same_images_with_their_time(tmp_path: Path) -> None:
+    path = tmp_path / "seen.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 10.0, (WIDTH, HEIGHT), isColor=False)
+    assert writer.isOpened()
+    for _, image in SEEN:
+        writer.write(image)
+    writer.release()
+    got = list(camera_images(path))
+    assert np.allclose(np.diff([t for t, _ in got]), 0.1, atol=1e-3)
+    assert len(got) == len(SEEN)
+    assert np.abs(got[2][1].astype(float) - SEEN[2][1]).mean() < 6.0  # JPEG
+    assert len(list(camera_images(path, 0.25))) == 3
+
+
+def test_the_command_follows_images_and_says_when_they_show_no_motion_it_can_use(
+    folder: Path, images: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["locate", str(folder), "--images", str(images)]) == 5  # a standing IMU before a moving view
+    assert (folder / "tracks.csv").exists()
+    assert "cannot be determined" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ("time,file\n", "images.csv:1: found 'time,file', expected the header t_s,file"),
+        ("t_s,file\n0.0,0000.png\n0.0,0100.png\n", "images.csv:3: found t_s 0.000000 after 0.000000"),
+        ("t_s,file\nnow,0000.png\n", "images.csv:2: found 'now,0000.png'"),
+        ("t_s,file\n0.0,images.csv\n", "images.csv:2: found 'images.csv', which is no image"),
+        ("t_s,file\n0.0,gone.png\n", "images.csv:2: found 'gone.png', which does not exist"),
+        ("t_s,file\n0.0,../log/fusion.toml\n", "which leads to"),
+    ],
+)
+def test_images_that_cannot_be_are_refused_in_one_line(images: Path, lines: str, said: str) -> None:
+    (images / "images.csv").write_text(lines)
+    with pytest.raises(DataRefused) as refused:
+        list(listed_images(images))
+    assert said in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_folder_without_a_list_of_images_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DataRefused, match=r"found no images.csv, expected one; check the name"):
+        list(listed_images(tmp_path))
+
+
+def test_no_camera_is_a_device_fault(tmp_path: Path) -> None:
+    with pytest.raises(PortNotFound, match="no images can be had"):
+        open_camera(tmp_path / "video7")
+
+
+def test_images_without_tracks_in_the_folder_are_exit_3(
+    images: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["locate", str(write_folder(tmp_path / "bare")), "--images", str(images)]) == 3
+    assert "found no [tracks]" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--out", "--batch", "--json"])
+@pytest.mark.parametrize("name", ["images.csv", "0100.png"])
+def test_what_is_seen_is_not_written_over(
+    option: str, name: str, folder: Path, images: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = (images / name).read_bytes()
+    assert cli.run(["locate", str(folder), "--images", str(images), option, str(images / name)]) == 2
+    assert "it is read here" in capsys.readouterr().err
+    assert (images / name).read_bytes() == before
+    assert not (folder / "tracks.csv").exists()
+
+
+@pytest.mark.parametrize("name", ["imu.csv", "images.csv"])
+def test_tracks_are_not_written_over_another_file(name: str, folder: Path, images: Path) -> None:
+    toml = folder / "fusion.toml"
+    toml.write_text(toml.read_text().replace("tracks.csv", name))
+    for file in images.iterdir():
+        file.rename(folder / file.name)
+    before = (folder / name).read_bytes()
+    with pytest.raises(CannotWrite, match="it is read here"):
+        make_tracks(folder, folder, np.inf)
+    assert (folder / name).read_bytes() == before

@@ -1,0 +1,43 @@
+"""What lines of text and JSON say of a rest, and what is said where there is no calibration."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from drivers.wire import FORMATS
+from fixtures_db.database import open_db
+from station.calibrated.calibration_choice import UNKNOWN, find_calibration
+from station.errors import DataRefused
+from station.monitor.text_lines import json_line, reading_line
+from station.stream.recorder.connected_unit import Unit
+from tests.station.monitor.views import BEHIND, LOCATED, RESTING
+
+
+def test_what_a_drift_holds_of_the_earth_stands_beside_it() -> None:
+    assert RESTING.bought is not None
+    held = "drift holds the Earth's rate: no --latitude"
+    view = replace(RESTING, bought=replace(RESTING.bought, earth=held))
+    assert reading_line(view).endswith(f"deg/h ({held})")
+    assert json.loads(json_line(view))["at_rest"]["earth"] == held
+
+
+@pytest.mark.parametrize(
+    ("unit", "said"),
+    [
+        (Unit(UNKNOWN, UNKNOWN, 0.02), "does not say who it is.*give --model and --serial"),
+        (Unit("FOG3", "7", 0.02), "no calibration of FOG3 7.*calibrate it"),
+    ],
+)
+def test_without_calibration_and_scale_it_says_what_to_do(unit: Unit, said: str, tmp_path: Path) -> None:
+    database = str(tmp_path / "s.db")
+    with open_db(database), pytest.raises(DataRefused, match=said):
+        find_calibration(None, database, unit, FORMATS["counts"])
+    with pytest.raises(DataRefused, match="no readable file"):
+        find_calibration(tmp_path / "c.json", database, unit, FORMATS["counts"])
+
+
+def test_a_location_that_lags_behind_is_said_to() -> None:
+    assert reading_line(BEHIND).endswith("; 12 s behind")
+    assert "behind" not in reading_line(LOCATED)

@@ -1,0 +1,85 @@
+"""How a certificate falls onto pages: nothing stands alone on the last one."""
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from fixtures_db.database import open_db
+from station.results.certificate.rendering import render
+from tests.station.results.certificate.factory import accepted, drifted
+from tests.station.results.certificate.test_certificate import made
+
+SIGNED, REMARKS, RECORDS = "Place, date", "7 Remarks", "SHA-256 of the records in the laboratory"
+
+
+@pytest.fixture(scope="module")
+def documents(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the calibrations of a unit, the second of which has one before it."""
+    with open_db(tmp_path_factory.mktemp("db") / "station.db") as database, database.write() as session:
+        first, second = (json.loads(accepted(session, drifted(by)).document) for by in (0.0, 2.0))
+    return first, second
+
+
+def pages(html: str) -> list[str]:
+    """Return the text of each printed page."""
+    try:
+        from weasyprint import HTML
+    except (ImportError, OSError) as error:
+        pytest.skip(f"no PDF here: {error}")
+    return [" ".join(_texts(page._page_box)) for page in HTML(string=html).render().pages]  # noqa: SLF001
+
+
+def _texts(box: Any) -> Iterator[str]:
+    yield from [box.text] if getattr(box, "text", "") else []
+    for child in getattr(box, "children", ()):
+        yield from _texts(child)
+
+
+def lengths(documents: tuple[dict[str, Any], dict[str, Any]]) -> Iterator[str]:
+    """Return certificates that end at many heights of a page."""
+    first, second = documents
+    for count in range(0, 24, 3):
+        said = {**second["procedure"], "deviations": [f"position {n} was recorded twice" for n in range(count)]}
+        yield render(made({**second, "procedure": said}))
+        files = dict(list(second["inputs"].items())[: count // 2])
+        yield render(made({**second, "procedure": said, "inputs": files}, previous=first))
+
+
+def test_the_signature_shares_its_page_with_the_remarks_and_the_records(
+    documents: tuple[dict[str, Any], dict[str, Any]],
+) -> None:
+    counts = set[int]()
+    for html in lengths(documents):
+        printed = pages(html)
+        *_, last = printed
+        assert all(text in last for text in (RECORDS, REMARKS, SIGNED))
+        assert not any(SIGNED in page for page in printed[:-1])
+        counts.add(len(printed))
+    assert counts <= {3, 4, 5}
+
+
+def test_without_what_holds_them_together_the_signature_would_stand_alone(
+    documents: tuple[dict[str, Any], dict[str, Any]],
+) -> None:
+    alone = [html.replace(", .closing { break-inside", " { break-inside") for html in lengths(documents)]
+    assert any(SIGNED in (last := pages(html)[-1]) and REMARKS not in last for html in alone)
+
+
+def test_time_is_traceable_only_as_far_as_it_was_compared(
+    documents: tuple[dict[str, Any], dict[str, Any]],
+) -> None:
+    first, _ = documents
+    alone = render(made(first))
+    assert "compared with no reference" in alone
+    assert "their second is that of the device\u2019s own clock" in alone
+    row = alone[alone.index("<tr><td>Time</td>") :].partition("</tr>")[0]
+    assert "NTP" not in row
+    assert "not compared" in row
+    assert "as the laboratory states, the device was not compared with it" in alone
+    clock = {"rate_ppm": 12.3, "std_ppm": 0.4}
+    timed = render(made({**first, "procedure": {**first["procedure"], "clock": clock}}))
+    assert "GNSS time, recorded beside the counts" in timed
+    assert "off by +12 ppm, 1\u03c3 0.4 ppm" in timed
+    assert "their second is that" not in timed

@@ -1,0 +1,57 @@
+"""The loop is closed: the calibration has the effects in, and counts at another temperature come out right."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import simulate_campaign
+from drivers.simulated.truth import Truth
+from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
+from station.files.campaign_folder import read_for_solve
+from station.results.diagnosis import closed_loop as loop
+from station.results.diagnosis.closed_loop import NAME as DIAGNOSIS
+from station.results.diagnosis.closed_loop import added_effects, close_loop
+from station.results.solution_json import solution_document
+from tests.station.results.diagnosis.conftest import Diagnosed
+
+
+def test_counts_at_another_temperature_come_out_right(warmed: Diagnosed) -> None:
+    loaded = read_for_solve([warmed.folder])
+    closed = close_loop(loaded)
+    assert [effect["name"] for effect in closed.effects] == ["accelerometer.bias_temperature"]
+    assert closed.effects[0]["reference"] == {"temperature_c": 25.0}
+    planted = {"accelerometer.bias_temperature": {"x": 8e-5, "y": -5e-5, "z": 9e-5}}
+    truth = replace(Truth.example(7), temperature_start_c=38.0, effects=planted, sample_period_s=0.05)
+    dwell = simulate_campaign(truth, 9, positions=(9,), dwell_s=60.0, turns=()).dwells[0].series  # z up
+    assert dwell.accel is not None
+    rate = dwell.accel.mean(axis=0, keepdims=True) / dwell.period
+    around = Surroundings(temperature=dwell.temperature.mean(keepdims=True))
+    calibration = {**solution_document(closed.solution, loaded), "effects": closed.effects}
+    up = truth.local_gravity / STANDARD_GRAVITY
+    f = calibrated_inputs(calibration, rate, None, around).f
+    assert f is not None
+    assert abs(f[0, 2] - up) < 2e-5
+    without = calibrated_inputs({**calibration, "effects": []}, rate, None, around).f
+    assert without is not None
+    assert abs(without[0, 2] - up) > 1e-3
+
+
+def test_an_instrument_effect_in_doubt_is_not_carried(warmed: Diagnosed, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = loop.diagnose([one.campaign for one in read_for_solve([warmed.folder])])
+    doubted = tuple(replace(each, confidence="ambiguous") for each in found.findings)
+    monkeypatch.setattr(loop, "diagnose", lambda campaigns: replace(found, findings=doubted))
+    closed = close_loop(read_for_solve([warmed.folder]))
+    assert closed.effects == ()
+    assert closed.solution is found.solution_before
+    assert not np.allclose(closed.solution.covariance, found.solution.covariance)
+
+
+def test_what_was_added_is_read_from_the_folder(warmed: Diagnosed, tmp_path: Path) -> None:
+    assert added_effects(tmp_path) == []
+    (tmp_path / DIAGNOSIS).write_text((warmed.folder / "out.json").read_text())
+    assert added_effects(tmp_path) == ["accelerometer.bias_temperature"]
+    (tmp_path / DIAGNOSIS).write_text("[1]")
+    assert added_effects(tmp_path) == []

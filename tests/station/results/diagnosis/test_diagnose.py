@@ -1,0 +1,148 @@
+"""``station diagnose`` as a whole program: what it writes, what it says, and with which exit code it ends."""
+
+import json
+import math
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from station import cli
+from tests.paths import DATA
+from tests.station.results.diagnosis.conftest import Diagnosed, simulated
+
+
+def numbers(node: Any) -> list[float]:
+    if isinstance(node, dict):
+        return [n for value in node.values() for n in numbers(value)]
+    if isinstance(node, list):
+        return [n for value in node for n in numbers(value)]
+    return [node] if isinstance(node, float) else []
+
+
+def finding(found: Diagnosed, effect: str) -> dict[str, Any]:
+    return next(one for one in found.document["findings"] if one["effect"] == effect)
+
+
+def test_what_was_planted_is_named_with_its_size(warmed: Diagnosed) -> None:
+    assert warmed.document["verdict"] == "established"
+    found = finding(warmed, "accelerometer.bias_temperature")
+    assert (found["kind"], found["confidence"], found["aliases"], found["unit"]) == (
+        "instrument", "established", [], "g/K",
+    )  # fmt: skip
+    for axis, true in (("x", 8e-5), ("y", -5e-5), ("z", 9e-5)):
+        got = found["coefficients"][axis]
+        assert abs(got["value"] - true) < 4 * got["std"]
+
+
+def test_the_document_is_diagnosis_1(warmed: Diagnosed) -> None:
+    document = warmed.document
+    keys = ("format", "verdict", "findings", "error", "parameters", "solution", "tried", "next_measurement")
+    assert set(keys) <= set(document)
+    assert document["format"] == "diagnosis/1"
+    assert all(math.isfinite(n) for n in numbers(document))
+    assert all(0 < one[p] <= 1 for one in document["tried"] for p in ("p_value", "p_adjusted"))
+    for row in document["parameters"]:
+        assert row["shift_sigma"] * row["std"] == pytest.approx(
+            row["after"] - row["before"], abs=1e-12 * abs(row["after"])
+        )
+    assert document["solution"]["format"] == "solution/1"
+
+
+def test_the_error_falls_on_what_was_held_out(warmed: Diagnosed) -> None:
+    row = next(one for one in warmed.document["error"] if one["quantity"] == "accelerometer dwells")
+    assert row["held_out_after"] < 0.1 * row["held_out_before"]
+    assert row["after"] < 0.1 * row["before"]
+    assert "left out" in row["method"]
+
+
+def test_with_a_temperature_effect_parameters_hold_at_25_degc(warmed: Diagnosed, uncertified: Diagnosed) -> None:
+    assert warmed.document["solution"]["reference_temperature_c"] == 25.0
+    assert uncertified.document["solution"]["reference_temperature_c"] != 25.0
+
+
+def test_the_summary_begins_with_the_verdict_and_fits_80_columns(
+    warmed: Diagnosed, uncertified: Diagnosed
+) -> None:
+    for found in (warmed, uncertified):
+        lines = found.said.splitlines()
+        assert lines[0].startswith(found.document["verdict"].upper())
+        assert max(map(len, lines)) <= 80, max(lines, key=len)
+    assert "accelerometer.bias_temperature" in warmed.said.splitlines()[0]
+    assert "ug/K" in warmed.said
+
+
+def test_the_page_shows_the_residual_without_and_with_the_effect(warmed: Diagnosed) -> None:
+    assert "temperature [degC]" in warmed.page
+    assert "without it" in warmed.page
+    assert "NaN" not in warmed.page
+    assert warmed.page.count("<svg") == len(warmed.document["findings"])
+
+
+def test_without_certificate_the_plan_mounts_the_imu_otherwise_twice(uncertified: Diagnosed) -> None:
+    found = finding(uncertified, "fixture.parallelism")
+    assert found["confidence"] == "ambiguous"
+    assert "accelerometer.quadratic" in found["aliases"]
+    second = uncertified.plan.with_name("next_2.toml")
+    mounted = [path.read_text().split("imu_axes = ")[1].splitlines()[0] for path in (uncertified.plan, second)]
+    assert mounted == ['["+y", "-x", "+z"]', '["+x", "+z", "-y"]']
+
+
+def test_two_faces_alone_are_exit_5_and_partial_says_how_level_they_stood(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    folder = DATA / "measured/ln100_two_positions"
+    if not folder.is_dir():
+        pytest.skip(f"no shared data at {DATA}: set STATION_DATA")
+    assert cli.run(["diagnose", str(folder)]) == 5
+    assert "missing" in capsys.readouterr().err
+    assert cli.run(["diagnose", str(folder), "--partial"]) == 0
+    said = capsys.readouterr().out
+    assert "0.34 deg" in said
+    assert "0.35" in said
+
+
+def test_a_period_that_solve_refuses_is_diagnosed(
+    warmed: Diagnosed, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = Path(shutil.copytree(warmed.folder, tmp_path / "c"))
+    text = (folder / "campaign.toml").read_text()
+    (folder / "campaign.toml").write_text(text.replace("sample_period_s = 0.05", "sample_period_s = 0.051"))
+    assert cli.run(["solve", str(folder)]) == 3
+    page = tmp_path / "out.html"
+    assert cli.run(["diagnose", str(folder), "--json", str(tmp_path / "out.json"), "--html", str(page)]) == 0
+    assert json.loads((tmp_path / "out.json").read_text())["format"] == "diagnosis/1"
+    said = capsys.readouterr().out
+    assert f"{tmp_path / 'out.json'}: diagnosis of " in said
+    assert f"{page}: diagnosis of " in said
+
+
+def test_a_folder_that_is_none_is_exit_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["diagnose", str(tmp_path)]) == 3
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_campaigns_of_two_units_are_not_diagnosed_together(
+    warmed: Diagnosed, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = Path(shutil.copytree(warmed.folder, tmp_path / "c"))
+    text = (other / "campaign.toml").read_text()
+    (other / "campaign.toml").write_text(text.replace('serial = "SIM-7"', 'serial = "SIM-8"'))
+    assert cli.run(["diagnose", str(warmed.folder), "--validate", str(other)]) == 3
+    assert "SIM-8" in capsys.readouterr().err
+
+
+def test_another_campaign_is_foretold_by_what_was_found(
+    warmed: Diagnosed, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    planted = {"accelerometer.bias_temperature": {"x": 8e-5, "y": -5e-5, "z": 9e-5}}
+    other = simulated(tmp_path / "other", planted, 13)
+    assert cli.run(["diagnose", str(warmed.folder), "--validate", str(other)]) == 0
+    assert "validation:" in capsys.readouterr().out
+    out = tmp_path / "out.json"
+    assert cli.run(["diagnose", str(warmed.folder), "--validate", str(other), "--json", str(out)]) == 0
+    rows = [row for row in json.loads(out.read_text())["error"] if row["method"] == f"validation: {other}"]
+    row = next(one for one in rows if one["quantity"] == "accelerometer dwells")
+    assert row["after"] < 0.1 * row["before"]
+    assert row["held_out_after"] < 0.1 * row["held_out_before"]

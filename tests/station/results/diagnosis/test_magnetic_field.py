@@ -1,0 +1,150 @@
+"""The site's magnetic field where a folder gives none: published values, the day, and what is said without."""
+
+import json
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import UTC, date, datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
+from drivers.simulated.truth import Truth
+from station import cli
+from station.files.campaign_folder import LoadedCampaign, read_campaign, write_campaign
+from station.results.diagnosis.closed_loop import close_loop
+from station.results.diagnosis.magnetic_field import recorded_on, with_magnetic_field, world_magnetic_model
+
+TODAY = date(2026, 11, 21)
+Folder = Callable[..., Path]
+
+# A. Chulliat et al., The US/UK World Magnetic Model for 2025-2030, NOAA NCEI 2025, table 6, and the test values of
+# that for 2020-2025: day, height [km], latitude, longitude [deg], north, east, down [nT].
+PUBLISHED = [
+    (date(2025, 1, 1), 0, 80, 0, 6521.6, 145.9, 54791.5),
+    (date(2025, 1, 1), 0, 0, 120, 39677.8, -109.6, -10580.2),
+    (date(2025, 1, 1), 0, -80, 240, 6117.5, 15751.9, -52022.5),
+    (date(2025, 1, 1), 100, 80, 0, 6216.0, 92.4, 52598.8),
+    (date(2025, 1, 1), 100, -80, 240, 5907.6, 14780.3, -49540.7),
+    (date(2020, 1, 1), 0, 80, 0, 6570.4, -146.3, 54606.0),
+    (date(2020, 1, 1), 0, 0, 120, 39624.3, 109.9, -10932.5),
+    (date(2020, 1, 1), 100, -80, 240, 5744.9, 14799.5, -49969.4),
+    (date(2022, 7, 2), 0, 0, 120, 39684.7, -42.2, -10809.5),  # 2022.5 less 12 h
+    (date(2027, 7, 2), 0, 80, 0, 6500.8, 294.5, 54869.4),
+    (date(2027, 7, 2), 100, -80, 240, 5984.0, 14760.1, -49317.7),
+]
+
+
+@pytest.mark.parametrize("row", PUBLISHED, ids=str)
+def test_the_field_is_the_published_one_east_north_up(
+    row: tuple[date, int, int, int, float, float, float],
+) -> None:
+    day, height_km, latitude, longitude, north, east, down = row
+    found = world_magnetic_model(latitude, longitude, 1000.0 * height_km, day)
+    assert np.allclose(np.array(found) * 1000, [east, north, -down], atol=0.2)  # half a day moves it by 0.1 nT
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Folder:
+    """Write a campaign whose site has a longitude and no field; ``longitude`` None takes that away too."""
+
+    def write(name: str = "c", longitude: float | None = 121.4) -> Path:
+        truth = replace(Truth.example(7), sample_period_s=0.05)
+        campaign = simulate_campaign(truth, 1, dwell_s=10.0, turns=turn_steps(1, 3.0))
+        campaign = replace(campaign, site=replace(campaign.site, magnetic=None))
+        write_campaign(tmp_path / name, campaign, truth.sample_period_s)
+        file = tmp_path / name / "campaign.toml"
+        text = file.read_text()
+        assert "magnetic_enu_ut" not in text
+        if longitude is not None:
+            file.write_text(text.replace("[site]\n", f"[site]\nlongitude_deg = {longitude}\n"))
+        return tmp_path / name
+
+    return write
+
+
+def dated(loaded: LoadedCampaign, utc: float) -> LoadedCampaign:
+    """Return a campaign whose first step holds reference time."""
+    first = loaded.steps[0]
+    assert first.data is not None
+    series = first.data.series
+    extra = {"utc_s": np.where(np.arange(len(series)) < 3, np.nan, utc + series.t)}  # a receiver without a fix yet
+    step = replace(first, data=replace(first.data, series=replace(series, extra=extra)))
+    return replace(loaded, steps=(step, *loaded.steps[1:]))
+
+
+def field_at(loaded: LoadedCampaign, day: date) -> tuple[float, float, float]:
+    return world_magnetic_model(loaded.tables.site.latitude_deg, 121.4, loaded.tables.site.height_m, day)
+
+
+def test_the_day_is_that_of_the_recording(folder: Folder) -> None:
+    loaded = read_campaign(folder())
+    noon = datetime(2021, 3, 4, 12, tzinfo=UTC).timestamp()
+    known = dated(loaded, noon)
+    assert recorded_on(known) == date(2021, 3, 4)
+    assert with_magnetic_field(known, TODAY).campaign.site.magnetic == field_at(loaded, date(2021, 3, 4))
+    assert with_magnetic_field(known, TODAY).warnings == loaded.warnings
+
+
+def test_without_a_day_the_field_is_todays_and_that_is_said(folder: Folder) -> None:
+    loaded = read_campaign(folder())
+    assert recorded_on(loaded) is None
+    assert recorded_on(dated(loaded, 0.0)) is None  # seconds from somewhere
+    found = with_magnetic_field(loaded, TODAY)
+    assert found.campaign.site.magnetic == field_at(loaded, TODAY)
+    (said,) = set(found.warnings) - set(loaded.warnings)
+    assert "2026-11-21" in said
+    assert "magnetic_enu_ut" in said
+
+
+def test_what_the_folder_says_of_the_field_stands(folder: Folder) -> None:
+    path = folder()
+    text = (path / "campaign.toml").read_text()
+    given = text.replace("[site]\n", "[site]\nmagnetic_enu_ut = [1.0, 2.0, 3.0]\n")
+    (path / "campaign.toml").write_text(given)
+    loaded = read_campaign(path)
+    assert with_magnetic_field(loaded, TODAY) is loaded
+    assert loaded.campaign.site.magnetic == (1.0, 2.0, 3.0)
+
+
+def test_without_longitude_nothing_is_known_nor_said(folder: Folder) -> None:
+    loaded = read_campaign(folder(longitude=None))
+    assert with_magnetic_field(loaded, TODAY) is loaded
+
+
+@pytest.mark.parametrize("day", [date(2031, 5, 1), date(2099, 1, 1)])
+def test_a_day_that_no_model_holds_on_leaves_the_field_open(folder: Folder, day: date) -> None:
+    loaded = read_campaign(folder())
+    noon = datetime(day.year, day.month, day.day, 12, tzinfo=UTC).timestamp()
+    found = with_magnetic_field(dated(loaded, noon), TODAY)
+    assert found.campaign.site.magnetic is None
+    assert str(day) in found.warnings[-1]
+    assert "gyroscope.magnetic" in found.warnings[-1]
+
+
+def test_without_the_extra_diagnose_says_what_it_cannot_look_for(
+    folder: Folder, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = folder()
+    monkeypatch.setitem(sys.modules, "pygeomag", None)
+    assert cli.run(["diagnose", str(path)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "gyroscope.magnetic cannot be looked for" in said
+    assert "extra `magnetic`" in said
+
+
+def test_with_it_diagnose_tries_the_effect_it_could_not_try(folder: Folder, tmp_path: Path) -> None:
+    tried = list[bool]()
+    for name, longitude in (("with", 121.4), ("without", None)):
+        out = tmp_path / f"{name}.json"
+        assert cli.run(["diagnose", str(folder(name, longitude)), "--json", str(out)]) == 0
+        tried.append("gyroscope.magnetic" in [one["effect"] for one in json.loads(out.read_text())["tried"]])
+    assert tried == [True, False]
+
+
+def test_a_calibration_s_diagnosis_has_the_field_too(folder: Folder) -> None:
+    closed = close_loop([read_campaign(folder())])
+    assert closed.diagnosis.before.campaigns[0].site.magnetic is not None
+    assert any("no file says when" in text for text in closed.document["solution"]["warnings"])

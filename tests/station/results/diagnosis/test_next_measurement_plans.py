@@ -1,0 +1,97 @@
+"""What would tell findings apart, and plans that are read back as they were meant."""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from procedures.calibration.plan_steps import Turn
+from procedures.effects import EFFECTS
+from station.errors import DataRefused
+from station.files.campaign_folder import read_plan
+from station.files.campaign_folder.plan_toml import read_mounting
+from station.files.campaign_folder.schema import axes_matrix
+from station.results.diagnosis.next_measurement_plans import next_measurements, write_plans
+from station.results.diagnosis.next_measurements import MEASUREMENTS, turned
+
+AS_IT_IS = ("+x", "+y", "+z")
+
+
+def ambiguous(effect: str, *aliases: str, **where: object) -> dict[str, object]:
+    return {"effect": effect, "kind": "instrument", "confidence": "ambiguous", "aliases": aliases, "where": where}
+
+
+def test_the_table_holds_no_effect_that_the_catalogue_does_not() -> None:
+    assert set(MEASUREMENTS) <= {effect.name for effect in EFFECTS}
+
+
+def test_an_effect_that_is_not_in_the_table_is_looked_for_again() -> None:
+    (one,) = next_measurements([ambiguous("gyroscope.moonlight")], AS_IT_IS)
+    assert one.name == "repeat"
+
+
+@pytest.mark.parametrize("effect", MEASUREMENTS)
+def test_every_plan_is_plan_1(effect: str, tmp_path: Path) -> None:
+    for path in write_plans(tmp_path / "next.toml", next_measurements([ambiguous(effect)], AS_IT_IS)):
+        tables = tomllib.loads(path.read_text())
+        assert tables.pop("format") == "plan/1"
+        steps = [step for kind in ("dwell", "turn", "soak") for step in tables.get(kind, [])]
+        assert all("file" not in step for step in steps)
+        assert all(step.get("seconds", 1) > 0 for step in steps)
+        if steps:
+            assert len(read_plan(path)) == len(steps)  # so `station calibrate --plan` guides it
+
+
+def test_the_mounting_of_a_plan_is_read_and_a_left_handed_one_refused(tmp_path: Path) -> None:
+    wanted = next_measurements([ambiguous("fixture.parallelism")], AS_IT_IS)
+    path, second = write_plans(tmp_path / "next.toml", wanted)
+    assert read_mounting(path) == ("+y", "-x", "+z")
+    assert read_mounting(second) == ("+x", "+z", "-y")
+    path.write_text(path.read_text().replace('"-x"', '"+x"'))
+    with pytest.raises(DataRefused, match="right-handed"):
+        read_mounting(path)
+
+
+def test_two_mountings_leave_nothing_of_the_cube_that_looks_like_the_imu() -> None:
+    before = axes_matrix(AS_IT_IS)
+    rows = [axes_matrix(turned(AS_IT_IS, about)) - before for about in "zx"]
+    assert np.linalg.matrix_rank(np.vstack(rows)) == 3
+    assert np.linalg.matrix_rank(rows[0]) == 2  # one alone leaves its own axis
+
+
+def test_a_seating_is_repeated_with_its_pair_partner() -> None:
+    (again,) = next_measurements([ambiguous("placement.dwell", position=[8, 7])], AS_IT_IS)
+    assert [step["position"] for step in again.steps["dwell"]] == [8, 7]
+
+
+def test_turns_at_another_speed_say_so_to_whoever_turns(tmp_path: Path) -> None:
+    (path,) = write_plans(tmp_path / "n.toml", next_measurements([ambiguous("gyroscope.sagnac_sine")], AS_IT_IS))
+    steps = read_plan(path)
+    assert len(steps) == 6
+    assert all(isinstance(step, Turn) and step.speed_deg_s == 12.0 for step in steps)
+
+
+def test_what_has_no_steps_gives_way_to_an_alias_that_has() -> None:
+    (one,) = next_measurements([ambiguous("fixture.face_tilt", "accelerometer.quadratic")], AS_IT_IS)
+    assert one.name == "free_positions"
+
+
+def test_no_mounting_is_asked_for_where_only_attitudes_between_faces_tell() -> None:
+    (one,) = next_measurements([ambiguous("accelerometer.quadratic", "accelerometer.scale_asymmetry")], AS_IT_IS)
+    assert one.name == "free_positions"
+    (quadratic,) = (effect for effect in EFFECTS if effect.name == "accelerometer.quadratic")
+    assert "mounted" not in quadratic.separate_by + quadratic.separate_by_certified
+
+
+def test_no_certificate_is_asked_for_where_there_is_one() -> None:
+    doubted = [ambiguous("fixture.face_tilt")]
+    assert [one.name for one in next_measurements(doubted, AS_IT_IS)] == ["certificate"]
+    assert [one.name for one in next_measurements(doubted, AS_IT_IS, is_certified=True)] == [
+        "remounted_about_z", "remounted_about_x",
+    ]  # fmt: skip
+
+
+def test_with_nothing_found_the_campaign_is_repeated_in_another_order() -> None:
+    (repeat,) = next_measurements([], AS_IT_IS)
+    assert sorted(step["position"] for step in repeat.steps["dwell"]) == list(range(1, 13))

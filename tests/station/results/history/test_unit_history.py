@@ -1,0 +1,147 @@
+"""history/1 from one calibration to many, with old documents, other units and recordings solved twice."""
+
+import json
+from dataclasses import replace
+from datetime import timedelta
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from fixtures_db.calibration import utc_text
+from fixtures_db.limits import Limit, each_axis
+from fixtures_db.runs import Run, turn_ons
+from station.results.history.unit_history import analysis, entries
+from station.results.history.unit_history_figure import draw_values
+from station.results.history.unit_history_text import history_text
+from tests.station.results.history.fleets import BEGIN, fleet, run, solution
+
+LIMITS = each_axis(Limit("accelerometer.bias", -2e-3, 2e-3, "g"))
+
+
+def unit(each: int, seed: int = 1) -> list[Run]:
+    return fleet(np.random.default_rng(seed), units=1, each=each)
+
+
+def document(runs: list[Run], limits: tuple[Limit, ...] = LIMITS) -> dict[str, object]:
+    return {"calibrations": entries(runs), "analysis": [analysis(runs, limits, None)]}
+
+
+@pytest.mark.parametrize("each", [1, 2, 3, 9])
+@pytest.mark.parametrize("limits", [LIMITS, ()])
+def test_any_number_of_calibrations_gives_text_of_80_columns_and_json_without_nan(
+    each: int, limits: tuple[Limit, ...]
+) -> None:
+    found = document(unit(each), limits)
+    json.dumps(found, allow_nan=False)
+    lines = history_text(found).splitlines()
+    assert max(map(len, lines)) <= 80
+    assert any("too short a history to predict" in line for line in lines) == (each < 3)
+    assert sum(line.startswith("  moved significantly") for line in lines) == each - 1
+
+
+def test_it_is_predicted_for_the_due_date_with_the_probability_to_be_outside() -> None:
+    runs = unit(6)
+    found = analysis(runs, LIMITS, None)
+    assert found["predicted_utc"] == runs[-1].document["valid_until"]
+    bias = found["parameters"]["accelerometer.bias.x"]
+    low, high = bias["prediction"]["interval_95"]
+    assert low < bias["value"][-1] < high
+    assert 0 <= bias["prediction"]["probability_outside"] < 0.05
+    assert bias["limits"] == {"low": -2e-3, "high": 2e-3}
+    assert "limits" not in found["parameters"]["gyroscope.bias.x"]
+    year = runs[-1].ended + timedelta(days=3000)
+    later = analysis(runs, LIMITS, year)["parameters"]["accelerometer.bias.x"]["prediction"]
+    assert later["interval_95"][1] - later["interval_95"][0] > high - low
+
+
+def test_a_jump_beyond_the_turn_on_scatter_is_an_alarm_of_that_calibration() -> None:
+    runs = unit(12)
+    jumped = solution(np.random.default_rng(9), np.array([1500.0, 0.0, 0.0]))
+    runs.append(run("S0", runs[-1].ended + timedelta(days=200), "jump", "CUBE-1", jumped))
+    found = analysis(runs, LIMITS, None)["parameters"]["accelerometer.bias.x"]
+    assert found["chart"]["alarms"] == [runs[-1].sha256]
+    assert "alarm on" in history_text(document(runs))
+
+
+def test_a_recording_solved_again_is_one_turn_on() -> None:
+    runs = unit(4)
+    again = replace(runs[1], sha256="again")
+    assert [one.sha256 for one in turn_ons([*runs, again])] == [
+        runs[0].sha256,
+        "again",
+        *(r.sha256 for r in runs[2:]),
+    ]
+    found = analysis([*runs, again], LIMITS, None)
+    assert found["turn_ons"] == 4
+    assert found["left_out"] == ["1 calibration of recordings that were solved again later"]
+
+
+def test_turn_ons_within_a_week_give_the_repeatability() -> None:
+    rng = np.random.default_rng(3)
+    runs = [
+        run("S0", BEGIN + timedelta(days=i), str(i), "CUBE-1", solution(rng, 50.0 * rng.standard_normal(3)))
+        for i in range(6)
+    ]
+    scatter = analysis(runs, LIMITS, None)["parameters"]["accelerometer.bias.y"]["repeatability"]
+    assert scatter["interval_95"][0] < 50e-6 < scatter["interval_95"][1]
+    assert abs(scatter["std"] - 50e-6) < 4 * scatter["std_of_std"]
+
+
+def test_another_unit_or_no_sigma_leaves_a_value_out_and_says_so() -> None:
+    runs = unit(5)
+    runs[0].document["accelerometer"]["bias"]["unit"] = "m/s2"
+    runs[1].document["accelerometer"]["bias"]["std"] = [0.0, 1e-6, 1e-6]
+    found = analysis(runs, LIMITS, None)
+    assert found["left_out"][0] == "accelerometer.bias.x: 2 of 5 not in g or without sigma"
+    assert len(found["parameters"]["accelerometer.bias.x"]["value"]) == 3
+    assert len(found["parameters"]["accelerometer.bias.y"]["value"]) == 4
+
+
+def test_a_triad_that_was_not_solved_is_absent_there_only() -> None:
+    runs = unit(4)
+    del runs[-1].document["gyroscope"]
+    found = document(runs)
+    assert len(found["analysis"][0]["parameters"]["gyroscope.bias.x"]["value"]) == 3  # type: ignore[index]
+    assert "gyroscope.bias.x" not in found["calibrations"][-1]["parameters"]  # type: ignore[index]
+    history_text(found)
+
+
+def near(minutes: int, each: int = 3) -> list[Run]:
+    rng = np.random.default_rng(5)
+    return [
+        run("S0", BEGIN + timedelta(minutes=minutes * i), str(i), "CUBE-1", solution(rng, rng.standard_normal(3)))
+        for i in range(each)
+    ]
+
+
+def test_turn_ons_of_one_day_predict_nothing_and_say_why() -> None:
+    found = document(near(10))
+    assert not any("prediction" in one for one in found["analysis"][0]["parameters"].values())  # type: ignore[index]
+    text = history_text(found)
+    assert (
+        "too short a history to predict: 3 turn-ons over 0.0139 days; needs 3 more than\n    7 days apart" in text
+    )
+    assert "predicted for" not in text
+    assert "first reaches a limit" not in text
+
+
+def test_it_is_predicted_no_farther_than_three_times_the_history() -> None:
+    runs = near(10 * 24 * 60)  # 0, 10, 20 days
+    found = analysis(runs, each_axis(Limit("accelerometer.bias", -1e-5, 1e-5, "g")), None)
+    last = runs[-1].ended + timedelta(days=60)
+    assert found["predicted_utc"] == utc_text(last)
+    assert found["predicted_because"].startswith("3 times its history, not 20")
+    for one in found["parameters"].values():
+        assert one["prediction"]["fan"][-1][0] <= utc_text(last)
+        assert one["prediction"].get("interval_reaches_limit_utc", "") <= utc_text(last)
+
+
+def test_a_wide_prediction_leaves_the_values_of_a_chart_to_be_seen() -> None:
+    track = analysis(unit(4), (), None)["parameters"]["accelerometer.bias.x"]
+    for row in track["prediction"]["fan"]:
+        row[2:] = [-1.0, 1.0]
+    axes = Figure().subplots()
+    draw_values(axes, "accelerometer.bias.x", track)
+    low, high = axes.get_ylim()
+    assert high - low < 8e6 * np.ptp(track["value"])

@@ -1,0 +1,112 @@
+"""A live camera and the same recorded: images in order, what is wrong with it, and what is left on the disk."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from drivers.camera import CameraImage
+from drivers.simulated.camera_server import SimulatedCamera
+from drivers.simulated.camera_truth import CameraTruth, camera_toml
+from drivers.simulated.truth import Truth
+from station.errors import DataRefused
+from station.stream.camera.camera_feed import CameraFeed, open_camera
+from station.stream.camera.description import read_description
+from station.stream.camera.replayed_camera import RecordedCamera, recorded_images
+
+pytest.importorskip("cv2", reason="opencv is not installed: `make locate`")
+SMALL = CameraTruth(width=96, height=64, fx=60.0, fy=60.0, cx=47.5, cy=31.5, rate_hz=20.0)
+DEADLINE_S = 60.0
+
+
+class Clock:
+    """The monotonic clock, `on` by as much as it is set."""
+
+    on = 0.0
+
+    def __call__(self) -> float:
+        return time.monotonic() + self.on
+
+
+def until(feed: CameraFeed, holds: Callable[[], bool]) -> list[CameraImage]:
+    """Advance until something holds, and return the images that came."""
+    found, deadline = list[CameraImage](), time.monotonic() + DEADLINE_S
+    while not holds():
+        assert time.monotonic() < deadline, feed.summary
+        feed.advance()
+        found.extend(feed.take(feed.up_to_ns))
+    return found
+
+
+@pytest.fixture
+def camera() -> SimulatedCamera:
+    return SimulatedCamera(Truth(), SMALL, seed=None)
+
+
+def test_images_come_are_recorded_and_come_again(camera: SimulatedCamera, tmp_path: Path) -> None:
+    with camera:
+        (tmp_path / "eye.toml").write_text(camera_toml(SMALL, camera.url))
+        folder = tmp_path / "r"
+        folder.mkdir()
+        with open_camera(read_description(tmp_path / "eye.toml"), folder) as feed:
+            came = until(feed, lambda: feed.decoder.counters.images >= 10)
+            stream = feed.stream()
+    assert [image.host_ns for image in came] == sorted(image.host_ns for image in came)
+    assert stream.name == f"camera {feed.address.name}"
+    assert stream.samples == len(came)
+    assert (stream.bad, stream.trouble) == (0, "")
+    assert "0 no JPEG" in feed.summary
+    assert (folder / "camera.toml").read_bytes() == (tmp_path / "eye.toml").read_bytes()
+    again = list(recorded_images(folder))
+    assert again[: len(came)] == came
+    recorded = RecordedCamera(folder)
+    half = came[4].host_ns
+    assert list(recorded.take(half)) == came[:5]
+    assert recorded.stream().samples == 5
+    assert list(recorded.take(came[-1].host_ns)) == came[5:]
+
+
+def test_what_is_wrong_is_said_and_over(camera: SimulatedCamera, tmp_path: Path) -> None:
+    clock = Clock()
+    with camera:
+        (tmp_path / "eye.toml").write_text(camera_toml(SMALL, camera.url))
+        with open_camera(read_description(tmp_path / "eye.toml"), tmp_path, clock) as feed:
+            until(feed, lambda: feed.decoder.counters.images > 0)
+            assert feed.trouble == ""
+            clock.on = 2.0
+            assert "no bytes for 1.8 s, expected images; check the camera" in feed.trouble
+            clock.on = 0.0
+            camera.plant("cut", 1.0)
+            until(feed, lambda: feed.decoder.counters.cut > 2)
+            clock.on = 1.5  # bytes come all the time, the last image is as old
+            until(feed, lambda: "hold no whole image" in feed.trouble)
+            until(feed, lambda: feed.trouble == "")
+            camera.plant("unplug", 0.3)
+            until(feed, lambda: "tried again and again: check cable and power" in feed.trouble)
+            until(feed, lambda: feed.trouble == "" and feed.decoder.counters.images > 3)
+
+
+def recording(camera: SimulatedCamera, folder: Path) -> tuple[Path, list[CameraImage]]:
+    with camera:
+        (folder / "eye.toml").write_text(camera_toml(SMALL, camera.url))
+        with open_camera(read_description(folder / "eye.toml"), folder) as feed:
+            until(feed, lambda: feed.decoder.counters.images >= 12)
+    return next(folder.glob("camera_session_*.mcap")), list(recorded_images(folder))
+
+
+def test_a_recording_cut_short_is_read_as_far_as_it_goes(camera: SimulatedCamera, tmp_path: Path) -> None:
+    path, whole = recording(camera, tmp_path)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 2 // 3])
+    part = list(recorded_images(tmp_path))
+    assert 0 < len(part) < len(whole)
+    assert part == whole[: len(part)]
+
+
+def test_a_damaged_recording_is_refused(camera: SimulatedCamera, tmp_path: Path) -> None:
+    path, _ = recording(camera, tmp_path)
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    path.write_bytes(content)
+    with pytest.raises(DataRefused, match="expected an intact file"):
+        list(recorded_images(tmp_path))

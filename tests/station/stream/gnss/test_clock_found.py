@@ -1,0 +1,196 @@
+"""A simulated unit whose clock is off, beside a simulated receiver: told, refused, diagnosed; in virtual time."""
+
+import itertools
+import json
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.ports import parse_device_url
+from drivers.simulated.autopilot import Autopilot
+from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.device import ByteDevice
+from drivers.simulated.faults import Fault
+from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from fixtures_db.database import open_db
+from procedures.calibration.plan_steps import Dwell
+from station import cli
+from station.errors import DataRefused
+from station.files.campaign_folder import read_campaign
+from station.guide.event_log import Story
+from station.guide.gnss_in_campaign import GnssBeside
+from station.guide.host_clock import HostClock
+from station.stream.gnss import GnssFeed
+from station.stream.gnss.sample_rate import by_this_machine, said_of
+from station.stream.live import open_feed
+from station.stream.live.trouble_lines import words_of
+from station.stream.reader import Chunk, GapMark
+from station.stream.recorder import open_campaign
+from tests.station.commands.program import Program
+from tests.station.stream.live.bench_in_memory import SITE
+
+SMALL, WARNED, REFUSED, SYNC_LINE = 150.0, 1500.0, 15_000.0, 39_000.0  # ppm; the last as of a real unit
+BOOT_NS = 10**18  # of the station's clock at true time 0
+READ_S = 0.1  # the IMU's bytes come in pieces as long
+STEP_S = 0.004  # the autopilot's as they are written
+JITTER_S = 3e-3  # of a read
+
+
+class Bench:
+    """Both devices on one true time; each source is polled by its feed."""
+
+    def __init__(self, ppm: float, faults: Iterable[Fault] = ()) -> None:
+        truth = replace(Truth.example(5), effects={"clock.rate": {"value": ppm}})
+        self._ppm = ppm
+        self.device = ByteDevice(truth, 5, "counts", faults)
+        self.autopilot = Autopilot(truth, AutopilotTruth(default_hz=5.0))
+        self._rng = np.random.default_rng(8)
+        self._heard = 0.0
+
+    @property
+    def now(self) -> float:
+        return self.device.imu.time / (1 + 1e-6 * self._ppm)
+
+    def stamp(self, true_s: float) -> int:
+        return BOOT_NS + round((true_s + JITTER_S * abs(self._rng.standard_normal())) * 1e9)
+
+
+class Imu:
+    def __init__(self, bench: Bench) -> None:
+        self._bench = bench
+        self.address = parse_device_url("serial:///dev/simulated?format=counts")
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        parts = self._bench.device.chunk(round(READ_S / 0.02))
+        return [Chunk(self._bench.stamp(self._bench.now), part) for part in parts if isinstance(part, bytes)]
+
+
+class Receiver:
+    def __init__(self, bench: Bench) -> None:
+        self._bench, self._heard = bench, 0.0
+        self.address = parse_device_url("mavlink:udpin:127.0.0.1:14550")
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        chunks = list[Chunk | GapMark]()
+        while self._heard < self._bench.now:
+            self._heard += STEP_S
+            if data := self._bench.autopilot.due(self._heard):
+                chunks.append(Chunk(self._bench.stamp(self._heard), data))
+        return chunks
+
+
+def record(folder: Path, database: Path, ppm: float) -> None:
+    """Record twelve dwells with UTC beside the rows."""
+    folder.mkdir()
+    bench = Bench(ppm)
+    feed, gnss = open_feed(Imu(bench)), GnssFeed(Receiver(bench))
+    unit = feed.identify()
+    with open_db(database) as db:
+        recorder = open_campaign(folder, unit, SITE, db)
+        recorder.utc = gnss.utc
+
+        def rest(until_s: float) -> None:
+            while bench.device.imu.time < until_s:
+                feed.advance()
+                gnss.advance()
+
+        for position in range(1, 13):
+            bench.device.obey(f"place {position} 2")
+            rest(bench.device.imu.time + 6.0)
+            first = feed.tape.end
+            rest(bench.device.imu.time + 10.0)
+            recorder.accept(Dwell(position, 10.0), feed.tape, [(first, feed.tape.end - 10)])
+            feed.tape.forget_before(feed.tape.end)
+        recorder.finish()
+
+
+def test_diagnose_finds_the_clock_of_a_campaign_recorded_beside_a_receiver(tmp_path: Path) -> None:
+    record(tmp_path / "c", tmp_path / "s.db", SMALL)
+    rows = [dwell.series.extra["utc_s"] for dwell in read_campaign(tmp_path / "c").campaign.dwells]
+    assert all(np.isfinite(utc).sum() > 50 for utc in rows)
+    assert cli.run(["diagnose", str(tmp_path / "c"), "--json", str(tmp_path / "d.json")]) == 0
+    found = {one["effect"]: one for one in json.loads((tmp_path / "d.json").read_text())["findings"]}
+    value = found["clock.rate"]["coefficients"]["value"]
+    assert found["clock.rate"]["confidence"] == "established"
+    assert abs(value["value"] - SMALL) < 4 * value["std"]
+    assert value["std"] < SMALL / 10
+
+
+def test_solve_warns_of_a_clock_and_refuses_a_worse_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for ppm, code in ((WARNED, 0), (REFUSED, 3)):
+        folder = tmp_path / f"{ppm:g}"
+        record(folder, tmp_path / "s.db", ppm)
+        assert cli.run(["solve", str(folder), "--json", str(folder / "solution.json")]) == code
+    warned = json.loads((tmp_path / "1500" / "solution.json").read_text())["warnings"]
+    assert any("clock.rate: by reference time" in each and "-0.15% off" in each for each in warned)
+    assert "-1.48% off" in capsys.readouterr().err
+
+
+def beside(ppm: float, seconds: float, faults: tuple[Fault, ...] = (), *, has_gnss: bool = True) -> list[str]:
+    """Return what a campaign's receiver, or its machine's clock, has it say within so many device seconds."""
+    bench, story = Bench(ppm, faults), Story()
+    feed, gnss = open_feed(Imu(bench)), GnssFeed(Receiver(bench))
+    watch = GnssBeside(gnss, feed, story) if has_gnss else HostClock(feed, story)
+    looks = itertools.count(0.0, READ_S)
+    watch._rate.clock = lambda: float(next(looks))  # noqa: SLF001
+    feed.identify()
+    while bench.device.imu.time < seconds:
+        feed.advance()
+        watch.round()
+    return [event.text for event in story.events]
+
+
+def test_a_running_campaign_names_the_clock_once_and_ends_where_it_is_worse() -> None:
+    assert beside(SMALL, 60.0) == []
+    [said] = beside(WARNED, 90.0)
+    assert re.match(r"clock.rate: by reference time a sample lasts 0.0199\d+ s, -0.1[0-9]% off", said)
+    with pytest.raises(DataRefused, match="check the sync line"):
+        beside(REFUSED, 90.0)
+
+
+def test_without_a_receiver_the_machines_clock_tells_a_thousandth_and_leaves_another_pace_alone() -> None:
+    assert beside(SMALL, 60.0, has_gnss=False) == []
+    [said] = beside(WARNED, 60.0, has_gnss=False)
+    assert re.match(r"clock.rate: by this machine's clock a sample lasts 0.0199\d+ s, -0.1[0-9]% off", said)
+    with pytest.raises(DataRefused, match="check the sync line"):
+        beside(REFUSED, 60.0, has_gnss=False)
+    assert beside(1e7, 60.0, has_gnss=False) == []  # eleven times as fast
+
+
+def test_a_recording_says_it_and_goes_on() -> None:
+    bench = Bench(REFUSED)
+    feed, looks, said = open_feed(Imu(bench)), itertools.count(0.0, READ_S), list[str]()
+    rate = by_this_machine(feed)
+    rate.clock = lambda: float(next(looks))
+    pieces = feed.pieces(lambda: said.append(said_of(rate)))
+    while bench.device.imu.time < 40.0:
+        next(pieces)
+    told = [words for words, _ in itertools.groupby(words_of(text) for text in said)]
+    assert len(told) == 2  # nothing, then what is wrong and what was expected, to the end
+    assert re.search(r"-1\.[45]\d% off .* expected the declared rate within 1 %", said[-1])
+
+
+@pytest.mark.parametrize("has_gnss", [True, False])
+def test_a_jump_of_the_devices_clock_is_no_wrong_rate(has_gnss: bool) -> None:
+    jump = Fault("clock_jump", at_s=30.0, seconds=2.0)
+    assert beside(0.0, 80.0, (jump,), has_gnss=has_gnss) == []
+
+
+def test_the_program_ends_with_3_when_gnss_time_says_that_the_rate_is_wrong(tmp_path: Path) -> None:
+    truth = replace(Truth.example(5), effects={"clock.rate": {"value": SYNC_LINE}})
+    with SimulatedDevice(truth, 5, speed=60.0) as device, SimulatedGnss(truth, beside=device) as gnss:
+        devices = ("--device", device.url, "--hands", device.control, "--gnss", gnss.url, "--move-s", "5")
+        where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
+        with Program("calibrate", "--headless", *devices, *where) as program:
+            code, _, error = program.end()
+    assert (code, error.count("\n")) == (3, 1)
+    assert "clock.rate: by reference time a sample lasts" in error
+    assert (tmp_path / "c" / "campaign.toml").exists()  # what was accepted is evidence

@@ -1,0 +1,87 @@
+"""When a fix was valid by the IMU's clock: three clocks of their own rates, late reads, restarts."""
+
+import numpy as np
+import pytest
+
+from procedures.earth.gnss_records import FixType, GnssFix, TimeMark
+from station.stream.gnss.fix_times import FixTimes
+
+EPOCH = 1_780_000_000 * 10**9
+
+
+def clocks(seconds: float, span_ns: int | None = None, boot: float = 50.0) -> FixTimes:
+    """Return marks of an IMU 30 ppm fast and a sender 20 ppm slow, read within 4 ms, some 200 ms late."""
+    rng, times = np.random.default_rng(1), FixTimes(span_ns)
+    for t in np.arange(0.0, seconds, 0.1).tolist():
+        late = rng.uniform(0.0, 0.004) + 0.2 * (rng.random() < 0.1)
+        times.mark_imu(EPOCH + round((t + late) * 1e9), 7.0 + t * (1 + 30e-6))
+        late = rng.uniform(0.0, 0.004) + 0.2 * (rng.random() < 0.1)
+        times.mark_sender(TimeMark(EPOCH + round((t + late) * 1e9), round((boot + t * (1 - 20e-6)) * 1e9), None))
+    return times
+
+
+def fix(true: float, boot: float | None = 50.0, read: float = 0.3) -> GnssFix:
+    device = None if boot is None else round((boot + true * (1 - 20e-6)) * 1e9)
+    return GnssFix("GPS_RAW_INT", 1, EPOCH + round((true + read) * 1e9), FixType.FIX_3D, device_ns=device)
+
+
+@pytest.mark.parametrize("span", [None, 20 * 10**9])
+def test_a_fix_is_placed_by_its_senders_clock_however_late_it_was_read(span: int | None) -> None:
+    times = clocks(60.0, span)
+    for true in (45.0, 59.0):
+        for read in (0.05, 0.9):
+            assert times.of(fix(true, read=read)) == pytest.approx(7.0 + true * (1 + 30e-6), abs=0.003)
+    assert times.knows_sender
+
+
+def test_without_the_senders_clock_the_moment_of_reading_must_do() -> None:
+    times = clocks(60.0)
+    assert times.of(fix(50.0, boot=None, read=0.12)) == pytest.approx(57.12, abs=0.006)
+
+
+def test_nothing_is_said_before_the_clocks_are_known() -> None:
+    assert FixTimes().of(fix(1.0)) is None
+    assert clocks(0.3).of(fix(0.2)) is None
+
+
+def test_a_sender_that_restarts_is_learnt_anew() -> None:
+    times = clocks(30.0)
+    for t in np.arange(30.0, 40.0, 0.1).tolist():
+        times.mark_imu(EPOCH + round(t * 1e9), 7.0 + t)
+        times.mark_sender(TimeMark(EPOCH + round(t * 1e9), round((t - 29.0) * 1e9), None))
+    restarted = GnssFix("GPS_RAW_INT", 1, EPOCH + round(38.0 * 1e9), FixType.FIX_3D, device_ns=round(8.5 * 1e9))
+    assert times.of(restarted) == pytest.approx(7.0 + 37.5, abs=0.005)
+
+
+@pytest.mark.parametrize("set_by", [0.3, 5.0, 1e6, -0.3, -5.0])
+def test_a_clock_that_is_set_while_it_runs_makes_no_stamp_wrong(set_by: float) -> None:
+    times, read = FixTimes(60 * 10**9, in_order=True), list[tuple[float, GnssFix]]()
+    for t in np.arange(0.0, 60.0, 0.1).tolist():
+        host_ns, device_ns = EPOCH + round(t * 1e9), round((1e7 + t - 0.03 + (set_by if t > 40 else 0.0)) * 1e9)
+        times.mark_imu(host_ns, 7.0 + t)
+        times.mark_sender(TimeMark(host_ns, device_ns, None))
+        image = GnssFix("image", 1, host_ns, FixType.FIX_3D, device_ns=device_ns)
+        read.append((7.0 + t, image))
+        if t > 1.0:
+            assert times.of(image) == pytest.approx(7.0 + t, abs=0.005)
+    for at, image in read:  # each by the clock of its time
+        assert times.of(image) == pytest.approx(at, abs=0.005)
+
+
+def test_a_sender_that_was_held_up_has_not_set_its_clock() -> None:
+    times = clocks(30.0)
+    for t in np.arange(30.0, 31.0, 0.1).tolist():  # read 5 s late, the next one in time
+        times.mark_sender(TimeMark(EPOCH + round((t + 5.0) * 1e9), round((50.0 + t) * 1e9), None))
+    times.mark_sender(TimeMark(EPOCH + round(36.0 * 1e9), round(86.0 * 1e9), None))
+    times.mark_imu(EPOCH + round(36.0 * 1e9), 43.0)
+    assert times.of(fix(36.0, read=0.9)) == pytest.approx(43.0, abs=0.01)
+
+
+def test_an_imu_whose_time_begins_anew_is_not_placed_by_its_old_time() -> None:
+    times = FixTimes(20 * 10**9)
+    for t in np.arange(0.0, 5.0, 0.1).tolist():
+        times.mark_imu(EPOCH + round(t * 1e9), 7.0 + t)
+    assert times.of(fix(4.0, boot=None)) == pytest.approx(11.3, abs=0.001)
+    times.begin_anew()
+    times.mark_imu(EPOCH + round(4.95 * 1e9), 0.0)
+    assert times.of(fix(4.7, boot=None)) is None

@@ -1,0 +1,140 @@
+"""A receiver read by its own process: fixes, time, site, files, and what is said when something is wrong."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+
+from drivers.errors import BadDeviceUrl
+from drivers.ports import parse_device_url
+from drivers.simulated.autopilot import Autopilot
+from drivers.simulated.autopilot_truth import EPOCH_UTC, AutopilotTruth
+from drivers.simulated.gnss_faults import GnssFault
+from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.truth import Truth
+from station.files.mcap_files.fix_schemas import FIX, FIX_MESSAGES
+from station.stream.gnss import GnssFeed, open_gnss
+from station.stream.reader import Chunk, GapMark
+
+TRUTH = Truth(latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
+
+
+def wait(feed: GnssFeed, done: Callable[[], bool], seconds: float = 12.0) -> float:
+    """Advance until something is true; return how long [s] that took."""
+    began = time.monotonic()
+    while not done():
+        assert time.monotonic() - began < seconds, (feed.trouble, feed.decoder.framer.counters, feed.latest)
+        feed.advance(0.05)
+    return time.monotonic() - began
+
+
+def test_site_time_rate_and_files_come_from_one_receiver(tmp_path: Path) -> None:
+    with SimulatedGnss(TRUTH, speed=10.0) as gnss, open_gnss(f"{gnss.url}?rate=5", tmp_path) as feed:
+        wait(feed, lambda: len(feed.fixes) > 150)
+        host = time.time_ns()
+        utc, site, true = feed.utc(host), feed.site(), gnss.now + EPOCH_UTC
+        assert feed.trouble == ""
+        assert feed.take()
+        assert not feed.take()
+        assert all(not fix.is_filtered for fix in feed.fixes)
+        assert feed.filtered
+    assert site is not None
+    assert utc is not None
+    assert utc == pytest.approx(true, abs=0.05 * 10)  # 50 ms of the host
+    assert abs(site.latitude - np.radians(48.1)) * 6.37e6 < 4 * site.horizontal_std
+    (journal,) = tmp_path.glob("gnss_session_*.mcap")
+    (fixes,) = set(tmp_path.glob("gnss_*.mcap")) - {journal}
+    with journal.open("rb") as stream:
+        assert {channel.topic for _, channel, _ in make_reader(stream).iter_messages()} == {"/gnss/raw"}
+    with fixes.open("rb") as stream:
+        written = [
+            FIX_MESSAGES[FIX].FromString(message.data)
+            for _, _, message in make_reader(stream).iter_messages(topics=["/gnss/fix"])
+        ]
+    assert len(written) == len(feed.fixes) + len(feed.filtered)
+    assert not any(one.HasField("heading") for one in written)  # not known: absent, not 0
+
+
+class InMemory:
+    """An autopilot heard without a port, in its own time: each poll is a tenth of a second."""
+
+    def __init__(self, fault: GnssFault) -> None:
+        self.address = parse_device_url("mavlink:udpin:127.0.0.1:14550")
+        self.now = 0.0
+        self._autopilot = Autopilot(TRUTH, AutopilotTruth(default_hz=10.0), [fault])
+
+    def clock(self) -> float:
+        return self.now
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        self.now += 0.1
+        data = self._autopilot.due(self.now)
+        return [Chunk(round(self.now * 1e9), data)] if data else []
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [
+        (GnssFault("outage", 5.0, 5.0), "no bytes for 1.8 s"),
+        (GnssFault("no_fix", 5.0, 5.0), "no fix (3 satellites)"),
+        (GnssFault("wrong_system", 5.0, 5.0, 9), "system 1, 9 is there"),
+        (GnssFault("bad_crc", 5.0, 5.0), "no MAVLink frame"),
+        (GnssFault("noise", 5.0, 5.0), "no MAVLink frame"),
+        (GnssFault("half", 5.0, 5.0), "no MAVLink frame"),
+        (GnssFault("backlog", 5.0, 5.0), "no bytes for 1.8 s"),
+    ],
+)
+def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(fault: GnssFault, said: str) -> None:
+    source = InMemory(fault)
+    feed, heard = GnssFeed(source, clock=source.clock), dict[str, float]()
+    while source.now < 15.0:
+        feed.advance()
+        heard.setdefault(feed.trouble, source.now)
+        if 1.0 < source.now < 5.0 or source.now > 11.2:
+            assert feed.trouble == ""
+    (at,) = [at for text, at in heard.items() if said in text]
+    assert 5.0 < at <= 7.0
+
+
+@pytest.mark.parametrize("kind", ["repeated", "deaf", "backlog", "noise", "half"])
+def test_no_fault_of_the_line_makes_a_fix_that_was_not_sent(kind: str) -> None:
+    source, clean = InMemory(GnssFault(kind, 5.0, 5.0)), InMemory(GnssFault(kind, 500.0, 5.0))
+    feed, true = GnssFeed(source, clock=source.clock), GnssFeed(clean, clock=clean.clock)
+    while source.now < 15.0:
+        feed.advance()
+        true.advance()
+    sent = {(fix.utc_ns, fix.latitude, fix.longitude) for fix in true.fixes}
+    got = [(fix.utc_ns, fix.latitude, fix.longitude) for fix in feed.fixes]
+    assert set(got) <= sent
+    assert len(set(got)) >= (0.6 if kind in {"noise", "half"} else 0.97) * len(sent)
+    assert feed.trouble == ""
+
+
+def test_a_port_that_went_comes_back_by_itself(tmp_path: Path) -> None:
+    with SimulatedGnss(TRUTH, transport="tcp") as gnss, open_gnss(f"{gnss.url}?rate=10", tmp_path) as feed:
+        wait(feed, lambda: bool(feed.fixes))
+        gnss.plant("unplug", 1.0)
+        assert wait(feed, lambda: "lost" in feed.trouble) <= 2.0
+        over, before = gnss.now + 1.0, len(feed.fixes)
+        wait(feed, lambda: gnss.now > over)
+        assert wait(feed, lambda: feed.trouble == "" and len(feed.fixes) > before + 3) <= 3.0
+
+
+def test_a_jump_of_the_senders_time_does_not_bend_the_line(tmp_path: Path) -> None:
+    with SimulatedGnss(TRUTH, speed=10.0) as gnss, open_gnss(gnss.url, tmp_path) as feed:
+        wait(feed, lambda: len(feed.fixes) > 20)
+        gnss.plant("time_jump", 2.0, 30.0)
+        over = gnss.now + 12.0
+        wait(feed, lambda: gnss.now > over)
+        line = feed.time_line(time.time_ns())
+        assert line is not None
+        assert line.rate == pytest.approx(10.0, rel=0.02)
+        assert line.at(time.time_ns()) == pytest.approx(gnss.now + EPOCH_UTC, abs=1.0)
+
+
+def test_an_address_that_is_no_receiver_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BadDeviceUrl, match="mavlink:LINK:WHERE"), open_gnss("tcp://127.0.0.1:1", tmp_path):
+        pass

@@ -1,0 +1,33 @@
+"""A simulated device polled in memory, in device time: no process, no port, no waiting."""
+
+from collections.abc import Iterable
+
+from drivers.device_url import DeviceUrl, parse_device_url
+from drivers.simulated.device import ByteDevice
+from drivers.simulated.faults import Fault, Silence
+from drivers.simulated.truth import Truth
+from station.files.campaign_folder.schema import SiteTable
+from station.stream.reader import Chunk, GapMark
+
+SITE = SiteTable(latitude_deg=31.17, gravity_m_s2=Truth().local_gravity)
+
+
+class Source:
+    """A device's bytes; an unplug is marked as the reader marks it."""
+
+    def __init__(self, truth: Truth, faults: Iterable[Fault] = (), format: str = "counts", seed: int = 1) -> None:
+        self.device = ByteDevice(truth, seed, format, faults)
+        self.address: DeviceUrl = parse_device_url(f"serial:///dev/simulated?format={format}")
+        self.polls = 0
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        self.polls += 1
+        items = list[Chunk | GapMark]()
+        for part in self.device.chunk():
+            stamp = round(self.device.imu.time * 1e9)
+            if isinstance(part, Silence):
+                marks = [GapMark(stamp, "port lost", False), GapMark(stamp, "port back", True)]
+                items += marks if part.unplugged else []
+            else:
+                items.append(Chunk(stamp, part))
+        return items

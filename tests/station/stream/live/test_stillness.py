@@ -1,0 +1,51 @@
+"""Stillness by the unit's own noise."""
+
+import numpy as np
+import pytest
+
+from drivers.simulated.bench_in_memory import SimulatedBench
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
+from procedures.calibration.plan_steps import Dwell
+from procedures.counts.sample_records import CountBlock, CountSeries
+from station.stream.live.stillness import Block, Stillness, block_of
+
+
+def block(gyro: FloatArray, accel: FloatArray) -> Block:
+    n = len(gyro)
+    t = 0.02 * np.arange(1, n + 1)
+    counts = CountBlock(
+        np.arange(n), t, gyro.astype(np.int64), accel.astype(np.int64), t, np.arange(n), np.ones(n, dtype=bool)
+    )
+    return block_of(counts, 0, 0.02, is_broken=False, is_anew=False)
+
+
+def still_blocks(seed: int, seconds: int = 200) -> list[Block]:
+    series = SimulatedBench(Truth.example(seed), seed).perform(Dwell(1 + seed % 12, float(seconds)))
+    assert isinstance(series, CountSeries)
+    assert series.gyro is not None
+    assert series.accel is not None
+    return [block(series.gyro[i : i + 50], series.accel[i : i + 50]) for i in range(0, 50 * seconds, 50)]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_cube_at_rest_is_still_once_the_noise_is_known(seed: int) -> None:
+    judge = Stillness()
+    judged = []
+    for each in still_blocks(seed):
+        judge.learn(each)
+        judged.append(judge.is_still(each))
+    assert not any(judged[:4])
+    assert all(judged[4:])
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_trembling_of_5_times_the_noise_is_not_still(axis: int) -> None:
+    judge, blocks = Stillness(), still_blocks(1, 20)
+    for each in blocks:
+        judge.learn(each)
+    sigma = np.sqrt(judge.noise[axis])
+    rng = np.random.default_rng(axis)
+    gyro = np.zeros((50, 3))
+    gyro[::5, axis] = rng.normal(0, 8 * sigma, 10)
+    assert not judge.is_still(block(gyro, np.zeros((50, 3))))

@@ -1,0 +1,31 @@
+"""The queue to the station: never waits, and says what it could not keep."""
+
+import os
+
+from station.stream.reader.outbox import Outbox
+
+
+def test_a_station_that_does_not_read_makes_nobody_wait() -> None:
+    reading, writing = os.pipe()
+    outbox = Outbox(writing, limit=1_000_000)
+    taken = 0
+    while outbox.put(b"x" * 1000):  # many times what a pipe holds
+        taken += 1
+    assert 900 < taken < 1200
+    assert outbox.put(b"y", always=True)
+    got = 0
+    while got < taken * 1000 + 1:
+        got += len(os.read(reading, 65536))
+    outbox.wait_for_room(60.0)
+    assert outbox.put(b"z")
+    outbox.close(60.0)
+    assert os.read(reading, 10) == b"z"
+
+
+def test_a_station_that_is_gone_ends_it_quietly() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    outbox = Outbox(writing)
+    outbox.put(b"x")
+    outbox.close(60.0)
+    assert not outbox._thread.is_alive()  # noqa: SLF001

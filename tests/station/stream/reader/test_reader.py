@@ -1,0 +1,167 @@
+"""The reader process over real ptys: nothing lost, gaps marked, refusals as they are."""
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+
+from drivers import errors
+from drivers.errors import DriverError, LinkLost, PortBusy, PortNotFound, ReplayEnded
+from drivers.framing import Decoder
+from drivers.ports import open_port
+from drivers.simulated.faults import Fault
+from drivers.simulated.hands import SimulatedHands
+from drivers.simulated.server import SimulatedDevice
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
+from station.errors import CannotWrite
+from station.files.mcap_files import read_step
+from station.stream.reader import Chunk, GapMark, Reader
+from station.stream.reader.messages import Kind, packed_refusal, refusal, unpacked
+
+DEADLINE_S = 60.0
+FAST = Truth(sample_period_s=0.001)
+
+
+def collect(reader: Reader, frames: int) -> list[Chunk | GapMark]:
+    """Read until a decoder has had that many frames."""
+    decoder, items, deadline = Decoder(FORMATS["counts"]), list[Chunk | GapMark](), time.monotonic() + DEADLINE_S
+    while decoder.counters.frames < frames:
+        assert time.monotonic() < deadline, f"{decoder.counters} after {DEADLINE_S} s"
+        for item in reader.poll(1.0):
+            items.append(item)
+            if isinstance(item, Chunk):
+                decoder.feed(item.data)
+    return items
+
+
+def data_of(items: list[Chunk | GapMark]) -> bytes:
+    return b"".join(item.data for item in items if isinstance(item, Chunk))
+
+
+@pytest.fixture
+def journal(tmp_path: Path) -> Path:
+    return tmp_path / "journal.mcap"
+
+
+@pytest.fixture
+def line() -> Iterator[tuple[int, str]]:
+    """A pty: its far end and the URL of its near one."""
+    far, near = os.openpty()
+    yield far, f"serial://{os.ttyname(near)}?format=counts"
+    os.close(far)
+    os.close(near)
+
+
+def test_the_station_and_the_journal_get_the_same_bytes(journal: Path) -> None:
+    with SimulatedDevice(Truth.example(1), 1, speed=50) as device, Reader(device.url, journal) as reader:
+        items = collect(reader, 500)
+    recorded = read_step(journal)
+    assert recorded.damage is None
+    got = data_of(items)
+    assert b"".join(data for _, data in recorded.raw)[: len(got)] == got
+    stamps = [item.host_ns for item in items]
+    assert stamps == sorted(stamps)
+    assert abs(stamps[0] - time.time_ns()) < DEADLINE_S * 1e9  # counted from the epoch
+
+
+def test_a_station_that_does_not_look_for_5_s_at_1_khz_loses_no_frame(journal: Path) -> None:
+    with SimulatedDevice(FAST, 1, speed=5) as device, Reader(device.url, journal) as reader:
+        with SimulatedHands(device.control) as hands:
+            begun = hands.time()
+            while hands.time() < begun + 5.0:  # the device waits for whoever does not read: it is read
+                pass
+        items = collect(reader, 6000)
+    decoder = Decoder(FORMATS["counts"])
+    block = decoder.feed(data_of(items))
+    assert decoder.counters.counter_jumps == decoder.counters.skipped_bytes == 0
+    assert np.all(np.diff(block.counter) == 1)
+    assert not [item for item in items if isinstance(item, GapMark)]
+
+
+def test_an_unplugged_port_is_opened_again_and_the_gap_is_marked_twice(journal: Path, tmp_path: Path) -> None:
+    faults = [Fault("unplug", at_s=2.0, seconds=1.0), Fault("unplug", at_s=6.0, seconds=1.0)]
+    link = tmp_path / "imu"
+    with SimulatedDevice(Truth.example(1), 1, speed=5, faults=faults, link=link, hold=True) as device:
+        with Reader(device.url, journal) as reader, SimulatedHands(device.control) as hands:
+            hands.go()
+            items = collect(reader, 350)
+        marks = [item for item in items if isinstance(item, GapMark)]
+    assert [mark.is_open for mark in marks] == [False, True, False, True]
+    assert "lost" in marks[0].reason
+    assert "back after" in marks[1].reason
+    with journal.open("rb") as stream:
+        records = [m for m in make_reader(stream).iter_metadata() if m.name == "station.gap"]
+    assert [int(m.metadata["host_ns"]) for m in records] == [mark.host_ns for mark in marks]
+
+
+def test_the_journal_survives_the_death_of_its_process(journal: Path) -> None:
+    with SimulatedDevice(Truth.example(1), 1, speed=50) as device, Reader(device.url, journal) as reader:
+        items, empty = list[Chunk | GapMark](), journal.stat().st_size
+        while journal.stat().st_size == empty:  # until the first flush
+            items += reader.poll(1.0)
+        os.kill(reader.pid, signal.SIGKILL)
+        with pytest.raises(LinkLost, match="reader process ended"):
+            list(reader.chunks())
+    recorded = read_step(journal)
+    assert recorded.damage is not None
+    kept = b"".join(data for _, data in recorded.raw)
+    assert 0 < len(kept)
+    assert data_of(items).startswith(kept[: len(data_of(items))])
+
+
+def test_a_replay_ends_after_all_of_its_bytes(journal: Path, tmp_path: Path) -> None:
+    content = FORMATS["counts"].example * 5000
+    (tmp_path / "raw.bin").write_bytes(content)
+    with Reader(f"replay:{tmp_path / 'raw.bin'}?format=counts", journal) as reader:
+        assert data_of(list(reader.chunks())) == content
+        with pytest.raises(ReplayEnded):
+            reader.poll(1.0)
+
+
+def test_a_missing_port_is_said_as_it_is(journal: Path) -> None:
+    with pytest.raises(PortNotFound, match="no such port") as caught, Reader("serial:///dev/ttyNONE", journal):
+        pass
+    assert caught.value.port == "/dev/ttyNONE"
+    assert not journal.exists()
+
+
+def test_a_busy_port_is_said_as_it_is(journal: Path, line: tuple[int, str]) -> None:
+    port = open_port(line[1])
+    with pytest.raises(PortBusy), Reader(line[1], journal):
+        pass
+    port.close()
+
+
+def test_a_journal_is_never_overwritten(journal: Path, line: tuple[int, str]) -> None:
+    journal.write_text("here before")
+    with pytest.raises(CannotWrite), Reader(line[1], journal):
+        pass
+    assert journal.read_text() == "here before"
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        errors.BadDeviceUrl("x", "no scheme", "serial://"),
+        errors.PortNotFound("/dev/x", "no such port", "look"),
+        errors.PortBusy("/dev/x"),
+        errors.PortDenied("/dev/x"),
+        errors.LinkSilent("/dev/x", 2.0, 9600),
+        errors.WrongFormat("/dev/x", "counts", 10),
+        errors.LinkLost("/dev/x", "EIO"),
+        errors.ReplayEnded("x", 3),
+    ],
+    ids=lambda error: type(error).__name__,
+)
+def test_an_error_passes_the_pipe_unchanged(error: DriverError) -> None:
+    [(kind, _, content)] = unpacked(bytearray(packed_refusal(0, error)))
+    again = refusal(kind, content)
+    assert kind is Kind.REFUSED
+    assert type(again) is type(error)
+    assert (str(again), vars(again)) == (str(error), vars(error))

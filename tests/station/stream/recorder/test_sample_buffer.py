@@ -1,0 +1,64 @@
+"""A step's raw bytes are those of its samples, however the stream was cut into reads."""
+
+import hypothesis.strategies as st
+import numpy as np
+from hypothesis import given, settings
+
+from drivers.framing import Decoder
+from drivers.simulated.device import ByteDevice
+from drivers.simulated.faults import Fault
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
+from station.stream.reader import Chunk
+from station.stream.recorder import SampleStream, Tape
+
+WIRE = FORMATS["counts"]
+FAULTS = [Fault("garbage", 1.06, count=37), Fault("bad_crc", 1.5), Fault("repeated", 2.0), Fault("garbage", 2.9)]
+
+
+def sent(samples: int) -> bytes:
+    device, parts = ByteDevice(Truth.example(1), 1, "counts", FAULTS), list[bytes]()
+    while device.samples < samples:
+        parts += [part for part in device.chunk(10) if isinstance(part, bytes)]
+    return b"".join(parts)
+
+
+STREAM = sent(180)
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    cuts=st.lists(st.integers(1, 400), min_size=1),
+    runs=st.tuples(st.integers(0, 60), st.integers(1, 60), st.integers(1, 20), st.integers(1, 30)),
+    forget=st.booleans(),
+)
+def test_the_bytes_of_any_runs_decode_to_their_samples(
+    cuts: list[int], runs: tuple[int, int, int, int], forget: bool
+) -> None:
+    tape, stream, at, turn = Tape(), SampleStream(WIRE), 0, 0
+    begin, first, pause, second = runs
+    wanted = [(begin, begin + first), (begin + first + pause, begin + first + pause + second)]
+    while at < len(STREAM):
+        size = cuts[turn % len(cuts)]
+        tape.append(stream.take(Chunk(at, STREAM[at : at + size])))
+        at, turn = at + size, turn + 1
+        if forget:
+            tape.forget_before(min(begin, tape.end))
+    recorded = list(tape.recording(wanted))
+    samples = np.concatenate([rows.counter for _, rows in recorded])
+    decoder = Decoder(WIRE)
+    again = decoder.feed(b"".join(chunk.data for chunk, _ in recorded))
+    counters = again.counter[np.diff(again.counter, prepend=-1) != 0]  # the repeated frame is in the bytes twice
+    assert samples.tolist() == counters.tolist()
+    expected = np.concatenate([tape.block(*run).counter for run in wanted])
+    assert samples.tolist() == expected.tolist()
+
+
+def test_what_was_forgotten_is_gone_and_the_rest_keeps_its_numbers() -> None:
+    tape, stream = Tape(), SampleStream(WIRE)
+    for at in range(0, len(STREAM), 100):
+        tape.append(stream.take(Chunk(at, STREAM[at : at + 100])))
+    before = tape.block(100, 120)
+    tape.forget_before(100)
+    assert tape.block(100, 120).counter.tolist() == before.counter.tolist()
+    assert tape.last_break(100, 101) is None

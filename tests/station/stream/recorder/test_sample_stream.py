@@ -1,0 +1,94 @@
+"""Every break in the sequence is seen, repeats are dropped, the rest is as sent."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from drivers.simulated.device import ByteDevice
+from drivers.simulated.faults import Fault
+from drivers.simulated.garbled_frames import other_unit
+from drivers.simulated.truth import Truth
+from drivers.wire import FORMATS
+from procedures.counts.sample_records import block_rows
+from station.stream.reader import Chunk
+from station.stream.recorder import Piece, SampleStream
+
+WIRE = FORMATS["counts"]
+
+
+def pieces(*faults: Fault, samples: int = 200) -> tuple[SampleStream, list[Piece]]:
+    device, stream, found = ByteDevice(Truth.example(1), 1, "counts", faults), SampleStream(WIRE), list[Piece]()
+    while device.samples < samples:
+        found += [stream.take(Chunk(device.samples, part)) for part in device.chunk(10) if isinstance(part, bytes)]
+    return stream, found
+
+
+def counters(found: list[Piece]) -> list[int]:
+    return [int(c) for piece in found for c in piece.block.counter]
+
+
+def test_a_whole_stream_has_no_break_but_its_beginning() -> None:
+    stream, found = pieces()
+    assert counters(found) == list(range(200))
+    assert [i for i, piece in enumerate(found) if piece.anew is not None] == [1]  # after the identity frame
+    assert stream.counters.breaks == stream.counters.repeated == stream.counters.restarts == 0
+    assert stream.period == 0.02
+
+
+def test_a_lost_frame_is_a_break() -> None:
+    stream, found = pieces(Fault("lost", at_s=1.06, count=3))
+    assert (stream.counters.lost, stream.counters.breaks) == (3, 1)
+    breaks = [int(piece.block.counter[b]) for piece in found for b in piece.breaks if piece.anew is None]
+    assert breaks == [56]
+
+
+def test_a_repeated_frame_is_dropped_and_counted() -> None:
+    stream, found = pieces(Fault("repeated", at_s=1.06, count=2))
+    assert stream.counters.repeated == 2
+    assert counters(found) == list(range(200))
+
+
+def test_a_device_that_counts_from_0_again_begins_anew_there() -> None:
+    stream, found = pieces(Fault("counter_restart", at_s=1.06))
+    assert stream.counters.restarts == 1
+    anew = [int(piece.block.counter[piece.anew]) % 2**32 for piece in found[2:] if piece.anew is not None]
+    assert anew == [0]
+
+
+def test_after_a_gap_mark_nothing_has_a_relation_to_before() -> None:
+    stream, _ = pieces()
+    stream.begin_anew()
+    assert stream.take(Chunk(0, WIRE.example)).anew == 0
+
+
+def test_a_counter_that_wraps_is_no_break() -> None:
+    block = ByteDevice(Truth.example(1), 1, "counts").imu.read(10)
+    sent = WIRE.encode(replace(block, counter=block.counter + 2**32 - 5))
+    stream = SampleStream(WIRE)
+    piece = stream.take(Chunk(0, sent))
+    assert np.all(np.diff(piece.block.counter) == 1)
+    assert stream.counters.breaks == stream.counters.restarts == 0
+
+
+def test_device_time_that_jumps_is_a_break_though_the_counter_goes_on() -> None:
+    block = ByteDevice(Truth.example(1), 1, "counts").imu.read(60)
+    later = replace(block, device_time=block.device_time + 5.0 * (np.arange(60) >= 50))
+    stream = SampleStream(WIRE)
+    piece = stream.take(Chunk(0, WIRE.encode(later)))
+    assert piece.breaks.tolist() == [0, 50]
+
+
+def test_two_frames_of_one_number_that_differ_are_breaks_on_both_sides() -> None:
+    block = ByteDevice(Truth.example(1), 1, "counts").imu.read(60)
+    frames = [WIRE.encode(block_rows(block, slice(i, i + 1))) for i in range(60)]
+    other = WIRE.encode(other_unit(block_rows(block, slice(20, 21)), 0))
+    sent = [*frames[:21], other, *frames[21:]]
+    for cut in (1, 21, 22, 61):  # however it comes
+        stream, breaks, at = SampleStream(WIRE), list[int](), 0
+        for i in range(0, len(sent), cut):
+            piece = stream.take(Chunk(0, b"".join(sent[i : i + cut])))
+            breaks += (piece.breaks + at).tolist()
+            at += len(piece.block)
+        assert stream.counters.contradicted == 1
+        assert breaks[-1] == 21
+        assert breaks[:-1] == ([0] if cut in {1, 21} else [0, 20])  # what was given out already cannot be marked

@@ -1,0 +1,96 @@
+"""Whom the web server answers: its own page on this machine, and nobody else."""
+
+import socket
+from collections.abc import Iterator, Mapping
+from http.client import HTTPConnection
+from urllib.parse import quote, urlsplit
+
+import pytest
+
+from station.tui.web import serve
+from station.tui.web.errors import NotLoopback, PortTaken
+from tests.station.tui.web.engine import WebServer
+
+UPGRADE = {
+    "Connection": "Upgrade",
+    "Upgrade": "websocket",
+    "Sec-WebSocket-Version": "13",
+    "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
+}
+every_part = pytest.mark.parametrize(
+    ("path", "good", "headers"), [("", 200, {}), ("ws", 101, UPGRADE), ("static/js/textual.js", 200, {})]
+)
+
+
+@pytest.fixture(scope="module")
+def web() -> Iterator[WebServer]:
+    with WebServer(["true"]) as made:
+        yield made
+
+
+def answer(web: WebServer, path: str, headers: Mapping[str, str]) -> int:
+    """Return the status of the answer to a request."""
+    connection = HTTPConnection(urlsplit(web.url).netloc, timeout=60)
+    connection.request("GET", path, headers=headers)
+    status = connection.getresponse().status
+    connection.close()
+    return status
+
+
+@every_part
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("Origin", "http://evil.example"),
+        ("Origin", "null"),
+        ("Origin", "https://{own}"),
+        ("Origin", "http://127.0.0.1:1"),
+        ("Origin", "http://{own}.evil.example"),
+        ("Host", "evil.example:{port}"),  # its name was bound anew to 127.0.0.1
+        ("Host", "127.0.0.1"),
+        ("Host", ""),
+    ],
+)
+def test_a_page_of_another_origin_is_refused(
+    web: WebServer, path: str, good: int, headers: dict[str, str], name: str, value: str
+) -> None:
+    own = urlsplit(web.url)
+    said = value.format(own=own.netloc, port=own.port)
+    assert answer(web, own.path + path, headers | {name: said}) == 403
+    assert answer(web, own.path + path, headers | {"Origin": f"http://{own.netloc}"}) == good
+    assert answer(web, own.path + path, headers) == good  # a browser names no origin when it opens a page
+
+
+@every_part
+def test_without_the_secret_nothing_is_answered(
+    web: WebServer, path: str, good: int, headers: dict[str, str]
+) -> None:
+    secret = urlsplit(web.url).path.strip("/")
+    assert len(secret) >= 32
+    for wrong in (
+        "",
+        "wrong/",
+        f"{secret[:-1]}/",
+        f"{secret}x/",
+        f"{quote('é')}/",
+        f"x/../{secret}/",
+        "download/../",
+    ):
+        assert answer(web, f"/{wrong}{path}", headers) in {403, 404}
+    assert answer(web, f"/{secret}/{path}", headers) == good
+
+
+def test_each_server_has_a_secret_of_its_own(web: WebServer) -> None:
+    with WebServer(["true"]) as other:
+        assert answer(other, urlsplit(web.url).path, {}) == 403
+
+
+def test_another_address_than_the_loopback_is_refused() -> None:
+    for host in ("0.0.0.0", "::", "", "192.168.1.7", "station.example", "127.0.0.1.evil.example"):
+        with pytest.raises(NotLoopback, match="ssh -L"):
+            serve(["true"], print, host=host, port=0)
+
+
+def test_a_port_in_use_is_refused() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other, pytest.raises(PortTaken, match="choose another port"):
+        serve(["true"], print, port=other.getsockname()[1])
