@@ -15,7 +15,7 @@ from typer.core import TyperGroup
 
 from station.commands import COMMANDS, Command
 from station.exit_codes import exit_code
-from station.lazily import collect_seldom
+from station.garbage_collection import collect_seldom
 
 CANCELLED = 130
 BUG = 70

@@ -155,8 +155,7 @@ def _rows(database: "OpenDatabase", folder: Path) -> str:
     from fixtures_db.campaigns import known_campaign, verify_steps
     from fixtures_db.history import calibrated_inputs
     from station.errors import Altered
-    from station.files.campaign_folder import read_hashes
-    from station.files.sha256sums import sha256_of
+    from station.files.sha256sums import read_hashes, sha256_of
     from station.files.toml_text import NAME as TOML
 
     key, hashes = str(folder.resolve()), read_hashes(folder)

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from station.lazily import collect_seldom
+from station.garbage_collection import collect_seldom
 
 
 def main() -> None:

@@ -11,7 +11,7 @@ from procedures.bench.turn_closing import TurnSeen
 from procedures.calibration.campaign import TurnRecord
 from procedures.calibration.plan_steps import FreePosition, Soak, Turn
 from procedures.frames import AXES
-from station.files.campaign_folder import read_campaign
+from station.files.campaign_folder.reading import read_campaign
 from station.guide.accepted_dwell import Rested, rested
 from station.guide.checklist import is_free
 from station.stream.live.power_cycle import switched_on_again

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from procedures.calibration.plan_steps import Step
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
-from station.files.campaign_folder import read_plan, write_plan
+from station.files.campaign_folder.plan_toml import read_plan, write_plan
 from station.guide.unit_identity import UnitRecord
 from station.guide.view import Setup
 

@@ -16,10 +16,10 @@ from fixtures_db.database import Database
 from fixtures_db.errors import CampaignInUse
 from fixtures_db.schema import StepRow
 from station.errors import DataRefused
-from station.files.campaign_folder import read_hashes
 from station.files.campaign_folder.schema import CampaignTable
 from station.files.opening import open_inside
 from station.files.sha256sums import NAME as SUMS
+from station.files.sha256sums import read_hashes
 from station.files.toml_text import NAME as TOML
 from station.files.toml_text import read_toml
 from station.guide.folder_lock import FolderInUse, FolderLock

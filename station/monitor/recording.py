@@ -10,8 +10,8 @@ from pathlib import Path
 
 from drivers.wire import FrameKind, WireFormat
 from station.errors import cannot_write
-from station.files.campaign_folder import append_hash
 from station.files.mcap_files import BY_OUTPUT, StepWriter
+from station.files.sha256sums import append_hash
 from station.stream.recorder.row_times import RowTimes, Utc
 from station.stream.recorder.sample_buffer import Tape
 

@@ -25,7 +25,7 @@ SCREEN_FOR["start"](print), SCREEN_FOR["connecting"](print)
 """
 ENGINE = """
 import sys, pathlib
-from station.guide import serving
+from station.guide import engine_process
 from station.guide.engine import Engine
 from station.guide.start_engine import EngineOptions
 from fixtures_db.database import open_db

@@ -9,7 +9,7 @@ import pytest
 
 from station import cli
 from station.errors import CannotWrite
-from station.files.campaign_folder import append_hash, read_hashes
+from station.files.sha256sums import append_hash, read_hashes
 
 
 @pytest.fixture

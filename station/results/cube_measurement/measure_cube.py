@@ -12,7 +12,8 @@ from procedures.bench.cube_measurement import measure_cube
 from procedures.bench.measured_cube import PARALLELISM
 from procedures.frames import face_of
 from station.errors import DataRefused
-from station.files.campaign_folder import LoadedCampaign, check_for_solve, check_one_unit, read_campaign
+from station.files.campaign_folder.loaded import LoadedCampaign, check_for_solve, check_one_unit
+from station.files.campaign_folder.reading import read_campaign
 from station.files.toml_text import NAME
 from station.results.cube_measurement.known_faces import Study, known_of
 

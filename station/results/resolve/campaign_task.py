@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from station.errors import DataRefused
-from station.files.campaign_folder import LoadedCampaign, read_for_solve, read_hashes
+from station.files.campaign_folder.loaded import LoadedCampaign
+from station.files.campaign_folder.reading import read_for_solve
 from station.files.opening import open_inside
 from station.files.sha256sums import NAME as SUMS
+from station.files.sha256sums import read_hashes
 from station.files.toml_text import NAME as TOML
 from station.files.toml_text import read_toml
 

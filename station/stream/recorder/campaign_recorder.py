@@ -23,7 +23,6 @@ from procedures.calibration.plan_steps import Dwell, FreePosition, Soak, Step, T
 from procedures.frames import TURN_START
 from station.errors import cannot_write
 from station.files.atomic_file import sync_folder
-from station.files.campaign_folder import append_hash, write_tables
 from station.files.campaign_folder.schema import (
     CampaignTable,
     DwellTable,
@@ -35,7 +34,9 @@ from station.files.campaign_folder.schema import (
     StepTable,
     TurnTable,
 )
+from station.files.campaign_folder.writing import write_tables
 from station.files.mcap_files import BY_OUTPUT, StepWriter
+from station.files.sha256sums import append_hash
 from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.row_times import RowTimes, Utc
 from station.stream.recorder.sample_buffer import Run, Tape

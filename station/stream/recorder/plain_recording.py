@@ -9,8 +9,8 @@ from typing import Protocol
 
 from drivers.errors import ReplayEnded
 from station.errors import CannotWrite, cannot_write
-from station.files.campaign_folder import append_hash
 from station.files.mcap_files import BY_OUTPUT, StepWriter
+from station.files.sha256sums import append_hash
 from station.stream.recorder.row_times import RowTimes
 from station.stream.recorder.sample_stream import Piece, SampleStream
 

@@ -18,7 +18,9 @@ NAMES = (
     "clean", "bench_only", "bias_temperature", "g_sensitivity",
     "one_seating_off", "quadratic_certified", "quadratic_free", "quadratic_uncertified",
 )  # fmt: skip
-pytestmark = pytest.mark.skipif(not CAMPAIGNS.is_dir(), reason=f"STATION_DATA: no reference campaigns in {CAMPAIGNS}")
+pytestmark = pytest.mark.skipif(
+    not CAMPAIGNS.is_dir(), reason=f"STATION_DATA: no reference campaigns in {CAMPAIGNS}"
+)
 
 
 def effects_of(planted: dict) -> dict[str, dict[str, float]]:

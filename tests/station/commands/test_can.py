@@ -19,7 +19,8 @@ from drivers.url_wire_format import wire_of
 from drivers.wire import WireFormat
 from fixtures_db.database import open_db
 from station import cli
-from station.files.campaign_folder import read_campaign, verify_folder
+from station.files.campaign_folder.reading import read_campaign
+from station.files.sha256sums import verify_folder
 from station.guide.live_campaign import begin, resume
 from station.guide.options import Options
 from station.guide.view import Setup

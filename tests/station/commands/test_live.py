@@ -18,8 +18,9 @@ from fixtures_db.campaigns import campaign
 from fixtures_db.database import open_db
 from fixtures_db.history import history, verify_chain
 from station import cli
-from station.files.campaign_folder import read_campaign, verify_folder
+from station.files.campaign_folder.reading import read_campaign
 from station.files.mcap_files import read_step
+from station.files.sha256sums import verify_folder
 from station.stream.recorder import check_raw_bytes
 from tests.station.commands.program import Program
 

@@ -7,7 +7,9 @@ from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
 from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import accept_step, start_campaign
 from fixtures_db.database import Database
-from station.files.campaign_folder import append_hash, read_campaign, write_campaign
+from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.writing import write_campaign
+from station.files.sha256sums import append_hash
 
 
 def recorded(folder: Path, database: Database, seed: int = 1, turned: bool = False, **where: str) -> Path:

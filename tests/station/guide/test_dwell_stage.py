@@ -9,7 +9,8 @@ import pytest
 
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
-from station.files.campaign_folder import read_campaign, verify_folder
+from station.files.campaign_folder.reading import read_campaign
+from station.files.sha256sums import verify_folder
 from station.files.toml_text import read_toml
 from station.guide.view import View
 from tests.station.guide.rig import GuideRig, dwells

@@ -17,7 +17,8 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
 from fixtures_db.history import history, verify_chain
-from station.files.campaign_folder import read_campaign, verify_folder
+from station.files.campaign_folder.reading import read_campaign
+from station.files.sha256sums import verify_folder
 from station.guide.client import Connection
 from station.guide.command import Command
 from station.guide.open_campaigns import unfinished

@@ -9,7 +9,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
 from fixtures_db.history import history
-from procedures.calibration.calibration import hand_turns
+from procedures.calibration import hand_turns
 from procedures.calibration.plan_steps import Dwell, steps_of
 from station import cli
 from station.files.toml_text import read_toml

@@ -10,7 +10,8 @@ import pytest
 from drivers.simulated.truth import Truth
 from procedures.calibration.plan_steps import Dwell, FreePosition, Soak
 from procedures.rests_and_moves.free_attitudes import LEANS, angle_deg, way_up
-from station.files.campaign_folder import read_campaign, verify_folder
+from station.files.campaign_folder.reading import read_campaign
+from station.files.sha256sums import verify_folder
 from station.guide.accepted_steps import so_far
 from station.guide.interrupted_campaigns import reopen
 from station.guide.view import View

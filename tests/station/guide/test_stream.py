@@ -8,7 +8,7 @@ from drivers.errors import LinkSilent
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
-from station.files.campaign_folder import read_campaign
+from station.files.campaign_folder.reading import read_campaign
 from station.guide.accepted_steps import so_far
 from station.stream.recorder import UnitChanged
 from tests.station.guide.rig import GuideRig, dwells

@@ -11,7 +11,7 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from procedures.calibration.plan_steps import Dwell, Turn
 from station.errors import DataRefused
-from station.files.campaign_folder import read_campaign
+from station.files.campaign_folder.reading import read_campaign
 from station.guide.view import View
 from tests.station.guide.rig import GuideRig
 

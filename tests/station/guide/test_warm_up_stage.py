@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from drivers.simulated.truth import Truth
-from station.files.campaign_folder import read_campaign
+from station.files.campaign_folder.reading import read_campaign
 from station.files.toml_text import read_toml
 from station.guide.folder_notes import kept_plan
 from station.guide.view import WarmUp

@@ -17,7 +17,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
 from station.calibrated.body_axes import body_axes
-from station.files.campaign_folder import verify_folder
+from station.files.sha256sums import verify_folder
 from tests.station.commands.program import Program
 from tests.station.monitor.unit import write_calibration
 

@@ -21,7 +21,8 @@ from procedures.calibration.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.errors import Altered, CannotWrite
 from station.files.atomic_file import replace_file
-from station.files.campaign_folder import read_campaign, write_campaign
+from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.writing import write_campaign
 from station.guide.folder_notes import write_setup
 from station.guide.interrupted_campaigns import cancel_campaign
 from station.guide.outcome import verdict_view

@@ -12,7 +12,7 @@ import pytest
 from procedures.calibration.campaign import Campaign, Site
 from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
 from station.errors import CannotWrite
-from station.files.campaign_folder import LoadedCampaign
+from station.files.campaign_folder.loaded import LoadedCampaign
 from station.files.campaign_folder.schema import CampaignTable
 from station.results.solution_json import solution_document, write_solution
 from station.results.solution_text import measured, solution_text

@@ -6,7 +6,7 @@ import pytest
 
 from procedures.calibration.plan_steps import Dwell, FreePosition, Soak, Turn
 from station.errors import DataRefused
-from station.files.campaign_folder import read_plan, write_plan
+from station.files.campaign_folder.plan_toml import read_plan, write_plan
 
 STEPS = (
     Dwell(3, 100.0), FreePosition(1, 60.0), Dwell(1, 20.5), FreePosition(2, 50.0),

@@ -6,7 +6,8 @@ import pytest
 from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.earth.gravity_and_rate import normal_gravity
 from station.errors import DataRefused
-from station.files.campaign_folder import LoadedCampaign, check_for_solve, check_one_unit, read_campaign
+from station.files.campaign_folder.loaded import LoadedCampaign, check_for_solve, check_one_unit
+from station.files.campaign_folder.reading import read_campaign
 
 
 def edit(folder: Path, name: str, *changes: tuple[str, str]) -> None:

@@ -10,7 +10,7 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
-from station.files.campaign_folder import read_for_solve
+from station.files.campaign_folder.reading import read_for_solve
 from station.results.diagnosis import closed_loop as loop
 from station.results.diagnosis.closed_loop import NAME as DIAGNOSIS
 from station.results.diagnosis.closed_loop import added_effects, close_loop

@@ -8,7 +8,7 @@ import typer
 from typer.testing import CliRunner, Result
 
 from station.commands.report import report
-from station.files.campaign_folder import LoadedCampaign
+from station.files.campaign_folder.loaded import LoadedCampaign
 from station.results.diagnosis import closed_loop as loop
 from tests.station.results.report import factory
 

@@ -20,7 +20,9 @@ from fixtures_db.history import accept_calibration
 from fixtures_db.limits import Limit, set_limits
 from procedures.calibration.calibration import solve
 from station import cli
-from station.files.campaign_folder import append_hash, read_for_solve, write_campaign
+from station.files.campaign_folder.reading import read_for_solve
+from station.files.campaign_folder.writing import write_campaign
+from station.files.sha256sums import append_hash
 from station.results.cluster.code_hash import code_hash
 from station.results.cluster.engine import open_engine
 from station.results.resolve.previous_solution import Before

@@ -22,7 +22,7 @@ from fixtures_db.database import open_db
 from procedures.calibration.plan_steps import Dwell
 from station import cli
 from station.errors import DataRefused
-from station.files.campaign_folder import read_campaign
+from station.files.campaign_folder.reading import read_campaign
 from station.guide.event_log import Story
 from station.guide.gnss_in_campaign import GnssBeside
 from station.guide.host_clock import HostClock

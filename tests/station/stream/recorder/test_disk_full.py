@@ -20,7 +20,8 @@ from procedures.calibration.plan_steps import Dwell
 from station import cli
 from station.errors import CannotWrite, DiskFull
 from station.files.atomic_file import replace_file
-from station.files.campaign_folder import read_campaign, verify_folder
+from station.files.campaign_folder.reading import read_campaign
+from station.files.sha256sums import verify_folder
 from station.stream.live import LiveFeed, open_feed
 from station.stream.live.accepted_blocks import merged
 from station.stream.recorder import CampaignRecorder, check_raw_bytes, open_campaign
