@@ -91,17 +91,17 @@ def certify_faces(
     date_owner(session, cube)
 
 
-def cube(session: Session, cube_id: str, C_ib: FloatArray | None = None) -> Fixture:
+def cube(session: Session, cube_id: str, C_sb: FloatArray | None = None) -> Fixture:
     """Return the fixture a solve takes: of each face what was measured last, none where it never was.
 
-    Where no face was, it holds what IMUs measured of the cube last. ``C_ib`` (3, 3) takes the cube's axes to the
+    Where no face was, it holds what IMUs measured of the cube last. ``C_sb`` (3, 3) takes the cube's axes to the
     IMU's; identity if not given.
     """
     row = cube_row(session, cube_id)
     faces = {resting: face_certificate(face) for resting, face in faces_in_force(row).items()}
     last = None if faces else in_force(row.measurements)
     measured = None if last is None else measurement(last).cube
-    return Fixture(faces, np.eye(3) if C_ib is None else C_ib, cube_id, measured)
+    return Fixture(faces, np.eye(3) if C_sb is None else C_sb, cube_id, measured)
 
 
 def faces_in_force(cube: CubeRow) -> dict[str, FaceCertificateRow]:

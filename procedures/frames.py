@@ -1,6 +1,6 @@
 """The twelve positions and the rotations between slab, cube and IMU, in one place.
 
-Positions are Yao, Hu, He 2018, table 1: each letter says where body X, Y, Z point
+Positions are Yao, Hu, He 2018, table 1: each letter says where the cube's x, y, z point
 (Up, Down, East, West, North, South). Frames: ``n`` East-North-Up; ``l`` the slab's own marks
 (East, North, normal); ``b`` the cube.
 """
@@ -66,7 +66,7 @@ def slab_C_ln(tilt: FloatArray) -> FloatArray:
     return rotation(np.array([-tilt[1], tilt[0], 0.0]))
 
 
-def face_C_bs(face: str, up_tilt: FloatArray) -> FloatArray:
+def face_rotation(face: str, up_tilt: FloatArray) -> FloatArray:
     """Return the small rotation (3, 3) that a face's tilt adds between the nominal cube and the cube.
 
     ``up_tilt`` (2,) [rad] holds the components of the slab normal along the two other cube axes
@@ -85,8 +85,8 @@ def vertical_rotation(angle: float) -> FloatArray:
 def C_bn(position: int, slab_tilt: FloatArray, up_tilt: FloatArray, heading: float = 0.0) -> FloatArray:
     """Return the rotation (3, 3) from East-North-Up to the cube as it stands.
 
-    ``slab_tilt`` (2,) and ``up_tilt`` (2,) as in `slab_C_ln` and `face_C_bs`; ``heading`` [rad] is how far
+    ``slab_tilt`` (2,) and ``up_tilt`` (2,) as in `slab_C_ln` and `face_rotation`; ``heading`` [rad] is how far
     the cube is turned counter-clockwise about the slab's normal from the position's nominal heading.
     """
     nominal = nominal_C_lb(position).T @ vertical_rotation(-heading)
-    return face_C_bs(face_of(position), up_tilt) @ nominal @ slab_C_ln(slab_tilt)
+    return face_rotation(face_of(position), up_tilt) @ nominal @ slab_C_ln(slab_tilt)

@@ -184,7 +184,7 @@ def simulate_campaign(
         dwells=tuple(DwellRecord(d.name, d.position, bench.perform(d)) for d in dwells),
         turns=tuple(_turn_record(i, t, bench) for i, t in enumerate(turn_steps() if turns is None else turns)),
         sigma=ProcedureSigma(float(np.radians(truth.heading_std_deg)), float(np.radians(truth.closure_std_deg))),
-        fixture=Fixture(faces, world.C_ib),
+        fixture=Fixture(faces, world.C_sb),
         rests=tuple(RestRecord(f"free_{i + 1:02d}", None, bench.free(C, dwell_s)) for i, C in enumerate(free)),
     )
 

@@ -20,7 +20,7 @@ from procedures.frames import FACES as FACES  # rows of `World.faces`
 class World:
     """Site, slab, cube and seats; SI and radians.
 
-    ``faces`` (6, 2) [rad] by `procedures.frames.FACES`; ``C_ib`` (3, 3) cube axes to IMU axes; ``seatings``
+    ``faces`` (6, 2) [rad] by `procedures.frames.FACES`; ``C_sb`` (3, 3) cube axes to IMU axes; ``seatings``
     rotation vectors (3,) [rad] in cube axes by position; ``labels`` the position where the cube truly is, by
     the one recorded; ``clock_ppm`` how fast the device's clock runs.
     """
@@ -31,7 +31,7 @@ class World:
     faces: FloatArray
     slab_tilt: FloatArray
     azimuth: float
-    C_ib: FloatArray
+    C_sb: FloatArray
     seatings: Mapping[int, FloatArray] = field(default_factory=dict)
     labels: Mapping[int, int] = field(default_factory=dict)
     clock_ppm: float = 0.0
@@ -70,7 +70,7 @@ class World:
 
 
 def imu_from_cube(imu_axes: tuple[str, str, str]) -> FloatArray:
-    """Return ``C_ib`` (3, 3) whose rows are the cube axes, such as ``-y``, along which IMU x, y, z point."""
+    """Return ``C_sb`` (3, 3) whose rows are the cube axes, such as ``-y``, along which IMU x, y, z point."""
     return np.array([face_normal(f"{name[1]}_{'up' if name[0] == '+' else 'down'}") for name in imu_axes])
 
 
@@ -83,7 +83,7 @@ def world_of(truth: Truth) -> World:
         faces=truth.faces_rad,
         slab_tilt=truth.slab_tilt_rad,
         azimuth=truth.slab_azimuth_rad,
-        C_ib=imu_from_cube(truth.imu_axes),
+        C_sb=imu_from_cube(truth.imu_axes),
     )
 
 

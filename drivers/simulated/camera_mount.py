@@ -17,7 +17,7 @@ class Mounted:
 
     def __init__(self, truth: Truth, camera: CameraTruth, track: Track | None) -> None:
         world = stand(truth)
-        self._camera, self._track, self._C_ib = camera, track, world.C_ib
+        self._camera, self._track, self._C_sb = camera, track, world.C_sb
         self._C_bn = world.attitude(LYING)
         if track is not None:
             steps = int(np.ceil(track.t[-1] / truth.sample_period_s)) + 2
@@ -30,5 +30,5 @@ class Mounted:
         if self._track is not None:
             C_bn = rotation(-float(np.interp(t, self._t, self._angle)) * self._C_bn[:, 2]) @ self._C_bn
             p = self._track.position(t)
-        C_ni = C_bn.T @ self._C_ib.T
-        return C_ni @ self._camera.C_bc, p + C_ni @ self._camera.t_bc
+        C_ns = C_bn.T @ self._C_sb.T
+        return C_ns @ self._camera.C_bc, p + C_ns @ self._camera.t_bc

@@ -154,7 +154,7 @@ class Sensor:
         return middle
 
     def _stimulus(self, segment: Segment, index: int, first: int, last: int) -> Stimulus:
-        world, C_ib = self._world, self._world.C_ib
+        world, C_sb = self._world, self._world.C_sb
         f_n = world.f_n if segment.accel_n is None else world.f_n + segment.accel_n
         turning = np.degrees(segment.rate_b(first, last, self.period))
         omega = segment.seen(world.omega_ie_n, first, last) + turning
@@ -163,9 +163,9 @@ class Sensor:
         if segment.rested is not None:
             rested = self._middle(first + segment.rested, last - first)[:, None]
         return Stimulus(
-            f=np.einsum("ib,nb->ni", C_ib, segment.seen(f_n, first, last)),
-            omega=np.einsum("ib,nb->ni", C_ib, omega),
-            magnetic=np.einsum("ib,nb->ni", C_ib, segment.seen(world.magnetic_n, first, last)),
+            f=np.einsum("sb,nb->ns", C_sb, segment.seen(f_n, first, last)),
+            omega=np.einsum("sb,nb->ns", C_sb, omega),
+            magnetic=np.einsum("sb,nb->ns", C_sb, segment.seen(world.magnetic_n, first, last)),
             t=t,
             rest_s=rested,
             temperature=self.temperature(t),

@@ -209,13 +209,13 @@ class _Stand:
     """One campaign on the cube: its dwells, its rests outside the positions, and what belongs to it alone."""
 
     def __init__(self, campaign: Campaign, seen: TriadDwells) -> None:
-        refuse_wrong_faces(seen, [campaign.fixture.C_ib])
+        refuse_wrong_faces(seen, [campaign.fixture.C_sb])
         at = tuple(Placement(0, 0, dwell.position, campaign.sigma.heading) for _, dwell in seen.dwells)
         self.bench = Bench(at, (campaign,), 1)
         self.campaign, self.seen, self.factor = campaign, seen, 1.0
         self.gravity = campaign.site.gravity / STANDARD_GRAVITY
         self.size = EACH + len(at)
-        self.C_ib = campaign.fixture.C_ib
+        self.C_sb = campaign.fixture.C_sb
         K, b = self._affine()
         self.k = np.linalg.norm(K, axis=1)
         self.D, self.T, self.Q = b / self.k, *_lower_and_turn(K / self.k[:, None])
@@ -233,7 +233,7 @@ class _Stand:
     def _affine(self) -> tuple[FloatArray, FloatArray]:
         """Return K (3, 3) and b (3,) of perfect faces."""
         up = np.array([0.0, 0.0, self.gravity])
-        u = self.bench.seen(np.zeros(self.bench.size), [up]) @ self.C_ib.T
+        u = self.bench.seen(np.zeros(self.bench.size), [up]) @ self.C_sb.T
         if not is_determined(u):
             raise NotObservable("the cube", ["dwells in the twelve positions"])
         linear = np.asarray(np.linalg.lstsq(np.hstack((u, np.ones((len(u), 1)))), self.seen.rate, rcond=None)[0])
@@ -246,7 +246,7 @@ class _Stand:
         gain, turn, bias, tilt = 1 + own[:3], rotation(own[3:6]) @ self.Q, self.D + own[6:9], own[9:11]
         E = _lower(t) @ turn
         x = np.concatenate((tilt, [0.0], cube, own[EACH:]))
-        u = self.bench.seen(x, [np.array([0.0, 0.0, self.gravity])]) @ self.C_ib.T
+        u = self.bench.seen(x, [np.array([0.0, 0.0, self.gravity])]) @ self.C_sb.T
         model = gain * (u @ E.T + bias + K2 * u**2)
         parts = [((self.seen.rate / self.k - model) / (self.factor * self.std)).ravel()]
         if self.rests is not None:

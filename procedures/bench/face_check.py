@@ -19,13 +19,13 @@ T = TypeVar("T")
 LIMIT = 0.2  # g, or unit vector: far above any tilt, far below a wrong face (1 g)
 
 
-def refuse_wrong_faces(seen: TriadDwells, C_ib: Sequence[FloatArray]) -> None:
+def refuse_wrong_faces(seen: TriadDwells, C_sb: Sequence[FloatArray]) -> None:
     """Raise `WrongFace`, `FitsNoFace` or `WrongMounting` where dwells contradict their positions.
 
-    ``C_ib`` holds per campaign the rotation (3, 3) from the cube's axes to the IMU's. Fewer than four dwells,
+    ``C_sb`` holds per campaign the rotation (3, 3) from the cube's axes to the IMU's. Fewer than four dwells,
     or dwells that fit any label, are let through: nothing contradicts them.
     """
-    mounting = [C_ib[number] for number, _ in seen.dwells]
+    mounting = [C_sb[number] for number, _ in seen.dwells]
     faces = [face_of(dwell.position) for _, dwell in seen.dwells]
     if not _spans(mounting, faces) or not np.any(np.ptp(seen.rate, axis=0) > 0):
         return

@@ -1,7 +1,7 @@
 """Which dwells stood turned against the marks, by the Earth's rate that the gyros saw in them.
 
 At rest in position p, turned by ``delta`` counter-clockwise from above, a triad counts
-``r = K C_ib C_bl(p) Rz(-(alpha + delta)) w + b`` per second, with ``w`` the Earth's rate East-North-Up and
+``r = K C_sb C_bl(p) Rz(-(alpha + delta)) w + b`` per second, with ``w`` the Earth's rate East-North-Up and
 ``alpha`` what the slab's marks are off North, common to all. K, b, alpha and every delta are parameters of one
 Bayesian fit to the dwells' rates. What a dwell's heading is without its prior follows from that prior's residual
 and leverage h (deletion, as in Cook and Weisberg 1982, 2.2): ``delta / (1 - h)``, with the variance
@@ -44,7 +44,7 @@ class HeadingError:
 
 
 def heading_errors(
-    dwells: Sequence[Known], latitude: float, C_ib: FloatArray, K: FloatArray, heading_std: float,
+    dwells: Sequence[Known], latitude: float, C_sb: FloatArray, K: FloatArray, heading_std: float,
     ranges: tuple[float, float] = (SCALE_RANGE, MISALIGNMENT_RANGE),
 ) -> list[HeadingError]:  # fmt: skip
     """Name the dwells that stood turned, the clearest first; none where the gyros cannot tell.
@@ -54,7 +54,7 @@ def heading_errors(
     """
     stds, found = np.full(len(dwells), heading_std), list[tuple[int, ...]]()
     fit, ratio = None, 1.0
-    while len(found) <= MOST and (fit := _fit(dwells, latitude, C_ib, K, stds, ranges)) is not None:
+    while len(found) <= MOST and (fit := _fit(dwells, latitude, C_sb, K, stds, ranges)) is not None:
         gain = _gain(fit, len(dwells))
         gain[[each[0] for each in found]] = 0.0
         order = np.argsort(-gain)
@@ -98,12 +98,12 @@ def _birge_ratio(fit: Fit, rows: int, explained: float = 0.0) -> float:
 
 
 def _fit(
-    dwells: Sequence[Known], latitude: float, C_ib: FloatArray, K: FloatArray, stds: FloatArray,
+    dwells: Sequence[Known], latitude: float, C_sb: FloatArray, K: FloatArray, stds: FloatArray,
     ranges: tuple[float, float],
 ) -> Fit | None:  # fmt: skip
     """Fit K (9), b (3), alpha and the headings, in units of the scale factors and the Earth's rate."""
     k = np.linalg.norm(K, axis=1)
-    C = np.array([C_ib @ nominal_C_lb(each.position).T for each in dwells])
+    C = np.array([C_sb @ nominal_C_lb(each.position).T for each in dwells])
     _, level, up = earth_rate_n(latitude)
     unit = float(np.hypot(level, up))
     rate = np.array([each.rate for each in dwells]) / (k * unit)

@@ -23,7 +23,7 @@ def turned_off(campaigns: Sequence[Campaign], joint: JointFit) -> tuple[list[str
             for i, record in zip(rows, records, strict=True)
         ]
         errors = heading_errors(
-            known, campaign.site.latitude, campaign.fixture.C_ib, K, campaign.sigma.heading, SOLVED
+            known, campaign.site.latitude, campaign.fixture.C_sb, K, campaign.sigma.heading, SOLVED
         )
         for error in errors:
             named = " or ".join(f"{records[i].position} ({records[i].name})" for i in sorted(error.dwells))

@@ -82,12 +82,12 @@ def seating(accepted: Sequence[Rates], now: Rates, fixture: Fixture, heading_std
     before = [each for each in accepted if each[0] != position]
     if not any(face_of(each[0]) == face for each in before):
         return None
-    k = _scale(before, fixture.C_ib)
+    k = _scale(before, fixture.C_sb)
     fit = _fit(before, now, fixture, heading_std)
     if fit is None or not _is_plausible(fit.x[:9].reshape(3, 3), k):
         return None
     row = slice(3 * len(before), 3 * len(before) + 3)
-    to_tilt = (fixture.C_ib.T @ np.linalg.inv(fit.x[:9].reshape(3, 3)))[list(cross_axes(face))]
+    to_tilt = (fixture.C_sb.T @ np.linalg.inv(fit.x[:9].reshape(3, 3)))[list(cross_axes(face))]
     J = BLIND * to_tilt @ (k[:, None] * fit.jacobian[row])
     predicted: FloatArray = np.sqrt(np.einsum("ip,pq,iq->i", J, fit.covariance, J))
     off: FloatArray = BLIND * to_tilt @ (k * fit.residual[row])
@@ -139,7 +139,7 @@ def _fit(before: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: flo
     site = Site(0.0, STANDARD_GRAVITY, GRAVITY_STD)
     campaign = Campaign("", "", True, site, (), (), ProcedureSigma(heading_std), fixture)
     bench = Bench(tuple(Placement(0, 0, each[0], heading_std) for each in (*before, now)), (campaign,), 1)
-    C_ib, prior, k = mountings([campaign], bench), bench.priors(), _scale(before, fixture.C_ib)
+    C_sb, prior, k = mountings([campaign], bench), bench.priors(), _scale(before, fixture.C_sb)
     rate = np.array([*(each[1] for each in before), now[1]])
     sigma = np.array([*(each[2] for each in before), BLIND * k])
     centre = np.diag(k)
@@ -147,7 +147,7 @@ def _fit(before: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: flo
 
     def residual(x: FloatArray) -> FloatArray:
         K, b = x[:9].reshape(3, 3), x[9:12]
-        model = specific_force(bench, x[12:], C_ib) @ K.T + b
+        model = specific_force(bench, x[12:], C_sb) @ K.T + b
         return np.concatenate(
             (
                 ((rate - model) / sigma).ravel(),
@@ -162,12 +162,12 @@ def _fit(before: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: flo
     return minimise_if_determined(residual, start, scale)
 
 
-def _scale(dwells: Sequence[Rates], C_ib: FloatArray) -> FloatArray:
+def _scale(dwells: Sequence[Rates], C_sb: FloatArray) -> FloatArray:
     """Return what 1 g counts (3,) per second, from the dwells that have a sensor upright.
 
     A sensor that was never upright is taken to be like the others, and to count forwards.
     """
-    up = np.array([C_ib @ face_normal(face_of(position)) for position, _, _ in dwells])
+    up = np.array([C_sb @ face_normal(face_of(position)) for position, _, _ in dwells])
     rate = np.array([rate for _, rate, _ in dwells])
     upright = np.abs(up).sum(axis=0)
     k = (up * rate).sum(axis=0) / np.maximum(upright, 1)

@@ -85,7 +85,7 @@ def earth_signs(
 def _earth(campaign: Campaign, position: int) -> FloatArray:
     """Return the Earth's rate (2, 3) [deg/s] in IMU axes at a position: vertical part, horizontal part."""
     omega = np.degrees(earth_rate_n(campaign.site.latitude))
-    C = campaign.fixture.C_ib @ nominal_C_lb(position).T
+    C = campaign.fixture.C_sb @ nominal_C_lb(position).T
     return np.array([C[:, 2] * omega[2], C[:, 1] * omega[1]])
 
 
@@ -132,19 +132,19 @@ def sign_warnings(
     if gyroscope is not None and gyro is not None:
         dwells = [(number, dwell.position) for number, dwell in gyro.dwells]
         signs = earth_signs(campaigns, dwells, gyro.rate, gyro.std, gyroscope.joint.K)
-    C_ib = campaigns[0].fixture.C_ib
+    C_sb = campaigns[0].fixture.C_sb
     found = []
     for sensors in [gyro_back] if len(gyro_back) == 3 else [[q] for q in gyro_back]:
-        found.append(_of_gyroscopes(sensors, C_ib, 0 if signs is None else signs.of_turns(sensors)))
+        found.append(_of_gyroscopes(sensors, C_sb, 0 if signs is None else signs.of_turns(sensors)))
     for sensors in [accel_back] if len(accel_back) == 3 else [[q] for q in accel_back]:
         told = signs is not None and not set(sensors) & set(gyro_back)
-        found.append(_of_accelerometers(sensors, C_ib, signs.of_faces(sensors) if told and signs else 0))
+        found.append(_of_accelerometers(sensors, C_sb, signs.of_faces(sensors) if told and signs else 0))
     return found
 
 
-def _of_gyroscopes(sensors: Sequence[int], C_ib: FloatArray, sign: int) -> str:
+def _of_gyroscopes(sensors: Sequence[int], C_sb: FloatArray, sign: int) -> str:
     whole = len(sensors) == 3
-    turns = "all turns are" if whole else f"the turns about {cube_axis(C_ib, sensors[0])} are"
+    turns = "all turns are" if whole else f"the turns about {cube_axis(C_sb, sensors[0])} are"
     who = "the gyroscopes' signs are" if whole else f"the sign of gyroscope {AXES[sensors[0]]} is"
     they = "all three gyroscopes count" if whole else f"gyroscope {AXES[sensors[0]]} counts"
     if sign < 0:
@@ -160,9 +160,9 @@ def _of_gyroscopes(sensors: Sequence[int], C_ib: FloatArray, sign: int) -> str:
     )
 
 
-def _of_accelerometers(sensors: Sequence[int], C_ib: FloatArray, sign: int) -> str:
+def _of_accelerometers(sensors: Sequence[int], C_sb: FloatArray, sign: int) -> str:
     whole = len(sensors) == 3
-    axis = cube_axis(C_ib, sensors[0])
+    axis = cube_axis(C_sb, sensors[0])
     who = "the accelerometers' signs are" if whole else f"the sign of accelerometer {AXES[sensors[0]]} is"
     they = "all three accelerometers count" if whole else f"accelerometer {AXES[sensors[0]]} counts"
     faces = "all positions are recorded upside down"
@@ -175,17 +175,17 @@ def _of_accelerometers(sensors: Sequence[int], C_ib: FloatArray, sign: int) -> s
     return f"{who} inverted, or {faces}: {they} backwards; look at one position with {axis} up"
 
 
-def cube_axis(C_ib: FloatArray, sensor: int) -> str:
+def cube_axis(C_sb: FloatArray, sensor: int) -> str:
     """Return the cube axis along which a sensor lies."""
-    return AXES[int(np.argmax(np.abs(C_ib[sensor])))]
+    return AXES[int(np.argmax(np.abs(C_sb[sensor])))]
 
 
-def reversed_axes(K: FloatArray, signs: EarthSigns, C_ib: FloatArray) -> BoolArray:
+def reversed_axes(K: FloatArray, signs: EarthSigns, C_sb: FloatArray) -> BoolArray:
     """Mark the cube axes (3,) the turns about which are, for certain, recorded in the opposite direction."""
     back = backwards(K)
     groups = [back] if len(back) == 3 else [[q] for q in back]
     marked = np.zeros(3, dtype=bool)
     for sensors in groups:
         if signs.of_turns(sensors) < 0:
-            marked[[AXES.index(cube_axis(C_ib, q)) for q in sensors]] = True
+            marked[[AXES.index(cube_axis(C_sb, q)) for q in sensors]] = True
     return marked

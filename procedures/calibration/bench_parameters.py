@@ -118,7 +118,7 @@ class Bench:
 
     @cached_property
     def _tilt_rotation(self) -> FloatArray:
-        """(m, 3, p): takes the parameters to the rotation vector of every placement's face, as `face_C_bs`."""
+        """(m, 3, p): takes the parameters to the rotation vector of every placement's face, as `face_rotation`."""
         G = np.zeros((len(self.placements), 3, self.size))
         for i, at in enumerate(self.placements):
             face = face_of(at.position)
@@ -228,7 +228,7 @@ class Bench:
         A second cube differs from the first, and an IMU turned in its cube sees the difference: there it is free.
         """
         certified = self._certificates(cube)
-        mountings = {c.fixture.C_ib.tobytes() for c in self.campaigns}
+        mountings = {c.fixture.C_sb.tobytes() for c in self.campaigns}
         alone = cube == 0 and len(mountings) == 1
         return [alone and (pair, 1) not in certified and (pair, -1) not in certified for pair in range(3)]
 

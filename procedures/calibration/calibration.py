@@ -117,7 +117,7 @@ def fit_reduced(steps: Reduced) -> Fits:
     """Fit both triads to what the steps say; raises as `solve`."""
     campaigns, accel, gyro, rests = steps.campaigns, steps.accel, steps.gyro, steps.rests
     if labelled := with_known_faces(accel, rests):
-        refuse_wrong_faces(labelled, [campaign.fixture.C_ib for campaign in campaigns])
+        refuse_wrong_faces(labelled, [campaign.fixture.C_sb for campaign in campaigns])
     if rests is not None:
         accelerometer = solve_with_rests(campaigns, accel, rests)
     else:

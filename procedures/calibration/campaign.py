@@ -58,12 +58,12 @@ class MeasuredCube:
 class Fixture:
     """The cube: certificates by face name (``x_up`` ...), and how the IMU sits in it.
 
-    ``C_ib`` (3, 3) takes the cube's axes to the IMU's; its rows are the cube axes along which IMU x, y, z point.
+    ``C_sb`` (3, 3) takes the cube's axes to the IMU's; its rows are the cube axes along which IMU x, y, z point.
     ``measured`` is what IMUs found of a cube whose faces have no certificate.
     """
 
     faces: Mapping[str, FaceCertificate] = field(default_factory=dict)
-    C_ib: FloatArray = field(default_factory=lambda: np.eye(3))
+    C_sb: FloatArray = field(default_factory=lambda: np.eye(3))
     id: str | None = None
     measured: MeasuredCube | None = None
 

@@ -65,7 +65,7 @@ def nominal_angle(turn: TurnTotal) -> float:
 
 
 def heading_history(
-    turn: TurnTotal, C_ib: FloatArray, K: FloatArray, b: FloatArray, vertical: float
+    turn: TurnTotal, C_sb: FloatArray, K: FloatArray, b: FloatArray, vertical: float
 ) -> FloatArray:
     """Return (n,) the angle [rad] turned up to the middle of each sample, scaled to the nominal whole.
 
@@ -73,7 +73,7 @@ def heading_history(
     """
     samples = np.asarray(channel(turn.record.series, "gyroscope"), dtype=float)
     rate = samples / turn.record.series.period if turn.counts else samples
-    up = C_ib @ face_normal(face_of(turn.record.start_position))
+    up = C_sb @ face_normal(face_of(turn.record.start_position))
     angle = np.cumsum((rate - b) @ np.linalg.solve(K.T, up) - vertical)
     half = np.diff(angle, prepend=0.0) / 2
     scaled: FloatArray = (angle - half) * nominal_angle(turn) / angle[-1]
@@ -158,7 +158,7 @@ def solve_gyroscope(
 def _history(campaigns: Sequence[Campaign], turn: TurnTotal, K: FloatArray, b: FloatArray) -> FloatArray:
     campaign = campaigns[turn.campaign]
     vertical = float(np.degrees(earth_rate_n(campaign.site.latitude)[2]))
-    return heading_history(turn, campaign.fixture.C_ib, K, b, vertical)
+    return heading_history(turn, campaign.fixture.C_sb, K, b, vertical)
 
 
 def _first_guess(
@@ -169,14 +169,14 @@ def _first_guess(
     placements = tuple(Placement(n, int(cubes[n]), d.position, 1.0) for n, d in seen.dwells)
     bench = Bench(placements, tuple(campaigns), int(cubes.max()) + 1)
     earth = [np.degrees(earth_rate_n(c.site.latitude)) for c in campaigns]
-    C_ib = mountings(campaigns, bench)
-    dwell = (C_ib @ bench.seen(np.zeros(bench.size), earth)[..., None])[..., 0]
+    C_sb = mountings(campaigns, bench)
+    dwell = (C_sb @ bench.seen(np.zeros(bench.size), earth)[..., None])[..., 0]
     if not turns:
         return None
     angle = np.array(
         [
             (np.degrees(nominal_angle(t)) + earth[t.campaign][2] * t.seconds)
-            * (campaigns[t.campaign].fixture.C_ib @ face_normal(face_of(t.record.start_position)))
+            * (campaigns[t.campaign].fixture.C_sb @ face_normal(face_of(t.record.start_position)))
             for t in turns
         ]
     )
@@ -196,7 +196,7 @@ def refuse_disagreeing(campaigns: Sequence[Campaign], turns: Sequence[TurnTotal]
     """Raise `TurnsDisagree` where two turns about one axis imply scale factors more than `AGREE` apart."""
     per_turn: dict[int, list[tuple[str, float]]] = {}
     for turn in turns:
-        up = campaigns[turn.campaign].fixture.C_ib @ face_normal(face_of(turn.record.start_position))
+        up = campaigns[turn.campaign].fixture.C_sb @ face_normal(face_of(turn.record.start_position))
         sensor = int(np.argmax(np.abs(up)))
         per = float(turn.total[sensor] / up[sensor] / (nominal_angle(turn) / (2 * np.pi)))
         per_turn.setdefault(sensor, []).append((turn.record.name, per))
@@ -224,7 +224,7 @@ class _Model:
         placements = tuple(Placement(n, int(cubes[n]), p, campaigns[n].sigma.heading) for n, p in steps)
         self.bench = Bench(placements, tuple(campaigns), int(cubes.max()) + 1)
         self.seen, self.turns = seen, turns
-        self.C_ib = mountings(campaigns, self.bench)
+        self.C_sb = mountings(campaigns, self.bench)
         self.motion = np.stack([np.eye(3)] * len(seen.dwells) + [s.motion for s in shapes])
         self.angle = np.degrees([s.angle for s in shapes])
         self.closure = np.degrees([s.closure_std for s in shapes])
@@ -242,7 +242,7 @@ class _Model:
         u[n:] += (self.angle + x[12 + size :])[:, None] * normal
         time = np.concatenate((np.ones(n), [t.seconds for t in self.turns]))
         K, b = x[:9].reshape(3, 3), x[9:12]
-        modelled: FloatArray = (self.C_ib @ u[..., None])[..., 0] @ K.T + time[:, None] * b
+        modelled: FloatArray = (self.C_sb @ u[..., None])[..., 0] @ K.T + time[:, None] * b
         return modelled
 
     def sigma(self, excess: FloatArray) -> FloatArray:

@@ -51,7 +51,7 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
     adds to the sigma of k, and of accelerometers' D (`procedures.calibration.bench_parameters`).
     """
     unit, per = ("g", 1.0) if triad == "accelerometer" else ("deg/h", DPH)
-    C_ib = joint.bench.campaigns[0].fixture.C_ib
+    C_sb = joint.bench.campaigns[0].fixture.C_sb
     skew_seen = (accelerometer or joint).bench.skew_known()
     value, J = scale_misalignment_bias(joint.K @ reference_axes(joint, skew_seen), joint.b, per)
     J = J @ _referred(joint, skew_seen)
@@ -59,8 +59,8 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
     if accelerometer is not None and not skew_seen:
         p = accelerometer.bench.parallelism(accelerometer.fit.x[12:])
         variance = skew_variance(p, accelerometer.bench.held_pairs(0))
-        scale, bias = skew_jacobian(p, C_ib.T @ value[3:12].reshape(3, 3) @ C_ib)
-        rows = np.vstack((value[:3, None] * (np.abs(C_ib) @ scale), C_ib @ bias * (triad == "accelerometer")))
+        scale, bias = skew_jacobian(p, C_sb.T @ value[3:12].reshape(3, 3) @ C_sb)
+        rows = np.vstack((value[:3, None] * (np.abs(C_sb) @ scale), C_sb @ bias * (triad == "accelerometer")))
         covariance[np.ix_(SKEWED, SKEWED)] += rows * variance @ rows.T
     covariance[12:, 12:] += np.diag(sum(common_variance(joint, value[:3] / per)))
     return TriadVector(value, J, covariance, vector_names(triad), unit)
@@ -105,8 +105,8 @@ def reference_axes(joint: JointFit, skew_seen: bool) -> FloatArray:
     if not bench.cubes or not any(bench.held_pairs(0)):
         return np.eye(3)
     cube = (mean_axes if skew_seen else mean_cube)(bench.perpendicularity(joint.fit.x[12:]))
-    C_ib = bench.campaigns[0].fixture.C_ib
-    axes: FloatArray = C_ib @ cube @ C_ib.T
+    C_sb = bench.campaigns[0].fixture.C_sb
+    axes: FloatArray = C_sb @ cube @ C_sb.T
     return axes
 
 
@@ -155,11 +155,11 @@ def scale_misalignment_bias(K: FloatArray, b: FloatArray, per: float) -> tuple[F
 
 def paper_biases(joint: JointFit) -> tuple[Estimate | None, Estimate | None]:
     """Return P1's 12-position and two-direction biases [g] with counting noise; None without all positions."""
-    C_ib = joint.bench.campaigns[0].fixture.C_ib
-    table = by_position(joint.bench.campaigns, joint.seen, C_ib)
+    C_sb = joint.bench.campaigns[0].fixture.C_sb
+    table = by_position(joint.bench.campaigns, joint.seen, C_sb)
     if table is None:
         return None, None
-    form, order = closed_form(*table), np.argmax(np.abs(C_ib), axis=1)
+    form, order = closed_form(*table), np.argmax(np.abs(C_sb), axis=1)
     local = joint.bench.campaigns[0].site.gravity / STANDARD_GRAVITY  # the formulas' unit is the local g
     twelve = Estimate(form.bias_12_position[order] * local, form.bias_12_position_std[order] * local, "g")
     two = Estimate(form.bias_two_direction[order] * local, form.bias_two_direction_std[order] * local, "g")

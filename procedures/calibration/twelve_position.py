@@ -59,16 +59,16 @@ def closed_form(rate: FloatArray, std: FloatArray) -> ClosedForm:
 
 
 def by_position(
-    campaigns: Sequence[Campaign], seen: TriadDwells, C_ib: FloatArray
+    campaigns: Sequence[Campaign], seen: TriadDwells, C_sb: FloatArray
 ) -> tuple[FloatArray, FloatArray] | None:
     """Return rates and sigmas (12, 3), sensors named by the cube axis they lie along; None if a position lacks.
 
-    Only campaigns with the IMU mounted as ``C_ib`` says are looked at; repeats are averaged. Reordering the
+    Only campaigns with the IMU mounted as ``C_sb`` says are looked at; repeats are averaged. Reordering the
     sensors to cube axes makes P1's formulas hold for an IMU that sits turned in its cube; one that points along
     a cube axis backwards keeps its own sign.
     """
-    order = np.argmax(np.abs(C_ib), axis=0)
-    mounted = [n for n, campaign in enumerate(campaigns) if np.array_equal(campaign.fixture.C_ib, C_ib)]
+    order = np.argmax(np.abs(C_sb), axis=0)
+    mounted = [n for n, campaign in enumerate(campaigns) if np.array_equal(campaign.fixture.C_sb, C_sb)]
     rows, sigmas = [], []
     for position in range(1, 13):
         here = [i for i, (n, d) in enumerate(seen.dwells) if d.position == position and n in mounted]
@@ -173,13 +173,13 @@ def dwell_bench(campaigns: Sequence[Campaign], seen: TriadDwells) -> Bench:
 
 def mountings(campaigns: Sequence[Campaign], bench: Bench) -> FloatArray:
     """Return (m, 3, 3): for every placement the rotation from the cube's axes to the IMU's."""
-    return np.stack([campaigns[at.campaign].fixture.C_ib for at in bench.placements])
+    return np.stack([campaigns[at.campaign].fixture.C_sb for at in bench.placements])
 
 
-def specific_force(bench: Bench, x: FloatArray, C_ib: FloatArray) -> FloatArray:
+def specific_force(bench: Bench, x: FloatArray, C_sb: FloatArray) -> FloatArray:
     """Return (m, 3) [g] in IMU axes in every placement, for the bench's parameters ``x``."""
     up = [np.array([0.0, 0.0, bench.gravity(x, i)]) for i in range(len(bench.campaigns))]
-    seen: FloatArray = (C_ib @ bench.seen(x, up)[..., None])[..., 0]
+    seen: FloatArray = (C_sb @ bench.seen(x, up)[..., None])[..., 0]
     return seen
 
 
@@ -200,8 +200,8 @@ def is_determined(u: FloatArray) -> bool:
 def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> JointFit | None:
     """Solve k, E and D of the accelerometers with slab tilt and face tilts; None if not determined."""
     bench = dwell_bench(campaigns, seen)
-    C_ib = mountings(campaigns, bench)
-    u = specific_force(bench, np.zeros(bench.size), C_ib)
+    C_sb = mountings(campaigns, bench)
+    u = specific_force(bench, np.zeros(bench.size), C_sb)
     if not is_determined(u):
         return None
     linear, *_ = np.linalg.lstsq(np.hstack((u, np.ones((len(u), 1)))), seen.rate, rcond=None)
@@ -215,7 +215,7 @@ def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> Joi
     sigma = np.hypot(seen.std, unsettled)
 
     def residual(x: FloatArray, steps: FloatArray) -> FloatArray:
-        model = specific_force(bench, x[12:], C_ib) @ x[:9].reshape(3, 3).T + x[9:12]
+        model = specific_force(bench, x[12:], C_sb) @ x[:9].reshape(3, 3).T + x[9:12]
         off = (seen.rate - steps - model) / sigma
         return np.concatenate((off.ravel(), prior.matrix @ x[12:] - prior.mean))
 

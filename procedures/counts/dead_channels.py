@@ -107,7 +107,7 @@ class _Channel:
         return self._is_off(i, end.value) if isinstance(step, DwellRecord) else False
 
     def _along(self, turn: TurnRecord) -> float:
-        return float(self.campaign.fixture.C_ib[self.axis] @ face_normal(face_of(turn.start_position)))
+        return float(self.campaign.fixture.C_sb[self.axis] @ face_normal(face_of(turn.start_position)))
 
     def _levels(self) -> int:
         """Return how many values its noise takes in the quietest rest that is not constant."""
@@ -145,7 +145,7 @@ class _Channel:
 
     def _was_up_and_down(self) -> bool:
         faces = {face_of(s.position) for s in self.steps if isinstance(s, DwellRecord)}
-        axis = AXES[int(np.argmax(np.abs(self.campaign.fixture.C_ib[self.axis])))]
+        axis = AXES[int(np.argmax(np.abs(self.campaign.fixture.C_sb[self.axis])))]
         return {f"{axis}_up", f"{axis}_down"} <= faces
 
     def _input(self, i: int) -> FloatArray:
@@ -241,7 +241,7 @@ def _tables(campaign: Campaign) -> tuple[tuple[RateTable, ...], list[str]]:
     """Return the rate tables without the gyroscopes that put out a constant while turned about their own axis."""
     kept, said = list[RateTable](), list[str]()
     for table in campaign.rate_tables:
-        along = np.abs(campaign.fixture.C_ib[:, AXES.index(table.axis)]) > OWN
+        along = np.abs(campaign.fixture.C_sb[:, AXES.index(table.axis)]) > OWN
         output = np.array(table.output)
         for axis in np.flatnonzero(along & (np.ptp(np.abs(table.reference)) > 0)):
             read = output[np.isfinite(output[:, axis]), axis]

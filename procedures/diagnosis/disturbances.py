@@ -209,7 +209,7 @@ def _scale(campaign: Campaign, triad: str) -> FloatArray:
         if samples is None:
             continue
         per = 1 / series.period if isinstance(series, CountSeries) else 1.0
-        u.append(np.abs(campaign.fixture.C_ib @ face_normal(face)))
+        u.append(np.abs(campaign.fixture.C_sb @ face_normal(face)))
         total = samples.mean(axis=0) * per
         y.append(total if triad == "accelerometer" else total * len(series) * series.period / size)
     largest = np.max(np.abs(np.array(y) * (np.array(u) > 0.5)), axis=0, initial=0.0) if u else np.zeros(3)

@@ -36,10 +36,10 @@ _NOMINAL_C_BL = [nominal_C_lb(position).T for position in range(1, len(POSITIONS
 class Compass:
     """Judges labellings by the gyros of dwells ``rows``: rates (n, 3) and variances, over the largest of K.
 
-    ``H`` (3, 3) is what North is expected to give, ``C_ib`` takes the cube's axes to the IMU's.
+    ``H`` (3, 3) is what North is expected to give, ``C_sb`` takes the cube's axes to the IMU's.
     """
 
-    C_ib: FloatArray
+    C_sb: FloatArray
     rows: IntArray
     rate: FloatArray
     variance: FloatArray
@@ -56,22 +56,22 @@ class Compass:
         north = float(np.degrees(earth_rate_n(campaign.site.latitude)[1]))
         if len(rows) < LEAST:
             return None
-        C_ib, rate, std = campaign.fixture.C_ib, rate[rows], std[rows]
+        C_sb, rate, std = campaign.fixture.C_sb, rate[rows], std[rows]
         hours = np.array([campaign.dwells[i].series.t.mean() / 3600 for i in rows.tolist()])
         K = turned(campaign)
         if K is None:
-            K = _from_dwells(_design(C_ib, np.array([[start[i] for i in rows.tolist()]]))[0], rate, north)
+            K = _from_dwells(_design(C_sb, np.array([[start[i] for i in rows.tolist()]]))[0], rate, north)
         size = float(np.abs(K).max())
         if not size > 0:
             return None
-        return cls(C_ib, rows, rate / size, (std / size) ** 2, hours - hours.mean(), K / size * north)
+        return cls(C_sb, rows, rate / size, (std / size) ** 2, hours - hours.mean(), K / size * north)
 
     def costs(self, labellings: IntArray) -> FloatArray:
         """Return minus the log likelihood (m,) of labellings (m, dwells), up to a constant.
 
         The scatter of the biases from dwell to dwell is whatever makes a labelling likeliest.
         """
-        A = _design(self.C_ib, labellings[:, self.rows])
+        A = _design(self.C_sb, labellings[:, self.rows])
         A = np.concatenate((A, np.broadcast_to(self.hours[:, None], (*A.shape[:2], 1))), axis=2)
         total = np.zeros((len(labellings), len(UNSTABLE)))
         for q in range(3):
@@ -109,9 +109,9 @@ def _other(position: IntArray) -> IntArray:
     return other
 
 
-def _design(C_ib: FloatArray, labellings: IntArray) -> FloatArray:
+def _design(C_sb: FloatArray, labellings: IntArray) -> FloatArray:
     """Return (m, n, 7): one, up (3) and North (3) in IMU axes for labellings (m, n)."""
-    nominal = np.stack([np.hstack((1.0, C_ib @ C_bl[:, 2], C_ib @ C_bl[:, 1])) for C_bl in _NOMINAL_C_BL])
+    nominal = np.stack([np.hstack((1.0, C_sb @ C_bl[:, 2], C_sb @ C_bl[:, 1])) for C_bl in _NOMINAL_C_BL])
     found: FloatArray = nominal[labellings - 1]
     return found
 
@@ -130,7 +130,7 @@ def turned(campaign: Campaign) -> FloatArray | None:
         samples = channel(turn.series, "gyroscope")
         if samples is not None:
             per = 1.0 if isinstance(turn.series, CountSeries) else turn.series.period
-            up = campaign.fixture.C_ib @ face_normal(face_of(turn.start_position))
+            up = campaign.fixture.C_sb @ face_normal(face_of(turn.start_position))
             sign = 1 if (turn.direction == "+") == face_of(turn.start_position).endswith("up") else -1
             angle.append(sign * 360.0 * turn.revolutions * up)
             total.append(samples.sum(axis=0) * per)

@@ -41,13 +41,13 @@ class Part:
     temperature: FloatArray
     temperature_rate: FloatArray
     auxiliary: dict[str, FloatArray]
-    C_ib: FloatArray
+    C_sb: FloatArray
     E_accel: FloatArray
     E_gyro: FloatArray
     seconds: FloatArray  # (n,) that a node stands for
 
 
-PER_PART = ("C_ib", "E_accel", "E_gyro")
+PER_PART = ("C_sb", "E_accel", "E_gyro")
 
 
 def joined(parts: Sequence[Part]) -> Seen:
@@ -150,11 +150,11 @@ class Places:
         number: int,
         step: SeenStep,
         series: Series,
-        C_in: FloatArray | None,
+        C_sn: FloatArray | None,
         f: FloatArray | None = None,
         nodes: int = DWELL_NODES,
     ) -> Part:
-        """Return a step at rest; ``C_in`` (3, 3) takes East-North-Up to the IMU's axes, where that is known.
+        """Return a step at rest; ``C_sn`` (3, 3) takes East-North-Up to the IMU's axes, where that is known.
 
         ``f`` (3,) [g] is the specific force in IMU axes where the attitude is not.
         """
@@ -162,9 +162,9 @@ class Places:
         n = len(bins.edges) - 1
         up, earth, magnetic = _site_vectors(campaign)
         unknown = np.full(3, np.nan)
-        f = C_in @ up if C_in is not None else unknown if f is None else f
-        omega = C_in @ earth if C_in is not None else np.zeros(3)
-        field = C_in @ magnetic if C_in is not None else unknown
+        f = C_sn @ up if C_sn is not None else unknown if f is None else f
+        omega = C_sn @ earth if C_sn is not None else np.zeros(3)
+        field = C_sn @ magnetic if C_sn is not None else unknown
         many = [np.tile(vector, (n, 1)) for vector in (f, omega, field)]
         return self._part(campaign, step, bins, *many)
 
@@ -175,15 +175,15 @@ class Places:
         assert self.gyro is not None
         K, b = self.gyro.K, self.gyro.b
         up, earth, magnetic = _site_vectors(campaign)
-        heading = bins.mean(heading_history(turn, campaign.fixture.C_ib, K, b, float(earth[2])))
+        heading = bins.mean(heading_history(turn, campaign.fixture.C_sb, K, b, float(earth[2])))
         C_bl = nominal_C_lb(turn.record.start_position).T
         about = np.zeros((len(heading), 3))
         about[:, 2] = -heading
-        C_in = campaign.fixture.C_ib @ C_bl @ rotation(about)
+        C_sn = campaign.fixture.C_sb @ C_bl @ rotation(about)
         samples = np.asarray(channel(series, "gyroscope"), dtype=np.float64)
         rate = bins.mean(samples) / (series.period if isinstance(series, CountSeries) else 1.0)
         omega: FloatArray = np.linalg.solve(K, (rate - b).T).T.astype(np.float64)
-        return self._part(campaign, step, bins, C_in @ up, omega, C_in @ magnetic)
+        return self._part(campaign, step, bins, C_sn @ up, omega, C_sn @ magnetic)
 
     def _part(
         self, campaign: Campaign, step: SeenStep, bins: Bins, f: FloatArray, omega: FloatArray, field: FloatArray
@@ -192,7 +192,7 @@ class Places:
         return Part(
             step, f, omega, field, _output(self.accel, f), _output(self.gyro, omega), bins.middle,
             bins.middle - (bins.series.t[0] - bins.series.period), temperature, warming, bins.auxiliary(),
-            campaign.fixture.C_ib, _misalignment(self.accel), _misalignment(self.gyro), bins.seconds,
+            campaign.fixture.C_sb, _misalignment(self.accel), _misalignment(self.gyro), bins.seconds,
         )  # fmt: skip
 
 
@@ -218,14 +218,14 @@ def _site_vectors(campaign: Campaign) -> tuple[FloatArray, FloatArray, FloatArra
 
 
 def attitude(campaign: Campaign, position: int) -> FloatArray:
-    """Return the nominal C_in (3, 3), East-North-Up to the IMU's axes, in position 1..12."""
-    C_in: FloatArray = campaign.fixture.C_ib @ nominal_C_lb(position).T
-    return C_in
+    """Return the nominal C_sn (3, 3), East-North-Up to the IMU's axes, in position 1..12."""
+    C_sn: FloatArray = campaign.fixture.C_sb @ nominal_C_lb(position).T
+    return C_sn
 
 
 def on_face(campaign: Campaign, face: str) -> FloatArray:
     """Return the specific force (3,) [g], IMU axes, with a face of the cube up."""
-    f: FloatArray = campaign.site.gravity / STANDARD_GRAVITY * campaign.fixture.C_ib @ face_normal(face)
+    f: FloatArray = campaign.site.gravity / STANDARD_GRAVITY * campaign.fixture.C_sb @ face_normal(face)
     return f
 
 

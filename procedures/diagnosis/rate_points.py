@@ -66,7 +66,7 @@ def read_points(campaigns: Sequence[Campaign]) -> Points | None:
     tables = [(n, table) for n, table in tables if len(table.reference) >= LEAST_POINTS]
     if not tables:
         return None
-    axes = [campaigns[n].fixture.C_ib[:, AXES.index(table.axis)] for n, table in tables]
+    axes = [campaigns[n].fixture.C_sb[:, AXES.index(table.axis)] for n, table in tables]
     output = np.concatenate([table.output for _, table in tables])
     omega = np.concatenate(
         [table.reference[:, None] * axis for (_, table), axis in zip(tables, axes, strict=True)]

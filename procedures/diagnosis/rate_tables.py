@@ -90,11 +90,11 @@ class RateTables:
         output[p.at, p.sensor] = base + self.inside[p.at, p.sensor]
         unknown, none = np.full((n, 3), np.nan), np.full(n, np.nan)
         steps = tuple(SeenStep(f"{name} block {i}", "rate", number, 0, "") for name, i, number in p.blocks)
-        C_ib = np.stack([self.campaigns[p.blocks[i][2]].fixture.C_ib for i in p.block])
+        C_sb = np.stack([self.campaigns[p.blocks[i][2]].fixture.C_sb for i in p.block])
         return Seen(
             f=unknown, omega=p.omega, magnetic=unknown, accel_output=unknown, gyro_output=output, change=unknown,
             t=none, rest_s=none, temperature=p.temperature, temperature_rate=none, auxiliary={}, step=p.block,
-            C_ib=C_ib, E_accel=np.tile(np.eye(3), (n, 1, 1)), E_gyro=np.tile(np.eye(3), (n, 1, 1)), steps=steps,
+            C_sb=C_sb, E_accel=np.tile(np.eye(3), (n, 1, 1)), E_gyro=np.tile(np.eye(3), (n, 1, 1)), steps=steps,
         )  # fmt: skip
 
     def refit(self, added: Sequence[Candidate]) -> Refit:

@@ -132,7 +132,7 @@ def _scale(campaign: Campaign, axis: int) -> tuple[float, float] | None:
     for turn in turn_totals([campaign], np.zeros(3)):
         samples = _samples(turn.record.series, "gyroscope")
         assert samples is not None
-        along = float(campaign.fixture.C_ib[axis] @ face_normal(face_of(turn.record.start_position)))
+        along = float(campaign.fixture.C_sb[axis] @ face_normal(face_of(turn.record.start_position)))
         end = constant_end(samples[:, axis])
         if abs(along) < ALONG or (
             end and (not end.begin or stopped_in_turn(turn.record, samples[:, axis], end, True))

@@ -108,14 +108,14 @@ def _parts(
     fits: Fits, places: Places, number: int, soak: SoakRecord, blocks: tuple[Series, ...]
 ) -> Iterator[Part]:
     campaign = fits.campaigns[number]
-    C_in = attitude(campaign, soak.position) if soak.position else None
+    C_sn = attitude(campaign, soak.position) if soak.position else None
     f = on_face(campaign, soak.up) if soak.up else _force(fits, soak)
     t, T = _temperature(blocks)
     known = np.isfinite(T)
     warming = np.gradient(T[known], t[known] / 60) if known.sum() > 1 else np.array([])
     for i, series in enumerate(blocks):
         step = SeenStep(f"{soak.name} block {i + 1}", "soak", number, 0, "")
-        part = places.rest(number, step, series, C_in, f, BLOCK_NODES)
+        part = places.rest(number, step, series, C_sn, f, BLOCK_NODES)
         if known.sum() > 1:
             smooth, rate = (np.interp(part.t, t[known], v) for v in (T[known], warming))
             part = replace(part, temperature=smooth, temperature_rate=rate)

@@ -121,7 +121,7 @@ def triad_rates(dwells: Sequence[DwellRecord], triad: str) -> tuple[FloatArray, 
 
 
 def _up(campaign: Campaign, faces: Sequence[str]) -> FloatArray:
-    return np.stack([campaign.fixture.C_ib @ face_normal(face) for face in faces])
+    return np.stack([campaign.fixture.C_sb @ face_normal(face) for face in faces])
 
 
 def _faces(campaign: Campaign, dwells: _Dwells) -> list[str] | None:

@@ -39,7 +39,7 @@ def _wrong_axes(campaign: Campaign) -> str:
     seen = np.flatnonzero(np.all(np.isfinite(rate) & np.isfinite(std), axis=1))
     dwells = [(0, campaign.dwells[i].position) for i in seen.tolist()]
     signs = earth_signs([campaign], dwells, rate[seen], std[seen], K)
-    marked = reversed_axes(K, signs, campaign.fixture.C_ib)
+    marked = reversed_axes(K, signs, campaign.fixture.C_sb)
     return "".join(axis for axis, it_is in zip(AXES, marked, strict=True) if it_is)
 
 

@@ -21,7 +21,7 @@ FITS = 4.0  # sigma
 
 
 def earth_heading(
-    rate: FloatArray, std: FloatArray, C_lb: FloatArray, latitude: float, C_ib: FloatArray, k: float,
+    rate: FloatArray, std: FloatArray, C_lb: FloatArray, latitude: float, C_sb: FloatArray, k: float,
     known: Sequence[Known] = (),
 ) -> tuple[float, float]:  # fmt: skip
     """Return how far the cube's heading is off [rad], counter-clockwise seen from above, and 1 sigma.
@@ -34,13 +34,13 @@ def earth_heading(
         The gyros at rest, IMU axes, raw, with 1 sigma.
     C_lb : (3, 3), the cube's axes to East, North, Up, right but for the heading
     latitude : rad
-    C_ib : (3, 3), takes the cube's axes to the IMU's
+    C_sb : (3, 3), takes the cube's axes to the IMU's
     k : the gyros' scale factor [count/rad]
     known : dwells of this unit, since it was switched on, whose position is certain
     """
-    bias, bias_var = _bias(latitude, C_ib, k, known)
+    bias, bias_var = _bias(latitude, C_sb, k, known)
     variance = (std / k) ** 2 + bias_var + (SLACK * EARTH_RATE) ** 2 + (SPREAD * (rate / k - bias)) ** 2
-    seen, seen_var = C_lb @ C_ib.T @ (rate / k - bias), (C_lb @ C_ib.T) ** 2 @ variance
+    seen, seen_var = C_lb @ C_sb.T @ (rate / k - bias), (C_lb @ C_sb.T) ** 2 @ variance
     earth = earth_rate_n(latitude)
     level = float(np.hypot(seen[0], seen[1]))
     level_std = float(np.sqrt(max(seen_var[:2])))
@@ -50,11 +50,11 @@ def earth_heading(
     return float(np.arctan2(seen[0], seen[1])), level_std / float(earth[1])
 
 
-def _bias(latitude: float, C_ib: FloatArray, k: float, known: Sequence[Known]) -> tuple[FloatArray, FloatArray]:
+def _bias(latitude: float, C_sb: FloatArray, k: float, known: Sequence[Known]) -> tuple[FloatArray, FloatArray]:
     """Return the gyros' biases (3,) [rad/s] and their variances (3,)."""
     weight, total = np.full(3, BIAS_STD**-2), np.zeros(3)
     for each in known:
-        u = C_ib @ nominal_C_lb(each.position).T @ earth_rate_n(latitude)
+        u = C_sb @ nominal_C_lb(each.position).T @ earth_rate_n(latitude)
         of_dwell = 1 / ((each.std / k) ** 2 + (SLACK * EARTH_RATE) ** 2 + (SPREAD * u) ** 2)
         weight, total = weight + of_dwell, total + of_dwell * (each.rate / k - u)
     return total / weight, 1 / weight

@@ -1,6 +1,6 @@
 """Which heading does the resting cube have: read from the Earth's rate that the gyros themselves see.
 
-At rest in position p a gyro q counts ``r_q = k_q (u_q + b_q)`` per second, with ``u = C_ib C_bl(p) w`` the Earth's
+At rest in position p a gyro q counts ``r_q = k_q (u_q + b_q)`` per second, with ``u = C_sb C_bl(p) w`` the Earth's
 rate ``w = Omega (0, cos lat, sin lat)`` in the IMU's axes [rad/s], ``b`` the bias [rad/s], ``k`` [count/rad].
 Nothing stored is used: k is one free number, of which the gyros differ by `SPREAD`; the biases have a normal
 prior. With ``s = 1 / k``, one gyro's dwells so far and the one in question obey
@@ -61,7 +61,7 @@ def find_heading(
     std: FloatArray,
     face: str,
     latitude: float,
-    C_ib: FloatArray,
+    C_sb: FloatArray,
     known: Sequence[Known] = (),
     bias_std: float = BIAS_STD,
 ) -> Heading:
@@ -78,15 +78,15 @@ def find_heading(
         The gyros in this dwell so far, IMU axes, raw, with 1 sigma.
     face : the cube axis that points up, such as ``x_down``
     latitude : rad
-    C_ib : (3, 3), takes the cube's axes to the IMU's
+    C_sb : (3, 3), takes the cube's axes to the IMU's
     known : dwells of this unit, since it was switched on, whose position is certain
     bias_std : rad/s, 1 sigma of a gyro's bias
     """
     first = first_position(face)
-    before = [_earth_rate(each.position, 0, latitude, C_ib) for each in known]
+    before = [_earth_rate(each.position, 0, latitude, C_sb) for each in known]
     rates = np.array([*(each.rate for each in known), rate])
     stds = np.array([*(each.std for each in known), std])
-    candidates = [np.array([*before, _earth_rate(first, quarter, latitude, C_ib)]) for quarter in range(4)]
+    candidates = [np.array([*before, _earth_rate(first, quarter, latitude, C_sb)]) for quarter in range(4)]
     fits = [_fit(rates, stds, u, bias_std) for u in candidates]
     best, second = np.argsort([fit.cost for fit in fits])[:2]
     margin = fits[second].cost - fits[best].cost
@@ -96,7 +96,7 @@ def find_heading(
 
 
 def scale(
-    known: Sequence[Known], latitude: float, C_ib: FloatArray, bias_std: float = BIAS_STD
+    known: Sequence[Known], latitude: float, C_sb: FloatArray, bias_std: float = BIAS_STD
 ) -> tuple[float, float] | None:
     """Return the gyros' scale factor [count/rad] and its relative 1 sigma, roughly, from dwells alone.
 
@@ -104,14 +104,14 @@ def scale(
     """
     if not known:
         return None
-    u = np.array([_earth_rate(each.position, 0, latitude, C_ib) for each in known])
+    u = np.array([_earth_rate(each.position, 0, latitude, C_sb) for each in known])
     fit = _fit(np.array([k.rate for k in known]), np.array([k.std for k in known]), u, bias_std)
     fits = fit.chi2 < chdtri(u.size - 1, STRANGE) and fit.std < ROUGH * fit.s
     return (1 / fit.s, fit.std / fit.s) if fits else None
 
 
 def heading_change(
-    before: Known, after: Known, latitude: float, C_ib: FloatArray, k: float
+    before: Known, after: Known, latitude: float, C_sb: FloatArray, k: float
 ) -> tuple[float, float]:
     """Return how far the cube turned [rad], counter-clockwise seen from above, between two rests, and 1 sigma.
 
@@ -125,8 +125,8 @@ def heading_change(
     north = nominal_C_lb(before.position).T @ np.array([0.0, 1.0, 0.0])
     east = np.cross(north, up)
     horizontal = EARTH_RATE * np.cos(latitude)
-    difference = C_ib.T @ (after.rate - before.rate) / k
-    variance = (C_ib.T**2) @ (before.std**2 + after.std**2) / k**2
+    difference = C_sb.T @ (after.rate - before.rate) / k
+    variance = (C_sb.T**2) @ (before.std**2 + after.std**2) / k**2
     # a cube turned counter-clockwise sees North turn clockwise, towards what pointed East
     along = np.array([horizontal + difference @ north, difference @ east])
     if not horizontal > 0:
@@ -139,10 +139,10 @@ def first_position(face: str) -> int:
     return next(p for p in range(1, 13, 2) if face_of(p) == face)
 
 
-def _earth_rate(position: int, quarter: int, latitude: float, C_ib: FloatArray) -> FloatArray:
+def _earth_rate(position: int, quarter: int, latitude: float, C_sb: FloatArray) -> FloatArray:
     """Return the Earth's rate (3,) [rad/s], IMU axes, ``quarter`` turns counter-clockwise from ``position``."""
     C_bl = nominal_C_lb(position).T @ vertical_rotation(-quarter * np.pi / 2)
-    rate: FloatArray = C_ib @ C_bl @ earth_rate_n(latitude)
+    rate: FloatArray = C_sb @ C_bl @ earth_rate_n(latitude)
     return rate
 
 

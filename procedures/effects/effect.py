@@ -23,7 +23,7 @@ class Seen:
     ``gyro_output`` [deg/s], (n, 3), are what the triads put out, E u + D. ``change`` (n, 3) [g] is by how much f
     differs from the rest before. ``t`` [s] is device time, ``rest_s`` [s] the time since the step began,
     ``temperature`` [degC], ``temperature_rate`` [K/min], ``auxiliary`` channels: (n,). What is not known is nan.
-    ``step`` (n,) numbers the steps of `steps`; ``C_ib`` (n, 3, 3) takes the cube's axes to the IMU's;
+    ``step`` (n,) numbers the steps of `steps`; ``C_sb`` (n, 3, 3) takes the cube's axes to the IMU's;
     ``E_accel``, ``E_gyro`` (n, 3, 3) are the triads' misalignments as they stand, unit where not solved.
     """
 
@@ -39,7 +39,7 @@ class Seen:
     temperature_rate: FloatArray
     auxiliary: Mapping[str, FloatArray]
     step: IntArray
-    C_ib: FloatArray
+    C_sb: FloatArray
     E_accel: FloatArray
     E_gyro: FloatArray
     steps: tuple["SeenStep", ...]

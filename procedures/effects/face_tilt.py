@@ -20,14 +20,14 @@ def columns(seen: Seen) -> list[Columns]:
 
 
 def face_rotations(seen: Seen) -> FloatArray:
-    """Return the rotation vector (n, 3, 12), IMU axes, of a unit of every face's tilt, as `frames.face_C_bs`."""
+    """Return the rotation vector (n, 3, 12), IMU axes, of a unit of every face's tilt, as `face_rotation`."""
     rotation_b = np.zeros((len(seen.steps), 3, len(KEYS)))
     for number, step in enumerate(seen.steps):
         if step.face:
             first = 2 * FACES.index(step.face)
             for i, k in enumerate(cross_axes(step.face)):
                 rotation_b[number, :, first + i] = np.cross(face_normal(step.face), np.eye(3)[k])
-    rotation: FloatArray = seen.C_ib @ rotation_b[seen.step]
+    rotation: FloatArray = seen.C_sb @ rotation_b[seen.step]
     return rotation
 
 

@@ -19,7 +19,7 @@ def columns(seen: Seen) -> list[Columns]:
     for number, step in enumerate(seen.steps):
         if step.position and step.kind != "turn":
             here = (seen.step == number)[:, None, None]
-            accel, gyro = turned(seen, np.where(here, seen.C_ib, 0.0))
+            accel, gyro = turned(seen, np.where(here, seen.C_sb, 0.0))
             found.append(Columns(AXES, accel=np.where(here, accel, 0.0), gyro=gyro, where=_where(step, several)))
     return found
 

@@ -17,7 +17,7 @@ def slab_C_il(seen: Seen) -> FloatArray:
         nodes = np.flatnonzero(seen.step == number)
         if not step.position or not len(nodes):
             continue
-        C = seen.C_ib[nodes[0]] @ nominal_C_lb(step.position).T
+        C = seen.C_sb[nodes[0]] @ nominal_C_lb(step.position).T
         C_il[nodes] = C
         if step.kind == "turn":
             rate = np.radians(seen.omega[nodes] @ C[:, 2])

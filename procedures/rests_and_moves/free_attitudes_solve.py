@@ -90,7 +90,7 @@ def up_in_imu(campaigns: Sequence[Campaign], rest: tuple[int, RestRecord]) -> Fl
     """Return the nominal up vector (3,) in IMU axes of a rest on a known face."""
     number, record = rest
     assert record.up is not None
-    up: FloatArray = campaigns[number].fixture.C_ib @ face_normal(record.up)
+    up: FloatArray = campaigns[number].fixture.C_sb @ face_normal(record.up)
     return up
 
 
@@ -207,7 +207,7 @@ class _Model:
         return self.bench.priors()
 
     @cached_property
-    def C_ib(self) -> FloatArray:
+    def C_sb(self) -> FloatArray:
         """How the IMU sits in the cube of every placement (m, 3, 3)."""
         return mountings(self.bench.campaigns, self.bench) if self.seen.dwells else np.zeros((0, 3, 3))
 
@@ -249,7 +249,7 @@ class _Model:
     def _dwells(self, x: FloatArray) -> FloatArray:
         if not self.seen.dwells:
             return np.zeros(0)
-        K, u = x[:9].reshape(3, 3), specific_force(self.bench, x[12 : 12 + self.bench.size], self.C_ib)
+        K, u = x[:9].reshape(3, 3), specific_force(self.bench, x[12 : 12 + self.bench.size], self.C_sb)
         model = u @ K.T + x[9:12]
         if self.quadratic:
             model += np.linalg.norm(K, axis=1) * x[-3:] * u**2
@@ -269,7 +269,7 @@ class _Model:
         for row, (number, rest) in zip(u, self.rests.rests, strict=True):
             if rest.up is None:
                 continue
-            up = self.bench.campaigns[number].fixture.C_ib.T @ row
+            up = self.bench.campaigns[number].fixture.C_sb.T @ row
             pair, cube = AXES.index(rest.up[0]), int(cubes[number])
             p, q = self.bench.parallelism(bench, cube)[pair], self.bench.perpendicularity(bench, cube)[pair]
             tilt = p / 2 + (q if rest.up.endswith("up") else -q)

@@ -61,7 +61,7 @@ class Errors:
 
 
 def up_vectors(tilts: FloatArray) -> FloatArray:
-    """Return (6, 3, ...) the up vectors in cube axes on faces tilted by (6, 2, ...) [rad], as `face_C_bs`."""
+    """Return (6, 3, ...) the up vectors in cube axes on faces tilted by (6, 2, ...) [rad], as `face_rotation`."""
     angle = np.hypot(tilts[:, 0], tilts[:, 1])
     up = np.empty((6, 3, *tilts.shape[2:]))
     across = tilts * np.sinc(angle / np.pi)[:, None]

@@ -127,8 +127,8 @@ class _Model:
         n = 12 + self.bench.size
         K, b, K2 = x[:9].reshape(3, 3), x[9:12], x[n : n + 3]
         seat = rotation(np.concatenate((np.zeros(3), x[n + 3 :])).reshape(-1, 3))
-        C_ib = seat[[at.campaign for at in self.bench.placements]] @ mountings(self.bench.campaigns, self.bench)
-        f = specific_force(self.bench, x[12:n], C_ib) @ K.T
+        C_sb = seat[[at.campaign for at in self.bench.placements]] @ mountings(self.bench.campaigns, self.bench)
+        f = specific_force(self.bench, x[12:n], C_sb) @ K.T
         free = self.edges @ self.unit.E.T
         u = (free + self.unit.D + self.unit.K2 * free**2 - b - K2 * (self.edges @ K.T) ** 2) @ np.linalg.inv(K).T
         norm = np.linalg.norm(u, axis=1) - self.bench.gravity(x[12:n], 0)
@@ -137,8 +137,8 @@ class _Model:
 
 def _bench(turns: int, heading: float) -> Bench:
     campaigns = tuple(
-        Campaign("", "", False, SITE, (), (), ProcedureSigma(heading), Fixture({}, C_ib, "CUBE"))
-        for C_ib in MOUNTINGS[: 1 + turns]
+        Campaign("", "", False, SITE, (), (), ProcedureSigma(heading), Fixture({}, C_sb, "CUBE"))
+        for C_sb in MOUNTINGS[: 1 + turns]
     )
     places = itertools.product(range(len(campaigns)), range(1, 13))
     return Bench(tuple(Placement(number, 0, position, heading) for number, position in places), campaigns, 1)

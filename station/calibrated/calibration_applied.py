@@ -149,7 +149,7 @@ def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Sur
         accel_output=output.get("accelerometer", three), gyro_output=output.get("gyroscope", three),
         change=three, t=one, rest_s=one, temperature=temperature, temperature_rate=rate,
         auxiliary=around.auxiliary,
-        step=np.zeros(n, dtype=np.int64), C_ib=unit,
+        step=np.zeros(n, dtype=np.int64), C_sb=unit,
         E_accel=frames.get("accelerometer", unit), E_gyro=frames.get("gyroscope", unit),
         steps=(SeenStep("", "sample", 0, 0, ""),),
     )  # fmt: skip

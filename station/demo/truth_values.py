@@ -16,8 +16,8 @@ def truth_values(truth: Truth, *, is_certified: bool = False) -> dict[str, float
     normals of the face pairs instead of the cube's own axes, to which those of a certified cube refer.
     """
     up, down = truth.faces_rad[::2], truth.faces_rad[1::2]  # (3, 2) each, by face pair
-    C_ib = imu_from_cube(truth.imu_axes)
-    mean = np.eye(3) if is_certified else C_ib @ mean_cube((up - down) / 2) @ C_ib.T
+    C_sb = imu_from_cube(truth.imu_axes)
+    mean = np.eye(3) if is_certified else C_sb @ mean_cube((up - down) / 2) @ C_sb.T
     values = {
         **_triad("accelerometer", truth.accel_k, truth.accel_e @ mean, truth.accel_d_g),
         **_triad("gyroscope", truth.gyro_k, truth.gyro_e @ mean, truth.gyro_d_deg_s * 3600),

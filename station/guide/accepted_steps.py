@@ -57,7 +57,7 @@ def so_far(folder: Path) -> SoFar:
     turn_on = max((getattr(one, "turn_on", None) or 1 for one in tables.values()), default=1)
     now = [d for d in loaded.dwells if (getattr(tables[d.name], "turn_on", None) or 1) == turn_on]
     before = [rested(d.position, counted_series(d.series)) for d in now]
-    turns = {_name(turn): turn_seen(turn, loaded.fixture.C_ib) for turn in loaded.turns}
+    turns = {_name(turn): turn_seen(turn, loaded.fixture.C_sb) for turn in loaded.turns}
     seconds, leaned = dict[str, float](), dict[str, FloatArray]()
     for one in folder_read.steps:
         if (step := step_of(one.table)) is None or one.data is None:
@@ -76,10 +76,10 @@ def _name(turn: TurnRecord) -> str:
     return Turn(turn.axis, turn.direction, turn.revolutions, turn.start_position, 0.0).name
 
 
-def turn_seen(turn: TurnRecord, C_ib: FloatArray) -> TurnSeen:
+def turn_seen(turn: TurnRecord, C_sb: FloatArray) -> TurnSeen:
     """Return a recorded turn as `TurnWatch` saw it: less the rate of its first seconds, at rest."""
     series = counted_series(turn.series)
-    samples = np.asarray(series.gyro) @ C_ib[:, AXES.index(turn.axis)]
+    samples = np.asarray(series.gyro) @ C_sb[:, AXES.index(turn.axis)]
     n = max(round(REST_S / series.period), 2)
     rest, total = samples[:n], float(np.sum(samples - samples[:n].mean()))
     angle = 2 * np.pi * turn.revolutions

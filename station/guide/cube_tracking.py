@@ -148,7 +148,7 @@ class Tracker:
             return level
         std = desk.gyro_std(rest.seconds)
         turned = told(forgotten(level), first, 0.0, 0.0)
-        off, off_std = earth_heading(rate, std, turned.C_lb, desk.facts.latitude, desk.C_ib, k, desk.known)
+        off, off_std = earth_heading(rate, std, turned.C_lb, desk.facts.latitude, desk.C_sb, k, desk.known)
         whole = float(np.angle(np.exp(1j * (first + off))))
         return told(level, whole, off_std, self._k_std)
 
@@ -165,7 +165,7 @@ class Tracker:
         if self._scale is None:
             return forgotten(base)
         k = np.array([self._turned.get(axis, self._scale[0]) for axis in AXES])
-        return carried(base, counts @ self._desk.C_ib / k)
+        return carried(base, counts @ self._desk.C_sb / k)
 
     def _ticks(self, first: int, last: int) -> FloatArray:
         """Return what the gyros counted in each tick (n, 3), IMU axes, less what they count at rest."""
@@ -195,7 +195,7 @@ class Tracker:
             axes = {step.name: step.axis for step in desk.checklist.steps if isinstance(step, Turn)}
             self._turned = {axes[n]: each.counts / (2 * np.pi) for n, each in desk.turns.items() if n in axes}
         else:
-            found = scale(desk.known, desk.facts.latitude, desk.C_ib)
+            found = scale(desk.known, desk.facts.latitude, desk.C_sb)
             self._scale = (
                 None if found is None or found[1] > ROUGH_K_STD else (found[0], float(np.hypot(found[1], SPREAD)))
             )

@@ -180,5 +180,5 @@ class Resting:
             return ""
         desk, dwelling = self._desk, self._dwelling
         recorded = series(desk.feed.tape, dwelling.runs(), desk.feed.period)
-        up = desk.C_ib @ face_normal(self._face)
+        up = desk.C_sb @ face_normal(self._face)
         return crept(estimates(recorded.accel, recorded), dwelling.accepted_s, up)

@@ -46,10 +46,10 @@ class Look:
 
 
 class Judge:
-    """Judges blocks of one unit in its cube; ``C_ib`` (3, 3) takes the cube's axes to the IMU's."""
+    """Judges blocks of one unit in its cube; ``C_sb`` (3, 3) takes the cube's axes to the IMU's."""
 
-    def __init__(self, C_ib: FloatArray) -> None:
-        self._C_ib = C_ib
+    def __init__(self, C_sb: FloatArray) -> None:
+        self._C_sb = C_sb
         self.stillness = Stillness()
         self._rest: FloatArray | None = None  # (3,) count/s, the greatest the gyros showed at rest
         self._bias, self._allowance = np.zeros(3), ALLOWANCE_DEG
@@ -100,7 +100,7 @@ class Judge:
 
     def seen_face(self, accel: FloatArray) -> tuple[str, float]:
         """Return the face that is up and its angle off the vertical [deg], from count rates (3,) in IMU axes."""
-        in_cube = self._C_ib.T @ (accel - self._bias)
+        in_cube = self._C_sb.T @ (accel - self._bias)
         face = max(FACES, key=lambda name: float(face_normal(name) @ in_cube))
         upright = float(face_normal(face) @ in_cube)
         level = float(np.linalg.norm(in_cube - upright * face_normal(face)))
@@ -111,7 +111,7 @@ class Judge:
 
         Of dead accelerometers, which tell nothing until they are found to be dead, it is z.
         """
-        in_cube = self._C_ib.T @ (accel - self._bias)
+        in_cube = self._C_sb.T @ (accel - self._bias)
         size = float(np.linalg.norm(in_cube))
         up: FloatArray = in_cube / size if size > 0 else np.array([0.0, 0.0, 1.0])
         return up

@@ -20,7 +20,7 @@ def cube_fixture(
     fixture, table = _cube(database, cube_id)
     if not imu_axes:
         return fixture, table
-    return replace(fixture, C_ib=axes_matrix(imu_axes)), table.model_copy(update={"imu_axes": list(imu_axes)})
+    return replace(fixture, C_sb=axes_matrix(imu_axes)), table.model_copy(update={"imu_axes": list(imu_axes)})
 
 
 def _cube(database: Database, cube_id: str | None) -> tuple[Fixture, FixtureTable]:

@@ -92,7 +92,7 @@ class Leaning:
             return self
         if not self._is_soak:
             recorded = series(desk.feed.tape, dwelling.runs(), desk.feed.period)
-            up = desk.C_ib @ desk.judge.way_up(dwelling.rate()[3:])
+            up = desk.C_sb @ desk.judge.way_up(dwelling.rate()[3:])
             if why := crept(estimates(recorded.accel, recorded), dwelling.accepted_s, up):
                 return self._again(desk, f"{why}; it begins again", must_move=False)
         desk.leaned[self._step.name] = np.array(dwelling.rate()[3:])

@@ -88,7 +88,7 @@ class Desk:
         done: SoFar = NOTHING,
     ) -> None:
         self.feed, self.checklist, self.facts, self._recorder = feed, checklist, facts, recorder
-        self.story, self.judge = Story(), Judge(facts.fixture.C_ib)
+        self.story, self.judge = Story(), Judge(facts.fixture.C_sb)
         self.rested: dict[int, Rested] = {}
         self.turns: dict[str, TurnSeen] = dict(done.turns)  # those that stand, by step
         steps = {step.name: step for step in checklist.steps if isinstance(step, Turn)}
@@ -109,9 +109,9 @@ class Desk:
                 checklist.redo(step.name)
 
     @property
-    def C_ib(self) -> FloatArray:
+    def C_sb(self) -> FloatArray:
         """Takes the cube's axes to the IMU's (3, 3)."""
-        return self.facts.fixture.C_ib
+        return self.facts.fixture.C_sb
 
     @property
     def well_seated(self) -> list[Rested]:
@@ -128,7 +128,7 @@ class Desk:
         """The gyros' scale factor [count/rad], roughly; None where nothing says it."""
         if self.turns:
             return float(np.median(self.turn_counts)) / (2 * np.pi)
-        found = scale(self.known, self.facts.latitude, self.C_ib)
+        found = scale(self.known, self.facts.latitude, self.C_sb)
         return None if found is None or found[1] > 0.3 else found[0]
 
     def rough_gyro_k(self, rest: FloatArray) -> float:
@@ -229,7 +229,7 @@ class Desk:
     def heading(self, gyro: FloatArray, seconds: float, face: str) -> Heading:
         """Say which way the cube stands with ``face`` up, from the gyros' mean count rate (3,)."""
         std, facts = self.gyro_std(seconds), self.facts
-        return find_heading(gyro, std, face, facts.latitude, self.C_ib, self.known)
+        return find_heading(gyro, std, face, facts.latitude, self.C_sb, self.known)
 
     def power_cycled(self, then: str = "") -> None:
         """Take it that the unit was switched off and on: what its biases were says nothing of what they are.
@@ -249,7 +249,7 @@ class Desk:
         if k is None:
             return []
         facts = self.facts
-        errors = heading_errors(known, facts.latitude, self.C_ib, k * np.eye(3), facts.heading_std)
+        errors = heading_errors(known, facts.latitude, self.C_sb, k * np.eye(3), facts.heading_std)
         return [([known[i].position for i in error.dwells], error) for error in errors]
 
     def moved(self) -> None:

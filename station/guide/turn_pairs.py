@@ -101,10 +101,10 @@ def earth_rate_says(change: tuple[float, float] | None) -> str:
 
 
 def heading_moved(
-    before: Known, after: Known, latitude: float, C_ib: np.ndarray[tuple[int, int], np.dtype[np.float64]], k: float
+    before: Known, after: Known, latitude: float, C_sb: np.ndarray[tuple[int, int], np.dtype[np.float64]], k: float
 ) -> tuple[float, float] | None:
     """Return by how much the heading changed [deg], counter-clockwise, with 1 sigma; None where nothing tells."""
-    angle, std = np.degrees(heading_change(before, after, latitude, C_ib, k))
+    angle, std = np.degrees(heading_change(before, after, latitude, C_sb, k))
     return (float(angle), float(std)) if std < WORTH_DEG else None
 
 

@@ -38,7 +38,7 @@ class Turning:
 
     def __init__(self, desk: Desk, step: Turn, again: "Again") -> None:
         self._desk, self._step, self._again = desk, step, again
-        self._watch = TurnWatch(step, desk.C_ib, desk.feed.period, desk.turn_counts)
+        self._watch = TurnWatch(step, desk.C_sb, desk.feed.period, desk.turn_counts)
         self._position = desk.position
         self._rested: list[Block] = []
         self._is_ready = False
@@ -139,7 +139,7 @@ class Turning:
         if desk.turns:
             return ""
         found = abs(self._revolutions())
-        if scale(desk.known, desk.facts.latitude, desk.C_ib) is None or round(found) == wanted:
+        if scale(desk.known, desk.facts.latitude, desk.C_sb) is None or round(found) == wanted:
             return ""
         return f"it was about {found:.1f} revolutions, expected {wanted}"
 
@@ -235,7 +235,7 @@ class Turning:
     def _seen(self) -> TurnSeen:
         """Return the turn as it counted; its noise is that of the rate at rest, over the time it moved."""
         step, watch, desk = self._step, self._watch, self._desk
-        up = desk.C_ib[:, AXES.index(step.axis)]
+        up = desk.C_sb[:, AXES.index(step.axis)]
         rate_std = float(np.sqrt(up**2 @ desk.gyro_std(len(watch.rests[0])) ** 2))
         angle = 2 * np.pi * step.revolutions
         noise = rate_std * watch.moved_s / abs(watch.turned_counts) * angle
@@ -248,7 +248,7 @@ class Turning:
         if not before or not after:
             return None
         k = desk.rough_gyro_k(self._watch.rest_rate)
-        return heading_moved(self._known(before), self._known(after), desk.facts.latitude, desk.C_ib, k)
+        return heading_moved(self._known(before), self._known(after), desk.facts.latitude, desk.C_sb, k)
 
     def _known(self, blocks: list[Block]) -> Known:
         rate = np.mean([block.rate[:3] for block in blocks], axis=0)

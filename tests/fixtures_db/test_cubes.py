@@ -40,7 +40,7 @@ def test_the_newest_certificate_of_each_face_enters_the_fixture(certified: Datab
     assert list(fixture.faces) == ["x_up", "z_down"]
     np.testing.assert_array_equal(fixture.faces["x_up"].up_tilt, [2e-5, -2e-5])
     np.testing.assert_array_equal(fixture.faces["z_down"].covariance, _face(0).covariance)
-    np.testing.assert_array_equal(fixture.C_ib, np.eye(3))
+    np.testing.assert_array_equal(fixture.C_sb, np.eye(3))
 
 
 def test_a_drawing_is_no_certificate(db: Database) -> None:

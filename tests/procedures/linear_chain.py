@@ -20,10 +20,10 @@ Residual = Callable[[FloatArray], FloatArray]
 
 def accelerometer_residual(joint: JointFit) -> Residual:
     """Return the whitened rows of dwells and priors as a function of the parameters."""
-    prior, C_ib = joint.bench.priors(), mountings(joint.bench.campaigns, joint.bench)
+    prior, C_sb = joint.bench.priors(), mountings(joint.bench.campaigns, joint.bench)
 
     def residual(x: FloatArray) -> FloatArray:
-        model = specific_force(joint.bench, x[12:], C_ib) @ x[:9].reshape(3, 3).T + x[9:12]
+        model = specific_force(joint.bench, x[12:], C_sb) @ x[:9].reshape(3, 3).T + x[9:12]
         dwells = ((joint.seen.rate - model) / joint.sigma).ravel()
         return np.concatenate((dwells, prior.matrix @ x[12:] - prior.mean))
 
@@ -36,7 +36,7 @@ def gyroscope_residual(fits: Fits) -> Residual:
     assert gyroscope is not None
     joint, turns, shapes = gyroscope.joint, gyroscope.turns, gyroscope.geometry
     n, bench, at_fit = len(joint.seen.dwells), joint.bench, joint.fit
-    C_ib = mountings(bench.campaigns, bench)
+    C_sb = mountings(bench.campaigns, bench)
     earth = [np.degrees(earth_rate_n(c.site.latitude)) for c in bench.campaigns]
     motion = np.stack([np.eye(3)] * n + [shape.motion for shape in shapes])
     angle = np.degrees([shape.angle for shape in shapes])
@@ -48,7 +48,7 @@ def gyroscope_residual(fits: Fits) -> Residual:
         tilts = x[12 : 12 + bench.size]
         u = bench.seen(tilts, earth, motion)
         u[n:] += (angle + x[12 + bench.size :])[:, None] * bench.to_cube(tilts)[n:, :, 2]
-        model = (C_ib @ u[..., None])[..., 0] @ x[:9].reshape(3, 3).T + seconds[:, None] * x[9:12]
+        model = (C_sb @ u[..., None])[..., 0] @ x[:9].reshape(3, 3).T + seconds[:, None] * x[9:12]
         known = at_fit.residual[rows:] + at_fit.jacobian[rows:] @ (x - at_fit.x)
         return np.concatenate((((observed - model) / sigma).ravel(), known))
 

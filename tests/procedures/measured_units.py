@@ -58,7 +58,7 @@ def calibrated(
     series = [_series(rng, turn_on, row) for row in u]
     dwells = tuple(DwellRecord(f"dwell_{p:02d}", p, each) for p, each in zip(POSITIONS, series, strict=True))
     rests = tuple(RestRecord(f"rest_{i}", None, _series(rng, turn_on, up)) for i, up in enumerate(ups(rng, free)))
-    empty = campaign(fixture=Fixture(C_ib=C, id="A"))
+    empty = campaign(fixture=Fixture(C_sb=C, id="A"))
     return replace(empty, serial=serial, counts=False, dwells=dwells, rests=rests)
 
 

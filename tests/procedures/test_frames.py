@@ -9,9 +9,9 @@ from procedures.frames import (
     TURN_START,
     C_bn,
     cross_axes,
-    face_C_bs,
     face_normal,
     face_of,
+    face_rotation,
     nominal_C_lb,
     rotation,
     slab_C_ln,
@@ -74,7 +74,7 @@ def test_the_slab_sees_up_lean_as_its_tilt_says(east: float, north: float) -> No
 @every_face
 @given(first=small, second=small)
 def test_a_face_tilt_is_where_the_slab_normal_points_in_the_cube(face: str, first: float, second: float) -> None:
-    C = face_C_bs(face, np.array([first, second]))
+    C = face_rotation(face, np.array([first, second]))
     seen = C @ face_normal(face)
     tilt = np.hypot(first, second)
     assert np.abs(seen[list(cross_axes(face))] - [first, second]).max() <= tilt**3 + EXACT
@@ -84,7 +84,7 @@ def test_a_face_tilt_is_where_the_slab_normal_points_in_the_cube(face: str, firs
 
 @every_face
 def test_a_face_tilt_adds_no_twist_about_the_vertical(face: str) -> None:
-    vector = Rotation.from_matrix(face_C_bs(face, np.array([3e-3, -2e-3]))).as_rotvec()
+    vector = Rotation.from_matrix(face_rotation(face, np.array([3e-3, -2e-3]))).as_rotvec()
     assert abs(vector @ face_normal(face)) < EXACT
 
 

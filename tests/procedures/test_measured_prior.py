@@ -25,7 +25,7 @@ def measured_before(rng: np.random.Generator, faces: FloatArray, mountings: tupl
 
 
 def with_prior(campaign: Campaign, measured: MeasuredCube | None) -> Campaign:
-    return replace(campaign, fixture=Fixture({}, campaign.fixture.C_ib, "A", measured))
+    return replace(campaign, fixture=Fixture({}, campaign.fixture.C_sb, "A", measured))
 
 
 def tilts_in_sigma(joint: JointFit, faces: FloatArray, names: tuple[str, ...]) -> FloatArray:

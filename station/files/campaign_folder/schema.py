@@ -30,7 +30,7 @@ ImuAxes = Annotated[list[SignedAxis], Field(min_length=3, max_length=3), AfterVa
 
 
 def axes_matrix(imu_axes: Sequence[str]) -> FloatArray:
-    """Return C_ib (3, 3), the cube's axes to the IMU's: row q is the cube axis along which IMU axis q points."""
+    """Return C_sb (3, 3), the cube's axes to the IMU's: row q is the cube axis along which IMU axis q points."""
     rows = np.zeros((3, 3))
     for row, name in enumerate(imu_axes):
         rows[row, AXES.index(name[1])] = 1.0 if name[0] == "+" else -1.0

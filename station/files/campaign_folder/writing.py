@@ -160,9 +160,9 @@ def _value(value: object) -> str:
 
 
 def _fixture(fixture: Fixture) -> dict[str, object]:
-    axes = [int(i) for i in np.argmax(np.abs(fixture.C_ib), axis=1)]
+    axes = [int(i) for i in np.argmax(np.abs(fixture.C_sb), axis=1)]
     tables: dict[str, object] = {
-        "imu_axes": [f"{'+' if fixture.C_ib[q, i] > 0 else '-'}{AXES[i]}" for q, i in enumerate(axes)],
+        "imu_axes": [f"{'+' if fixture.C_sb[q, i] > 0 else '-'}{AXES[i]}" for q, i in enumerate(axes)],
         "face": [
             {"resting": name, "up_tilt_rad": c.up_tilt.tolist(), "covariance_rad2": c.covariance.tolist()}
             for name, c in fixture.faces.items()

@@ -56,7 +56,7 @@ def levelling(campaign: Campaign) -> Iterator[tuple[str, str, FloatArray, FloatA
     for name, face, series in dwells:
         if (mean := _mean_output(series)) is None:
             continue
-        output = campaign.fixture.C_ib.T @ mean
+        output = campaign.fixture.C_sb.T @ mean
         vertical = float(output @ face_normal(face))
         across = output[list(cross_axes(face))]
         if vertical > 0 and np.linalg.norm(across) < MOST * vertical:

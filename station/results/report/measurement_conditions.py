@@ -67,7 +67,7 @@ def _fixture(campaign: Campaign) -> list[tuple[str, str]]:
         stds = [float(np.sqrt(np.trace(fixture.faces[face].covariance) / 2)) for face in certified]
         arcsec = significant(max(stds) * 180 * 3600 / np.pi)
         certificate = f"{len(certified)} of {len(FACES)} faces, 1\u03c3 up to {arcsec} arcsec"
-    axes = ", ".join(_signed_axis(row) for row in fixture.C_ib)
+    axes = ", ".join(_signed_axis(row) for row in fixture.C_sb)
     return [
         ("Fixture", fixture.id or "not named"),
         ("Face certificate", certificate),

@@ -20,8 +20,8 @@ STRAY = 0.2  # of the turn's counts on the axis, what another axis may show: the
 class TurnWatch:
     """Follows one attempt at ``step``; ``earlier`` holds the counts per revolution of turns already accepted."""
 
-    def __init__(self, step: Turn, C_ib: FloatArray, period: float, earlier: Sequence[float]) -> None:
-        self._step, self._C_ib, self._earlier = step, C_ib, earlier
+    def __init__(self, step: Turn, C_sb: FloatArray, period: float, earlier: Sequence[float]) -> None:
+        self._step, self._C_sb, self._earlier = step, C_sb, earlier
         self._period = period
         self.rest_blocks = max(2, ceil(step.rest_s))
         self._before: list[Block] = []
@@ -141,7 +141,7 @@ class TurnWatch:
         return bool(np.any(np.abs(block.rate[:3] - rest) > FAR * sigma + EARTHS * np.abs(rest).max()))
 
     def _up(self) -> FloatArray:
-        up: FloatArray = self._C_ib[:, AXES.index(self._step.axis)]
+        up: FloatArray = self._C_sb[:, AXES.index(self._step.axis)]
         return up
 
     def _turned(self) -> FloatArray:

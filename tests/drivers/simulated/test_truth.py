@@ -25,7 +25,7 @@ def test_a_truth_is_read_from_toml_with_effects_by_quoted_or_dotted_name() -> No
     assert truth.effects == {"accelerometer.quadratic": {"x": 4e-5}, "fixture.face_tilt": {"x_up.y": 1e-5}}
     world = stand(truth)
     assert world.faces[0].tolist() == [1e-5, 0.0]
-    assert world.C_ib.tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    assert world.C_sb.tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
 
 
 @pytest.mark.parametrize(

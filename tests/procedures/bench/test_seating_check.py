@@ -25,12 +25,12 @@ PLAIN = Fixture()
 class Unit:
     """A random unit on a random bench: rates without counting, with white noise of ``noise`` [g]."""
 
-    def __init__(self, seed: int, noise: float, C_ib: FloatArray | None = None, k: FloatArray = K) -> None:
+    def __init__(self, seed: int, noise: float, C_sb: FloatArray | None = None, k: FloatArray = K) -> None:
         self.rng = np.random.default_rng(seed)
         self.faces, self.slab = 3e-5 * self.rng.standard_normal((6, 2)), 3e-5 * self.rng.standard_normal(2)
         self.E = np.eye(3) + 2e-3 * self.rng.standard_normal((3, 3))
         self.D = 2e-3 * self.rng.standard_normal(3)
-        self.C_ib, self.k, self.noise = np.eye(3) if C_ib is None else C_ib, k, noise
+        self.C_sb, self.k, self.noise = np.eye(3) if C_sb is None else C_sb, k, noise
 
     def rests(self, position: int, tilt: tuple[float, float] = (0.0, 0.0)) -> Rates:
         """A dwell, the cube tilted by ``tilt`` (2,) [rad] beside its face's own."""
@@ -39,7 +39,7 @@ class Unit:
         heading = HEADING_STD * self.rng.standard_normal(1)
         u = specific_force(faces, self.slab, heading, [position])[0]
         std = self.noise * np.abs(self.k)
-        rate = self.k * (self.E @ self.C_ib @ u + self.D) + std * self.rng.standard_normal(3)
+        rate = self.k * (self.E @ self.C_sb @ u + self.D) + std * self.rng.standard_normal(3)
         return position, rate, std
 
 
@@ -58,10 +58,10 @@ def seen(accepted: list[Rates], now: Rates, fixture: Fixture = PLAIN) -> Seating
     ],
 )
 def test_a_tilt_of_the_cube_is_measured_along_its_own_axes(axes: tuple[str, str, str], k: FloatArray) -> None:
-    C_ib = imu_from_cube(axes)
-    unit, tilt = Unit(1, 1e-9, C_ib, k), (60 * ARCSEC, -25 * ARCSEC)
+    C_sb = imu_from_cube(axes)
+    unit, tilt = Unit(1, 1e-9, C_sb, k), (60 * ARCSEC, -25 * ARCSEC)
     accepted = [unit.rests(p) for p in (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11)]
-    found = seen(accepted, unit.rests(12, tilt), Fixture(C_ib=C_ib))
+    found = seen(accepted, unit.rests(12, tilt), Fixture(C_sb=C_sb))
     assert np.abs(found.off - tilt).max() < 0.3 * ARCSEC
     assert found.std.max() < 0.3 * ARCSEC
     assert found.axes == "xy"

@@ -125,7 +125,7 @@ def test_a_pair_with_one_certified_face_is_not_held() -> None:
 
 
 def test_an_imu_that_sat_in_the_cube_in_two_ways_sees_its_perpendicularity() -> None:
-    turned = campaign(fixture=Fixture(C_ib=QUARTER, id="A"))
+    turned = campaign(fixture=Fixture(C_sb=QUARTER, id="A"))
     bench = Bench(
         (Placement(0, 0, 1, 1e-3), Placement(1, 0, 1, 1e-3)), (campaign(fixture=Fixture(id="A")), turned), 1
     )

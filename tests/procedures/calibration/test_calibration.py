@@ -124,10 +124,10 @@ def test_a_campaign_on_a_coarse_counter_is_solved_within_four_sigma() -> None:
 def test_an_imu_turned_in_the_cube_is_solved_in_its_own_axes() -> None:
     truth = replace(fine(4), imu_axes=("-y", "+z", "-x"))
     campaign = simulated(truth, 4)
-    assert not np.array_equal(campaign.fixture.C_ib, np.eye(3))
+    assert not np.array_equal(campaign.fixture.C_sb, np.eye(3))
     solution = solve([campaign])
     assert np.abs(scores(solution, truth)).max() < 4
-    cube = campaign.fixture.C_ib @ mean_cube_of(truth.faces_rad) @ campaign.fixture.C_ib.T
+    cube = campaign.fixture.C_sb @ mean_cube_of(truth.faces_rad) @ campaign.fixture.C_sb.T
     for triad, E in zip(both(solution), (truth.accel_e, truth.gyro_e), strict=True):
         assert np.abs(z(triad.misalignment, referred(E, cube))[OFF]).max() < 4
 
@@ -228,10 +228,10 @@ def test_a_missing_axis_leaves_the_gyroscope_out_and_names_the_unused_turns() ->
     assert solution.unused_steps == tuple(t.name for t in campaign.turns[:4])
 
 
-def nominal_rates(positions: list[int], C_ib: FloatArray) -> FloatArray:
+def nominal_rates(positions: list[int], C_sb: FloatArray) -> FloatArray:
     """Raw outputs of a misaligned, biased unit in these positions."""
     E = np.eye(3) + 5e-3 * np.random.default_rng(1).standard_normal((3, 3))
-    u = np.array([C_ib @ body_from_level(p)[:, 2] for p in positions])
+    u = np.array([C_sb @ body_from_level(p)[:, 2] for p in positions])
     return np.array([1000.0, 990.0, 1010.0]) * (u @ E.T + [2e-3, -1e-3, 3e-3])
 
 
@@ -276,9 +276,9 @@ def test_a_wrong_label_is_refused_by_solve_and_named_by_its_file() -> None:
         [1, 1, 1, 5],
     ],
 )
-@pytest.mark.parametrize("C_ib", [np.eye(3), np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])])
-def test_correct_labels_are_never_refused(positions: list[int], C_ib: FloatArray) -> None:
-    refuse_wrong_faces(dwells(nominal_rates(positions, C_ib), 1e-3, positions), [C_ib])
+@pytest.mark.parametrize("C_sb", [np.eye(3), np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])])
+def test_correct_labels_are_never_refused(positions: list[int], C_sb: FloatArray) -> None:
+    refuse_wrong_faces(dwells(nominal_rates(positions, C_sb), 1e-3, positions), [C_sb])
 
 
 @pytest.mark.parametrize(

@@ -164,16 +164,16 @@ def test_misalignment_refers_to_the_mean_cube() -> None:
 def test_an_imu_turned_in_the_cube_gives_the_same_numbers_in_its_own_axes() -> None:
     rate, _ = observed(4, tuple(EVERY))
     straight = solve_accelerometer([campaign()], dwells(rate, SIGMA))
-    C_ib = np.array([[0.0, -1, 0], [0, 0, 1], [-1, 0, 0]])  # sensors x, y, z along cube -y, +z, -x
-    turned_rate = rate @ C_ib.T
-    turned = solve_accelerometer([campaign(fixture=Fixture(C_ib=C_ib))], dwells(turned_rate, SIGMA))
+    C_sb = np.array([[0.0, -1, 0], [0, 0, 1], [-1, 0, 0]])  # sensors x, y, z along cube -y, +z, -x
+    turned_rate = rate @ C_sb.T
+    turned = solve_accelerometer([campaign(fixture=Fixture(C_sb=C_sb))], dwells(turned_rate, SIGMA))
     assert straight is not None
     assert turned is not None
     a, b = (triad_vector(joint, "accelerometer", joint) for joint in (straight, turned))
     order = [1, 2, 0]
     assert b.value[:3] == pytest.approx(a.value[:3][order], rel=1e-10)
-    assert b.value[12:] == pytest.approx((C_ib @ a.value[12:]), abs=1e-11)
-    E = C_ib @ a.value[3:12].reshape(3, 3) @ C_ib.T
+    assert b.value[12:] == pytest.approx((C_sb @ a.value[12:]), abs=1e-11)
+    E = C_sb @ a.value[3:12].reshape(3, 3) @ C_sb.T
     assert b.value[3:12].reshape(3, 3) == pytest.approx(E, abs=1e-10)
     std = np.sqrt(np.diag(b.covariance))
     assert std[12:] == pytest.approx(np.sqrt(np.diag(a.covariance))[12:][order], rel=1e-4)
@@ -293,13 +293,13 @@ def test_the_plan_asks_for_twelve_dwells_in_order_and_returns_them_by_position()
 def test_an_imu_mounted_in_two_ways_keeps_its_paper_biases() -> None:
     """Sensors stand along other cube axes in the second campaign; averaging by position alone mixes them up."""
     rate, truth = observed(11, tuple(EVERY))
-    C_ib = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    C_sb = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
     faces, slab = 5e-5 * np.random.default_rng(1).standard_normal((6, 2)), np.zeros(2)
-    u = specific_force(faces, slab, np.zeros(12), tuple(EVERY)) @ C_ib.T
+    u = specific_force(faces, slab, np.zeros(12), tuple(EVERY)) @ C_sb.T
     second = truth["k"] * (u @ truth["E"].T + truth["D"])
     both = dwells(np.vstack((rate, second)), SIGMA, [*EVERY, *EVERY])
     both = replace(both, dwells=tuple((i // 12, d) for i, (_, d) in enumerate(both.dwells)))
-    one, two = campaign(fixture=Fixture(id="A")), campaign(fixture=Fixture(C_ib=C_ib, id="B"))
+    one, two = campaign(fixture=Fixture(id="A")), campaign(fixture=Fixture(C_sb=C_sb, id="B"))
     joint = solve_accelerometer([one, two], both)
     assert joint is not None
     twelve, direct = paper_biases(joint)

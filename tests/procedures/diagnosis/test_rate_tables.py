@@ -120,7 +120,7 @@ def test_three_axes_and_a_turned_mounting_keep_their_sensors_apart() -> None:
         size, std = size**2, (size + std) ** 2 - size**2
     assert size[0] > 20 * std[0]
     assert np.all(size[1:] < 4 * std[1:])
-    turned = Fixture(C_ib=np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]))
+    turned = Fixture(C_sb=np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]))
     mounted = replace(campaign(replace(table(5, cubic=-2.0, axis="x"), axis="z")), fixture=turned)
     assert found(diagnose([mounted]), *NONLINEAR).coefficients == ("x",)
 

@@ -57,8 +57,8 @@ def test_a_cube_set_down_a_quarter_turn_off_is_said(face: str, quarter: int) -> 
 
 
 def test_an_imu_that_sits_turned_in_its_cube_is_read_in_the_cubes_axes() -> None:
-    C_ib = imu_from_cube(("-y", "+x", "+z"))
-    heading = find_heading(K * C_ib @ seen(6, CHINA), STD, "y_up", CHINA, C_ib)
+    C_sb = imu_from_cube(("-y", "+x", "+z"))
+    heading = find_heading(K * C_sb @ seen(6, CHINA), STD, "y_up", CHINA, C_sb)
     assert heading.is_sure
     assert heading.position == 6
 
@@ -166,20 +166,20 @@ def test_no_scale_factor_is_told_without_a_dwell_or_from_a_bias() -> None:
 def test_a_turn_that_did_not_come_back_is_measured_by_the_earth_rate(position: int) -> None:
     rng, turned = np.random.default_rng(position), np.radians(8.0)
     bias, std = 30 * DEG_PER_HOUR * rng.standard_normal(3), np.full(3, 0.02 * K * DEG_PER_HOUR)
-    C_ib = imu_from_cube(("+z", "+x", "+y"))
+    C_sb = imu_from_cube(("+z", "+x", "+y"))
     before, after = (
-        Known(position, K * C_ib @ (seen(position, EUROPE, a) + bias) + std * rng.standard_normal(3), std)
+        Known(position, K * C_sb @ (seen(position, EUROPE, a) + bias) + std * rng.standard_normal(3), std)
         for a in (0.0, turned)
     )
-    angle, angle_std = heading_change(before, after, EUROPE, C_ib, K)
+    angle, angle_std = heading_change(before, after, EUROPE, C_sb, K)
     assert abs(angle - turned) < 4 * angle_std
     assert angle_std == pytest.approx(np.sqrt(2) * 0.02 * DEG_PER_HOUR / (EARTH_RATE * np.cos(EUROPE)), rel=1e-6)
     # the same from rotations: the cube turned counter-clockwise sees the world turned clockwise
     turned_cube = body_from_level(position) @ rotation(np.array([0.0, 0.0, -turned]))
     sees = turned_cube @ np.array([0.0, EARTH_RATE * np.cos(EUROPE), EARTH_RATE * np.sin(EUROPE)])
-    exact = replace(before, rate=K * C_ib @ (sees + bias))
-    start = replace(before, rate=K * C_ib @ (seen(position, EUROPE) + bias))
-    assert heading_change(start, exact, EUROPE, C_ib, K)[0] == pytest.approx(turned, abs=1e-9)
+    exact = replace(before, rate=K * C_sb @ (sees + bias))
+    start = replace(before, rate=K * C_sb @ (seen(position, EUROPE) + bias))
+    assert heading_change(start, exact, EUROPE, C_sb, K)[0] == pytest.approx(turned, abs=1e-9)
 
 
 def test_at_the_pole_no_return_is_measured() -> None:

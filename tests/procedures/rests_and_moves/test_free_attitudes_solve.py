@@ -193,10 +193,10 @@ def test_rests_on_known_faces_stand_with_the_dwells_where_faces_are_compared() -
 
 
 def test_an_imu_turned_in_its_cube_is_solved_in_its_own_axes() -> None:
-    C_ib = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    C_sb = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
     rests, true = on_faces(4, 0.0)
-    turned = replace(rests, rate=true.output(np.array([face_normal(f) for f in FACES]) @ C_ib.T))
-    joint = solve_with_rests([campaign(fixture=Fixture(C_ib=C_ib))], None, turned)
+    turned = replace(rests, rate=true.output(np.array([face_normal(f) for f in FACES]) @ C_sb.T))
+    joint = solve_with_rests([campaign(fixture=Fixture(C_sb=C_sb))], None, turned)
     assert np.max(np.abs(errors(joint, true))) < 0.1
 
 

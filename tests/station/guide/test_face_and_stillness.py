@@ -20,8 +20,8 @@ def test_a_tilt_is_seen_as_its_angle() -> None:
 
 
 def test_a_turned_mounting_is_taken_into_account() -> None:
-    C_ib = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # IMU x along cube y, y along -x
-    assert Judge(C_ib).seen_face(C_ib @ (1000 * face_normal("x_up")))[0] == "x_up"
+    C_sb = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # IMU x along cube y, y along -x
+    assert Judge(C_sb).seen_face(C_sb @ (1000 * face_normal("x_up")))[0] == "x_up"
 
 
 def test_two_opposite_faces_tell_the_biases_and_the_limit_widens() -> None:

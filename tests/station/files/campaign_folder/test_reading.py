@@ -44,7 +44,7 @@ def test_defaults_are_those_of_the_contract(folder: Path) -> None:
     assert campaign.site.gravity == normal_gravity(np.radians(31.17), 0.0)
     assert campaign.site.gravity_std == 5e-4
     assert np.degrees([campaign.sigma.heading, campaign.sigma.closure]) == pytest.approx([0.1, 0.02])
-    assert np.array_equal(campaign.fixture.C_ib, np.eye(3))
+    assert np.array_equal(campaign.fixture.C_sb, np.eye(3))
 
 
 def test_given_gravity_has_a_sharper_sigma(folder: Path) -> None:
@@ -68,7 +68,7 @@ covariance_rad2 = [[4e-12, 1e-12], [1e-12, 9e-12]]
     edit(folder, "campaign.toml", ("[[dwell]]", fixture))
     found = read_campaign(folder).campaign.fixture
     assert found.id == "CUBE-7"
-    assert found.C_ib.tolist() == [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]
+    assert found.C_sb.tolist() == [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]
     assert np.allclose(found.faces["x_up"].covariance, np.eye(2) * 25e-12, rtol=1e-12, atol=0)
     assert found.faces["y_down"].covariance[0, 1] == 1e-12
 

@@ -115,7 +115,7 @@ def test_a_campaign_is_read_back_as_it_was_written(suffix: str, campaign: Campai
     assert found.site.magnetic == campaign.site.magnetic
     assert found.sigma.heading == pytest.approx(campaign.sigma.heading, rel=1e-14)
     assert (found.fixture.id, set(found.fixture.faces)) == (campaign.fixture.id, set(campaign.fixture.faces))
-    assert np.array_equal(found.fixture.C_ib, campaign.fixture.C_ib)
+    assert np.array_equal(found.fixture.C_sb, campaign.fixture.C_sb)
     was, read = campaign.fixture.measured, found.fixture.measured
     assert (was is None) == (read is None)
     if was is not None and read is not None:
