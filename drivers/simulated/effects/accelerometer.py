@@ -7,7 +7,17 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from drivers.simulated.effects.effect import AXES, REFERENCE_C, VECTOR_KEYS, Effect, Felt, Stimulus, vector
+from drivers.simulated.effects.effect import (
+    AXES,
+    REFERENCE_C,
+    VECTOR_KEYS,
+    Effect,
+    Felt,
+    Stimulus,
+    scale_asymmetry,
+    scale_temperature,
+    vector,
+)
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
 
@@ -24,10 +34,6 @@ def _cubic(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
     return vector(sizes) * felt.raw**3
 
 
-def _asymmetry(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return 0.5e-6 * vector(sizes) * np.abs(felt.raw)
-
-
 def _cross_product(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
     added = np.zeros(np.broadcast_shapes(felt.raw.shape, (1, 3)))
     for key in _PRODUCT_KEYS + _OWN_KEYS:
@@ -42,10 +48,6 @@ def _bias_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
     return vector(sizes) * (seen.temperature - REFERENCE_C)
 
 
-def _scale_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return 1e-6 * vector(sizes) * (seen.temperature - REFERENCE_C) * (felt.raw + felt.bias)
-
-
 def _bias_drift(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
     return vector(sizes) * seen.t / 3600
 
@@ -58,13 +60,13 @@ ACCELEROMETER = (
     Effect("accelerometer.quadratic", "g/g^2", "K2 u^2", VECTOR_KEYS, accel=_quadratic),
     Effect("accelerometer.cubic", "g/g^3", "K3 u^3", VECTOR_KEYS, accel=_cubic),
     Effect("accelerometer.scale_asymmetry", "ppm", "1e-6 a |u| / 2, a = (k+ - k-) / k", VECTOR_KEYS,
-           accel=_asymmetry),
+           accel=scale_asymmetry),
     Effect("accelerometer.cross_product", "g/g^2",
            "K u_i u_j; key xy: sensor x, u_x u_y; key xyz: sensor x, u_y u_z", _OWN_KEYS + _PRODUCT_KEYS,
            accel=_cross_product),
     Effect("accelerometer.bias_temperature", "g/K", "c (T - 25)", VECTOR_KEYS, accel=_bias_temperature),
     Effect("accelerometer.scale_temperature", "ppm/K", "1e-6 c (T - 25) (u + D)", VECTOR_KEYS,
-           accel=_scale_temperature),
+           accel=scale_temperature),
     Effect("accelerometer.bias_drift", "g/h", "d t / 3600, t since power-on", VECTOR_KEYS, accel=_bias_drift),
     Effect("accelerometer.relaxation", "g", "A exp(-t / tau_s), t since the cube came to rest; 0 while moved",
            VECTOR_KEYS, {"tau_s": 30.0}, accel=_relaxation),

@@ -80,3 +80,13 @@ def matrix(sizes: Sizes) -> FloatArray:
 
 VECTOR_KEYS = tuple(AXES)
 MATRIX_KEYS = (*VECTOR_KEYS, *(row + column for row in AXES for column in AXES))
+
+
+def scale_asymmetry(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    """Return 1e-6 a |u| / 2 (n or 1, 3) [g, deg/s], a in ppm."""
+    return 0.5e-6 * vector(sizes) * np.abs(felt.raw)
+
+
+def scale_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+    """Return 1e-6 c (T - 25) (u + D) (n or 1, 3) [g, deg/s], c in ppm/K."""
+    return 1e-6 * vector(sizes) * (seen.temperature - REFERENCE_C) * (felt.raw + felt.bias)

@@ -14,6 +14,8 @@ from drivers.simulated.effects.effect import (
     Felt,
     Stimulus,
     matrix,
+    scale_asymmetry,
+    scale_temperature,
     vector,
 )
 from drivers.simulated.truth import Sizes
@@ -34,20 +36,12 @@ def _bias_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
     return vector(sizes) / 3600 * (seen.temperature - REFERENCE_C)
 
 
-def _scale_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return 1e-6 * vector(sizes) * (seen.temperature - REFERENCE_C) * (felt.raw + felt.bias)
-
-
 def _temperature_rate(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
     return vector(sizes) / 3600 * seen.temperature_rate
 
 
 def _bias_drift(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
     return vector(sizes) / 3600 * seen.t / 3600
-
-
-def _asymmetry(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return 0.5e-6 * vector(sizes) * np.abs(felt.raw)
 
 
 def _nonlinearity(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
@@ -64,11 +58,12 @@ GYROSCOPE = (
            gyro=_g_sensitivity),
     Effect("gyroscope.bias_temperature", "deg/h/K", "c (T - 25)", VECTOR_KEYS, gyro=_bias_temperature),
     Effect("gyroscope.scale_temperature", "ppm/K", "1e-6 c (T - 25) (u + D)", VECTOR_KEYS,
-           gyro=_scale_temperature),
+           gyro=scale_temperature),
     Effect("gyroscope.temperature_rate", "deg/h/(K/min)", "c dT/dt (Shupe)", VECTOR_KEYS, gyro=_temperature_rate),
     Effect("gyroscope.bias_drift", "deg/h/h", "d t / 3600, t since power-on", VECTOR_KEYS, gyro=_bias_drift),
     Effect("gyroscope.magnetic", "deg/h/uT", "M B; key xy: sensor x, B_y; key x: xx", MATRIX_KEYS, gyro=_magnetic),
-    Effect("gyroscope.scale_asymmetry", "ppm", "1e-6 a |u| / 2, a = (k+ - k-) / k", VECTOR_KEYS, gyro=_asymmetry),
+    Effect("gyroscope.scale_asymmetry", "ppm", "1e-6 a |u| / 2, a = (k+ - k-) / k", VECTOR_KEYS,
+           gyro=scale_asymmetry),
     Effect("gyroscope.scale_nonlinearity", "ppm/(deg/s)", "1e-6 c u |u|", VECTOR_KEYS, gyro=_nonlinearity),
     Effect("gyroscope.sagnac_sine", "rad/(deg/s)", "sin(s u) / s - u, s the Sagnac phase per rate", VECTOR_KEYS,
            gyro=_sagnac_sine),

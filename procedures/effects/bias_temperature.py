@@ -1,0 +1,39 @@
+"""Temperature coefficient of a bias: ``c (T - 25 degC)``.
+
+Plausible: 100 ug/K of the accelerometers; 0.3 deg/h/K of the gyroscopes, of a tactical FOG without compensation; a
+navigation one has a tenth of it.
+"""
+
+from dataclasses import replace
+
+from procedures.effects.effect import REFERENCE_C, Columns, Effect, Seen, per_axis
+from procedures.frames import AXES
+
+
+def accelerometer_columns(seen: Seen) -> list[Columns]:
+    """Return the temperature beyond the reference per sensor [g per g/K]."""
+    return [Columns(AXES, accel=per_axis(seen.temperature - REFERENCE_C))]
+
+
+def gyroscope_columns(seen: Seen) -> list[Columns]:
+    """Return the temperature beyond the reference per sensor [deg/s per deg/h/K]."""
+    return [Columns(AXES, gyro=per_axis((seen.temperature - REFERENCE_C) / 3600))]
+
+
+ACCELEROMETER = Effect(
+    name="accelerometer.bias_temperature",
+    unit="g/K",
+    physics="c (T - 25 degC)",
+    source="IEEE Std 1293, temperature sensitivity of bias",
+    plausible=1e-4,
+    columns=accelerometer_columns,
+    separate_by="a heating run up and down again, or a second campaign in another order",
+)
+GYROSCOPE = replace(
+    ACCELEROMETER,
+    name="gyroscope.bias_temperature",
+    unit="deg/h/K",
+    source="IEEE Std 952, temperature sensitivity of bias",
+    plausible=0.3,
+    columns=gyroscope_columns,
+)

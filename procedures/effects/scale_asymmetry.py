@@ -1,0 +1,39 @@
+"""Asymmetry of a scale factor: ``a |u| / 2``, a = (k+ - k-) / k.
+
+On a cube's faces |u| = u^2: of the accelerometers it is one with K2 there. Turns + and - at equal speeds leave
+that of the gyroscopes alone; at different speeds it is one with an even nonlinearity. Plausible: 100 ppm, as of an
+analogue servo loop whose digitiser has two references.
+"""
+
+from dataclasses import replace
+
+from procedures.effects.effect import Columns, Effect, Seen, per_axis
+from procedures.frames import AXES
+
+
+def accelerometer_columns(seen: Seen) -> list[Columns]:
+    """Return |u| / 2 per sensor [g per ppm]."""
+    return [Columns(AXES, accel=per_axis(0.5e-6 * abs(seen.f)))]
+
+
+def gyroscope_columns(seen: Seen) -> list[Columns]:
+    """Return |u| / 2 per sensor [deg/s per ppm]."""
+    return [Columns(AXES, gyro=per_axis(0.5e-6 * abs(seen.omega)))]
+
+
+ACCELEROMETER = Effect(
+    name="accelerometer.scale_asymmetry",
+    unit="ppm",
+    physics="1e-6 a |u| / 2, a = (k+ - k-) / k",
+    source="IEEE Std 1293, scale-factor asymmetry",
+    plausible=100.0,
+    columns=accelerometer_columns,
+    separate_by="free positions between the faces, near 45 deg",
+)
+GYROSCOPE = replace(
+    ACCELEROMETER,
+    name="gyroscope.scale_asymmetry",
+    source="IEEE Std 952, scale-factor asymmetry",
+    columns=gyroscope_columns,
+    separate_by="turns at two speeds in each direction, or a rate table",
+)
