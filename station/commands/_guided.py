@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import platformdirs
 import typer
 
-from station.guide.view import Setup, View
+from station.guide.setup_view import Setup
+from station.guide.view import View
 
 if TYPE_CHECKING:
     from station.guide.start_engine import EngineOptions

@@ -83,8 +83,8 @@ def calibrate(
     from station.commands._guided import Screen, campaigns_root, guide, set_up
     from station.guide.command import Command
     from station.guide.last_setup import load_setup
+    from station.guide.setup_view import Setup
     from station.guide.start_engine import EngineOptions
-    from station.guide.view import Setup
 
     given = {
         "url": device, "gnss": gnss, "folder": str(out) if out else "",

@@ -4,7 +4,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from station.guide.command import Command
-from station.guide.view import Check, Sound, View
+from station.guide.setup_view import Check
+from station.guide.view import Sound, View
 
 if TYPE_CHECKING:
     from station.guide.disk_space import Disk

@@ -26,9 +26,10 @@ from station.guide.last_setup import save_setup
 from station.guide.options import Options
 from station.guide.readiness_in_background import Considering, said_of
 from station.guide.setup import start_view
+from station.guide.setup_view import Check, Readiness, Setup, Start
 from station.guide.solved import Solved
 from station.guide.step_words import for_people
-from station.guide.view import Check, Readiness, Setup, Stage, Start, View
+from station.guide.view import Stage, View
 
 if TYPE_CHECKING:
     from station.guide.simulated_operator import Operator

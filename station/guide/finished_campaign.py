@@ -12,7 +12,8 @@ from station.guide.folder_lock import FolderLock
 from station.guide.folder_notes import kept_plan, read_setup
 from station.guide.interrupted_campaigns import reopen
 from station.guide.live_campaign import usual_steps
-from station.guide.view import Setup, Sound, View
+from station.guide.setup_view import Setup
+from station.guide.view import Sound, View
 from station.stream.recorder import CampaignRecorder
 
 

@@ -9,8 +9,8 @@ from procedures.calibration.plan_steps import Step
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.plan_toml import read_plan, write_plan
+from station.guide.setup_view import Setup
 from station.guide.unit_identity import UnitRecord
-from station.guide.view import Setup
 
 SETUP, UNIT, PLAN, LEFT_OUT = "setup.json", "unit.json", "plan.toml", "left_out.json"
 T = TypeVar("T", bound=BaseModel)

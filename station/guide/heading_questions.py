@@ -2,7 +2,8 @@
 
 from procedures.calibration.plan_steps import Turn
 from procedures.frames import POSITIONS, face_of
-from station.guide.view import Choice, Question
+from station.guide.setup_view import Choice
+from station.guide.view import Question
 from station.guide.wording import axes, sense, title
 
 NEITHER = "n"

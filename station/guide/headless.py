@@ -8,9 +8,10 @@ from station.guide.command import Command
 from station.guide.engine import Engine
 from station.guide.live_campaign import begin
 from station.guide.options import Options
+from station.guide.setup_view import Setup
 from station.guide.simulated_operator import Operator
 from station.guide.start_engine import EngineOptions
-from station.guide.view import Setup, View
+from station.guide.view import View
 
 OVER = frozenset({"verdict", "stored", "failed", "left", "cancelled"})
 

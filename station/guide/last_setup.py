@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from drivers.url_paths import anchored
 from station.errors import cannot_write
 from station.files.atomic_file import replace_file
-from station.guide.view import Setup
+from station.guide.setup_view import Setup
 
 
 def setup_file() -> Path:

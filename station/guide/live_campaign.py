@@ -34,9 +34,10 @@ from station.guide.host_clock import HostClock
 from station.guide.interrupted_campaigns import FolderLock, reopen
 from station.guide.options import Options
 from station.guide.port_check import RECORD_INSTEAD
+from station.guide.setup_view import Check, Setup
 from station.guide.stage_context import POWER_CYCLED, Desk, Facts
 from station.guide.unit_identity import UnitRecord
-from station.guide.view import Check, Setup, Sound, View
+from station.guide.view import Sound, View
 from station.stream.gnss import GnssFeed, open_gnss
 from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.reader import Reader

@@ -9,7 +9,7 @@ from fixtures_db.campaigns import in_state
 from fixtures_db.database import Database
 from fixtures_db.schema import CampaignRow
 from station.guide.folder_lock import is_locked
-from station.guide.view import Unfinished
+from station.guide.setup_view import Unfinished
 
 STEPS = 18  # of a campaign without a plan: 12 positions, 6 turns
 TOML, PLAN = "campaign.toml", "plan.toml"

@@ -8,7 +8,7 @@ from drivers.errors import DriverError
 from drivers.wire import ALL_CHANNELS
 from procedures.counts.sample_records import RateBlock, SampleBlock, block_rows
 from procedures.frames import AXES
-from station.guide.view import Check
+from station.guide.setup_view import Check
 from station.stream.live.rates_as_counts import RATE_UNIT
 from station.stream.live.stillness import TICKS, Block, block_of
 

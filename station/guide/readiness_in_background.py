@@ -6,7 +6,7 @@ from fixtures_db.database import Database
 from fixtures_db.errors import DatabaseError
 from station.guide.campaign import Campaign
 from station.guide.options import Options
-from station.guide.view import Check, Readiness, Setup
+from station.guide.setup_view import Check, Readiness, Setup
 
 Asked = tuple[Setup, Check | None, Check | None]  # set-up, the looks at its port and at its receiver
 

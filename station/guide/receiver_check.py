@@ -1,7 +1,7 @@
 """A look at the GNSS receiver of a set-up: where it stands, with sigma, or why it does not say."""
 
 from drivers.errors import DriverError
-from station.guide.view import Check
+from station.guide.setup_view import Check
 
 LISTEN_S = 8.0  # a heartbeat, an answer and the fixes at the usual rate; a slow receiver takes all of it
 FIXES = 10

@@ -10,8 +10,9 @@ from procedures.arrays import FloatArray
 from procedures.bench.seating_check import PLAUSIBLE, Seating, judge, seating
 from station.guide.accepted_dwell import estimates, rates
 from station.guide.dwell_attempt import Dwelling
+from station.guide.setup_view import Choice
 from station.guide.stage_context import Desk
-from station.guide.view import Choice, Question
+from station.guide.view import Question
 from station.stream.live.accepted_blocks import series
 
 LOOKS_S = (3.0, 6.0, 10.0, 20.0, 40.0, 70.0)  # of accepted seconds

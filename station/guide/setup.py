@@ -9,7 +9,7 @@ from fixtures_db.cubes_known import cubes
 from fixtures_db.database import Database
 from fixtures_db.slabs import slabs
 from station.guide.open_campaigns import unfinished
-from station.guide.view import Choice, Setup, Start
+from station.guide.setup_view import Choice, Setup, Start
 
 
 def start_view(database: Database, setup: Setup) -> Start:

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict
 
 from station.errors import StationError
 from station.guide.command import Command
-from station.guide.view import Setup
+from station.guide.setup_view import Setup
 
 if TYPE_CHECKING:
     from station.guide.options import Options

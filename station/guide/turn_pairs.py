@@ -9,7 +9,8 @@ import numpy as np
 from procedures.bench.turn_closing import Closing, TurnSeen, apart, closing, limit, scatter
 from procedures.calibration.plan_steps import Turn
 from procedures.earth.gyrocompass import Known, heading_change
-from station.guide.view import Choice, Question
+from station.guide.setup_view import Choice
+from station.guide.view import Question
 from station.guide.wording import title
 
 WORTH_DEG = 5.0  # a wider sigma says nothing

@@ -6,7 +6,7 @@ process border as JSON. Angles in deg, rates in deg/s, times in s of the device 
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict
+from station.guide.setup_view import Choice, FrozenValue, Readiness, Start
 
 Stage = Literal[
     "start",  # no campaign yet: set-up, and unfinished ones to go on with
@@ -28,127 +28,7 @@ StepState = Literal["todo", "live", "done", "redo"]
 Sound = Literal["", "start", "still", "accepted", "rejected"]
 
 
-class _Value(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Choice(_Value):
-    """One of a list: ``key`` is what is sent back, ``title`` what is shown; ``warns``: its note is of harm."""
-
-    key: str
-    title: str
-    note: str = ""
-    warns: bool = False
-
-
-class Setup(_Value):
-    """The set-up's values, remembered for next time; empty text and None where nothing is chosen yet.
-
-    ``gravity`` and its sigma in m/s2, ``height`` in m, ``dwell_s`` 0: from the unit's noise and ``bias_ug``, the
-    1 sigma wanted of the accelerometers' bias. ``folder`` empty: one is made beneath the default place. ``gnss``
-    is a receiver's address: what it says of the site counts where latitude, longitude or height are not given.
-    """
-
-    url: str = ""
-    gnss: str = ""
-    model: str = ""
-    serial: str = ""
-    cube: str = ""
-    slab: str = ""
-    latitude_deg: float | None = None
-    longitude_deg: float | None = None
-    height_m: float = 0.0
-    gravity_m_s2: float | None = None
-    gravity_std_m_s2: float | None = None
-    operator: str = ""
-    dwell_s: float = 100.0
-    bias_ug: float | None = None
-    revolutions: int = 3
-    heading_std_deg: float = 0.1
-    closure_std_deg: float = 0.02
-    folder: str = ""
-
-
-class Check(_Value):
-    """A live look at a port: what its bytes are. ``noise`` says the white noise in words.
-
-    Of a GNSS receiver ``text`` alone: where it stands, with sigma, or what is wrong.
-    """
-
-    url: str
-    is_good: bool
-    format: str = ""
-    model: str = ""
-    serial: str = ""
-    output: str = ""  # "increments" or "rate"
-    rate_hz: float | None = None
-    frames: int = 0
-    bad_frames: int = 0
-    noise: str = ""
-    text: str = ""
-
-
-class ReadyLine(_Value):
-    """One thing that a campaign needs, or is better with. ``state``: lacks prevents what it is needed for."""
-
-    name: str
-    state: Literal["ready", "note", "lacks"]
-    text: str
-
-
-class Readiness(_Value):
-    """What is there before a campaign begins, and how it can end.
-
-    ``can_pass`` and ``can_certify`` are None while that is not known; ``no_pass`` and ``no_certificate`` say why
-    not, empty where it can.
-    """
-
-    lines: tuple[ReadyLine, ...] = ()
-    can_pass: bool | None = None
-    no_pass: str = ""
-    can_certify: bool | None = None
-    no_certificate: str = ""
-
-    @property
-    def said(self) -> tuple[str, str]:
-        """Both consequences in words: of the verdict, and of a certificate."""
-        if self.can_pass is None:
-            passes = "PASS: not known before the unit has said its model"
-        else:
-            passes = "PASS: yes" if self.can_pass else f"PASS: no, {self.no_pass}"
-        certified = "certificate: yes" if self.can_certify else f"certificate: no, {self.no_certificate}"
-        return f"can end in {passes}", f"can end in a {certified}"
-
-
-class Unfinished(_Value):
-    """A campaign that can be gone on with. ``state``: free, in use (by another station), not here (no folder)."""
-
-    folder: str
-    title: str  # "campaign of 12:40, 7 of 18 done, SIM-FOG3 SIM-7"
-    serial: str
-    done: int
-    total: int
-    state: Literal["free", "in use", "not here"]
-
-
-class Start(_Value):
-    """What the start screen offers."""
-
-    setup: Setup = Setup()
-    ports: tuple[Choice, ...] = ()
-    cubes: tuple[Choice, ...] = ()  # note: "certificate expired on 2026-02-01"
-    slabs: tuple[Choice, ...] = ()
-    check: Check | None = None
-    is_checking: bool = False
-    receiver: Check | None = None
-    is_listening: bool = False
-    unfinished: tuple[Unfinished, ...] = ()
-    readiness: Readiness | None = None  # of the set-up that was considered last
-    refused: str = ""  # why what was sent could not begin
-    refused_code: int = 0  # the program's exit code for it, where nobody is there to try again
-
-
-class Step(_Value):
+class Step(FrozenValue):
     """A step of the campaign, in the order suggested. ``position`` is 0 for a turn, ``axis`` empty for a dwell.
 
     Free positions and soaks have a ``number`` of their own; ``is_free``: in a free attitude; ``up``: the face of a
@@ -178,7 +58,7 @@ class Step(_Value):
         return max(self.attempts - 1, 0)
 
 
-class Gates(_Value):
+class Gates(FrozenValue):
     """The two gates, and what the counts show right now.
 
     ``face`` is the face that is up (``x_up`` ...), ``off_deg`` the angle it seems off the vertical against
@@ -203,7 +83,7 @@ class Gates(_Value):
     is_seated: bool = True
 
 
-class TurnView(_Value):
+class TurnView(FrozenValue):
     """A hand turn: revolutions so far (signed, about the axis), speed against its limits, how it came back."""
 
     revolutions: float = 0.0
@@ -224,7 +104,7 @@ class TurnView(_Value):
         return not self.may_begin or (self.rest_s < self.rest_wanted_s and not is_moving)
 
 
-class PoseView(_Value):
+class PoseView(FrozenValue):
     """The cube as it stands, from the counts.
 
     ``C_lb``: what East, North and Up each are along the cube's axes, row by row; where ``heading_std_deg`` is None
@@ -239,7 +119,7 @@ class PoseView(_Value):
     text: str = ""
 
 
-class SoakView(_Value):
+class SoakView(FrozenValue):
     """A soak: the temperature now and its range so far [degC], None where the device says none; time left [s]."""
 
     temperature_c: float | None = None
@@ -248,7 +128,7 @@ class SoakView(_Value):
     left_s: float = 0.0
 
 
-class WarmUp(_Value):
+class WarmUp(FrozenValue):
     """Warm-up; limits are learnt from this unit. ``left_s`` None: cannot be said yet."""
 
     seconds: float = 0.0
@@ -260,7 +140,7 @@ class WarmUp(_Value):
     note: str = ""
 
 
-class Link(_Value):
+class Link(FrozenValue):
     """The stream: ``is_live`` False while nothing comes that can be used; ``text`` says what is wrong, what to do.
 
     ``word`` is what is wrong in two words, such as NO DATA, WRONG UNIT.
@@ -277,14 +157,14 @@ class Link(_Value):
     text: str = ""
 
 
-class Question(_Value):
+class Question(FrozenValue):
     """Something only the operator knows; answered with the ``key`` of a choice."""
 
     text: str
     choices: tuple[Choice, ...]
 
 
-class Event(_Value):
+class Event(FrozenValue):
     """Something to be heard and read once; ``number`` rises."""
 
     number: int
@@ -292,7 +172,7 @@ class Event(_Value):
     text: str
 
 
-class Row(_Value):
+class Row(FrozenValue):
     """A line of the verdict's table, all of it text.
 
     ``sigma`` is the combined standard uncertainty, by which a guarded limit is narrowed; ``expanded`` is U (95 %),
@@ -309,7 +189,7 @@ class Row(_Value):
     change: str = ""  # since the unit's last calibration
 
 
-class Verdict(_Value):
+class Verdict(FrozenValue):
     """The end: one sentence, then what stands behind it.
 
     ``doubt`` says why it is not to be relied on whatever the word; the sentence says it too. ``redo`` names the
@@ -334,7 +214,7 @@ class Verdict(_Value):
     stored_sha256: str = ""
 
 
-class View(_Value):
+class View(FrozenValue):
     """Everything.
 
     ``line`` is the state as one plain sentence. ``hint`` says what hinders or what comes next. ``wanted`` and

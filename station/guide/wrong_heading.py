@@ -9,9 +9,10 @@ from functools import partial
 from procedures.bench.heading_errors import HeadingError, stood
 from procedures.calibration.plan_steps import Dwell
 from station.guide.question import Asking
+from station.guide.setup_view import Choice
 from station.guide.stage import Stage
 from station.guide.stage_context import Desk
-from station.guide.view import Choice, Question
+from station.guide.view import Question
 
 REDO, KEEP = "r", "k"
 

@@ -7,7 +7,8 @@ from textual.events import Key
 from textual.widgets import Label, OptionList
 from textual.widgets.option_list import Option
 
-from station.guide.view import Choice, Question, View
+from station.guide.setup_view import Choice
+from station.guide.view import Question, View
 from station.tui.screens.modal import Modal
 
 LATER = ""

@@ -6,7 +6,8 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Label, Static
 
-from station.guide.view import Readiness, View
+from station.guide.setup_view import Readiness
+from station.guide.view import View
 from station.tui.screens.modal import Modal
 from station.tui.widgets.ready_lines import consequences, line
 

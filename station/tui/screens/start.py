@@ -8,7 +8,8 @@ from textual.containers import Horizontal
 from textual.widgets import Button, OptionList, Static
 
 from station.guide.command import Command, Verb
-from station.guide.view import Setup, Start, View
+from station.guide.setup_view import Setup, Start
+from station.guide.view import View
 from station.tui.durations_in_words import duration
 from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.stage import StageScreen

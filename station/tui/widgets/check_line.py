@@ -2,7 +2,7 @@
 
 from textual.content import Content
 
-from station.guide.view import Check
+from station.guide.setup_view import Check
 from station.tui.widgets.drawn import Drawn
 
 Look = tuple[str, Check | None, bool]  # address in the form, newest check, whether one is under way

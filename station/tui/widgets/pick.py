@@ -4,7 +4,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.widgets import Label, Select
 
-from station.guide.view import Choice
+from station.guide.setup_view import Choice
 
 
 class Pick(Vertical):

@@ -4,7 +4,7 @@ from textwrap import wrap
 
 from textual.content import Content
 
-from station.guide.view import Readiness, ReadyLine
+from station.guide.setup_view import Readiness, ReadyLine
 from station.tui.widgets.drawn import Drawn
 
 WIDTH, INDENT = 68, 12  # of a line in the list

@@ -2,7 +2,7 @@
 
 from textual.content import Content
 
-from station.guide.view import Check
+from station.guide.setup_view import Check
 from station.tui.widgets.drawn import Drawn
 
 Heard = tuple[str, Check | None, bool, bool]  # address, newest look, whether one goes on, is latitude stated

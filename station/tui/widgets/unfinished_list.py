@@ -4,7 +4,7 @@ from textual.content import Content
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
-from station.guide.view import Unfinished
+from station.guide.setup_view import Unfinished
 
 WORDS = {"free": "▶ go on: Enter", "in use": "✗ in use elsewhere", "not here": "✗ its folder is not here"}
 

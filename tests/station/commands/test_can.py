@@ -23,7 +23,7 @@ from station.files.campaign_folder.reading import read_campaign
 from station.files.sha256sums import verify_folder
 from station.guide.live_campaign import begin, resume
 from station.guide.options import Options
-from station.guide.view import Setup
+from station.guide.setup_view import Setup
 from station.stream.recorder import check_raw_bytes
 from tests.station.commands.program import Program
 

@@ -14,8 +14,9 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station.guide.command import Command
+from station.guide.setup_view import Readiness, Setup, Start
 from station.guide.text_lines import HELP, PlainScreen, between_words, command_of, shown_at_end
-from station.guide.view import Event, Readiness, Setup, Stage, Start, Verdict, View
+from station.guide.view import Event, Stage, Verdict, View
 from tests.station.commands.program import MAIN, Program
 
 REFUSED = View(stage="start", start=Start(refused="/dev/x: no such port", refused_code=4))

@@ -22,8 +22,9 @@ from station.files.sha256sums import verify_folder
 from station.guide.client import Connection
 from station.guide.command import Command
 from station.guide.open_campaigns import unfinished
+from station.guide.setup_view import Setup
 from station.guide.start_engine import EngineOptions, engine_process
-from station.guide.view import Setup, View
+from station.guide.view import View
 
 SPEED = 60.0
 

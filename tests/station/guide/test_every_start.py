@@ -20,8 +20,8 @@ from station.guide.command import Command
 from station.guide.engine import REFUSALS, Engine
 from station.guide.headless import run_headless
 from station.guide.options import Options
+from station.guide.setup_view import Setup
 from station.guide.start_engine import EngineOptions
-from station.guide.view import Setup
 
 
 @dataclass(frozen=True)

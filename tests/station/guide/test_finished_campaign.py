@@ -19,8 +19,8 @@ from station.guide.folder_notes import keep_plan, write_setup
 from station.guide.kept_tilted_dwells import doubt_of
 from station.guide.last_setup import save_setup
 from station.guide.options import Options
+from station.guide.setup_view import Setup
 from station.guide.start_engine import EngineOptions
-from station.guide.view import Setup
 from tests.station.guide.stored import recorded
 
 NOWHERE = "serial:///dev/ttyNONE?format=counts"

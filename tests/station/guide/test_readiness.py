@@ -24,8 +24,8 @@ from station.guide.folder_notes import write_setup
 from station.guide.live_campaign import site_table, usual_steps
 from station.guide.prior_knowledge import known
 from station.guide.readiness import readiness
+from station.guide.setup_view import Check, Readiness, Setup
 from station.guide.text_lines import ready_lines
-from station.guide.view import Check, Readiness, Setup
 from station.results import campaign_results as module
 from station.results.campaign_results import Results, make_results, store
 from station.results.certificate.certificate import Certificate

@@ -26,7 +26,7 @@ from station.files.campaign_folder.writing import write_campaign
 from station.guide.folder_notes import write_setup
 from station.guide.interrupted_campaigns import cancel_campaign
 from station.guide.outcome import verdict_view
-from station.guide.view import Setup
+from station.guide.setup_view import Setup
 from station.results import campaign_results as module
 from station.results.campaign_results import make_results, store
 from station.results.certificate.model_statement import diagnosis_said

@@ -6,7 +6,8 @@ import pytest
 from textual.command import CommandPalette
 from textual.events import Key
 
-from station.guide.view import Choice, Question, View
+from station.guide.setup_view import Choice
+from station.guide.view import Question, View
 from station.tui.screens import SCREEN_FOR
 from station.tui.screens.confirm import Confirm
 from station.tui.screens.help import Help

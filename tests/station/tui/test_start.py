@@ -4,7 +4,8 @@ import pytest
 
 from drivers.mavlink.address import LINKS, parse_mavlink_url
 from station.guide.command import Command
-from station.guide.view import Check, Readiness, ReadyLine, Setup, Start, View
+from station.guide.setup_view import Check, Readiness, ReadyLine, Setup, Start
+from station.guide.view import View
 from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.start import CONSIDER_S
 from station.tui.setup_entries import ENTRIES, problems, receiver, setup_of, texts_of

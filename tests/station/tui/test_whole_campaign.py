@@ -13,8 +13,9 @@ from fixtures_db.database import open_db
 from fixtures_db.history import history
 from station.files.campaign_folder.reading import read_campaign
 from station.guide.client import Connection
+from station.guide.setup_view import Setup
 from station.guide.start_engine import EngineOptions, engine_process
-from station.guide.view import Setup, View
+from station.guide.view import View
 from station.tui.app import StationApp
 
 SPEED = 60.0  # device seconds per second

@@ -4,26 +4,20 @@ import numpy as np
 
 from drivers.errors import LinkSilent
 from procedures.frames import TURN_START, nominal_C_lb, rotation, vertical_rotation
+from station.guide.setup_view import Check, Choice, Readiness, ReadyLine, Setup, Start, Unfinished
 from station.guide.stream_trouble import trouble_of
 from station.guide.view import (
-    Check,
-    Choice,
     Event,
     Gates,
     Link,
     PoseView,
     Question,
-    Readiness,
-    ReadyLine,
     Row,
-    Setup,
     SoakView,
     Stage,
-    Start,
     Step,
     StepState,
     TurnView,
-    Unfinished,
     Verdict,
     View,
     WarmUp,

@@ -6,7 +6,8 @@ from pathlib import Path
 from procedures.calibration.plan_steps import Dwell, Turn
 from station.files.scenario import read_scenario
 from station.guide.live_campaign import usual_steps
-from station.guide.view import Setup, View
+from station.guide.setup_view import Setup
+from station.guide.view import View
 from tests.paths import ROOT
 from tests.station.guide.rig import GuideRig
 

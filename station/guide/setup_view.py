@@ -1,0 +1,130 @@
+"""What the set-up of a guided calibration holds and shows: its values, what can be chosen, how ready it is.
+
+Parts of `station.guide.view.View`; they cross a process border as JSON.
+"""
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict
+
+
+class FrozenValue(BaseModel):
+    """A part of a view; what it does not know is refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Choice(FrozenValue):
+    """One of a list: ``key`` is what is sent back, ``title`` what is shown; ``warns``: its note is of harm."""
+
+    key: str
+    title: str
+    note: str = ""
+    warns: bool = False
+
+
+class Setup(FrozenValue):
+    """The set-up's values, remembered for next time; empty text and None where nothing is chosen yet.
+
+    ``gravity`` and its sigma in m/s2, ``height`` in m, ``dwell_s`` 0: from the unit's noise and ``bias_ug``, the
+    1 sigma wanted of the accelerometers' bias. ``folder`` empty: one is made beneath the default place. ``gnss``
+    is a receiver's address: what it says of the site counts where latitude, longitude or height are not given.
+    """
+
+    url: str = ""
+    gnss: str = ""
+    model: str = ""
+    serial: str = ""
+    cube: str = ""
+    slab: str = ""
+    latitude_deg: float | None = None
+    longitude_deg: float | None = None
+    height_m: float = 0.0
+    gravity_m_s2: float | None = None
+    gravity_std_m_s2: float | None = None
+    operator: str = ""
+    dwell_s: float = 100.0
+    bias_ug: float | None = None
+    revolutions: int = 3
+    heading_std_deg: float = 0.1
+    closure_std_deg: float = 0.02
+    folder: str = ""
+
+
+class Check(FrozenValue):
+    """A live look at a port: what its bytes are. ``noise`` says the white noise in words.
+
+    Of a GNSS receiver ``text`` alone: where it stands, with sigma, or what is wrong.
+    """
+
+    url: str
+    is_good: bool
+    format: str = ""
+    model: str = ""
+    serial: str = ""
+    output: str = ""  # "increments" or "rate"
+    rate_hz: float | None = None
+    frames: int = 0
+    bad_frames: int = 0
+    noise: str = ""
+    text: str = ""
+
+
+class ReadyLine(FrozenValue):
+    """One thing that a campaign needs, or is better with. ``state``: lacks prevents what it is needed for."""
+
+    name: str
+    state: Literal["ready", "note", "lacks"]
+    text: str
+
+
+class Readiness(FrozenValue):
+    """What is there before a campaign begins, and how it can end.
+
+    ``can_pass`` and ``can_certify`` are None while that is not known; ``no_pass`` and ``no_certificate`` say why
+    not, empty where it can.
+    """
+
+    lines: tuple[ReadyLine, ...] = ()
+    can_pass: bool | None = None
+    no_pass: str = ""
+    can_certify: bool | None = None
+    no_certificate: str = ""
+
+    @property
+    def said(self) -> tuple[str, str]:
+        """Both consequences in words: of the verdict, and of a certificate."""
+        if self.can_pass is None:
+            passes = "PASS: not known before the unit has said its model"
+        else:
+            passes = "PASS: yes" if self.can_pass else f"PASS: no, {self.no_pass}"
+        certified = "certificate: yes" if self.can_certify else f"certificate: no, {self.no_certificate}"
+        return f"can end in {passes}", f"can end in a {certified}"
+
+
+class Unfinished(FrozenValue):
+    """A campaign that can be gone on with. ``state``: free, in use (by another station), not here (no folder)."""
+
+    folder: str
+    title: str  # "campaign of 12:40, 7 of 18 done, SIM-FOG3 SIM-7"
+    serial: str
+    done: int
+    total: int
+    state: Literal["free", "in use", "not here"]
+
+
+class Start(FrozenValue):
+    """What the start screen offers."""
+
+    setup: Setup = Setup()
+    ports: tuple[Choice, ...] = ()
+    cubes: tuple[Choice, ...] = ()  # note: "certificate expired on 2026-02-01"
+    slabs: tuple[Choice, ...] = ()
+    check: Check | None = None
+    is_checking: bool = False
+    receiver: Check | None = None
+    is_listening: bool = False
+    unfinished: tuple[Unfinished, ...] = ()
+    readiness: Readiness | None = None  # of the set-up that was considered last
+    refused: str = ""  # why what was sent could not begin
+    refused_code: int = 0  # the program's exit code for it, where nobody is there to try again
