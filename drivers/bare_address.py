@@ -7,6 +7,7 @@ import os
 import re
 import stat
 from typing import Literal
+from urllib.parse import quote, unquote, unquote_plus
 
 Role = Literal["imu", "receiver", "camera"]
 _QUERY = r"(?P<query>\?.*)?"
@@ -16,6 +17,8 @@ _CAN = re.compile(rf"(?P<name>(v|sl)?can\d+){_QUERY}", re.ASCII)
 _UDP = re.compile(rf"(?P<way>udp|udpin|udpout):(//)?((?P<host>[^?]+):)?(?P<port>\d{{1,5}}){_QUERY}", re.ASCII)
 _SERIAL = re.compile(r"serial:/{0,2}(?P<path>/?[^/].*)")
 _TCP = re.compile(r"tcp:/?(?P<where>[^/].*)")
+_FILE_OPTION = re.compile(r"(?<=[?&])(dbc|map|key)=([^&]+)")
+_REPLAY = re.compile(r"^(replay:)([^?]+)")
 _RECORDED = re.compile(r".*(/|\.(mcap|bin|dat|raw|log|csv|txt)$)")
 
 
@@ -43,6 +46,15 @@ def whole_url(text: str, role: Role = "imu") -> str:
     if ":" not in path and (os.path.isfile(path) or _RECORDED.fullmatch(path)):
         return f"replay:{typed}"
     return text
+
+
+def with_absolute_paths(typed: str, role: Role = "imu") -> str:
+    """Return an address as a URL whose files are found from any folder, so that it can be used on another day."""
+    url = whole_url(typed, role)
+    found = _FILE_OPTION.sub(
+        lambda each: f"{each[1]}={quote(os.path.abspath(unquote_plus(each[2])), safe='/')}", url
+    )
+    return _REPLAY.sub(lambda each: each[1] + quote(os.path.abspath(unquote(each[2])), safe="/"), found)
 
 
 def _is_device(path: str) -> bool:

@@ -1,42 +1,13 @@
-"""Where a device is: one URL, read into a frozen record.
+"""A device's address as a record, and how the options of every kind of address are read."""
 
-``serial:///dev/ttyUSB0?baud=921600&format=rawimusx`` · ``tcp://host:port?format=counts`` · ``replay:FILE`` ·
-``can://slcan/dev/ttyACM0?bitrate=1000000&dbc=FILE&map=FILE`` ·
-``triad:?x=serial:///dev/ttyUSB0&y=serial:///dev/ttyUSB1&z=serial:///dev/ttyUSB2&format=ch70`` ·
-``mavlink:LINK:WHERE``, read by `drivers.mavlink.address` · ``camera:WHERE``, read by `drivers.camera.address`.
-What people type instead, such as ``/dev/ttyUSB0`` or ``imu.local:5000``: `drivers.bare_address`.
-"""
-
-import contextlib
-import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import TypedDict
-from urllib.parse import parse_qsl, unquote, urlencode, urlsplit
+from urllib.parse import parse_qsl
 
-from drivers.bare_address import Role, whole_url
 from drivers.errors import BadDeviceUrl
-from drivers.wire import FORMATS
 
 DEFAULT_BAUD = 921600  # the usual one of FOG IMUs; a format's own stands before it
 BAUDS = range(50, 12_500_001)  # Linux takes any number; this is what the fastest USB adapters do
-PARITIES = ("N", "E", "O")
-ACCEPTED = {
-    "serial": ("baud", "format", "parity"),
-    "tcp": ("format",),
-    "replay": ("format", "dbc", "map", "period_s"),
-    "triad": ("x", "y", "z", "format", "baud", "parity"),
-}
-TRIAD = "triad"  # three single-axis gyros; also the format of what their port gives
-CAN_OPTIONS = ("dbc", "map", "period_s")  # the others are those of python-can's interface, see docs/can.md
-CAN = "can"  # the format of a CAN bus, as `dbc` and `map` describe it
-DEVICE_FILES = {"slcan", "serial", "robotell", "seeedstudio"}  # interfaces whose channel is a file
-
-
-class _Described(TypedDict):
-    dbc: str
-    map: str
-    period: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,137 +42,23 @@ class DeviceUrl:
         return f"{self.host}:{self.port}" if self.scheme == "tcp" else self.path or self.interface
 
     @property
-    def told(self) -> str:
+    def public_text(self) -> str:
         """The URL as it may be written down and shown."""
         return self.text
 
 
-def parse_device_url(typed: str, role: Role = "imu") -> DeviceUrl:
-    """Return the address in a URL, or in what `drivers.bare_address` makes one of.
-
-    Raises `BadDeviceUrl` naming what was found and what would be accepted.
-    """
-    text = whole_url(typed, role)
-    scheme, colon, rest = text.partition(":")
-    if scheme == "mavlink":
-        from drivers.mavlink.address import parse_mavlink_url
-
-        return parse_mavlink_url(text)
-    if scheme == "camera":
-        from drivers.camera.address import parse_camera_url
-
-        return parse_camera_url(text)
-    if not colon or scheme not in {*ACCEPTED, CAN}:
-        raise BadDeviceUrl(text, *_unknown(text, scheme if colon else ""))
+def refuse_unprintable(text: str) -> None:
+    """Raise `BadDeviceUrl` for a URL with a character that cannot be printed."""
     if "%00" in text or not text.isprintable():
         raise BadDeviceUrl(text, "a character that cannot be printed", "printable text")
-    if scheme == "replay":
-        return _replay(text, rest)
-    if scheme == TRIAD:
-        return _triad(text, rest)
-    try:
-        parts = urlsplit(text)
-    except ValueError as error:
-        raise BadDeviceUrl(text, str(error), "serial:///dev/NAME or tcp://HOST:PORT") from error
-    if scheme == CAN:
-        return _can(text, parts.netloc, parts.path, parts.query)
-    options = _options(text, scheme, parts.query)
-    format_name = _format(text, options)
-    if scheme == "tcp":
-        host, port = _host_and_port(text)
-        return DeviceUrl(text, scheme, host=host, port=port, format=format_name)
-    if parts.netloc or not parts.path.startswith("/") or parts.path == "/":
-        raise BadDeviceUrl(text, "no device path", "three slashes: serial:///dev/ttyUSB0")
-    return DeviceUrl(
-        text,
-        scheme,
-        path=unquote(parts.path),
-        format=format_name,
-        baud=_baud(text, options, format_name),
-        parity=_parity(text, options, format_name),
-    )
 
 
-def _unknown(text: str, scheme: str) -> tuple[str, str]:
-    """Return what was found and what to type instead."""
-    if re.fullmatch(r"COM\d+", text, re.IGNORECASE):
-        return "a port of Windows", "one of this machine, such as /dev/ttyUSB0; `station devices` lists them"
-    if re.fullmatch(r"[\w-]+(\.[\w-]+)+", text):
-        return "a host without a port, or a file that is not there", f"HOST:PORT, as in {text}:5000"
-    found = f"scheme {scheme!r}" if scheme else "no address"
-    return found, (
-        "/dev/NAME, HOST:PORT, can0, a file to replay, can://INTERFACE/CHANNEL, triad:?x=..., mavlink:LINK:WHERE, "
-        "camera:http://HOST:PORT/PATH, serial:///dev/NAME, tcp://HOST:PORT or replay:FILE"
-    )
-
-
-def _replay(text: str, rest: str) -> DeviceUrl:
-    path, _, query = rest.partition("?")
-    if not path:
-        raise BadDeviceUrl(text, "no file", "replay:FILE")
-    options = _options(text, "replay", query)
-    name = CAN if options.get("format") == CAN or "dbc" in options or "map" in options else _format(text, options)
-    return DeviceUrl(text, "replay", path=unquote(path), format=name, **_described(text, options))
-
-
-def _triad(text: str, rest: str) -> DeviceUrl:
-    """Return three addresses as one; format, baud and parity are those of each."""
-    options = _options(text, TRIAD, rest.removeprefix("?"))
-    single = [name for name, wire in FORMATS.items() if len(wire.imu.channels) == 1]
-    options["format"] = _one_of(text, "format", options.get("format", single[0]), single)
-    axes = list[DeviceUrl]()
-    for axis in "xyz":
-        if axis not in options:
-            raise BadDeviceUrl(text, f"no {axis}", "triad:?x=URL&y=URL&z=URL")
-        own = whole_url(options[axis])
-        names = ("format",) if own.startswith("tcp:") else ("format", "baud", "parity")
-        more = {name: options[name] for name in names if name in options and f"{name}=" not in own}
-        address = parse_device_url(f"{own}{'&' if '?' in own else '?'}{urlencode(more)}")
-        if address.scheme not in {"serial", "tcp"}:
-            raise BadDeviceUrl(text, f"{axis} {own!r}", "a serial line or a TCP connection")
-        axes.append(address)
-    ports = [address.name for address in axes]
-    if len(set(ports)) < len(ports):
-        raise BadDeviceUrl(text, f"ports {', '.join(ports)}", "three different ones")
-    return DeviceUrl(text, TRIAD, path=", ".join(ports), format=TRIAD, baud=axes[0].baud, axes=tuple(axes))
-
-
-def _can(text: str, interface: str, path: str, query: str) -> DeviceUrl:
-    if not interface:
-        raise BadDeviceUrl(text, "no interface", "can://INTERFACE/CHANNEL, as in can://slcan/dev/ttyACM0")
-    channel = unquote(path)
-    if interface not in DEVICE_FILES:
-        channel = channel.removeprefix("/")
-    elif channel in {"", "/"}:
-        raise BadDeviceUrl(text, "no device path", f"can://{interface}/dev/NAME")
-    options = _pairs(text, query)
-    described = _described(text, options)
-    others = tuple((name, value) for name, value in options.items() if name not in CAN_OPTIONS)
-    return DeviceUrl(text, CAN, path=channel, format=CAN, interface=interface, options=others, **described)
-
-
-def _described(text: str, options: Mapping[str, str]) -> "_Described":
-    """Return the options that say how frames are to be read."""
-    period = None
-    if "period_s" in options:
-        with contextlib.suppress(ValueError):
-            period = float(options["period_s"])
-        if period is None or not 1e-5 <= period <= 10:
-            raise BadDeviceUrl(text, f"period_s {options['period_s']!r}", "seconds from 1e-5 to 10")
-    return {"dbc": options.get("dbc", ""), "map": options.get("map", ""), "period": period}
-
-
-def _options(text: str, scheme: str, query: str) -> dict[str, str]:
-    options = _pairs(text, query)
-    for name in options:
-        if name not in ACCEPTED[scheme]:
-            raise BadDeviceUrl(text, f"option {name!r}", f"one of {', '.join(ACCEPTED[scheme])}")
-    return options
-
-
-def _pairs(text: str, query: str) -> dict[str, str]:
+def read_options(text: str, query: str, accepted: Collection[str] | None = None) -> dict[str, str]:
+    """Return the options of a URL's query, each once; any name where ``accepted`` is None."""
     options: dict[str, str] = {}
     for name, value in parse_qsl(query, keep_blank_values=True):
+        if accepted is not None and name not in accepted:
+            raise BadDeviceUrl(text, f"option {name!r}", f"one of {', '.join(accepted)}")
         if name in options:
             raise BadDeviceUrl(text, f"option {name!r} twice", "each option once")
         options[name] = value
@@ -210,37 +67,26 @@ def _pairs(text: str, query: str) -> dict[str, str]:
     return options
 
 
-def _one_of(text: str, name: str, value: str, accepted: Collection[str]) -> str:
-    if value not in accepted:
-        raise BadDeviceUrl(text, f"{name} {value!r}", f"one of {', '.join(accepted)}")
-    return value
-
-
-def _format(text: str, options: dict[str, str]) -> str | None:
-    return _one_of(text, "format", options["format"], FORMATS) if "format" in options else None
-
-
-def _baud(text: str, options: dict[str, str], format_name: str | None) -> int:
-    if "baud" not in options:
-        return FORMATS[format_name].baud if format_name else DEFAULT_BAUD
-    value = options["baud"]
-    if not (value.isascii() and value.isdigit() and len(value) < 10 and int(value) in BAUDS):
-        raise BadDeviceUrl(text, f"baud {value!r}", f"a whole number from {BAUDS[0]} to {BAUDS[-1]}")
+def whole_number(text: str, options: Mapping[str, str], name: str, accepted: range) -> int | None:
+    """Return an option within a range, None where it is not given."""
+    if name not in options:
+        return None
+    value = options[name]
+    if not (value.isascii() and value.isdigit() and len(value) < 10 and int(value) in accepted):
+        raise BadDeviceUrl(text, f"{name} {value!r}", f"a whole number from {accepted[0]} to {accepted[-1]}")
     return int(value)
 
 
-def _parity(text: str, options: dict[str, str], format_name: str | None) -> str:
-    usual = FORMATS[format_name].parity if format_name else "N"
-    return _one_of(text, "parity", options.get("parity", usual).upper(), PARITIES)
-
-
-def _host_and_port(text: str) -> tuple[str, int]:
-    expected = "tcp://HOST:PORT with a port from 1 to 65535"
-    parts = urlsplit(text)
+def decimal_number(
+    text: str, options: Mapping[str, str], name: str, low: float, high: float, unit: str
+) -> float | None:
+    """Return an option from ``low`` to ``high``, None where it is not given."""
+    if name not in options:
+        return None
     try:
-        host, port = parts.hostname, parts.port
+        value = float(options[name])
     except ValueError:
-        host, port = None, None
-    if not host or not port or parts.path or parts.username:
-        raise BadDeviceUrl(text, "no usable host and port", expected)
-    return host, port
+        value = float("nan")
+    if not low <= value <= high:
+        raise BadDeviceUrl(text, f"{name} {options[name]!r}", f"{low:g} to {high:g} [{unit}]")
+    return value

@@ -3,7 +3,8 @@
 from contextlib import ExitStack
 from typing import Protocol
 
-from drivers.device_url import DeviceUrl, parse_device_url
+from drivers.device_url import DeviceUrl
+from drivers.device_url_parser import parse_device_url
 from drivers.replay_port import open_replay
 from drivers.serial_port import PortInfo, SerialPort, list_ports, open_serial
 from drivers.tcp_port import TcpPort, open_tcp

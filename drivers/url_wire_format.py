@@ -1,10 +1,11 @@
 """The wire format that a device's address says."""
 
-from drivers.device_url import CAN, DeviceUrl
+from drivers.device_url import DeviceUrl
+from drivers.device_url_parser import CAN
 from drivers.wire import FORMATS, WireFormat
 
 
-def told(address: DeviceUrl) -> dict[str, str]:
+def frame_descriptions(address: DeviceUrl) -> dict[str, str]:
     """Return the texts of the files that the address needs to be read, by what they are.
 
     They belong beside recorded bytes: without them nobody can say what the frames meant.

@@ -7,9 +7,9 @@ are ``size`` WIDTHxHEIGHT [px] and ``rate`` [Hz], as it has them.
 
 import re
 from dataclasses import dataclass
-from urllib.parse import parse_qsl, unquote, urlsplit
+from urllib.parse import unquote, urlsplit
 
-from drivers.device_url import DeviceUrl
+from drivers.device_url import DeviceUrl, decimal_number, read_options
 from drivers.errors import BadDeviceUrl
 
 EXPECTED = "camera:http://HOST:PORT/PATH or camera:/dev/video0"
@@ -39,7 +39,7 @@ class CameraUrl(DeviceUrl):
         return self.path or f"{self.host}:{self.port}{self.target}"
 
     @property
-    def told(self) -> str:
+    def public_text(self) -> str:
         """The URL without its password."""
         return SECRET.sub(r"\1***@", self.text)
 
@@ -76,13 +76,9 @@ def _stream(text: str, where: str) -> CameraUrl:
 
 def _device(text: str, where: str) -> CameraUrl:
     path, _, query = where.partition("?")
-    pairs = parse_qsl(query, keep_blank_values=True)
-    options = dict(pairs)
-    if len(pairs) > len(options) or set(options) - set(OPTIONS) or (query and not pairs):
-        raise BadDeviceUrl(text, f"options {query!r}", f"each of {', '.join(OPTIONS)} once at most")
-    return CameraUrl(
-        text, "camera", path=unquote(path), size=_size(text, options.get("size")), rate_hz=_rate(text, options)
-    )
+    options = read_options(text, query, OPTIONS)
+    rate_hz = decimal_number(text, options, "rate", 0.1, 1000, "Hz")
+    return CameraUrl(text, "camera", path=unquote(path), size=_size(text, options.get("size")), rate_hz=rate_hz)
 
 
 def _size(text: str, value: str | None) -> tuple[int, int] | None:
@@ -92,15 +88,3 @@ def _size(text: str, value: str | None) -> tuple[int, int] | None:
     if found is None:
         raise BadDeviceUrl(text, f"size {value!r}", "WIDTHxHEIGHT, as in size=640x480")
     return int(found[1]), int(found[2])
-
-
-def _rate(text: str, options: dict[str, str]) -> float | None:
-    if "rate" not in options:
-        return None
-    try:
-        rate = float(options["rate"])
-    except ValueError:
-        rate = 0.0
-    if not 0.1 <= rate <= 1000:
-        raise BadDeviceUrl(text, f"rate {options['rate']!r}", "0.1 to 1000 [Hz]")
-    return rate

@@ -18,7 +18,7 @@ from urllib.parse import urlencode
 
 import numpy as np
 
-from drivers.device_url import parse_device_url
+from drivers.device_url_parser import parse_device_url
 from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
 from drivers.simulated.device import ByteDevice, Move
 from drivers.simulated.faults import Fault, Sent, Silence

@@ -93,7 +93,7 @@ def monitor(
     import sys
 
     from drivers.bare_address import whole_url
-    from drivers.device_url import parse_device_url
+    from drivers.device_url_parser import parse_device_url
     from drivers.errors import PortNotFound
     from station.calibrated.body_axes import body_axes
     from station.commands._lengths import lengths

@@ -8,8 +8,9 @@ import numpy as np
 from drivers.camera import CameraDecoder, CameraImage
 from drivers.camera.decoder import CameraCounters
 from drivers.camera.jpeg import jpeg_size
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import LinkSilent, WrongFormat
-from drivers.ports import open_port, parse_device_url
+from drivers.ports import open_port
 from station.devices.imu_probe import READ_BYTES
 from station.text.plural import plural
 

@@ -5,11 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drivers.device_url import DeviceUrl
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl, LinkSilent, WrongFormat
 from drivers.mavlink.address import MavlinkUrl
 from drivers.mavlink.port import MavlinkPort
 from drivers.mavlink.session import Asked
-from drivers.ports import open_port, parse_device_url
+from drivers.ports import open_port
 from station.stream.gnss.gnss_feed import EXPECTED, GnssFeed
 from station.stream.gnss.summary import summary
 from station.stream.reader import Chunk, GapMark

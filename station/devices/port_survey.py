@@ -11,9 +11,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from drivers.device_url import DEFAULT_BAUD
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import DriverError
 from drivers.framing import sniff
-from drivers.ports import Port, list_ports, open_port, parse_device_url
+from drivers.ports import Port, list_ports, open_port
 from drivers.udp_port import open_udp
 from drivers.url_wire_format import wire_of
 from drivers.wire import FORMATS

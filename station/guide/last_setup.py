@@ -6,7 +6,7 @@ from pathlib import Path
 import platformdirs
 from pydantic import ValidationError
 
-from drivers.url_paths import anchored
+from drivers.bare_address import with_absolute_paths
 from station.errors import cannot_write
 from station.files.atomic_file import replace_file
 from station.guide.setup_view import Setup
@@ -30,7 +30,9 @@ def save_setup(setup: Setup) -> None:
     """Remember a set-up; raise `CannotWrite` if the place cannot be written."""
     path, setup = (
         setup_file(),
-        setup.model_copy(update={"url": anchored(setup.url), "gnss": anchored(setup.gnss, "receiver")}),
+        setup.model_copy(
+            update={"url": with_absolute_paths(setup.url), "gnss": with_absolute_paths(setup.gnss, "receiver")}
+        ),
     )
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -11,8 +11,8 @@ from typing import TypeVar
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
+from drivers.bare_address import with_absolute_paths
 from drivers.errors import DeadChannel, DriverError, LinkLost
-from drivers.url_paths import anchored
 from drivers.wire import ALL_CHANNELS
 from fixtures_db.database import Database
 from procedures.calibration import hand_turns, twelve_position
@@ -170,7 +170,9 @@ def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
     """
     if setup.latitude_deg is None and not setup.gnss:
         raise DataRefused("set-up", None, "no latitude", "the slab's latitude in deg", "enter it")
-    setup = setup.model_copy(update={"url": anchored(setup.url), "gnss": anchored(setup.gnss, "receiver")})
+    setup = setup.model_copy(
+        update={"url": with_absolute_paths(setup.url), "gnss": with_absolute_paths(setup.gnss, "receiver")}
+    )
     steps = tuple(options.steps) or usual_steps(setup)
     fixture, table = cube_fixture(database, setup.cube or None, options.imu_axes)
     with ExitStack() as stack:

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 import platformdirs
 
-from drivers.device_url import parse_device_url
+from drivers.device_url_parser import parse_device_url
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import STANDARD_GRAVITY, normal_gravity
 from procedures.fusion.optional_libraries import gtsam, opencv

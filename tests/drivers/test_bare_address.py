@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from drivers.bare_address import Role, whole_url
-from drivers.device_url import parse_device_url
-from drivers.url_paths import anchored
+from drivers.bare_address import Role, whole_url, with_absolute_paths
+from drivers.device_url_parser import parse_device_url
 
 
 @pytest.mark.parametrize(
@@ -58,7 +57,7 @@ def test_a_link_to_a_port_is_a_port_and_a_file_is_replayed(
     assert whole_url(f"{tmp_path}/imu?format=counts") == f"serial://{tmp_path}/imu?format=counts"
     assert whole_url("imu") == f"serial://{tmp_path}/imu"
     assert whole_url("bytes") == "replay:bytes"
-    assert anchored("bytes") == f"replay:{tmp_path}/bytes"
+    assert with_absolute_paths("bytes") == f"replay:{tmp_path}/bytes"
     for end in (ours, theirs):
         os.close(end)
 

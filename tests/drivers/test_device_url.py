@@ -2,7 +2,8 @@
 
 import pytest
 
-from drivers.device_url import DeviceUrl, parse_device_url
+from drivers.device_url import DeviceUrl
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl
 from drivers.wire import FORMATS
 

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Protocol
 
 from drivers.device_url import DeviceUrl
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl, DriverError
 from drivers.mavlink.address import MavlinkUrl
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.signing import SignatureCheck, read_key
-from drivers.ports import parse_device_url
 from procedures.earth.gnss_records import AirData, AveragedSite, GnssFix, TimeMark, averaged_site
 from procedures.statistics.robust_clock_line import TimeLine
 from station.files.mcap_files.fix_reader import Record

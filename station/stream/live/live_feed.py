@@ -302,7 +302,9 @@ def open_feed(source: Source) -> LiveFeed:
     address = source.address
     if address.scheme in OTHERS:
         what, option = OTHERS[address.scheme]
-        raise BadDeviceUrl(address.told, f"the address of {what}", f"an IMU's, such as /dev/ttyUSB0; {option}")
+        raise BadDeviceUrl(
+            address.public_text, f"the address of {what}", f"an IMU's, such as /dev/ttyUSB0; {option}"
+        )
     if (wire := wire_of(address)) is not None:
         return LiveFeed(source, wire)
     held, deadline = list[Chunk](), time.monotonic() + SILENT_S

@@ -10,9 +10,11 @@ import time
 from datetime import UTC, datetime
 from pathlib import Path
 
+from drivers.device_url import DeviceUrl
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import DriverError, LinkLost, ReplayEnded
-from drivers.ports import DeviceUrl, Port, open_port, parse_device_url
-from drivers.url_wire_format import told
+from drivers.ports import Port, open_port
+from drivers.url_wire_format import frame_descriptions
 from station.errors import CannotWrite
 from station.files.mcap_files.fix_schemas import GNSS_RAW_TOPIC
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, RAW_TOPIC
@@ -59,9 +61,13 @@ class _Session:
         self._failure: CannotWrite | None = None
         self._since = time.time_ns() - time.monotonic_ns()  # wall time is looked at once
         self._refused = 0  # bytes that the station did not collect
-        described = told(url)
+        described = frame_descriptions(url)
         self._port = open_port(url)
-        session = {"url": url.told, "started_utc": datetime.now(UTC).isoformat(), "host_ns": str(self._now())}
+        session = {
+            "url": url.public_text,
+            "started_utc": datetime.now(UTC).isoformat(),
+            "host_ns": str(self._now()),
+        }
         session |= described
         self._journal = Journal(journal, session, self._journal_failed, TOPICS.get(url.scheme, RAW_TOPIC))
 

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import DriverError, LinkLost, ReplayEnded
-from drivers.ports import parse_device_url
 from station.errors import CannotWrite
 from station.stream.reader.messages import Item, Kind, item, refusal, unpacked
 

@@ -3,7 +3,8 @@
 import time
 from pathlib import Path
 
-from drivers.device_url import DeviceUrl, parse_device_url
+from drivers.device_url import DeviceUrl
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import PortNotFound, ReplayEnded
 from station.files.mcap_files import read_step
 from station.stream.reader import Chunk, GapMark

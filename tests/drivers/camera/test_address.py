@@ -3,8 +3,8 @@
 import pytest
 
 from drivers.camera.address import CameraUrl
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl
-from drivers.ports import parse_device_url
 
 
 def camera(text: str) -> CameraUrl:
@@ -30,9 +30,9 @@ def test_a_device_is_read() -> None:
 def test_a_password_is_read_and_not_told() -> None:
     address = camera("camera:http://me:p%40ss@cam:80/stream")
     assert (address.user, address.password) == ("me", "p@ss")
-    assert address.told == "camera:http://me:***@cam:80/stream"
+    assert address.public_text == "camera:http://me:***@cam:80/stream"
     assert "p%40ss" not in address.name
-    assert camera("camera:http://cam/a@b:c").told == "camera:http://cam/a@b:c"
+    assert camera("camera:http://cam/a@b:c").public_text == "camera:http://cam/a@b:c"
 
 
 @pytest.mark.parametrize(
@@ -52,8 +52,8 @@ def test_a_password_is_read_and_not_told() -> None:
         ("camera:http://cam/\x00", "cannot be printed"),
         ("camera:http://cam/kamera-ü", "not ASCII"),
         ("camera:/dev/video0?size=640", "size '640'"),
-        ("camera:/dev/video0?size=640x480&size=1x1", "options"),
-        ("camera:/dev/video0?colour=1", "options"),
+        ("camera:/dev/video0?size=640x480&size=1x1", "option 'size' twice"),
+        ("camera:/dev/video0?colour=1", "option 'colour'"),
         ("camera:/dev/video0?rate=nan", "rate 'nan'"),
     ],
 )

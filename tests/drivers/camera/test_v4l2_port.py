@@ -15,8 +15,9 @@ from drivers.camera import CameraDecoder, CameraImage
 from drivers.camera.address import CameraUrl
 from drivers.camera.jpeg import jpeg_size
 from drivers.camera.v4l2_port import KEPT, V4l2Port, set_up
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import LinkLost, PortNotFound
-from drivers.ports import open_port, parse_device_url
+from drivers.ports import open_port
 from tests.drivers.camera.images import HEIGHT, WIDTH, jpegs
 
 cv2 = pytest.importorskip("cv2", reason="opencv is not installed")

@@ -12,9 +12,10 @@ import pytest
 
 from drivers.can import record
 from drivers.can.can_port import CanPort
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl, LinkLost, PortBusy, PortNotFound
 from drivers.framing import Decoder
-from drivers.ports import Port, open_port, parse_device_url
+from drivers.ports import Port, open_port
 from drivers.simulated.can_lines import SlcanAdapter
 from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.imu import SimulatedImu

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl
 from drivers.mavlink.address import MavlinkUrl
 from drivers.mavlink.signing import read_key
-from drivers.ports import parse_device_url
 
 
 @pytest.mark.parametrize(

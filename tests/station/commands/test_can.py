@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
+from drivers.bare_address import with_absolute_paths
 from drivers.can.format import OWN_DBC, OWN_MAP
-from drivers.device_url import parse_device_url
+from drivers.device_url_parser import parse_device_url
 from drivers.framing import seen_instead
 from drivers.ports import open_port
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from drivers.url_paths import anchored
 from drivers.url_wire_format import wire_of
 from drivers.wire import WireFormat
 from fixtures_db.database import open_db
@@ -165,4 +165,4 @@ def test_only_the_files_of_an_address_become_whole_paths(
     given: str, kept: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert anchored(given) == kept.format(here=tmp_path)
+    assert with_absolute_paths(given) == kept.format(here=tmp_path)

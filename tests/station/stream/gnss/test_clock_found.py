@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.ports import parse_device_url
+from drivers.device_url_parser import parse_device_url
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.device import ByteDevice

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
+from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl
-from drivers.ports import parse_device_url
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import EPOCH_UTC, AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault

@@ -4,8 +4,8 @@ import re
 
 import pytest
 
+from drivers.device_url_parser import parse_device_url
 from drivers.mavlink.session import Session
-from drivers.ports import parse_device_url
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault

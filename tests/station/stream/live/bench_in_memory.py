@@ -2,7 +2,8 @@
 
 from collections.abc import Iterable
 
-from drivers.device_url import DeviceUrl, parse_device_url
+from drivers.device_url import DeviceUrl
+from drivers.device_url_parser import parse_device_url
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault, Silence
 from drivers.simulated.truth import Truth

@@ -6,7 +6,8 @@ import numpy as np
 
 from drivers.can.format import can_format
 from drivers.can.record import RECORD, pack, unpack
-from drivers.device_url import DeviceUrl, parse_device_url
+from drivers.device_url import DeviceUrl
+from drivers.device_url_parser import parse_device_url
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault, Silence
 from drivers.simulated.imu import SimulatedImu

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from drivers.device_url import DeviceUrl, parse_device_url
+from drivers.device_url import DeviceUrl
+from drivers.device_url_parser import parse_device_url
 from drivers.simulated.faults import Fault, FaultyLine
 from drivers.triad_port import TriadJoiner
 from drivers.wire import FORMATS, WireFormat, triad
