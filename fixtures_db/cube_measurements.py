@@ -11,7 +11,7 @@ from fixtures_db.chained import append, date_owner, verify_rows
 from fixtures_db.cubes import cube_row
 from fixtures_db.measured_rows import check_measurement
 from fixtures_db.schema import CubeMeasurementRow, CubeRow
-from procedures.bench.measured_cube import CubeMeasurement
+from procedures.campaign.measured_cube import CubeMeasurement
 
 
 def add_measurement(

@@ -14,7 +14,7 @@ from fixtures_db.errors import AlreadyThere, NotInDatabase
 from fixtures_db.measured_rows import measurement
 from fixtures_db.schema import CubeRow, FaceCertificateRow, ToleranceRow
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import FaceCertificate, Fixture
+from procedures.campaign.campaign import FaceCertificate, Fixture
 from procedures.frames import FACES
 
 

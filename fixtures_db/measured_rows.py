@@ -8,8 +8,8 @@ import numpy as np
 
 from fixtures_db.schema import CubeMeasurementRow
 from procedures.arrays import FloatArray
-from procedures.bench.measured_cube import NAMES, CubeMeasurement, UnitShare
-from procedures.calibration.campaign import MeasuredCube
+from procedures.campaign.campaign import MeasuredCube
+from procedures.campaign.measured_cube import NAMES, CubeMeasurement, UnitShare
 
 MAX_TILT = 0.1  # rad; beyond it a tilt is a slip of the pen
 

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import Campaign
+from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.effects import EFFECTS

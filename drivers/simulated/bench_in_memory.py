@@ -15,7 +15,7 @@ from drivers.simulated.effects import Planted, planted
 from drivers.simulated.sensor import Sensor
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import (
+from procedures.campaign.campaign import (
     Campaign,
     DwellRecord,
     FaceCertificate,
@@ -25,7 +25,7 @@ from procedures.calibration.campaign import (
     Site,
     TurnRecord,
 )
-from procedures.calibration.plan_steps import Dwell, Soak, Step, Turn
+from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import AXES, FACES, TURN_START, face_of
 from procedures.rests_and_moves.free_attitudes import LEANS, leaned, way_up

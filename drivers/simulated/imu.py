@@ -18,7 +18,7 @@ from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_motion import drive
 from drivers.simulated.vehicle_track import Track
 from procedures.arrays import FloatArray, IntArray
-from procedures.calibration.plan_steps import Turn
+from procedures.campaign.plan_steps import Turn
 from procedures.counts.sample_records import CountBlock, RateBlock
 from procedures.frames import rotation
 from procedures.rests_and_moves.free_attitudes import leaned

@@ -13,8 +13,8 @@ import numpy as np
 from scipy import stats
 
 from procedures.arrays import FloatArray
-from procedures.bench.measured_cube import CubeMeasurement, common_and_difference
-from procedures.calibration.campaign import MeasuredCube
+from procedures.campaign.campaign import MeasuredCube
+from procedures.campaign.measured_cube import CubeMeasurement, common_and_difference
 
 CHANGED = 0.01  # p-value, by Holm over all values, below which a cube is said to have changed
 

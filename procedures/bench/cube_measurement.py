@@ -1,10 +1,10 @@
 """A cube measured by the IMUs that were calibrated in it: parallelism and skew with an honest covariance.
 
 Per campaign ``N = k (T R C u + D + K2 (C u)^2)``: u the specific force in cube axes
-(`procedures.calibration.bench_parameters`), C the nominal mounting, R how the IMU sat in it (three angles, of each
-campaign its own), T lower triangular with rows of unit length: the angles between the unit's input axes, which it
-keeps however it is mounted. k and D are free in each campaign, a turn-on may change them; T and K2 belong to the
-unit, the tilts to the cube.
+(`procedures.dwells_and_turns.bench_parameters`), C the nominal mounting, R how the IMU sat in it (three angles, of
+each campaign its own), T lower triangular with rows of unit length: the angles between the unit's input axes,
+which it keeps however it is mounted. k and D are free in each campaign, a turn-on may change them; T and K2 belong
+to the unit, the tilts to the cube.
 
 Twelve face positions leave per axis one combination of D, K2 and parallelism open. K2 is therefore a parameter
 with a plausible range as its prior; what is left of that range is in the covariance. It is common to all that a
@@ -23,12 +23,12 @@ from scipy import stats
 
 from procedures.arrays import FloatArray
 from procedures.bench.face_check import refuse_wrong_faces
-from procedures.bench.measured_cube import NAMES, SKEW, CubeMeasurement, UnitShare, from_tilts, turning
-from procedures.calibration.bench_parameters import FACE_RANGE, SLAB_RANGE, Bench, Placement
-from procedures.calibration.campaign import Campaign, MeasuredCube
-from procedures.calibration.observations import TriadDwells, TriadRests, dwell_rates, rest_rates
-from procedures.calibration.twelve_position import ALIVE, is_determined
-from procedures.counts.dead_channels import without_dead
+from procedures.campaign.campaign import Campaign, MeasuredCube
+from procedures.campaign.dead_channels import without_dead
+from procedures.campaign.measured_cube import NAMES, SKEW, CubeMeasurement, UnitShare, from_tilts, turning
+from procedures.campaign.observations import TriadDwells, TriadRests, dwell_rates, rest_rates
+from procedures.dwells_and_turns.bench_parameters import FACE_RANGE, SLAB_RANGE, Bench, Placement
+from procedures.dwells_and_turns.twelve_position import ALIVE, is_determined
 from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.errors import NotObservable
 from procedures.frames import rotation

@@ -11,7 +11,7 @@ from typing import TypeVar
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.observations import TriadDwells
+from procedures.campaign.observations import TriadDwells
 from procedures.errors import FitsNoFace, WrongFace, WrongMounting
 from procedures.frames import AXES, FACES, face_normal, face_of
 

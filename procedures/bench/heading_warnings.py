@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.bench.heading_errors import heading_errors, stood
-from procedures.calibration.campaign import Campaign
-from procedures.calibration.twelve_position import JointFit
+from procedures.campaign.campaign import Campaign
+from procedures.dwells_and_turns.twelve_position import JointFit
 from procedures.earth.gyrocompass import Known
 
 SOLVED = (1e-3, 1e-3)  # 1 sigma, relative, of K as turns and dwells tell it, with what a bad heading does to it

@@ -2,10 +2,10 @@
 
 A crumb under the cube tilts it, and a level accelerometer shows the tilt as specific force. What it should show is
 known once the face was up before: its output is ``N = K u + b`` (Yao, Hu, He 2018, eq. 1, 2) with ``u`` the up
-vector as `procedures.calibration.bench_parameters` has it, from slab tilt, face tilt and heading. All of these are
-parameters of one Bayesian fit to the raw rates of the accepted dwells, with the bench's priors and wide ones for K
-and b, centred on what the vertical accelerometers count. The dwell in question takes part with next to no weight,
-so that its residual and its row of the Jacobian are what the others predict of it: ``cov = J P J'``.
+vector as `procedures.dwells_and_turns.bench_parameters` has it, from slab tilt, face tilt and heading. All of
+these are parameters of one Bayesian fit to the raw rates of the accepted dwells, with the bench's priors and wide
+ones for K and b, centred on what the vertical accelerometers count. The dwell in question takes part with next to
+no weight, so that its residual and its row of the Jacobian are what the others predict of it: ``cov = J P J'``.
 
 The first dwell of a face shows face tilt, bias and misalignment in one sum; the second shows the same sum and the
 slab's tilt reversed. So there is nothing to say of the first, and until one pair is complete the slab is only
@@ -23,9 +23,9 @@ import numpy as np
 from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
-from procedures.calibration.bench_parameters import Bench, Placement
-from procedures.calibration.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.calibration.twelve_position import mountings, specific_force
+from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
+from procedures.dwells_and_turns.bench_parameters import Bench, Placement
+from procedures.dwells_and_turns.twelve_position import mountings, specific_force
 from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import AXES, cross_axes, face_normal, face_of
 from procedures.statistics.least_squares import Fit, minimise_if_determined
@@ -42,9 +42,7 @@ FLOOR = 3 * ARCSEC  # as well as a clean cube comes back to a clean slab
 GROSS, FINE = 60 * ARCSEC, 15 * ARCSEC
 STRANGE = 1e-4  # probability of a chi2 above which the dwells before contradict each other
 MOST_OFF = 0.1  # rad: a cube whose face passed for upright is not tilted by more; such a fit has failed
-PLAUSIBLE = (
-    1e-3  # rad: what a cube's own faces may be tilted by, as `procedures.calibration.bench_parameters.FACE_RANGE`
-)
+PLAUSIBLE = 1e-3  # rad: what a cube's own faces may be tilted by, as `bench_parameters.FACE_RANGE`
 
 Rates = tuple[int, FloatArray, FloatArray]
 """Position 1..12, accelerometer rates (3,) and 1 sigma (3,) [count/s], IMU axes, raw."""

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.calibration.campaign import Campaign
-from procedures.calibration.hand_turns import GyroscopeFit
-from procedures.calibration.observations import TriadDwells
-from procedures.calibration.twelve_position import JointFit
+from procedures.campaign.campaign import Campaign
+from procedures.campaign.observations import TriadDwells
+from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.twelve_position import JointFit
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import AXES, nominal_C_lb
 

@@ -1,1 +1,1 @@
-"""The calibration: what is asked of the operator, what was observed, and the solution."""
+"""The calibration: all fits together, the solution, its residuals and what stayed open."""

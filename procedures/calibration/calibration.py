@@ -9,17 +9,6 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.bench.face_check import refuse_wrong_faces
 from procedures.bench.heading_warnings import turned_off
 from procedures.bench.sign_errors import sign_warnings
-from procedures.calibration.bench_parameters import tilt_names
-from procedures.calibration.campaign import Campaign, RestRecord, period_std
-from procedures.calibration.hand_turns import GyroscopeFit, solve_gyroscope
-from procedures.calibration.observations import (
-    TriadDwells,
-    TriadRests,
-    TurnTotal,
-    dwell_rates,
-    rest_rates,
-    turn_totals,
-)
 from procedures.calibration.residuals import fit_quality, step_residuals
 from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.calibration.triad_calibration import (
@@ -30,15 +19,26 @@ from procedures.calibration.triad_calibration import (
     with_clock,
 )
 from procedures.calibration.turn_on_warnings import turn_on_warnings
-from procedures.calibration.twelve_position import JointFit, missing_positions, solve_accelerometer
-from procedures.counts.dead_channels import without_dead
+from procedures.campaign.campaign import Campaign, RestRecord, period_std
+from procedures.campaign.dead_channels import without_dead
+from procedures.campaign.observations import (
+    TriadDwells,
+    TriadRests,
+    TurnTotal,
+    dwell_rates,
+    rest_rates,
+    turn_totals,
+)
+from procedures.dwells_and_turns.bench_parameters import tilt_names
+from procedures.dwells_and_turns.hand_turns import GyroscopeFit, solve_gyroscope
+from procedures.dwells_and_turns.latitude_and_time_base import clock_on_accelerometer, clock_on_moves
+from procedures.dwells_and_turns.twelve_position import JointFit, missing_positions, solve_accelerometer
 from procedures.errors import NotObservable
 from procedures.frames import AXES
 from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests, with_known_faces
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit, solve_moves
 from procedures.rests_and_moves.norm_fit import LEAST_RESTS
 from procedures.rests_and_moves.sequences import Segmented, all_rests, segment
-from procedures.uncertainty.latitude_and_time_base import clock_on_accelerometer, clock_on_moves
 
 NEVER_EXCITED = ("accelerometer.cross_product", "accelerometer.cubic (with accelerometer.scale_factor)")
 FREE_FRAME = (

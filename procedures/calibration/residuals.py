@@ -6,10 +6,10 @@ import numpy as np
 from scipy.special import gammaincc
 
 from procedures.arrays import FloatArray
-from procedures.calibration.hand_turns import GyroscopeFit
 from procedures.calibration.solution import FitQuality, StepResidual
 from procedures.calibration.triad_calibration import DPH
-from procedures.calibration.twelve_position import JointFit, RestFit
+from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.twelve_position import JointFit, RestFit
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit
 
 ABSORBED = (

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.bench_parameters import mean_axes, mean_cube, skew_jacobian, skew_variance
 from procedures.calibration.solution import Estimate, TriadCalibration
-from procedures.calibration.twelve_position import JointFit, by_position, closed_form
+from procedures.dwells_and_turns.bench_parameters import mean_axes, mean_cube, skew_jacobian, skew_variance
+from procedures.dwells_and_turns.twelve_position import JointFit, by_position, closed_form
 from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import AXES
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit
@@ -48,7 +48,7 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
     Scatter from dwell to dwell beyond counting noise is taken as bias instability, which wanders slowly: the
     mean over the dwells averages it less than independent draws. The drift of an unsettled unit is common to all
     of them: its bias when it has settled differs by as much as it moved meanwhile. An uncertified cube's skew
-    adds to the sigma of k, and of accelerometers' D (`procedures.calibration.bench_parameters`).
+    adds to the sigma of k, and of accelerometers' D (`procedures.dwells_and_turns.bench_parameters`).
     """
     unit, per = ("g", 1.0) if triad == "accelerometer" else ("deg/h", DPH)
     C_sb = joint.bench.campaigns[0].fixture.C_sb

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from procedures.calibration.campaign import Campaign
-from procedures.calibration.hand_turns import GyroscopeFit
-from procedures.calibration.twelve_position import JointFit
+from procedures.campaign.campaign import Campaign
+from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.twelve_position import JointFit
 
 
 def turn_on_warnings(

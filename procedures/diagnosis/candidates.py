@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.calibration.bench_parameters import Bench, tilt_names
 from procedures.calibration.calibration import Fits
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.residual_rows import Evidence
+from procedures.dwells_and_turns.bench_parameters import Bench, tilt_names
 from procedures.effects.effect import Columns, Effect
 
 TIED = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")

@@ -7,7 +7,7 @@ the positions where they stood, without disturbed stretches, in true seconds.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from procedures.calibration.campaign import Campaign
+from procedures.campaign.campaign import Campaign
 from procedures.counts.reference_time import PPM
 from procedures.diagnosis.clock_rate import find_clock, is_timed, with_true_clock
 from procedures.diagnosis.disturbances import find_disturbances, without_disturbances

@@ -14,7 +14,7 @@ from typing import TypeVar
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, TurnRecord
+from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, TurnRecord
 from procedures.counts.reference_time import PPM, ClockRate, fit_clock
 from procedures.counts.sample_records import Series
 from procedures.diagnosis.result import Confidence, Finding, Test

@@ -13,9 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.calibration.calibration import fit_reduced, reduce_steps
-from procedures.calibration.campaign import Campaign
 from procedures.calibration.solution import Solution
-from procedures.counts.dead_channels import without_dead
+from procedures.campaign.campaign import Campaign
+from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.ambiguous_solution import either
 from procedures.diagnosis.base_model import Bench, Subject
 from procedures.diagnosis.candidates import Candidate

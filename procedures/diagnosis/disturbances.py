@@ -12,8 +12,8 @@ from typing import TypeVar
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.calibration.campaign import Campaign, DwellRecord, RestRecord
-from procedures.calibration.observations import TRIADS, channel
+from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord
+from procedures.campaign.observations import TRIADS, channel
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.diagnosis.disturbed_blocks import LEAST, Blocks, Trace, is_white, judge
 from procedures.diagnosis.result import Finding, Test

@@ -17,8 +17,8 @@ from itertools import combinations
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.calibration.campaign import Campaign
-from procedures.calibration.observations import channel
+from procedures.campaign.campaign import Campaign
+from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import POSITIONS, face_normal, face_of, nominal_C_lb

@@ -12,11 +12,11 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.calibration.calibration import Fits
-from procedures.calibration.campaign import Campaign
-from procedures.calibration.hand_turns import heading_history
-from procedures.calibration.observations import TurnTotal, channel
-from procedures.calibration.twelve_position import JointFit
+from procedures.campaign.campaign import Campaign
+from procedures.campaign.observations import TurnTotal, channel
 from procedures.counts.sample_records import CountSeries, Series
+from procedures.dwells_and_turns.hand_turns import heading_history
+from procedures.dwells_and_turns.twelve_position import JointFit
 from procedures.earth.gravity_and_rate import STANDARD_GRAVITY, earth_rate_n
 from procedures.effects.effect import Seen, SeenStep
 from procedures.frames import face_normal, face_of, nominal_C_lb, rotation

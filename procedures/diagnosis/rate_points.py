@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.calibration.campaign import Campaign
+from procedures.campaign.campaign import Campaign
 from procedures.frames import AXES
 
 BLOCKS = 9

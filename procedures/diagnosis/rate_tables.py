@@ -14,8 +14,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import Fits
-from procedures.calibration.campaign import Campaign
 from procedures.calibration.solution import FitQuality, Solution
+from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_trial import trial
 from procedures.diagnosis.linear_model import LinearFit, fit_linear

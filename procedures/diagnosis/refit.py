@@ -13,11 +13,11 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.calibration.calibration import Fits, Reduced, fit_reduced
-from procedures.calibration.twelve_position import JointFit
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_trial import trial
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
+from procedures.dwells_and_turns.twelve_position import JointFit
 from procedures.effects.effect import Columns
 from procedures.errors import DoesNotFit
 from procedures.statistics.least_squares import Fit

@@ -7,7 +7,7 @@ their outputs are left out.
 
 from dataclasses import replace
 
-from procedures.calibration.campaign import Campaign, DwellRecord
+from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.frames import face_of
 
 FIRST = {face_of(position): position for position in range(12, 0, -1)}

@@ -16,12 +16,12 @@ from itertools import pairwise
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import Campaign, DwellRecord, RestRecord, SoakRecord
-from procedures.calibration.hand_turns import REST_S, nominal_angle
-from procedures.calibration.observations import turn_totals
-from procedures.counts.dead_channels import FIELDS, TRIADS
+from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SoakRecord
+from procedures.campaign.dead_channels import FIELDS, TRIADS
+from procedures.campaign.observations import turn_totals
+from procedures.campaign.stopped_channels import constant_end, stopped_in_turn
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.counts.stopped_channels import constant_end, stopped_in_turn
+from procedures.dwells_and_turns.hand_turns import REST_S, nominal_angle
 from procedures.frames import AXES, face_normal, face_of
 from procedures.statistics.allan_deviation import FEWEST_SAMPLES, NoiseTerm, noise_terms, overlapping_deviation
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line

@@ -14,13 +14,13 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.calibration.calibration import Fits
-from procedures.calibration.campaign import RestRecord, SoakRecord
-from procedures.calibration.observations import channel, rest_rates
-from procedures.calibration.twelve_position import JointFit
+from procedures.campaign.campaign import RestRecord, SoakRecord
+from procedures.campaign.dead_channels import dead_in_soak
+from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.count_rate import LEAST_SAMPLES
-from procedures.counts.dead_channels import dead_in_soak
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.diagnosis.excitation_nodes import Part, Places, attitude, on_face
+from procedures.dwells_and_turns.twelve_position import JointFit
 from procedures.effects.effect import SeenStep
 
 BLOCK_S = 100.0

@@ -12,8 +12,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import fit_reduced, reduce_steps
-from procedures.calibration.campaign import Campaign
-from procedures.counts.dead_channels import without_dead
+from procedures.campaign.campaign import Campaign
+from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.checks_before_effects import preliminary
 from procedures.diagnosis.error_before_after import errors_made

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.calibration.campaign import Campaign, DwellRecord
-from procedures.calibration.observations import channel
+from procedures.campaign.campaign import Campaign, DwellRecord
+from procedures.campaign.observations import channel
 from procedures.counts.rate_mean import estimate_rates
 from procedures.counts.sample_records import CountSeries
 from procedures.diagnosis.dwell_headings import Compass

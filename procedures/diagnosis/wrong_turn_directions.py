@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.bench.sign_errors import SURE, earth_signs, reversed_axes
-from procedures.calibration.campaign import Campaign, TurnRecord
+from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.diagnosis.dwell_headings import turned
 from procedures.diagnosis.result import Finding
 from procedures.diagnosis.wrong_positions import EFFECT, triad_rates

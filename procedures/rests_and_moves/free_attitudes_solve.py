@@ -19,10 +19,10 @@ from functools import cached_property, partial
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.calibration.bench_parameters import HELD, SLAB_RANGE, Bench, Prior, cube_numbers
-from procedures.calibration.campaign import Campaign, DwellRecord, RestRecord
-from procedures.calibration.observations import TriadDwells, TriadRests
-from procedures.calibration.twelve_position import (
+from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord
+from procedures.campaign.observations import TriadDwells, TriadRests
+from procedures.dwells_and_turns.bench_parameters import HELD, SLAB_RANGE, Bench, Prior, cube_numbers
+from procedures.dwells_and_turns.twelve_position import (
     ALIVE,
     JointFit,
     RestFit,

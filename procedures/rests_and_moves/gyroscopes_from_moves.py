@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.calibration.campaign import Campaign, RestRecord
-from procedures.calibration.observations import channel, rest_rates
-from procedures.calibration.twelve_position import ALIVE, JointFit
+from procedures.campaign.campaign import Campaign, RestRecord
+from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.sample_records import CountSeries
+from procedures.dwells_and_turns.twelve_position import ALIVE, JointFit
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import rotation
 from procedures.rests_and_moves.move_rotation import Samples, carry, padded, rotations

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.calibration.campaign import RestRecord, SequenceRecord
+from procedures.campaign.campaign import RestRecord, SequenceRecord
 from procedures.counts.count_rate import LEAST_SAMPLES
 from procedures.counts.sample_records import Series
 

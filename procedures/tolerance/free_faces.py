@@ -1,19 +1,19 @@
 """What the joint solve finds without noise, for many cubes at once.
 
-The solve (`procedures.calibration.twelve_position`) fits K', b' and the tilts of six faces to the means of six
-position pairs: 18 rates, 12 + 12 unknowns, of which the cube's perpendicularity is held at ``q = c p``. It can
+The solve (`procedures.dwells_and_turns.twelve_position`) fits K', b' and the tilts of six faces to the means of
+six position pairs: 18 rates, 12 + 12 unknowns, of which the cube's perpendicularity is held at ``q = c p``. It can
 meet every rate, so that without noise ``K' u'_f + b' = K w_f + b`` on every face, with w_f the *apparent* up
 vector ``K^-1 (N_f - b)``: the true one, and what a model that lacks K2 makes of it. Hence u'_f = M w_f + v with
 ``M = K'^-1 K`` and ``v = K'^-1 (b - b')``: twelve unknowns of the cube alone, and twelve conditions, that u' has
 unit length (6) and that its tilts obey q' = c p' (6). To first order m_ca = c p_ac - q_ac, v = 0: the cube's
 perpendicularity goes into the misalignment, its parallelism nowhere. To second order v is the skew times the
-parallelism (`procedures.calibration.bench_parameters.skew_jacobian`).
+parallelism (`procedures.dwells_and_turns.bench_parameters.skew_jacobian`).
 """
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.bench_parameters import ITEMS_DOWN, ITEMS_UP
+from procedures.dwells_and_turns.bench_parameters import ITEMS_DOWN, ITEMS_UP
 from procedures.frames import AXES, cross_axes
 
 ROUNDS = 4  # each leaves a tilt's part of the error: 1e-3 rad of tilt ends below 1e-15
@@ -55,4 +55,4 @@ def _mean_cube(z: FloatArray) -> FloatArray:
 _PAIRS = tuple((i, *cross_axes(f"{axis}_up")) for i, axis in enumerate(AXES))
 _SHARE = (
     ITEMS_UP / (ITEMS_UP + ITEMS_DOWN) - 0.5
-)  # q / p of the likeliest cube, `procedures.calibration.bench_parameters`
+)  # q / p of the likeliest cube, `procedures.dwells_and_turns.bench_parameters`

@@ -1,6 +1,6 @@
 """What a face certificate, a re-mounted IMU or free positions would buy: 1 sigma with and without them.
 
-The joint model of `procedures.calibration.twelve_position` with two things changed. What is known of a cube
+The joint model of `procedures.dwells_and_turns.twelve_position` with two things changed. What is known of a cube
 beforehand is its drawing: each tilt of each face has the standard deviation of the items on the way to it, or that
 and the certificate's, combined; nothing is held, so that E's sigma is against the cube's own axes. And K2 may be
 open, one column per sensor. Free positions add their norm, ``|K^-1 (N - b)| = g``, one row each: no attitude is
@@ -15,10 +15,10 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from procedures.arrays import FloatArray
-from procedures.calibration.bench_parameters import HELD, SLAB_RANGE, Bench, Placement
-from procedures.calibration.campaign import Campaign, Fixture, ProcedureSigma, Site
 from procedures.calibration.triad_calibration import scale_misalignment_bias
-from procedures.calibration.twelve_position import mountings, specific_force
+from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
+from procedures.dwells_and_turns.bench_parameters import HELD, SLAB_RANGE, Bench, Placement
+from procedures.dwells_and_turns.twelve_position import mountings, specific_force
 from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import rotation
 from procedures.statistics.least_squares import minimise

@@ -12,7 +12,7 @@ from scipy.special import gammaincc
 
 from procedures.arrays import BoolArray
 from procedures.calibration.calibration import DOUBTFUL
-from procedures.calibration.twelve_position import JointFit
+from procedures.dwells_and_turns.twelve_position import JointFit
 from procedures.uncertainty import sources as named
 from procedures.uncertainty.sources import Cell, Shares
 from procedures.uncertainty.temperature import TemperatureEffect

@@ -6,9 +6,9 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import Fits
-from procedures.calibration.observations import channel
-from procedures.calibration.twelve_position import JointFit
+from procedures.campaign.observations import channel
 from procedures.counts.sample_records import Series
+from procedures.dwells_and_turns.twelve_position import JointFit
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit, Seen, gather
 from procedures.uncertainty import sources as named
 from procedures.uncertainty.noise_and_quantisation import noise_dof, seconds_of, white_variance

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.bench_parameters import Bench
-from procedures.calibration.hand_turns import GyroscopeFit
-from procedures.calibration.twelve_position import JointFit, RestFit
+from procedures.dwells_and_turns.bench_parameters import Bench
+from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.twelve_position import JointFit, RestFit
 from procedures.frames import AXES
 from procedures.uncertainty import sources as named
 from procedures.uncertainty.noise_and_quantisation import noise_dof, seconds_of, white_variance

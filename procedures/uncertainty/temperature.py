@@ -17,10 +17,10 @@ from scipy.special import gammaincc
 
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import DOUBTFUL
-from procedures.calibration.hand_turns import GyroscopeFit
 from procedures.calibration.residuals import scale_factor
-from procedures.calibration.twelve_position import JointFit
 from procedures.counts.sample_records import Series
+from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.twelve_position import JointFit
 from procedures.statistics.least_squares import Fit
 
 FAINT = 1e-9  # of the largest eigenvalue: combinations that the fit absorbs whole

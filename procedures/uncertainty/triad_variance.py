@@ -6,19 +6,19 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.calibration.calibration import Fits
-from procedures.calibration.campaign import period_std
 from procedures.calibration.triad_calibration import DPH, TriadVector, common_variance, moves_vector, triad_vector
-from procedures.calibration.twelve_position import JointFit
-from procedures.statistics.least_squares import Fit
-from procedures.uncertainty import sources as named
-from procedures.uncertainty.excess_scatter import unexplained, unexplained_within
-from procedures.uncertainty.given_values import Inputs
-from procedures.uncertainty.latitude_and_time_base import (
+from procedures.campaign.campaign import period_std
+from procedures.dwells_and_turns.latitude_and_time_base import (
     clock_on_accelerometer,
     clock_on_moves,
     clock_rows,
     latitude_rows,
 )
+from procedures.dwells_and_turns.twelve_position import JointFit
+from procedures.statistics.least_squares import Fit
+from procedures.uncertainty import sources as named
+from procedures.uncertainty.excess_scatter import unexplained, unexplained_within
+from procedures.uncertainty.given_values import Inputs
 from procedures.uncertainty.move_variance import moves_shares
 from procedures.uncertainty.row_variance import excess_cell, gyroscope_shares, joint_shares
 from procedures.uncertainty.sources import Cell, Shares, added

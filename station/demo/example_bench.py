@@ -17,7 +17,7 @@ from fixtures_db.limits import limits_of, set_limits
 from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 from fixtures_db.sites import Survey, add_site
 from fixtures_db.slabs import add_level, add_slab
-from procedures.calibration.campaign import FaceCertificate
+from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.files.limits_example import example_limits
 from station.files.limits_toml import limits_in

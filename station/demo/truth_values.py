@@ -5,7 +5,7 @@ import numpy as np
 from drivers.simulated.bench_truth import imu_from_cube
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.bench_parameters import mean_cube
+from procedures.dwells_and_turns.bench_parameters import mean_cube
 from procedures.frames import AXES
 
 

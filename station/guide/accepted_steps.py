@@ -8,8 +8,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.bench.turn_closing import TurnSeen
-from procedures.calibration.campaign import TurnRecord
-from procedures.calibration.plan_steps import FreePosition, Soak, Turn
+from procedures.campaign.campaign import TurnRecord
+from procedures.campaign.plan_steps import FreePosition, Soak, Turn
 from procedures.frames import AXES
 from station.files.campaign_folder.reading import read_campaign
 from station.guide.accepted_dwell import Rested, rested

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from procedures.calibration.plan_steps import Dwell, FreePosition, Soak, Step, Turn
+from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
 from procedures.frames import face_of
 from station.guide import view
 

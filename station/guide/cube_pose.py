@@ -3,7 +3,7 @@
 import numpy as np
 
 from procedures.bench.cube_attitude import Standing, heading_off
-from procedures.calibration.plan_steps import Dwell, Soak, Step, Turn
+from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn
 from procedures.frames import face_normal, face_of
 from station.guide.cube_tracking import Tracker
 from station.guide.face_and_stillness import Look

@@ -19,7 +19,7 @@ from procedures.bench.cube_attitude import (
     standing,
     told,
 )
-from procedures.calibration.plan_steps import Turn
+from procedures.campaign.plan_steps import Turn
 from procedures.earth.cube_heading import earth_heading
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import BIAS_STD, SPREAD, first_position, scale

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from procedures.calibration.plan_steps import Step, Turn
+from procedures.campaign.plan_steps import Step, Turn
 from station.errors import DiskFull, megabytes
 from station.guide.checklist import duration
 

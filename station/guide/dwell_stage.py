@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any, Protocol
 
-from procedures.calibration.plan_steps import Dwell, Soak
+from procedures.campaign.plan_steps import Dwell, Soak
 from procedures.frames import face_normal
 from station.guide.accepted_dwell import estimates
 from station.guide.dwell_attempt import TOUCHED, Dwelling, crept

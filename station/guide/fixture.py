@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from fixtures_db.cubes import cube, cube_row
 from fixtures_db.database import Database
-from procedures.calibration.campaign import Fixture
+from procedures.campaign.campaign import Fixture
 from station.files.campaign_folder.schema import FaceTable, FixtureTable, MeasuredTable, axes_matrix
 from station.files.campaign_folder.writing import measured_table
 

@@ -5,7 +5,7 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from procedures.calibration.plan_steps import Step
+from procedures.campaign.plan_steps import Step
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.plan_toml import read_plan, write_plan

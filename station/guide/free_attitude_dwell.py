@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from procedures.calibration.plan_steps import FreePosition, Soak
+from procedures.campaign.plan_steps import FreePosition, Soak
 from procedures.rests_and_moves.free_attitudes import APART_DEG, nearest_deg
 from station.guide.accepted_dwell import estimates
 from station.guide.dwell_attempt import TOUCHED, Dwelling, crept

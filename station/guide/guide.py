@@ -11,7 +11,7 @@ import numpy as np
 
 from drivers.errors import DriverError
 from procedures.arrays import FloatArray
-from procedures.calibration.plan_steps import Step
+from procedures.campaign.plan_steps import Step
 from procedures.rests_and_moves.free_attitudes import APART_DEG, nearest_deg
 from station.guide.command import Command
 from station.guide.cube_pose import HeadingWatch, face_wanted, pose_view

@@ -1,6 +1,6 @@
 """What the operator alone can answer: which way the cube points, and which turn one the wrong way was to be."""
 
-from procedures.calibration.plan_steps import Turn
+from procedures.campaign.plan_steps import Turn
 from procedures.frames import POSITIONS, face_of
 from station.guide.setup_view import Choice
 from station.guide.view import Question

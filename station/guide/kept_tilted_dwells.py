@@ -3,7 +3,7 @@
 import numpy as np
 
 from procedures.bench.seating_check import PLAUSIBLE
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.plan_steps import Dwell
 from station.files.campaign_folder.schema import CampaignTable
 
 

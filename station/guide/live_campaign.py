@@ -15,9 +15,9 @@ from drivers.bare_address import with_absolute_paths
 from drivers.errors import DeadChannel, DriverError, LinkLost
 from drivers.wire import ALL_CHANNELS
 from fixtures_db.database import Database
-from procedures.calibration import hand_turns, twelve_position
-from procedures.calibration.campaign import Fixture
-from procedures.calibration.plan_steps import Step, Turn, steps_of
+from procedures.campaign.campaign import Fixture
+from procedures.campaign.plan_steps import Step, Turn, steps_of
+from procedures.dwells_and_turns import hand_turns, twelve_position
 from station.errors import DataRefused
 from station.files.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
 from station.guide.accepted_steps import SoFar, after_pause, so_far

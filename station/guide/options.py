@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from station.guide.setup_view import Setup
 
 if TYPE_CHECKING:
-    from procedures.calibration.plan_steps import Step
+    from procedures.campaign.plan_steps import Step
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from procedures.calibration.plan_steps import Soak, Turn
+from procedures.campaign.plan_steps import Soak, Turn
 from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import APART_DEG, wanted
 from station.guide.checklist import is_free

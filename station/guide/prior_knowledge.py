@@ -13,7 +13,7 @@ from fixtures_db.limits import Limit, limited_models, limits_of
 from fixtures_db.references import reference
 from fixtures_db.sites import sites
 from fixtures_db.slabs import slabs
-from procedures.calibration.plan_steps import Step
+from procedures.campaign.plan_steps import Step
 from station.guide.disk_space import disk_free, disk_needed
 
 

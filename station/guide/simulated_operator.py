@@ -7,7 +7,7 @@ import numpy as np
 from drivers.errors import DriverError
 from drivers.simulated.errors import SimulatorError
 from drivers.simulated.hands import SimulatedHands
-from procedures.calibration.plan_steps import Turn
+from procedures.campaign.plan_steps import Turn
 from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import LEANS, Lean
 from station.guide.view import Step, View

@@ -9,8 +9,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.bench.heading_errors import HeadingError, heading_errors
 from procedures.bench.turn_closing import Closing, TurnSeen, apart, limit
-from procedures.calibration.campaign import Fixture
-from procedures.calibration.plan_steps import Dwell, Soak, Step, Turn
+from procedures.campaign.campaign import Fixture
+from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import Heading, Known, find_heading, scale
 from station.errors import DataRefused

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.bench.turn_closing import Closing, TurnSeen, apart, closing, limit, scatter
-from procedures.calibration.plan_steps import Turn
+from procedures.campaign.plan_steps import Turn
 from procedures.earth.gyrocompass import Known, heading_change
 from station.guide.setup_view import Choice
 from station.guide.view import Question

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from procedures.bench.turn_closing import TurnSeen
-from procedures.calibration.plan_steps import Turn
+from procedures.campaign.plan_steps import Turn
 from procedures.earth.gyrocompass import Known, scale
 from procedures.frames import AXES, face_of
 from station.guide.face_and_stillness import Look

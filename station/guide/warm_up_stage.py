@@ -7,7 +7,7 @@ import numpy as np
 
 from procedures.bench.dwell_length import dwell_seconds
 from procedures.bench.warm_up import Means, WarmUpState, unsettled, warm_up
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.plan_steps import Dwell
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from station.guide.accepted_dwell import estimates
 from station.guide.checklist import MOVE_S

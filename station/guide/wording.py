@@ -2,7 +2,7 @@
 
 from math import floor, log10
 
-from procedures.calibration.plan_steps import Dwell, FreePosition, Soak, Step, Turn
+from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
 from procedures.frames import POSITIONS, face_of
 from procedures.rests_and_moves.free_attitudes import Lean
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import partial
 
 from procedures.bench.heading_errors import HeadingError, stood
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.plan_steps import Dwell
 from station.guide.question import Asking
 from station.guide.setup_view import Choice
 from station.guide.stage import Stage

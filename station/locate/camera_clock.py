@@ -7,8 +7,8 @@ import numpy as np
 from procedures.fusion.alignment.aligner import between
 from procedures.fusion.alignment.alignment import Waiting
 from procedures.fusion.fusion_records import ImuSeries
-from procedures.fusion.vision.camera_time import CameraOffset, camera_offset
 from procedures.fusion.vision.feature_tracks import Tracks
+from procedures.fusion.visual_alignment.camera_time import CameraOffset, camera_offset
 from station.files.fusion_folder import FusionLog
 
 FIRST = 5.0  # s of tracks after which it is worth a try

@@ -14,8 +14,8 @@ from procedures.earth.gnss_records import TimeMark
 from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.inner.camera_keyframes import CLOSEST, SPACING
 from procedures.fusion.inner.live_visual_window import Frame, filled, no_frame
-from procedures.fusion.vision.camera_time import MISPLACED, CameraOffset, camera_offset
 from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from procedures.fusion.visual_alignment.camera_time import MISPLACED, CameraOffset, camera_offset
 from station.stream.camera.feature_following import Follow
 from station.stream.gnss.fix_times import FixTimes
 from station.text.plural import plural

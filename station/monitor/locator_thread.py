@@ -8,7 +8,7 @@ from queue import SimpleQueue
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.vision.camera_time import CameraOffset
+from procedures.fusion.visual_alignment.camera_time import CameraOffset
 from station.calibrated.calibration_choice import Applied
 from station.calibrated.rates_and_forces import Sensors
 from station.files.fusion_folder.tracks import camera_of, lens_of

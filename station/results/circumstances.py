@@ -15,7 +15,7 @@ from fixtures_db.calibration import utc_text
 from fixtures_db.campaigns import campaign, last_accepted
 from fixtures_db.references import references
 from fixtures_db.schema import CampaignRow, SiteRow
-from procedures.calibration.campaign import Campaign
+from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.clock_rate import clock_rate
 from procedures.frames import POSITIONS
 from station.files.campaign_folder.schema import CampaignTable

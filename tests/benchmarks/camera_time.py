@@ -22,16 +22,16 @@ from procedures.fusion.alignment.aligner import between
 from procedures.fusion.fusion_records import ImuSeries, Trajectory
 from procedures.fusion.imu.gyro_rotations import GyroTurns
 from procedures.fusion.rotation_vectors import log_rotation
-from procedures.fusion.vision.camera_time import CameraOffset, camera_offset
 from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from procedures.fusion.visual_alignment.camera_time import CameraOffset, camera_offset
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.locate.camera_source import by_vision
 from tests.benchmarks.locate import HEADS as LOCATED
 from tests.benchmarks.locate import INERTIAL, main, row, said
 from tests.benchmarks.locate_vision import CAMERA, seen
 from tests.drivers.simulated.camera_tracks import View, simulate_tracks
-from tests.procedures.fusion.vision.test_camera_time import along, humming
-from tests.procedures.fusion.vision.test_camera_time import seen as planted
+from tests.procedures.fusion.visual_alignment.test_camera_time import along, humming
+from tests.procedures.fusion.visual_alignment.test_camera_time import seen as planted
 
 VIEW = View()
 SPAN = 15.0  # s of a stretch

@@ -18,8 +18,8 @@ import numpy as np
 
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import Fixture
-from procedures.calibration.plan_steps import Dwell, Step
+from procedures.campaign.campaign import Fixture
+from procedures.campaign.plan_steps import Dwell, Step
 from procedures.frames import face_normal, face_of
 from station.guide.checklist import Checklist
 from station.guide.face_and_stillness import LIMIT_DEG

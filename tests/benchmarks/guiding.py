@@ -18,8 +18,8 @@ from procedures.bench.seating_check import ARCSEC, Rates, judge, seating
 from procedures.bench.turn_closing import MOST, Closing, TurnSeen, closing
 from procedures.bench.warm_up import Means, warm_up
 from procedures.calibration.calibration import solve
-from procedures.calibration.campaign import Fixture, TurnRecord
-from procedures.calibration.plan_steps import Dwell, Turn
+from procedures.campaign.campaign import Fixture, TurnRecord
+from procedures.campaign.plan_steps import Dwell, Turn
 from procedures.counts.count_rate import estimate_counts
 from procedures.counts.sample_records import CountSeries
 from procedures.earth.gravity_and_rate import DEG_PER_HOUR, earth_rate_n

@@ -24,9 +24,9 @@ from sqlalchemy import text
 from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import campaign
 from fixtures_db.database import open_db
-from procedures.calibration import hand_turns, twelve_position
-from procedures.calibration.campaign import Fixture
-from procedures.calibration.plan_steps import Dwell, Step, steps_of
+from procedures.campaign.campaign import Fixture
+from procedures.campaign.plan_steps import Dwell, Step, steps_of
+from procedures.dwells_and_turns import hand_turns, twelve_position
 from station.files.campaign_folder.reading import read_campaign
 from station.files.sha256sums import read_hashes, verify_folder
 from station.guide.checklist import Checklist

@@ -13,9 +13,9 @@ from fixtures_db.cubes import add_cube, certify_faces
 from fixtures_db.drawing import drawing
 from fixtures_db.sites import Survey, add_site
 from fixtures_db.slabs import add_level, add_slab
-from procedures.bench.measured_cube import PARALLELISM, CubeMeasurement, UnitShare
-from procedures.calibration.campaign import FaceCertificate, MeasuredCube
 from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
+from procedures.campaign.campaign import FaceCertificate, MeasuredCube
+from procedures.campaign.measured_cube import PARALLELISM, CubeMeasurement, UnitShare
 
 NOON = datetime(2026, 3, 4, 12, 0, tzinfo=UTC)
 LATER = datetime(2026, 6, 4, 12, 0, tzinfo=UTC)

@@ -17,7 +17,7 @@ from fixtures_db.measured_rows import check_measurement, measurement
 from fixtures_db.migrations.versions.v0005_measured_cubes import FIRST_DUE
 from fixtures_db.schema import CubeMeasurementRow
 from fixtures_db.verification import alterations
-from procedures.calibration.campaign import FaceCertificate
+from procedures.campaign.campaign import FaceCertificate
 from tests.fixtures_db.factory import LATER, NOON, measured_cube, unprotect
 
 CAMPAIGNS = {"FOG-3 S1": {"2026-03-04": "ab" * 32}}

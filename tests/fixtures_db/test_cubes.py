@@ -8,7 +8,7 @@ from sqlalchemy.exc import DBAPIError
 from fixtures_db.cubes import Tolerance, add_cube, certify_faces, cube, cube_row, verify_certificates
 from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyThere, NotInDatabase
-from procedures.calibration.campaign import FaceCertificate
+from procedures.campaign.campaign import FaceCertificate
 from tests.fixtures_db.factory import NOON, unprotect
 
 

@@ -13,7 +13,7 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.references import references, why_measured
 from fixtures_db.sites import Survey, add_site
 from fixtures_db.slabs import add_level, add_slab
-from procedures.calibration.campaign import FaceCertificate
+from procedures.campaign.campaign import FaceCertificate
 
 NOON = datetime(2026, 5, 11, 12, tzinfo=UTC)
 DAY = NOON.astimezone().date()

@@ -16,7 +16,7 @@ from fixtures_db.schema import CubeMeasurementRow, FaceCertificateRow, SlabLevel
 from fixtures_db.sites import Survey, add_site, site_row
 from fixtures_db.slabs import add_level, add_slab, slab_row, verify_levels
 from fixtures_db.transfer import dump, restore
-from procedures.calibration.campaign import FaceCertificate
+from procedures.campaign.campaign import FaceCertificate
 from tests.fixtures_db.factory import LATER, NOON, facts, fill_fixtures, solution, unprotect
 
 CHAINED = (FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)

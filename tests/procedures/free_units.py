@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import RestRecord, SequenceRecord
-from procedures.calibration.observations import TriadRests
+from procedures.campaign.campaign import RestRecord, SequenceRecord
+from procedures.campaign.observations import TriadRests
 from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.frames import rotation
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import Campaign, DwellRecord, Fixture, ProcedureSigma, Site, TurnRecord
-from procedures.calibration.observations import TriadDwells
+from procedures.campaign.campaign import Campaign, DwellRecord, Fixture, ProcedureSigma, Site, TurnRecord
+from procedures.campaign.observations import TriadDwells
 from procedures.counts.count_rate import RateEstimate
 from procedures.counts.sample_records import CountSeries
 from procedures.earth.gravity_and_rate import STANDARD_GRAVITY

@@ -11,7 +11,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import Fits
 from procedures.calibration.triad_calibration import reference_axes, scale_misalignment_bias
-from procedures.calibration.twelve_position import JointFit, mountings, specific_force
+from procedures.dwells_and_turns.twelve_position import JointFit, mountings, specific_force
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.statistics.least_squares import minimise
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import Campaign, DwellRecord, Fixture, RestRecord
+from procedures.campaign.campaign import Campaign, DwellRecord, Fixture, RestRecord
 from procedures.counts.sample_records import RateSeries
 from procedures.frames import rotation
 from tests.procedures.free_units import Unit, unit, ups

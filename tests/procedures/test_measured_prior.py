@@ -7,12 +7,12 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.bench.cube_measurement import measure_cube
-from procedures.bench.measured_cube import NAMES, from_tilts
-from procedures.calibration.bench_parameters import mean_axes
 from procedures.calibration.calibration import fit, report
-from procedures.calibration.campaign import Campaign, Fixture, MeasuredCube
-from procedures.calibration.observations import dwell_rates
-from procedures.calibration.twelve_position import JointFit
+from procedures.campaign.campaign import Campaign, Fixture, MeasuredCube
+from procedures.campaign.measured_cube import NAMES, from_tilts
+from procedures.campaign.observations import dwell_rates
+from procedures.dwells_and_turns.bench_parameters import mean_axes
+from procedures.dwells_and_turns.twelve_position import JointFit
 from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests
 from tests.procedures.measured_units import calibrated, campaigns, some_unit, values
 

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth, paper_truth
 from procedures.arrays import FloatArray
-from procedures.calibration.plan_steps import Dwell
 from procedures.calibration.triad_calibration import triad_vector
-from procedures.calibration.twelve_position import closed_form, solve_accelerometer
+from procedures.campaign.plan_steps import Dwell
+from procedures.dwells_and_turns.twelve_position import closed_form, solve_accelerometer
 from procedures.frames import C_bn, face_of
 from procedures.tolerance.estimators import Unit, errors, up_vectors
 from procedures.tolerance.items import ITEMS, STACK, angles, p1_tilts

@@ -9,7 +9,7 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.calibration.calibration import Fits, fit, report
-from procedures.calibration.campaign import Campaign, RestRecord
+from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
 from procedures.earth.gravity_and_rate import DEG_PER_HOUR

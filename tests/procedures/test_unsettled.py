@@ -10,8 +10,8 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import fit, solve
-from procedures.calibration.campaign import Campaign, ProcedureSigma
 from procedures.calibration.solution import Estimate, Solution
+from procedures.campaign.campaign import Campaign, ProcedureSigma
 from procedures.earth.gravity_and_rate import DEG_PER_HOUR, STANDARD_GRAVITY
 from station.files.campaign_folder.reading import read_campaign
 from station.files.campaign_folder.writing import write_campaign

@@ -7,7 +7,7 @@ import pytest
 
 from station.commands import COMMANDS
 
-NUMERICS = ("numpy", "scipy", "numba", "matplotlib", "procedures.calibration.plan_steps")
+NUMERICS = ("numpy", "scipy", "numba", "matplotlib", "procedures.campaign.plan_steps")
 HEAVY = (*NUMERICS, "mcap", "google.protobuf", "alembic", "jinja2")
 NOT_OF_A_SCREEN = (*HEAVY, "sqlalchemy", "serial", "fixtures_db")
 FORM = """

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import Campaign
+from procedures.campaign.campaign import Campaign
 from procedures.counts.reference_time import PPM, ClockRate
 from procedures.diagnosis.clock_rate import PLAUSIBLE, SIGMAS, clock_rate, false_pace, is_known
 from station.errors import DataRefused

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from procedures.calibration.campaign import RateTable, SoakRecord
+from procedures.campaign.campaign import RateTable, SoakRecord
 from station.files.campaign_folder.loaded import LoadedStep
 from station.files.campaign_folder.schema import RateTable as RateStep
 from station.files.campaign_folder.schema import SoakTable

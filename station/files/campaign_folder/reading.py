@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from procedures.calibration.campaign import (
+from procedures.campaign.campaign import (
     Campaign,
     DwellRecord,
     FaceCertificate,

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from procedures.arrays import FloatArray
-from procedures.bench.measured_cube import NAMES
+from procedures.campaign.measured_cube import NAMES
 from procedures.frames import AXES, POSITIONS, face_of
 
 Axis = Literal["x", "y", "z"]

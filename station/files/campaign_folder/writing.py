@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import Campaign, Fixture, MeasuredCube, RestRecord
+from procedures.campaign.campaign import Campaign, Fixture, MeasuredCube, RestRecord
 from procedures.counts.sample_records import Series
 from procedures.earth.gravity_and_rate import DEG_PER_HOUR, STANDARD_GRAVITY
 from procedures.frames import AXES

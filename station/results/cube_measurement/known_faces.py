@@ -11,8 +11,8 @@ from fixtures_db.cube_measurements import measurements
 from fixtures_db.cubes import cube, cube_row
 from fixtures_db.measured_rows import measurement
 from procedures.bench.cube_drift import Comparison, CubeDrift, compare, drift
-from procedures.bench.measured_cube import CubeMeasurement, from_certificate
-from procedures.calibration.campaign import MeasuredCube
+from procedures.campaign.campaign import MeasuredCube
+from procedures.campaign.measured_cube import CubeMeasurement, from_certificate
 
 DAYS_PER_MONTH = 365.25 / 12
 

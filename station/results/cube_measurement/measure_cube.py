@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.campaigns import known_campaign, last_accepted
 from fixtures_db.chain import canonical, digest
 from procedures.bench.cube_measurement import measure_cube
-from procedures.bench.measured_cube import PARALLELISM
+from procedures.campaign.measured_cube import PARALLELISM
 from procedures.frames import face_of
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded import LoadedCampaign, check_for_solve, check_one_unit

@@ -6,7 +6,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.bench.cube_drift import CubeDrift
-from procedures.bench.measured_cube import NAMES, CubeMeasurement, common_and_difference
+from procedures.campaign.measured_cube import NAMES, CubeMeasurement, common_and_difference
 from station.results.cube_measurement.known_faces import Known, Study, drift_of
 from station.results.cube_measurement.observable import not_observable
 from station.results.solution_text import ARCSEC, measured

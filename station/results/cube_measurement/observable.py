@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from procedures.bench.measured_cube import PARALLELISM, SKEW, CubeMeasurement, common_and_difference
+from procedures.campaign.measured_cube import PARALLELISM, SKEW, CubeMeasurement, common_and_difference
 from procedures.frames import AXES
 
 TURNING = (

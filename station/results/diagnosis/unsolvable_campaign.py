@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import Campaign
+from procedures.campaign.campaign import Campaign
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.errors import NotObservable
 from procedures.frames import AXES, cross_axes, face_normal, face_of

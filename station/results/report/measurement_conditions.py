@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import Campaign
 from procedures.calibration.solution import Solution
+from procedures.campaign.campaign import Campaign
 from procedures.frames import AXES, FACES
 from station.text.plural import plural
 from station.text.rounding import MINUS, decimals, fixed, significant

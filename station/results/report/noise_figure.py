@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.calibration.campaign import Campaign, DwellRecord
 from procedures.calibration.solution import Solution, TriadCalibration
+from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import AXES
 from procedures.statistics.allan_deviation import (

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from procedures.calibration.campaign import Campaign
 from procedures.calibration.solution import Solution
+from procedures.campaign.campaign import Campaign
 from procedures.uncertainty.budget import ParameterBudget
 
 VERDICTS = ("PASS", "FAIL", "NOT_MEASURED")

@@ -7,8 +7,8 @@ import numpy as np
 
 from drivers.wire import FrameKind
 from procedures.arrays import BoolArray, FloatArray
+from procedures.campaign.stopped_channels import EXPECTED, LEVELS, TAIL, WALKED, walk
 from procedures.counts.sample_records import CountBlock, SampleBlock
-from procedures.counts.stopped_channels import EXPECTED, LEVELS, TAIL, WALKED, walk
 from station.errors import DataRefused
 
 COLUMNS = ("gx", "gy", "gz", "ax", "ay", "az")

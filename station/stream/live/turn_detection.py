@@ -7,7 +7,7 @@ from math import ceil
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.plan_steps import Turn
+from procedures.campaign.plan_steps import Turn
 from procedures.frames import AXES
 from station.stream.live.stillness import LEAST, TICKS, Block
 

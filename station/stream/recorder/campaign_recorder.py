@@ -19,7 +19,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.campaigns import accept_step, set_state, start_campaign
 from fixtures_db.database import Database
 from fixtures_db.sites import surveyed_site
-from procedures.calibration.plan_steps import Dwell, FreePosition, Soak, Step, Turn
+from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
 from procedures.frames import TURN_START
 from station.errors import cannot_write
 from station.files.atomic_file import sync_folder

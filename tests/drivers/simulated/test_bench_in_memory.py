@@ -7,7 +7,7 @@ from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign,
 from drivers.simulated.cube_motion import rest
 from drivers.simulated.truth import Truth, paper_truth
 from procedures.arrays import FloatArray
-from procedures.calibration.plan_steps import Dwell, FreePosition, Soak, Turn
+from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Turn
 from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import face_of
 

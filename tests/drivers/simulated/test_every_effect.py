@@ -8,7 +8,7 @@ from drivers.simulated.cube_motion import Segment, rest
 from drivers.simulated.effects import EFFECTS
 from drivers.simulated.truth import truth_from
 from procedures.arrays import FloatArray
-from procedures.calibration.plan_steps import Dwell, Turn
+from procedures.campaign.plan_steps import Dwell, Turn
 from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import POSITIONS
 

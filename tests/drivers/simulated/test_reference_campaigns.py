@@ -10,7 +10,7 @@ from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.cube_motion import rest
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.plan_steps import Dwell
 from tests.paths import DATA
 
 CAMPAIGNS = DATA / "campaigns"

@@ -4,8 +4,8 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.bench.cube_drift import compare, drift, holm
 from procedures.bench.cube_measurement import measure_cube
-from procedures.bench.measured_cube import PARALLELISM, CubeMeasurement, UnitShare, from_certificate
-from procedures.calibration.campaign import FaceCertificate, MeasuredCube
+from procedures.campaign.campaign import FaceCertificate, MeasuredCube
+from procedures.campaign.measured_cube import PARALLELISM, CubeMeasurement, UnitShare, from_certificate
 from procedures.frames import FACES
 from tests.procedures.measured_units import calibrated, some_unit, values
 

@@ -5,7 +5,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.bench.cube_measurement import QUADRATIC, measure_cube
-from procedures.bench.measured_cube import PARALLELISM, CubeMeasurement, common_and_difference
+from procedures.campaign.measured_cube import PARALLELISM, CubeMeasurement, common_and_difference
 from procedures.errors import NotObservable
 from tests.procedures.measured_units import calibrated, campaigns, some_unit, values
 

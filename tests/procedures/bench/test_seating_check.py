@@ -10,8 +10,8 @@ from drivers.simulated.bench_truth import imu_from_cube
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.bench.seating_check import ARCSEC, Rates, Seating, judge, seating
-from procedures.calibration.campaign import FaceCertificate, Fixture
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.campaign import FaceCertificate, Fixture
+from procedures.campaign.plan_steps import Dwell
 from procedures.counts.count_rate import estimate_counts
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import FACES, cross_axes, face_normal, face_of

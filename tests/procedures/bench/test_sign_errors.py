@@ -11,7 +11,7 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.bench.sign_errors import earth_signs
 from procedures.calibration.calibration import solve
-from procedures.calibration.campaign import Campaign
+from procedures.campaign.campaign import Campaign
 from procedures.counts.sample_records import Series
 from procedures.diagnosis.diagnose import diagnose
 

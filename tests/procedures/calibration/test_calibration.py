@@ -17,8 +17,8 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.bench.face_check import refuse_wrong_faces
 from procedures.calibration.calibration import solve
-from procedures.calibration.campaign import Campaign, FaceCertificate, Fixture
 from procedures.calibration.solution import Estimate, Solution, TriadCalibration
+from procedures.campaign.campaign import Campaign, FaceCertificate, Fixture
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.errors import FitsNoFace, NotObservable, WrongFace, WrongMounting
 from procedures.frames import FACES, face_of

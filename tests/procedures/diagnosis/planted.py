@@ -7,7 +7,7 @@ import numpy as np
 
 from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
 from drivers.simulated.truth import Truth
-from procedures.calibration.campaign import Campaign, DwellRecord
+from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.counts.sample_records import Series
 
 Effects = Mapping[str, Mapping[str, float]]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.calibration.calibration import solve
-from procedures.calibration.campaign import Campaign, DwellRecord
+from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.diagnosis.clock_rate import clock_rate, false_pace, find_clock, is_known, is_timed, with_true_clock
 from procedures.diagnosis.diagnose import diagnose
 from procedures.effects import EFFECTS

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.calibration.calibration import solve
-from procedures.calibration.campaign import Campaign
+from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.constant_rate_check import bent_strip_width, strip_width
 from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
 from tests.procedures.diagnosis.planted import lively, planted

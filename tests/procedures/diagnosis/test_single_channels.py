@@ -7,8 +7,8 @@ import pytest
 
 from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.calibration.campaign import Campaign, SoakRecord
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.campaign import Campaign, SoakRecord
+from procedures.campaign.plan_steps import Dwell
 from procedures.diagnosis.single_channels import single_channels
 
 PER_KELVIN = 1e-3  # deg/s per K

@@ -7,8 +7,8 @@ import pytest
 
 from drivers.simulated.bench_in_memory import ALL_POSITIONS, SimulatedBench, simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.calibration.campaign import Campaign, DwellRecord, SoakRecord
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.campaign import Campaign, DwellRecord, SoakRecord
+from procedures.campaign.plan_steps import Dwell
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
 

@@ -10,7 +10,7 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import Fits, Reduced, solve
-from procedures.calibration.campaign import Campaign, DwellRecord, ProcedureSigma, Site
+from procedures.campaign.campaign import Campaign, DwellRecord, ProcedureSigma, Site
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis import refit as refit_module
 from procedures.diagnosis.candidates import Candidate

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.calibration.calibration import solve
-from procedures.calibration.campaign import Campaign
+from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.wrong_positions import find_labels, mislabelled, with_true_labels
 from procedures.errors import WrongFace
 from tests.procedures.diagnosis.planted import lively, planted

@@ -9,8 +9,8 @@ from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.bench_truth import imu_from_cube
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.hand_turns import TURN_START
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.plan_steps import Dwell
+from procedures.dwells_and_turns.hand_turns import TURN_START
 from procedures.earth.gravity_and_rate import DEG_PER_HOUR, EARTH_RATE
 from procedures.earth.gyrocompass import Known, find_heading, first_position, heading_change, scale
 from procedures.frames import FACES, face_of, rotation

@@ -13,9 +13,9 @@ from drivers.simulated.effects.procedure import auxiliary
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import Fits, Reduced, fit_reduced, reduce_steps
-from procedures.calibration.campaign import ProcedureSigma
-from procedures.calibration.observations import TriadDwells
-from procedures.calibration.plan_steps import Turn
+from procedures.campaign.campaign import ProcedureSigma
+from procedures.campaign.observations import TriadDwells
+from procedures.campaign.plan_steps import Turn
 from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.effects import EFFECTS, sagnac_sine

@@ -3,12 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.calibration.bench_parameters import mean_axes
-from procedures.calibration.campaign import Campaign, Fixture, RestRecord
-from procedures.calibration.observations import TriadRests
 from procedures.calibration.residuals import fit_quality
 from procedures.calibration.triad_calibration import triad_vector
-from procedures.calibration.twelve_position import JointFit, solve_accelerometer
+from procedures.campaign.campaign import Campaign, Fixture, RestRecord
+from procedures.campaign.observations import TriadRests
+from procedures.dwells_and_turns.bench_parameters import mean_axes
+from procedures.dwells_and_turns.twelve_position import JointFit, solve_accelerometer
 from procedures.frames import FACES, face_normal
 from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests, with_known_faces
 from tests.procedures.free_units import NO_SERIES, Unit, at_rest, unit, ups

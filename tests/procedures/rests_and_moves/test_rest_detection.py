@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.calibration.campaign import SequenceRecord
+from procedures.campaign.campaign import SequenceRecord
 from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.rests_and_moves.norm_fit import choose_rests
 from procedures.rests_and_moves.rest_detection import activity, cut

@@ -7,7 +7,7 @@ import pytest
 
 from station import cli
 from station.files.campaign_folder.writing import write_campaign
-from tests.procedures.counts.test_dead_channels import ACCEL, GYRO, Kill, dead, every_step, everywhere, recorded
+from tests.procedures.campaign.test_dead_channels import ACCEL, GYRO, Kill, dead, every_step, everywhere, recorded
 
 CASES: dict[str, tuple[Kill, str, int]] = {  # what is dead, what is said, exit code of measuring the cube
     "one gyroscope": (dead(GYRO, "yz", everywhere, 17.0), "gyroscope y puts out a constant 17", 0),

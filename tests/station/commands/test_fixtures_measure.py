@@ -13,7 +13,7 @@ from fixtures_db.cube_measurements import measurements
 from fixtures_db.cubes import cube_row
 from fixtures_db.database import open_db
 from fixtures_db.measured_rows import measurement
-from procedures.calibration.campaign import Fixture
+from procedures.campaign.campaign import Fixture
 from procedures.frames import face_of
 from station import cli
 from station.files.campaign_folder.reading import read_campaign

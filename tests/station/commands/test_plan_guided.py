@@ -10,7 +10,7 @@ import pytest
 
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from procedures.calibration.plan_steps import Dwell, FreePosition, Soak, Step
+from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step
 from station import cli
 from station.files.campaign_folder.plan_toml import write_plan
 from station.files.campaign_folder.reading import read_campaign

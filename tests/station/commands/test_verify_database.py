@@ -13,7 +13,7 @@ from fixtures_db.chain import Link, faults
 from fixtures_db.cubes import add_cube, certify_faces
 from fixtures_db.database import Database, open_db
 from fixtures_db.history import accept_calibration, history
-from procedures.calibration.campaign import FaceCertificate
+from procedures.campaign.campaign import FaceCertificate
 from station import cli
 from tests.fixtures_db.factory import NOON, facts, solution
 from tests.station.guide.recorded import accept, begin

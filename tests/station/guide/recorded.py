@@ -11,7 +11,7 @@ from drivers.simulated.device import ByteDevice
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.database import Database, open_db
-from procedures.calibration.plan_steps import Dwell, Step
+from procedures.campaign.plan_steps import Dwell, Step
 from station.files.campaign_folder.schema import SiteTable
 from station.stream.reader import Chunk
 from station.stream.recorder import CampaignRecorder, SampleStream, Tape, Unit, open_campaign

@@ -8,8 +8,8 @@ import numpy as np
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from procedures.calibration.campaign import Fixture
-from procedures.calibration.plan_steps import Dwell, Step
+from procedures.campaign.campaign import Fixture
+from procedures.campaign.plan_steps import Dwell, Step
 from station.guide.accepted_steps import so_far
 from station.guide.checklist import Checklist
 from station.guide.command import Command

@@ -9,7 +9,7 @@ import pytest
 from drivers.errors import LinkSilent
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
-from procedures.calibration.plan_steps import Dwell, Turn
+from procedures.campaign.plan_steps import Dwell, Turn
 from procedures.frames import nominal_C_lb
 from station.guide.view import PoseView, View
 from tests.station.guide.rig import GuideRig, dwells

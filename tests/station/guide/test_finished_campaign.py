@@ -9,8 +9,8 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
 from fixtures_db.history import history
-from procedures.calibration import hand_turns
-from procedures.calibration.plan_steps import Dwell, steps_of
+from procedures.campaign.plan_steps import Dwell, steps_of
+from procedures.dwells_and_turns import hand_turns
 from station import cli
 from station.files.toml_text import read_toml
 from station.guide.command import Command

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drivers.simulated.truth import Truth
-from procedures.calibration.plan_steps import Dwell, FreePosition, Soak
+from procedures.campaign.plan_steps import Dwell, FreePosition, Soak
 from procedures.rests_and_moves.free_attitudes import LEANS, angle_deg, way_up
 from station.files.campaign_folder.reading import read_campaign
 from station.files.sha256sums import verify_folder

@@ -11,7 +11,7 @@ from fixtures_db.campaigns import campaign, set_state, verify_steps
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import CampaignInUse
 from fixtures_db.history import accept_calibration
-from procedures.calibration.plan_steps import Turn
+from procedures.campaign.plan_steps import Turn
 from station.errors import DataRefused
 from station.files.campaign_folder.reading import read_campaign
 from station.files.sha256sums import verify_folder

@@ -8,8 +8,8 @@ import numpy as np
 
 from drivers.simulated.imu import COUNT_PER_G_S, COUNT_PER_RAD
 from drivers.simulated.truth import Truth
-from procedures.calibration import hand_turns, twelve_position
-from procedures.calibration.plan_steps import Turn, steps_of
+from procedures.campaign.plan_steps import Turn, steps_of
+from procedures.dwells_and_turns import hand_turns, twelve_position
 from station import cli
 from station.guide.view import View
 from tests.station.guide.rig import GuideRig

@@ -18,7 +18,7 @@ from fixtures_db.history import calibration
 from fixtures_db.limits import Limit, limits_of, set_limits
 from fixtures_db.sites import Survey, add_site
 from fixtures_db.slabs import add_level, add_slab
-from procedures.calibration.campaign import FaceCertificate
+from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.guide.folder_notes import write_setup
 from station.guide.live_campaign import site_table, usual_steps

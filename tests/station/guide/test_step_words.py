@@ -7,8 +7,8 @@ import pytest
 
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from procedures.calibration.hand_turns import plan
-from procedures.calibration.plan_steps import Dwell, Turn, steps_of
+from procedures.campaign.plan_steps import Dwell, Turn, steps_of
+from procedures.dwells_and_turns.hand_turns import plan
 from station.guide.command import Command
 from station.guide.outcome import verdict_view
 from station.guide.step_words import for_people, gap_in_words, in_words, step_typed

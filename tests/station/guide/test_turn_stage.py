@@ -9,7 +9,7 @@ import pytest
 
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
-from procedures.calibration.plan_steps import Dwell, Turn
+from procedures.campaign.plan_steps import Dwell, Turn
 from station.errors import DataRefused
 from station.files.campaign_folder.reading import read_campaign
 from station.guide.view import View

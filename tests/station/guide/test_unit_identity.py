@@ -7,7 +7,7 @@ import pytest
 
 from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.plan_steps import Dwell
 from station.errors import DataRefused
 from station.guide.folder_notes import read_unit, write_unit
 from station.guide.unit_identity import UnitRecord, same_unit

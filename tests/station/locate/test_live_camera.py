@@ -7,12 +7,12 @@ import pytest
 
 from drivers.camera import CameraImage
 from procedures.fusion.inner.camera_keyframes import SPACING
-from procedures.fusion.vision.camera_time import CameraOffset
 from procedures.fusion.vision.feature_tracks import Tracks
+from procedures.fusion.visual_alignment.camera_time import CameraOffset
 from station.locate.live_camera import LiveCamera
 from station.stream.camera.feature_following import Seen
 from tests.procedures.fusion.seen import CAMERA
-from tests.procedures.fusion.vision.test_camera_time import rocking, seen
+from tests.procedures.fusion.visual_alignment.test_camera_time import rocking, seen
 
 LATE_S, CLOCK_S = 0.06, 1000.0
 

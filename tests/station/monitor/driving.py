@@ -14,7 +14,7 @@ from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import Track
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
-from procedures.fusion.vision.camera_time import CameraOffset
+from procedures.fusion.visual_alignment.camera_time import CameraOffset
 from station.calibrated.body_axes import DEFAULT, body_axes
 from station.calibrated.calibration_choice import Applied
 from station.files.mcap_files.fix_reader import Record

@@ -17,7 +17,7 @@ from fixtures_db.errors import AlreadyStored, NotInDatabase
 from fixtures_db.history import history, verify_chain
 from fixtures_db.limits import Limit, set_limits
 from fixtures_db.slabs import add_level, add_slab
-from procedures.calibration.campaign import FaceCertificate
+from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.errors import Altered, CannotWrite
 from station.files.atomic_file import replace_file

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from procedures.calibration.campaign import Campaign, Site
 from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
+from procedures.campaign.campaign import Campaign, Site
 from station.errors import CannotWrite
 from station.files.campaign_folder.loaded import LoadedCampaign
 from station.files.campaign_folder.schema import CampaignTable

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from procedures.calibration.plan_steps import Dwell, FreePosition, Soak, Turn
+from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Turn
 from station.errors import DataRefused
 from station.files.campaign_folder.plan_toml import read_plan, write_plan
 

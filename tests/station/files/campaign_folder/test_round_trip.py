@@ -9,8 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from procedures.bench.measured_cube import NAMES
-from procedures.calibration.campaign import (
+from procedures.campaign.campaign import (
     Campaign,
     DwellRecord,
     FaceCertificate,
@@ -20,6 +19,7 @@ from procedures.calibration.campaign import (
     Site,
     TurnRecord,
 )
+from procedures.campaign.measured_cube import NAMES
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.frames import FACES, TURN_START
 from station.files.campaign_folder.loaded import LoadedCampaign

@@ -3,7 +3,7 @@
 from collections import deque
 from pathlib import Path
 
-from procedures.calibration.plan_steps import Dwell, Turn
+from procedures.campaign.plan_steps import Dwell, Turn
 from station.files.scenario import read_scenario
 from station.guide.live_campaign import usual_steps
 from station.guide.setup_view import Setup

@@ -15,7 +15,7 @@ from fixtures_db.limits import set_limits
 from fixtures_db.references import references
 from fixtures_db.sites import Survey, add_site
 from fixtures_db.slabs import add_level, add_slab
-from procedures.calibration.campaign import FaceCertificate
+from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.files.campaign_folder.schema import SiteTable
 from station.guide.folder_notes import write_setup, write_unit

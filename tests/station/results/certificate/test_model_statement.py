@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from procedures.calibration.bench_parameters import SLAB_RANGE
+from procedures.dwells_and_turns.bench_parameters import SLAB_RANGE
 from station.results.certificate.model_statement import (
     SLAB_RANGE_DEG,
     diagnosis_said,

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.calibration.plan_steps import Turn
+from procedures.campaign.plan_steps import Turn
 from procedures.effects import EFFECTS
 from station.errors import DataRefused
 from station.files.campaign_folder.plan_toml import read_mounting, read_plan

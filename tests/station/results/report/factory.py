@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from procedures.calibration.campaign import Campaign, DwellRecord, FaceCertificate, Fixture, Site, TurnRecord
 from procedures.calibration.solution import Estimate, FitQuality, Solution, StepResidual, TriadCalibration
+from procedures.campaign.campaign import Campaign, DwellRecord, FaceCertificate, Fixture, Site, TurnRecord
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import AXES, POSITIONS
 from procedures.uncertainty.budget import ParameterBudget, combined

@@ -19,7 +19,7 @@ from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.plan_steps import Dwell
 from station import cli
 from station.errors import DataRefused
 from station.files.campaign_folder.reading import read_campaign

@@ -6,7 +6,7 @@ import pytest
 from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.plan_steps import Dwell
 from procedures.counts.sample_records import CountBlock, CountSeries
 from station.stream.live.stillness import Block, Stillness, block_of
 

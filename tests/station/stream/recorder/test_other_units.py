@@ -10,8 +10,8 @@ import pytest
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from procedures.calibration.hand_turns import plan as turns
-from procedures.calibration.plan_steps import Dwell, Turn, steps_of
+from procedures.campaign.plan_steps import Dwell, Turn, steps_of
+from procedures.dwells_and_turns.hand_turns import plan as turns
 from station import cli
 from station.stream.live import open_feed
 from station.stream.live.accepted_blocks import merged

@@ -9,7 +9,7 @@ import pytest
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.database import open_db
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.plan_steps import Dwell
 from station import cli
 from station.files.campaign_folder.reading import read_campaign
 from station.stream.live import open_feed

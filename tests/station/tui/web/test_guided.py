@@ -7,7 +7,7 @@ from pathlib import Path
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from procedures.calibration.plan_steps import Dwell
+from procedures.campaign.plan_steps import Dwell
 from station.guide.client import Connection
 from station.guide.command import Command, Verb
 from station.guide.folder_notes import keep_plan

@@ -10,13 +10,13 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.fusion.alignment.alignment import Waiting
-from procedures.fusion.alignment.visual_start import JointFit, VisualStart
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.visual_inertial_window import VisionSettings
 from procedures.fusion.vision.feature_tracks import Camera, Tracks
 from procedures.fusion.vision.two_view import FEWEST
-from procedures.fusion.vision.visual_structure import structure
+from procedures.fusion.visual_alignment.visual_start import JointFit, VisualStart
+from procedures.fusion.visual_alignment.visual_structure import structure
 
 FIRST = 1.0  # s after which it is worth a try
 PACE = 1.1  # later attempts are as much farther apart, and at least `STEP`

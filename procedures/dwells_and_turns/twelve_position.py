@@ -13,12 +13,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.calibration.bench_parameters import Bench, Placement, cube_numbers
-from procedures.calibration.campaign import Campaign
-from procedures.calibration.observations import TriadDwells, TriadRests
-from procedures.calibration.plan_steps import Dwell, Plan
-from procedures.calibration.turn_ons import fit_parted
+from procedures.campaign.campaign import Campaign
+from procedures.campaign.observations import TriadDwells, TriadRests
+from procedures.campaign.plan_steps import Dwell, Plan
 from procedures.counts.sample_records import Series
+from procedures.dwells_and_turns.bench_parameters import Bench, Placement, cube_numbers
+from procedures.dwells_and_turns.turn_ons import fit_parted
 from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.statistics.least_squares import Fit
 

@@ -1,7 +1,7 @@
 """What was measured of a cube: parallelism and skew by name, with their covariance.
 
 Parallelism ``p_ac`` is the sum of the up tilts of face pair a along axis c, skew ``S_ac = q_ac + q_ca`` the cosine
-between the mean normals of the pairs a and c (`procedures.calibration.bench_parameters`). The other half of
+between the mean normals of the pairs a and c (`procedures.dwells_and_turns.bench_parameters`). The other half of
 perpendicularity, ``q_ac - q_ca``, turns the cube as a whole: nothing but the faces says where a cube's axes are.
 """
 
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import FaceCertificate, MeasuredCube
+from procedures.campaign.campaign import FaceCertificate, MeasuredCube
 from procedures.frames import AXES, cross_axes
 
 PAIRS = (("x", "y"), ("x", "z"), ("y", "z"))

@@ -20,8 +20,8 @@ from functools import cached_property
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.bench.measured_cube import NAMES, SKEW, from_tilts
-from procedures.calibration.campaign import Campaign, MeasuredCube, Site
+from procedures.campaign.campaign import Campaign, MeasuredCube, Site
+from procedures.campaign.measured_cube import NAMES, SKEW, from_tilts
 from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import AXES, cross_axes, face_normal, face_of, nominal_C_lb, rotation, slab_C_ln
 

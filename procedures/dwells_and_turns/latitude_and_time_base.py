@@ -12,8 +12,8 @@ rates it is the other way round: dwells stay, the integral of a turn scales but 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.hand_turns import GyroscopeFit
-from procedures.calibration.twelve_position import mountings
+from procedures.dwells_and_turns.hand_turns import GyroscopeFit
+from procedures.dwells_and_turns.twelve_position import mountings
 from procedures.earth.gravity_and_rate import EARTH_RATE, earth_rate_n
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import Campaign, DwellRecord, RestRecord, TurnRecord
+from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, TurnRecord
 from procedures.counts.count_rate import LEAST_SAMPLES, RateEstimate, estimate_counts
 from procedures.counts.rate_mean import estimate_rates
 from procedures.counts.sample_records import CountSeries, Series

@@ -5,10 +5,11 @@ import pytest
 
 from drivers.simulated.truth import paper_truth
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import FaceCertificate, Fixture
-from procedures.calibration.plan_steps import Dwell, Step, run
 from procedures.calibration.triad_calibration import paper_biases, scale_misalignment_bias, triad_vector
-from procedures.calibration.twelve_position import (
+from procedures.campaign.campaign import FaceCertificate, Fixture
+from procedures.campaign.plan_steps import Dwell, Step, run
+from procedures.counts.sample_records import CountSeries, Series
+from procedures.dwells_and_turns.twelve_position import (
     by_position,
     closed_form,
     is_determined,
@@ -16,7 +17,6 @@ from procedures.calibration.twelve_position import (
     plan,
     solve_accelerometer,
 )
-from procedures.counts.sample_records import CountSeries, Series
 from procedures.frames import FACES
 from tests.procedures.independent import (
     TABLE_4_D,

@@ -10,11 +10,11 @@ import pytest
 from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.calibration.calibration import solve
-from procedures.calibration.campaign import Campaign, RateTable, SequenceRecord, SoakRecord
-from procedures.calibration.plan_steps import Dwell
-from procedures.counts.dead_channels import without_dead
+from procedures.campaign.campaign import Campaign, RateTable, SequenceRecord, SoakRecord
+from procedures.campaign.dead_channels import without_dead
+from procedures.campaign.plan_steps import Dwell
+from procedures.campaign.stopped_channels import constant_end, stopped
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
-from procedures.counts.stopped_channels import constant_end, stopped
 from procedures.diagnosis.diagnose import diagnose
 
 TRUTH = replace(Truth.example(7), sample_period_s=0.05)

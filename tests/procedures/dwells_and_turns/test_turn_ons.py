@@ -9,8 +9,8 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import solve
-from procedures.calibration.campaign import Campaign
-from procedures.calibration.turn_ons import contrasts
+from procedures.campaign.campaign import Campaign
+from procedures.dwells_and_turns.turn_ons import contrasts
 
 ACCEL_G, GYRO_DEG_S = np.array([8e-4, -5e-4, 3e-4]), np.array([6e-4, -9e-4, 4e-4])
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import Campaign, TurnRecord
-from procedures.calibration.hand_turns import GyroscopeFit, plan, solve_gyroscope
-from procedures.calibration.observations import TriadDwells, turn_totals
-from procedures.calibration.plan_steps import Step, Turn, run
 from procedures.calibration.triad_calibration import triad_vector
+from procedures.campaign.campaign import Campaign, TurnRecord
+from procedures.campaign.observations import TriadDwells, turn_totals
+from procedures.campaign.plan_steps import Step, Turn, run
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
+from procedures.dwells_and_turns.hand_turns import GyroscopeFit, plan, solve_gyroscope
 from tests.procedures.independent import body_from_level, campaign, dwells
 
 PERIOD, FINE = 0.02, 20

@@ -7,7 +7,7 @@ else says so:
 - the cube was turned about its own axis, or a sequence moved it, or its axis was up and down all alike;
 - a rate output with noise of several steps of its converter never holds still;
 - by the channel's other dwells and their attitudes it should have moved by more than `LEAST` counts;
-- or it stopped within the step itself (`procedures.counts.stopped_channels`).
+- or it stopped within the step itself (`procedures.campaign.stopped_channels`).
 
 The whole triad is left out of such a step; of a soak the channel alone (`procedures.diagnosis.thermal_soaks`).
 """
@@ -19,7 +19,7 @@ from typing import TypeVar
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import (
+from procedures.campaign.campaign import (
     Campaign,
     DwellRecord,
     RateTable,
@@ -28,8 +28,7 @@ from procedures.calibration.campaign import (
     SoakRecord,
     TurnRecord,
 )
-from procedures.counts.sample_records import CountSeries, Series
-from procedures.counts.stopped_channels import (
+from procedures.campaign.stopped_channels import (
     LEAST,
     LEVELS,
     TAIL,
@@ -39,6 +38,7 @@ from procedures.counts.stopped_channels import (
     stopped_in_sequence,
     stopped_in_turn,
 )
+from procedures.counts.sample_records import CountSeries, Series
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import AXES, face_normal, face_of, nominal_C_lb
 

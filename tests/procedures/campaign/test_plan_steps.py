@@ -3,7 +3,7 @@ from dataclasses import FrozenInstanceError
 import numpy as np
 import pytest
 
-from procedures.calibration.plan_steps import Dwell, Plan, Step, Turn, run
+from procedures.campaign.plan_steps import Dwell, Plan, Step, Turn, run
 from procedures.counts.sample_records import CountSeries, Series
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.campaign import SequenceRecord, TurnRecord
+from procedures.campaign.campaign import SequenceRecord, TurnRecord
 from procedures.counts.sample_records import CountSeries
 
 LEAST = 10.0  # counts, beyond six sigmas of what the other rests scatter

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
 from procedures.arrays import FloatArray
-from procedures.calibration.bench_parameters import (
+from procedures.campaign.campaign import FaceCertificate, Fixture
+from procedures.dwells_and_turns.bench_parameters import (
     FACE_RANGE,
     SLAB_RANGE,
     Bench,
@@ -18,7 +19,6 @@ from procedures.calibration.bench_parameters import (
     skew_variance,
     tilt_names,
 )
-from procedures.calibration.campaign import FaceCertificate, Fixture
 from procedures.frames import AXES, FACES, C_bn, face_of
 from tests.procedures.independent import body_from_level, campaign
 

@@ -23,7 +23,7 @@ from procedures.fusion.inner.window_problem import Factor, Held, assemble
 from procedures.fusion.inner.window_state import HEADING, WindowState
 from procedures.fusion.outer.outer_terms import rz
 from procedures.fusion.rotation_vectors import log_rotation
-from procedures.fusion.vision.visual_structure import Structure
+from procedures.fusion.visual_alignment.visual_structure import Structure
 
 SETTLED_SCALE = 0.02  # 1 sigma: of 717 starts on real flights the worst was then 8 % off, of 901 with 0.04 11 %
 STRANGE = 2.5  # of a mean square that should be 1

@@ -16,13 +16,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.bench_parameters import Bench, Placement, Prior, cube_numbers
-from procedures.calibration.campaign import Campaign
-from procedures.calibration.observations import TriadDwells, TurnTotal, channel
-from procedures.calibration.plan_steps import Plan, Turn
-from procedures.calibration.turn_ons import Parted, fit_parted
-from procedures.calibration.twelve_position import ALIVE, JointFit, mountings
+from procedures.campaign.campaign import Campaign
+from procedures.campaign.observations import TriadDwells, TurnTotal, channel
+from procedures.campaign.plan_steps import Plan, Turn
 from procedures.counts.sample_records import Series
+from procedures.dwells_and_turns.bench_parameters import Bench, Placement, Prior, cube_numbers
+from procedures.dwells_and_turns.turn_ons import Parted, fit_parted
+from procedures.dwells_and_turns.twelve_position import ALIVE, JointFit, mountings
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.errors import TurnsDisagree
 from procedures.frames import AXES, TURN_START, face_normal, face_of

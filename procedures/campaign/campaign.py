@@ -45,7 +45,7 @@ class FaceCertificate:
 class MeasuredCube:
     """A cube as IMUs measured it: ``value`` (n,) [rad] of ``names`` and covariance (n, n) [rad2].
 
-    The names are of `procedures.bench.measured_cube.NAMES`; ``units`` names the IMUs, model and serial number.
+    The names are of `procedures.campaign.measured_cube.NAMES`; ``units`` names the IMUs, model and serial number.
     """
 
     names: tuple[str, ...]

@@ -1,0 +1,1 @@
+"""The joint fits: accelerometers from dwells in known positions, gyroscopes from hand turns."""
