@@ -14,11 +14,8 @@ import typer
 from typer.core import TyperGroup
 
 from station.commands import COMMANDS, Command
-from station.exit_codes import exit_code
+from station.exit_codes import CANCELLED, explain, one_line
 from station.garbage_collection import collect_seldom
-
-CANCELLED = 130
-BUG = 70
 
 
 class LazyGroup(TyperGroup):
@@ -109,26 +106,3 @@ def run(arguments: list[str]) -> int:
     if line:
         sys.stderr.write(one_line(line) + "\n")
     return code
-
-
-def explain(error: BaseException) -> tuple[int, str]:
-    """Return the exit code of what a command raised, and the line to say."""
-    if isinstance(error, KeyboardInterrupt | typer.Abort):
-        return CANCELLED, "cancelled"
-    if isinstance(error, SystemExit | typer.Exit):
-        code = error.code if isinstance(error, SystemExit) else error.exit_code
-        return (code, "") if isinstance(code, int) else (2 if code else 0, str(code or ""))
-    if callable(usage := getattr(error, "format_message", None)):  # every usage error of typer's click has one
-        context = getattr(error, "ctx", None)
-        return 2, f"{usage().rstrip('.')}. Try `{context.command_path if context else 'station'} --help`."
-    if (code := exit_code(error)) is not None:
-        return code, str(error)
-    return (
-        BUG,
-        f"{type(error).__name__}: {error}; a bug: run again with STATION_TRACEBACK=1 and report what it says",
-    )
-
-
-def one_line(text: str) -> str:
-    """Return text as one printable line."""
-    return "".join(c if c.isprintable() else " " for c in text).strip()

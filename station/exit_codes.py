@@ -1,5 +1,7 @@
 """The exit code of each family of refusals, by full name, so that no command's imports are paid for by another."""
 
+CANCELLED = 130
+BUG = 70
 EXIT_CODES = {
     "station.errors.DataRefused": 3,
     "station.errors.CannotWrite": 2,
@@ -27,3 +29,28 @@ def exit_code(error: BaseException) -> int | None:
         if (code := EXIT_CODES.get(f"{kind.__module__}.{kind.__qualname__}")) is not None:
             return code
     return None
+
+
+def explain(error: BaseException) -> tuple[int, str]:
+    """Return the exit code of what a command raised, and the line to say."""
+    import typer  # not before something was raised: the engine needs no command line
+
+    if isinstance(error, KeyboardInterrupt | typer.Abort):
+        return CANCELLED, "cancelled"
+    if isinstance(error, SystemExit | typer.Exit):
+        code = error.code if isinstance(error, SystemExit) else error.exit_code
+        return (code, "") if isinstance(code, int) else (2 if code else 0, str(code or ""))
+    if callable(usage := getattr(error, "format_message", None)):  # every usage error of typer's click has one
+        context = getattr(error, "ctx", None)
+        return 2, f"{usage().rstrip('.')}. Try `{context.command_path if context else 'station'} --help`."
+    if (code := exit_code(error)) is not None:
+        return code, str(error)
+    return (
+        BUG,
+        f"{type(error).__name__}: {error}; a bug: run again with STATION_TRACEBACK=1 and report what it says",
+    )
+
+
+def one_line(text: str) -> str:
+    """Return text as one printable line."""
+    return "".join(c if c.isprintable() else " " for c in text).strip()

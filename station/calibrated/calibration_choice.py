@@ -10,9 +10,9 @@ from typing import Any
 from drivers.wire import NominalScale, WireFormat
 from fixtures_db.database import open_db
 from fixtures_db.history import last_calibration
+from station.calibrated.in_use import InUse
 from station.errors import DataRefused
 from station.files.toml_text import read_text_file
-from station.monitor.view import InUse
 from station.stream.recorder.connected_unit import Unit
 
 FORMAT = "calibration/1"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import platformdirs
 import typer
 
-from station.guide.setup_view import Setup
+from station.files.setup import Setup
 from station.guide.view import View
 
 if TYPE_CHECKING:

@@ -81,9 +81,9 @@ def calibrate(
     Example: station calibrate --device serial:///dev/ttyUSB0?format=counts --latitude 48.1
     """
     from station.commands._guided import Screen, campaigns_root, guide, set_up
+    from station.files.setup import Setup
     from station.guide.command import Command
     from station.guide.last_setup import load_setup
-    from station.guide.setup_view import Setup
     from station.guide.start_engine import EngineOptions
 
     given = {

@@ -1,5 +1,6 @@
 """``station monitor``: roll and pitch of a live device."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -99,6 +100,7 @@ def monitor(
     from station.commands._lengths import lengths
     from station.monitor.alarms import parse_alarm
     from station.monitor.monitor_command import Wanted, run
+    from station.tui.monitor.run import run_monitor
 
     url = whole_url(url)
     if json and plain:
@@ -134,4 +136,5 @@ def monitor(
         speed=speed, model=model, serial=serial, database=db, locate=locate, lever_arm=arm,
         camera=camera,
     )  # fmt: skip
-    run(wanted, "json" if json else "plain" if plain else "screen", slow=slow, quiet=quiet)
+    show = partial(run_monitor, slow=slow, quiet=quiet)
+    run(wanted, "json" if json else "plain" if plain else "screen", show, quiet=quiet)

@@ -73,7 +73,7 @@ def record(
         made(url)
         return
     from drivers.errors import ReplayEnded
-    from station.guide.folder import journal_path, new_folder
+    from station.files.new_folder import journal_path, new_folder
     from station.stream.camera.camera_feed import open_camera
     from station.stream.camera.description import read_description
     from station.stream.gnss import open_gnss

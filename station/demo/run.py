@@ -18,9 +18,9 @@ from station.demo.certifying import CERTIFICATE, certify
 from station.demo.example_bench import GRAVITY_STD, ExampleBench, add_example
 from station.demo.truth_values import truth_values
 from station.errors import CannotWrite, cannot_write
+from station.files.setup import Setup
 from station.guide.headless import record
 from station.guide.options import Options
-from station.guide.setup_view import Setup
 from station.guide.simulated_operator import SimulatedOperator
 from station.guide.view import View
 from station.results.campaign_results import Results, make_results, store

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Protocol
 
 from station.guide.command import Command
 from station.guide.setup_view import Check
-from station.guide.view import Sound, View
+from station.guide.view import View
+from station.stream.events import Sound
 
 if TYPE_CHECKING:
     from station.guide.disk_space import Disk

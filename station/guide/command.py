@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from station.guide.setup_view import Setup
+from station.files.setup import Setup
 
 Verb = Literal[
     "check",  # look at the port `url` for two seconds

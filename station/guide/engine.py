@@ -20,13 +20,14 @@ from fixtures_db.errors import DatabaseError
 from procedures.errors import ProcedureError
 from station.errors import CannotWrite, DataRefused, DiskFull, StationError
 from station.exit_codes import exit_code
+from station.files.setup import Setup
 from station.guide.campaign import Campaign
 from station.guide.command import Command
 from station.guide.last_setup import save_setup
 from station.guide.options import Options
 from station.guide.readiness_in_background import Considering, said_of
 from station.guide.setup import start_view
-from station.guide.setup_view import Check, Readiness, Setup, Start
+from station.guide.setup_view import Check, Readiness, Start
 from station.guide.solved import Solved
 from station.guide.step_words import for_people
 from station.guide.view import Stage, View
@@ -312,7 +313,7 @@ def _resumed(folder: Path, database: Database, options: Options) -> Campaign:
 
 def _port_of(folder: Path) -> str:
     """Return the port that a campaign had, empty if that is not known."""
-    from station.guide.folder_notes import read_setup
+    from station.files.campaign_folder.notes import read_setup
 
     with contextlib.suppress(DataRefused, OSError):
         return (read_setup(folder) or Setup()).url

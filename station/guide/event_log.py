@@ -1,6 +1,6 @@
 """What happened, to be heard and read once each."""
 
-from station.guide.view import Event, Sound
+from station.stream.events import Event, Sound
 
 KEPT = 8
 

@@ -4,16 +4,17 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from fixtures_db.database import Database
+from station.files.campaign_folder.notes import kept_plan, read_setup
+from station.files.setup import Setup
 from station.guide.checklist import Checklist
 from station.guide.command import Command
 from station.guide.disk_space import Disk, disk_for
 from station.guide.event_log import Story
 from station.guide.folder_lock import FolderLock
-from station.guide.folder_notes import kept_plan, read_setup
 from station.guide.interrupted_campaigns import reopen
 from station.guide.live_campaign import usual_steps
-from station.guide.setup_view import Setup
-from station.guide.view import Sound, View
+from station.guide.view import View
+from station.stream.events import Sound
 from station.stream.recorder import CampaignRecorder
 
 

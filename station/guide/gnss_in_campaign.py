@@ -12,8 +12,8 @@ import numpy as np
 from drivers.errors import DriverError
 from procedures.earth.gnss_records import AveragedSite
 from station.files.atomic_file import replace_file
+from station.files.setup import Setup
 from station.guide.event_log import Story
-from station.guide.setup_view import Setup
 from station.stream.gnss import GnssFeed, open_gnss
 from station.stream.gnss.sample_rate import SampleRate
 from station.stream.gnss.summary import site_in_words

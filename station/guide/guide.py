@@ -13,6 +13,7 @@ from drivers.errors import DriverError
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Step
 from procedures.rests_and_moves.free_attitudes import APART_DEG, nearest_deg
+from station.files.campaign_folder.notes import UnitRecord
 from station.guide.command import Command
 from station.guide.cube_pose import HeadingWatch, face_wanted, pose_view
 from station.guide.cube_tracking import Tracker
@@ -26,7 +27,6 @@ from station.guide.stage import Stage
 from station.guide.stage_context import Desk
 from station.guide.stream_trouble import Trouble, trouble_of
 from station.guide.turn_stage import Turning
-from station.guide.unit_identity import UnitRecord
 from station.guide.unit_recognition import Recognising
 from station.guide.view import Gates, Link, PoseView, View
 from station.guide.warm_up_stage import Warming

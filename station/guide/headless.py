@@ -4,11 +4,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from fixtures_db.database import Database
+from station.files.setup import Setup
 from station.guide.command import Command
 from station.guide.engine import Engine
 from station.guide.live_campaign import begin
 from station.guide.options import Options
-from station.guide.setup_view import Setup
 from station.guide.simulated_operator import Operator
 from station.guide.start_engine import EngineOptions
 from station.guide.view import View

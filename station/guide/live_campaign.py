@@ -19,14 +19,23 @@ from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Step, Turn, steps_of
 from procedures.dwells_and_turns import hand_turns, twelve_position
 from station.errors import DataRefused
+from station.files.campaign_folder.notes import (
+    UnitRecord,
+    keep_plan,
+    kept_plan,
+    read_setup,
+    read_unit,
+    write_setup,
+    write_unit,
+)
 from station.files.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
+from station.files.new_folder import journal_path, new_folder
+from station.files.setup import Setup
 from station.guide.accepted_steps import SoFar, after_pause, so_far
 from station.guide.checklist import Checklist
 from station.guide.command import Command
 from station.guide.disk_space import WARM_UP_S, Disk, disk_for, refuse_full
 from station.guide.fixture import cube_fixture
-from station.guide.folder import journal_path, new_folder
-from station.guide.folder_notes import keep_plan, kept_plan, read_setup, read_unit, write_setup, write_unit
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.gnss_in_campaign import GnssBeside, reopened, said_of_site, sited, utc_now
 from station.guide.guide import Guide
@@ -34,10 +43,10 @@ from station.guide.host_clock import HostClock
 from station.guide.interrupted_campaigns import FolderLock, reopen
 from station.guide.options import Options
 from station.guide.port_check import RECORD_INSTEAD
-from station.guide.setup_view import Check, Setup
+from station.guide.setup_view import Check
 from station.guide.stage_context import POWER_CYCLED, Desk, Facts
-from station.guide.unit_identity import UnitRecord
-from station.guide.view import Sound, View
+from station.guide.view import View
+from station.stream.events import Sound
 from station.stream.gnss import GnssFeed, open_gnss
 from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.reader import Reader

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from station.guide.setup_view import Setup
+from station.files.setup import Setup
 
 if TYPE_CHECKING:
     from procedures.campaign.plan_steps import Step

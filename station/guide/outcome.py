@@ -10,12 +10,12 @@ from fixtures_db.database import Database
 from fixtures_db.history import last_calibration
 from procedures.calibration.solution import StepResidual
 from procedures.frames import AXES
-from station.guide.folder_notes import read_left_out
-from station.guide.kept_tilted_dwells import doubt_of, worst_kept
+from station.files.campaign_folder.notes import read_left_out
 from station.guide.step_words import gap_in_words, verdict_for_people
 from station.guide.view import Row, Verdict
 from station.results.diagnosis.diagnosis_text import diagnosis_text, warnings_of
 from station.results.diagnosis.wording import verdict_sentence
+from station.results.kept_tilted_dwells import doubt_of, worst_kept
 from station.results.parameters_by_name import (
     Parameter,
     Shift,

@@ -16,8 +16,9 @@ from fixtures_db.references import why_measured
 from fixtures_db.sites import is_surveyed_at
 from station.errors import megabytes
 from station.files.campaign_folder.schema import GRAVITY_STD
+from station.files.setup import Setup
 from station.guide.prior_knowledge import Known, Survey
-from station.guide.setup_view import Check, Readiness, ReadyLine, Setup
+from station.guide.setup_view import Check, Readiness, ReadyLine
 from station.results.certificate.checklist import missing_before
 
 NEVER = ("gyroscope.bias_12_position", "gyroscope.bias_two_direction")  # closed forms of accelerometers alone

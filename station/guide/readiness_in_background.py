@@ -4,9 +4,10 @@ from concurrent.futures import Executor, Future
 
 from fixtures_db.database import Database
 from fixtures_db.errors import DatabaseError
+from station.files.setup import Setup
 from station.guide.campaign import Campaign
 from station.guide.options import Options
-from station.guide.setup_view import Check, Readiness, Setup
+from station.guide.setup_view import Check, Readiness
 
 Asked = tuple[Setup, Check | None, Check | None]  # set-up, the looks at its port and at its receiver
 
@@ -54,7 +55,7 @@ def how_ready(
 
 def said_of(campaign: Campaign, database: Database, options: Options) -> Readiness | None:
     """Tell the operator how a campaign can end whose unit has answered, before anything is recorded."""
-    from station.guide.folder_notes import read_setup
+    from station.files.campaign_folder.notes import read_setup
 
     if (unit := campaign.as_checked()) is None:
         return None

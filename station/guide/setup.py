@@ -8,8 +8,9 @@ from fixtures_db.campaigns import is_expired
 from fixtures_db.cubes_known import cubes
 from fixtures_db.database import Database
 from fixtures_db.slabs import slabs
+from station.files.setup import Setup
 from station.guide.open_campaigns import unfinished
-from station.guide.setup_view import Choice, Setup, Start
+from station.guide.setup_view import Choice, Start
 
 
 def start_view(database: Database, setup: Setup) -> Start:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from pydantic import BaseModel, ConfigDict
 
 from station.errors import StationError
+from station.files.setup import Setup
 from station.guide.command import Command
-from station.guide.setup_view import Setup
 
 if TYPE_CHECKING:
     from station.guide.options import Options

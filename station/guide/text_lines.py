@@ -12,7 +12,8 @@ from station.guide.setup_view import Readiness
 from station.guide.soak_progress import in_words
 from station.guide.step_words import in_words as step_in_words
 from station.guide.step_words import step_typed
-from station.guide.view import Event, Sound, Stage, Verdict, View
+from station.guide.view import Stage, Verdict, View
+from station.stream.events import Event, Sound
 
 OVER = frozenset({"cancelled", "left", "failed"})
 BELLS: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}

@@ -5,35 +5,18 @@ upright gyro's its bias and the Earth rate's vertical part. A unit switched on a
 `ACCELEROMETER` and `GYROSCOPE`; another one of its model seldom comes as near in all of them.
 """
 
-from typing import Annotated, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
 
 from procedures.frames import AXES
+from station.files.campaign_folder.notes import UnitRecord
 from station.stream.live.stillness import LEAST, TICKS
 
 ACCELEROMETER = 1e-3  # of g: turn-on repeatability of bias and scale factor together
 GYROSCOPE = 0.3  # of the greatest gyro rate at rest
 NOISE = 2.0  # ratio of sigmas
 PERIOD = 2e-2  # relative: where a device sends no time it was measured for 3 s, by a busy machine to 1 %
-Six = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
-
-
-class UnitRecord(BaseModel):
-    """A unit as the campaign knows it.
-
-    ``noise`` is the variance of a tenth of a second's counts [count^2] at rest, ``rate`` [count/s] the mean of the
-    first dwell: gyros, then accelerometers, raw, IMU axes. None where not known yet.
-    """
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-    model: str
-    serial: str
-    serial_from_wire: bool
-    period: float
-    noise: Six | None = None
-    rate: Six | None = None
 
 
 class Sameness(NamedTuple):

@@ -5,11 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from station.files.campaign_folder.notes import UnitRecord
 from station.guide.face_and_stillness import Look
 from station.guide.setup_view import Choice
 from station.guide.stage import Stage
 from station.guide.stage_context import Desk
-from station.guide.unit_identity import UnitRecord, same_unit
+from station.guide.unit_identity import same_unit
 from station.guide.view import Question
 from station.stream.live.stillness import Block
 from station.stream.recorder import UnitChanged

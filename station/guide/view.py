@@ -7,6 +7,7 @@ process border as JSON. Angles in deg, rates in deg/s, times in s of the device 
 from typing import Literal
 
 from station.guide.setup_view import Choice, FrozenValue, Readiness, Start
+from station.stream.events import Event
 
 Stage = Literal[
     "start",  # no campaign yet: set-up, and unfinished ones to go on with
@@ -25,7 +26,6 @@ Stage = Literal[
     "failed",  # it cannot go on; `View.error` says why. What was accepted is safe
 ]
 StepState = Literal["todo", "live", "done", "redo"]
-Sound = Literal["", "start", "still", "accepted", "rejected"]
 
 
 class Step(FrozenValue):
@@ -162,14 +162,6 @@ class Question(FrozenValue):
 
     text: str
     choices: tuple[Choice, ...]
-
-
-class Event(FrozenValue):
-    """Something to be heard and read once; ``number`` rises."""
-
-    number: int
-    sound: Sound
-    text: str
 
 
 class Row(FrozenValue):

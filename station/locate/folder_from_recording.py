@@ -9,8 +9,8 @@ from drivers.errors import ReplayEnded
 from procedures.earth.geodesy import LocalLevel
 from procedures.earth.gnss_records import GnssFix, TimeMark
 from procedures.earth.gravity_and_rate import normal_gravity
-from procedures.earth.level_fixes import antenna, is_usable, level_fixes, origin_at
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
+from procedures.fusion.level_fixes import antenna, is_usable, level_fixes, origin_at
 from station.calibrated.calibration_choice import UNKNOWN, Applied, find_calibration
 from station.calibrated.rates_and_forces import Sensors
 from station.errors import DataRefused

@@ -13,7 +13,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuNoise, ImuSeries
 from procedures.statistics.allan_deviation import noise_terms, overlapping_deviation
-from station.monitor.filter_settings import FORCE_WALK, WALK, force_bias_std, gyro_bias_std
+from station.calibrated.filter_settings import FORCE_WALK, WALK, force_bias_std, gyro_bias_std
 
 LEAST_S = 10.0  # of rest, for an Allan deviation
 PATIENCE_S = 30.0

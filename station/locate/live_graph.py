@@ -5,7 +5,7 @@ from typing import Protocol
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.inner.inertial_window import InertialWindow
-from procedures.fusion.outer.odometry import OdometryPose
+from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.outer.outer_graph import GlobalPose, OuterGraph, OuterSettings
 
 RENEWED = 36_000  # poses: half an hour

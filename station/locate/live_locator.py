@@ -27,8 +27,8 @@ from station.locate.live_inputs import Taken
 from station.locate.live_report import Told
 from station.locate.live_source import LiveInertial, LiveSource
 from station.locate.live_vision import LiveVision, VisualBeginning
+from station.locate.location import Location
 from station.locate.outer_layer import FREE_ARM
-from station.monitor.view import Location
 
 TRY_EVERY_S = 1.0
 

@@ -7,7 +7,7 @@ from procedures.earth.geodesy import LocalLevel
 from procedures.fusion.outer.outer_graph import REJECTED, GlobalPose
 from station.locate.live_fixes import LiveFixes
 from station.locate.live_track import Track
-from station.monitor.view import Location
+from station.locate.location import Location
 
 LEVEL = 0.1  # of forward's length across the vertical, below which it has no heading
 

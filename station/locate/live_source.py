@@ -7,7 +7,7 @@ from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.inner.inertial_window import WindowSettings
 from procedures.fusion.inner.live_window import LiveWindow
-from procedures.fusion.outer.odometry import OdometryPose
+from procedures.fusion.odometry import OdometryPose
 from station.locate.live_alignment import Begun
 from station.locate.live_fixes import LiveFixes
 

@@ -10,7 +10,7 @@ from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.live_visual_window import LiveVisualWindow
 from procedures.fusion.inner.visual_inertial_window import VisionSettings
-from procedures.fusion.outer.odometry import OdometryPose
+from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.outer.outer_graph import OuterSettings
 from procedures.fusion.visual_alignment.visual_aligner import VisualAligner
 from procedures.fusion.visual_alignment.visual_start import VisualStart

@@ -5,9 +5,9 @@ from typing import Protocol
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuSeries
 from station.calibrated.rates_and_forces import Tick
-from station.guide.view import Sound
 from station.locate.live_inputs import Taken
-from station.monitor.view import Location
+from station.locate.location import Location
+from station.stream.events import Sound
 
 
 class Locating(Protocol):

@@ -1,6 +1,6 @@
 """Locate by somebody else's odometry."""
 
-from procedures.fusion.outer.odometry import RecordedOdometry, without_restarts
+from procedures.fusion.odometry import RecordedOdometry, without_restarts
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
 from station.locate.outer_layer import through_graph

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from procedures.earth.gnss_records import AirData, FixType, GnssFix
 from station.files.mcap_files.fix_reader import Record
 from station.monitor.attitude_filter import NO_AID, Aiding
-from station.monitor.view import Stream
+from station.stream.events import StreamState
 from station.stream.gnss import GnssFeed
 
 AIDS = ("gnss", "airspeed-filter")
@@ -46,10 +46,10 @@ class GnssAid:
         """Return UTC [s since 1970] at a moment of the station's clock [ns], None where it is not known."""
         return self._feed.utc(host_ns)
 
-    def stream(self) -> Stream:
+    def stream(self) -> StreamState:
         """Return its health."""
         counters = self._feed.decoder.framer.counters
-        return Stream(
+        return StreamState(
             name=f"GNSS {self._feed.address.name}", rate_hz=max(self._feed.rates_hz().values(), default=0.0),
             age_s=self._clock() - self._came, samples=len(self._feed.fixes), gaps=0, lost=counters.lost,
             bad=counters.bad_crc, trouble=self._feed.trouble,

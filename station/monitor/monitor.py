@@ -12,22 +12,24 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.joint_state import Settings
 from station.calibrated.calibration_choice import Applied
+from station.calibrated.filter_settings import gyro_bias_std, settings_of
+from station.calibrated.in_use import InUse
 from station.calibrated.rates_and_forces import Sensors, Tick
 from station.files.mcap_files.fix_reader import Record
-from station.guide.view import Event, Sound
 from station.locate.live_inputs import Taken
+from station.locate.location import Location
 from station.locate.monitor_interface import in_imu_axes, news_of
 from station.monitor.alarms import Watch
 from station.monitor.attitude_filter import Aiding, Attitude, AttitudeTrack
 from station.monitor.error_at_rest import DEG_H, Rest
-from station.monitor.filter_settings import gyro_bias_std, settings_of
 from station.monitor.gnss_aid import aiding_of
 from station.monitor.options import USUAL, Aid, Options
 from station.monitor.recording import Recording
 from station.monitor.sample_times import Moments
 from station.monitor.session import Verb
 from station.monitor.stream_health import StreamHealth
-from station.monitor.view import InUse, Location, Mode, Point, Reading, Stream, View
+from station.monitor.view import Mode, Point, Reading, View
+from station.stream.events import Event, Sound, StreamState
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import words_of
 
@@ -265,7 +267,7 @@ class Monitor:
             self._health.trouble = trouble
             self._say("rejected" if trouble else "accepted", "stream", trouble or "data are coming again")
 
-    def _hear_of(self, stream: Stream) -> None:
+    def _hear_of(self, stream: StreamState) -> None:
         """Say what is wrong with what stands beside the IMU as it appears, and when it is over."""
         if (words := words_of(stream.trouble)) != self._heard.get(stream.name, ""):
             self._heard[stream.name] = words

@@ -19,13 +19,14 @@ from procedures.earth.gravity_and_rate import STANDARD_GRAVITY, normal_gravity
 from procedures.fusion.optional_libraries import gtsam, opencv
 from station.calibrated.calibration_choice import UNKNOWN, Applied, find_calibration
 from station.errors import DataRefused
-from station.guide.folder import new_folder
+from station.files.new_folder import new_folder
 from station.locate.monitor_interface import Locating
 from station.monitor.alarms import Alarm
 from station.monitor.monitor import Monitor
 from station.monitor.options import Aid, Options, Seeing
 from station.monitor.reader_restart import Revival
-from station.monitor.recording import EVENTS, Recording
+from station.monitor.recording import Recording
+from station.monitor.session import Session
 from station.monitor.text_lines import PlainMonitor, json_line, listen
 from station.monitor.thread import MonitorThread
 from station.monitor.view import View
@@ -33,6 +34,7 @@ from station.stream.camera.camera_feed import SESSION, open_camera
 from station.stream.camera.description import NAME as CAMERA_FILE
 from station.stream.camera.description import Description, read_description
 from station.stream.camera.replayed_camera import RecordedCamera
+from station.stream.events import EVENTS_FILE
 from station.stream.live.live_feed import LiveFeed, Source, open_feed
 from station.stream.live.silent_channels import refuse_partial
 from station.stream.replay.gnss import RecordedGnss, recorded_aid, recorded_gnss
@@ -67,17 +69,18 @@ class Wanted:
     database: str | None = None
 
 
-def run(wanted: Wanted, output: Output, *, slow: bool = False, quiet: bool = False) -> None:
-    """Monitor until the operator leaves, the replay or the time is over; raise what ended it otherwise."""
+def run(wanted: Wanted, output: Output, show: Callable[[Session], None], *, quiet: bool = False) -> None:
+    """Monitor until the operator leaves, the replay or the time is over; raise what ended it otherwise.
+
+    ``show`` is the screen: it returns when the operator has left.
+    """
     with ExitStack() as stack:
         sinks: list[Callable[[View], None]] = [_write_json] if output == "json" else []
         monitor = stack.enter_context(opened(wanted, tuple(sinks)))
         stays = output == "screen" and wanted.seconds == float("inf")
         session = stack.enter_context(MonitorThread(monitor, stays=stays, seconds=wanted.seconds))
         if output == "screen":
-            from station.tui.monitor.run import run_monitor
-
-            run_monitor(session, slow=slow, quiet=quiet)
+            show(session)
         else:
             _follow(session, plain=output == "plain", rings=not quiet)
     if session.failure is not None:
@@ -138,7 +141,7 @@ def _folder(wanted: Wanted, stack: ExitStack) -> Path | None:
             return None
         root = platformdirs.user_data_path("fog-station") / "monitor"
         folder = root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
-    return stack.enter_context(new_folder(folder, EVENTS))
+    return stack.enter_context(new_folder(folder, EVENTS_FILE))
 
 
 def _aid(wanted: Wanted, source: Source, folder: Path | None, stack: ExitStack) -> tuple[Aid | None, str]:

@@ -10,7 +10,7 @@ from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from station.files.mcap_files.fix_reader import Record
 from station.locate.monitor_interface import Locating
 from station.monitor.alarms import Alarm
-from station.monitor.view import Stream
+from station.stream.events import StreamState
 
 
 class Beside(Protocol):
@@ -25,7 +25,7 @@ class Beside(Protocol):
         """The moment [ns] up to which nothing more will come."""
         ...
 
-    def stream(self) -> Stream:
+    def stream(self) -> StreamState:
         """Return its health."""
         ...
 

@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 from drivers.errors import DriverError
-from station.guide.folder import journal_path
+from station.files.new_folder import journal_path
 from station.stream.live.live_feed import LiveFeed
 from station.stream.reader import Reader
 

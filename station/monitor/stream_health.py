@@ -4,7 +4,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-from station.monitor.view import Stream
+from station.stream.events import StreamState
 from station.stream.live.live_feed import LiveFeed
 
 RATE_S = 5.0
@@ -20,7 +20,7 @@ class StreamHealth:
         self.unhealthy = 0
         self.trouble = ""
 
-    def look(self) -> Stream:
+    def look(self) -> StreamState:
         """Return the stream's health now."""
         now, counters = self._clock(), self._feed.stream.counters
         if counters.samples > self._seen[-1][1]:
@@ -30,7 +30,7 @@ class StreamHealth:
             self._seen.popleft()
         seconds = now - self._seen[0][0]
         framing = self._feed.stream.decoder.counters
-        return Stream(
+        return StreamState(
             name=f"IMU {self._feed.wire.name}",
             rate_hz=(counters.samples - self._seen[0][1]) / seconds if seconds > 0 else 0.0,
             age_s=now - self._came, samples=counters.samples, gaps=counters.breaks + counters.restarts,

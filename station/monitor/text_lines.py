@@ -5,8 +5,9 @@ import math
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from station.locate.location import Location
 from station.monitor.session import Session, Verb
-from station.monitor.view import LATE_S, Bought, Location, Side, View
+from station.monitor.view import LATE_S, Bought, Side, View
 from station.text.plural import plural
 
 FORMAT = "monitor/1"

@@ -6,7 +6,9 @@ Angles in deg, rates in deg/s, body axes forward-right-down; times in s of the d
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
-from station.guide.view import Event
+from station.calibrated.in_use import InUse
+from station.locate.location import Location
+from station.stream.events import Event, StreamState
 
 LATE_S = 2.0  # by which a location may be older than the attitude
 
@@ -69,58 +71,6 @@ class Bought:
 
 
 @dataclass(frozen=True, slots=True)
-class Stream:
-    """The health of one stream: ``age_s`` since the newest sample, ``trouble`` what is wrong, empty if nothing."""
-
-    name: str
-    rate_hz: float
-    age_s: float
-    samples: int
-    gaps: int
-    lost: int
-    bad: int
-    unhealthy: int = 0
-    trouble: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Location:
-    """Where the unit is, East-North-Up of the first fix [m], as of ``t``; ``why`` says what is still missing.
-
-    ``heading`` is of forward, from north [deg]; sigmas are of each axis. ``track`` and outlying fixes ``far`` are
-    places East, North; ``fix_age`` [s] is how long before ``t`` the newest fix was that counts in it. ``camera``
-    says how one does, in words, empty where there is none.
-    """
-
-    why: str = ""
-    is_located: bool = False
-    t: float = 0.0
-    enu: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    enu_std: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    heading: float | None = None
-    heading_std: float | None = None
-    latitude: float = 0.0
-    longitude: float = 0.0
-    height: float = 0.0
-    fixes: int = 0
-    outliers: int = 0
-    fix_age: float = 0.0
-    track: tuple[tuple[float, float], ...] = ()
-    far: tuple[tuple[float, float], ...] = ()
-    camera: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class InUse:
-    """The calibration in use, in words; ``note`` is what to know about it, such as effects left in."""
-
-    text: str = "not known before the unit is"
-    age_days: float | None = None
-    note: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class View:
     """All of it. ``zero`` (roll, pitch) is taken off what is shown, and off nothing else."""
 
@@ -130,7 +80,7 @@ class View:
     reading: Reading | None = None
     history: tuple[Point, ...] = ()
     bought: Bought | None = None
-    streams: tuple[Stream, ...] = ()
+    streams: tuple[StreamState, ...] = ()
     in_use: InUse = field(default_factory=InUse)
     location: Location | None = None  # None: not asked for
     zero: tuple[float, float] | None = None

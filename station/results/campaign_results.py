@@ -16,11 +16,11 @@ from fixtures_db.references import references, why_measured
 from procedures.calibration.solution import Solution
 from station.errors import Altered
 from station.files.atomic_file import replace_file
+from station.files.campaign_folder.notes import read_setup
 from station.files.campaign_folder.reading import read_for_solve
 from station.files.campaign_folder.schema import CampaignTable
-from station.guide.folder_notes import read_setup
-from station.guide.kept_tilted_dwells import doubt_of
 from station.results.circumstances import circumstances, diagnosis_kept, judged_values
+from station.results.kept_tilted_dwells import doubt_of
 from station.results.verdict import Outcome, judge
 
 if TYPE_CHECKING:

@@ -18,8 +18,8 @@ from fixtures_db.schema import CampaignRow, SiteRow
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.clock_rate import clock_rate
 from procedures.frames import POSITIONS
+from station.files.campaign_folder.notes import read_unit
 from station.files.campaign_folder.schema import CampaignTable
-from station.guide.folder_notes import read_unit
 from station.results.verdict import Judged
 
 NORMAL_GRAVITY = "normal gravity of WGS 84 at this latitude and height"

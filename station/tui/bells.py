@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 
-from station.guide.view import Sound
+from station.stream.events import Sound
 
 # When each stroke follows the one before [s]. Terminals merge strokes closer than about 0.1 s.
 PATTERNS: dict[Sound, tuple[float, ...]] = {

@@ -7,7 +7,7 @@ from textual.app import App, SystemCommand
 from textual.binding import Binding
 from textual.screen import Screen
 
-from station.guide.view import Event
+from station.stream.events import Event
 from station.tui.bells import Bells
 from station.tui.themes import HIGH_CONTRAST, OURS, STATION
 

@@ -26,7 +26,7 @@ from station.locate.imu_noise import NoiseOf
 from station.locate.live_camera import LiveCamera
 from station.locate.live_inputs import Taken
 from station.locate.live_locator import LiveLocator
-from station.monitor.view import Location
+from station.locate.location import Location
 from station.stream.camera.feature_following import Seen
 from tests.benchmarks.locate import INERTIAL, OUTAGE
 from tests.benchmarks.locate_vision import seen

@@ -232,7 +232,7 @@ def bench(_: Path, seeds: int) -> None:
 
 def times(data: Path, _: int) -> None:
     """Figure 7: how long the inner window and the outer graph take."""
-    from procedures.fusion.outer.odometry import RecordedOdometry
+    from procedures.fusion.odometry import RecordedOdometry
     from procedures.fusion.outer.outer_graph import OuterGraph
 
     log = drawn(read_fusion(data / "v201_inertial"), 0)

@@ -15,7 +15,7 @@ from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from station.monitor.view import Location
+from station.locate.location import Location
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DriveRig
 

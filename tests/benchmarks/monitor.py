@@ -24,8 +24,8 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.frames import nominal_C_lb
 from station.calibrated.body_axes import body_axes
+from station.calibrated.filter_settings import settings_of
 from station.monitor import monitor
-from station.monitor.filter_settings import settings_of
 from station.monitor.options import Options
 from station.monitor.view import View
 from tests.station.monitor.rig import MonitorRig

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from procedures.errors import NotObservable, WrongFace
-from station import cli
+from station import cli, exit_codes
 from station.commands import COMMANDS, Command, Database
 from station.errors import Altered, CannotWrite, DataRefused
 from station.exit_codes import EXIT_CODES
@@ -78,12 +78,12 @@ def test_wrong_usage_is_exit_2_and_one_line(
         (Altered("a.csv", "x", "y"), 1),
         (CannotWrite("a.json", "full"), 2),
         (KeyboardInterrupt(), 130),
-        (ZeroDivisionError("x"), cli.BUG),
+        (ZeroDivisionError("x"), exit_codes.BUG),
         (SystemExit(4), 4),
     ],
 )
 def test_each_error_has_its_exit_code(error: BaseException, code: int) -> None:
-    assert cli.explain(error)[0] == code
+    assert exit_codes.explain(error)[0] == code
 
 
 @pytest.mark.parametrize("name", EXIT_CODES)
@@ -93,7 +93,7 @@ def test_the_names_in_the_table_of_exit_codes_exist(name: str) -> None:
 
 
 def test_a_line_for_people_is_one_line() -> None:
-    assert cli.one_line("a\nb\x1b[31m\tc\u2028d") == "a b [31m c d"
+    assert exit_codes.one_line("a\nb\x1b[31m\tc\u2028d") == "a b [31m c d"
 
 
 def test_a_reader_that_leaves_is_no_failure() -> None:

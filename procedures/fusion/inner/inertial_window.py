@@ -24,8 +24,8 @@ from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.inner.fix_factors import FixFactors
 from procedures.fusion.inner.imu_factors import Preintegration
 from procedures.fusion.inner.keyframes import SPACING, keyframes
+from procedures.fusion.odometry import Antenna, OdometryPose
 from procedures.fusion.optional_libraries import gtsam
-from procedures.fusion.outer.odometry import Antenna, OdometryPose
 
 FREE_TURN = 0.3  # rad on the first attitude: the alignment's own data are used again from there on
 FREE_VELOCITY = 1.0  # m/s

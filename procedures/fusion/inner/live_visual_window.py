@@ -10,7 +10,7 @@ from procedures.fusion.imu.gnss_velocity import CLIMBED, velocities
 from procedures.fusion.imu.inertial_increments import grid
 from procedures.fusion.inner.camera_keyframes import SPACING
 from procedures.fusion.inner.visual_inertial_window import VisualInertialWindow
-from procedures.fusion.outer.odometry import OdometryPose
+from procedures.fusion.odometry import OdometryPose
 
 
 @dataclass(frozen=True, slots=True, eq=False)

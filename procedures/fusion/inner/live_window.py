@@ -7,7 +7,7 @@ from procedures.fusion.imu.imu_gaps import imu_gaps
 from procedures.fusion.imu.inertial_increments import grid
 from procedures.fusion.inner.inertial_window import InertialWindow
 from procedures.fusion.inner.keyframes import Keyframes
-from procedures.fusion.outer.odometry import OdometryPose
+from procedures.fusion.odometry import OdometryPose
 
 
 class LiveWindow(InertialWindow):

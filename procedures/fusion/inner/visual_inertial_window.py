@@ -26,7 +26,7 @@ from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.reprojection import residuals
 from procedures.fusion.inner.window_problem import Factor, Held, Prior, assemble, marginalised, walked
 from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, OFFSET, Normal, WindowState
-from procedures.fusion.outer.odometry import OdometryPose
+from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.outer.outer_terms import rz
 from procedures.fusion.vision.feature_tracks import Camera, Tracks
 

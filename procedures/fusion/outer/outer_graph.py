@@ -14,9 +14,9 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import GnssFixes, Trajectory
+from procedures.fusion.odometry import OdometryPose, OdometrySource
 from procedures.fusion.outer.block_tridiagonal import eliminate, solve_chain
 from procedures.fusion.outer.fix_association import Hanging
-from procedures.fusion.outer.odometry import OdometryPose, OdometrySource
 from procedures.fusion.outer.outer_terms import LEVER, Layout, Prior, linearise, rz
 from procedures.fusion.outer.track_yaw import STRANGE, TrackYaw
 

@@ -34,7 +34,7 @@ def attempt(function: Callable[[I], R], item: I, code: str | None = None) -> Ans
     ``code`` is the `code_hash` of whoever asks from another machine: a worker with other code would give other
     numbers, and refuses. None asks no such thing.
     """
-    from station.cli import explain, one_line  # what a command would have said, with its exit code
+    from station.exit_codes import explain, one_line
 
     host = socket.gethostname()
     try:

@@ -9,8 +9,8 @@ from pathlib import Path
 from drivers.camera import CameraDecoder, CameraImage
 from drivers.errors import DriverError
 from station.files.atomic_file import replace_file
-from station.monitor.view import Stream
 from station.stream.camera.description import NAME, Description
+from station.stream.events import StreamState
 from station.stream.reader import GapMark
 from station.stream.reader.messages import LOST
 from station.stream.reader.restarting_reader import FOR_EVER, LastingReader
@@ -84,12 +84,12 @@ class CameraFeed:
             f"{counters.not_jpeg} no JPEG, {plural(counters.skipped_bytes, 'byte')} in no image"
         )
 
-    def stream(self) -> Stream:
+    def stream(self) -> StreamState:
         """Return its health."""
         now, counters = self._clock(), self.decoder.counters
         while self._seen and self._seen[0] < now - RATE_S:
             self._seen.popleft()
-        return Stream(
+        return StreamState(
             name=f"camera {self.address.name}", rate_hz=len(self._seen) / RATE_S,
             age_s=now - self._image_at, samples=counters.images, gaps=0, lost=counters.cut, bad=counters.not_jpeg,
             trouble=self.trouble,

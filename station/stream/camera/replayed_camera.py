@@ -6,8 +6,8 @@ from pathlib import Path
 from drivers.camera import CameraDecoder, CameraImage
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, MESSAGES, RAW
 from station.files.mcap_files.topics import topic_messages
-from station.monitor.view import Stream
 from station.stream.camera.camera_feed import SESSION
+from station.stream.events import StreamState
 from station.stream.reader.restarting_reader import FOR_EVER
 
 RATE_NS = 5 * 10**9
@@ -36,11 +36,11 @@ class RecordedCamera:
         self._seen = [at for at in (*self._seen, *(each.host_ns for each in found)) if at > until_ns - RATE_NS]
         return found
 
-    def stream(self) -> Stream:
+    def stream(self) -> StreamState:
         """Return how often images came then, and how old the newest was."""
         age = (self._now - self._seen[-1]) / 1e9 if self._seen else 0.0
         rate = len(self._seen) / (RATE_NS / 1e9)
-        return Stream("camera recorded", rate, age, self._count, gaps=0, lost=0, bad=0)
+        return StreamState("camera recorded", rate, age, self._count, gaps=0, lost=0, bad=0)
 
 
 def recorded_images(folder: Path) -> Iterator[CameraImage]:

@@ -12,8 +12,7 @@ from pathlib import Path
 from procedures.earth.gnss_records import GnssFix
 from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import Record, read_fixes
-from station.monitor.recording import EVENTS
-from station.monitor.view import Stream
+from station.stream.events import EVENTS_FILE, StreamState
 from station.stream.reader.restarting_reader import FOR_EVER
 
 RATE_NS = 5 * 10**9
@@ -43,11 +42,11 @@ class RecordedGnss:
         """Return UTC where it is known: a replay writes no reference time anew."""
         return None
 
-    def stream(self) -> Stream:
+    def stream(self) -> StreamState:
         """Return how often fixes came then, and how old the newest was."""
         age = (self._now - self._seen[-1]) / 1e9 if self._seen else 0.0
         rate = sum(at > self._now - RATE_NS for at in self._seen) / (RATE_NS / 1e9)
-        return Stream("GNSS recorded", rate, age, self._fixes, gaps=0, lost=0, bad=0)
+        return StreamState("GNSS recorded", rate, age, self._fixes, gaps=0, lost=0, bad=0)
 
     def _look(self, found: Sequence[Record], until_ns: int) -> None:
         self._now = until_ns
@@ -78,11 +77,11 @@ def recorded_aid(file: Path) -> str:
     DataRefused
         If the folder's table of events cannot be read.
     """
-    path = file.parent / EVENTS
+    path = file.parent / EVENTS_FILE
     try:
         with path.open(newline="", encoding="utf-8") as stream:
             return next((row.get("text") or "" for row in csv.DictReader(stream) if row.get("event") == "aid"), "")
     except FileNotFoundError:
         return ""
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise DataRefused(path, None, f"no readable table ({error})", f"the {EVENTS} of a run") from error
+        raise DataRefused(path, None, f"no readable table ({error})", f"the {EVENTS_FILE} of a run") from error

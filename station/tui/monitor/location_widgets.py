@@ -4,7 +4,8 @@ from textwrap import wrap
 
 from textual.content import Content
 
-from station.monitor.view import LATE_S, Location, View
+from station.locate.location import Location
+from station.monitor.view import LATE_S, View
 from station.text.plural import plural
 from station.tui.monitor.map_picture import map_picture
 from station.tui.widgets.drawn import Drawn

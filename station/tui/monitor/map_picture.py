@@ -6,7 +6,7 @@ from itertools import pairwise
 
 from textual.content import Content
 
-from station.monitor.view import Location
+from station.locate.location import Location
 from station.tui.canvas import Canvas
 from station.tui.monitor.line_chart import DOTS, EMPTY
 

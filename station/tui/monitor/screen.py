@@ -7,8 +7,9 @@ from textual.binding import Binding
 from textual.containers import Grid, Horizontal, Vertical
 from textual.screen import Screen
 
+from station.locate.location import Location
 from station.monitor.session import Verb
-from station.monitor.view import Location, View
+from station.monitor.view import View
 from station.tui.monitor.location_widgets import Map, Where
 from station.tui.monitor.widgets import (
     CalibrationLine,

@@ -2,7 +2,9 @@
 
 from textual.content import Content
 
-from station.monitor.view import Bought, InUse, Mode, Point, Stream, View
+from station.calibrated.in_use import InUse
+from station.monitor.view import Bought, Mode, Point, View
+from station.stream.events import StreamState
 from station.tui.canvas import Canvas
 from station.tui.monitor.horizon_picture import horizon_picture
 from station.tui.monitor.line_chart import EMPTY, limits, strip
@@ -171,7 +173,7 @@ def _range(low: float, high: float) -> str:
     return f"{low:.{digits}f}..{high:.{digits}f}"[: LABEL - 1]
 
 
-class Streams(Drawn[tuple[Stream, ...]]):
+class Streams(Drawn[tuple[StreamState, ...]]):
     """A line for each stream: rate, age, gaps, errors."""
 
     DEFAULT_CSS = """
@@ -183,7 +185,7 @@ class Streams(Drawn[tuple[Stream, ...]]):
         return Content("\n").join([_stream(stream) for stream in self.value] or [Content("no stream yet")])
 
 
-def _stream(stream: Stream) -> Content:
+def _stream(stream: StreamState) -> Content:
     is_well = not stream.trouble
     word = ("✓", "bold $success") if is_well else ("✗", "bold $error")
     faults = [

@@ -7,8 +7,9 @@ from textual.binding import Binding
 from textual.containers import Horizontal
 from textual.widgets import Button, OptionList, Static
 
+from station.files.setup import Setup
 from station.guide.command import Command, Verb
-from station.guide.setup_view import Setup, Start
+from station.guide.setup_view import Start
 from station.guide.view import View
 from station.tui.durations_in_words import duration
 from station.tui.screens.ready import ReadyScreen

@@ -5,7 +5,7 @@ from textwrap import wrap
 from textual.content import Content
 from textual.geometry import Size
 
-from station.guide.view import Event, Sound
+from station.stream.events import Event, Sound
 from station.tui.widgets.drawn import Drawn
 
 LEAST = 2  # rows

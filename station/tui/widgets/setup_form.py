@@ -5,7 +5,8 @@ from textual.containers import Horizontal, VerticalScroll
 from textual.message import Message
 from textual.widgets import Input, Select, Static
 
-from station.guide.setup_view import Check, Setup, Start
+from station.files.setup import Setup
+from station.guide.setup_view import Check, Start
 from station.tui.setup_entries import ENTRIES, problems, setup_of, texts_of
 from station.tui.widgets.check_line import CheckLine
 from station.tui.widgets.field import Field

@@ -9,7 +9,7 @@ from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import DEG_PER_HOUR, earth_rate_n
 from procedures.frames import rotation
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
-from procedures.fusion.outer.odometry import Drift, RecordedOdometry
+from procedures.fusion.odometry import Drift, RecordedOdometry
 
 RATE = 20.0  # Hz
 SETTING_OFF = 2.0  # s

@@ -20,10 +20,10 @@ from drivers.wire import WireFormat
 from fixtures_db.database import open_db
 from station import cli
 from station.files.campaign_folder.reading import read_campaign
+from station.files.setup import Setup
 from station.files.sha256sums import verify_folder
 from station.guide.live_campaign import begin, resume
 from station.guide.options import Options
-from station.guide.setup_view import Setup
 from station.stream.recorder import check_raw_bytes
 from tests.station.commands.program import Program
 

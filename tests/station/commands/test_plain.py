@@ -13,10 +13,12 @@ import pytest
 from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
+from station.files.setup import Setup
 from station.guide.command import Command
-from station.guide.setup_view import Readiness, Setup, Start
+from station.guide.setup_view import Readiness, Start
 from station.guide.text_lines import HELP, PlainScreen, between_words, command_of, shown_at_end
-from station.guide.view import Event, Stage, Verdict, View
+from station.guide.view import Stage, Verdict, View
+from station.stream.events import Event
 from tests.station.commands.program import MAIN, Program
 
 REFUSED = View(stage="start", start=Start(refused="/dev/x: no such port", refused_code=4))

@@ -13,9 +13,9 @@ from drivers.wire import FORMATS
 from procedures.counts.sample_records import CountBlock, SampleBlock, block_rows
 from station.errors import DiskFull
 from station.files.mcap_files import BY_OUTPUT, StepWriter
+from station.files.setup import Setup
 from station.guide.disk_space import JOURNAL_BYTES, STEP_BYTES, disk_for, disk_free, disk_needed, refuse_full
 from station.guide.live_campaign import usual_steps
-from station.guide.setup_view import Setup
 from station.stream.reader import Chunk
 from station.stream.reader.journal import Journal
 

@@ -18,11 +18,11 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
 from fixtures_db.history import history, verify_chain
 from station.files.campaign_folder.reading import read_campaign
+from station.files.setup import Setup
 from station.files.sha256sums import verify_folder
 from station.guide.client import Connection
 from station.guide.command import Command
 from station.guide.open_campaigns import unfinished
-from station.guide.setup_view import Setup
 from station.guide.start_engine import EngineOptions, engine_process
 from station.guide.view import View
 

@@ -16,11 +16,11 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from station.exit_codes import exit_code
+from station.files.setup import Setup
 from station.guide.command import Command
 from station.guide.engine import REFUSALS, Engine
 from station.guide.headless import run_headless
 from station.guide.options import Options
-from station.guide.setup_view import Setup
 from station.guide.start_engine import EngineOptions
 
 

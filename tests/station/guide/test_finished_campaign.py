@@ -12,15 +12,15 @@ from fixtures_db.history import history
 from procedures.campaign.plan_steps import Dwell, steps_of
 from procedures.dwells_and_turns import hand_turns
 from station import cli
+from station.files.campaign_folder.notes import keep_plan, write_setup
+from station.files.setup import Setup
 from station.files.toml_text import read_toml
 from station.guide.command import Command
 from station.guide.engine import Engine
-from station.guide.folder_notes import keep_plan, write_setup
-from station.guide.kept_tilted_dwells import doubt_of
 from station.guide.last_setup import save_setup
 from station.guide.options import Options
-from station.guide.setup_view import Setup
 from station.guide.start_engine import EngineOptions
+from station.results.kept_tilted_dwells import doubt_of
 from tests.station.guide.stored import recorded
 
 NOWHERE = "serial:///dev/ttyNONE?format=counts"

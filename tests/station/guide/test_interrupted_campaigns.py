@@ -13,9 +13,9 @@ from fixtures_db.errors import CampaignInUse
 from fixtures_db.history import accept_calibration
 from procedures.campaign.plan_steps import Turn
 from station.errors import DataRefused
+from station.files.campaign_folder.notes import keep_plan
 from station.files.campaign_folder.reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.guide.folder_notes import keep_plan
 from station.guide.interrupted_campaigns import FolderInUse, FolderLock, cancel_campaign, reopen
 from station.guide.open_campaigns import unfinished
 from station.stream.recorder import Unit

@@ -8,8 +8,8 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from station.files.campaign_folder.reading import read_campaign
+from station.files.setup import Setup
 from station.guide.headless import record
-from station.guide.setup_view import Setup
 from station.guide.simulated_operator import SimulatedOperator
 from station.guide.start_engine import EngineOptions
 

@@ -20,11 +20,12 @@ from fixtures_db.sites import Survey, add_site
 from fixtures_db.slabs import add_level, add_slab
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
-from station.guide.folder_notes import write_setup
+from station.files.campaign_folder.notes import write_setup
+from station.files.setup import Setup
 from station.guide.live_campaign import site_table, usual_steps
 from station.guide.prior_knowledge import known
 from station.guide.readiness import readiness
-from station.guide.setup_view import Check, Readiness, Setup
+from station.guide.setup_view import Check, Readiness
 from station.guide.text_lines import ready_lines
 from station.results import campaign_results as module
 from station.results.campaign_results import Results, make_results, store

@@ -12,11 +12,11 @@ from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
+from station.files.setup import Setup
 from station.guide.command import Command
 from station.guide.engine import Engine
 from station.guide.options import Options
 from station.guide.receiver_check import check_receiver
-from station.guide.setup_view import Setup
 from station.guide.view import View
 
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)

@@ -17,10 +17,10 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.slabs import add_slab
 from procedures.counts.sample_records import CountBlock
 from station.errors import CannotWrite
+from station.files.setup import Setup
 from station.guide.last_setup import load_setup, save_setup, setup_file
 from station.guide.port_check import check_port, noise_in_words
 from station.guide.setup import start_view
-from station.guide.setup_view import Setup
 from tests.station.guide.recorded import begin
 
 

@@ -13,8 +13,8 @@ from station.guide.command import Command
 from station.guide.outcome import verdict_view
 from station.guide.step_words import for_people, gap_in_words, in_words, step_typed
 from station.guide.text_lines import PlainScreen, command_of, listen, verdict_lines
-from station.guide.view import Event
 from station.results.campaign_results import make_results
+from station.stream.events import Event
 from tests.station.guide.rig import GuideRig, dwells
 from tests.station.tui import views
 from tests.station.tui.session import MemorySession

@@ -9,8 +9,8 @@ from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell
 from station.errors import DataRefused
-from station.guide.folder_notes import read_unit, write_unit
-from station.guide.unit_identity import UnitRecord, same_unit
+from station.files.campaign_folder.notes import UnitRecord, read_unit, write_unit
+from station.guide.unit_identity import same_unit
 from station.stream.live.stillness import TICKS
 
 SECONDS = 20

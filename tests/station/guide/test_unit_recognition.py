@@ -5,9 +5,8 @@ from collections.abc import Callable
 import pytest
 
 from drivers.simulated.truth import Truth
-from station.guide.folder_notes import read_unit, write_unit
+from station.files.campaign_folder.notes import UnitRecord, read_unit, write_unit
 from station.guide.guide import Guide
-from station.guide.unit_identity import UnitRecord
 from station.stream.recorder import UnitChanged
 from tests.station.guide.rig import GuideRig, dwells
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from drivers.simulated.truth import Truth
+from station.files.campaign_folder.notes import kept_plan
 from station.files.campaign_folder.reading import read_campaign
 from station.files.toml_text import read_toml
-from station.guide.folder_notes import kept_plan
 from station.guide.view import WarmUp
 from station.guide.warm_up_stage import waits_for
 from station.guide.wording import rounded

@@ -17,6 +17,7 @@ from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
 from procedures.fusion.visual_alignment.camera_time import CameraOffset
 from station.calibrated.body_axes import DEFAULT, body_axes
 from station.calibrated.calibration_choice import Applied
+from station.calibrated.in_use import InUse
 from station.files.mcap_files.fix_reader import Record
 from station.files.mcap_files.fix_writer import FixWriter
 from station.locate.live_camera import LiveCamera
@@ -24,7 +25,8 @@ from station.monitor.locator_thread import locating
 from station.monitor.monitor import Monitor
 from station.monitor.options import Options
 from station.monitor.recording import Recording
-from station.monitor.view import InUse, Stream, View
+from station.monitor.view import View
+from station.stream.events import StreamState
 from station.stream.live import open_feed
 from tests.station.monitor.sighted import CAMERA, Sight
 from tests.station.monitor.unit import calibration_of
@@ -60,8 +62,8 @@ class Receiver:
         self._records = self._records[len(found) :]
         return found
 
-    def stream(self) -> Stream:
-        return Stream("GNSS simulated", 10.0, 0.0, 0, 0, 0, 0)
+    def stream(self) -> StreamState:
+        return StreamState("GNSS simulated", 10.0, 0.0, 0, 0, 0, 0)
 
     def utc(self, host_ns: int) -> float | None:
         return None

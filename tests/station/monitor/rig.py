@@ -7,11 +7,12 @@ from typing import Any
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from station.calibrated.calibration_choice import Applied
+from station.calibrated.in_use import InUse
 from station.monitor.monitor import Monitor
 from station.monitor.options import Options
 from station.monitor.recording import Recording
 from station.monitor.session import Verb
-from station.monitor.view import InUse, View
+from station.monitor.view import View
 from station.stream.live import open_feed
 from tests.station.monitor.unit import calibration_of
 from tests.station.stream.live.bench_in_memory import Source

@@ -10,8 +10,8 @@ from drivers.simulated.vehicle_motion import SLOWEST
 from drivers.simulated.vehicle_track import Track
 from procedures.fusion.fusion_records import Trajectory
 from procedures.fusion.vision.feature_tracks import Camera, Tracks
-from station.monitor.view import Stream
 from station.stream.camera.feature_following import Seen
+from station.stream.events import StreamState
 from tests.drivers.simulated.camera_tracks import View, simulate_tracks
 from tests.station.stream.live.bench_in_memory import Source
 
@@ -61,5 +61,5 @@ class Sight:
         self._count += len(found)
         return found
 
-    def stream(self) -> Stream:
-        return Stream("camera simulated", 10.0, 0.0, self._count, 0, 0, 0, trouble=self.trouble)
+    def stream(self) -> StreamState:
+        return StreamState("camera simulated", 10.0, 0.0, self._count, 0, 0, 0, trouble=self.trouble)

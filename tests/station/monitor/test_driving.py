@@ -8,8 +8,9 @@ import pytest
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.truth import Truth
+from station.locate.location import Location
 from station.monitor.text_lines import json_line, reading_line
-from station.monitor.view import Location, View
+from station.monitor.view import View
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DriveRig
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from drivers.simulated.autopilot_truth import AutopilotTruth
+from station.locate.location import Location
 from station.monitor.text_lines import json_line, reading_line
-from station.monitor.view import Location, View
+from station.monitor.view import View
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DriveRig
 from tests.station.monitor.test_driving import TRUTH, off, turned

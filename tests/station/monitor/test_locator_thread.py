@@ -17,8 +17,8 @@ from drivers.simulated.truth import Truth
 from procedures.fusion.fusion_records import ImuSeries
 from station import cli
 from station.locate.live_inputs import Taken
+from station.locate.location import Location
 from station.monitor.locator_thread import FAR_BEHIND, LocatorThread
-from station.monitor.view import Location
 from tests.drivers.simulated.drives import bends
 from tests.station.commands.program import Program
 from tests.station.monitor.driving import DriveRig, record_drive, stands_on

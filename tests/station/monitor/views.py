@@ -2,8 +2,10 @@
 
 import math
 
-from station.guide.view import Event
-from station.monitor.view import Bought, InUse, Location, Point, Reading, Side, Stream, View
+from station.calibrated.in_use import InUse
+from station.locate.location import Location
+from station.monitor.view import Bought, Point, Reading, Side, View
+from station.stream.events import Event, StreamState
 
 FOLDER = "/srv/monitor/2026-11-21_1240"
 
@@ -27,8 +29,8 @@ READING = Reading(
     t=812.4, sample=40619, roll=12.345, pitch=-4.321, sigma=0.01, rate=(0.4, 0.1, -0.05), bias=(0.12, -0.3, 12.1),
     residual=0.021, mode="moving", temperature=23.4,
 )  # fmt: skip
-IMU = Stream(name="IMU counts", rate_hz=50.0, age_s=0.0, samples=40620, gaps=0, lost=0, bad=0)
-GNSS = Stream(name="GNSS udpin:0.0.0.0:14550", rate_hz=5.0, age_s=0.1, samples=4060, gaps=0, lost=2, bad=0)
+IMU = StreamState(name="IMU counts", rate_hz=50.0, age_s=0.0, samples=40620, gaps=0, lost=0, bad=0)
+GNSS = StreamState(name="GNSS udpin:0.0.0.0:14550", rate_hz=5.0, age_s=0.1, samples=4060, gaps=0, lost=2, bad=0)
 IN_USE = InUse("9f2c41d07be8 of 2026-11-01, calibrated, 20 days old", 20.0)
 MOVING = View(
     unit="SIM-FOG3 SIM-7", line="", reading=READING, history=_history(), streams=(IMU,), in_use=IN_USE,
@@ -91,12 +93,12 @@ LOCATED = _with(
     ),
 )  # fmt: skip
 SEEING = _with(
-    LOCATED, streams=(IMU, GNSS, Stream("camera 10.0.0.7:8080", 19.8, 0.1, 16000, 0, 0, 0)),
+    LOCATED, streams=(IMU, GNSS, StreamState("camera 10.0.0.7:8080", 19.8, 0.1, 16000, 0, 0, 0)),
     location=_with(LOCATED.location, camera="118 features, stamps 43 ms late"),
 )  # fmt: skip
 BLIND = _with(
     SEEING,
-    streams=(IMU, GNSS, Stream(
+    streams=(IMU, GNSS, StreamState(
         "camera 10.0.0.7:8080", 0.0, 4.1, 16000, 0, 2, 0,
         trouble="10.0.0.7:8080: no bytes for 1.8 s, expected images; check the camera",
     )),

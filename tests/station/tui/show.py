@@ -3,7 +3,8 @@
 import sys
 
 from station.guide.command import Command
-from station.guide.view import Event, View
+from station.guide.view import View
+from station.stream.events import Event
 from station.tui.run import run_screens
 from tests.station.tui.session import MemorySession
 from tests.station.tui.views import LEFT, VIEWS

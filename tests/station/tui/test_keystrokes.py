@@ -6,8 +6,8 @@ from pathlib import Path
 from drivers.simulated.server import SimulatedDevice
 from fixtures_db.database import open_db
 from station.demo.example_bench import GRAVITY_STD, add_example
+from station.files.setup import Setup
 from station.guide.client import Connection
-from station.guide.setup_view import Setup
 from station.guide.start_engine import EngineOptions, engine_process
 from station.tui.app import StationApp
 from tests.station.tui.test_page import PAGE

@@ -9,7 +9,8 @@ from textual.widget import Widget
 from drivers.errors import DriverError, LinkLost, LinkSilent, PortBusy, PortDenied, WrongFormat
 from station.errors import DataRefused, cannot_write
 from station.guide.stream_trouble import trouble_of
-from station.guide.view import Event, Stage, View
+from station.guide.view import Stage, View
+from station.stream.events import Event
 from station.stream.live.stream_trouble import AMISS
 from station.stream.recorder import UnitChanged
 from tests.station.tui import views

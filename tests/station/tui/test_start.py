@@ -3,8 +3,9 @@
 import pytest
 
 from drivers.mavlink.address import LINKS, parse_mavlink_url
+from station.files.setup import Setup
 from station.guide.command import Command
-from station.guide.setup_view import Check, Readiness, ReadyLine, Setup, Start
+from station.guide.setup_view import Check, Readiness, ReadyLine, Start
 from station.guide.view import View
 from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.start import CONSIDER_S

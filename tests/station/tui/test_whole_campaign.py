@@ -12,8 +12,8 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from fixtures_db.history import history
 from station.files.campaign_folder.reading import read_campaign
+from station.files.setup import Setup
 from station.guide.client import Connection
-from station.guide.setup_view import Setup
 from station.guide.start_engine import EngineOptions, engine_process
 from station.guide.view import View
 from station.tui.app import StationApp

@@ -4,10 +4,10 @@ import numpy as np
 
 from drivers.errors import LinkSilent
 from procedures.frames import TURN_START, nominal_C_lb, rotation, vertical_rotation
-from station.guide.setup_view import Check, Choice, Readiness, ReadyLine, Setup, Start, Unfinished
+from station.files.setup import Setup
+from station.guide.setup_view import Check, Choice, Readiness, ReadyLine, Start, Unfinished
 from station.guide.stream_trouble import trouble_of
 from station.guide.view import (
-    Event,
     Gates,
     Link,
     PoseView,
@@ -22,6 +22,7 @@ from station.guide.view import (
     View,
     WarmUp,
 )
+from station.stream.events import Event
 from station.stream.recorder import UnitChanged
 
 UNIT = "SIM-FOG3 SIM-7"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from procedures.fusion.fusion_records import GnssFixes, Trajectory
+from procedures.fusion.odometry import Drift, RecordedOdometry, without_restarts
 from procedures.fusion.outer.block_tridiagonal import Chain, eliminate, solve_chain
-from procedures.fusion.outer.odometry import Drift, RecordedOdometry, without_restarts
 from procedures.fusion.outer.outer_graph import GlobalPose, OuterGraph, OuterSettings
 from tests.procedures.fusion.motions import Eight, only
 

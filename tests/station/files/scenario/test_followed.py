@@ -5,8 +5,8 @@ from pathlib import Path
 
 from procedures.campaign.plan_steps import Dwell, Turn
 from station.files.scenario import read_scenario
+from station.files.setup import Setup
 from station.guide.live_campaign import usual_steps
-from station.guide.setup_view import Setup
 from station.guide.view import View
 from tests.paths import ROOT
 from tests.station.guide.rig import GuideRig

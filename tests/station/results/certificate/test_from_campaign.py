@@ -17,10 +17,9 @@ from fixtures_db.sites import Survey, add_site
 from fixtures_db.slabs import add_level, add_slab
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
+from station.files.campaign_folder.notes import UnitRecord, write_setup, write_unit
 from station.files.campaign_folder.schema import SiteTable
-from station.guide.folder_notes import write_setup, write_unit
-from station.guide.setup_view import Setup
-from station.guide.unit_identity import UnitRecord
+from station.files.setup import Setup
 from station.results.campaign_results import make_results, store
 from station.results.certificate.checklist import missing
 from station.results.certificate.issuing import Request, issue

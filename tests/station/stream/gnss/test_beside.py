@@ -8,9 +8,9 @@ import pytest
 
 from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.truth import Truth
+from station.files.setup import Setup
 from station.guide import gnss_in_campaign as gnss_beside
 from station.guide.gnss_in_campaign import NoFix, reopened, sited, utc_now
-from station.guide.setup_view import Setup
 from station.stream.gnss import open_gnss
 
 TRUTH = Truth(latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)

@@ -12,12 +12,12 @@ from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import AirData, FixType, GnssFix, TimeMark
 from station import cli
 from station.calibrated.calibration_choice import Applied
+from station.calibrated.in_use import InUse
 from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import read_fixes
 from station.files.mcap_files.fix_writer import FixWriter
 from station.monitor import monitor
 from station.monitor.options import Options
-from station.monitor.view import InUse
 from station.stream.replay.gnss import recorded_aid
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import Receiver, open_feed, record_drive

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from station.monitor.view import Location
+from station.locate.location import Location
 from station.tui.monitor.map_picture import map_picture
 
 AT = Location(is_located=True, enu=(100.0, 0.0, 0.0), heading=90.0, track=((0.0, 0.0), (100.0, 0.0)))

@@ -8,9 +8,9 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Dwell
+from station.files.campaign_folder.notes import keep_plan
 from station.guide.client import Connection
 from station.guide.command import Command, Verb
-from station.guide.folder_notes import keep_plan
 from station.guide.view import View
 from station.tui.themes import STATION
 from tests.station.commands.program import Program

@@ -1,19 +1,35 @@
 """What a guided campaign keeps in its folder beside the steps: set-up, plan, and what is known of the unit."""
 
 from pathlib import Path
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from procedures.campaign.plan_steps import Step
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.plan_toml import read_plan, write_plan
-from station.guide.setup_view import Setup
-from station.guide.unit_identity import UnitRecord
+from station.files.setup import Setup
 
 SETUP, UNIT, PLAN, LEFT_OUT = "setup.json", "unit.json", "plan.toml", "left_out.json"
 T = TypeVar("T", bound=BaseModel)
+Six = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
+
+
+class UnitRecord(BaseModel):
+    """A unit as the campaign knows it.
+
+    ``noise`` is the variance of a tenth of a second's counts [count^2] at rest, ``rate`` [count/s] the mean of the
+    first dwell: gyros, then accelerometers, raw, IMU axes. None where not known yet.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model: str
+    serial: str
+    serial_from_wire: bool
+    period: float
+    noise: Six | None = None
+    rate: Six | None = None
 
 
 def write_setup(folder: Path, setup: Setup) -> None:
