@@ -11,7 +11,6 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.files.toml_text import read_toml
 from station.guide.view import View
 from tests.station.guide.rig import GuideRig, dwells
 
@@ -228,153 +227,6 @@ def test_a_pause_keeps_what_was_accepted_and_records_nothing(rig: Make, when: st
     assert np.min(np.diff(accepted_seconds(guided))) >= 0
 
 
-def test_the_second_seat_of_a_pair_on_a_crumb_is_told_to_be_wiped(rig: Make) -> None:
-    truth = replace(Truth.example(2), accel_k=np.full(3, 1e5))
-    guided = rig(dwells(1, 2, 3, 4, seconds=60.0), truth)
-    for count, position in enumerate((1, 2, 3), start=1):
-        guided.hands(f"place {position} 8")
-        guided.run(guided.done(count))
-    guided.hands("place 4 8 0 0.03 0")  # 108 arcsec
-    view = guided.run(lambda v: any("not seated" in e.text for e in v.events))
-    assert "lift, wipe, set down" in view.events[-1].text
-    assert not view.gates.is_seated
-    guided.hands("place 4 8")
-    guided.run(guided.done(4))
-
-
-@pytest.mark.parametrize("how", ["again", "kept"])
-def test_a_seat_that_comes_back_or_is_kept_is_taken(rig: Make, how: str) -> None:
-    truth = replace(Truth.example(2), accel_k=np.full(3, 1e5))
-    guided = rig(dwells(1, 2, 3, 4, seconds=40.0), truth)
-    for count, position in enumerate((1, 2, 3), start=1):
-        guided.hands(f"place {position} 8")
-        guided.run(guided.done(count))
-    guided.hands("place 4 8 0 0.03 0")
-    guided.run(lambda v: any("not seated" in e.text for e in v.events))
-    if how == "again":
-        guided.hands("place 4 8 0 0.03 0")
-    else:
-        guided.obey("keep_seating")
-    guided.run(guided.done(4))
-
-
-def on_a_crumb(rig: Make, tilt_deg: float) -> GuideRig:
-    """Positions 1 to 3, then 4 tilted, up to where it is said."""
-    truth = replace(Truth.example(2), accel_k=np.full(3, 1e5))
-    guided = rig(dwells(1, 2, 3, 4, 5, 6, 7, 8, seconds=20.0), truth)
-    for count, position in enumerate((1, 2, 3), start=1):
-        guided.hands(f"place {position} 8")
-        guided.run(guided.done(count))
-    guided.hands(f"place 4 8 0 {tilt_deg} 0")
-    guided.run(lambda v: any("not seated" in e.text for e in v.events))
-    return guided
-
-
-@pytest.mark.parametrize("is_resumed", [False, True])
-def test_a_kept_tilted_seat_condemns_no_good_seat_after_it_also_after_a_resume(
-    rig: Make, is_resumed: bool
-) -> None:
-    guided = on_a_crumb(rig, 0.3)
-    guided.obey("keep_seating")
-    view = guided.run(lambda v: v.question is not None)
-    assert "tilted by 0.30 deg" in view.question.text
-    guided.obey("answer", key="y")
-    guided.run(guided.done(4))
-    [kept] = [d.kept_seat_rad for d in read_toml(guided.folder)[0].dwell if d.position == 4]
-    assert np.degrees(np.hypot(*kept)) == pytest.approx(0.3, abs=0.01)
-    if is_resumed:
-        guided.resume()
-    said = max((event.number for event in guided.view.events), default=0)
-    for count, position in enumerate((5, 6, 7, 8), start=5):
-        guided.hands(f"place {position} 8")
-        guided.run(guided.done(count))
-    assert not any(text.startswith("rejected") for number, text in guided.said.items() if number > said)
-    assert any("tilted by 0.3 deg" in warning for warning in read_campaign(guided.folder).warnings)
-
-
-def test_a_kept_seat_that_is_done_again_well_judges_again(rig: Make) -> None:
-    guided = on_a_crumb(rig, 0.3)
-    guided.obey("keep_seating")
-    guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="y")
-    guided.run(guided.done(4))
-    guided.obey("redo", step="dwell_04")
-    guided.hands("place 4 8")
-    guided.run(lambda v: v.step("dwell_04").attempts == 2)
-    assert guided.desk.badly_seated == set()
-    assert all(d.kept_seat_rad is None for d in read_toml(guided.folder)[0].dwell)
-
-
-def test_a_tilt_that_no_face_has_is_kept_only_with_a_yes(rig: Make) -> None:
-    guided = on_a_crumb(rig, 0.3)
-    guided.obey("keep_seating")
-    guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="n")
-    guided.rest(60)
-    assert (guided.view.done, guided.view.question) == (3, None)
-    guided.hands("place 4 8")
-    guided.run(guided.done(4))
-    assert guided.desk.badly_seated == set()
-
-
-def test_a_small_tilt_is_kept_without_a_question_and_holds_for_that_seat_alone(rig: Make) -> None:
-    guided = on_a_crumb(rig, 0.03)
-    guided.obey("keep_seating")
-    assert guided.view.question is None
-    guided.hands("place 4 8 0 0.2 0")
-    guided.run(lambda v: v.events[-1].sound == "rejected" and "tilted by 7" in v.events[-1].text)  # arcsec
-    guided.hands("place 4 8 0 0.03 0")
-    guided.run(guided.done(4))
-    assert guided.desk.badly_seated == {4}
-
-
-def placed_7_turned(rig: Make, **how: bool) -> GuideRig:
-    guided = rig(dwells(1, 2, 3, 4, 5, 6, 7, 8, seconds=40.0), **how)
-    for count, position in enumerate((1, 2, 3, 4, 5, 6), start=1):
-        guided.hands(f"place {position} 8")
-        guided.run(guided.done(count))
-    guided.hands("place 7 8 0 4 0")  # y is down: clockwise from above
-    return guided
-
-
-def test_a_position_that_stood_4_deg_off_is_named_at_once_and_done_again(rig: Make) -> None:
-    guided = placed_7_turned(rig)
-    view = guided.run(lambda v: v.question is not None)
-    told = re.match(
-        r"Position 7 stood (\d\.\d) deg off, clockwise from above, by the Earth rate", view.question.text
-    )
-    assert told
-    assert float(told[1]) == pytest.approx(4.0, abs=1.0)
-    assert view.done == 7
-    guided.obey("answer", key="r")
-    guided.run(lambda v: v.stage == "place" and "set position 7 along the marks" in v.hint)
-    guided.rest(20)
-    assert guided.view.step("dwell_07").attempts == 1  # not where it stands
-    guided.hands("place 7 8")
-    guided.run(lambda v: v.step("dwell_07").attempts == 2)
-    assert guided.rest(20).question is None
-    assert guided.view.wanted == "dwell_08"
-
-
-def test_a_heading_that_is_kept_is_not_asked_of_again(rig: Make) -> None:
-    guided = placed_7_turned(rig)
-    guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="k")
-    guided.run(lambda v: v.question is None)
-    guided.hands("place 8 8")
-    guided.run(guided.done(8))
-    assert guided.rest(20).question is None
-    assert guided.guide.is_complete
-
-
-def test_with_nobody_to_ask_it_is_done_again_once(rig: Make) -> None:
-    guided = placed_7_turned(rig, asks=False)
-    guided.run(lambda v: v.step("dwell_07").state == "redo")
-    guided.hands("place 7 8 0 4 0")
-    guided.run(lambda v: v.step("dwell_07").attempts == 2)
-    assert guided.view.wanted == "dwell_08"
-
-
 def test_that_a_recording_began_is_not_said_once_it_is_over(rig: Make) -> None:
     guided = rig(dwells(1, 2, seconds=30.0))
     guided.run(after(10.0))
@@ -384,15 +236,3 @@ def test_that_a_recording_began_is_not_said_once_it_is_over(rig: Make) -> None:
     assert not [event for event in view.events if event.sound == "start"]
     guided.run(guided.done(1))
     assert not [event for event in guided.view.events if event.sound == "start"]
-
-
-def test_a_kept_seat_is_said_to_be_kept_while_it_is_recorded(rig: Make) -> None:
-    guided = on_a_crumb(rig, 0.3)
-    guided.obey("keep_seating")
-    guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="y")
-    guided.run(lambda v: v.gates is not None and v.gates.seating.startswith("kept as it sits: tilted by"))
-    assert guided.view.stage == "dwell"
-    assert guided.view.gates.is_seated
-    guided.run(guided.done(4))
-    assert guided.desk.badly_seated == {4}

@@ -5,12 +5,12 @@ import re
 
 from station.guide.view import View
 from tests.paths import ROOT
-from tests.station.tui import views
+from tests.station.tui import start_views, views
 from tests.station.tui.session import SMALL, screens
 
 FOLDER = ROOT / "docs" / "screens"
 PICTURES = {
-    "setup": views.START,
+    "setup": start_views.START,
     "placing": views.PLACING,
     "holding": views.HOLDING,
     "turning": views.TURNING,

@@ -13,7 +13,7 @@ from station.tui.screens.stage import RUNNING
 from station.tui.widgets.drawn import Drawn
 from station.tui.widgets.event_lines import EventLines
 from station.tui.widgets.number_table import NumberTable
-from tests.station.tui import views
+from tests.station.tui import start_views, views
 from tests.station.tui.session import LARGE, SMALL, Screens, screens
 
 MAY_BE_CUT = (NumberTable, EventLines)  # one scrolls, the other's texts are any length
@@ -61,7 +61,9 @@ def cut_off(seen: Screens) -> list[object]:
     return found
 
 
-@pytest.mark.parametrize(("view", "goes_on"), [(views.START, False), (views.HOLDING, True), (views.PASSED, False)])
+@pytest.mark.parametrize(
+    ("view", "goes_on"), [(start_views.START, False), (views.HOLDING, True), (views.PASSED, False)]
+)
 async def test_a_terminal_that_is_too_small_speaks_of_a_campaign_only_where_one_goes_on(
     view: View, goes_on: bool
 ) -> None:

@@ -13,7 +13,7 @@ from station.guide.view import Stage, View
 from station.stream.events import Event
 from station.stream.live.stream_trouble import AMISS
 from station.stream.recorder import UnitChanged
-from tests.station.tui import views
+from tests.station.tui import start_views, views
 from tests.station.tui.session import SMALL, Screens, screens
 
 PORT = "/dev/serial/by-id/usb-FTDI_USB-RS422_A1B2C3D4"
@@ -139,8 +139,8 @@ async def test_the_end_and_the_set_up_say_errors_whole() -> None:
             await seen.show(views.BROKEN.model_copy(update={"error": str(error)}))
             await seen.pilot.pause()
             assert words(str(error)) in said_in(seen, seen.app.screen.query_one("#ended"))
-            start = views.START.start.model_copy(update={"refused": str(error)})
-            await seen.show(views.START.model_copy(update={"start": start}))
+            start = start_views.START.start.model_copy(update={"refused": str(error)})
+            await seen.show(start_views.START.model_copy(update={"start": start}))
             await seen.pilot.pause()
             assert words(str(error)) in said_in(seen, seen.app.screen.query_one("#said"))
 
@@ -209,8 +209,10 @@ async def test_a_reason_gives_way_once_a_step_is_accepted() -> None:
 
 async def test_a_silent_port_is_told_whole_in_the_form() -> None:
     text = str(LinkSilent(PORT, 2.0, 921600))
-    start = views.START.start.model_copy(update={"check": views.Check(url=views.URL, is_good=False, text=text)})
-    async with screens(views.START.model_copy(update={"start": start})) as seen:
+    start = start_views.START.start.model_copy(
+        update={"check": start_views.Check(url=start_views.URL, is_good=False, text=text)}
+    )
+    async with screens(start_views.START.model_copy(update={"start": start})) as seen:
         await seen.pilot.pause()
         assert words(text) in said_in(seen, seen.app.screen.form.look)
         assert "A/B" not in text

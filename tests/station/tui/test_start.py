@@ -10,18 +10,18 @@ from station.guide.view import View
 from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.start import CONSIDER_S
 from station.tui.setup_entries import ENTRIES, problems, receiver, setup_of, texts_of
-from tests.station.tui import views
+from tests.station.tui import start_views
 from tests.station.tui.session import Screens, screens
 
 URL = "tcp://rig:5000?format=counts"
 FRESH = View(stage="start", start=Start(setup=Setup(url=URL)))
-SETUP = views.START.start.setup
+SETUP = start_views.START.start.setup
 
 
 def of_start(**update: object) -> View:
     """Return the start screen, with nothing known of how ready it is unless that is given."""
-    start = views.START.start.model_copy(update={"readiness": None, **update})
-    return views.START.model_copy(update={"start": start})
+    start = start_views.START.start.model_copy(update={"readiness": None, **update})
+    return start_views.START.model_copy(update={"start": start})
 
 
 def said(seen: Screens) -> str:
@@ -37,17 +37,17 @@ async def fill(seen: Screens, name: str, text: str) -> None:
 
 
 async def test_enter_goes_on_with_the_campaign_on_top() -> None:
-    async with screens(views.START) as seen:
+    async with screens(start_views.START) as seen:
         await seen.press("enter")
-        assert seen.sent == [Command(verb="resume", folder=views.FOLDER, url=views.URL)]
+        assert seen.sent == [Command(verb="resume", folder=start_views.FOLDER, url=start_views.URL)]
 
 
 async def test_campaigns_in_use_or_not_here_are_shown_and_cannot_be_chosen() -> None:
-    async with screens(views.START) as seen:
+    async with screens(start_views.START) as seen:
         options = seen.app.screen.unfinished
         assert [options.get_option_at_index(i).disabled for i in range(3)] == [False, True, True]
         await seen.press("down", "down", "enter")
-        assert seen.sent == [Command(verb="resume", folder=views.FOLDER, url=views.URL)]
+        assert seen.sent == [Command(verb="resume", folder=start_views.FOLDER, url=start_views.URL)]
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,7 @@ async def test_a_campaign_goes_on_at_the_port_looked_at_if_its_unit_may_be_there
 ) -> None:
     async with screens(of_start(check=check)) as seen:
         await seen.press("enter")
-        assert seen.sent == [Command(verb="resume", folder=views.FOLDER, url=sent)]
+        assert seen.sent == [Command(verb="resume", folder=start_views.FOLDER, url=sent)]
 
 
 async def test_what_is_remembered_is_filled_in_and_sent_back_as_it_was() -> None:
@@ -100,13 +100,13 @@ async def test_a_wrong_value_is_said_in_words_as_it_is_typed() -> None:
 
 
 async def test_how_it_can_end_is_not_said_of_a_form_that_is_wrong_or_refused() -> None:
-    async with screens(views.START) as seen:
+    async with screens(start_views.START) as seen:
         assert "can end in a certificate" in "\n".join(seen.lines())
         await fill(seen, "height_m", "1e9")
         assert "can end in" not in "\n".join(seen.lines())
         await fill(seen, "height_m", "520")
         assert "can end in a certificate" in "\n".join(seen.lines())
-        await seen.show(of_start(refused="no such port", readiness=views.START.start.readiness))
+        await seen.show(of_start(refused="no such port", readiness=start_views.START.start.readiness))
         assert "can end in" not in "\n".join(seen.lines())
 
 
@@ -128,7 +128,7 @@ async def test_what_the_engine_refused_is_said_and_what_was_typed_stays() -> Non
 
 async def test_choosing_a_port_looks_at_it() -> None:
     async with screens(of_start(unfinished=())) as seen:
-        other = views.START.start.ports[1].key
+        other = start_views.START.start.ports[1].key
         await seen.press("enter", "down", "enter")
         assert seen.app.screen.form.fields["url"].input.value == other
         assert seen.sent == [Command(verb="check", url=other)]
@@ -163,9 +163,9 @@ async def test_a_wrong_address_of_a_receiver_is_said_and_not_listened_to() -> No
 
 async def test_enter_listens_to_the_receiver_and_ctrl_l_looks_at_both() -> None:
     async with screens(FRESH) as seen:
-        await fill(seen, "gnss", views.GNSS)
+        await fill(seen, "gnss", start_views.GNSS)
         await seen.press("enter", "ctrl+l")
-        listen, check = Command(verb="listen", url=views.GNSS), Command(verb="check", url=URL)
+        listen, check = Command(verb="listen", url=start_views.GNSS), Command(verb="check", url=URL)
         assert seen.sent == [listen, check, listen]
 
 
@@ -174,21 +174,21 @@ async def test_enter_listens_to_the_receiver_and_ctrl_l_looks_at_both() -> None:
     [
         (None, True, "listening to the receiver"),
         (None, False, "not listened to yet"),
-        (views.WITH_RECEIVER.start.receiver, False, "✓ 48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m"),
-        (Check(url=views.GNSS, is_good=False, text="no fix"), False, "✗ no fix"),
+        (start_views.WITH_RECEIVER.start.receiver, False, "✓ 48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m"),
+        (Check(url=start_views.GNSS, is_good=False, text="no fix"), False, "✗ no fix"),
         (Check(url="mavlink:tcp:x:1", is_good=True, text="48"), False, "not listened to yet"),
     ],
 )
 async def test_what_the_receiver_says_stands_below_its_address(
     receiver: Check | None, is_listening: bool, expected: str
 ) -> None:
-    start = views.WITH_RECEIVER.start.model_copy(update={"receiver": receiver, "is_listening": is_listening})
-    async with screens(views.WITH_RECEIVER.model_copy(update={"start": start})) as seen:
+    start = start_views.WITH_RECEIVER.start.model_copy(update={"receiver": receiver, "is_listening": is_listening})
+    async with screens(start_views.WITH_RECEIVER.model_copy(update={"start": start})) as seen:
         assert expected in seen.app.screen.form.heard.render().plain
 
 
 async def test_a_latitude_that_is_stated_goes_before_the_receiver_and_is_said_to() -> None:
-    async with screens(views.WITH_RECEIVER) as seen:
+    async with screens(start_views.WITH_RECEIVER) as seen:
         heard = seen.app.screen.form.heard
         assert "what is not given below is taken from it" in heard.render().plain
         await fill(seen, "latitude_deg", "48.2")
@@ -208,7 +208,10 @@ def test_every_link_to_a_receiver_is_accepted_by_the_form(link: str) -> None:
 @pytest.mark.parametrize(
     ("check", "expected"),
     [
-        (views.START.start.check, "✓ counts, SIM-FOG3 SIM-7, 100.0 Hz, 0 of 200 frames bad, noise 49 ug/rtHz"),
+        (
+            start_views.START.start.check,
+            "✓ counts, SIM-FOG3 SIM-7, 100.0 Hz, 0 of 200 frames bad, noise 49 ug/rtHz",
+        ),
         (Check(url=SETUP.url, is_good=False, text="no byte within 2 s: is it powered?"), "✗ no byte within 2 s"),
         (Check(url="tcp://else:1", is_good=True), "not looked at yet"),
     ],
@@ -219,7 +222,7 @@ async def test_a_look_says_what_came(check: Check, expected: str) -> None:
 
 
 async def test_a_device_that_says_its_serial_number_fills_it_in_and_one_that_does_not_is_asked_for() -> None:
-    async with screens(views.START) as seen:
+    async with screens(start_views.START) as seen:
         serial = seen.app.screen.form.fields["serial"].input
         assert (serial.value, serial.disabled) == ("SIM-7", True)
         silent = Check(url=SETUP.url, is_good=True, format="counts", model="RIG", frames=200)
@@ -231,7 +234,7 @@ async def test_a_device_that_says_its_serial_number_fills_it_in_and_one_that_doe
 
 
 async def test_an_expired_certificate_is_a_warning_with_the_cube_and_one_in_force_is_not() -> None:
-    async with screens(views.START) as seen:
+    async with screens(start_views.START) as seen:
         form = seen.app.screen.form
         assert "! certificate expired on 2026-02-01" in form.cube._note.render().plain  # noqa: SLF001
         form.cube.choose("CUBE-8")
@@ -246,7 +249,7 @@ READY = Readiness(
 
 
 async def test_what_lacks_stands_below_the_form_and_line_by_line_before_it_begins() -> None:
-    async with screens(views.START) as seen:
+    async with screens(start_views.START) as seen:
         text = "\n".join(seen.lines())
         assert "✗ can end in PASS: no, no limits are stored for SIM-FOG3" in text
         assert "✗ can end in a certificate: no, ctrl+r says why" in text
