@@ -1,10 +1,14 @@
 """The contract that every wire format keeps: it is picked up here by being in FORMATS."""
 
+from importlib import import_module
+from pkgutil import iter_modules
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivers import wire as wire_formats
 from drivers.wire import FORMATS, Identity, WireFormat
 from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock
 from tests.drivers.wire.blocks import assert_equal, bare, decoded, each_format, frames_of, of_format, row_of
@@ -35,6 +39,17 @@ def blocks(draw: st.DrawFn, wire: WireFormat) -> SampleBlock:
         status=column(st.integers(0, 2**16 - 1)) & 0xFF00,
         healthy=column(st.integers(0, 1)) > 0,
     )
+
+
+@pytest.mark.parametrize("name", [module.name for module in iter_modules(wire_formats.__path__)])
+def test_every_format_is_in_the_table_under_a_name_of_its_own(name: str) -> None:
+    for what, wire in vars(import_module(f"drivers.wire.{name}")).items():
+        if isinstance(wire, WireFormat):
+            listed = FORMATS.get(wire.name)
+            assert listed is not None, (
+                f"drivers/wire/{name}.py has {what}, FORMATS of drivers/wire/__init__.py has not"
+            )
+            assert listed is wire, f"two formats of FORMATS are named {wire.name}"
 
 
 @every_format

@@ -18,6 +18,7 @@ from station.guide.disk_space import JOURNAL_BYTES, STEP_BYTES, disk_for, disk_f
 from station.guide.live_campaign import usual_steps
 from station.stream.reader import Chunk
 from station.stream.reader.journal import Journal
+from station.stream.recorder.sample_stream import SampleStream
 
 SAMPLES = 1000
 GNSS_EPOCH_NS = 1_800_000_000_000_000_000
@@ -37,7 +38,7 @@ def noisy(block: SampleBlock, bits: int, rng: np.random.Generator) -> SampleBloc
 @pytest.mark.parametrize("name", WHOLE_IMUS)
 def test_no_sample_of_any_format_takes_more_than_is_reckoned(name: str, tmp_path: Path) -> None:
     wire, rng, number = FORMATS[name], np.random.default_rng(1), 0
-    device, decoder, again = ByteDevice(Truth.example(1), 1, name), Decoder(wire), Decoder(wire)
+    device, decoder, stream = ByteDevice(Truth.example(1), 1, name), Decoder(wire), SampleStream(wire)
     journal = Journal(tmp_path / "journal.mcap", {}, pytest.fail)
     writer = StepWriter(tmp_path / "step.mcap", BY_OUTPUT[wire.output])
     while number < SAMPLES:
@@ -47,7 +48,7 @@ def test_no_sample_of_any_format_takes_more_than_is_reckoned(name: str, tmp_path
             chunk = Chunk(GNSS_EPOCH_NS + number * 1_000_000 + int(rng.integers(100_000)), wire.encode(one))
             journal.put(chunk)
             writer.write_raw(chunk.host_ns, chunk.data)
-            writer.write_block(chunk.host_ns, again.feed(chunk.data))
+            writer.write_block(chunk.host_ns, stream.take(chunk).block)
             number += 1
     journal.close()
     writer.close()

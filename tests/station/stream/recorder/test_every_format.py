@@ -8,6 +8,7 @@ import pytest
 
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import ReplayEnded
+from drivers.framing import Decoder
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
@@ -97,11 +98,11 @@ def test_a_file_with_a_changed_byte_is_noticed(tmp_path: Path) -> None:
         check_raw_bytes(done.path, wire)
 
 
-def test_only_a_format_without_device_time_gets_the_hosts() -> None:
-    timeless = {name for name, wire in FORMATS.items() if "device_time" not in wire.carries}
-    assert timeless == {"ch70"}
-    stream = SampleStream(FORMATS["ch70"])
-    assert stream.take(Chunk(10**9, FORMATS["ch70"].example)).block.device_time[0] == pytest.approx(1.0)
+@every_format
+def test_only_a_format_without_device_time_gets_the_hosts(wire: WireFormat) -> None:
+    times = SampleStream(wire).take(Chunk(10**9, wire.example)).block.device_time
+    own = Decoder(wire).feed(wire.example).device_time
+    assert times == pytest.approx(own if wire.imu.has_time else 1.0)
 
 
 def test_a_stim300_s_time_goes_on_over_its_turn_of_0_128_s() -> None:
