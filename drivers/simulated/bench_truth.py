@@ -11,9 +11,10 @@ import numpy as np
 
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY, earth_rate_n
+from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import AXES, C_bn, face_normal, face_of, rotation, vertical_rotation
 from procedures.frames import FACES as FACES  # rows of `World.faces`
+from procedures.units import STANDARD_GRAVITY
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,6 +15,7 @@ from drivers.simulated.cube_motion import Segment
 from drivers.simulated.effects import Felt, Planted, Stimulus
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
+from procedures.units import DEG_H_PER_DEG_S
 
 NODE_S = 1.0  # grid of the bias instability, linear in between
 
@@ -67,7 +68,7 @@ class Sensor:
         self.period = truth.sample_period_s / (1 + 1e-6 * world.clock_ppm)
         white, drift, phase = np.random.SeedSequence(seed or 0).spawn(3)
         self._white = None if seed is None else np.random.Generator(np.random.SFC64(white))
-        gyro_sigma = np.full(3, truth.gyro_instability_dph / 3600)
+        gyro_sigma = np.full(3, truth.gyro_instability_dph / DEG_H_PER_DEG_S)
         sigma = np.concatenate((np.full(3, truth.accel_instability_g), gyro_sigma)) * (seed is not None)
         self._drift = BiasInstability(sigma, truth.instability_tau_s, np.random.default_rng(drift))
         self._phase = np.random.default_rng(phase)

@@ -15,7 +15,8 @@ import numpy as np
 
 from drivers.simulated.errors import TruthRefused
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY, normal_gravity
+from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY
 
 Sizes = Mapping[str, float]
 IMU_AXES = ("+x", "+y", "+z")
@@ -132,7 +133,7 @@ class Truth:
         return replace(
             self,
             accel_d_g=self.accel_d_g + self.accel_turn_on_g * accel,
-            gyro_d_deg_s=self.gyro_d_deg_s + self.gyro_turn_on_dph / 3600 * gyro,
+            gyro_d_deg_s=self.gyro_d_deg_s + self.gyro_turn_on_dph / DEG_H_PER_DEG_S * gyro,
             accel_turn_on_g=0.0,
             gyro_turn_on_dph=0.0,
         )

@@ -6,7 +6,7 @@ from drivers.simulated.cube_motion import Segment
 from drivers.simulated.errors import TruthRefused
 from drivers.simulated.vehicle_track import Track
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.units import STANDARD_GRAVITY
 
 SLOWEST = 0.2  # m/s, below which the vehicle keeps its heading
 

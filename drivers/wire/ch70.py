@@ -13,6 +13,7 @@ import numpy as np
 
 from drivers.wire._format import FrameKind, Frames, NominalScale, Octets, WireFormat, fits
 from procedures.counts.sample_records import CountBlock
+from procedures.units import RAD_PER_DEG
 
 HEADER = 0x80
 GROUP = 7  # bits
@@ -109,7 +110,7 @@ FORMAT = WireFormat(
         {
             "CH-70": NominalScale(
                 "CH-70",
-                np.pi / 180 / 47019 / RATE_HZ,
+                RAD_PER_DEG / 47019 / RATE_HZ,
                 np.nan,
                 RATE_HZ,
                 "maker's test report, unit 19036, mean of 3",

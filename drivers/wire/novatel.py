@@ -13,7 +13,7 @@ import numpy as np
 from drivers.wire._format import Frames, NominalScale, Octets, fits
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.units import M_PER_FT, RAD_PER_ARCSEC, RAD_PER_DEG, STANDARD_GRAVITY
 
 SYNC = b"\xaa\x44\x13"
 LENGTH_AT = 3  # of the short header: the body's; of the long one: the header's own
@@ -22,7 +22,6 @@ WEEK = 604800  # s
 INT32 = 2**31
 BAUD = 230400  # 56 bytes x 200 Hz x 10 bits = 112 kbit/s
 CARRIES = frozenset({"device_time", "status"})
-ARCSEC, DEGREE, FOOT = np.pi / 648000, np.pi / 180, 0.3048  # rad, rad, m
 
 
 def crc(data: Octets) -> int:
@@ -81,11 +80,13 @@ def all_good(frames: Frames) -> BoolArray:
 
 def _models() -> Mapping[int, NominalScale]:
     page = "OEM7 manual, RAWIMUSX, raw IMU scale factors"
-    foot27, foot26 = FOOT * 2.0**-27, FOOT * 2.0**-26  # the driver's 1/3.2808 is 12 ppm off the exact foot
+    # The driver's 1/3.2808 is 12 ppm off the exact foot.
+    foot27, foot26 = M_PER_FT * 2.0**-27, M_PER_FT * 2.0**-26
     # oem7_imu.cpp returns the KVH value in degrees where all others are radians: 57.3 times too large.
-    fsas = (0.1 * 2.0**-8 * ARCSEC, 0.05 * 2.0**-15)
-    epson320 = (0.008 * 2.0**-16 * DEGREE, 0.2e-3 * 2.0**-16 * STANDARD_GRAVITY)  # per second: these send rates
-    epson370 = (0.0151515 * 2.0**-16 * DEGREE, 0.4e-3 * 2.0**-16 * STANDARD_GRAVITY)
+    fsas = (0.1 * 2.0**-8 * RAD_PER_ARCSEC, 0.05 * 2.0**-15)
+    # Per second: these send rates.
+    epson320 = (0.008 * 2.0**-16 * RAD_PER_DEG, 0.2e-3 * 2.0**-16 * STANDARD_GRAVITY)
+    epson370 = (0.0151515 * 2.0**-16 * RAD_PER_DEG, 0.4e-3 * 2.0**-16 * STANDARD_GRAVITY)
     table: tuple[tuple[int, str, float, float, float], ...] = (  # type, model, rad, m/s per count, Hz
         (1, "HG1700 AG11", 2.0**-33, foot27, 100),
         (4, "HG1700 AG17", 2.0**-33, foot26, 100),
@@ -99,12 +100,12 @@ def _models() -> Mapping[int, NominalScale]:
         (26, "ISA-100C", 1e-9, 2e-8, 200),  # listed at 100 Hz once: novatel_oem7_driver issue 79
         (27, "HG1900 CA50", 2.0**-33, foot27, 100),
         (28, "HG1930 CA50", 2.0**-33, foot27, 100),
-        (31, "ADIS16488", 720 * 2.0**-31 * DEGREE, 200 * 2.0**-31, 200),
-        (32, "STIM300", 2.0**-21 * DEGREE, 2.0**-22, 125),
+        (31, "ADIS16488", 720 * 2.0**-31 * RAD_PER_DEG, 200 * 2.0**-31, 200),
+        (32, "STIM300", 2.0**-21 * RAD_PER_DEG, 2.0**-22, 125),
         (33, "KVH 1750", *fsas, 200),
         (41, "Epson EG320N", epson320[0] / 125, epson320[1] / 125, 125),
         (52, "LITEF uIMU-IC", 1e-9, 2e-8, 200),
-        (56, "STIM300D", 2.0**-21 * DEGREE, 2.0**-22, 125),
+        (56, "STIM300D", 2.0**-21 * RAD_PER_DEG, 2.0**-22, 125),
         (58, "HG4930 AN01", 2.0**-33, 2.0**-29, 100),
         (61, "Epson EG370N", epson370[0] / 200, epson370[1] / 200, 200),
         (62, "Epson EG320N 200 Hz", epson320[0] / 200, epson320[1] / 200, 200),

@@ -19,6 +19,7 @@ from drivers.wire import mpeg2
 from drivers.wire._format import FrameKind, Frames, NominalScale, WireFormat, fits, seal
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock
+from procedures.units import RAD_PER_DEG
 
 TICKS_HZ = 2000.0
 TURN = 256  # ticks
@@ -127,8 +128,6 @@ def encode(block: CountBlock) -> bytes:
 
 
 IMU = KINDS[0xAF]
-_DEGREE = np.pi / 180
-
 FORMAT = WireFormat(
     name="stim300",
     title="Sensonor STIM300 normal mode",
@@ -150,7 +149,9 @@ FORMAT = WireFormat(
     baud=921600,
     scales=MappingProxyType(
         {
-            name: NominalScale(name, 2.0**-21 * _DEGREE, 2.0**-shift, 125.0, "TS1524 rev. 31, incremental output")
+            name: NominalScale(
+                name, 2.0**-21 * RAD_PER_DEG, 2.0**-shift, 125.0, "TS1524 rev. 31, incremental output"
+            )
             for name, shift in (
                 ("STIM300 10 g", 22),
                 ("STIM300 5 g", 23),

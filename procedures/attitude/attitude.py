@@ -15,7 +15,8 @@ from procedures.attitude.mixer import NEAR_VERTICAL, mix, mix_as_printed
 from procedures.attitude.mixer_gains import PAPER, Gains
 from procedures.attitude.observability import Observability, observability
 from procedures.attitude.sensor_noise import at_rest, clipped_rows, gate_of, gyro_noise
-from procedures.earth.gravity_and_rate import EARTH_RATE, STANDARD_GRAVITY
+from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.units import STANDARD_GRAVITY
 
 AIDS = ("none", "airspeed", "airspeed-filter", "gnss", "paper-airspeed", "paper-filter")
 NEEDS = {"airspeed": "airspeed", "airspeed-filter": "airspeed", "gnss": "velocity",

@@ -10,8 +10,8 @@ from procedures.attitude.attitude import estimate
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import inclination
 from procedures.attitude.mixer_gains import Gains
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.errors import NotObservable
+from procedures.units import STANDARD_GRAVITY
 
 TAUS = tuple(float(tau) for tau in np.geomspace(0.5, 200.0, 25))
 FOLDS = 5  # stretches of equal numbers of rows: neighbours in time are not independent

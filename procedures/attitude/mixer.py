@@ -8,7 +8,7 @@ from procedures.attitude.forward_right_down import down_of
 from procedures.attitude.mixer_gains import PAPER, Gains
 from procedures.attitude.mixer_kernels import mix_log, mix_vector
 from procedures.attitude.velocity_aid_kernels import P0, mix_paper, mix_paper_log, mix_speed, mix_speed_log
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.units import STANDARD_GRAVITY
 
 GATE = 2.5e-3  # rad/s: P2, section 4
 NEAR_VERTICAL = np.radians(80.0)  # pitch beyond which the Euler form says so

@@ -29,10 +29,10 @@ from procedures.campaign.measured_cube import NAMES, SKEW, CubeMeasurement, Unit
 from procedures.campaign.observations import TriadDwells, TriadRests, dwell_rates, rest_rates
 from procedures.dwells_and_turns.bench_parameters import FACE_RANGE, SLAB_RANGE, Bench, Placement
 from procedures.dwells_and_turns.twelve_position import ALIVE, is_determined
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.errors import NotObservable
 from procedures.frames import rotation
 from procedures.statistics.least_squares import Fit, minimise
+from procedures.units import STANDARD_GRAVITY
 
 QUADRATIC = 5e-5  # g/g^2, 1 sigma: a servo accelerometer's K2 is some 10 to 100 ug/g^2
 DOUBTFUL = 0.01  # p-value of a test below which what it tests is said to be in doubt

@@ -16,15 +16,16 @@ import numpy as np
 from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, earth_rate_n
+from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.earth.gyrocompass import Known
 from procedures.frames import nominal_C_lb
 from procedures.statistics.least_squares import Fit, minimise_if_determined
+from procedures.units import RAD_S_PER_DEG_H
 
 SIGMAS = 4.0
 AS_WELL = 9.0  # of chi2: a dwell whose heading explains nearly as much may be the one
 WIDE = 0.3  # rad, 1 sigma of a heading of which nothing is said
-BIAS_RANGE = 30 * DEG_PER_HOUR  # rad/s, 1 sigma
+BIAS_RANGE = 30 * RAD_S_PER_DEG_H  # rad/s, 1 sigma
 SCALE_RANGE, MISALIGNMENT_RANGE = 0.1, 1e-2  # 1 sigma, where only a rough scale factor is known
 STRANGE = 1e-4  # probability of a chi2 above which sigma is widened to what the dwells scatter by
 MOST = 3  # dwells named at most: more of them are another matter than a slip

@@ -26,9 +26,9 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
 from procedures.dwells_and_turns.bench_parameters import Bench, Placement
 from procedures.dwells_and_turns.twelve_position import mountings, specific_force
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import AXES, cross_axes, face_normal, face_of
 from procedures.statistics.least_squares import Fit, minimise_if_determined
+from procedures.units import RAD_PER_ARCSEC, STANDARD_GRAVITY
 
 SCALE_RANGE = 0.1  # 1 sigma of k about what a vertical accelerometer counts, or the others do
 MISALIGNMENT_RANGE = 1e-2  # 1 sigma
@@ -36,10 +36,9 @@ BIAS_RANGE = 2e-2  # g, 1 sigma
 GRAVITY_STD = 1e-6  # m/s2: g and k are one factor here
 BLIND = 1e3  # g, 1 sigma of the dwell in question
 
-ARCSEC = float(np.radians(1 / 3600))  # rad
 SURE = 5.0  # sigma
-FLOOR = 3 * ARCSEC  # as well as a clean cube comes back to a clean slab
-GROSS, FINE = 60 * ARCSEC, 15 * ARCSEC
+FLOOR = 3 * RAD_PER_ARCSEC  # as well as a clean cube comes back to a clean slab
+GROSS, FINE = 60 * RAD_PER_ARCSEC, 15 * RAD_PER_ARCSEC
 STRANGE = 1e-4  # probability of a chi2 above which the dwells before contradict each other
 MOST_OFF = 0.1  # rad: a cube whose face passed for upright is not tilted by more; such a fit has failed
 PLAUSIBLE = 1e-3  # rad: what a cube's own faces may be tilted by, as `bench_parameters.FACE_RANGE`
@@ -113,7 +112,7 @@ def judge(seating: Seating) -> str:
     worst = int(np.argmax(np.abs(seating.off) / limit))
     if abs(seating.off[worst]) <= limit[worst]:
         return ""
-    off, most = seating.off[worst] / ARCSEC, limit[worst] / ARCSEC
+    off, most = seating.off[worst] / RAD_PER_ARCSEC, limit[worst] / RAD_PER_ARCSEC
     way = ("-" if off < 0 else "+") + seating.axes[worst]
     return f"tilted by {abs(off):.0f} arcsec along {way}, limit {most:.0f}"
 

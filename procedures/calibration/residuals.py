@@ -7,10 +7,10 @@ from scipy.special import gammaincc
 
 from procedures.arrays import FloatArray
 from procedures.calibration.solution import FitQuality, StepResidual
-from procedures.calibration.triad_calibration import DPH
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import JointFit, RestFit
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit
+from procedures.units import DEG_H_PER_DEG_S
 
 ABSORBED = (
     1e-6  # a residual whose sigma is less than a thousandth of the observation's is the fit's, not the data's
@@ -35,7 +35,8 @@ def step_residuals(accelerometer: JointFit | None, gyroscope: GyroscopeFit | Non
     """Return every dwell's and turn's residual, accelerometers first."""
     found: list[StepResidual] = []
     gyro = gyroscope.joint if gyroscope else None
-    for triad, joint, per, unit in (("accelerometer", accelerometer, 1.0, "g"), ("gyroscope", gyro, DPH, "deg/h")):
+    triads = ("accelerometer", accelerometer, 1.0, "g"), ("gyroscope", gyro, DEG_H_PER_DEG_S, "deg/h")
+    for triad, joint, per, unit in triads:
         if joint is not None:
             for (_, dwell), r, s in zip(joint.seen.dwells, *dwell_residuals(joint), strict=True):
                 found.append(StepResidual(dwell.name, "dwell", triad, dwell.position, r * per, s * per, unit))
@@ -74,7 +75,7 @@ def fit_quality(
         dof=dof,
         p_value=float(gammaincc(dof / 2, chi2 / 2)) if dof > 0 else 1.0,
         accelerometer_rms_g=_rms(accelerometer) if accelerometer else None,
-        gyroscope_rms_dph=gyroscope_rms * DPH if gyroscope_rms is not None else None,
+        gyroscope_rms_dph=gyroscope_rms * DEG_H_PER_DEG_S if gyroscope_rms is not None else None,
     )
 
 

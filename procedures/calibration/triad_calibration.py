@@ -8,11 +8,10 @@ from procedures.arrays import FloatArray
 from procedures.calibration.solution import Estimate, TriadCalibration
 from procedures.dwells_and_turns.bench_parameters import mean_axes, mean_cube, skew_jacobian, skew_variance
 from procedures.dwells_and_turns.twelve_position import JointFit, by_position, closed_form
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import AXES
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit
+from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY
 
-DPH = 3600.0  # deg/h per deg/s
 SHARED_DWELLS = 3  # neighbours that have a bias's instability in common: minutes, as the correlation of a FOG's
 STEP = 1e-5  # rad, for central differences of the axes that E refers to
 SKEWED = np.array([0, 1, 2, 12, 13, 14])  # k and D of the vector k (3), E (9), D (3)
@@ -50,7 +49,7 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
     of them: its bias when it has settled differs by as much as it moved meanwhile. An uncertified cube's skew
     adds to the sigma of k, and of accelerometers' D (`procedures.dwells_and_turns.bench_parameters`).
     """
-    unit, per = ("g", 1.0) if triad == "accelerometer" else ("deg/h", DPH)
+    unit, per = ("g", 1.0) if triad == "accelerometer" else ("deg/h", DEG_H_PER_DEG_S)
     C_sb = joint.bench.campaigns[0].fixture.C_sb
     skew_seen = (accelerometer or joint).bench.skew_known()
     value, J = scale_misalignment_bias(joint.K @ reference_axes(joint, skew_seen), joint.b, per)
@@ -91,11 +90,11 @@ def moves_vector(moves: MovesFit, accelerometer: JointFit) -> TriadVector:
     The covariance holds the accelerometers' share, and bias instability as `triad_vector` does.
     """
     axes = reference_axes(accelerometer, accelerometer.bench.skew_known())
-    value, J = scale_misalignment_bias(moves.K @ axes, moves.b, DPH)
+    value, J = scale_misalignment_bias(moves.K @ axes, moves.b, DEG_H_PER_DEG_S)
     G = moves.by_accelerometer
     covariance = J @ (moves.fit.covariance[:12, :12] + G @ accelerometer.fit.covariance[:12, :12] @ G.T) @ J.T
     n = len(moves.rate_error)
-    covariance[12:, 12:] += np.eye(3) * (moves.scatter[1] * DPH) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
+    covariance[12:, 12:] += np.eye(3) * (moves.scatter[1] * DEG_H_PER_DEG_S) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
     return TriadVector(value, J, covariance, vector_names("gyroscope"), "deg/h")
 
 

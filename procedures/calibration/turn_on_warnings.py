@@ -7,6 +7,7 @@ import numpy as np
 from procedures.campaign.campaign import Campaign
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import JointFit
+from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
 
 def turn_on_warnings(
@@ -17,8 +18,8 @@ def turn_on_warnings(
     if times < 2:
         return []
     triads = (
-        ("accelerometer", accelerometer, "ug", 1e6),
-        ("gyroscope", None if gyroscope is None else gyroscope.joint, "deg/h", 3600.0),
+        ("accelerometer", accelerometer, "ug", UG_PER_G),
+        ("gyroscope", None if gyroscope is None else gyroscope.joint, "deg/h", DEG_H_PER_DEG_S),
     )
     parts = list[str]()
     for name, joint, unit, per in triads:

@@ -19,8 +19,8 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line
+from procedures.units import PPM_PER_ONE
 
-PPM = 1e6
 BLOCKS, LEAST = 24, 6  # stretches of all rows, and as few as that are a line
 OUTLIER = 5.0  # robust sigmas
 STEPS = 4  # of the delay at the most: a logger that was started again has another one
@@ -64,7 +64,7 @@ def fit_clock(pieces: Sequence[Piece]) -> ClockRate | None:
     delay = max(float(np.quantile(late[b], 0.9) - late[b].min()) for b in points.blocks)
     # x ppm fast: the reference moves by 1 / (1 + 1e-6 x) of what device time does
     rate = 1 + line.slope
-    return ClockRate(PPM * (1 / rate - 1), PPM * std / rate**2, line.dof, delay)
+    return ClockRate(PPM_PER_ONE * (1 / rate - 1), PPM_PER_ONE * std / rate**2, line.dof, delay)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,9 +16,10 @@ from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.dwells_and_turns.bench_parameters import Bench, tilt_names
 from procedures.effects.effect import Columns, Effect
+from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
 TIED = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")
-GRADE = (1e-6, 0.5 / 3600)  # g, deg/s: 1 sigma of a dwell, up to which a unit is of the grade the ranges are for
+GRADE = 1 / UG_PER_G, 0.5 / DEG_H_PER_DEG_S  # g, deg/s: 1 sigma of a dwell of the grade the ranges are for
 EXCITED = 0.1  # of a coefficient's plausible size that one sigma of it must at least come down to
 
 

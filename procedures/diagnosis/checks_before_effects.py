@@ -8,12 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from procedures.campaign.campaign import Campaign
-from procedures.counts.reference_time import PPM
 from procedures.diagnosis.clock_rate import find_clock, is_timed, with_true_clock
 from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
 from procedures.diagnosis.result import Finding, Test
 from procedures.diagnosis.wrong_positions import find_labels, mislabelled, with_true_labels
 from procedures.diagnosis.wrong_turn_directions import with_true_directions
+from procedures.units import PPM_PER_ONE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +44,7 @@ def preliminary(campaigns: Sequence[Campaign]) -> Preliminary:
     for each in clock:
         if each.confidence != "ambiguous":
             campaigns = with_true_clock(campaigns, float(each.value[0]))
-            clock_std = float(each.std[0]) / PPM
+            clock_std = float(each.std[0]) / PPM_PER_ONE
     findings = (*directions, *labels[0], *(knock.finding for knock in knocks), *clock)
     tests = (*labels[1], *knock_tests, *clock_tests)
     return Preliminary(tuple(campaigns), findings, tests, frozenset(settled), clock_std)

@@ -15,11 +15,12 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, TurnRecord
-from procedures.counts.reference_time import PPM, ClockRate, fit_clock
+from procedures.counts.reference_time import ClockRate, fit_clock
 from procedures.counts.sample_records import Series
 from procedures.diagnosis.result import Confidence, Finding, Test
 from procedures.effects import EFFECTS
 from procedures.statistics.tail_probabilities import log_f_sf
+from procedures.units import PPM_PER_ONE
 
 EFFECT = "clock.rate"
 OFF_PERIOD = 1e-3  # relative, as the warning of DESIGN 5
@@ -68,7 +69,7 @@ def is_timed(campaigns: Sequence[Campaign]) -> bool:
 
 def is_known(rate: ClockRate) -> bool:
     """Say whether a rate is known to 0.1 %, by four sigma."""
-    return SIGMAS * rate.std / PPM <= KNOWN
+    return SIGMAS * rate.std / PPM_PER_ONE <= KNOWN
 
 
 def clock_rate(campaign: Campaign) -> ClockRate | None:
@@ -118,7 +119,7 @@ def _off_period(campaigns: Sequence[Campaign]) -> Iterator[Finding]:
     log_p = log_f_sf((middle / std) ** 2, 1, len(off) - 1 if len(off) > 1 else np.inf)
     adjusted = max(min(log_p + float(np.log(len(EFFECTS))), 0.0), float(np.log(np.finfo(float).tiny)))
     if adjusted < LIKELY:
-        found = _finding(PPM * middle, PPM * std, "ambiguous", adjusted, "t_s")
+        found = _finding(PPM_PER_ONE * middle, PPM_PER_ONE * std, "ambiguous", adjusted, "t_s")
         yield replace(found, aliases=("imu.sample_period_s",))
 
 
@@ -145,5 +146,5 @@ def _series(campaign: Campaign) -> Iterator[Series]:
 
 
 def _slowed(record: Record, ppm: float) -> Record:
-    series, by = record.series, 1 + ppm / PPM
+    series, by = record.series, 1 + ppm / PPM_PER_ONE
     return replace(record, series=replace(series, t=series.t / by, period=series.period / by))

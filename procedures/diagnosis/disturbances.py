@@ -19,6 +19,7 @@ from procedures.diagnosis.disturbed_blocks import LEAST, Blocks, Trace, is_white
 from procedures.diagnosis.result import Finding, Test
 from procedures.diagnosis.vibration import measure
 from procedures.frames import face_normal, face_of
+from procedures.units import DEG_H_PER_DEG_S
 
 EFFECT = "disturbance.dwell"
 LEVEL = np.log(0.003)  # of all blocks of a diagnosis; blocks overlap and their variances are not quite chi-square
@@ -215,5 +216,5 @@ def _scale(campaign: Campaign, triad: str) -> FloatArray:
     largest = np.max(np.abs(np.array(y) * (np.array(u) > 0.5)), axis=0, initial=0.0) if u else np.zeros(3)
     known = largest[largest > 0]
     return np.where(largest > 0, largest, known.mean() if len(known) else 1.0) / (
-        1.0 if triad == "accelerometer" else 3600.0
+        1.0 if triad == "accelerometer" else DEG_H_PER_DEG_S
     )

@@ -22,12 +22,13 @@ from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import POSITIONS, face_normal, face_of, nominal_C_lb
+from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 LEAST = 5  # dwells
 BIAS, G_SENSITIVITY = 1.0, 0.01  # 1 sigma, deg/s; deg/s per g, beside which the vertical Earth rate is small
-DRIFT = 10.0 / 3600  # 1 sigma, deg/s per hour
+DRIFT = 10.0 / DEG_H_PER_DEG_S  # 1 sigma, deg/s per hour
 SLACK = 0.5  # 1 sigma of H about K w cos(latitude), of that: magnetic sensitivity, and K guessed from dwells
-UNSTABLE = np.array([0.1, 0.4, 1.5, 6.0, 25.0, 100.0]) / 3600  # deg/s, 1 sigma of a bias from dwell to dwell
+UNSTABLE = np.array([0.1, 0.4, 1.5, 6.0, 25.0, 100.0]) / DEG_H_PER_DEG_S  # deg/s, 1 sigma, dwell to dwell
 
 _NOMINAL_C_BL = [nominal_C_lb(position).T for position in range(1, len(POSITIONS) + 1)]
 
@@ -57,7 +58,7 @@ class Compass:
         if len(rows) < LEAST:
             return None
         C_sb, rate, std = campaign.fixture.C_sb, rate[rows], std[rows]
-        hours = np.array([campaign.dwells[i].series.t.mean() / 3600 for i in rows.tolist()])
+        hours = np.array([campaign.dwells[i].series.t.mean() / S_PER_H for i in rows.tolist()])
         K = turned(campaign)
         if K is None:
             K = _from_dwells(_design(C_sb, np.array([[start[i] for i in rows.tolist()]]))[0], rate, north)

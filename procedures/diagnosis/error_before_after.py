@@ -9,12 +9,13 @@ from procedures.diagnosis.linear_model import LinearFit, fit_linear, held_out
 from procedures.diagnosis.refit import Refit
 from procedures.diagnosis.residual_rows import TRIADS, Evidence
 from procedures.diagnosis.result import Errors
+from procedures.units import DEG_H_PER_DEG_S
 
 SHOWN = (
-    ("mean", "dwells", "g", 1.0, "deg/h", 3600.0),
+    ("mean", "dwells", "g", 1.0, "deg/h", DEG_H_PER_DEG_S),
     ("turn", "turns", "", 0.0, "deg", 1.0),
     ("norm", "rests", "g", 1.0, "", 0.0),
-    ("soak", "soaks", "g", 1.0, "deg/h", 3600.0),
+    ("soak", "soaks", "g", 1.0, "deg/h", DEG_H_PER_DEG_S),
     ("rate", "rate points", "", 0.0, "deg/s", 1.0),
 )
 

@@ -17,9 +17,10 @@ from procedures.campaign.observations import TurnTotal, channel
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.dwells_and_turns.hand_turns import heading_history
 from procedures.dwells_and_turns.twelve_position import JointFit
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY, earth_rate_n
+from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.effects.effect import Seen, SeenStep
 from procedures.frames import face_normal, face_of, nominal_C_lb, rotation
+from procedures.units import STANDARD_GRAVITY
 
 DWELL_NODES = 96
 TURN_NODE_S = 0.1  # s: a hand turns a few degrees meanwhile

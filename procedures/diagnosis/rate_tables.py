@@ -26,6 +26,7 @@ from procedures.diagnosis.result import TableSensor
 from procedures.effects.effect import Seen, SeenStep
 from procedures.frames import AXES
 from procedures.statistics.tail_probabilities import log_chi2_sf
+from procedures.units import DEG_H_PER_DEG_S
 
 GYROSCOPE = TRIADS.index("gyroscope")
 OF_OUTPUT = ("gyroscope.scale_temperature", "clock.rate")  # multiply the whole output, other effects included
@@ -154,7 +155,7 @@ def _sensor(points: Points, x: FloatArray, C: FloatArray, sensor: int) -> TableS
     of_k = np.where(rate, x / k, 0.0)
     of_D = (bias - D * of_k) / k
     std = [float(np.sqrt(g @ C @ g)) for g in (of_k, of_D)]
-    return TableSensor(AXES[sensor], k, std[0], 3600 * D, 3600 * std[1])
+    return TableSensor(AXES[sensor], k, std[0], DEG_H_PER_DEG_S * D, DEG_H_PER_DEG_S * std[1])
 
 
 def _quality(linear: LinearFit) -> FitQuality:

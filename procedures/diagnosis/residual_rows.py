@@ -25,6 +25,7 @@ from procedures.diagnosis.thermal_soaks import SoakBlock, soaks_seen
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import JointFit, RestFit
 from procedures.effects.effect import Columns, Seen, SeenStep
+from procedures.units import STANDARD_GRAVITY
 
 TRIADS = ("accelerometer", "gyroscope")
 KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate", "soak")
@@ -262,7 +263,7 @@ def _rests(builder: _Builder, fits: Fits, places: Places, joint: JointFit, found
     inverse = np.linalg.inv(joint.K / np.linalg.norm(joint.K, axis=1)[:, None])
     for i, (number, record) in enumerate(found.rests.rests):
         campaign = fits.campaigns[number]
-        length = campaign.site.gravity / 9.80665
+        length = campaign.site.gravity / STANDARD_GRAVITY
         f = found.up[i] * length if record.up is None else on_face(campaign, record.up)
         step = SeenStep(record.name, "rest", number, 0, record.up or "")
         number_of, nodes = builder.nodes(places.rest(number, step, record.series, None, f))

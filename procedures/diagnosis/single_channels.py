@@ -25,6 +25,7 @@ from procedures.dwells_and_turns.hand_turns import REST_S, nominal_angle
 from procedures.frames import AXES, face_normal, face_of
 from procedures.statistics.allan_deviation import FEWEST_SAMPLES, NoiseTerm, noise_terms, overlapping_deviation
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line
+from procedures.units import S_PER_H
 
 BLOCKS = 24
 LEAST_S = 60.0  # of a recording
@@ -101,7 +102,7 @@ def _seen(
     warming = None
     if kelvin >= WARMED:
         warming = fit_correlated_line(T[known], mean[known], np.zeros(known.sum(), dtype=np.int64), least)
-    drift = fit_correlated_line(t / 3600, mean, np.zeros(len(t), dtype=np.int64), least)
+    drift = fit_correlated_line(t / S_PER_H, mean, np.zeros(len(t), dtype=np.int64), least)
     scale = _scale(campaign, axis) if triad == "gyroscope" else None
     return SingleChannel(
         triad, AXES[axis], record.name, len(series) * series.period, float(rate.mean()),

@@ -22,8 +22,8 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, MeasuredCube, Site
 from procedures.campaign.measured_cube import NAMES, SKEW, from_tilts
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import AXES, cross_axes, face_normal, face_of, nominal_C_lb, rotation, slab_C_ln
+from procedures.units import STANDARD_GRAVITY
 
 FACE_RANGE = 1e-3  # rad, 1 sigma: a cube 0.4 mm off in 400 mm is not a fixture
 ITEMS_UP, ITEMS_DOWN = np.array([1.0, 3.0, 3.0]), np.array([3.0, 5.0, 5.0])  # P1 table 2, per face pair

@@ -27,12 +27,13 @@ from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.errors import TurnsDisagree
 from procedures.frames import AXES, TURN_START, face_normal, face_of
 from procedures.statistics.least_squares import Fit
+from procedures.units import DEG_H_PER_DEG_S
 
 AGREE = 0.1  # of the scale factor: far above any bias, far below a missing revolution
 REST_S = 2.0  # of rest wanted at each end
 REST_RATE = 0.5  # deg/s
 OPEN_CLOSURE = float(np.radians(0.1))  # 1 sigma of a turn that was not at rest at both ends, at the least
-TURN_ON_RANGE = 30 / 3600  # deg/s, 1 sigma of what a bias may step by as a unit is switched off and on
+TURN_ON_RANGE = 30 / DEG_H_PER_DEG_S  # deg/s, 1 sigma of what a bias may step by as a unit is switched off and on
 TILT_STD = 1e-12  # rad, of what the accelerometers did not leave open
 
 

@@ -19,8 +19,8 @@ from procedures.campaign.plan_steps import Dwell, Plan
 from procedures.counts.sample_records import Series
 from procedures.dwells_and_turns.bench_parameters import Bench, Placement, cube_numbers
 from procedures.dwells_and_turns.turn_ons import fit_parted
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.statistics.least_squares import Fit
+from procedures.units import STANDARD_GRAVITY
 
 TURN_ON_RANGE = 5e-3  # g, 1 sigma of what a bias may step by as a unit is switched off and on
 ALIVE = 10.0  # sigmas of a dwell's rate that one g must move a channel

@@ -4,9 +4,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-STANDARD_GRAVITY = 9.80665  # m/s2; the unit g, exact (CGPM 1901)
 EARTH_RATE = 7.292115e-5  # rad/s, WGS 84
-DEG_PER_HOUR = np.pi / 180 / 3600  # rad/s
 
 
 def normal_gravity(latitude: float, height: float = 0.0) -> float:

@@ -20,10 +20,11 @@ import numpy as np
 from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, EARTH_RATE, earth_rate_n
+from procedures.earth.gravity_and_rate import EARTH_RATE, earth_rate_n
 from procedures.frames import face_normal, face_of, nominal_C_lb, vertical_rotation
+from procedures.units import RAD_S_PER_DEG_H
 
-BIAS_STD = DEG_PER_HOUR  # rad/s
+BIAS_STD = RAD_S_PER_DEG_H  # rad/s
 SPREAD = 0.03  # 1 sigma of a gyro's scale factor about the unit's own
 SLACK = 0.02  # 1 sigma, of the Earth's rate: misaligned gyros, and a cube set down a degree off
 STRANGE = 1e-3  # probability of a chi2 above which a candidate does not fit

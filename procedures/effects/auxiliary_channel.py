@@ -10,6 +10,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.effect import Columns, Effect, Seen
+from procedures.units import DEG_H_PER_DEG_S
 
 KEYS = ("ax", "ay", "az", "gx", "gy", "gz")
 ACCEL_RANGE, GYRO_RANGE = 1e-4, 1.0  # g, deg/h by one standard deviation of the channel
@@ -27,7 +28,7 @@ def _channels(seen: Seen) -> Iterator[Columns]:
         if not spread > 0:
             continue
         acts = value[:, None, None]
-        accel, gyro = acts * np.eye(3, 6), acts / 3600 * np.eye(3, 6, 3)
+        accel, gyro = acts * np.eye(3, 6), acts / DEG_H_PER_DEG_S * np.eye(3, 6, 3)
         ranges = (ACCEL_RANGE / spread,) * 3 + (GYRO_RANGE / spread,) * 3
         yield Columns(KEYS, accel=accel, gyro=gyro, where={"channel": name}, plausible=ranges)
 

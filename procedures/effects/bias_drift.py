@@ -8,16 +8,17 @@ from dataclasses import replace
 
 from procedures.effects.effect import Columns, Effect, Seen, per_axis
 from procedures.frames import AXES
+from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 
 def accelerometer_columns(seen: Seen) -> list[Columns]:
     """Return the hours since t = 0 per sensor [g per g/h]."""
-    return [Columns(AXES, accel=per_axis(seen.t / 3600))]
+    return [Columns(AXES, accel=per_axis(seen.t / S_PER_H))]
 
 
 def gyroscope_columns(seen: Seen) -> list[Columns]:
     """Return the hours since t = 0 per sensor [deg/s per deg/h/h]."""
-    return [Columns(AXES, gyro=per_axis(seen.t / 3600 / 3600))]
+    return [Columns(AXES, gyro=per_axis(seen.t / S_PER_H / DEG_H_PER_DEG_S))]
 
 
 ACCELEROMETER = Effect(

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from procedures.effects.effect import REFERENCE_C, Columns, Effect, Seen, per_axis
 from procedures.frames import AXES
+from procedures.units import DEG_H_PER_DEG_S
 
 
 def accelerometer_columns(seen: Seen) -> list[Columns]:
@@ -17,7 +18,7 @@ def accelerometer_columns(seen: Seen) -> list[Columns]:
 
 def gyroscope_columns(seen: Seen) -> list[Columns]:
     """Return the temperature beyond the reference per sensor [deg/s per deg/h/K]."""
-    return [Columns(AXES, gyro=per_axis((seen.temperature - REFERENCE_C) / 3600))]
+    return [Columns(AXES, gyro=per_axis((seen.temperature - REFERENCE_C) / DEG_H_PER_DEG_S))]
 
 
 ACCELEROMETER = Effect(

@@ -5,11 +5,12 @@ vertical it is one with the Earth rate times a scale factor error (0.001 deg/h p
 """
 
 from procedures.effects.effect import MATRIX, Columns, Effect, Seen, matrix_columns
+from procedures.units import DEG_H_PER_DEG_S
 
 
 def columns(seen: Seen) -> list[Columns]:
     """Return f per sensor and input axis [deg/s per deg/h/g]."""
-    return [Columns(MATRIX, gyro=matrix_columns(seen.f) / 3600)]
+    return [Columns(MATRIX, gyro=matrix_columns(seen.f) / DEG_H_PER_DEG_S)]
 
 
 EFFECT = Effect(

@@ -5,8 +5,8 @@ One with the scale factors of all accelerometers. Plausible: 1e-3 m/s2, normal g
 
 import numpy as np
 
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.effects.effect import Columns, Effect, Seen
+from procedures.units import STANDARD_GRAVITY
 
 
 def columns(seen: Seen) -> list[Columns]:

@@ -6,11 +6,12 @@ and not potted.
 
 from procedures.effects.effect import Columns, Effect, Seen, per_axis
 from procedures.frames import AXES
+from procedures.units import DEG_H_PER_DEG_S
 
 
 def columns(seen: Seen) -> list[Columns]:
     """Return the rate of temperature per sensor [deg/s per deg/h/(K/min)]."""
-    return [Columns(AXES, gyro=per_axis(seen.temperature_rate / 3600))]
+    return [Columns(AXES, gyro=per_axis(seen.temperature_rate / DEG_H_PER_DEG_S))]
 
 
 EFFECT = Effect(

@@ -31,10 +31,10 @@ from procedures.dwells_and_turns.twelve_position import (
     mountings,
     specific_force,
 )
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import AXES, cross_axes, face_normal, face_of
 from procedures.rests_and_moves.norm_fit import REACH, excess_scatter, fit_norm, norm_sigma
 from procedures.statistics.least_squares import Fit, minimise_if_determined
+from procedures.units import STANDARD_GRAVITY
 
 ROUNDS = 3  # of weighting anew by the scatter found
 WORST = 1e3  # condition of K: sensors all but in one plane

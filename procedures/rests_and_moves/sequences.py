@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.campaign.campaign import Campaign, RestRecord, SequenceRecord
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.rests_and_moves.norm_fit import choose_rests
 from procedures.rests_and_moves.rest_detection import activity, cut
+from procedures.units import STANDARD_GRAVITY
 
 
 @dataclass(frozen=True, slots=True, eq=False)

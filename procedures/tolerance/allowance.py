@@ -13,6 +13,7 @@ from scipy.optimize import Bounds, NonlinearConstraint, brentq, minimize
 from procedures.arrays import FloatArray
 from procedures.tolerance.bound import Bound
 from procedures.tolerance.items import ITEMS
+from procedures.units import UG_PER_G
 
 CAP = 1e-2  # rad: what does not matter is not let grow beyond any cube
 FINEST = 1e-9  # rad: 0.4 nm on 400 mm
@@ -25,8 +26,8 @@ class TooFine(ValueError):
     def __init__(self, wanted: float, left: float) -> None:
         self.wanted, self.left = wanted, left
         super().__init__(
-            f"wanted a bias within {wanted * 1e6:.4g} ug, but on a perfect cube this estimator is off by "
-            f"{left * 1e6:.4g} ug; ask for more, or use another estimator"
+            f"wanted a bias within {wanted * UG_PER_G:.4g} ug, but on a perfect cube this estimator is off by "
+            f"{left * UG_PER_G:.4g} ug; ask for more, or use another estimator"
         )
 
 

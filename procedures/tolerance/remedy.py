@@ -19,11 +19,11 @@ from procedures.calibration.triad_calibration import scale_misalignment_bias
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
 from procedures.dwells_and_turns.bench_parameters import HELD, SLAB_RANGE, Bench, Placement
 from procedures.dwells_and_turns.twelve_position import mountings, specific_force
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import rotation
 from procedures.statistics.least_squares import minimise
 from procedures.tolerance.draw import Shape, tilt_std
 from procedures.tolerance.estimators import Unit
+from procedures.units import STANDARD_GRAVITY
 
 SITE = Site(0.5, STANDARD_GRAVITY, 1e-5)  # neither latitude nor gravity's sigma matters to bias or misalignment
 MOUNTINGS = np.array([np.eye(3), [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], [[1, 0, 0], [0, 0, 1], [0, -1, 0]]])

@@ -6,7 +6,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.calibration.calibration import Fits
-from procedures.calibration.triad_calibration import DPH, TriadVector, common_variance, moves_vector, triad_vector
+from procedures.calibration.triad_calibration import TriadVector, common_variance, moves_vector, triad_vector
 from procedures.campaign.campaign import period_std
 from procedures.dwells_and_turns.latitude_and_time_base import (
     clock_on_accelerometer,
@@ -28,6 +28,7 @@ from procedures.uncertainty.temperature import (
     gyroscope_columns,
     temperature_effect,
 )
+from procedures.units import DEG_H_PER_DEG_S
 
 ROUNDING = 1e-6  # of a variance: two ways to the same covariance differ by less
 
@@ -118,7 +119,7 @@ def _gyroscope(fits: Fits, accelerometer: _Chain | None, inputs: Inputs) -> Deco
     variance = added(
         _spread(through, added(gyroscope_shares(gyroscope, given), extra)),
         tilts,
-        _after_fit(vector, joint, "gyroscope", DPH),
+        _after_fit(vector, joint, "gyroscope", DEG_H_PER_DEG_S),
         _effects(vector, joint, through),
         {Cell(named.LATITUDE): (through @ latitude_rows(gyroscope) * inputs.latitude) ** 2},
         {Cell(named.CLOCK): (through @ clock_rows(gyroscope, rate_output) * inputs.clock) ** 2},

@@ -9,6 +9,7 @@ from procedures.arrays import FloatArray
 from procedures.attitude.attitude import Track
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
+from procedures.units import DEG_H_PER_DEG_S
 from station.files.atomic_file import replace_file
 from station.text.plural import plural
 
@@ -72,12 +73,12 @@ def write_track(path: Path, log: AttitudeLog, track: Track) -> None:
 
 def attitude_text(log: AttitudeLog, document: dict[str, Any]) -> str:
     """Return an `attitude/1` as people read it."""
-    bias = np.degrees(document["gyro_bias_rad_s"]["value"]) * 3600
+    bias = np.degrees(document["gyro_bias_rad_s"]["value"]) * DEG_H_PER_DEG_S
     std = document["gyro_bias_rad_s"].get("std")
     lines = [f"{document['rows']} rows, {log.t[-1] - log.t[0]:.1f} s, aid {document['aid']}"]
     lines.append("gyro bias " + " ".join(f"{b:.1f}" for b in bias) + " deg/h")
     if std is not None:
-        lines[-1] += "  (1 sigma " + " ".join(f"{s:.1f}" for s in np.degrees(std) * 3600) + ")"
+        lines[-1] += "  (1 sigma " + " ".join(f"{s:.1f}" for s in np.degrees(std) * DEG_H_PER_DEG_S) + ")"
     if "rms_deg" in document:
         lines.append("error rms " + ", ".join(f"{name} {v:.3f} deg" for name, v in document["rms_deg"].items()))
     if "sigma_deg" in document:

@@ -8,6 +8,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.axes_check import disagreement
+from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.columns import Table
 from station.files.csv_table import read_csv
@@ -21,7 +22,8 @@ NEEDED = ("t_s", *RATES, *FORCES)
 FASTEST = 87.0  # rad/s, 5000 deg/s: no gyro measures more
 STRONGEST = 5000.0  # m/s2
 NO_GRAVITY = 0.05  # m/s2, of a median specific force
-GUESSES = ("g", (0.5, 2.0), 9.80665), ("mg", (500.0, 2000.0), 0.00980665)  # by the median, given in another unit
+# By the median, given in another unit.
+GUESSES = ("g", (0.5, 2.0), STANDARD_GRAVITY), ("mg", (500.0, 2000.0), 1e-3 * STANDARD_GRAVITY)
 STEPS = 1e-5, 1.0  # s: no IMU samples faster, and none slower can be followed
 MOST = {  # of what is no sensor of the IMU: the largest value, and what a larger one looks like
     "airspeed_m_s": (3000.0, ""), **dict.fromkeys(VELOCITY, (10000.0, "")), "heading_rad": (4 * np.pi, "deg"),

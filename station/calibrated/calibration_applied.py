@@ -16,10 +16,10 @@ from procedures.arrays import FloatArray
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect, Seen, SeenStep
 from procedures.frames import AXES
+from procedures.units import DEG_H_PER_DEG_S
 
 ROUNDS = 100
 STILL = 1e-13  # relative
-DEG_H = 1 / 3600  # deg/s
 TRANSIENT = ("accelerometer.bias_drift", "gyroscope.bias_drift", "accelerometer.relaxation")
 
 
@@ -60,7 +60,7 @@ def calibrated_inputs(
     """
     triads = {
         name: _Triad.of(calibration[name], per)
-        for name, rate, per in (("accelerometer", accel, 1.0), ("gyroscope", gyro, DEG_H))
+        for name, rate, per in (("accelerometer", accel, 1.0), ("gyroscope", gyro, 1 / DEG_H_PER_DEG_S))
         if rate is not None and name in calibration
     }
     rates = {"accelerometer": accel, "gyroscope": gyro}

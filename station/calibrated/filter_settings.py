@@ -14,10 +14,11 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import earth_rate_ned
 from procedures.attitude.joint_state import DEFAULT, FREE, Settings
 from procedures.attitude.sensor_noise import gyro_noise
-from procedures.earth.gravity_and_rate import EARTH_RATE, STANDARD_GRAVITY
+from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.units import DEG_H_PER_DEG_S, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 
 LEAST_NOISE = 1e-7  # rad/sqrt(s)
-TURN_ON = np.radians(1.0) / 3600  # rad/s: what a FOG's bias differs by from its calibration, 1 sigma
+TURN_ON = RAD_S_PER_DEG_H  # what a FOG's bias differs by from its calibration, 1 sigma
 WALK = 1e-6  # rad/s/sqrt(s), of a FOG's bias
 FORCE_WALK = 1e-6  # m/s2/sqrt(s)
 RESTING_VELOCITY = 1e-3  # m/s*sqrt(s)
@@ -59,7 +60,7 @@ def settings_of(
 
 def gyro_bias_std(calibration: Mapping[str, Any]) -> float:
     """Return 1 sigma [rad/s] of a calibrated gyro's bias on another day."""
-    return float(np.hypot(np.radians(_largest(calibration["gyroscope"]["bias"])) / 3600, TURN_ON))
+    return float(np.hypot(np.radians(_largest(calibration["gyroscope"]["bias"])) / DEG_H_PER_DEG_S, TURN_ON))
 
 
 def force_bias_std(calibration: Mapping[str, Any]) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from drivers.wire import NominalScale
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import CountBlock, SampleBlock
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
 
 DIGITS = 3  # of a nominal scale factor nobody gave

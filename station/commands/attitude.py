@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from procedures.units import STANDARD_GRAVITY
 from station.commands import Database
 from station.commands._earth import Heading, Latitude
 
@@ -28,7 +29,7 @@ def attitude(
     ] = None,
     k1: Annotated[float | None, typer.Option("--k1", help="K1 of the mixing law [1/s].")] = None,
     k2: Annotated[float | None, typer.Option("--k2", help="K2 of the mixing law [1/s].")] = None,
-    gravity: Annotated[float, typer.Option("--gravity", metavar="M_S2", min=9.7, max=9.9)] = 9.80665,
+    gravity: Annotated[float, typer.Option("--gravity", metavar="M_S2", min=9.7, max=9.9)] = STANDARD_GRAVITY,
     latitude: Latitude = None,
     heading: Heading = None,
     gyro_bias_std: Annotated[
@@ -88,7 +89,7 @@ def attitude(
     import numpy as np
 
     from procedures.attitude.attitude import AIDS, NEEDS, default_aid, estimate, takes_gains
-    from procedures.earth.gravity_and_rate import DEG_PER_HOUR, STANDARD_GRAVITY
+    from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
     from station.attitude.attitude_json import attitude_document, attitude_text, write_track
     from station.results.solution_json import write_solution
 
@@ -119,7 +120,7 @@ def attitude(
         text = f"{trace_text(document['diagnosis'])}\n\nattitude of {which}:\n{attitude_text(read, document)}"
     else:
         here = None if latitude is None else float(np.radians(latitude))
-        known = None if gyro_bias_std is None else gyro_bias_std * DEG_PER_HOUR
+        known = None if gyro_bias_std is None else gyro_bias_std * RAD_S_PER_DEG_H
         floor = None if accel_bias_std is None else accel_bias_std * 1e-6 * STANDARD_GRAVITY
         track = estimate(
             read, chosen, gains, gravity, here, gyro_bias_std=known, force_bias_std=floor,

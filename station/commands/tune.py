@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from procedures.units import STANDARD_GRAVITY
 from station.commands import Database
 
 
@@ -16,7 +17,7 @@ def tune(
     gains: Annotated[
         bool, typer.Option("--gains", help="Search K1 and K2 apart, not a time constant alone.")
     ] = False,
-    gravity: Annotated[float, typer.Option("--gravity", metavar="M_S2", min=9.7, max=9.9)] = 9.80665,
+    gravity: Annotated[float, typer.Option("--gravity", metavar="M_S2", min=9.7, max=9.9)] = STANDARD_GRAVITY,
     json: Annotated[
         Path | None, typer.Option("--json", metavar="OUT", help="Write tuning/1 here instead of the curve.")
     ] = None,

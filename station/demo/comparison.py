@@ -8,9 +8,9 @@ from scipy.special import erfinv
 
 from procedures.calibration.solution import Estimate, Solution, TriadCalibration
 from procedures.frames import AXES
-from station.results.solution_text import ARCSEC
+from procedures.units import ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
 
-_SCALE = {"1": (1e6, "1e-6"), "g": (1e6, "ug"), "rad": (1 / ARCSEC, "arcsec")}
+_SCALE = {"1": (PPM_PER_ONE, "1e-6"), "g": (UG_PER_G, "ug"), "rad": (ARCSEC_PER_RAD, "arcsec")}
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.dwells_and_turns.bench_parameters import mean_cube
 from procedures.frames import AXES
+from procedures.units import DEG_H_PER_DEG_S
 
 
 def truth_values(truth: Truth, *, is_certified: bool = False) -> dict[str, float]:
@@ -20,7 +21,7 @@ def truth_values(truth: Truth, *, is_certified: bool = False) -> dict[str, float
     mean = np.eye(3) if is_certified else C_sb @ mean_cube((up - down) / 2) @ C_sb.T
     values = {
         **_triad("accelerometer", truth.accel_k, truth.accel_e @ mean, truth.accel_d_g),
-        **_triad("gyroscope", truth.gyro_k, truth.gyro_e @ mean, truth.gyro_d_deg_s * 3600),
+        **_triad("gyroscope", truth.gyro_k, truth.gyro_e @ mean, truth.gyro_d_deg_s * DEG_H_PER_DEG_S),
         "slab.tilt.east": float(truth.slab_tilt_rad[0]),
         "slab.tilt.north": float(truth.slab_tilt_rad[1]),
     }

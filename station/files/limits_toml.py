@@ -21,21 +21,27 @@ unit = "1"
 ```
 """
 
-import math
 from pathlib import Path
 from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from fixtures_db.limits import UNITS, Limit, covered, each_axis
+from procedures.units import (
+    DEG_H_PER_DEG_S,
+    DEG_H_PER_RAD_S,
+    RAD_PER_ARCSEC,
+    RAD_PER_DEG,
+    RAD_PER_URAD,
+    STANDARD_GRAVITY,
+)
 from station.errors import DataRefused
 from station.files.toml_text import line_of, read_tables, read_text_file
 
-STANDARD_GRAVITY = 9.80665  # m/s2, the g of all files
-_ANGLES = {"rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "deg": math.pi / 180, "arcsec": math.pi / 648000}
+_ANGLES = {"rad": 1.0, "mrad": 1e-3, "urad": RAD_PER_URAD, "deg": RAD_PER_DEG, "arcsec": RAD_PER_ARCSEC}
 UNITS_OF: dict[str, dict[str, float]] = {  # by the unit of files: what a limit may be given in, and how much it is
     "g": {"mg": 1e-3, "ug": 1e-6, "m/s2": 1 / STANDARD_GRAVITY},
-    "deg/h": {"deg/s": 3600.0, "rad/s": 3600 * 180 / math.pi},
+    "deg/h": {"deg/s": DEG_H_PER_DEG_S, "rad/s": DEG_H_PER_RAD_S},
     "rad": _ANGLES,
 }
 SMALL_ANGLE = {**_ANGLES, "ppm": 1e-6}  # of a misalignment, which has no unit in files

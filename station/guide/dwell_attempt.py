@@ -12,6 +12,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.counts.count_rate import RateEstimate
+from procedures.units import ARCSEC_PER_DEG
 from station.guide.face_and_stillness import Look
 from station.stream.live.accepted_blocks import merged
 from station.stream.live.stillness import Block
@@ -152,7 +153,7 @@ def crept(found: Sequence[RateEstimate], seconds: float, up: FloatArray) -> str:
     moved = np.abs(level @ slope * tilt)
     chi2 = float(np.sum((level @ slope) ** 2 / (level**2 @ std**2)))
     if moved.max() > CREEP_RAD and chi2 > CREEP_CHI2:
-        return f"the cube crept by {np.degrees(moved.max()) * 3600:.0f} arcsec"
+        return f"the cube crept by {np.degrees(moved.max()) * ARCSEC_PER_DEG:.0f} arcsec"
     return ""
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.bench.seating_check import PLAUSIBLE, Seating, judge, seating
+from procedures.units import ARCSEC_PER_DEG
 from station.guide.accepted_dwell import estimates, rates
 from station.guide.dwell_attempt import Dwelling
 from station.guide.setup_view import Choice
@@ -105,4 +106,4 @@ def _words(found: Seating) -> str:
 
 
 def _arcsec(angle: float | FloatArray) -> float:
-    return float(np.degrees(angle) * 3600)
+    return float(np.degrees(angle) * ARCSEC_PER_DEG)

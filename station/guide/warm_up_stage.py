@@ -9,6 +9,7 @@ from procedures.bench.dwell_length import dwell_seconds
 from procedures.bench.warm_up import Means, WarmUpState, unsettled, warm_up
 from procedures.campaign.plan_steps import Dwell
 from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 from station.guide.accepted_dwell import estimates
 from station.guide.checklist import MOVE_S
 from station.guide.face_and_stillness import Look
@@ -80,7 +81,7 @@ class Warming:
         if found.accel is not None and history.accel is not None:
             accel_g = float(np.max(found.accel) / np.max(np.abs(history.accel)))
         desk.skip_warm_up(gyro_deg_h, accel_g)
-        text = f"warm-up skipped: biases may drift by {gyro_deg_h:.2g} deg/h and {accel_g * 1e6:.2g} ug"
+        text = f"warm-up skipped: biases may drift by {gyro_deg_h:.2g} deg/h and {accel_g * UG_PER_G:.2g} ug"
         desk.story.say("", f"{text}; recorded, and the sigmas become wider")
         return self._then(desk)
 
@@ -136,8 +137,9 @@ class Warming:
         k = np.full(3, float(np.max(np.abs(blocks[-1].rate[3:]))))
         found = dwell_seconds(noise, k, wanted)
         desk.set_dwell(found.seconds)
-        wish = "" if found.is_reached else f", {wanted * 1e6:.2g} ug cannot be reached"
-        text = f"each dwell lasts {found.seconds:.0f} s, for a bias known to {found.bias_std_g * 1e6:.2g} ug{wish}"
+        wish = "" if found.is_reached else f", {wanted * UG_PER_G:.2g} ug cannot be reached"
+        known = f"{found.bias_std_g * UG_PER_G:.2g} ug"
+        text = f"each dwell lasts {found.seconds:.0f} s, for a bias known to {known}{wish}"
         desk.story.say("", text)
 
 
@@ -163,4 +165,4 @@ def _per_minute(per_second: float | None) -> float | None:
 def _deg_h(count_rate: float, history: Means) -> float:
     """Return a gyro's count rate in deg/h, roughly: at rest the Earth's rate is most of what they count."""
     k = float(np.linalg.norm(history.gyro[-1])) / EARTH_RATE
-    return float(np.degrees(count_rate / k)) * 3600
+    return float(np.degrees(count_rate / k)) * DEG_H_PER_DEG_S

@@ -8,15 +8,15 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
 from station.calibrated.rates_and_forces import Inputs, Tick
 from station.monitor.view import Bought, Side
 
 LEAST_S = 2.0
 MOVED_FORCE = 0.1  # m/s2, of a tick's mean from that of the rest so far
 MOVED_RATE = np.radians(0.5)  # rad/s
-DEG_H = np.degrees(1.0) * 3600
 NEAR = np.cos(np.radians(20.0))  # to a face, beyond which there is no level to compare with
-MG = 9.80665e-3  # m/s2
+M_S2_PER_MG = 1e-3 * STANDARD_GRAVITY
 
 
 class Rest:
@@ -62,12 +62,14 @@ class Rest:
         nearest = float(np.abs(force).max()) / size
         level = float(np.degrees(np.arccos(min(nearest, 1.0)))) if nearest > NEAR else float("nan")
         reference = self._sums["with"][1]  # one vertical for both: drift is the gyros' affair
-        return Side(level, self._drift(rate, -reference / np.linalg.norm(reference)), (size - self._gravity) / MG)
+        return Side(
+            level, self._drift(rate, -reference / np.linalg.norm(reference)), (size - self._gravity) / M_S2_PER_MG
+        )
 
     def _drift(self, rate: FloatArray, down: FloatArray) -> float:
         """Return what a rate (3,) still has with the Earth's taken off [deg/h], as far as that is known."""
         if self._latitude is None:
-            return float(np.linalg.norm(rate) * DEG_H)
+            return float(np.linalg.norm(rate) * DEG_H_PER_RAD_S)
         below = float(rate @ down)
         across = rate - below * down
         north, off_down = EARTH_RATE * np.cos(self._latitude), below + EARTH_RATE * np.sin(self._latitude)
@@ -79,7 +81,7 @@ class Rest:
             level = float(np.linalg.norm(across))
         else:
             level = float(np.linalg.norm(across)) - north
-        return float(np.hypot(level, off_down) * DEG_H)
+        return float(np.hypot(level, off_down) * DEG_H_PER_RAD_S)
 
     def _known(self) -> str:
         if self._latitude is None:

@@ -11,6 +11,7 @@ from drivers.errors import DriverError, LinkLost, ReplayEnded
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.joint_state import Settings
+from procedures.units import DEG_H_PER_RAD_S
 from station.calibrated.calibration_choice import Applied
 from station.calibrated.filter_settings import gyro_bias_std, settings_of
 from station.calibrated.in_use import InUse
@@ -21,7 +22,7 @@ from station.locate.location import Location
 from station.locate.monitor_interface import in_imu_axes, news_of
 from station.monitor.alarms import Watch
 from station.monitor.attitude_filter import Aiding, Attitude, AttitudeTrack
-from station.monitor.error_at_rest import DEG_H, Rest
+from station.monitor.error_at_rest import Rest
 from station.monitor.gnss_aid import aiding_of
 from station.monitor.options import USUAL, Aid, Options
 from station.monitor.recording import Recording
@@ -232,7 +233,7 @@ class Monitor:
     def _reading(self, tick: Tick, found: Attitude) -> Reading:
         mode: Mode = "at rest" if found.at_rest else "moving"
         p, q, r = np.degrees(found.rate).tolist()
-        x, y, z = (found.bias * DEG_H).tolist()
+        x, y, z = (found.bias * DEG_H_PER_RAD_S).tolist()
         roll, pitch, sigma, residual = np.degrees([found.roll, found.pitch, found.sigma, found.residual]).tolist()
         temperature = tick.temperature if np.isfinite(tick.temperature) else None
         return Reading(

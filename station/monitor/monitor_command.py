@@ -15,8 +15,9 @@ import platformdirs
 
 from drivers.device_url_parser import parse_device_url
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY, normal_gravity
+from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.fusion.optional_libraries import gtsam, opencv
+from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import UNKNOWN, Applied, find_calibration
 from station.errors import DataRefused
 from station.files.new_folder import new_folder

@@ -6,7 +6,7 @@ from typing import Protocol
 
 from drivers.camera import CameraImage
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.units import STANDARD_GRAVITY
 from station.files.mcap_files.fix_reader import Record
 from station.locate.monitor_interface import Locating
 from station.monitor.alarms import Alarm

@@ -18,6 +18,7 @@ from fixtures_db.schema import CampaignRow, SiteRow
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.clock_rate import clock_rate
 from procedures.frames import POSITIONS
+from procedures.units import UG_PER_G
 from station.files.campaign_folder.notes import read_unit
 from station.files.campaign_folder.schema import CampaignTable
 from station.results.verdict import Judged
@@ -102,7 +103,7 @@ def _deviations(row: CampaignRow, tables: CampaignTable, document: Mapping[str, 
     if (unit := read_unit(Path(row.folder))) is not None and not unit.serial_from_wire:
         said.append("the serial number was typed in: the unit does not send one")
     if table.unsettled_gyro_deg_h or table.unsettled_accelerometer_g:
-        gyro, accel = table.unsettled_gyro_deg_h or 0.0, (table.unsettled_accelerometer_g or 0.0) * 1e6
+        gyro, accel = table.unsettled_gyro_deg_h or 0.0, (table.unsettled_accelerometer_g or 0.0) * UG_PER_G
         said.append(f"warm-up was skipped: biases may drift by {gyro:.2g} deg/h and {accel:.2g} ug (1 sigma)")
     if table.closure_widened_from_deg is not None:
         said.append(

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from procedures.units import RAD_PER_ARCSEC
 from station.text.plural import plural
 
 USED_HOW = "(of the fit alone; to use a value take the expanded uncertainty U that `station report` gives)"
-ARCSEC = np.pi / 180 / 3600
 _AXES = ("x", "y", "z")
 
 
@@ -73,7 +73,8 @@ def _tilt(document: Mapping[str, Any]) -> list[str]:
         return []
     tilt = document["slab"]["tilt_rad"]
     east, north = (
-        measured(v / ARCSEC, s / ARCSEC, "arcsec") for v, s in zip(tilt["value"], tilt["std"], strict=True)
+        measured(v / RAD_PER_ARCSEC, s / RAD_PER_ARCSEC, "arcsec")
+        for v, s in zip(tilt["value"], tilt["std"], strict=True)
     )
     return [f"slab tilt               east {east}, north {north}"]
 
@@ -86,7 +87,8 @@ def _parallelism(document: Mapping[str, Any]) -> list[str]:
     for pair, values, stds in zip(_AXES, both["value"], both["std"], strict=True):
         others = [axis for axis in _AXES if axis != pair]
         row = [
-            f"{axis} {measured(v / ARCSEC, s / ARCSEC)}" for axis, v, s in zip(others, values, stds, strict=True)
+            f"{axis} {measured(v / RAD_PER_ARCSEC, s / RAD_PER_ARCSEC)}"
+            for axis, v, s in zip(others, values, stds, strict=True)
         ]
         lines.append(f"    {pair} faces: along {', along '.join(row)}")
     return lines

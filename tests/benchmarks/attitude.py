@@ -25,7 +25,7 @@ from procedures.attitude.joint_filter import JointFilter
 from procedures.attitude.joint_state import DEFAULT, FREE, Settings
 from procedures.attitude.mixer import Mixer, mix
 from procedures.attitude.smoothing import smooth
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.units import STANDARD_GRAVITY
 from station.attitude.attitude_log import read_log
 from tests.drivers.simulated.flight import FORCE_UG, LEVEL_S, paper_bench, paper_flight
 

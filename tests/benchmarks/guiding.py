@@ -14,7 +14,7 @@ from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign,
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.bench.dwell_length import dwell_seconds
-from procedures.bench.seating_check import ARCSEC, Rates, judge, seating
+from procedures.bench.seating_check import Rates, judge, seating
 from procedures.bench.turn_closing import MOST, Closing, TurnSeen, closing
 from procedures.bench.warm_up import Means, warm_up
 from procedures.calibration.calibration import solve
@@ -22,9 +22,10 @@ from procedures.campaign.campaign import Fixture, TurnRecord
 from procedures.campaign.plan_steps import Dwell, Turn
 from procedures.counts.count_rate import estimate_counts
 from procedures.counts.sample_records import CountSeries
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, earth_rate_n
+from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.earth.gyrocompass import Heading, Known, find_heading
 from procedures.frames import cross_axes, face_normal, face_of, nominal_C_lb, vertical_rotation
+from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H
 from station.guide.accepted_steps import turn_seen
 
 LATITUDES = (0, 20, 31, 45, 50, 55, 60, 65, 70, 75, 80, 85, 89)
@@ -41,7 +42,7 @@ DRAWS: dict[str, Callable[[np.random.Generator], FloatArray]] = {
 def looked_at(rng: np.random.Generator, latitude: float, draw: str, is_known: bool) -> tuple[Heading, int]:
     """Return what is found of a unit in a face and heading drawn, and the quarter it stands in."""
     k = 2e6 * (1 + 0.03 * rng.standard_normal(3))  # count/rad
-    bias, std = DEG_PER_HOUR * DRAWS[draw](rng), np.full(3, 2e6 * 0.1 * DEG_PER_HOUR)
+    bias, std = RAD_S_PER_DEG_H * DRAWS[draw](rng), np.full(3, 2e6 * 0.1 * RAD_S_PER_DEG_H)
 
     def rate(position: int, quarter: int) -> FloatArray:
         C = nominal_C_lb(position).T @ vertical_rotation(-(quarter * np.pi / 2 + 1e-2 * rng.standard_normal()))
@@ -110,7 +111,7 @@ def seated(seed: int, k: float, tilts: Sequence[float]) -> tuple[list[float], di
         if position % 2 == 0:
             clean.append(first_alarm(accepted, position, series))
         for tilt in tilts if position % 2 == 0 and position > 2 else ():
-            off = tilted(truth, position, tilt * ARCSEC, 100 * seed + position)
+            off = tilted(truth, position, tilt * RAD_PER_ARCSEC, 100 * seed + position)
             caught[tilt].append(first_alarm(accepted, position, off))
         accepted.append((position, *rates(series, 100.0)))
     return clean, caught

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, earth_rate_n
+from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import rotation, vertical_rotation
 from procedures.fusion.alignment.aligner import between, fixes_between
 from procedures.fusion.alignment.alignment import Aligned
@@ -24,6 +24,7 @@ from procedures.fusion.alignment.moving_aligner import MovingAligner
 from procedures.fusion.alignment.static_aligner import align_at_rest
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
+from procedures.units import RAD_S_PER_DEG_H
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.locate.imu_source import by_imu
 from station.locate.odometry_source import by_odometry
@@ -205,7 +206,7 @@ def _off(E: np.ndarray, level: np.ndarray) -> list[float]:
 def bench(_: Path, seeds: int) -> None:
     """Figure 6: a FOG on the bench, 0.05 deg/h at 55 deg, ten degrees wrong at first, after 300 s."""
     earth, gravity = earth_rate_n(np.radians(55.0)), 9.815
-    noise = ImuNoise(0.003 * np.pi / 180 / 60, 1e-10, 5e-5, 1e-7, 0.05 * DEG_PER_HOUR, 5e-5)
+    noise = ImuNoise(0.003 * np.pi / 180 / 60, 1e-10, 5e-5, 1e-7, 0.05 * RAD_S_PER_DEG_H, 5e-5)
     rows = []
     for seed in range(seeds):
         rng = np.random.default_rng(seed)

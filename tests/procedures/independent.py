@@ -9,7 +9,7 @@ from procedures.campaign.campaign import Campaign, DwellRecord, Fixture, Procedu
 from procedures.campaign.observations import TriadDwells
 from procedures.counts.count_rate import RateEstimate
 from procedures.counts.sample_records import CountSeries
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.units import STANDARD_GRAVITY
 
 TABLE_1 = "UEN UWS DNE DSW SUW NUE WDS EDN NWU SEU ESD WND".split()  # P1, translated letter by letter
 COMPASS = {"E": [1, 0, 0], "N": [0, 1, 0], "U": [0, 0, 1], "W": [-1, 0, 0], "S": [0, -1, 0], "D": [0, 0, -1]}

@@ -17,7 +17,6 @@ from procedures.tolerance.items import ITEMS, STACK, p1_tilts
 from procedures.tolerance.remedy import Help, gain, remedies
 from tests.procedures.test_tolerance import P1_ITEMS, PAPER, random_case
 
-ARCSEC = np.pi / 180 / 3600
 QUIET = 1e-5 / np.sqrt(5000)  # g: a dwell of P1
 WEIGHT = np.ones(len(ITEMS))
 items_of = st.lists(st.floats(1e-6, 2e-4), min_size=11, max_size=11).map(np.array)

@@ -12,12 +12,12 @@ from procedures.calibration.calibration import Fits, fit, report
 from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR
 from procedures.frames import AXES
 from procedures.uncertainty import sources as named
 from procedures.uncertainty.budget import ParameterBudget, budget, combined
 from procedures.uncertainty.given_values import EXACT, Inputs
 from procedures.uncertainty.sources import ORDER, Cell
+from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.rests_and_moves.test_gyroscopes_from_moves import campaign_of
 
 SHORT = 10.0  # s a dwell
@@ -55,7 +55,7 @@ def tumbled() -> Campaign:
 
 def unsettled() -> Campaign:
     campaign = simulated(4)
-    stated = replace(campaign.sigma, unsettled_gyro=0.3 * DEG_PER_HOUR, unsettled_accelerometer=1e-4)
+    stated = replace(campaign.sigma, unsettled_gyro=0.3 * RAD_S_PER_DEG_H, unsettled_accelerometer=1e-4)
     return replace(campaign, sigma=stated)
 
 

@@ -5,7 +5,8 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import Fits, fit
-from procedures.calibration.triad_calibration import DPH, triad_vector
+from procedures.calibration.triad_calibration import triad_vector
+from procedures.units import DEG_H_PER_DEG_S
 from tests.benchmarks.budget import compare, trial
 from tests.procedures.linear_chain import accelerometer_residual, drawn, gyroscope_residual
 from tests.procedures.test_uncertainty import simulated
@@ -26,7 +27,7 @@ def test_the_fit_s_covariance_is_the_scatter_of_its_rows_drawn_anew(triad: str, 
     if triad == "accelerometer":
         values = drawn(fits.accelerometer, accelerometer_residual(fits.accelerometer), DRAWS, rng)
     else:
-        values = drawn(fits.gyroscope.joint, gyroscope_residual(fits), DRAWS, rng, DPH)
+        values = drawn(fits.gyroscope.joint, gyroscope_residual(fits), DRAWS, rng, DEG_H_PER_DEG_S)
     sigma = fitted(fits, triad)
     ratio = values.std(axis=0)[SHOWN] / sigma[SHOWN]
     assert np.max(np.abs(ratio - 1)) < 3.5 * OWN

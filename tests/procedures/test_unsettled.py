@@ -12,7 +12,7 @@ from procedures.arrays import FloatArray
 from procedures.calibration.calibration import fit, solve
 from procedures.calibration.solution import Estimate, Solution
 from procedures.campaign.campaign import Campaign, ProcedureSigma
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, STANDARD_GRAVITY
+from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.files.campaign_folder.reading import read_campaign
 from station.files.campaign_folder.writing import write_campaign
 
@@ -38,7 +38,7 @@ def warming(seed: int) -> tuple[Truth, Campaign]:
 def stated(campaign: Campaign, share: float = 1.0) -> Campaign:
     sigma = replace(
         campaign.sigma,
-        unsettled_gyro=share * TO_GO * GYRO_PER_K * DEG_PER_HOUR,
+        unsettled_gyro=share * TO_GO * GYRO_PER_K * RAD_S_PER_DEG_H,
         unsettled_accelerometer=share * TO_GO * ACCEL_PER_K * STANDARD_GRAVITY,
     )
     return replace(campaign, sigma=sigma)

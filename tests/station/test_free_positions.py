@@ -8,7 +8,7 @@ import pytest
 
 from procedures.calibration.calibration import Fits, fit
 from procedures.calibration.residuals import norm_residuals
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.units import STANDARD_GRAVITY
 from station import cli
 from station.files.campaign_folder.reading import read_campaign
 from station.files.campaign_folder.writing import write_campaign

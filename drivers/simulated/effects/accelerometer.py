@@ -20,6 +20,7 @@ from drivers.simulated.effects.effect import (
 )
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
+from procedures.units import S_PER_H
 
 _PAIRS = [AXES[i] + AXES[j] for i, j in combinations_with_replacement(range(3), 2) if i != j]
 _PRODUCT_KEYS = tuple(f"{sensor}{pair}" for sensor in AXES for pair in _PAIRS)
@@ -49,7 +50,7 @@ def _bias_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
 
 
 def _bias_drift(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return vector(sizes) * seen.t / 3600
+    return vector(sizes) * seen.t / S_PER_H
 
 
 def _relaxation(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:

@@ -20,28 +20,29 @@ from drivers.simulated.effects.effect import (
 )
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
+from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 
 def _g_sensitivity(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), seen.f) / 3600
+    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), seen.f) / DEG_H_PER_DEG_S
     return added
 
 
 def _magnetic(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), seen.magnetic) / 3600
+    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), seen.magnetic) / DEG_H_PER_DEG_S
     return added
 
 
 def _bias_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return vector(sizes) / 3600 * (seen.temperature - REFERENCE_C)
+    return vector(sizes) / DEG_H_PER_DEG_S * (seen.temperature - REFERENCE_C)
 
 
 def _temperature_rate(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return vector(sizes) / 3600 * seen.temperature_rate
+    return vector(sizes) / DEG_H_PER_DEG_S * seen.temperature_rate
 
 
 def _bias_drift(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return vector(sizes) / 3600 * seen.t / 3600
+    return vector(sizes) / DEG_H_PER_DEG_S * seen.t / S_PER_H
 
 
 def _nonlinearity(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:

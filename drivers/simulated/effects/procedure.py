@@ -8,6 +8,7 @@ from drivers.simulated.bench_truth import World
 from drivers.simulated.effects.effect import VECTOR_KEYS, Effect, Felt, Stimulus, vector
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
+from procedures.units import DEG_H_PER_DEG_S
 
 AUXILIARY_PERIOD_S = 600.0
 
@@ -44,7 +45,7 @@ def _auxiliary_accel(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
 
 
 def _auxiliary_gyro(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return vector(sizes, "g") / 3600 * auxiliary(seen.t, sizes["period_s"])
+    return vector(sizes, "g") / DEG_H_PER_DEG_S * auxiliary(seen.t, sizes["period_s"])
 
 
 PROCEDURE = (

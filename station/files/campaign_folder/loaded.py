@@ -6,8 +6,9 @@ from pathlib import Path
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
-from procedures.counts.reference_time import PPM, ClockRate
+from procedures.counts.reference_time import ClockRate
 from procedures.diagnosis.clock_rate import PLAUSIBLE, SIGMAS, clock_rate, false_pace, is_known
+from procedures.units import PPM_PER_ONE
 from station.errors import DataRefused
 from station.files.campaign_folder.schema import CampaignTable, StepTable
 from station.files.campaign_folder.series import WARN_PERIOD, StepData
@@ -73,7 +74,7 @@ def _unit(loaded: LoadedCampaign) -> str:
 
 def off_period(rate: ClockRate) -> float:
     """Return by how much of itself a sample lasts longer than the device says, from reference time."""
-    return 1 / (1 + rate.ppm / PPM) - 1
+    return 1 / (1 + rate.ppm / PPM_PER_ONE) - 1
 
 
 def clock_sentence(period: float, off: float, by: str = "reference time") -> str:
@@ -97,7 +98,7 @@ def clock_warnings(tables: CampaignTable, campaign: Campaign) -> list[str]:
     rate = clock_rate(campaign)
     if rate is None:
         return []
-    open_to = SIGMAS * rate.std / PPM
+    open_to = SIGMAS * rate.std / PPM_PER_ONE
     if not is_known(rate):
         return [
             f"clock.rate: reference time tells it to +-{open_to:.2%} only (4 sigma), being read with delays of up "
@@ -126,7 +127,7 @@ def check_for_solve(loaded: LoadedCampaign) -> None:
         Naming the first such file and both periods.
     """
     rate = clock_rate(loaded.campaign)
-    if rate is not None and abs(off := off_period(rate)) - SIGMAS * rate.std / PPM > REFUSE_PERIOD:
+    if rate is not None and abs(off := off_period(rate)) - SIGMAS * rate.std / PPM_PER_ONE > REFUSE_PERIOD:
         raise DataRefused(
             loaded.folder / "campaign.toml",
             None,

@@ -19,8 +19,9 @@ from procedures.campaign.campaign import (
     Site,
     TurnRecord,
 )
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, STANDARD_GRAVITY, normal_gravity
+from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.frames import TURN_START
+from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded import (
     LoadedCampaign,
@@ -161,7 +162,7 @@ def _sigma(procedure: ProcedureTable) -> ProcedureSigma:
     return ProcedureSigma(
         float(np.radians(procedure.heading_std_deg)),
         float(np.radians(procedure.closure_std_deg)),
-        (procedure.unsettled_gyro_deg_h or 0.0) * DEG_PER_HOUR,
+        (procedure.unsettled_gyro_deg_h or 0.0) * RAD_S_PER_DEG_H,
         (procedure.unsettled_accelerometer_g or 0.0) * STANDARD_GRAVITY,
     )
 

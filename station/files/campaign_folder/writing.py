@@ -9,8 +9,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Fixture, MeasuredCube, RestRecord
 from procedures.counts.sample_records import Series
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, STANDARD_GRAVITY
 from procedures.frames import AXES
+from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.schema import CampaignTable
 from station.files.columns import TRIADS
@@ -59,7 +59,7 @@ def campaign_tables(campaign: Campaign, sample_period_s: float, suffix: str) -> 
             "procedure": {
                 "heading_std_deg": _degrees(sigma.heading),
                 "closure_std_deg": _degrees(sigma.closure),
-                "unsettled_gyro_deg_h": sigma.unsettled_gyro / DEG_PER_HOUR or None,
+                "unsettled_gyro_deg_h": sigma.unsettled_gyro / RAD_S_PER_DEG_H or None,
                 "unsettled_accelerometer_g": sigma.unsettled_accelerometer / STANDARD_GRAVITY or None,
             },
             "fixture": _fixture(campaign.fixture),

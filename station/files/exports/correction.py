@@ -14,12 +14,11 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.toml_text import read_text_file
 
 FORMAT = "calibration/1"
-G = 9.80665  # m/s2
-DEG_H = np.pi / 180 / 3600  # rad/s
 DIGITS = 3  # of a nominal scale factor nobody gave
 
 
@@ -90,8 +89,8 @@ def read_correction(path: Path, accel: float | None = None, gyro: float | None =
     document = _document(path)
     try:
         correction = Correction(
-            _triad(document.get("accelerometer"), accel, G),
-            _triad(document.get("gyroscope"), gyro, DEG_H),
+            _triad(document.get("accelerometer"), accel, STANDARD_GRAVITY),
+            _triad(document.get("gyroscope"), gyro, RAD_S_PER_DEG_H),
             _remarks(document),
         )
     except (KeyError, TypeError, ValueError) as error:

@@ -7,11 +7,11 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.bench.cube_drift import CubeDrift
 from procedures.campaign.measured_cube import NAMES, CubeMeasurement, common_and_difference
+from procedures.units import RAD_PER_ARCSEC, RAD_PER_URAD
 from station.results.cube_measurement.known_faces import Known, Study, drift_of
 from station.results.cube_measurement.observable import not_observable
-from station.results.solution_text import ARCSEC, measured
+from station.results.solution_text import measured
 
-URAD = 1e-6
 WIDE = 43  # columns of a value's name
 LEAST_CHI2 = 1e-6  # below it, what is left is rounding
 
@@ -43,10 +43,11 @@ def values(found: CubeMeasurement) -> list[str]:
 
 
 def _table(names: Sequence[str], value: FloatArray, covariance: FloatArray) -> list[str]:
-    return [
-        f"  {name:<{WIDE}} {measured(v / URAD, s / URAD, 'urad'):<26} {measured(v / ARCSEC, s / ARCSEC, 'arcsec')}"
-        for name, v, s in zip(names, value, np.sqrt(np.diag(covariance)), strict=True)
-    ]
+    lines = list[str]()
+    for name, v, s in zip(names, value, np.sqrt(np.diag(covariance)), strict=True):
+        arcsec = measured(v / RAD_PER_ARCSEC, s / RAD_PER_ARCSEC, "arcsec")
+        lines.append(f"  {name:<{WIDE}} {measured(v / RAD_PER_URAD, s / RAD_PER_URAD, 'urad'):<26} {arcsec}")
+    return lines
 
 
 def known_lines(known: Known) -> list[str]:
@@ -95,14 +96,14 @@ def _since(moved: CubeDrift | None) -> str:
 
 def _shifts(names: Sequence[str], shift: FloatArray, std: FloatArray) -> Iterator[str]:
     for name, v, s in zip(names, shift, std, strict=True):
-        yield f"  {name:<{WIDE}} {measured(v / URAD, s / URAD, 'urad'):<26} {v / s:+z.1f} sigma"
+        yield f"  {name:<{WIDE}} {measured(v / RAD_PER_URAD, s / RAD_PER_URAD, 'urad'):<26} {v / s:+z.1f} sigma"
 
 
 def _trends(moved: CubeDrift) -> Iterator[str]:
     shifts = _shifts(moved.names, moved.shift, moved.shift_std)
     columns = zip(shifts, moved.trend, moved.trend_std, moved.chi2, moved.chi2_of_trend, strict=True)
     for shift, slope, std, constant, line in columns:
-        trend = f", {measured(slope / URAD, std / URAD, 'urad/month')}" if np.isfinite(std) else ""
+        trend = f", {measured(slope / RAD_PER_URAD, std / RAD_PER_URAD, 'urad/month')}" if np.isfinite(std) else ""
         of_line = f", {chi2_text(line, 3)} of a line ({moved.dof - 1})" if moved.dof > 1 else ""
         yield f"{shift}{trend}, chi-square {chi2_text(constant, 3)} of a constant ({moved.dof}){of_line}"
     yield f"  {verdict(moved)}"

@@ -1,6 +1,6 @@
 """Coefficients and errors as people read them: ug for g, arcsec for rad, ppm for pure numbers."""
 
-ARCSEC = 206264.80624709636  # in a radian
+from procedures.units import ARCSEC_PER_DEG, ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
 
 
 def shown_unit(unit: str) -> tuple[float, str]:
@@ -10,9 +10,12 @@ def shown_unit(unit: str) -> tuple[float, str]:
     becomes ug/g^2, 1/K ppm/K.
     """
     if unit == "deg":
-        return 3600.0, "arcsec"
+        return ARCSEC_PER_DEG, "arcsec"
     head, slash, rest = unit.partition("/")
-    scale, name = {"g": (1e6, "ug"), "rad": (ARCSEC, "arcsec"), "1": (1e6, "ppm"), "": (1e6, "ppm")}.get(
-        head, (1.0, head)
-    )
+    scale, name = {
+        "g": (UG_PER_G, "ug"),
+        "rad": (ARCSEC_PER_RAD, "arcsec"),
+        "1": (PPM_PER_ONE, "ppm"),
+        "": (PPM_PER_ONE, "ppm"),
+    }.get(head, (1.0, head))
     return scale, f"{name}{slash}{rest}"

@@ -15,18 +15,19 @@ from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import KINDS, TRIADS, Evidence
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects import EFFECTS
+from procedures.units import ARCSEC_PER_DEG, DEG_H_PER_DEG_S, UG_PER_G
 from station.results.diagnosis.plot_coordinates import Coordinate, coordinate_of
 
 _UNITS = {  # of a row in natural units to people's, by triad and kind
-    ("accelerometer", "mean"): (1e6, "ug"),
-    ("accelerometer", "norm"): (1e6, "ug"),
+    ("accelerometer", "mean"): (UG_PER_G, "ug"),
+    ("accelerometer", "norm"): (UG_PER_G, "ug"),
     ("accelerometer", "slope"): (3.6e9, "ug/h"),
     ("accelerometer", "curvature"): (1.296e13, "ug/h^2"),
-    ("gyroscope", "mean"): (3600.0, "deg/h"),
-    ("accelerometer", "soak"): (1e6, "ug"),
-    ("gyroscope", "turn"): (3600.0, "arcsec"),
+    ("gyroscope", "mean"): (DEG_H_PER_DEG_S, "deg/h"),
+    ("accelerometer", "soak"): (UG_PER_G, "ug"),
+    ("gyroscope", "turn"): (ARCSEC_PER_DEG, "arcsec"),
     ("gyroscope", "rate"): (1.0, "deg/s"),
-    ("gyroscope", "soak"): (3600.0, "deg/h"),
+    ("gyroscope", "soak"): (DEG_H_PER_DEG_S, "deg/h"),
     ("gyroscope", "slope"): (1.296e7, "deg/h per h"),
     ("gyroscope", "curvature"): (4.6656e10, "deg/h per h^2"),
 }

@@ -10,6 +10,7 @@ from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Finding
 from procedures.effects.effect import Seen
 from procedures.frames import AXES
+from procedures.units import S_PER_H
 
 Values = Callable[[Seen, Finding], FloatArray]  # (n,) of all sensors, or (n, 3) of each, at the nodes
 
@@ -83,7 +84,7 @@ def _channel(seen: Seen, finding: Finding) -> FloatArray:
 
 
 _TEMPERATURE = ("temperature [degC]", lambda seen, finding: seen.temperature)
-_TIME = ("time [h]", lambda seen, finding: (seen.t - np.nanmin(seen.t)) / 3600)
+_TIME = ("time [h]", lambda seen, finding: (seen.t - np.nanmin(seen.t)) / S_PER_H)
 _FORCE = ("specific force along the sensor [g]", lambda seen, finding: seen.f)
 _RATE = ("rate about the sensor [deg/s]", lambda seen, finding: seen.omega)
 _COORDINATES: Mapping[str, tuple[str, Values]] = {

@@ -5,11 +5,11 @@ from typing import Any
 
 from procedures.diagnosis.single_channels import SingleChannel, single_channels
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine
+from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 from station.files.campaign_folder.loaded import LoadedCampaign
 from station.results.solution_text import measured
 
 NOT_KNOWN = "not told: the recording is too short, or counting hides it"
-HOUR = 3600.0
 
 
 def channels_of(campaigns: Sequence[LoadedCampaign], solved: Sequence[str]) -> list[dict[str, Any]]:
@@ -30,7 +30,8 @@ def _document(found: SingleChannel, counts: bool) -> dict[str, Any]:
     if found.scale is not None:
         scale, std = found.scale
         told["scale_factor"] = {"value": scale, "std": std, "unit": "count/deg" if counts else "output/(deg/s)"}
-        factor, unit, noise_factor, noise_unit = HOUR / scale, "deg/h", HOUR**0.5 / abs(scale), "deg/sqrt(h)"
+        factor, unit = DEG_H_PER_DEG_S / scale, "deg/h"
+        noise_factor, noise_unit = S_PER_H**0.5 / abs(scale), "deg/sqrt(h)"
     told["mean"] = {"value": found.mean * factor, "unit": unit}
     if found.noise.value is not None:
         told["random_walk"] = {

@@ -6,8 +6,8 @@ from sqlalchemy.orm import Session
 from fixtures_db.cubes import cube_row, faces_in_force
 from fixtures_db.cubes_known import cubes
 from fixtures_db.schema import CubeRow, FaceCertificateRow
+from procedures.units import RAD_PER_ARCSEC
 from station.results.fixture_kinds.dates import due_text
-from station.results.solution_text import ARCSEC
 
 
 def lines(session: Session) -> list[str]:
@@ -58,5 +58,7 @@ def _drawing(row: CubeRow) -> list[str]:
 
 def _face(row: FaceCertificateRow) -> str:
     tilts = (row.up_tilt_1_rad, row.covariance_11_rad2), (row.up_tilt_2_rad, row.covariance_22_rad2)
-    said = ", ".join(f"{tilt / ARCSEC:+z.2f} +- {np.sqrt(variance) / ARCSEC:.2f}" for tilt, variance in tilts)
+    said = ", ".join(
+        f"{tilt / RAD_PER_ARCSEC:+z.2f} +- {np.sqrt(variance) / RAD_PER_ARCSEC:.2f}" for tilt, variance in tilts
+    )
     return f"up tilt {said} arcsec ({row.source}, {row.measured_utc:%Y-%m-%d})"

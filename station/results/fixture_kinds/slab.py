@@ -5,8 +5,8 @@ from sqlalchemy.orm import Session
 from fixtures_db.chained import in_force
 from fixtures_db.schema import SlabLevelRow
 from fixtures_db.slabs import slab_row, slabs
+from procedures.units import RAD_PER_ARCSEC
 from station.results.fixture_kinds.dates import due_text
-from station.results.solution_text import ARCSEC
 
 
 def lines(session: Session) -> list[str]:
@@ -26,5 +26,5 @@ def _level(row: SlabLevelRow | None) -> str:
     if row is None:
         return "level never measured"
     tilts = ("east", row.tilt_east_rad, row.std_east_rad), ("north", row.tilt_north_rad, row.std_north_rad)
-    said = ", ".join(f"{way} {tilt / ARCSEC:+z.2f} +- {std / ARCSEC:.2f}" for way, tilt, std in tilts)
+    said = ", ".join(f"{way} {v / RAD_PER_ARCSEC:+z.2f} +- {s / RAD_PER_ARCSEC:.2f}" for way, v, s in tilts)
     return f"{said} arcsec ({row.source}, {row.measured_utc:%Y-%m-%d})"

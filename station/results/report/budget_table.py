@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from procedures.uncertainty.budget import Contribution, ParameterBudget
-from station.results.report.parameter_tables import ARCSEC, SYMBOLS
+from procedures.units import ARCSEC_PER_RAD, UG_PER_G
+from station.results.report.parameter_tables import SYMBOLS
 from station.text.rounding import aligned, decimals, fixed
 
 SHOWN = 3  # contributions a line
@@ -61,8 +62,8 @@ def _rows(budgets: Sequence[ParameterBudget]) -> list[BudgetRow]:
 
 def _shown(one: ParameterBudget) -> tuple[float, str]:
     if one.unit == "1":
-        return ARCSEC, "arcsec"
-    return (1e6, "\u00b5g") if one.unit == "g" else (1.0, SYMBOLS.get(one.unit, one.unit))
+        return ARCSEC_PER_RAD, "arcsec"
+    return (UG_PER_G, "\u00b5g") if one.unit == "g" else (1.0, SYMBOLS.get(one.unit, one.unit))
 
 
 def dof_text(dof: float) -> str:

@@ -7,13 +7,14 @@ import numpy as np
 
 from procedures.calibration.solution import Solution, StepResidual
 from procedures.frames import POSITIONS
+from procedures.units import ARCSEC_PER_DEG, UG_PER_G
 from station.text.rounding import aligned, decimals, fixed
 
 LIMIT_SIGMAS = 4.0
 NOTICE_SIGMAS = 2.0
 CORRELATION_SHOWN = 0.5
 CORRELATIONS_MOST = 16
-_SHOWN = {"g": (1e6, "\u00b5g"), "deg/h": (1.0, "deg/h"), "deg": (3600.0, "arcsec")}
+_SHOWN = {"g": (UG_PER_G, "\u00b5g"), "deg/h": (1.0, "deg/h"), "deg": (ARCSEC_PER_DEG, "arcsec")}
 
 
 @dataclass(frozen=True, slots=True)

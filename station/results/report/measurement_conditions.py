@@ -8,6 +8,7 @@ from procedures.arrays import FloatArray
 from procedures.calibration.solution import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.frames import AXES, FACES
+from procedures.units import ARCSEC_PER_RAD
 from station.text.plural import plural
 from station.text.rounding import MINUS, decimals, fixed, significant
 
@@ -65,7 +66,7 @@ def _fixture(campaign: Campaign) -> list[tuple[str, str]]:
         certificate = "none: misalignment refers to the mean cube"
     else:
         stds = [float(np.sqrt(np.trace(fixture.faces[face].covariance) / 2)) for face in certified]
-        arcsec = significant(max(stds) * 180 * 3600 / np.pi)
+        arcsec = significant(max(stds) * ARCSEC_PER_RAD)
         certificate = f"{len(certified)} of {len(FACES)} faces, 1\u03c3 up to {arcsec} arcsec"
     axes = ", ".join(_signed_axis(row) for row in fixture.C_sb)
     return [

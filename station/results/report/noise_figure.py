@@ -16,6 +16,7 @@ from procedures.statistics.allan_deviation import (
     noise_terms,
     overlapping_deviation,
 )
+from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY, UG_PER_G
 from station.text.rounding import significant
 
 _GYROSCOPE = {  # from deg/h: name, symbol, unit, factor
@@ -25,7 +26,7 @@ _GYROSCOPE = {  # from deg/h: name, symbol, unit, factor
     "rate_random_walk": ("Rate random walk", "K", "deg/h/\u221ah", 60.0),
 }
 _ACCELEROMETER = {  # from ug
-    "quantisation": ("Quantisation", "Q", "\u00b5m/s", 9.80665),
+    "quantisation": ("Quantisation", "Q", "\u00b5m/s", STANDARD_GRAVITY),
     "random_walk": ("Velocity random walk", "N", "\u00b5g/\u221aHz", 1.0),
     "bias_instability": ("Bias instability", "B", "\u00b5g", 1.0),
     "rate_random_walk": ("Random walk of the bias", "K", "\u00b5g/\u221ah", 60.0),
@@ -92,9 +93,9 @@ def _triad(name: str, dwell: DwellRecord, part: slice, calibration: TriadCalibra
     if calibration is None:
         factor, unit, units = np.ones(3), "count/s" if counts else "output", {}
     elif name == "gyroscope":
-        factor, unit, units = 3600 / calibration.scale_factor.value, "deg/h", _GYROSCOPE
+        factor, unit, units = DEG_H_PER_DEG_S / calibration.scale_factor.value, "deg/h", _GYROSCOPE
     else:
-        factor, unit, units = 1e6 / calibration.scale_factor.value, "\u00b5g", _ACCELEROMETER
+        factor, unit, units = UG_PER_G / calibration.scale_factor.value, "\u00b5g", _ACCELEROMETER
     if counts:
         factor = factor / series.period
     curves = tuple(

@@ -8,13 +8,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-import numpy as np
-
 from procedures.calibration.solution import Estimate, Solution, TriadCalibration
 from procedures.frames import AXES
+from procedures.units import ARCSEC_PER_RAD, UG_PER_G
 from station.text.rounding import aligned, decimals, fixed
 
-ARCSEC = 180 * 3600 / np.pi  # per rad
 NORMAL_95 = 1.959964  # two-sided 95 % of a normal distribution
 _NONE: Mapping[str, float] = MappingProxyType({})
 SYMBOLS = {"count/(g s)": "count/(g\u00b7s)"}
@@ -136,7 +134,8 @@ def _vector(name: str, symbol: str, estimate: Estimate) -> list[Quantity]:
 
 
 def _bias(name: str, estimate: Estimate, noise_only: bool = False) -> list[Quantity]:
-    scale, unit = (1e6, "\u00b5g") if estimate.unit == "g" else (1.0, SYMBOLS.get(estimate.unit, estimate.unit))
+    unit = estimate.unit
+    scale, unit = (UG_PER_G, "\u00b5g") if unit == "g" else (1.0, SYMBOLS.get(unit, unit))
     return [
         Quantity(
             f"{name}.bias.{axis}",
@@ -162,7 +161,8 @@ def _off_diagonal(name: str, estimate: Estimate) -> Iterator[Quantity]:
 
 
 def _angle(name: str, symbol: str, axis: str, value: float, std: float) -> Quantity:
-    return Quantity(name, symbol, axis, float(value) * ARCSEC, float(std) * ARCSEC, "arcsec", ARCSEC)
+    value, std = float(value) * ARCSEC_PER_RAD, float(std) * ARCSEC_PER_RAD
+    return Quantity(name, symbol, axis, value, std, "arcsec", ARCSEC_PER_RAD)
 
 
 def _group(

@@ -7,6 +7,7 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from procedures.calibration.solution import Solution, TriadCalibration
+from procedures.units import UG_PER_G
 from station.files.atomic_file import replace_file
 from station.results.report.allan_plot import allan_svg
 from station.results.report.budget_table import budget_tables
@@ -103,7 +104,7 @@ def _facts(solution: Solution) -> list[tuple[str, str, str]]:
         )
     ]
     if quality.accelerometer_rms_g is not None:
-        rms = significant(quality.accelerometer_rms_g * 1e6, 3)
+        rms = significant(quality.accelerometer_rms_g * UG_PER_G, 3)
         facts.append(("Accelerometer residual", f"{rms} \u00b5g", "rms over all dwells"))
     if quality.gyroscope_rms_dph is not None:
         rms = significant(quality.gyroscope_rms_dph, 3)

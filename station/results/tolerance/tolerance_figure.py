@@ -7,6 +7,7 @@ from matplotlib.ticker import NullFormatter, StrMethodFormatter
 
 from procedures.arrays import FloatArray
 from procedures.tolerance.items import ITEMS
+from procedures.units import UG_PER_G
 from station.results.report.svg import INK, PALE, RULE, draw_svg
 from station.results.tolerance.tolerance_study import ESTIMATORS, Study
 
@@ -29,13 +30,13 @@ def tolerance_svg(found: Study) -> str:
 
 def _exceedance(axes: Axes, found: Study) -> None:
     for i, (name, (colour, line)) in enumerate(LINES.items()):
-        largest = np.max(np.abs(found.sample.bias[i]), axis=0) * 1e6
+        largest = np.max(np.abs(found.sample.bias[i]), axis=0) * UG_PER_G
         level = np.logspace(-3.5, -0.01, 120)
         axes.plot(np.quantile(largest, 1 - level), 100 * level, line, color=colour, lw=1.4, label=ESTIMATORS[name])
-        axes.axvline(float(found.worst[3 * i : 3 * i + 3].max()) * 1e6, color=colour, lw=0.7, ls=line)
+        axes.axvline(float(found.worst[3 * i : 3 * i + 3].max()) * UG_PER_G, color=colour, lw=0.7, ls=line)
     if found.question.wanted is not None:
-        axes.axvline(found.question.wanted * 1e6, color=INK, lw=0.9, ls=":")
-        axes.annotate("wanted", (found.question.wanted * 1e6, 0.04), rotation=90, ha="right", va="bottom")
+        axes.axvline(found.question.wanted * UG_PER_G, color=INK, lw=0.9, ls=":")
+        axes.annotate("wanted", (found.question.wanted * UG_PER_G, 0.04), rotation=90, ha="right", va="bottom")
     axes.set(xscale="log", yscale="log", ylim=(0.03, 130), xlabel="bias error of the worst axis [ug]")
     axes.set_ylabel("cubes that exceed it [%]")
     for axis in (axes.xaxis, axes.yaxis):

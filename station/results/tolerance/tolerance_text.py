@@ -3,12 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from procedures.tolerance.items import ITEMS
+from procedures.units import ARCSEC_PER_RAD, PPM_PER_ONE, RAD_PER_ARCSEC, UG_PER_G
 from station.results.tolerance.tolerance_study import ESTIMATORS
 
-ARCSEC = np.pi / 180 / 3600
 WHAT = {
     "p1_case": "P1's case",
     "worst_case_at_most": "worst, at most",
@@ -31,11 +29,11 @@ def tolerance_text(found: Mapping[str, Any]) -> str:
     lines.append("  P1's case: every item at its limit, faces tilted as in P1 table 3; worst: in any directions")
     lines.append(f"  {'':30}{'x':>11}{'y':>11}{'z':>11}")
     for name, part in found["bias"].items():
-        lines += [_row(f"{ESTIMATORS[name]}, {WHAT[key]}", part[key], 1e6) for key in WHAT]
+        lines += [_row(f"{ESTIMATORS[name]}, {WHAT[key]}", part[key], UG_PER_G) for key in WHAT]
     scale, angle = found["scale_factor"], found["misalignment"]
     keys = ("worst_case_at_most", "within_95_percent")
-    lines += [_row(f"scale factor [ppm], {WHAT[key]}", scale[key], 1e6) for key in keys]
-    lines += [_row("misalignment [arcsec], 95 %", angle["within_95_percent"], 1 / ARCSEC)]
+    lines += [_row(f"scale factor [ppm], {WHAT[key]}", scale[key], PPM_PER_ONE) for key in keys]
+    lines += [_row("misalignment [arcsec], 95 %", angle["within_95_percent"], ARCSEC_PER_RAD)]
     return "\n".join([*lines, *_allowed(found), *_gains(found["would_buy"])])
 
 
@@ -49,8 +47,8 @@ def _allowed(found: Mapping[str, Any]) -> list[str]:
     wanted = found["wanted"]
     lines = [
         "",
-        f"for a {ESTIMATORS[wanted['estimator']]} bias within {wanted['bias_g'] * 1e6:.4g} ug in the worst case, "
-        "tolerances of the cheapest cube [mm], cheapest relaxation first",
+        f"for a {ESTIMATORS[wanted['estimator']]} bias within {wanted['bias_g'] * UG_PER_G:.4g} ug in the "
+        "worst case, tolerances of the cheapest cube [mm], cheapest relaxation first",
         f"  {'item':38}{'now':>9}{'allowed':>9}{'alone':>9}  {'change':8}{'saves':>8}",
     ]
     for one in found["allowed"]:
@@ -70,6 +68,6 @@ def _gains(gains: Sequence[Mapping[str, Any]]) -> list[str]:
     lines.append(f"  {'':46}{'ug':>9}{'K2 open':>9}{'ug/g2':>9}{'arcsec':>9}")
     for one in gains:
         sigmas = (one["bias_std_g"], one["bias_std_k2_open_g"], one["k2_std_g_per_g2"])
-        cells = [sigma * 1e6 for sigma in sigmas] + [one["misalignment_std_rad"] / ARCSEC]
+        cells = [sigma * UG_PER_G for sigma in sigmas] + [one["misalignment_std_rad"] / RAD_PER_ARCSEC]
         lines.append(f"  {one['with']:46}" + "".join(f"{cell:9.3g}" for cell in cells))
     return lines

@@ -10,8 +10,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import roll_pitch_of
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, STANDARD_GRAVITY
 from procedures.frames import nominal_C_lb, rotation
+from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 
 PERIOD_S = 0.01
 LEVEL_S = 250.0
@@ -68,7 +68,7 @@ def sensor_errors(rng: np.random.Generator, n: int) -> tuple[FloatArray, FloatAr
         start * rng.standard_normal(3) + per_root_h * walk * np.cumsum(rng.standard_normal((n, 3)), axis=0)
         for start, per_root_h in ((GYRO_DEG_H, GYRO_WALK_DEG_H), (FORCE_UG, FORCE_WALK_UG))
     )
-    return gyro * DEG_PER_HOUR, force * 1e-6 * STANDARD_GRAVITY
+    return gyro * RAD_S_PER_DEG_H, force * 1e-6 * STANDARD_GRAVITY
 
 
 def _smooth(x: FloatArray) -> FloatArray:

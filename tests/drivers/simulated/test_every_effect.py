@@ -9,8 +9,8 @@ from drivers.simulated.effects import EFFECTS
 from drivers.simulated.truth import truth_from
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell, Turn
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import POSITIONS
+from procedures.units import STANDARD_GRAVITY
 
 UNIT = {
     "accel_e": [[1, 2e-3, 0], [0, 1, -1e-3], [3e-3, 0, 1]],

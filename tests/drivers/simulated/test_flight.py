@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, STANDARD_GRAVITY
 from procedures.frames import rotation
+from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from tests.drivers.simulated.flight import LEVEL_S, PERIOD_S, paper_flight, sensor_errors
 
 
@@ -35,5 +35,5 @@ def test_the_errors_are_those_of_table_1() -> None:
     for seed in range(300):
         gyro, _ = sensor_errors(np.random.default_rng(seed), 1000)
         first[seed], growth[seed] = gyro[0], gyro[-1] - gyro[0]
-    assert first.std() / DEG_PER_HOUR == pytest.approx(50, rel=4 / np.sqrt(2 * 900))
-    assert growth.std() / DEG_PER_HOUR == pytest.approx(10 * np.sqrt(9.99 / 3600), rel=4 / np.sqrt(2 * 900))
+    assert first.std() / RAD_S_PER_DEG_H == pytest.approx(50, rel=4 / np.sqrt(2 * 900))
+    assert growth.std() / RAD_S_PER_DEG_H == pytest.approx(10 * np.sqrt(9.99 / 3600), rel=4 / np.sqrt(2 * 900))

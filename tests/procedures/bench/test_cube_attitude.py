@@ -17,14 +17,15 @@ from procedures.bench.cube_attitude import (
     told,
 )
 from procedures.earth.cube_heading import earth_heading
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, EARTH_RATE
+from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import Known
 from procedures.frames import face_normal, face_of, rotation, vertical_rotation
+from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.independent import body_from_level
 
 K = 2e6  # count/rad
 CHINA = np.radians(31.17)
-STD = np.full(3, K * 0.05 * DEG_PER_HOUR)
+STD = np.full(3, K * 0.05 * RAD_S_PER_DEG_H)
 POSITIONS = range(1, 13)
 
 
@@ -134,7 +135,7 @@ def test_the_earth_tells_any_heading_within_its_own_sigma(count: int) -> None:
     errors = []
     for seed in range(300):
         rng = np.random.default_rng(seed)
-        bias = rng.normal(0, DEG_PER_HOUR, 3)
+        bias = rng.normal(0, RAD_S_PER_DEG_H, 3)
         gyros = np.diag(1 + rng.normal(0, 0.03, 3)) @ (np.eye(3) + rng.normal(0, 0.01, (3, 3)))
         before = [known(int(p), bias, gyros, rng) for p in rng.permutation(12)[:count] + 1]
         position, off = int(rng.integers(1, 13)), rng.uniform(-np.pi, np.pi)
@@ -149,7 +150,7 @@ def test_the_earth_tells_any_heading_within_its_own_sigma(count: int) -> None:
 
 def test_a_rate_that_is_not_the_earths_tells_nothing() -> None:
     C_lb = in_position(3)
-    for rate in (np.zeros(3), np.full(3, K * 60 * DEG_PER_HOUR), np.array([K, 0, 0])):
+    for rate in (np.zeros(3), np.full(3, K * 60 * RAD_S_PER_DEG_H), np.array([K, 0, 0])):
         assert np.isinf(earth_heading(rate, STD, C_lb, CHINA, np.eye(3), K)[1])
     pole = C_lb.T @ np.array([0, 0, EARTH_RATE * K])
     assert np.degrees(earth_heading(pole, STD, C_lb, np.radians(89.9), np.eye(3), K)[1]) > 45

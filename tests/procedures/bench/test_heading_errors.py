@@ -11,12 +11,13 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.bench.heading_errors import heading_errors
 from procedures.calibration.calibration import solve
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, EARTH_RATE
+from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import Known
 from procedures.frames import POSITIONS
+from procedures.units import RAD_S_PER_DEG_H
 
 LATITUDE, K = np.radians(31.17), 2e6  # rad, count/rad
-NOISE = 0.036 * DEG_PER_HOUR  # rad/s, 100 s of 1e-4 deg/sqrt(s)
+NOISE = 0.036 * RAD_S_PER_DEG_H  # rad/s, 100 s of 1e-4 deg/sqrt(s)
 HEADING = float(np.radians(0.1))
 
 
@@ -37,7 +38,7 @@ def campaign(
 ) -> list[Known]:
     rng = np.random.default_rng(seed)
     k = K * (1 + 0.01 * rng.standard_normal(3))
-    E, b = np.eye(3) + 7e-4 * rng.standard_normal((3, 3)), DEG_PER_HOUR * rng.standard_normal(3)
+    E, b = np.eye(3) + 7e-4 * rng.standard_normal((3, 3)), RAD_S_PER_DEG_H * rng.standard_normal(3)
     dwells = []
     for position in positions:
         heading = azimuth + HEADING * rng.standard_normal() + np.radians(off_deg.get(position, 0.0))
@@ -71,7 +72,7 @@ def test_headings_as_good_as_stated_are_left_alone_also_where_the_marks_point_el
 
 
 def test_nothing_is_said_where_the_gyros_cannot_tell() -> None:
-    assert [found(campaign(seed, {7: 4.0}, noise=3 * DEG_PER_HOUR)) for seed in range(10)] == [[]] * 10
+    assert [found(campaign(seed, {7: 4.0}, noise=3 * RAD_S_PER_DEG_H)) for seed in range(10)] == [[]] * 10
 
 
 def test_of_one_face_alone_nothing_is_said_and_of_few_no_wrong_one_is_named_alone() -> None:

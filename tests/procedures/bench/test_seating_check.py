@@ -9,12 +9,13 @@ from drivers.simulated.bench_in_memory import SimulatedBench, stand
 from drivers.simulated.bench_truth import imu_from_cube
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.bench.seating_check import ARCSEC, Rates, Seating, judge, seating
+from procedures.bench.seating_check import Rates, Seating, judge, seating
 from procedures.campaign.campaign import FaceCertificate, Fixture
 from procedures.campaign.plan_steps import Dwell
 from procedures.counts.count_rate import estimate_counts
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import FACES, cross_axes, face_normal, face_of
+from procedures.units import RAD_PER_ARCSEC
 from tests.procedures.independent import specific_force
 
 HEADING_STD = float(np.radians(0.05))
@@ -59,11 +60,11 @@ def seen(accepted: list[Rates], now: Rates, fixture: Fixture = PLAIN) -> Seating
 )
 def test_a_tilt_of_the_cube_is_measured_along_its_own_axes(axes: tuple[str, str, str], k: FloatArray) -> None:
     C_sb = imu_from_cube(axes)
-    unit, tilt = Unit(1, 1e-9, C_sb, k), (60 * ARCSEC, -25 * ARCSEC)
+    unit, tilt = Unit(1, 1e-9, C_sb, k), (60 * RAD_PER_ARCSEC, -25 * RAD_PER_ARCSEC)
     accepted = [unit.rests(p) for p in (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11)]
     found = seen(accepted, unit.rests(12, tilt), Fixture(C_sb=C_sb))
-    assert np.abs(found.off - tilt).max() < 0.3 * ARCSEC
-    assert found.std.max() < 0.3 * ARCSEC
+    assert np.abs(found.off - tilt).max() < 0.3 * RAD_PER_ARCSEC
+    assert found.std.max() < 0.3 * RAD_PER_ARCSEC
     assert found.axes == "xy"
 
 
@@ -87,11 +88,11 @@ def test_the_second_position_follows_from_the_first_by_the_slabs_tilt_alone() ->
     unit = Unit(4, 1e-9)
     unit.E = np.eye(3)
     one, two, five = unit.rests(1), unit.rests(2), unit.rests(5)
-    now = unit.rests(6, (40 * ARCSEC, 0.0))
+    now = unit.rests(6, (40 * RAD_PER_ARCSEC, 0.0))
     east, north = (one[1] - two[1])[1:] / 2 / unit.k[1:]  # x up: y points East, z North
     predicted = five[1] + 2 * unit.k * np.array([north, 0.0, east])  # y up: x points South, z West in 5
     by_hand = ((now[1] - predicted) / unit.k)[[0, 2]]
-    assert by_hand == pytest.approx([40 * ARCSEC, 0.0], abs=0.1 * ARCSEC)
+    assert by_hand == pytest.approx([40 * RAD_PER_ARCSEC, 0.0], abs=0.1 * RAD_PER_ARCSEC)
     # half the scale factors were never seen upright: 10 % of the slab's tilt
     assert np.all(np.abs(seen([one, two, five], now).off - by_hand) < 4 * seen([one, two, five], now).std)
 
@@ -112,7 +113,7 @@ def test_what_is_off_by_chance_has_the_sigma_that_is_told(order: tuple[int, ...]
 def test_a_redone_position_is_compared_with_its_partner_and_not_with_itself() -> None:
     unit = Unit(5, 1e-8)
     accepted = [unit.rests(p) for p in (1, 3, 4, 5, 6)]
-    crumb = unit.rests(2, (0.0, 80 * ARCSEC))
+    crumb = unit.rests(2, (0.0, 80 * RAD_PER_ARCSEC))
     assert judge(seen([*accepted, crumb], unit.rests(2))) == ""
     assert "along +z" in judge(seen([*accepted, crumb], crumb))
 
@@ -135,8 +136,10 @@ def test_a_certificate_of_the_faces_is_used() -> None:
 def test_off_is_five_sigma_or_grossly_tilted(off: float, std: float, is_off: bool) -> None:
     for axis, sign in ((0, 1), (1, -1)):
         tilt = np.zeros(2)
-        tilt[axis] = sign * off * ARCSEC
-        words = judge(Seating(tilt, np.full(2, 0.8 * std * ARCSEC), np.full(2, 0.6 * std * ARCSEC), "xz"))
+        tilt[axis] = sign * off * RAD_PER_ARCSEC
+        words = judge(
+            Seating(tilt, np.full(2, 0.8 * std * RAD_PER_ARCSEC), np.full(2, 0.6 * std * RAD_PER_ARCSEC), "xz")
+        )
         assert bool(words) == is_off
         assert not words or f"along {'+' if sign > 0 else '-'}{'xz'[axis]}" in words
 
@@ -159,7 +162,7 @@ def test_a_crumb_is_caught_in_seconds_and_a_clean_cube_is_left_alone(k: float) -
             assert judge(seen(accepted, recorded(position, series, seconds))) == ""
         accepted.append(recorded(position, series, 30.0))
     tilt = np.zeros(3)
-    tilt[cross_axes("z_up")[1]] = 100 * ARCSEC
+    tilt[cross_axes("z_up")[1]] = 100 * RAD_PER_ARCSEC
     crumb = replace(stand(truth), seatings={10: np.cross(face_normal("z_up"), tilt)})
     series = SimulatedBench(truth, 12, world=crumb).perform(Dwell(10, 10.0))
     assert "along +y" in judge(seen(accepted, recorded(10, series, 6.0)))
@@ -188,4 +191,4 @@ def test_a_bad_seat_that_is_left_out_leaves_the_judge_as_sharp_as_it_was() -> No
     unit = Unit(7, 1e-6)
     accepted = [unit.rests(p) for p in (1, 2, 3, 5, 6, 7)]
     assert judge(seen(accepted, unit.rests(8))) == ""
-    assert judge(seen(accepted, unit.rests(8, (30 * ARCSEC, 0.0))))
+    assert judge(seen(accepted, unit.rests(8, (30 * RAD_PER_ARCSEC, 0.0))))

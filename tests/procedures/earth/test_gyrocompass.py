@@ -11,13 +11,14 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell
 from procedures.dwells_and_turns.hand_turns import TURN_START
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, EARTH_RATE
+from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import Known, find_heading, first_position, heading_change, scale
 from procedures.frames import FACES, face_of, rotation
+from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.independent import body_from_level
 
 K = 2e6  # count/rad
-STD = np.full(3, K * 0.1 * DEG_PER_HOUR)
+STD = np.full(3, K * 0.1 * RAD_S_PER_DEG_H)
 I3 = np.eye(3)
 SOUTH, CHINA, EUROPE = np.radians([-33.0, 31.17, 48.1])
 
@@ -40,7 +41,7 @@ def known(position: int, latitude: float, bias: FloatArray) -> Known:
 @pytest.mark.parametrize("latitude", [SOUTH, CHINA, EUROPE])
 @pytest.mark.parametrize("position", range(1, 13))
 def test_every_position_is_told_from_the_rate_alone(position: int, latitude: float) -> None:
-    bias = DEG_PER_HOUR * np.array([0.5, -0.4, 0.3])
+    bias = RAD_S_PER_DEG_H * np.array([0.5, -0.4, 0.3])
     heading = found(K * (seen(position, latitude) + bias), position, latitude)
     assert heading.is_sure
     assert heading.position == position
@@ -83,26 +84,26 @@ def test_counts_that_contradict_the_vertical_earth_rate_are_not_believed() -> No
 
 
 def test_a_large_bias_is_not_sure_until_known_dwells_take_it_off() -> None:
-    bias = DEG_PER_HOUR * np.array([8.0, -7.0, 6.0])
+    bias = RAD_S_PER_DEG_H * np.array([8.0, -7.0, 6.0])
     before = tuple(known(position, CHINA, bias) for position in (1, 10, 3))
     for position in (2, 5, 8, 12):
         rate = K * (seen(position, CHINA) + bias)
         assert not found(rate, position, CHINA).is_sure
-        heading = found(rate, position, CHINA, before, bias_std=8 * DEG_PER_HOUR)
+        heading = found(rate, position, CHINA, before, bias_std=8 * RAD_S_PER_DEG_H)
         assert heading.is_sure
         assert heading.position == position
 
 
 def test_a_scale_factor_that_would_hide_the_earth_rate_behind_the_bias_is_not_likely() -> None:
     """Beside a bias of a third of the Earth's rate any heading fits, if k is so large that all counts are few."""
-    bias = DEG_PER_HOUR * np.array([5.0, -4.0, 4.0])
-    heading = found(K * (seen(2, CHINA) + bias), 2, CHINA, (known(1, CHINA, bias),), bias_std=5 * DEG_PER_HOUR)
+    bias = RAD_S_PER_DEG_H * np.array([5.0, -4.0, 4.0])
+    heading = found(K * (seen(2, CHINA) + bias), 2, CHINA, (known(1, CHINA, bias),), bias_std=5 * RAD_S_PER_DEG_H)
     assert heading.position == 2
     assert heading.margin > 30
 
 
 def test_a_known_dwell_sharpens_the_verdict_at_high_latitude() -> None:
-    latitude, bias = np.radians(70.0), DEG_PER_HOUR * np.array([0.5, -0.8, 0.3])
+    latitude, bias = np.radians(70.0), RAD_S_PER_DEG_H * np.array([0.5, -0.8, 0.3])
     rate = K * (seen(2, latitude) + bias)
     assert not found(rate, 2, latitude).is_sure
     heading = found(rate, 2, latitude, (known(1, latitude, bias),))
@@ -117,7 +118,7 @@ def test_it_is_never_sure_and_wrong_with_biases_up_to_three_sigma() -> None:
         for trial in range(150):
             position, turned = int(rng.integers(1, 13)), int(rng.integers(2)) * np.pi / 2
             k = K * (1 + 0.03 * rng.standard_normal(3))
-            bias = DEG_PER_HOUR * rng.uniform(-3, 3, 3)
+            bias = RAD_S_PER_DEG_H * rng.uniform(-3, 3, 3)
             rate = k * (seen(position, np.radians(latitude), turned) + bias) + STD * rng.standard_normal(3)
             heading = found(rate, position, np.radians(latitude))
             quarter = (0 if position % 2 else 2) + (1 if turned else 0)
@@ -145,7 +146,7 @@ def test_a_simulated_unit_is_found_in_all_twelve_positions_once_the_first_is_sai
 @pytest.mark.parametrize("seed", range(5))
 def test_the_rough_scale_factor_lies_within_its_sigma(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    bias = DEG_PER_HOUR * rng.standard_normal(3)
+    bias = RAD_S_PER_DEG_H * rng.standard_normal(3)
     k = K * (1 + 0.03 * rng.standard_normal(3))
     dwells = [Known(p, k * (seen(p, CHINA) + bias), STD) for p in (1, 2, 5, 9)]
     stds = []
@@ -165,7 +166,7 @@ def test_no_scale_factor_is_told_without_a_dwell_or_from_a_bias() -> None:
 @pytest.mark.parametrize("position", TURN_START.values())
 def test_a_turn_that_did_not_come_back_is_measured_by_the_earth_rate(position: int) -> None:
     rng, turned = np.random.default_rng(position), np.radians(8.0)
-    bias, std = 30 * DEG_PER_HOUR * rng.standard_normal(3), np.full(3, 0.02 * K * DEG_PER_HOUR)
+    bias, std = 30 * RAD_S_PER_DEG_H * rng.standard_normal(3), np.full(3, 0.02 * K * RAD_S_PER_DEG_H)
     C_sb = imu_from_cube(("+z", "+x", "+y"))
     before, after = (
         Known(position, K * C_sb @ (seen(position, EUROPE, a) + bias) + std * rng.standard_normal(3), std)
@@ -173,7 +174,9 @@ def test_a_turn_that_did_not_come_back_is_measured_by_the_earth_rate(position: i
     )
     angle, angle_std = heading_change(before, after, EUROPE, C_sb, K)
     assert abs(angle - turned) < 4 * angle_std
-    assert angle_std == pytest.approx(np.sqrt(2) * 0.02 * DEG_PER_HOUR / (EARTH_RATE * np.cos(EUROPE)), rel=1e-6)
+    assert angle_std == pytest.approx(
+        np.sqrt(2) * 0.02 * RAD_S_PER_DEG_H / (EARTH_RATE * np.cos(EUROPE)), rel=1e-6
+    )
     # the same from rotations: the cube turned counter-clockwise sees the world turned clockwise
     turned_cube = body_from_level(position) @ rotation(np.array([0.0, 0.0, -turned]))
     sees = turned_cube @ np.array([0.0, EARTH_RATE * np.cos(EUROPE), EARTH_RATE * np.sin(EUROPE)])

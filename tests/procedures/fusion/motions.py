@@ -6,10 +6,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, earth_rate_n
+from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import rotation
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 from procedures.fusion.odometry import Drift, RecordedOdometry
+from procedures.units import RAD_S_PER_DEG_H
 
 RATE = 20.0  # Hz
 SETTING_OFF = 2.0  # s
@@ -91,7 +92,7 @@ class Eight:
 
 def fog(rng: np.random.Generator, seconds: float, bias: FloatArray) -> tuple[ImuSeries, FloatArray, ImuNoise]:
     """Return a FOG IMU on a bench: 0.003 deg/rt-h, ``bias`` [rad/s], and its attitude."""
-    noise = ImuNoise(0.003 * np.pi / 180 / 60, 1e-10, 5e-5, 1e-7, 0.05 * DEG_PER_HOUR, 5e-5)
+    noise = ImuNoise(0.003 * np.pi / 180 / 60, 1e-10, 5e-5, 1e-7, 0.05 * RAD_S_PER_DEG_H, 5e-5)
     t, C_nb = np.arange(0.0, seconds, 0.1), rotation(np.array([0.02, -0.03, 2.0]))
     omega = C_nb.T @ EARTH + bias + rng.normal(size=(len(t), 3)) * noise.gyro * 10**0.5
     f = C_nb.T @ [0, 0, GRAVITY] + rng.normal(size=(len(t), 3)) * noise.accel * 10**0.5

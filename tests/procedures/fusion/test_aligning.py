@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR
 from procedures.fusion.alignment.aligner import align_when_possible, fixes_between
 from procedures.fusion.alignment.alignment import Aligned, Waiting
 from procedures.fusion.alignment.moving_aligner import MovingAligner
 from procedures.fusion.alignment.static_aligner import align_at_rest
 from procedures.fusion.fusion_records import GnssFixes
+from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
 
 LEVER = np.array([0.5, 0.2, -0.3])
@@ -114,7 +114,7 @@ def test_four_positions_are_too_few_and_said_so() -> None:
 
 def test_a_fog_at_rest_finds_north_by_the_earths_rate() -> None:
     rng = np.random.default_rng(5)
-    bias = rng.normal(size=3) * 0.05 * DEG_PER_HOUR
+    bias = rng.normal(size=3) * 0.05 * RAD_S_PER_DEG_H
     imu, C_nb, noise = fog(rng, 300.0, bias)
     found = align_at_rest(imu, noise, GRAVITY, EARTH)
     assert isinstance(found, Aligned)

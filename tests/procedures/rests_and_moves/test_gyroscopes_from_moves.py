@@ -4,9 +4,9 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import fit, report
 from procedures.campaign.campaign import Campaign, Site
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
 from procedures.frames import rotation
 from procedures.rests_and_moves.move_rotation import carry, padded, rotations
+from procedures.units import STANDARD_GRAVITY
 from tests.procedures.free_units import LATITUDE, Unit, sequence, unit
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import GAP, AttitudeLog
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
 
 UNKNOWN = Surroundings()

@@ -10,7 +10,8 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth, paper_truth, truth_from
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY, normal_gravity
+from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.units import STANDARD_GRAVITY
 from station import cli
 from station.files.campaign_folder.reading import read_campaign
 from station.files.campaign_folder.writing import write_campaign

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.earth.gravity_and_rate import DEG_PER_HOUR, earth_rate_n
+from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.fusion.alignment.aligner import align_when_possible
 from procedures.fusion.alignment.alignment import Aligned
 from procedures.fusion.alignment.moving_aligner import MovingAligner
@@ -16,6 +16,7 @@ from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettin
 from procedures.fusion.inner.keyframes import keyframes
 from procedures.fusion.optional_libraries import ExtraMissing, gtsam
 from procedures.fusion.outer.outer_graph import OuterGraph
+from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
 
 REASON = "gtsam is not installed: `make locate`"
@@ -88,7 +89,7 @@ def test_two_layers_reach_what_one_does(flight: Eight) -> None:
 def test_a_fog_on_the_bench_keeps_north_to_what_its_east_bias_explains() -> None:
     pytest.importorskip("gtsam", reason=REASON)
     rng = np.random.default_rng(3)
-    bias = rng.normal(size=3) * 0.05 * DEG_PER_HOUR
+    bias = rng.normal(size=3) * 0.05 * RAD_S_PER_DEG_H
     imu, C_nb, noise = fog(rng, 300.0, bias)
     start = align_at_rest(imu, noise, GRAVITY, EARTH)
     assert isinstance(start, Aligned)

@@ -18,9 +18,9 @@ from procedures.calibration.solution import Estimate, FitQuality, Solution, Tria
 from procedures.campaign.plan_steps import Dwell
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import face_normal, face_of, nominal_C_lb
+from procedures.units import STANDARD_GRAVITY
 from station import cli
 from station.files.exports import EXPORTS, Export, read_correction
-from station.files.exports.correction import G
 from tests.fixtures_db.factory import facts
 
 SECONDS = 200.0
@@ -61,7 +61,7 @@ def readings(truth: Truth, position: int) -> tuple[FloatArray, FloatArray]:
     assert series.accel is not None
     assert series.gyro is not None
     accel, gyro = (counts.sum(axis=0) / SECONDS for counts in (series.accel, series.gyro))
-    return accel / NOMINAL[0] * G, np.radians(gyro / NOMINAL[1])
+    return accel / NOMINAL[0] * STANDARD_GRAVITY, np.radians(gyro / NOMINAL[1])
 
 
 def true_input(truth: Truth, position: int) -> tuple[FloatArray, FloatArray]:
@@ -115,7 +115,9 @@ def error_of(export: Export, truth: Truth, path: Path) -> tuple[Error, str]:
     return Error(max(accel), max(gyro)), text
 
 
-COUNT = Error(1.01 * G / (0.9 * NOMINAL[0] * SECONDS), np.radians(1.01 / (0.9 * NOMINAL[1] * SECONDS)))
+COUNT = Error(
+    1.01 * STANDARD_GRAVITY / (0.9 * NOMINAL[0] * SECONDS), np.radians(1.01 / (0.9 * NOMINAL[1] * SECONDS))
+)
 
 
 @every_export
@@ -126,7 +128,7 @@ def test_the_true_input_is_recovered_to_a_count(export: Export, tmp_path: Path) 
     error, _ = error_of(export, truth, tmp_path)
     assert error.accel < COUNT.accel
     assert error.gyro < COUNT.gyro
-    bias = np.abs(truth.accel_d_g).max() * G
+    bias = np.abs(truth.accel_d_g).max() * STANDARD_GRAVITY
     assert bias > 20 * COUNT.accel  # else an offset left out would not show
     assert np.abs(truth.gyro_d_deg_s).max() > np.degrees(20 * COUNT.gyro)
 
@@ -141,8 +143,8 @@ def test_what_is_not_carried_is_said_and_bounds_the_error(export: Export, tmp_pa
         return
     found = re.search(r"# NOT CARRIED: accelerometer misalignment up to ([\d.]+) mrad: ([\d.]+) mg error", text)
     assert found is not None
-    assert error.accel < float(found[2]) * 1e-3 * G + COUNT.accel
-    assert error.accel > 0.3 * float(found[2]) * 1e-3 * G
+    assert error.accel < float(found[2]) * 1e-3 * STANDARD_GRAVITY + COUNT.accel
+    assert error.accel > 0.3 * float(found[2]) * 1e-3 * STANDARD_GRAVITY
     for what in ("gyroscope misalignment", "gyroscope scale factor", "the sigmas"):
         assert f"# NOT CARRIED: {what}" in text
 

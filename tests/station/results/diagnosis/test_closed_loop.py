@@ -8,7 +8,7 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.earth.gravity_and_rate import STANDARD_GRAVITY
+from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
 from station.files.campaign_folder.reading import read_for_solve
 from station.results.diagnosis import closed_loop as loop
