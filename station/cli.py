@@ -1,6 +1,6 @@
 """The command ``station``: finds a command, runs it, and turns what it raises into an exit code and one line.
 
-Exit codes (DESIGN 6): 0 done, 1 FAIL or altered, 2 wrong usage, 3 data refused, 4 device fault, 5 not observable,
+Exit codes: 0 done, 1 FAIL or altered, 2 wrong usage, 3 data refused, 4 device fault, 5 not observable,
 130 cancelled. 70 is a bug of ours; ``STATION_TRACEBACK=1`` then shows where.
 """
 

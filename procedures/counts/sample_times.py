@@ -15,7 +15,7 @@ import numpy as np
 from procedures.arrays import FloatArray, IntArray
 
 GAP = 1.5  # sample periods
-CLOSE, NEAR = 1e-3, 1e-2  # relative: of a stated period that is right, and of one that is not wrong, DESIGN 5
+CLOSE, NEAR = 1e-3, 1e-2  # relative: of a stated period that is right, and of one that is not wrong
 LASTING = 0.6  # sample periods
 RUNS, ROWS = 8, 200  # looked at before and after a long step: so many runs, of no more rows together
 USUAL, ALIKE = 0.1, 0.95  # relative, of steps that are alike; and the part of them that are

@@ -23,7 +23,7 @@ from procedures.statistics.tail_probabilities import log_f_sf
 from procedures.units import PPM_PER_ONE
 
 EFFECT = "clock.rate"
-OFF_PERIOD = 1e-3  # relative, as the warning of DESIGN 5
+OFF_PERIOD = 1e-3  # relative, as the warning of a campaign folder
 ESTABLISHED, LIKELY = np.log(0.01), np.log(0.05)
 PLAUSIBLE = 5e4  # ppm: beyond, no clock is off
 KNOWN = 1e-3  # relative: 4 sigma of a rate from which something is concluded

@@ -1,4 +1,4 @@
-"""`attitude/1` and the CSV of an attitude track (DESIGN 5)."""
+"""`attitude/1` and the CSV of an attitude track; docs/formats.md."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""`attitude-log/1` (DESIGN 5) read and held to its rules; the first that is broken is named with its line."""
+"""`attitude-log/1` (docs/attitude.md) read; the first rule that it breaks is named with its line."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A location as `location/1` (DESIGN 5): JSON-ready, without NaN, what is not estimated left out."""
+"""A location as `location/1` (docs/formats.md): JSON-ready, without NaN, what is not estimated left out."""
 
 from typing import Any
 

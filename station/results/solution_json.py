@@ -1,4 +1,4 @@
-"""A solution as `solution/1` (DESIGN 5): JSON-ready, without NaN, what was not estimated left out."""
+"""A solution as `solution/1` (docs/formats.md): JSON-ready, without NaN, what was not estimated left out."""
 
 import json
 import subprocess

@@ -1,6 +1,6 @@
 """Accelerometer effects: what is added to ``E f + D`` [g]; ``u`` is E f, per sensor, T in degC, t in s.
 
-Sources: IEEE Std 1293 model equation (K2, K3, cross products K_ij, scale-factor asymmetry); DESIGN 7, 10.7.
+Sources: IEEE Std 1293 model equation (K2, K3, cross products K_ij, scale-factor asymmetry).
 """
 
 from itertools import combinations_with_replacement

@@ -13,7 +13,7 @@ from station.errors import DataRefused
 from station.files.campaign_folder.schema import CampaignTable, StepTable
 from station.files.campaign_folder.series import WARN_PERIOD, StepData
 
-REFUSE_PERIOD = 1e-2  # relative, DESIGN 5
+REFUSE_PERIOD = 1e-2  # relative, docs/campaign-folder.md
 
 
 @dataclass(frozen=True, slots=True, eq=False)

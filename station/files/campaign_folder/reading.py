@@ -64,7 +64,7 @@ def read_campaign(folder: Path) -> LoadedCampaign:
     Raises
     ------
     DataRefused
-        If the folder breaks a rule of DESIGN 5: with file, line, found and expected.
+        If the folder breaks a rule of docs/campaign-folder.md: with file, line, found and expected.
     """
     if not folder.is_dir():
         raise DataRefused(folder, None, "no such folder", f"a folder with a {NAME}", "name a campaign folder")

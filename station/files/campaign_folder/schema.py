@@ -1,4 +1,4 @@
-"""The tables of ``campaign.toml`` (`campaign/1`, DESIGN 5): names with units, types, ranges, defaults."""
+"""The tables of ``campaign.toml`` (`campaign/1`): names with units, types, ranges, defaults."""
 
 from collections.abc import Sequence
 from typing import Annotated, Literal, Self

@@ -11,7 +11,7 @@ from station.errors import DataRefused
 from station.files.campaign_folder.schema import ImuTable
 from station.files.columns import OUTPUTS, TRIADS, Table
 
-WARN_PERIOD = 1e-3  # relative, DESIGN 5
+WARN_PERIOD = 1e-3  # relative, docs/campaign-folder.md
 _NAMED_GAPS = 10
 
 

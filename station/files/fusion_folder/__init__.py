@@ -1,4 +1,4 @@
-"""Fusion folders (`fusion/1`, DESIGN 5): IMU, GNSS and odometry of a drive or a flight, to be located."""
+"""Fusion folders (`fusion/1`, docs/locate.md): IMU, GNSS and odometry of a drive or a flight, to be located."""
 
 from station.files.fusion_folder.reading import FusionLog, read_fusion
 from station.files.fusion_folder.tum import read_tum, write_tum

@@ -54,7 +54,7 @@ def read_fusion(folder: Path) -> FusionLog:
     Raises
     ------
     DataRefused
-        If the folder breaks a rule of DESIGN 5: with file, line, found and expected.
+        If the folder breaks a rule of docs/locate.md: with file, line, found and expected.
     """
     table, lines = read_toml(folder)
     fixes = _fixes(folder, table.gnss, lines)

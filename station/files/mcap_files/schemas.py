@@ -1,4 +1,4 @@
-"""The protobuf messages of a step's file, built at run time: DESIGN 5 is their source, no compiler is needed.
+"""The protobuf messages of a step's file, built at run time: no compiler is needed.
 
 ``station.Counts`` and ``station.Rates`` hold one sample each, ``station.Raw`` a piece of the stream as read.
 """

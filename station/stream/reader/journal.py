@@ -1,6 +1,6 @@
 """The session's raw journal: every byte as read, in MCAP, on its own thread so that a slow disk stalls no read.
 
-Chunks are closed every 0.2 s and on the disk every 0.5 s (DESIGN 8). Gaps and the session's start stand in it
+Chunks are closed every 0.2 s and on the disk every 0.5 s. Gaps and the session's start stand in it
 as metadata records ``station.gap`` and ``station.session``.
 """
 

@@ -31,7 +31,7 @@ def test_the_paper_cube_gives_the_papers_bias_errors(counting: bool, margin_g: f
     two = [
         rates[4 * q : 4 * q + 4, q].mean() / truth.accel_k[q] - truth.accel_d_g[q] for q in range(3)
     ]  # (9)-(11)
-    # DESIGN 4: checked without noise, printed to 5 and 3 digits
+    # checked without noise, printed to 5 and 3 digits
     assert np.max(np.abs(twelve - [1.6704e-4, 0.6711e-4, 1.0065e-4])) < 0.06e-7 + margin_g
     assert np.max(np.abs(np.array(two) - [5.21e-7, 6.90e-7, 10.91e-7])) < 0.06e-8 + margin_g
 

@@ -10,7 +10,7 @@ from procedures.diagnosis.result import Finding
 from tests.benchmarks.diagnosing.designs import certified, plain, unit
 from tests.procedures.diagnosis.redrawn import made_up, redrawn, seen_by, small
 
-K2 = {"accelerometer.quadratic": {"x": 4e-5}}  # DESIGN 5: 27 sigma under the certificate
+K2 = {"accelerometer.quadratic": {"x": 4e-5}}  # 27 sigma under the certificate
 
 
 def two(rng: np.random.Generator, angle: float, size: float = 100.0) -> tuple[Candidate, Candidate]:

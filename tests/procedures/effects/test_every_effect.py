@@ -31,7 +31,7 @@ NAMES = (
     "gyroscope.temperature_rate gyroscope.bias_drift gyroscope.magnetic gyroscope.scale_asymmetry "
     "gyroscope.scale_nonlinearity gyroscope.sagnac_sine slab.tilt fixture.face_tilt fixture.parallelism "
     "placement.dwell placement.label site.azimuth site.gravity clock.rate disturbance.dwell auxiliary.channel"
-).split()  # DESIGN 7
+).split()
 PAGE = ROOT / "docs/effects.md"
 NO_COLUMNS = ("placement.label", "disturbance.dwell")
 

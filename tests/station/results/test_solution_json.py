@@ -1,4 +1,4 @@
-"""`solution/1` as DESIGN 5 has it, and as people read it."""
+"""`solution/1` as docs/formats.md has it, and as people read it."""
 
 import json
 import os
