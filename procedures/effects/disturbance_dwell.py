@@ -4,13 +4,7 @@ It averages out of the counts' mean, or nearly: what shows it is their variance,
 and so it has no column. Plausible: 0.01 g, what a knock on the slab gives.
 """
 
-from procedures.effects.effect import Columns, Effect, Seen
-
-
-def columns(seen: Seen) -> list[Columns]:
-    """Return none: it is no column."""
-    return []
-
+from procedures.effects.effect import Effect
 
 EFFECT = Effect(
     name="disturbance.dwell",
@@ -18,6 +12,5 @@ EFFECT = Effect(
     physics="specific force that comes and goes within a dwell",
     source="IEEE Std 1293, seismic noise of the test site",
     plausible=1e-2,
-    columns=columns,
     separate_by="the same position again, nobody near the slab",
 )

@@ -81,6 +81,11 @@ class Columns:
     plausible: tuple[float, ...] = ()
 
 
+def no_columns(seen: Seen) -> Sequence[Columns]:
+    """Return none: of an effect that is found otherwise, as it is not small or averages out of every mean."""
+    return ()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Effect:
     """A physical cause that a calibration's model may lack.
@@ -94,12 +99,12 @@ class Effect:
     """
 
     name: str
-    unit: str
-    physics: str
-    source: str
-    plausible: float
-    columns: Callable[[Seen], Sequence[Columns]]
-    separate_by: str
+    unit: str = ""  # this and what follows have defaults so that a test, no import, tells what an effect lacks
+    physics: str = ""
+    source: str = ""
+    plausible: float = 0.0
+    columns: Callable[[Seen], Sequence[Columns]] = no_columns
+    separate_by: str = ""
     added: Callable[[Seen, FloatArray], tuple[FloatArray, FloatArray]] | None = None
     shown: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
     fitted: Callable[[FloatArray], FloatArray] | None = None

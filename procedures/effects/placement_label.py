@@ -4,13 +4,7 @@ Not small, so no column: vectors differ by quarter and half turns. Found where a
 better. The coefficient is the position where it stood, so that any of 1 to 12 is plausible.
 """
 
-from procedures.effects.effect import Columns, Effect, Seen
-
-
-def columns(seen: Seen) -> list[Columns]:
-    """Return none: it is no column."""
-    return []
-
+from procedures.effects.effect import Effect
 
 EFFECT = Effect(
     name="placement.label",
@@ -18,6 +12,5 @@ EFFECT = Effect(
     physics="the cube stands in position `actual`",
     source="Yao, Hu, He 2018, table 1",
     plausible=12.0,
-    columns=columns,
     separate_by="the same position again",
 )

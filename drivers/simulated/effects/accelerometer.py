@@ -58,17 +58,12 @@ def _relaxation(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
 
 
 ACCELEROMETER = (
-    Effect("accelerometer.quadratic", "g/g^2", "K2 u^2", VECTOR_KEYS, accel=_quadratic),
-    Effect("accelerometer.cubic", "g/g^3", "K3 u^3", VECTOR_KEYS, accel=_cubic),
-    Effect("accelerometer.scale_asymmetry", "ppm", "1e-6 a |u| / 2, a = (k+ - k-) / k", VECTOR_KEYS,
-           accel=scale_asymmetry),
-    Effect("accelerometer.cross_product", "g/g^2",
-           "K u_i u_j; key xy: sensor x, u_x u_y; key xyz: sensor x, u_y u_z", _OWN_KEYS + _PRODUCT_KEYS,
-           accel=_cross_product),
-    Effect("accelerometer.bias_temperature", "g/K", "c (T - 25)", VECTOR_KEYS, accel=_bias_temperature),
-    Effect("accelerometer.scale_temperature", "ppm/K", "1e-6 c (T - 25) (u + D)", VECTOR_KEYS,
-           accel=scale_temperature),
-    Effect("accelerometer.bias_drift", "g/h", "d t / 3600, t since power-on", VECTOR_KEYS, accel=_bias_drift),
-    Effect("accelerometer.relaxation", "g", "A exp(-t / tau_s), t since the cube came to rest; 0 while moved",
-           VECTOR_KEYS, {"tau_s": 30.0}, accel=_relaxation),
-)  # fmt: skip
+    Effect("accelerometer.quadratic", "g/g^2", VECTOR_KEYS, accel=_quadratic),
+    Effect("accelerometer.cubic", "g/g^3", VECTOR_KEYS, accel=_cubic),
+    Effect("accelerometer.scale_asymmetry", "ppm", VECTOR_KEYS, accel=scale_asymmetry),
+    Effect("accelerometer.cross_product", "g/g^2", _OWN_KEYS + _PRODUCT_KEYS, accel=_cross_product),
+    Effect("accelerometer.bias_temperature", "g/K", VECTOR_KEYS, accel=_bias_temperature),
+    Effect("accelerometer.scale_temperature", "ppm/K", VECTOR_KEYS, accel=scale_temperature),
+    Effect("accelerometer.bias_drift", "g/h", VECTOR_KEYS, accel=_bias_drift),
+    Effect("accelerometer.relaxation", "g", VECTOR_KEYS, {"tau_s": 30.0}, accel=_relaxation),
+)

@@ -41,13 +41,9 @@ def _gravity(world: World, sizes: Sizes) -> World:
 
 
 BENCH = (
-    Effect("slab.tilt", "rad", "added to the East, North components of the up vector seen from the slab",
-           ("east", "north"), world=_slab_tilt),
-    Effect("fixture.face_tilt", "rad", "added to a face's up tilt; key x_up.y: face x_up, component along y",
-           _FACE_KEYS, world=_face_tilt),
-    Effect("fixture.parallelism", "rad", "added to the sum of a face pair's up tilts, half to each; key x.y",
-           _PAIR_KEYS, world=_parallelism),
-    Effect("site.azimuth", "rad", "the slab's North mark points this far east of true north", ("value",),
-           world=_azimuth),
-    Effect("site.gravity", "m/s^2", "true gravity exceeds the stated one", ("value",), world=_gravity),
-)  # fmt: skip
+    Effect("slab.tilt", "rad", ("east", "north"), world=_slab_tilt),
+    Effect("fixture.face_tilt", "rad", _FACE_KEYS, world=_face_tilt),
+    Effect("fixture.parallelism", "rad", _PAIR_KEYS, world=_parallelism),
+    Effect("site.azimuth", "rad", ("value",), world=_azimuth),
+    Effect("site.gravity", "m/s^2", ("value",), world=_gravity),
+)

@@ -53,12 +53,12 @@ Changed = Callable[[World, Sizes], World]
 class Effect:
     """One effect to plant: ``accel`` and ``gyro`` return what is added to ``E u + D`` [g], [deg/s].
 
-    ``keys`` are the coefficients' names, ``unit`` theirs; ``options`` further settings with their default.
+    ``keys`` are the coefficients' names, ``unit`` theirs; ``options`` further settings with their default. Their
+    equations stand in `docs/effects.md`, of those with options in `docs/simulated-devices.md`.
     """
 
     name: str
     unit: str
-    equation: str
     keys: tuple[str, ...]
     options: Sizes = field(default_factory=dict)
     accel: Added | None = None

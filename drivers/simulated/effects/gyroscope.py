@@ -55,17 +55,13 @@ def _sagnac_sine(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
 
 
 GYROSCOPE = (
-    Effect("gyroscope.g_sensitivity", "deg/h/g", "G f; key xy: sensor x, f_y; key x: xx", MATRIX_KEYS,
-           gyro=_g_sensitivity),
-    Effect("gyroscope.bias_temperature", "deg/h/K", "c (T - 25)", VECTOR_KEYS, gyro=_bias_temperature),
-    Effect("gyroscope.scale_temperature", "ppm/K", "1e-6 c (T - 25) (u + D)", VECTOR_KEYS,
-           gyro=scale_temperature),
-    Effect("gyroscope.temperature_rate", "deg/h/(K/min)", "c dT/dt (Shupe)", VECTOR_KEYS, gyro=_temperature_rate),
-    Effect("gyroscope.bias_drift", "deg/h/h", "d t / 3600, t since power-on", VECTOR_KEYS, gyro=_bias_drift),
-    Effect("gyroscope.magnetic", "deg/h/uT", "M B; key xy: sensor x, B_y; key x: xx", MATRIX_KEYS, gyro=_magnetic),
-    Effect("gyroscope.scale_asymmetry", "ppm", "1e-6 a |u| / 2, a = (k+ - k-) / k", VECTOR_KEYS,
-           gyro=scale_asymmetry),
-    Effect("gyroscope.scale_nonlinearity", "ppm/(deg/s)", "1e-6 c u |u|", VECTOR_KEYS, gyro=_nonlinearity),
-    Effect("gyroscope.sagnac_sine", "rad/(deg/s)", "sin(s u) / s - u, s the Sagnac phase per rate", VECTOR_KEYS,
-           gyro=_sagnac_sine),
-)  # fmt: skip
+    Effect("gyroscope.g_sensitivity", "deg/h/g", MATRIX_KEYS, gyro=_g_sensitivity),
+    Effect("gyroscope.bias_temperature", "deg/h/K", VECTOR_KEYS, gyro=_bias_temperature),
+    Effect("gyroscope.scale_temperature", "ppm/K", VECTOR_KEYS, gyro=scale_temperature),
+    Effect("gyroscope.temperature_rate", "deg/h/(K/min)", VECTOR_KEYS, gyro=_temperature_rate),
+    Effect("gyroscope.bias_drift", "deg/h/h", VECTOR_KEYS, gyro=_bias_drift),
+    Effect("gyroscope.magnetic", "deg/h/uT", MATRIX_KEYS, gyro=_magnetic),
+    Effect("gyroscope.scale_asymmetry", "ppm", VECTOR_KEYS, gyro=scale_asymmetry),
+    Effect("gyroscope.scale_nonlinearity", "ppm/(deg/s)", VECTOR_KEYS, gyro=_nonlinearity),
+    Effect("gyroscope.sagnac_sine", "rad/(deg/s)", VECTOR_KEYS, gyro=_sagnac_sine),
+)

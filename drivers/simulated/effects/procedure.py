@@ -49,15 +49,11 @@ def _auxiliary_gyro(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
 
 
 PROCEDURE = (
-    Effect("placement.dwell", "rad", "rotation(x, y, z) of every vector as seen in the cube resting in `position`",
-           VECTOR_KEYS, {"position": 7.0}, world=_placement),
-    Effect("placement.label", "position", "asked for `position`, the cube stands in `actual` (0: as asked)",
-           ("actual",), {"position": 3.0}, world=_label),
-    Effect("clock.rate", "ppm", "the device's clock is fast: a sample lasts dt / (1 + 1e-6 value)", ("value",),
-           world=_clock),
-    Effect("disturbance.dwell", "g", "A sin(2 pi hz (t - at_s)) for duration_s in `position`, t since rest began",
-           VECTOR_KEYS, {"position": 7.0, "at_s": 40.0, "duration_s": 10.0, "hz": 7.3}, accel=_disturbance),
-    Effect("auxiliary.channel", "ax..az: g/unit, gx..gz: deg/h/unit", "c aux(t), aux = sin(2 pi t / period_s)",
-           ("ax", "ay", "az", "gx", "gy", "gz"), {"period_s": AUXILIARY_PERIOD_S},
-           accel=_auxiliary_accel, gyro=_auxiliary_gyro),
+    Effect("placement.dwell", "rad", VECTOR_KEYS, {"position": 7.0}, world=_placement),
+    Effect("placement.label", "position", ("actual",), {"position": 3.0}, world=_label),
+    Effect("clock.rate", "ppm", ("value",), world=_clock),
+    Effect("disturbance.dwell", "g", VECTOR_KEYS,
+           {"position": 7.0, "at_s": 40.0, "duration_s": 10.0, "hz": 7.3}, accel=_disturbance),
+    Effect("auxiliary.channel", "ax..az: g/unit, gx..gz: deg/h/unit", ("ax", "ay", "az", "gx", "gy", "gz"),
+           {"period_s": AUXILIARY_PERIOD_S}, accel=_auxiliary_accel, gyro=_auxiliary_gyro),
 )  # fmt: skip

@@ -46,9 +46,9 @@ def _rate_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> np.ndarray:
 def outside(name: str, size: float) -> Planted:
     """Return an effect of no catalogue of a given size (g, deg/h)."""
     kinds = {
-        "heading, accelerometers": Effect(name, "g", "", (), accel=_accel_heading),
-        "heading, all": Effect(name, "g", "", (), accel=_accel_heading, gyro=_gyro_heading),
-        "dead zone": Effect(name, "deg/h", "", (), gyro=_dead_zone),
-        "temperature rate times temperature": Effect(name, "deg/h", "", (), gyro=_rate_temperature),
+        "heading, accelerometers": Effect(name, "g", (), accel=_accel_heading),
+        "heading, all": Effect(name, "g", (), accel=_accel_heading, gyro=_gyro_heading),
+        "dead zone": Effect(name, "deg/h", (), gyro=_dead_zone),
+        "temperature rate times temperature": Effect(name, "deg/h", (), gyro=_rate_temperature),
     }
     return ((kinds[name], {"accel": size, "gyro": size * 3e5}),)

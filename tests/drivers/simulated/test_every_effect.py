@@ -9,6 +9,7 @@ from drivers.simulated.effects import EFFECTS
 from drivers.simulated.truth import truth_from
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell, Turn
+from procedures.effects import EFFECTS as DIAGNOSED
 from procedures.frames import POSITIONS
 from procedures.units import STANDARD_GRAVITY
 
@@ -184,11 +185,12 @@ def test_turn_effects_follow_the_rate(rate: float) -> None:
         assert np.max(np.abs(with_effect - plain - added(plain - GD[X]))) < 1e-9 * abs(rate)
 
 
-def test_every_effect_is_planted_in_this_file_and_documents_itself() -> None:
+def test_every_effect_is_held_to_a_prediction_here_or_to_the_columns_of_a_diagnosis() -> None:
     tried = {row[0] for row in (*ADDED, *TILTS)} | {"placement.label", "site.azimuth", "clock.rate"}
-    assert tried == set(EFFECTS)
-    for effect in EFFECTS.values():
-        assert all((effect.unit, effect.equation, effect.keys)), effect.name
+    assert tried <= set(EFFECTS)
+    diagnosed = {effect.name for effect in DIAGNOSED}
+    for name in set(EFFECTS) - tried - diagnosed:
+        pytest.fail(f"{name} has no row in ADDED or TILTS, and no diagnosis knows it.", pytrace=False)
 
 
 def test_effects_reach_the_counts_of_a_turn_and_a_dwell() -> None:
