@@ -18,6 +18,7 @@ LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 FENCE = re.compile(r"^\s*```.*?^\s*```", re.MULTILINE | re.DOTALL)
 SPAN = re.compile(r"`([^`]+)`")
 NAMED_FILE = re.compile(r"`((?:station|drivers|procedures|fixtures_db|tests|docs)/[\w./]+\.\w+)[`:]")
+NAME_IN_FILE = re.compile(rf"`(\w+)` (?:in|of) {NAMED_FILE.pattern.replace('[`:]', '`')}")
 BENCHMARK = re.compile(r"python -m\s+(tests\.benchmarks\.\w+)")
 COMMAND_LINE = re.compile(r"^ *(?:\$ )?(station [a-z].*)$", re.MULTILINE)
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
@@ -58,6 +59,13 @@ def test_every_file_and_benchmark_that_is_named_is_there(page: Path) -> None:
         assert (ROOT / name).exists(), name
     for module in BENCHMARK.findall(text):
         assert find_spec(module), module
+
+
+@every_page
+def test_every_table_and_function_that_is_said_to_be_in_a_file_is_there(page: Path) -> None:
+    for name, file in NAME_IN_FILE.findall(" ".join(prose(page).split())):
+        text = (ROOT / file).read_text(encoding="utf-8")
+        assert re.search(rf"^\s*(def |class )?{name}\b", text, re.MULTILINE), f"{file} has no {name}"
 
 
 def command_lines(page: Path) -> Iterator[list[str]]:
