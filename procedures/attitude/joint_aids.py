@@ -2,29 +2,7 @@
 
 import math
 
-from procedures.attitude.joint_state import (
-    AIR,
-    AIR_ROWS,
-    ALPHA,
-    AT_REST,
-    BETA,
-    BIAS,
-    FORCE,
-    HEADING_KNOWN,
-    MEAN_FORCE,
-    MEAN_RATE,
-    RATE,
-    REST_FORCE,
-    REST_RATE,
-    REST_TIME,
-    SCALE,
-    SPEED,
-    STILL,
-    TIME,
-    VELOCITY_KNOWN,
-    Settings,
-    State,
-)  # fmt: skip
+from procedures.attitude.joint_state import Settings, State
 from procedures.attitude.joint_update import measure
 from procedures.attitude.kernel_options import inlined
 
@@ -61,8 +39,8 @@ def rest_velocity(s: State, c: Settings, variance: float) -> None:
 
 
 @inlined
-def body_velocity(s: State, c: Settings, axis: int, along: float, slow: int, noise: float) -> None:
-    """Measure a body component of the velocity: ``along``, or that times a slow angle."""
+def body_velocity(s: State, c: Settings, axis: int, along: float, angle: float, noise: float) -> None:
+    """Measure a body component of the velocity: ``along`` [m/s], or it times an ``angle`` [rad] of the airflow."""
     C, v, H, at = s.C_nb, s.v_n, s.H, s.at
     c0, c1, c2 = C[0, axis], C[1, axis], C[2, axis]
     H[0], H[1], H[2] = c1 * v[2] - c2 * v[1], c2 * v[0] - c0 * v[2], c0 * v[1] - c1 * v[0]
@@ -70,19 +48,19 @@ def body_velocity(s: State, c: Settings, axis: int, along: float, slow: int, noi
     for k in range(6):
         at[k] = k
     error = c0 * v[0] + c1 * v[1] + c2 * v[2]
-    variance = noise * noise / s.block[TIME]
+    variance = noise * noise / s.memory[0].time
     if axis == 0:
         measure(s, 6, error - along, variance, c.believed_sigma)
     else:
-        H[6], at[6] = -along, 15 if slow == ALPHA else 16
-        measure(s, 7, error - along * s.slow[slow], variance, c.believed_sigma)
+        H[6], at[6] = -along, 15 if axis == 2 else 16
+        measure(s, 7, error - along * angle, variance, c.believed_sigma)
 
 
 @inlined
 def doubt(s: State, c: Settings) -> None:
     """Believe vertical and biases no more than at the start: without its aid the filter took motion for none."""
     for i in range(3):
-        s.slow[BIAS + i] = 0.0
+        s.slow[0].gyro_bias[i] = 0.0
     for i in range(9):
         if i != 2:  # the heading is as good as it was
             for j in range(len(s.dx)):
@@ -98,24 +76,24 @@ def set_velocity(s: State, north: float, east: float, down: float, std: float) -
             s.P[3 + i, j] = s.P[j, 3 + i] = 0.0
         s.P[3 + i, 3 + i] = std * std
     s.v_n[0], s.v_n[1], s.v_n[2] = north, east, down
-    s.block[VELOCITY_KNOWN] = 1.0
+    s.memory[0].velocity_known = 1.0
 
 
 @inlined
 def airspeed(s: State, c: Settings) -> None:
     """Take in the airspeed since the last update, angle of attack, sideslip, and a weak word on climbing."""
-    V = s.block[AIR] / s.block[AIR_ROWS]
-    if s.block[VELOCITY_KNOWN] == 0.0:
+    V = s.memory[0].airspeed_sum / s.memory[0].airspeed_rows
+    if s.memory[0].velocity_known == 0.0:
         C, std = s.C_nb, c.velocity_std + c.velocity_std_per_speed * abs(V)
         if abs(V) > c.rest_speed:
             doubt(s, c)
         set_velocity(s, C[0, 0] * V, C[1, 0] * V, C[2, 0] * V, std)
         return
-    body_velocity(s, c, 0, V, 0, c.airspeed_noise)
-    body_velocity(s, c, 1, V, BETA, c.gust_noise)
-    body_velocity(s, c, 2, V, ALPHA, c.gust_noise)
+    body_velocity(s, c, 0, V, 0.0, c.airspeed_noise)
+    body_velocity(s, c, 1, V, s.slow[0].slip, c.gust_noise)
+    body_velocity(s, c, 2, V, s.slow[0].attack, c.gust_noise)
     climb = c.climb_noise + c.climb_noise_per_speed * abs(V)
-    level_velocity(s, c, 2, 0.0, climb * climb / s.block[TIME])
+    level_velocity(s, c, 2, 0.0, climb * climb / s.memory[0].time)
 
 
 @inlined
@@ -147,7 +125,7 @@ def turn_level_frame(s: State, angle: float, std: float) -> None:
         a, b = s.past[k, 1], s.past[k, 2]
         s.past[k, 1], s.past[k, 2] = cos * a - sin * b, sin * a + cos * b
     s.P[2, 2] = std * std
-    s.block[HEADING_KNOWN] = 1.0
+    s.memory[0].heading_known = 1.0
 
 
 @inlined
@@ -155,7 +133,7 @@ def true_heading(s: State, c: Settings, heading: float) -> None:
     """Take in a true heading [rad]; where body x stands near the vertical it says nothing."""
     if abs(s.C_nb[2, 0]) > 0.98:
         return
-    if s.block[HEADING_KNOWN] == 0.0:
+    if s.memory[0].heading_known == 0.0:
         turn_level_frame(s, heading - heading_of(s), c.heading_std)
         return
     error = heading_of(s) - heading
@@ -175,31 +153,33 @@ def judge_stillness(s: State, c: Settings) -> None:
     A fix or a heading cuts an update short, at worst to one sample. In that a count of a coarse unit is 0.05 g, as
     if it were moved; over the span it is what it always is. Until the span is full the last word stands.
     """
-    block = s.block
-    block[REST_TIME] += block[TIME]
+    memory = s.memory[0]
+    memory.span_time += memory.time
     for i in range(3):
-        block[REST_RATE + i] += block[RATE + i]
-        block[REST_FORCE + i] += block[FORCE + i]
-    T = block[REST_TIME]
+        memory.span_rate[i] += memory.rate_integral[i]
+        memory.span_force[i] += memory.force_integral[i]
+    T = memory.span_time
     if T < c.update_s - 1e-9:
         return
     share = min(T / REST_MEAN_S, 1.0)
     off_rate = off_force = norm2 = 0.0
     turns = False  # beyond what the gyros' biases may be
     for i in range(3):
-        rate, force = block[REST_RATE + i] / T, block[REST_FORCE + i] / T
+        rate, force = memory.span_rate[i] / T, memory.span_force[i] / T
         norm2 += force * force
-        a, b = rate - block[MEAN_RATE + i], force - block[MEAN_FORCE + i]
+        a, b = rate - memory.mean_rate[i], force - memory.mean_force[i]
         off_rate += a * a
         off_force += b * b
-        block[MEAN_RATE + i] += share * a
-        block[MEAN_FORCE + i] += share * b
+        memory.mean_rate[i] += share * a
+        memory.mean_force[i] += share * b
         limit = c.rest_rate + 3.0 * math.sqrt(s.P[6 + i, 6 + i])
-        turns = turns or abs(block[MEAN_RATE + i] - s.slow[BIAS + i]) > limit
+        turns = turns or abs(memory.mean_rate[i] - s.slow[0].gyro_bias[i]) > limit
     still = off_rate < c.rest_rate**2 and off_force < c.rest_force**2 and not turns
     still = still and abs(math.sqrt(norm2) - c.gravity) < REST_NORM * c.gravity
-    block[STILL] = block[STILL] + T if still else 0.0
-    block[REST_TIME : REST_FORCE + 3] = 0.0
+    memory.still_time = memory.still_time + T if still else 0.0
+    memory.span_time = 0.0
+    memory.span_rate[:] = 0.0
+    memory.span_force[:] = 0.0
 
 
 @inlined
@@ -209,23 +189,23 @@ def rest(s: State, c: Settings, aided: bool) -> bool:
     Rest is rates and specific force that stand still for a while, and no speed by the aid. Without aid a slow
     steady turn looks the same, so that the rate is then left alone.
     """
-    block = s.block
-    T = block[TIME]
+    memory = s.memory[0]
+    T = memory.time
     judge_stillness(s, c)
-    if block[AIR_ROWS] > 0:
-        V, share = block[AIR] / block[AIR_ROWS], min(T / MEAN_SPEED_S, 1.0)
-        block[SPEED] = V if math.isnan(block[SPEED]) else block[SPEED] + share * (V - block[SPEED])
-    resting = block[STILL] >= c.rest_s and not abs(block[SPEED]) > c.rest_speed
-    block[AT_REST] = 1.0 if resting else 0.0
+    if memory.airspeed_rows > 0:
+        V, share = memory.airspeed_sum / memory.airspeed_rows, min(T / MEAN_SPEED_S, 1.0)
+        memory.speed = V if math.isnan(memory.speed) else memory.speed + share * (V - memory.speed)
+    resting = memory.still_time >= c.rest_s and not abs(memory.speed) > c.rest_speed
+    memory.at_rest = 1.0 if resting else 0.0
     if resting:
         rest_velocity(s, c, c.rest_velocity_noise**2 / T)
-        if aided and block[SPEED] == block[SPEED]:
+        if aided and memory.speed == memory.speed:
             for i in range(3):
-                rate = block[RATE + i] / T
+                rate = memory.rate_integral[i] / T
                 s.at[0], s.at[1] = 6 + i, 9 + i
                 s.H[0], s.H[1] = 1.0, rate
-                earth = s.C_nb[0, i] * c.earth_north * block[HEADING_KNOWN] + s.C_nb[2, i] * c.earth_down
-                said = s.slow[BIAS + i] + s.slow[SCALE + i] * rate + earth
+                earth = s.C_nb[0, i] * c.earth_north * memory.heading_known + s.C_nb[2, i] * c.earth_down
+                said = s.slow[0].gyro_bias[i] + s.slow[0].gyro_scale[i] * rate + earth
                 variance = (c.rest_rate_noise**2 + c.gyro_noise**2) / T
                 measure(s, 2, said - rate, variance, c.believed_sigma)
     return resting

@@ -10,7 +10,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.joint_kernels import AIRSPEED, GNSS, NO_AID, advance, filter_log
-from procedures.attitude.joint_state import AT_REST, BIAS, DEFAULT, FORCE_BIAS, Settings, new_state
+from procedures.attitude.joint_state import DEFAULT, Settings, new_state
 
 AID_CODE = {"none": NO_AID, "airspeed-filter": AIRSPEED, "gnss": GNSS}
 NO_VELOCITY = np.full(3, np.nan)
@@ -39,10 +39,7 @@ class JointFilter:
         """
         dt = self.settings.nominal_s if self._t is None else t - self._t
         self._t = t
-        advance(
-            self.state, self.settings, self.aid, dt, rate[0], rate[1], rate[2], force[0], force[1], force[2],
-            airspeed, velocity, heading,
-        )  # fmt: skip
+        advance(self.state, self.settings, self.aid, dt, rate, force, airspeed, velocity, heading)
         return self.down
 
     def run(self, log: AttitudeLog) -> FloatArray:
@@ -74,14 +71,14 @@ class JointFilter:
     @property
     def gyro_bias(self) -> tuple[FloatArray, FloatArray]:
         """The gyro bias (3,) [rad/s] and its 1 sigma."""
-        return self.state.slow[BIAS : BIAS + 3].copy(), np.sqrt(np.diag(self.state.P)[6:9])
+        return np.array(self.state.slow[0].gyro_bias), np.sqrt(np.diag(self.state.P)[6:9])
 
     @property
     def force_bias(self) -> tuple[FloatArray, FloatArray]:
         """The accelerometer bias (3,) [m/s2] and its 1 sigma."""
-        return self.state.slow[FORCE_BIAS : FORCE_BIAS + 3].copy(), np.sqrt(np.diag(self.state.P)[12:15])
+        return np.array(self.state.slow[0].force_bias), np.sqrt(np.diag(self.state.P)[12:15])
 
     @property
     def at_rest(self) -> bool:
         """Whether the unit was found at rest at the last update."""
-        return bool(self.state.block[AT_REST])
+        return bool(self.state.memory[0].at_rest)

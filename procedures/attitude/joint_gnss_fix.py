@@ -4,17 +4,7 @@ import math
 
 from procedures.arrays import FloatArray
 from procedures.attitude.joint_aids import doubt, heading_of, level_velocity, set_velocity, turn_level_frame
-from procedures.attitude.joint_state import (
-    DV,
-    HEADING_KNOWN,
-    NEWEST,
-    RATE,
-    SPEED,
-    TIME,
-    VELOCITY_KNOWN,
-    Settings,
-    State,
-)  # fmt: skip
+from procedures.attitude.joint_state import Settings, State
 from procedures.attitude.joint_update import measure
 from procedures.attitude.kernel_options import inlined
 
@@ -22,21 +12,21 @@ from procedures.attitude.kernel_options import inlined
 @inlined
 def remember(s: State, c: Settings) -> None:
     """Keep what velocity and heading gained since the last update, without its corrections."""
-    block, n = s.block, len(s.past)
-    at = (int(block[NEWEST]) + 1) % n
-    block[NEWEST] = at
-    s.past[at, 0] = block[TIME]
+    memory, n = s.memory[0], len(s.past)
+    at = (int(memory.newest) + 1) % n
+    memory.newest = at
+    s.past[at, 0] = memory.time
     for i in range(3):
-        s.past[at, 1 + i] = block[DV + i]
-    s.past[at, 3] += c.gravity * block[TIME]
-    C = s.C_nb
-    s.past[at, 4] = C[2, 0] * block[RATE] + C[2, 1] * block[RATE + 1] + C[2, 2] * block[RATE + 2]
+        s.past[at, 1 + i] = memory.velocity_gain[i]
+    s.past[at, 3] += c.gravity * memory.time
+    C, turn = s.C_nb, memory.rate_integral
+    s.past[at, 4] = C[2, 0] * turn[0] + C[2, 1] * turn[1] + C[2, 2] * turn[2]
 
 
 @inlined
 def look_back(s: State, seconds: float) -> None:
     """Sum the ring over the last ``seconds`` [s], as far as it reaches, into ``s.gained`` (5,)."""
-    n, at, gained = len(s.past), int(s.block[NEWEST]), s.gained
+    n, at, gained = len(s.past), int(s.memory[0].newest), s.gained
     gained[:] = 0.0
     for _ in range(n):
         T = s.past[at, 0]
@@ -58,11 +48,11 @@ def velocity_fix(s: State, c: Settings, vel: FloatArray) -> None:
     """
     look_back(s, c.fix_latency)
     speed = math.hypot(vel[0], vel[1])
-    if math.isnan(s.block[SPEED]) and speed > c.rest_speed:
+    if math.isnan(s.memory[0].speed) and speed > c.rest_speed:
         doubt(s, c)
-    s.block[SPEED] = speed
-    knows_heading = s.block[HEADING_KNOWN] > 0.0
-    anew = s.block[VELOCITY_KNOWN] == 0.0
+    s.memory[0].speed = speed
+    knows_heading = s.memory[0].heading_known > 0.0
+    anew = s.memory[0].velocity_known == 0.0
     if not knows_heading and speed > c.course_speed:
         turn_level_frame(s, math.atan2(vel[1], vel[0]) + s.gained[4] - heading_of(s), c.course_std)
         look_back(s, c.fix_latency)

@@ -5,43 +5,30 @@ import math
 from procedures.arrays import FloatArray
 from procedures.attitude.joint_aids import airspeed, level_velocity, rest, true_heading
 from procedures.attitude.joint_gnss_fix import remember, velocity_fix
-from procedures.attitude.joint_state import (
-    AIR_ROWS,
-    DV,
-    SPEED,
-    STARTED,
-    TIME,
-    VELOCITY_KNOWN,
-    Settings,
-    State,
-)  # fmt: skip
+from procedures.attitude.joint_state import SINCE_UPDATE, Settings, State
 from procedures.attitude.joint_strapdown import LONG_GAP_S, correct, start, take
 from procedures.attitude.joint_update import propagate
 from procedures.attitude.kernel_options import inlined, kernel
 
 NO_AID, AIRSPEED, GNSS = 0, 1, 2
 
-# Of the files that are compiled into these kernels. numba keeps compiled code until this file changes, whatever
-# those do: `test_compiled.py` asks for a new line here when one of them changed.
-COMPILED_IN = "1751af4742c7"
-
 
 @inlined
 def advance(
-    s: State, c: Settings, aid: int, dt: float, p: float, q: float, r: float, x: float, y: float, z: float,
-    air: float, vel: FloatArray, heading: float,
+    s: State, c: Settings, aid: int, dt: float, rate: FloatArray, force: FloatArray, air: float, vel: FloatArray,
+    heading: float,
 ) -> None:  # fmt: skip
     """Advance by one sample: rates [rad/s], specific force [m/s2], and the aids, nan where there is none."""
     if aid != AIRSPEED:
         air = math.nan  # an aid that was not asked for is not used at all
-    if s.block[STARTED] == 0.0 or dt > LONG_GAP_S:
-        start(s, c, x, y, z, air)
+    if s.memory[0].started == 0.0 or dt > LONG_GAP_S:
+        start(s, c, force, air)
         if heading == heading:
             true_heading(s, c, heading)
         return
-    take(s.C_nb, s.v_n, s.slow, s.sums, s.block, c, dt, p, q, r, x, y, z, air)
+    take(s, c, dt, rate, force, air)
     fixed = aid == GNSS and vel[0] == vel[0] and vel[1] == vel[1] and vel[2] == vel[2]
-    if s.block[TIME] >= c.update_s - 1e-9 or fixed or heading == heading:
+    if s.memory[0].time >= c.update_s - 1e-9 or fixed or heading == heading:
         update(s, c, aid, fixed, vel, heading)
 
 
@@ -55,17 +42,16 @@ def update(s: State, c: Settings, aid: int, fixed: bool, vel: FloatArray, headin
     if heading == heading:
         true_heading(s, c, heading)
     resting = rest(s, c, aid != NO_AID)
-    if aid == AIRSPEED and s.block[AIR_ROWS] > 0:
+    if aid == AIRSPEED and s.memory[0].airspeed_rows > 0:
         airspeed(s, c)
     elif fixed:
         velocity_fix(s, c, vel)
-    elif (aid == NO_AID or (s.block[VELOCITY_KNOWN] == 0.0 and math.isnan(s.block[SPEED]))) and not resting:
+    elif (aid == NO_AID or (s.memory[0].velocity_known == 0.0 and math.isnan(s.memory[0].speed))) and not resting:
         for i in range(3):
-            level_velocity(s, c, i, 0.0, c.speed_noise**2 / s.block[TIME])
+            level_velocity(s, c, i, 0.0, c.speed_noise**2 / s.memory[0].time)
     correct(s)
     s.sums[:] = 0.0
-    s.block[DV : AIR_ROWS + 1] = 0.0
-    s.block[AIR_ROWS + 1 : AIR_ROWS + 9] = 0.0
+    s.flat[:SINCE_UPDATE] = 0.0
 
 
 @kernel
@@ -75,9 +61,6 @@ def filter_log(
 ) -> None:  # fmt: skip
     """Run `advance` over a log: the down vector and its sigma [rad] of every row into ``out`` (n, 4)."""
     for i in range(len(dt)):
-        advance(
-            s, c, aid, dt[i], rate[i, 0], rate[i, 1], rate[i, 2], force[i, 0], force[i, 1], force[i, 2],
-            air[i], vel[i], heading[i],
-        )  # fmt: skip
+        advance(s, c, aid, dt[i], rate[i], force[i], air[i], vel[i], heading[i])
         out[i, 0], out[i, 1], out[i, 2] = s.C_nb[2, 0], s.C_nb[2, 1], s.C_nb[2, 2]
         out[i, 3] = math.sqrt(s.P[0, 0] + s.P[1, 1])

@@ -10,18 +10,26 @@ from typing import NamedTuple
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.attitude.kernel_options import Record
 
 WITHOUT_AIR, WITH_AIR = 15, 17  # states
 
-# Places in `State.slow`: what changes slowly.
-BIAS, SCALE, FORCE_BIAS, ALPHA, BETA = 0, 3, 6, 9, 10
-
-# Places in `State.block`: sums since the last update, and what is known of rest and heading.
-DV, TIME, TURNED2, AIR, AIR_ROWS, LOST_ANGLE, LOST_SPEED, RATE, FORCE = 0, 3, 4, 5, 6, 7, 8, 9, 12
-MEAN_RATE, MEAN_FORCE, STILL, SPEED, HEADING_KNOWN, STARTED, LAST_RATE, AT_REST = 15, 18, 21, 22, 23, 24, 25, 28
-VELOCITY_KNOWN, NEWEST = 29, 30
-REST_TIME, REST_RATE, REST_FORCE = 31, 32, 35  # sums over the span that rest is judged by
-BLOCK = 38
+SLOW = np.dtype((np.record, [  # what changes slowly
+    ("gyro_bias", "f8", 3), ("gyro_scale", "f8", 3), ("force_bias", "f8", 3), ("attack", "f8"), ("slip", "f8"),
+]))  # fmt: skip
+MEMORY = np.dtype((np.record, [
+    # sums since the last update, of `SINCE_UPDATE` numbers
+    ("velocity_gain", "f8", 3), ("time", "f8"), ("rate_squared", "f8"), ("airspeed_sum", "f8"),
+    ("airspeed_rows", "f8"), ("unseen_angle", "f8"), ("unseen_velocity", "f8"), ("rate_integral", "f8", 3),
+    ("force_integral", "f8", 3),
+    # what is known of rest and heading
+    ("mean_rate", "f8", 3), ("mean_force", "f8", 3), ("still_time", "f8"), ("speed", "f8"),
+    ("heading_known", "f8"), ("started", "f8"), ("last_rate", "f8", 3), ("at_rest", "f8"),
+    ("velocity_known", "f8"), ("newest", "f8"),
+    # sums over the span that rest is judged by
+    ("span_time", "f8"), ("span_rate", "f8", 3), ("span_force", "f8", 3),
+]))  # fmt: skip
+SINCE_UPDATE = 15
 PAST = 64  # updates that are remembered: three seconds, for fixes that come late
 
 
@@ -91,17 +99,19 @@ FREE = Settings(
 class State(NamedTuple):
     """The filter's memory; arrays are changed in place.
 
-    ``C_nb`` (3, 3); ``v_n`` (3,) [m/s]; ``slow`` (11,); ``P`` (n, n); ``sums`` (3, 6), the integrals of C_nb and
-    of C_nb diag(rate); ``block`` (38,); ``past`` (64, 5), a ring of the last updates: seconds, velocity
-    gained (3,) [m/s], angle turned about down [rad]. The others are scratch.
+    ``C_nb`` (3, 3); ``v_n`` (3,) [m/s]; ``slow`` (1,) of `SLOW`; ``P`` (n, n); ``sums`` (3, 6), the integrals of
+    C_nb and of C_nb diag(rate); ``memory`` (1,) of `MEMORY`, whose numbers are ``flat`` (38,); ``past`` (64, 5), a
+    ring of the last updates: seconds, velocity gained (3,) [m/s], angle turned about down [rad]. The others are
+    scratch.
     """
 
     C_nb: FloatArray
     v_n: FloatArray
-    slow: FloatArray
+    slow: Record
     P: FloatArray
     sums: FloatArray
-    block: FloatArray
+    memory: Record
+    flat: FloatArray
     past: FloatArray
     gained: FloatArray
     held: FloatArray
@@ -116,9 +126,10 @@ class State(NamedTuple):
 def new_state(with_air: bool) -> State:
     """Return a state before its first sample."""
     n = WITH_AIR if with_air else WITHOUT_AIR
+    memory = np.zeros(1, MEMORY)
     return State(
-        C_nb=np.eye(3), v_n=np.zeros(3), slow=np.zeros(11), P=np.zeros((n, n)), sums=np.zeros((3, 6)),
-        block=np.zeros(BLOCK), past=np.zeros((PAST, 5)), gained=np.zeros(5),
+        C_nb=np.eye(3), v_n=np.zeros(3), slow=np.zeros(1, SLOW), P=np.zeros((n, n)), sums=np.zeros((3, 6)),
+        memory=memory, flat=memory.view(np.float64), past=np.zeros((PAST, 5)), gained=np.zeros(5),
         held=np.zeros((4, 3)), dx=np.zeros(n),
         A=np.zeros((6, n)), AP=np.zeros((6, n)), H=np.zeros(7), PH=np.zeros(n), at=np.arange(7, dtype=np.int64),
     )  # fmt: skip

@@ -3,30 +3,7 @@
 import math
 
 from procedures.arrays import FloatArray
-from procedures.attitude.joint_state import (
-    AIR,
-    AIR_ROWS,
-    ALPHA,
-    BETA,
-    BIAS,
-    BLOCK,
-    DV,
-    FORCE,
-    FORCE_BIAS,
-    HEADING_KNOWN,
-    LAST_RATE,
-    LOST_ANGLE,
-    LOST_SPEED,
-    RATE,
-    SCALE,
-    SPEED,
-    STARTED,
-    TIME,
-    TURNED2,
-    VELOCITY_KNOWN,
-    Settings,
-    State,
-)  # fmt: skip
+from procedures.attitude.joint_state import Settings, State
 from procedures.attitude.kernel_options import inlined
 
 GAP = 1.5  # nominal intervals: above it a gap, in which motion went on unseen
@@ -35,8 +12,9 @@ LONG_GAP_S = 5.0  # after which attitude and velocity begin anew; the biases are
 
 
 @inlined
-def start(s: State, c: Settings, x: float, y: float, z: float, air: float) -> None:
-    """Align to the first specific force (x, y, z) [m/s2]; the heading is body x's, called north."""
+def start(s: State, c: Settings, force: FloatArray, air: float) -> None:
+    """Align to the first specific force (3,) [m/s2]; the heading is body x's, called north."""
+    x, y, z = force[0], force[1], force[2]
     norm = math.sqrt(x * x + y * y + z * z)
     d0, d1, d2 = (-x / norm, -y / norm, -z / norm) if norm > 1e-6 else (0.0, 0.0, 1.0)
     i = 0 if abs(d0) < 0.9 else 1  # the body axis that is called north: one that is not vertical
@@ -49,7 +27,7 @@ def start(s: State, c: Settings, x: float, y: float, z: float, air: float) -> No
         k, m = (j + 1) % 3, (j + 2) % 3
         C[1, j] = C[2, k] * C[0, m] - C[2, m] * C[0, k]
     n = len(s.dx)
-    first = s.block[STARTED] == 0.0
+    first = s.memory[0].started == 0.0
     for i in range(6):
         for j in range(n):
             s.P[i, j] = s.P[j, i] = 0.0
@@ -67,41 +45,40 @@ def start(s: State, c: Settings, x: float, y: float, z: float, air: float) -> No
             s.P[12 + i, 12 + i] = c.force_bias_std**2
     if first and n > 15:
         s.P[15, 15], s.P[16, 16] = c.attack_std**2, c.slip_std**2
-    for i in range(BLOCK):
-        s.block[i] = 0.0
+    s.flat[:] = 0.0
     s.sums[:] = 0.0
     s.past[:] = 0.0
-    s.block[STARTED] = 1.0
-    s.block[SPEED] = math.nan
-    s.block[VELOCITY_KNOWN] = 1.0 if air == air else 0.0
+    s.memory[0].started = 1.0
+    s.memory[0].speed = math.nan
+    s.memory[0].velocity_known = 1.0 if air == air else 0.0
 
 
 @inlined
-def take(
-    C: FloatArray, v: FloatArray, slow: FloatArray, sums: FloatArray, block: FloatArray, c: Settings, dt: float,
-    p: float, q: float, r: float, x: float, y: float, z: float, air: float,
-) -> None:  # fmt: skip
+def take(s: State, c: Settings, dt: float, rate: FloatArray, force: FloatArray, air: float) -> None:
     """Integrate attitude and velocity over one sample and add up what the update needs.
 
-    Rates and specific force are means over ``dt`` [s]; the force acts at half of the turn.
+    ``rate`` (3,) [rad/s] and ``force`` (3,) [m/s2] are means over ``dt`` [s]; the force acts at half of the turn.
     """
+    C, v, slow, sums, memory = s.C_nb, s.v_n, s.slow[0], s.sums, s.memory[0]
+    p, q, r = rate[0], rate[1], rate[2]
+    x, y, z = force[0], force[1], force[2]
     if dt > GAP * c.nominal_s:
-        block[LOST_ANGLE] += (GAP_RATE + 0.5 * math.sqrt(p * p + q * q + r * r)) * (dt - c.nominal_s)
-        block[LOST_SPEED] += GAP_FORCE * (dt - c.nominal_s)
+        memory.unseen_angle += (GAP_RATE + 0.5 * math.sqrt(p * p + q * q + r * r)) * (dt - c.nominal_s)
+        memory.unseen_velocity += GAP_FORCE * (dt - c.nominal_s)
         half = 0.5 * (1.0 - c.nominal_s / dt)  # what is known of the gap: the rates on both sides
-        p += half * (block[LAST_RATE] - p)
-        q += half * (block[LAST_RATE + 1] - q)
-        r += half * (block[LAST_RATE + 2] - r)
-    block[LAST_RATE], block[LAST_RATE + 1], block[LAST_RATE + 2] = p, q, r
+        p += half * (memory.last_rate[0] - p)
+        q += half * (memory.last_rate[1] - q)
+        r += half * (memory.last_rate[2] - r)
+    memory.last_rate[0], memory.last_rate[1], memory.last_rate[2] = p, q, r
     if abs(p) >= c.rate_limit or abs(q) >= c.rate_limit or abs(r) >= c.rate_limit:
-        block[LOST_ANGLE] += 0.5 * c.rate_limit * dt  # the rate may have been half as fast again
+        memory.unseen_angle += 0.5 * c.rate_limit * dt  # the rate may have been half as fast again
     if abs(x) >= c.force_limit or abs(y) >= c.force_limit or abs(z) >= c.force_limit:
-        block[LOST_SPEED] += 0.5 * c.force_limit * dt
-    north = c.earth_north * block[HEADING_KNOWN]
-    t0 = (p - slow[BIAS] - slow[SCALE] * p - C[0, 0] * north - C[2, 0] * c.earth_down) * dt
-    t1 = (q - slow[BIAS + 1] - slow[SCALE + 1] * q - C[0, 1] * north - C[2, 1] * c.earth_down) * dt
-    t2 = (r - slow[BIAS + 2] - slow[SCALE + 2] * r - C[0, 2] * north - C[2, 2] * c.earth_down) * dt
-    f0, f1, f2 = (x - slow[FORCE_BIAS]) * dt, (y - slow[FORCE_BIAS + 1]) * dt, (z - slow[FORCE_BIAS + 2]) * dt
+        memory.unseen_velocity += 0.5 * c.force_limit * dt
+    north = c.earth_north * memory.heading_known
+    t0 = (p - slow.gyro_bias[0] - slow.gyro_scale[0] * p - C[0, 0] * north - C[2, 0] * c.earth_down) * dt
+    t1 = (q - slow.gyro_bias[1] - slow.gyro_scale[1] * q - C[0, 1] * north - C[2, 1] * c.earth_down) * dt
+    t2 = (r - slow.gyro_bias[2] - slow.gyro_scale[2] * r - C[0, 2] * north - C[2, 2] * c.earth_down) * dt
+    f0, f1, f2 = (x - slow.force_bias[0]) * dt, (y - slow.force_bias[1]) * dt, (z - slow.force_bias[2]) * dt
     h0 = f0 + 0.5 * (t1 * f2 - t2 * f1)
     h1 = f1 + 0.5 * (t2 * f0 - t0 * f2)
     h2 = f2 + 0.5 * (t0 * f1 - t1 * f0)
@@ -115,7 +92,7 @@ def take(
     for i in range(3):
         c0, c1, c2 = C[i, 0], C[i, 1], C[i, 2]
         dv = c0 * h0 + c1 * h1 + c2 * h2
-        block[DV + i] += dv
+        memory.velocity_gain[i] += dv
         v[i] += dv
         c0, c1, c2 = c0 * dt, c1 * dt, c2 * dt
         sums[i, 0] += c0
@@ -130,23 +107,23 @@ def take(
         C[i, 1] = c1 + sine * u1 + cosine * (u2 * t0 - u0 * t2)
         C[i, 2] = c2 + sine * u2 + cosine * (u0 * t1 - u1 * t0)
     v[2] += c.gravity * dt
-    block[TIME] += dt
-    block[TURNED2] += (p * p + q * q + r * r) * dt
-    block[RATE] += p * dt
-    block[RATE + 1] += q * dt
-    block[RATE + 2] += r * dt
-    block[FORCE] += x * dt
-    block[FORCE + 1] += y * dt
-    block[FORCE + 2] += z * dt
+    memory.time += dt
+    memory.rate_squared += (p * p + q * q + r * r) * dt
+    memory.rate_integral[0] += p * dt
+    memory.rate_integral[1] += q * dt
+    memory.rate_integral[2] += r * dt
+    memory.force_integral[0] += x * dt
+    memory.force_integral[1] += y * dt
+    memory.force_integral[2] += z * dt
     if air == air:
-        block[AIR] += air
-        block[AIR_ROWS] += 1.0
+        memory.airspeed_sum += air
+        memory.airspeed_rows += 1.0
 
 
 @inlined
 def correct(s: State) -> None:
     """Take the errors ``dx`` (n,) off the state, and square C_nb up."""
-    C, dx, slow = s.C_nb, s.dx, s.slow
+    C, dx, slow = s.C_nb, s.dx, s.slow[0]
     a0, a1, a2 = -dx[0], -dx[1], -dx[2]
     a = math.sqrt(a0 * a0 + a1 * a1 + a2 * a2) + 1e-12
     sine, cosine = math.sin(a) / a, (1.0 - math.cos(a)) / (a * a)
@@ -158,12 +135,12 @@ def correct(s: State) -> None:
         C[2, j] = c2 + sine * u2 + cosine * (a0 * u1 - a1 * u0)
     for i in range(3):
         s.v_n[i] -= dx[3 + i]
-        slow[BIAS + i] -= dx[6 + i]
-        slow[SCALE + i] -= dx[9 + i]
-        slow[FORCE_BIAS + i] -= dx[12 + i]
+        slow.gyro_bias[i] -= dx[6 + i]
+        slow.gyro_scale[i] -= dx[9 + i]
+        slow.force_bias[i] -= dx[12 + i]
     if len(dx) > 15:
-        slow[ALPHA] -= dx[15]
-        slow[BETA] -= dx[16]
+        slow.attack -= dx[15]
+        slow.slip -= dx[16]
     # C (3 I - C'C) / 2: one step of Newton towards the nearest rotation
     g00 = 1.5 - 0.5 * (C[0, 0] ** 2 + C[1, 0] ** 2 + C[2, 0] ** 2)
     g11 = 1.5 - 0.5 * (C[0, 1] ** 2 + C[1, 1] ** 2 + C[2, 1] ** 2)

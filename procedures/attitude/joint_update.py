@@ -6,29 +6,17 @@ update is the unit matrix and six sparse rows, made of the sums of `joint_strapd
 
 import math
 
-from procedures.attitude.joint_state import (
-    ALPHA,
-    AT_REST,
-    BETA,
-    DV,
-    LOST_ANGLE,
-    LOST_SPEED,
-    RATE,
-    TIME,
-    TURNED2,
-    Settings,
-    State,
-)  # fmt: skip
+from procedures.attitude.joint_state import Settings, State
 from procedures.attitude.kernel_options import inlined
 
 
 @inlined
 def propagate(s: State, c: Settings) -> None:
     """Carry the covariance over the time since the last update."""
-    P, A, AP, sums, block = s.P, s.A, s.AP, s.sums, s.block
+    P, A, AP, sums, memory = s.P, s.A, s.AP, s.sums, s.memory[0]
     n = len(s.dx)
-    x, y, z = block[DV], block[DV + 1], block[DV + 2]
-    if block[AT_REST] > 0.0:  # what is across gravity is a tilt, and no acceleration that a heading would turn
+    x, y, z = memory.velocity_gain
+    if memory.at_rest > 0.0:  # what is across gravity is a tilt, and no acceleration that a heading would turn
         x = y = 0.0
     A[3, 1], A[3, 2], A[4, 0], A[4, 2], A[5, 0], A[5, 1] = z, -y, -z, x, y, -x
     for i in range(3):
@@ -69,15 +57,16 @@ def propagate(s: State, c: Settings) -> None:
 @inlined
 def _grow(s: State, c: Settings) -> None:
     """Add what went on unseen, and let the angle of attack and the sideslip go back to nought."""
-    P, block = s.P, s.block
-    T = block[TIME]
-    at_rest = block[AT_REST] > 0.0
+    P, memory = s.P, s.memory[0]
+    T = memory.time
+    at_rest = memory.at_rest > 0.0
     gyro_noise = min(c.rest_gyro_noise, c.gyro_noise) if at_rest else c.gyro_noise
-    angle = gyro_noise**2 * T + c.gyro_noise_per_rate**2 * block[TURNED2] + block[LOST_ANGLE] ** 2
+    angle = gyro_noise**2 * T + c.gyro_noise_per_rate**2 * memory.rate_squared + memory.unseen_angle**2
     force_noise = c.rest_force_noise if at_rest else c.force_noise
     bias_walk = min(c.rest_bias_walk, c.gyro_bias_walk) if at_rest else c.gyro_bias_walk
-    speed = force_noise**2 * T + block[LOST_SPEED] ** 2
-    turned = math.sqrt(block[RATE] ** 2 + block[RATE + 1] ** 2 + block[RATE + 2] ** 2)
+    speed = force_noise**2 * T + memory.unseen_velocity**2
+    turn = memory.rate_integral
+    turned = math.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
     bias = bias_walk**2 * T + c.unseen_rate**2 * turned  # after a radian it points elsewhere
     for i in range(3):
         P[i, i] += angle
@@ -85,14 +74,17 @@ def _grow(s: State, c: Settings) -> None:
         P[6 + i, 6 + i] += bias
         P[12 + i, 12 + i] += c.force_bias_walk**2 * T
     if len(s.dx) > 15:
-        _fade(s, 15, ALPHA, math.exp(-T / c.attack_s), c.attack_std)
-        _fade(s, 16, BETA, math.exp(-T / c.slip_s), c.slip_std)
+        left = math.exp(-T / c.attack_s)
+        s.slow[0].attack *= left
+        _fade(s, 15, left, c.attack_std)
+        left = math.exp(-T / c.slip_s)
+        s.slow[0].slip *= left
+        _fade(s, 16, left, c.slip_std)
 
 
 @inlined
-def _fade(s: State, i: int, slow: int, left: float, std: float) -> None:
-    """Let a first-order Gauss-Markov state go on; ``left`` is what remains of it."""
-    s.slow[slow] *= left
+def _fade(s: State, i: int, left: float, std: float) -> None:
+    """Carry the covariance of first-order Gauss-Markov state ``i``; ``left`` is what remains of it."""
     for j in range(len(s.dx)):
         s.P[i, j] *= left
         s.P[j, i] = s.P[i, j]

@@ -6,8 +6,16 @@ from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import down_of
 from procedures.attitude.mixer_gains import PAPER, Gains
-from procedures.attitude.mixer_kernels import mix_log, mix_vector
-from procedures.attitude.velocity_aid_kernels import P0, mix_paper, mix_paper_log, mix_speed, mix_speed_log
+from procedures.attitude.mixer_kernels import EULER, VECTOR, mix_log, mix_vector
+from procedures.attitude.velocity_aid_kernels import (
+    AIDING,
+    P0,
+    MixingLaw,
+    mix_paper,
+    mix_paper_log,
+    mix_speed,
+    mix_speed_log,
+)
 from procedures.units import STANDARD_GRAVITY
 
 GATE = 2.5e-3  # rad/s: P2, section 4
@@ -23,33 +31,31 @@ class Mixer:
     """
 
     def __init__(self, gains: Gains = PAPER, aid: str = "none", gate: float = GATE) -> None:
-        self.gains, self.aid, self.gate = gains, aid, gate
-        self._state, self._velocity = np.zeros(6), np.zeros(24)
+        self.aid, self._law = aid, MixingLaw(gains.k1, gains.k2, gate)
+        self._states, self._aids = np.zeros(1, VECTOR), np.zeros(1, AIDING)
         self._t: float | None = None
 
     @property
     def down(self) -> FloatArray:
         """The down vector (3,) in body axes; nought before the first sample."""
-        return self._state[:3].copy()
+        return np.asarray(self._states["down"][0].copy(), np.float64)
 
     @property
     def gyro_bias(self) -> FloatArray:
         """The gyro bias (3,) [rad/s] learned so far."""
-        return np.asarray(-self._state[3:])
+        return np.asarray(-self._states["correction"][0], np.float64)
 
     def step(self, t: float, rate: FloatArray, force: FloatArray, airspeed: float = np.nan) -> FloatArray:
         """Take the sample that ends at ``t`` [s] and return the down vector (3,) there."""
         if self._t is None:
-            self._state[:3] = start_down(force)
+            self._states[0].down = start_down(force)
             self._t = t
             return self.down
         dt, self._t = t - self._t, t
-        k1, k2 = self.gains.k1, self.gains.k2
         if self.aid == "airspeed":
-            sample = (*rate, *force, airspeed)
-            mix_speed(*(self._state, self._velocity, dt, *sample, self.gate, k1, k2))
+            mix_speed(self._states, self._aids, self._law, dt, rate, force, airspeed)
         else:
-            mix_vector(*(self._state, dt, *rate, *force, k1, k2))
+            mix_vector(self._states, dt, rate, force, self._law.k1, self._law.k2)
         return self.down
 
 
@@ -63,41 +69,35 @@ class PaperMixer:
     def __init__(
         self, gains: Gains = PAPER, filtered: bool = False, gate: float = GATE, g: float = STANDARD_GRAVITY
     ) -> None:
-        self.gains, self.filtered, self.gate, self.g = gains, filtered, gate, g
-        self._state, self._velocity = np.zeros(6), np.zeros(24)
-        self._velocity[12:21] = P0 * np.eye(3).ravel()
+        self._law = MixingLaw(gains.k1, gains.k2, gate, g, filtered)
+        self._states, self._aids = np.zeros(1, EULER), np.zeros(1, AIDING)
+        self._aids[0].covariance = P0 * np.eye(3)
         self._t: float | None = None
 
     @property
     def roll_pitch(self) -> tuple[float, float]:
         """Roll and pitch [rad]."""
-        return float(self._state[0]), float(self._state[1])
+        return float(self._states["roll"][0]), float(self._states["pitch"][0])
 
     @property
     def velocity(self) -> FloatArray:
         """The body velocity (3,) [m/s] in use."""
-        return self._velocity[:3].copy()
+        return np.asarray(self._aids["velocity"][0].copy(), np.float64)
 
     @property
     def gyro_bias(self) -> FloatArray:
         """What the integrals hold (3,) [rad/s], of roll and pitch: a bias of the body only while level."""
-        return np.array([-self._state[2], -self._state[3], 0.0])
-
-    @property
-    def near_vertical(self) -> bool:
-        """Whether pitch is so steep that the angles can no longer be believed."""
-        return bool(abs(self._state[1]) > NEAR_VERTICAL)
+        return np.array([-self._states[0].roll_correction, -self._states[0].pitch_correction, 0.0])
 
     def step(self, t: float, rate: FloatArray, force: FloatArray, airspeed: float = np.nan) -> FloatArray:
         """Take the sample that ends at ``t`` [s] and return the down vector (3,) there."""
         if self._t is None:
-            self._state[:2] = _start_angles(force)
-            self._velocity[11] = self._velocity[0] = 0.0 if np.isnan(airspeed) else airspeed
+            self._states[0].roll, self._states[0].pitch = _start_angles(force)
+            self._aids[0].airspeed = self._aids[0].velocity[0] = 0.0 if np.isnan(airspeed) else airspeed
             self._t = t
         else:
             dt, self._t = t - self._t, t
-            law = (self.gate, self.gains.k1, self.gains.k2, self.g, self.filtered)
-            mix_paper(*(self._state, self._velocity, dt, *rate, *force, airspeed, *law))
+            mix_paper(self._states, self._aids, self._law, dt, rate, force, airspeed)
         return down_of(*np.array(self.roll_pitch))
 
 
@@ -105,13 +105,13 @@ def mix(log: AttitudeLog, gains: Gains = PAPER, aid: str = "none", gate: float =
     """Run the law over a log: the down vector (n, 3) of every row, and the mixer as it ends."""
     mixer = Mixer(gains, aid, gate)
     out, dt = np.empty((len(log.t), 3)), log.intervals
-    state, velocity = mixer._state, mixer._velocity  # noqa: SLF001  (its own module)
-    state[:3] = out[0] = start_down(log.force[0])
-    args = (dt[1:], log.rate[1:], log.force[1:])
+    out[0] = mixer.step(float(log.t[0]), log.rate[0], log.force[0])
+    states, aids, law = mixer._states, mixer._aids, mixer._law  # noqa: SLF001  (its own module)
+    samples = (dt[1:], log.rate[1:], log.force[1:])
     if aid == "airspeed":
-        mix_speed_log(state, velocity, *args, _speed(log)[1:], gate, gains.k1, gains.k2, out[1:])
+        mix_speed_log(states, aids, law, *samples, _speed(log)[1:], out[1:])
     else:
-        mix_log(state, *args, gains.k1, gains.k2, out[1:])
+        mix_log(states, *samples, law.k1, law.k2, out[1:])
     return out, mixer
 
 
@@ -124,9 +124,8 @@ def mix_as_printed(
     mixer.step(float(log.t[0]), log.rate[0], log.force[0], float(speed[0]))
     out = np.empty((len(log.t), 2))
     out[0] = mixer.roll_pitch
-    state, velocity = mixer._state, mixer._velocity  # noqa: SLF001
-    samples = (log.intervals[1:], log.rate[1:], log.force[1:], speed[1:])
-    mix_paper_log(state, velocity, *samples, gate, gains.k1, gains.k2, g, filtered, out[1:])
+    states, aids, law = mixer._states, mixer._aids, mixer._law  # noqa: SLF001
+    mix_paper_log(states, aids, law, log.intervals[1:], log.rate[1:], log.force[1:], speed[1:], out[1:])
     return out, mixer
 
 

@@ -5,20 +5,27 @@ On the gravity vector the law reads, with d the down vector and d_a the accelero
     e = d_a x d    (its length is the sine of the angle between them)
     b' = K1 K2 e,    d' = -(omega + b + K1 e) x d
 
-For small errors each component is (1): phi_m' = phi_g' + K1 e + integral of K1 K2 e. ``state`` (6,) holds d and b,
-or phi, theta, their two integrals and two spare. Every kernel has its plain form as ``kernel.py_func``.
+For small errors each component is (1): phi_m' = phi_g' + K1 e + integral of K1 K2 e. Every kernel has its plain
+form as ``kernel.py_func``. Where a kernel takes records, it takes an array of one: numba unpacks that faster.
 """
 
 import math
 
-from numba import njit
+import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.attitude.kernel_options import Record, kernel
 
 SMALL = 1e-9  # of |f| over g: nothing to see
+VECTOR = np.dtype(
+    (np.record, [("down", "f8", 3), ("correction", "f8", 3)])
+)  # d, and b [rad/s], added to the rates
+EULER = np.dtype((np.record, [  # rad, and what is added to their derivatives [rad/s]
+    ("roll", "f8"), ("pitch", "f8"), ("roll_correction", "f8"), ("pitch_correction", "f8"),
+]))  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def turn(d: FloatArray, x: float, y: float, z: float) -> None:
     """Turn a body-frame image ``d`` (3,) of a fixed vector in place, the body turning by (x, y, z) [rad]."""
     a2 = x * x + y * y + z * z
@@ -39,60 +46,60 @@ def turn(d: FloatArray, x: float, y: float, z: float) -> None:
     d[2] *= scale
 
 
-@njit(cache=True)
-def mix_vector(
-    state: FloatArray, dt: float, p: float, q: float, r: float, x: float, y: float, z: float, k1: float, k2: float
-) -> None:
+@kernel
+def mix_vector(states: Record, dt: float, rate: FloatArray, force: FloatArray, k1: float, k2: float) -> None:
     """Advance the law on the gravity vector by one sample.
 
-    ``x``, ``y``, ``z`` [m/s2] are the specific force with motion acceleration taken off; a force of nought
-    leaves the gyro alone.
+    ``states`` (1,) of `VECTOR`, ``rate`` (3,) [rad/s]; ``force`` (3,) [m/s2] is the specific force with motion
+    acceleration taken off; a force of nought leaves the gyro alone.
     """
+    d, b = states[0].down, states[0].correction
+    x, y, z = force[0], force[1], force[2]
     norm = math.sqrt(x * x + y * y + z * z)
     e0 = e1 = e2 = 0.0
     if norm > SMALL:
         a0, a1, a2 = -x / norm, -y / norm, -z / norm
-        e0, e1, e2 = a1 * state[2] - a2 * state[1], a2 * state[0] - a0 * state[2], a0 * state[1] - a1 * state[0]
-        if a0 * state[0] + a1 * state[1] + a2 * state[2] < 0:  # beyond 90 deg the pull stays full
+        e0, e1, e2 = a1 * d[2] - a2 * d[1], a2 * d[0] - a0 * d[2], a0 * d[1] - a1 * d[0]
+        if a0 * d[0] + a1 * d[1] + a2 * d[2] < 0:  # beyond 90 deg the pull stays full
             s = math.sqrt(e0 * e0 + e1 * e1 + e2 * e2)
             if s > 1e-6:
                 e0, e1, e2 = e0 / s, e1 / s, e2 / s
             else:  # upside down exactly: any axis across will do, here that to (1, 1, 1)
-                e0, e1, e2 = state[1] - state[2], state[2] - state[0], state[0] - state[1]
-    state[3] += k1 * k2 * e0 * dt
-    state[4] += k1 * k2 * e1 * dt
-    state[5] += k1 * k2 * e2 * dt
-    turn(
-        state, (p + state[3] + k1 * e0) * dt, (q + state[4] + k1 * e1) * dt, (r + state[5] + k1 * e2) * dt
-    )  # fmt: skip
+                e0, e1, e2 = d[1] - d[2], d[2] - d[0], d[0] - d[1]
+    b[0] += k1 * k2 * e0 * dt
+    b[1] += k1 * k2 * e1 * dt
+    b[2] += k1 * k2 * e2 * dt
+    turn(d, (rate[0] + b[0] + k1 * e0) * dt, (rate[1] + b[1] + k1 * e1) * dt, (rate[2] + b[2] + k1 * e2) * dt)
 
 
-@njit(cache=True)
+@kernel
 def mix_euler(
-    state: FloatArray, dt: float, p: float, q: float, r: float, phi_a: float, theta_a: float, k1: float, k2: float
-) -> None:
+    states: Record, dt: float, rate: FloatArray, phi_a: float, theta_a: float, k1: float, k2: float
+) -> None:  # fmt: skip
     """Advance roll and pitch by one sample as printed: eq. 1 per angle, rates by eq. 2.
 
-    The rates are singular at pitch 90 deg; there tan and 1/cos are held at those of 89.9 deg.
+    ``states`` (1,) of `EULER`, ``rate`` (3,) [rad/s]; the accelerometer's angles are in rad. The rates are
+    singular at pitch 90 deg; there tan and 1/cos are held at those of 89.9 deg.
     """
-    phi, theta = state[0], state[1]
+    state = states[0]
+    p, q, r = rate[0], rate[1], rate[2]
+    phi, theta = state.roll, state.pitch
     tangent = max(min(math.tan(theta), 573.0), -573.0)
-    rate = q * math.sin(phi) + r * math.cos(phi)
+    across = q * math.sin(phi) + r * math.cos(phi)
     e_phi, e_theta = phi_a - phi, theta_a - theta
     e_phi -= 2 * math.pi * math.floor(e_phi / (2 * math.pi) + 0.5)
-    state[2] += k1 * k2 * e_phi * dt
-    state[3] += k1 * k2 * e_theta * dt
-    state[0] += (p + tangent * rate + k1 * e_phi + state[2]) * dt
-    state[1] += (q * math.cos(phi) - r * math.sin(phi) + k1 * e_theta + state[3]) * dt
+    state.roll_correction += k1 * k2 * e_phi * dt
+    state.pitch_correction += k1 * k2 * e_theta * dt
+    state.roll += (p + tangent * across + k1 * e_phi + state.roll_correction) * dt
+    state.pitch += (q * math.cos(phi) - r * math.sin(phi) + k1 * e_theta + state.pitch_correction) * dt
 
 
-@njit(cache=True)
+@kernel
 def mix_log(
-    state: FloatArray, dt: FloatArray, rate: FloatArray, force: FloatArray, k1: float, k2: float, out: FloatArray
+    states: Record, dt: FloatArray, rate: FloatArray, force: FloatArray, k1: float, k2: float, out: FloatArray
 ) -> None:
     """Mix a whole log without aid: the down vector of every row into ``out`` (n, 3)."""
+    state = states[0]
     for i in range(len(dt)):
-        mix_vector(
-            state, dt[i], rate[i, 0], rate[i, 1], rate[i, 2], force[i, 0], force[i, 1], force[i, 2], k1, k2
-        )  # fmt: skip
-        out[i, 0], out[i, 1], out[i, 2] = state[0], state[1], state[2]
+        mix_vector(states, dt[i], rate[i], force[i], k1, k2)
+        out[i, 0], out[i, 1], out[i, 2] = state.down[0], state.down[1], state.down[2]

@@ -1,83 +1,102 @@
-"""Velocity aids of the mixing law, one sample at a time: forward speed, and the velocity filter of P2 (11)-(14).
-
-``aid`` (24,) holds, by index: 0-2 body velocity u, v, w [m/s]; 3-5 the rate smoothed over `SMOOTH_S` [rad/s]; 6
-the remembered angle of attack [rad]; 7 for how long it was learned [s]; 8 time since the start [s]; 9 time with
-the gate open [s]; 10 whether the gate is open; 11 the last airspeed [m/s]; 12-20 the velocity covariance, row by
-row [m2/s2].
-"""
+"""Velocity aids of the mixing law, a sample at a time: forward speed, and the velocity filter of P2 (11)-(14)."""
 
 import math
+from typing import NamedTuple
 
-from numba import njit
+import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.attitude.kernel_options import Record, kernel
 from procedures.attitude.mixer_kernels import mix_euler, mix_vector
 
-COMPILED_IN = "8463a664ea57"  # of `mixing_kernels`; see `joint_kernels`
 SMOOTH_S = 0.5  # of the rates that open the gate
 LEARN_S = 20.0  # over which the angle of attack is remembered
 Q, R, P0 = 2.0e-9, 100.0, 100.0  # P2, section 4: variances per sample; P0 is not printed, 100 does best
 
 
-@njit(cache=True)
-def open_gate(aid: FloatArray, dt: float, p: float, q: float, r: float, speed: float, gate: float) -> bool:
-    """Take in a sample's rates and speed; return whether the unit turns faster than the gate [rad/s]."""
+AIDING = np.dtype((np.record, [
+    ("velocity", "f8", 3),  # u, v, w [m/s], body axes
+    ("covariance", "f8", (3, 3)),  # of it [m2/s2]
+    ("airspeed", "f8"),  # the last one [m/s]
+    ("rate", "f8", 3),  # smoothed over `SMOOTH_S` [rad/s]
+    ("attack", "f8"),  # the remembered angle of attack [rad]
+    ("learned_s", "f8"),  # for how long
+    ("elapsed_s", "f8"),  # since the start
+    ("gravity", "f8", 3),  # scratch: specific force with the motion taken off [m/s2]
+]))  # fmt: skip
+
+
+class MixingLaw(NamedTuple):
+    """What stays the same: gains [1/s], the gate [rad/s], gravity [m/s2], whether the velocity filter runs."""
+
+    k1: float
+    k2: float
+    gate: float
+    g: float = math.nan
+    filtered: bool = False
+
+
+@kernel
+def open_gate(aids: Record, law: MixingLaw, dt: float, rate: FloatArray, speed: float) -> bool:
+    """Take in a sample's rates (3,) [rad/s] and speed [m/s]; return whether it turns faster than the gate."""
+    aid = aids[0]
     share = min(dt / SMOOTH_S, 1.0)
-    aid[3] += share * (p - aid[3])
-    aid[4] += share * (q - aid[4])
-    aid[5] += share * (r - aid[5])
+    smooth = aid.rate
+    for i in range(3):
+        smooth[i] += share * (rate[i] - smooth[i])
     if speed == speed:
-        aid[11] = speed
-    is_open = bool(aid[3] * aid[3] + aid[4] * aid[4] + aid[5] * aid[5] > gate * gate)
-    aid[8] += dt
-    aid[9] += dt if is_open else 0.0
-    aid[10] = 1.0 if is_open else 0.0
-    return is_open
+        aid.airspeed = speed
+    aid.elapsed_s += dt
+    return bool(smooth[0] * smooth[0] + smooth[1] * smooth[1] + smooth[2] * smooth[2] > law.gate * law.gate)
 
 
-@njit(cache=True)
+@kernel
 def mix_speed(
-    state: FloatArray, aid: FloatArray, dt: float, p: float, q: float, r: float, x: float, y: float, z: float,
-    speed: float, gate: float, k1: float, k2: float,
-) -> None:  # fmt: skip
+    states: Record, aids: Record, law: MixingLaw, dt: float, rate: FloatArray, force: FloatArray, speed: float
+) -> None:
     """Advance the law on the gravity vector, aided by forward speed and the remembered angle of attack.
 
     Taken off while the gate is open: omega x (u, 0, w), u = V cos a, w = V sin a. While it is closed nothing is,
     since V times a yaw rate's bias would tilt a level flight; there the pitch is the angle of attack.
     """
-    if open_gate(aid, dt, p, q, r, speed, gate):
-        u, w = aid[11] * math.cos(aid[6]), aid[11] * math.sin(aid[6])
-        aid[0], aid[2] = u, w
+    aid = aids[0]
+    p, q, r = rate[0], rate[1], rate[2]
+    x, y, z = force[0], force[1], force[2]
+    if open_gate(aids, law, dt, rate, speed):
+        u, w = aid.airspeed * math.cos(aid.attack), aid.airspeed * math.sin(aid.attack)
+        aid.velocity[0], aid.velocity[2] = u, w
         x, y, z = x - q * w, y - r * u + p * w, z + q * u
-    elif aid[11] > 1.0:
-        aid[7] = min(aid[7] + dt, LEARN_S)
-        pitch = math.asin(max(-1.0, min(1.0, -state[0])))
-        aid[6] += min(dt / aid[7], 1.0) * (pitch - aid[6])
-    start = 1.0 / (aid[8] + 0.1)  # a running mean first, the gain once that is the faster
-    mix_vector(state, dt, p, q, r, x, y, z, max(k1, start), k2)
+    elif aid.airspeed > 1.0:
+        aid.learned_s = min(aid.learned_s + dt, LEARN_S)
+        pitch = math.asin(max(-1.0, min(1.0, -states[0].down[0])))
+        aid.attack += min(dt / aid.learned_s, 1.0) * (pitch - aid.attack)
+    aid.gravity[0], aid.gravity[1], aid.gravity[2] = x, y, z
+    start = 1.0 / (aid.elapsed_s + 0.1)  # a running mean first, the gain once that is the faster
+    mix_vector(states, dt, rate, aid.gravity, max(law.k1, start), law.k2)
 
 
-@njit(cache=True)
-def paper_angles(
-    x: float, y: float, u: float, v: float, w: float, p: float, q: float, r: float, g: float
-) -> tuple[float, float]:
+@kernel
+def paper_angles(force: FloatArray, velocity: FloatArray, rate: FloatArray, g: float) -> tuple[float, float]:
     """Return phi_a and theta_a [rad] of the specific force and body velocity: P2 (14), and (10) with v = w = 0."""
-    theta = math.asin(max(-1.0, min(1.0, (x + r * v - q * w) / g)))
-    phi = math.asin(max(-1.0, min(1.0, (-y + r * u - p * w) / (g * max(math.cos(theta), 1e-3)))))
+    u, v, w = velocity[0], velocity[1], velocity[2]
+    p, q, r = rate[0], rate[1], rate[2]
+    theta = math.asin(max(-1.0, min(1.0, (force[0] + r * v - q * w) / g)))
+    phi = math.asin(max(-1.0, min(1.0, (-force[1] + r * u - p * w) / (g * max(math.cos(theta), 1e-3)))))
     return phi, theta
 
 
-@njit(cache=True)
+@kernel
 def filter_velocity(
-    aid: FloatArray, dt: float, p: float, q: float, r: float, x: float, y: float, z: float, speed: float,
-    phi: float, theta: float, g: float,
-) -> None:  # fmt: skip
+    aids: Record, dt: float, rate: FloatArray, force: FloatArray, speed: float, phi: float, theta: float, g: float
+) -> None:
     """Advance the velocity filter by one sample: P2 (11), (12), with the attitude of the sample before."""
-    u, v, w = aid[0], aid[1], aid[2]
-    aid[0] = u + (r * v - q * w + x - g * math.sin(theta)) * dt
-    aid[1] = v + (-r * u + p * w + y + g * math.sin(phi) * math.cos(theta)) * dt
-    aid[2] = w + (q * u - p * v + z + g * math.cos(phi) * math.cos(theta)) * dt
-    P = aid[12:21].reshape((3, 3))
+    aid = aids[0]
+    p, q, r = rate[0], rate[1], rate[2]
+    velocity, P = aid.velocity, aid.covariance
+    u, v, w = velocity[0], velocity[1], velocity[2]
+    velocity[0] = u + (r * v - q * w + force[0] - g * math.sin(theta)) * dt
+    velocity[1] = v + (-r * u + p * w + force[1] + g * math.sin(phi) * math.cos(theta)) * dt
+    velocity[2] = w + (q * u - p * v + force[2] + g * math.cos(phi) * math.cos(theta)) * dt
     for _ in range(2):  # P <- F (F P)': twice the same product of rows
         for j in range(3):
             a, b, c = P[0, j], P[1, j], P[2, j]
@@ -91,10 +110,10 @@ def filter_velocity(
         P[i, i] += Q
     if speed == speed:
         k0, k1, k2 = P[0, 0] / (P[0, 0] + R), P[1, 0] / (P[0, 0] + R), P[2, 0] / (P[0, 0] + R)
-        error = speed - aid[0]
-        aid[0] += k0 * error
-        aid[1] += k1 * error
-        aid[2] += k2 * error
+        error = speed - velocity[0]
+        velocity[0] += k0 * error
+        velocity[1] += k1 * error
+        velocity[2] += k2 * error
         for j in range(3):
             top = P[0, j]
             P[0, j] -= k0 * top
@@ -102,48 +121,43 @@ def filter_velocity(
             P[2, j] -= k2 * top
 
 
-@njit(cache=True)
+@kernel
 def mix_paper(
-    state: FloatArray, aid: FloatArray, dt: float, p: float, q: float, r: float, x: float, y: float, z: float,
-    speed: float, gate: float, k1: float, k2: float, g: float, filtered: bool,
-) -> None:  # fmt: skip
+    states: Record, aids: Record, law: MixingLaw, dt: float, rate: FloatArray, force: FloatArray, speed: float
+) -> None:
     """Advance the Euler form as printed, aided by forward speed alone (10) or by the velocity filter (11)-(14).
 
     While the gate is closed the filter's v and w are held and u follows the airspeed.
     """
-    is_open = open_gate(aid, dt, p, q, r, speed, gate)
-    if filtered and is_open:
-        filter_velocity(aid, dt, p, q, r, x, y, z, speed, state[0], state[1], g)
+    state, aid = states[0], aids[0]
+    is_open = open_gate(aids, law, dt, rate, speed)
+    if law.filtered and is_open:
+        filter_velocity(aids, dt, rate, force, speed, state.roll, state.pitch, law.g)
     else:
-        aid[0] = aid[11]
-    v, w = (aid[1], aid[2]) if filtered else (0.0, 0.0)
-    phi_a, theta_a = paper_angles(x, y, aid[0], v, w, p, q, r, g)
-    mix_euler(state, dt, p, q, r, phi_a, theta_a, k1, k2)
+        aid.velocity[0] = aid.airspeed
+    phi_a, theta_a = paper_angles(force, aid.velocity, rate, law.g)
+    mix_euler(states, dt, rate, phi_a, theta_a, law.k1, law.k2)
 
 
-@njit(cache=True)
+@kernel
 def mix_speed_log(
-    state: FloatArray, aid: FloatArray, dt: FloatArray, rate: FloatArray, force: FloatArray, speed: FloatArray,
-    gate: float, k1: float, k2: float, out: FloatArray,
+    states: Record, aids: Record, law: MixingLaw, dt: FloatArray, rate: FloatArray, force: FloatArray,
+    speed: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip
     """Run `mix_speed` over a log: the down vector of every row into ``out`` (n, 3)."""
+    state = states[0]
     for i in range(len(dt)):
-        mix_speed(
-            state, aid, dt[i], rate[i, 0], rate[i, 1], rate[i, 2], force[i, 0], force[i, 1], force[i, 2],
-            speed[i], gate, k1, k2,
-        )  # fmt: skip
-        out[i, 0], out[i, 1], out[i, 2] = state[0], state[1], state[2]
+        mix_speed(states, aids, law, dt[i], rate[i], force[i], speed[i])
+        out[i, 0], out[i, 1], out[i, 2] = state.down[0], state.down[1], state.down[2]
 
 
-@njit(cache=True)
+@kernel
 def mix_paper_log(
-    state: FloatArray, aid: FloatArray, dt: FloatArray, rate: FloatArray, force: FloatArray, speed: FloatArray,
-    gate: float, k1: float, k2: float, g: float, filtered: bool, out: FloatArray,
+    states: Record, aids: Record, law: MixingLaw, dt: FloatArray, rate: FloatArray, force: FloatArray,
+    speed: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip
     """Run `mix_paper` over a log: roll and pitch [rad] of every row into ``out`` (n, 2)."""
+    state = states[0]
     for i in range(len(dt)):
-        mix_paper(
-            state, aid, dt[i], rate[i, 0], rate[i, 1], rate[i, 2], force[i, 0], force[i, 1], force[i, 2],
-            speed[i], gate, k1, k2, g, filtered,
-        )  # fmt: skip
-        out[i, 0], out[i, 1] = state[0], state[1]
+        mix_paper(states, aids, law, dt[i], rate[i], force[i], speed[i])
+        out[i, 0], out[i, 1] = state.roll, state.pitch

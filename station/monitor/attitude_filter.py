@@ -12,7 +12,7 @@ from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
 from procedures.attitude.joint_filter import JointFilter
-from procedures.attitude.joint_state import HEADING_KNOWN, Settings
+from procedures.attitude.joint_state import Settings
 from station.calibrated.rates_and_forces import Inputs
 
 ALIGN_S = 2.0
@@ -127,7 +127,7 @@ class AttitudeTrack:
 
     def _find_north(self, kept: JointFilter, log: AttitudeLog) -> JointFilter:
         """Return the filter to go on with: one that knows north where this rest has told it."""
-        if self._compass is None or kept.state.block[HEADING_KNOWN] > 0:
+        if self._compass is None or kept.state.memory[0].heading_known > 0:
             return kept
         self._rest = [*self._rest, log] if kept.at_rest else []
         if not self._rest or log.t[-1] - self._rest[0].t[0] < NORTH_S:
@@ -157,7 +157,7 @@ class AttitudeTrack:
     def _found(self, kept: JointFilter, inputs: Inputs) -> Attitude:
         down, force = kept.down, self._smoothed(inputs.force)
         roll, pitch = roll_pitch_of(down)
-        C, knows = kept.state.C_nb, kept.state.block[HEADING_KNOWN] > 0
+        C, knows = kept.state.C_nb, kept.state.memory[0].heading_known > 0
         heading = float(np.arctan2(C[1, 0], C[0, 0])) if knows else np.nan
         return Attitude(
             float(roll), float(pitch), down, kept.sigma, inputs.rate.mean(axis=0), kept.gyro_bias[0],

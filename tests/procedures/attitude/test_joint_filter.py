@@ -249,9 +249,9 @@ def test_kernels_equal_their_plain_form() -> None:
         (compiled, joint_strapdown.take, joint_update.propagate),
     ):
         s, c = kept.state, kept.settings
-        joint_strapdown.start(s, c, 0.1, 0.2, -9.8, 3.0)
+        joint_strapdown.start(s, c, np.array([0.1, 0.2, -9.8]), 3.0)
         for w, f in zip(log.rate[:20], log.force[:20], strict=True):
-            take(s.C_nb, s.v_n, s.slow, s.sums, s.block, c, 0.01, *w, *f, 3.0)
+            take(s, c, 0.01, w, f, 3.0)
         propagate(s, c)
     assert plain.state.C_nb == pytest.approx(compiled.state.C_nb, abs=1e-13)
     assert plain.state.P == pytest.approx(compiled.state.P, abs=1e-13)
