@@ -3,7 +3,7 @@
 Open it with `fixtures_db.database.open_db`; read and write through small functions that take a session::
 
     with open_db(path) as db, db.write() as session:
-        add_cube(session, "CUBE-7", side_mm=400.0)
+        add_fixture(session, CubeRow(id="CUBE-7", side_mm=400.0))
 
 Calibrations and certificates are append-only: the database itself refuses UPDATE and DELETE, and each
 calibration carries the hash of the one before it. Units stand in the column names; times are UTC.

@@ -11,6 +11,11 @@ from fixtures_db.chain import GENESIS, ChainFault, Link, canonical, digest, faul
 from fixtures_db.schema import Base, CubeMeasurementRow, CubeRow, FaceCertificateRow, SlabLevelRow, SlabRow
 
 Measured = TypeVar("Measured", FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
+WORDS: dict[type[Any], str] = {
+    FaceCertificateRow: "face certificate",
+    CubeMeasurementRow: "cube measurement",
+    SlabLevelRow: "slab level",
+}
 NOT_HASHED = frozenset({"id", "sha256"})
 
 
@@ -71,13 +76,12 @@ def _first_due(rows: Sequence[Measured | None]) -> tuple[date, date | None] | No
     return max(row.measured_utc for row in there).date(), min(due, default=None)
 
 
-def verify_rows(
-    session: Session, table: type[Measured], word: str, expected_head: str | None = None
-) -> list[ChainFault]:
-    """Return every row that was altered, dropped or reordered since it was added; ``word`` names it.
+def verify_rows(session: Session, table: type[Measured], expected_head: str | None = None) -> list[ChainFault]:
+    """Return every row that was altered, dropped or reordered since it was added.
 
     Rows dropped at the newest end show only against ``expected_head``, a hash that was kept elsewhere.
     """
+    word = WORDS[table]
     rows: Sequence[Measured] = session.scalars(select(table).order_by(table.id)).all()
     found = faults(Link(f"{word} {row.id}", row_text(row), row.previous, row.sha256) for row in rows)
     if expected_head not in {None, GENESIS, *(row.sha256 for row in rows)}:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from fixtures_db.cubes import Tolerance
+from fixtures_db.schema import ToleranceRow
 
 ITEMS = {  # item: what of which face, against which
     "t1": ("flatness", "A", None),
@@ -19,11 +19,15 @@ ITEMS = {  # item: what of which face, against which
 }
 
 
-def drawing(tolerances_mm: Mapping[str, float]) -> list[Tolerance]:
+def drawing(tolerances_mm: Mapping[str, float]) -> list[ToleranceRow]:
     """Return the items of a drawing by their names in the table; raise `ValueError` for one that is not there."""
     for item, value in tolerances_mm.items():
         if item not in ITEMS:
             raise ValueError(f"tolerance item {item!r} is none of {', '.join(ITEMS)}")
         if not value > 0:
             raise ValueError(f"tolerance {item} is {value} mm, expected more than 0")
-    return [Tolerance(item, *ITEMS[item], tolerances_mm[item]) for item in ITEMS if item in tolerances_mm]
+    return [
+        ToleranceRow(item=item, kind=kind, face=face, reference_face=reference, tolerance_mm=tolerances_mm[item])
+        for item, (kind, face, reference) in ITEMS.items()
+        if item in tolerances_mm
+    ]

@@ -8,10 +8,8 @@ from datetime import date, datetime
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from fixtures_db.cubes_known import cubes
+from fixtures_db.fixtures import KINDS, fixture_rows
 from fixtures_db.schema import CalibrationRow
-from fixtures_db.sites import sites
-from fixtures_db.slabs import slabs
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -29,8 +27,9 @@ def due(session: Session, until: date) -> list[Due]:
 
 
 def _all(session: Session) -> Iterator[Due]:
-    for kind, rows in (("cube", cubes(session)), ("slab", slabs(session)), ("site", sites(session))):
-        yield from (Due(row.due_date, kind, row.id) for row in rows if row.due_date is not None)
+    for kind, word in KINDS.items():
+        rows = fixture_rows(session, kind)
+        yield from (Due(row.due_date, word, row.id) for row in rows if row.due_date is not None)
     newest = select(func.max(CalibrationRow.id)).group_by(CalibrationRow.imu_id)
     for row in session.scalars(select(CalibrationRow).where(CalibrationRow.id.in_(newest))):
         until = json.loads(row.document).get("valid_until")

@@ -13,9 +13,10 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from fixtures_db.chained import append, date_owner
-from fixtures_db.cubes import check_certificate
+from fixtures_db.cube_measurements import check_measurement
 from fixtures_db.errors import DiffersFromStored, NotInDatabase
-from fixtures_db.measured_rows import check_measurement
+from fixtures_db.face_certificates import check_certificate
+from fixtures_db.fixtures import check_site
 from fixtures_db.schema import (
     CubeMeasurementRow,
     CubeRow,
@@ -26,8 +27,7 @@ from fixtures_db.schema import (
     SlabRow,
     ToleranceRow,
 )
-from fixtures_db.sites import check_site
-from fixtures_db.slabs import check_level
+from fixtures_db.slab_levels import check_level
 
 Value = str | float | date | datetime | None
 Rows = Mapping[str, Sequence[Mapping[str, Value]]]

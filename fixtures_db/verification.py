@@ -11,9 +11,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.anchor import Anchor, missing_manifests
 from fixtures_db.campaigns import verify_steps
 from fixtures_db.chain import GENESIS, ChainFault
-from fixtures_db.chained import verify_dates
-from fixtures_db.cube_measurements import verify_measurements
-from fixtures_db.cubes import verify_certificates
+from fixtures_db.chained import verify_dates, verify_rows
 from fixtures_db.history import verify_chain
 from fixtures_db.issued import verify_issued
 from fixtures_db.schema import (
@@ -27,7 +25,6 @@ from fixtures_db.schema import (
     SlabRow,
     StepRow,
 )
-from fixtures_db.slabs import verify_levels
 
 CHAINED = (CalibrationRow, IssuedCertificateRow, FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
 Check = Callable[[Session], list[ChainFault]]
@@ -42,9 +39,9 @@ def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFau
     kept = Anchor() if anchor is None else anchor
     checks: tuple[tuple[Check, tuple[Any, ...]], ...] = (
         (partial(verify_chain, expected_head=kept.calibration), (CalibrationRow,)),
-        (partial(verify_certificates, expected_head=kept.certificate), (FaceCertificateRow,)),
-        (partial(verify_measurements, expected_head=kept.measurement), (CubeMeasurementRow,)),
-        (partial(verify_levels, expected_head=kept.level), (SlabLevelRow,)),
+        (partial(verify_rows, table=FaceCertificateRow, expected_head=kept.certificate), (FaceCertificateRow,)),
+        (partial(verify_rows, table=CubeMeasurementRow, expected_head=kept.measurement), (CubeMeasurementRow,)),
+        (partial(verify_rows, table=SlabLevelRow, expected_head=kept.level), (SlabLevelRow,)),
         (partial(verify_issued, expected_head=kept.issued), (IssuedCertificateRow,)),
         (verify_dates, (CubeRow, SlabRow)),
         (verify_steps, (CampaignRow, StepRow)),

@@ -12,11 +12,11 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from drivers.simulated.truth import Truth
-from fixtures_db.cubes import add_cube, certify_faces
+from fixtures_db.face_certificates import certify_faces
+from fixtures_db.fixtures import add_fixture
 from fixtures_db.limits import limits_of, set_limits
-from fixtures_db.schema import CubeRow, SiteRow, SlabRow
-from fixtures_db.sites import Survey, add_site
-from fixtures_db.slabs import add_level, add_slab
+from fixtures_db.schema import CubeRow, SiteRow, SlabLevelRow, SlabRow
+from fixtures_db.slab_levels import add_level
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.files.limits_example import example_limits
@@ -49,20 +49,23 @@ def add_example(session: Session, seed: int) -> ExampleBench:
     tilts = truth.faces_rad + FACE_STD * rng.standard_normal((6, 2))
     east, north = (truth.slab_tilt_rad + LEVEL_STD * rng.standard_normal(2)).tolist()
     if session.get(CubeRow, made.cube) is None:
-        add_cube(session, made.cube, side_mm=SIDE_MM)
+        add_fixture(session, CubeRow(id=made.cube, side_mm=SIDE_MM))
         faces = {face: FaceCertificate(tilts[i], FACE_STD**2 * np.eye(2)) for i, face in enumerate(FACES)}
         certify_faces(session, made.cube, faces, source=SOURCE, measured_utc=now, due_date=due)
     if session.get(SlabRow, made.slab) is None:
-        add_slab(session, made.slab)
-        add_level(
-            session, made.slab, tilt_rad=(east, north), std_rad=(LEVEL_STD, LEVEL_STD), source=SOURCE,
-            measured_utc=now, due_date=due,
+        add_fixture(session, SlabRow(id=made.slab))
+        level = SlabLevelRow(
+            slab_id=made.slab, tilt_east_rad=east, tilt_north_rad=north, std_east_rad=LEVEL_STD,
+            std_north_rad=LEVEL_STD, source=SOURCE, measured_utc=now, due_date=due,
         )  # fmt: skip
+        add_level(session, level)
     if session.get(SiteRow, made.site) is None:
-        add_site(
-            session, made.site, latitude_deg=truth.latitude_deg, longitude_deg=truth.longitude_deg,
-            height_m=truth.height_m, survey=Survey(truth.local_gravity, GRAVITY_STD, SOURCE, now.date(), due),
+        site = SiteRow(
+            id=made.site, latitude_deg=truth.latitude_deg, longitude_deg=truth.longitude_deg,
+            height_m=truth.height_m, gravity_m_s2=truth.local_gravity, gravity_std_m_s2=GRAVITY_STD,
+            gravity_source=SOURCE, gravity_date=now.date(), due_date=due,
         )  # fmt: skip
+        add_fixture(session, site)
     if not limits_of(session, truth.model):
         _, limits = limits_in(example_limits(truth.model).encode(), Path("the sample"))
         set_limits(session, truth.model, limits)

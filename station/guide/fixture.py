@@ -3,8 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from fixtures_db.cubes import cube, cube_row
 from fixtures_db.database import Database
+from fixtures_db.face_certificates import cube
+from fixtures_db.fixtures import fixture_row
+from fixtures_db.schema import CubeRow
 from procedures.campaign.campaign import Fixture
 from station.files.campaign_folder.schema import FaceTable, FixtureTable, MeasuredTable, axes_matrix
 from station.files.campaign_folder.writing import measured_table
@@ -27,7 +29,7 @@ def _cube(database: Database, cube_id: str | None) -> tuple[Fixture, FixtureTabl
     if cube_id is None:
         return Fixture(), FixtureTable()
     with database.read() as session:
-        fixture, side = cube(session, cube_id), cube_row(session, cube_id).side_mm
+        fixture, side = cube(session, cube_id), fixture_row(session, CubeRow, cube_id).side_mm
     faces = [
         FaceTable.model_validate(
             {"resting": name, "up_tilt_rad": face.up_tilt.tolist(), "covariance_rad2": face.covariance.tolist()}

@@ -7,38 +7,28 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from fixtures_db.cubes_known import cubes
 from fixtures_db.database import Database
+from fixtures_db.fixtures import fixture_rows
 from fixtures_db.limits import Limit, limited_models, limits_of
 from fixtures_db.references import reference
-from fixtures_db.sites import sites
-from fixtures_db.slabs import slabs
+from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 from procedures.campaign.plan_steps import Step
 from station.guide.disk_space import disk_free, disk_needed
-
-
-@dataclass(frozen=True, slots=True)
-class Survey:
-    """A site's gravity as surveyed [m/s2]; named as the database's columns."""
-
-    latitude_deg: float
-    gravity_m_s2: float | None
-    gravity_std_m_s2: float | None
-    reference: Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
 class Known:
     """``references`` of cubes and slabs by kind and id, as `fixtures_db.references` has them; ``limits`` by model.
 
-    ``usual``: the steps are the usual ones. ``free`` and ``needed`` are bytes, None where that is not known.
+    ``sites`` stand with their references. ``usual``: the steps are the usual ones. ``free`` and
+    ``needed`` are bytes, None where that is not known.
     """
 
     today: date
     software: str
     limits: Mapping[str, Sequence[Limit]]
     references: Mapping[tuple[str, str], Mapping[str, Any]]
-    surveys: Sequence[Survey]
+    sites: Sequence[tuple[SiteRow, Mapping[str, Any]]]
     usual: bool = True
     free: int | None = None
     needed: int | None = None
@@ -51,13 +41,11 @@ def known(
     now = datetime.now(UTC)
     with database.read() as session:
         limits = {model: limits_of(session, model) for model in limited_models(session)}
-        found = [reference(row, now) for row in cubes(session)] + [reference(row, now) for row in slabs(session)]
-        surveys = [
-            Survey(row.latitude_deg, row.gravity_m_s2, row.gravity_std_m_s2, reference(row, now))
-            for row in sites(session)
-        ]
+        found = [reference(row, now) for row in fixture_rows(session, CubeRow)]
+        found += [reference(row, now) for row in fixture_rows(session, SlabRow)]
+        sites = [(row, reference(row, now)) for row in fixture_rows(session, SiteRow)]
     return Known(
-        now.astimezone().date(), _software(), limits, {(one["kind"], one["id"]): one for one in found}, surveys,
+        now.astimezone().date(), _software(), limits, {(one["kind"], one["id"]): one for one in found}, sites,
         usual, disk_free(root), None if rate_hz is None else disk_needed(steps, rate_hz),
     )  # fmt: skip
 

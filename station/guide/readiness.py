@@ -13,11 +13,11 @@ from typing import Any
 from fixtures_db.campaigns import is_expired
 from fixtures_db.limits import UNITS, Limit
 from fixtures_db.references import why_measured
-from fixtures_db.sites import is_surveyed_at
+from fixtures_db.site_surveys import is_surveyed_at
 from station.errors import megabytes
 from station.files.campaign_folder.schema import GRAVITY_STD
 from station.files.setup import Setup
-from station.guide.prior_knowledge import Known, Survey
+from station.guide.prior_knowledge import Known
 from station.guide.setup_view import Check, Readiness, ReadyLine
 from station.results.certificate.checklist import missing_before
 
@@ -95,7 +95,7 @@ def _commit() -> str:
 def _used(setup: Setup, known: Known) -> list[Mapping[str, Any]]:
     """Return cube, slab and site as the database will have them of the campaign."""
     survey = _survey(setup, known)
-    chosen = [_chosen("cube", setup, known), _chosen("slab", setup, known), survey and survey.reference]
+    chosen = [_chosen("cube", setup, known), _chosen("slab", setup, known), survey]
     return [one for one in chosen if one]
 
 
@@ -103,11 +103,11 @@ def _chosen(kind: str, setup: Setup, known: Known) -> Mapping[str, Any] | None:
     return known.references.get((kind, getattr(setup, kind)))
 
 
-def _survey(setup: Setup, known: Known) -> Survey | None:
+def _survey(setup: Setup, known: Known) -> Mapping[str, Any] | None:
     if setup.gravity_m_s2 is None or setup.latitude_deg is None:
         return None
     stated = setup.latitude_deg, setup.gravity_m_s2, setup.gravity_std_m_s2 or GRAVITY_STD
-    return next((one for one in known.surveys if is_surveyed_at(one, *stated)), None)
+    return next((reference for site, reference in known.sites if is_surveyed_at(site, *stated)), None)
 
 
 def _limits(model: str, no_pass: str | None, known: Known) -> ReadyLine:
@@ -152,7 +152,7 @@ def _site(setup: Setup, known: Known) -> ReadyLine:
     if (survey := _survey(setup, known)) is None:
         text = "gravity of no survey in the database; the laboratory's file must say whose"
         return _note("site", text)
-    name, due = survey.reference["id"], survey.reference.get("due_date")
+    name, due = survey["id"], survey.get("due_date")
     if due is not None and is_expired(date.fromisoformat(due), known.today):
         return _lacking("site", f"{name}, its survey expired on {due}")
     return _ready("site", f"{name}, surveyed" + (f", due {due}" if due else ""))

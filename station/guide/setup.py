@@ -5,9 +5,9 @@ from datetime import date
 
 from drivers.serial_port import list_ports
 from fixtures_db.campaigns import is_expired
-from fixtures_db.cubes_known import cubes
 from fixtures_db.database import Database
-from fixtures_db.slabs import slabs
+from fixtures_db.fixtures import fixture_rows
+from fixtures_db.schema import CubeRow, SlabRow
 from station.files.setup import Setup
 from station.guide.open_campaigns import unfinished
 from station.guide.setup_view import Choice, Start
@@ -16,8 +16,8 @@ from station.guide.setup_view import Choice, Start
 def start_view(database: Database, setup: Setup) -> Start:
     """Return what can be chosen: ports, cubes and slabs with their certificates, unfinished campaigns."""
     with database.read() as session:
-        known = [(cube.id, f"{cube.side_mm:g} mm", cube.due_date) for cube in cubes(session)]
-        stones = [(slab.id, "", slab.due_date) for slab in slabs(session)]
+        known = [(cube.id, f"{cube.side_mm:g} mm", cube.due_date) for cube in fixture_rows(session, CubeRow)]
+        stones = [(slab.id, "", slab.due_date) for slab in fixture_rows(session, SlabRow)]
     return Start(
         setup=setup,
         ports=tuple(_ports()),

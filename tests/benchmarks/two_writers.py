@@ -15,10 +15,12 @@ from pathlib import Path
 
 from fixtures_db.chain import ChainFault
 from fixtures_db.database import open_db
+from fixtures_db.fixtures import add_fixture, fixture_row
 from fixtures_db.history import accept_calibration, history
-from fixtures_db.slabs import add_level, add_slab, slab_row
+from fixtures_db.schema import SlabRow
+from fixtures_db.slab_levels import add_level
 from fixtures_db.verification import alterations
-from tests.fixtures_db.factory import NOON, facts, solution
+from tests.fixtures_db.factory import NOON, facts, level_row, solution
 from tests.paths import ROOT
 from tests.with_postgres import URL
 
@@ -32,14 +34,14 @@ def write(url: str, name: str, transactions: int) -> None:
             with database.write() as session:
                 accept_calibration(session, solution(i * 1e-6), facts(name))
                 tilt, std = (i * 1e-9, 0.0), (1e-6, 1e-6)
-                add_level(session, name, tilt_rad=tilt, std_rad=std, source="level", measured_utc=NOON)
+                add_level(session, level_row(name, tilt, std, source="level", measured_utc=NOON))
 
 
 def both(url: str, transactions: int) -> tuple[int, list[ChainFault]]:
     """Let two processes write; return how many transactions are lost, and the faults of the chains."""
     with open_db(url) as database, database.write() as session:
         for name in WRITERS:
-            add_slab(session, name)
+            add_fixture(session, SlabRow(id=name))
     command = [sys.executable, "-m", "tests.benchmarks.two_writers", "--transactions", str(transactions)]
     root = ROOT
     writers = [subprocess.Popen([*command, "--write", url, name], cwd=root) for name in WRITERS]
@@ -47,7 +49,9 @@ def both(url: str, transactions: int) -> tuple[int, list[ChainFault]]:
     if any(codes):
         raise SystemExit("a writer failed")
     with open_db(url) as database, database.read() as session:
-        there = sum(len(history(session, name)) + len(slab_row(session, name).levels) for name in WRITERS)
+        there = sum(
+            len(history(session, name)) + len(fixture_row(session, SlabRow, name).levels) for name in WRITERS
+        )
         return 2 * len(WRITERS) * transactions - there, alterations(session)
 
 

@@ -1,6 +1,7 @@
 """A small solution with round numbers, and what a calibration says beside it."""
 
 from datetime import UTC, date, datetime, time
+from typing import Any
 
 import numpy as np
 from sqlalchemy import text
@@ -9,10 +10,11 @@ from sqlalchemy.orm import Session
 from fixtures_db.calibration import CalibrationFacts
 from fixtures_db.campaigns import imu
 from fixtures_db.cube_measurements import add_measurement
-from fixtures_db.cubes import add_cube, certify_faces
 from fixtures_db.drawing import drawing
-from fixtures_db.sites import Survey, add_site
-from fixtures_db.slabs import add_level, add_slab
+from fixtures_db.face_certificates import certify_faces
+from fixtures_db.fixtures import add_fixture
+from fixtures_db.schema import CubeRow, SiteRow, SlabLevelRow, SlabRow
+from fixtures_db.slab_levels import add_level
 from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.campaign.campaign import FaceCertificate, MeasuredCube
 from procedures.campaign.measured_cube import PARALLELISM, CubeMeasurement, UnitShare
@@ -45,7 +47,7 @@ def facts(serial: str = "S1", until: date | None = None) -> CalibrationFacts:
 def fill_fixtures(session: Session) -> None:
     """Add a cube with drawing, certificates and measurements, a slab with levels, a site, and two IMUs."""
     face = FaceCertificate(np.array([1e-5, -2e-5]), np.array([[25e-12, 1e-12], [1e-12, 16e-12]]))
-    add_cube(session, "CUBE-7", side_mm=400.0, tolerances=drawing({"t1": 0.02, "t8": 0.01}))
+    add_fixture(session, CubeRow(id="CUBE-7", side_mm=400.0, tolerances=drawing({"t1": 0.02, "t8": 0.01})))
     certify_faces(session, "CUBE-7", {"x_up": face, "z_down": face}, source="CMM", measured_utc=NOON)
     due = date(2027, 3, 4)
     certify_faces(
@@ -56,15 +58,36 @@ def fill_fixtures(session: Session) -> None:
         add_measurement(
             session, "CUBE-7", measured_cube(moved), campaigns={"FOG-3 S1": {"day": "ab" * 32}}, **given
         )
-    add_slab(session, "SLAB-1")
+    add_fixture(session, SlabRow(id="SLAB-1"))
     for at, east in ((NOON, 1e-5), (LATER, 3e-5)):
         due = at.date().replace(year=2027)
         tilt, std = (east, -1e-5), (5e-6, 5e-6)
-        add_level(session, "SLAB-1", tilt_rad=tilt, std_rad=std, source="level 17", measured_utc=at, due_date=due)
-    survey = Survey(9.80665, 2e-6, "survey 12", date(2021, 5, 1), date(2026, 5, 1))
-    add_site(session, "SITE-1", latitude_deg=48.1, longitude_deg=11.5, height_m=520.0, survey=survey)
+        add_level(session, level_row("SLAB-1", tilt, std, source="level 17", measured_utc=at, due_date=due))
+    survey = survey_columns(9.80665, 2e-6, "survey 12", date(2021, 5, 1), date(2026, 5, 1))
+    add_fixture(session, SiteRow(id="SITE-1", latitude_deg=48.1, longitude_deg=11.5, height_m=520.0, **survey))
     imu(session, "FOG-3", "S1")
     imu(session, "FOG-3", "S2")
+
+
+def level_row(
+    slab_id: str, tilt: tuple[float, float] = (0.0, 0.0), std: tuple[float, float] = (1e-5, 1e-5), **said: Any
+) -> SlabLevelRow:
+    """How a slab was found: east and north [rad]; ``said`` has the columns that are not tilt and sigma."""
+    (tilt_east_rad, tilt_north_rad), (std_east_rad, std_north_rad) = tilt, std
+    return SlabLevelRow(
+        slab_id=slab_id, tilt_east_rad=tilt_east_rad, tilt_north_rad=tilt_north_rad,
+        std_east_rad=std_east_rad, std_north_rad=std_north_rad, **said,
+    )  # fmt: skip
+
+
+def survey_columns(
+    gravity: float, std: float, source: str, on: date | None = None, due_date: date | None = None
+) -> dict[str, Any]:
+    """What a site's columns are where its gravity was surveyed [m/s2]."""
+    return {
+        "gravity_m_s2": gravity, "gravity_std_m_s2": std, "gravity_source": source, "gravity_date": on,
+        "due_date": due_date,
+    }  # fmt: skip
 
 
 def measured_cube(moved: float = 0.0, unit: str = "FOG-3 S1") -> CubeMeasurement:

@@ -7,15 +7,20 @@ from sqlalchemy import text
 from sqlalchemy.exc import DBAPIError
 
 from fixtures_db.anchor import take_anchor
-from fixtures_db.chained import verify_dates
-from fixtures_db.cube_measurements import add_measurement, measurements, verify_measurements
-from fixtures_db.cubes import add_cube, certify_faces, cube, cube_row
+from fixtures_db.chained import verify_dates, verify_rows
+from fixtures_db.cube_measurements import (
+    add_measurement,
+    check_measurement,
+    measurement,
+    measurements,
+)
 from fixtures_db.database import Database
 from fixtures_db.due import due
 from fixtures_db.errors import NotInDatabase
-from fixtures_db.measured_rows import check_measurement, measurement
+from fixtures_db.face_certificates import certify_faces, cube
+from fixtures_db.fixtures import add_fixture, fixture_row
 from fixtures_db.migrations.versions.v0005_measured_cubes import FIRST_DUE
-from fixtures_db.schema import CubeMeasurementRow
+from fixtures_db.schema import CubeMeasurementRow, CubeRow
 from fixtures_db.verification import alterations
 from procedures.campaign.campaign import FaceCertificate
 from tests.fixtures_db.factory import LATER, NOON, measured_cube, unprotect
@@ -27,7 +32,7 @@ FACE = FaceCertificate(np.array([1e-5, -2e-5]), 25e-12 * np.eye(2))
 @pytest.fixture
 def measured(db: Database) -> Database:
     with db.write() as session:
-        add_cube(session, "C8", side_mm=400.0)
+        add_fixture(session, CubeRow(id="C8", side_mm=400.0))
         for at, moved in ((NOON, 0.0), (LATER, 5e-6)):
             found, until = measured_cube(moved), date(at.year + 1, 3, 4)
             add_measurement(session, "C8", found, campaigns=CAMPAIGNS, measured_utc=at, due_date=until)
@@ -36,7 +41,7 @@ def measured(db: Database) -> Database:
 
 def test_what_is_stored_comes_back_as_it_was_measured(measured: Database) -> None:
     with measured.read() as session:
-        first, last = (measurement(row) for row in measurements(cube_row(session, "C8")))
+        first, last = (measurement(row) for row in measurements(fixture_row(session, CubeRow, "C8")))
     was = measured_cube(5e-6)
     assert first.cube.value[0] == 0.0
     assert last.cube.names == was.cube.names
@@ -62,14 +67,14 @@ def test_a_measured_cube_is_due_with_its_last_measurement_and_a_certified_one_wi
     measured: Database,
 ) -> None:
     with measured.write() as session:
-        assert (row := cube_row(session, "C8")).due_date == date(2027, 3, 4)
+        assert (row := fixture_row(session, CubeRow, "C8")).due_date == date(2027, 3, 4)
         assert row.certificate_date == LATER.date()
         assert [one.name for one in due(session, date(2027, 3, 4))] == ["C8"]
         for face, day in (("x_up", date(2030, 1, 1)), ("y_up", date(2029, 1, 1)), ("z_up", None)):
             certify_faces(session, "C8", {face: FACE}, source="CMM", measured_utc=NOON, due_date=day)
-        assert cube_row(session, "C8").due_date == date(2029, 1, 1)  # z_up has no say
+        assert fixture_row(session, CubeRow, "C8").due_date == date(2029, 1, 1)  # z_up has no say
         certify_faces(session, "C8", {"y_up": FACE}, source="CMM", measured_utc=LATER)
-        assert cube_row(session, "C8").due_date == date(2030, 1, 1)  # y_up holds without end now
+        assert fixture_row(session, CubeRow, "C8").due_date == date(2030, 1, 1)  # y_up holds without end now
         assert verify_dates(session) == []
 
 
@@ -96,7 +101,7 @@ def test_an_altered_measurement_is_found(measured: Database, statement: str) -> 
         unprotect(session, "cube_measurements")
         session.execute(text(statement))
     with measured.read() as session:
-        assert verify_measurements(session) != []
+        assert verify_rows(session, CubeMeasurementRow) != []
         assert alterations(session) != []
 
 
@@ -106,8 +111,8 @@ def test_a_newest_measurement_that_is_gone_shows_against_the_anchor(measured: Da
         unprotect(session, "cube_measurements")
         session.execute(text("DELETE FROM cube_measurements WHERE id = 2"))
     with measured.read() as session:
-        assert verify_measurements(session) == []
-        assert verify_measurements(session, anchor.measurement) != []
+        assert verify_rows(session, CubeMeasurementRow) == []
+        assert verify_rows(session, CubeMeasurementRow, anchor.measurement) != []
         assert any("cube measurement" in fault.row for fault in alterations(session, anchor))
 
 
@@ -124,7 +129,7 @@ def test_a_newest_measurement_that_is_gone_shows_against_the_anchor(measured: Da
 )
 def test_what_is_no_measurement_is_refused(column: str, value: str, said: str, measured: Database) -> None:
     with measured.read() as session:
-        row = measurements(cube_row(session, "C8"))[0]
+        row = measurements(fixture_row(session, CubeRow, "C8"))[0]
     columns = {c: getattr(row, c) for c in ("cube_id", "values_rad", "covariance_rad2", "sources", "measured_utc")}
     with pytest.raises(ValueError, match=f"C8.*({said})"):
         check_measurement(CubeMeasurementRow(**columns | {column: value}))
@@ -145,13 +150,13 @@ def test_a_covariance_that_is_none_and_a_name_that_is_none_are_refused(measured:
 
 def test_a_cube_of_an_older_database_is_dated_anew_by_the_first_of_its_faces(db: Database) -> None:
     with db.write() as session:
-        add_cube(session, "C8", side_mm=400.0)
+        add_fixture(session, CubeRow(id="C8", side_mm=400.0))
         days = (("x_up", NOON, date(2027, 1, 1)), ("x_up", LATER, date(2029, 1, 1)), ("y_up", LATER, None))
         for face, at, day in days:
             certify_faces(session, "C8", {face: FACE}, source="CMM", measured_utc=at, due_date=day)
         session.execute(text("UPDATE cubes SET due_date = NULL WHERE id = 'C8'"))  # as y_up, added last, had it
         session.execute(text(FIRST_DUE))
         session.expire_all()
-        assert cube_row(session, "C8").due_date == date(2029, 1, 1)
-        assert cube_row(session, "P1").due_date is None
+        assert fixture_row(session, CubeRow, "C8").due_date == date(2029, 1, 1)
+        assert fixture_row(session, CubeRow, "P1").due_date is None
         assert verify_dates(session) == []

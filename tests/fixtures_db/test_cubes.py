@@ -5,9 +5,13 @@ import pytest
 from sqlalchemy import text
 from sqlalchemy.exc import DBAPIError
 
-from fixtures_db.cubes import Tolerance, add_cube, certify_faces, cube, cube_row, verify_certificates
+from fixtures_db.chained import verify_rows
 from fixtures_db.database import Database
+from fixtures_db.drawing import drawing
 from fixtures_db.errors import AlreadyThere, NotInDatabase
+from fixtures_db.face_certificates import certify_faces, cube
+from fixtures_db.fixtures import add_fixture, fixture_row
+from fixtures_db.schema import CubeRow, FaceCertificateRow
 from procedures.campaign.campaign import FaceCertificate
 from tests.fixtures_db.factory import NOON, unprotect
 
@@ -19,7 +23,7 @@ def _face(east: float) -> FaceCertificate:
 @pytest.fixture
 def certified(db: Database) -> Database:
     with db.write() as session:
-        add_cube(session, "CUBE-7", side_mm=400.0, tolerances=[Tolerance("t1", "flatness", "A", None, 0.02)])
+        add_fixture(session, CubeRow(id="CUBE-7", side_mm=400.0, tolerances=drawing({"t1": 0.02})))
         certify_faces(
             session, "CUBE-7", {"x_up": _face(1e-5), "z_down": _face(3e-5)}, source="CMM", measured_utc=NOON
         )
@@ -33,9 +37,9 @@ def certified(db: Database) -> Database:
 def test_the_newest_certificate_of_each_face_enters_the_fixture(certified: Database) -> None:
     with certified.read() as session:
         fixture = cube(session, "CUBE-7")
-        assert len(cube_row(session, "CUBE-7").certificates) == 3
-        assert cube_row(session, "CUBE-7").due_date == date(2027, 3, 4)
-        assert cube_row(session, "CUBE-7").tolerances[0].tolerance_mm == 0.02
+        assert len(fixture_row(session, CubeRow, "CUBE-7").certificates) == 3
+        assert fixture_row(session, CubeRow, "CUBE-7").due_date == date(2027, 3, 4)
+        assert fixture_row(session, CubeRow, "CUBE-7").tolerances[0].tolerance_mm == 0.02
     assert fixture.id == "CUBE-7"
     assert list(fixture.faces) == ["x_up", "z_down"]
     np.testing.assert_array_equal(fixture.faces["x_up"].up_tilt, [2e-5, -2e-5])
@@ -64,17 +68,17 @@ def test_the_database_refuses_to_change_a_certificate(certified: Database) -> No
 )
 def test_a_tampered_certificate_is_found(certified: Database, statement: str) -> None:
     with certified.write() as session:
-        assert verify_certificates(session) == []
+        assert verify_rows(session, FaceCertificateRow) == []
         unprotect(session, "face_certificates")
         session.execute(text(statement))
     with certified.read() as session:
-        assert verify_certificates(session) != []
+        assert verify_rows(session, FaceCertificateRow) != []
 
 
 def test_names_are_checked(certified: Database) -> None:
     with certified.write() as session:
         with pytest.raises(AlreadyThere):
-            add_cube(session, "CUBE-7", side_mm=400.0)
+            add_fixture(session, CubeRow(id="CUBE-7", side_mm=400.0))
         with pytest.raises(NotInDatabase, match="it has CUBE-7, P1"):
             cube(session, "CUBE-8")
         with pytest.raises(ValueError, match="none of x_up"):
@@ -83,4 +87,4 @@ def test_names_are_checked(certified: Database) -> None:
         with pytest.raises(ValueError, match="covariance"):
             certify_faces(session, "P1", {"x_up": bad}, source="CMM", measured_utc=NOON)
         with pytest.raises(ValueError, match="positive"):
-            add_cube(session, "flat", side_mm=0.0)
+            add_fixture(session, CubeRow(id="flat", side_mm=0.0))

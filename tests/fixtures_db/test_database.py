@@ -9,12 +9,12 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import text
 
 from fixtures_db import database
-from fixtures_db.cubes import cube_row
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten
+from fixtures_db.fixtures import fixture_row
 from fixtures_db.migrations import HEAD, KNOWN
 from fixtures_db.migrations.upgrade import config
-from fixtures_db.schema import Base
+from fixtures_db.schema import Base, CubeRow
 from tests.benchmarks.two_writers import both
 
 
@@ -31,7 +31,7 @@ def test_the_known_revisions_are_those_that_ship() -> None:
 
 def test_the_example_cube_is_there_with_its_eleven_items(db: Database) -> None:
     with db.read() as session:
-        example = cube_row(session, "P1")
+        example = fixture_row(session, CubeRow, "P1")
         assert example.side_mm == 400.0
         assert [t.item for t in example.tolerances] == "t1 t2 t3 t4-1 t4-2 t5 t6 t7 t8 t9 t10".split()
         assert {t.tolerance_mm for t in example.tolerances} == {0.04}
@@ -72,7 +72,7 @@ def test_a_lock_that_is_kept_is_reported(db_url: str, monkeypatch: pytest.Monkey
         with pytest.raises(DatabaseBusy, match=r"still locked after 0\.05 s"), other.write():
             pass
         with other.read() as session:
-            assert cube_row(session, "P1").side_mm == 400.0
+            assert fixture_row(session, CubeRow, "P1").side_mm == 400.0
 
 
 def test_a_full_disk_is_reported_and_changes_nothing(sqlite_db: Database) -> None:

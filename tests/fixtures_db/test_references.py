@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 from fixtures_db.campaigns import accept_step, start_campaign
-from fixtures_db.cubes import add_cube, certify_faces
 from fixtures_db.database import Database, open_db
+from fixtures_db.face_certificates import certify_faces
+from fixtures_db.fixtures import add_fixture
 from fixtures_db.references import references, why_measured
-from fixtures_db.sites import Survey, add_site
-from fixtures_db.slabs import add_level, add_slab
+from fixtures_db.schema import CubeRow, SiteRow, SlabRow
+from fixtures_db.slab_levels import add_level
 from procedures.campaign.campaign import FaceCertificate
+from tests.fixtures_db.factory import level_row, survey_columns
 
 NOON = datetime(2026, 5, 11, 12, tzinfo=UTC)
 DAY = NOON.astimezone().date()
@@ -29,15 +31,15 @@ def db(tmp_path: Path) -> Iterator[Database]:
         with opened.write() as session:
             for name in ("bare", "dated", "good", "open", "old"):
                 dated = {"certificate_date": LONG_AGO.date(), "due_date": DAY} if name == "dated" else {}
-                add_cube(session, name, side_mm=400.0, **dated)
-                add_slab(session, name, **dated)
+                add_fixture(session, CubeRow(id=name, side_mm=400.0, **dated))
+                add_fixture(session, SlabRow(id=name, **dated))
             for name, due in (("good", DAY), ("open", None), ("old", BEFORE)):
                 face = {"x_up": FaceCertificate(np.zeros(2), np.eye(2) * 1e-12)}
                 said = {"source": "CMM 12", "measured_utc": LONG_AGO, "due_date": due}
                 certify_faces(session, name, face, **said)
-                add_level(session, name, tilt_rad=(0.0, 0.0), std_rad=(1e-6, 1e-6), **said)
-                survey = Survey(9.8, 1e-6, "gravimeter", due_date=due)
-                add_site(session, name, latitude_deg=48.0, survey=survey)
+                add_level(session, level_row(name, std=(1e-6, 1e-6), **said))
+                survey = survey_columns(9.8, 1e-6, "gravimeter", due_date=due)
+                add_fixture(session, SiteRow(id=name, latitude_deg=48.0, **survey))
         yield opened
 
 

@@ -4,20 +4,28 @@ import numpy as np
 import pytest
 from sqlalchemy import text
 
-from fixtures_db.chained import newest_hash, verify_dates
-from fixtures_db.cube_measurements import verify_measurements
-from fixtures_db.cubes import add_cube, certify_faces, cube, cube_row, verify_certificates
+from fixtures_db.chained import newest_hash, verify_dates, verify_rows
 from fixtures_db.database import Database, open_db
 from fixtures_db.drawing import drawing
 from fixtures_db.due import due
 from fixtures_db.errors import DiffersFromStored, NotInDatabase
+from fixtures_db.face_certificates import certify_faces, cube
+from fixtures_db.fixtures import add_fixture, fixture_row
 from fixtures_db.history import accept_calibration
-from fixtures_db.schema import CubeMeasurementRow, FaceCertificateRow, SlabLevelRow
-from fixtures_db.sites import Survey, add_site, site_row
-from fixtures_db.slabs import add_level, add_slab, slab_row, verify_levels
+from fixtures_db.schema import CubeMeasurementRow, CubeRow, FaceCertificateRow, SiteRow, SlabLevelRow, SlabRow
+from fixtures_db.slab_levels import add_level
 from fixtures_db.transfer import dump, restore
 from procedures.campaign.campaign import FaceCertificate
-from tests.fixtures_db.factory import LATER, NOON, facts, fill_fixtures, solution, unprotect
+from tests.fixtures_db.factory import (
+    LATER,
+    NOON,
+    facts,
+    fill_fixtures,
+    level_row,
+    solution,
+    survey_columns,
+    unprotect,
+)
 
 CHAINED = (FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
 
@@ -39,8 +47,8 @@ def test_a_dump_taken_into_an_empty_database_is_equal_down_to_the_hashes(filled:
         with other.read() as session:
             assert dump(session) == rows
             assert [newest_hash(session, table) for table in CHAINED] == heads
-            assert verify_certificates(session) == verify_levels(session) == verify_dates(session) == []
-            assert verify_measurements(session) == []
+            assert all(verify_rows(session, table) == [] for table in CHAINED)
+            assert verify_dates(session) == []
         with other.write() as session:
             assert set(restore(session, rows).values()) == {0}
     assert added["certificate"] == 3
@@ -69,13 +77,13 @@ def test_what_would_change_a_stored_row_is_refused_and_nothing_is_added(filled: 
 
 def test_what_was_measured_earlier_supersedes_nothing(db: Database) -> None:
     with db.write() as session:
-        add_cube(session, "CUBE-7", side_mm=400.0)
+        add_fixture(session, CubeRow(id="CUBE-7", side_mm=400.0))
         for at, tilt in ((LATER, 2e-5), (NOON, 1e-5)):
             face = FaceCertificate(np.full(2, tilt), np.eye(2) * 25e-12)
             certify_faces(session, "CUBE-7", {"x_up": face}, source="CMM", measured_utc=at, due_date=at.date())
     with db.read() as session:
         np.testing.assert_array_equal(cube(session, "CUBE-7").faces["x_up"].up_tilt, [2e-5, 2e-5])
-        assert cube_row(session, "CUBE-7").due_date == LATER.date()
+        assert fixture_row(session, CubeRow, "CUBE-7").due_date == LATER.date()
 
 
 def test_what_expires_is_listed_by_day(filled: Database) -> None:
@@ -103,28 +111,28 @@ def test_an_altered_level_or_due_date_is_found(filled: Database, statement: str,
         unprotect(session, "slab_levels")
         session.execute(text(statement))
     with filled.read() as session:
-        found = verify_levels(session) + verify_dates(session)
+        found = verify_rows(session, SlabLevelRow) + verify_dates(session)
     assert found[0].row == said
 
 
 def test_a_slab_keeps_every_level_and_a_site_its_survey(filled: Database) -> None:
     with filled.read() as session:
-        assert [row.tilt_east_rad for row in slab_row(session, "SLAB-1").levels] == [1e-5, 3e-5]
-        assert slab_row(session, "SLAB-1").due_date == date(2027, 6, 4)
-        assert site_row(session, "SITE-1").gravity_source == "survey 12"
+        assert [row.tilt_east_rad for row in fixture_row(session, SlabRow, "SLAB-1").levels] == [1e-5, 3e-5]
+        assert fixture_row(session, SlabRow, "SLAB-1").due_date == date(2027, 6, 4)
+        assert fixture_row(session, SiteRow, "SITE-1").gravity_source == "survey 12"
 
 
 def test_what_is_no_slab_site_or_drawing_is_refused(filled: Database) -> None:
     with filled.write() as session:
-        add_slab(session, "S2")
+        add_fixture(session, SlabRow(id="S2"))
         with pytest.raises(ValueError, match="1 sigma above 0"):
-            add_level(session, "S2", tilt_rad=(0, 0), std_rad=(1e-5, 0), source="x", measured_utc=NOON)
+            add_level(session, level_row("S2", std=(1e-5, 0), source="x", measured_utc=NOON))
         with pytest.raises(NotInDatabase, match="S2, SLAB-1"):
-            slab_row(session, "S3")
+            fixture_row(session, SlabRow, "S3")
         with pytest.raises(ValueError, match="latitude"):
-            add_site(session, "far", latitude_deg=91.0)
+            add_fixture(session, SiteRow(id="far", latitude_deg=91.0))
         with pytest.raises(ValueError, match="gravity"):
-            add_site(session, "moon", latitude_deg=1.0, survey=Survey(1.62, 1e-5, "x"))
+            add_fixture(session, SiteRow(id="moon", latitude_deg=1.0, **survey_columns(1.62, 1e-5, "x")))
     with pytest.raises(ValueError, match="none of t1"):
         drawing({"t11": 0.04})
     assert [item.item for item in drawing({"t10": 0.02, "t1": 0.01})] == ["t1", "t10"]

@@ -13,7 +13,7 @@ from fixtures_db.chain import digest
 from fixtures_db.transfer import Rows, Value
 from station.errors import Altered, CannotWrite, DataRefused, cannot_write
 from station.files.atomic_file import replace_file
-from station.files.fixture_files.tables import TABLES, FixturesTable
+from station.files.fixture_files.tables import FIXTURES_FILE, TABLES, FixturesFile
 from station.files.fixture_files.toml_file import MAX_BYTES
 from station.files.sha256sums import NAME as HASHES
 from station.files.sha256sums import append_hash, verify_folder
@@ -41,7 +41,7 @@ def write_csv(folder: Path, rows: Rows) -> None:
             append_hash(folder, f"{name}.csv", digest(text))
 
 
-def read_csv(path: Path) -> FixturesTable:
+def read_csv(path: Path) -> FixturesFile:
     """Return the tables of a folder, or of one CSV file named for its table (``slab.csv``).
 
     Raises
@@ -52,14 +52,14 @@ def read_csv(path: Path) -> FixturesTable:
         With file and line, if a row is none of its table.
     """
     if path.is_file():
-        return FixturesTable.model_validate({path.stem: _rows(path)})
+        return FIXTURES_FILE.model_validate({path.stem: _rows(path)})
     if (path / HASHES).exists():
         verify_csv(path)
     files = {name: path / f"{name}.csv" for name in TABLES}
     found = {name: _rows(file) for name, file in files.items() if file.exists()}
     if not found:
         raise DataRefused(path, None, "none of its files", f"one of {', '.join(f'{name}.csv' for name in TABLES)}")
-    return FixturesTable.model_validate(found)
+    return FIXTURES_FILE.model_validate(found)
 
 
 def verify_csv(folder: Path) -> list[str]:

@@ -27,7 +27,7 @@ from fixtures_db.calibration import utc_text
 from fixtures_db.chain import digest
 from fixtures_db.transfer import Rows, Value
 from station.errors import Altered, DataRefused
-from station.files.fixture_files.tables import FixturesTable
+from station.files.fixture_files.tables import FIXTURES_FILE, FixturesFile
 from station.files.toml_text import read_tables, read_text_file
 
 FORMAT = "fixtures/1"
@@ -42,7 +42,7 @@ def to_toml(rows: Rows) -> str:
     return sealed("\n".join([f"format = {toml_value(FORMAT)}", *table_lines(rows)]) + "\n")
 
 
-def read_toml_file(path: Path) -> FixturesTable:
+def read_toml_file(path: Path) -> FixturesFile:
     """Return the tables of a file, an export or one written by hand.
 
     Raises
@@ -55,7 +55,7 @@ def read_toml_file(path: Path) -> FixturesTable:
     content = read_text_file(path, MAX_BYTES)
     if SEAL in content:
         seal_of(path)
-    tables, lines = read_tables(content, path, FixturesTable)
+    tables, lines = read_tables(content, path, FIXTURES_FILE)
     if tables.format != FORMAT:
         raise DataRefused(path, lines.get(("format",)), f"format {tables.format!r}", FORMAT)
     return tables

@@ -7,9 +7,10 @@ from datetime import datetime
 
 from sqlalchemy.orm import Session
 
-from fixtures_db.cube_measurements import measurements
-from fixtures_db.cubes import cube, cube_row
-from fixtures_db.measured_rows import measurement
+from fixtures_db.cube_measurements import measurement, measurements
+from fixtures_db.face_certificates import cube
+from fixtures_db.fixtures import fixture_row
+from fixtures_db.schema import CubeRow
 from procedures.bench.cube_drift import Comparison, CubeDrift, compare, drift
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import CubeMeasurement, from_certificate
@@ -82,7 +83,7 @@ class Study:
 
 def known_of(session: Session, cube_id: str) -> Known:
     """Return what the database says of a cube; raise `NotInDatabase` if it has none of that name."""
-    row = cube_row(session, cube_id)
+    row = fixture_row(session, CubeRow, cube_id)
     rows = measurements(row)
     measured = tuple((one.measured_utc, measurement(one)) for one in rows)
     sources = tuple(_sources(json.loads(one.sources)) for one in rows)

@@ -3,8 +3,8 @@
 import numpy as np
 from sqlalchemy.orm import Session
 
-from fixtures_db.cubes import cube_row, faces_in_force
-from fixtures_db.cubes_known import cubes
+from fixtures_db.face_certificates import faces_in_force
+from fixtures_db.fixtures import fixture_row, fixture_rows
 from fixtures_db.schema import CubeRow, FaceCertificateRow
 from procedures.units import RAD_PER_ARCSEC
 from station.results.fixture_kinds.dates import due_text
@@ -15,7 +15,7 @@ def lines(session: Session) -> list[str]:
     return [
         f"{row.id}: {row.side_mm:g} mm, {len(faces_in_force(row))} of 6 faces certified, "
         f"{_by_imus(row)}{due_text(row)}"
-        for row in cubes(session)
+        for row in fixture_rows(session, CubeRow)
     ]
 
 
@@ -24,7 +24,7 @@ def description(session: Session, name: str) -> str:
 
     Raise `NotInDatabase` if there is no cube of that name.
     """
-    row = cube_row(session, name)
+    row = fixture_row(session, CubeRow, name)
     of = _by_imus(row) or f"certificate {row.certificate_date or 'none'}, "
     said = [f"{row.id}: side {row.side_mm:g} mm, {of}{due_text(row)}"]
     said += _drawing(row)

@@ -2,19 +2,21 @@
 
 from sqlalchemy.orm import Session
 
+from fixtures_db.fixtures import fixture_row, fixture_rows
 from fixtures_db.schema import SiteRow
-from fixtures_db.sites import site_row, sites
 from station.results.fixture_kinds.dates import due_text
 
 
 def lines(session: Session) -> list[str]:
     """Return a line for each site."""
-    return [f"{row.id}: {_position(row)}, {_gravity(row)}, {due_text(row)}" for row in sites(session)]
+    return [
+        f"{row.id}: {_position(row)}, {_gravity(row)}, {due_text(row)}" for row in fixture_rows(session, SiteRow)
+    ]
 
 
 def description(session: Session, name: str) -> str:
     """Return a site's position and survey; raise `NotInDatabase` if there is none of that name."""
-    row = site_row(session, name)
+    row = fixture_row(session, SiteRow, name)
     source = f" ({row.gravity_source or 'no source'}, {row.gravity_date or 'no date'})" if row.gravity_m_s2 else ""
     return f"{row.id}: {_position(row)}\n  {_gravity(row)}{source}, {due_text(row)}"
 

@@ -3,20 +3,20 @@
 from sqlalchemy.orm import Session
 
 from fixtures_db.chained import in_force
-from fixtures_db.schema import SlabLevelRow
-from fixtures_db.slabs import slab_row, slabs
+from fixtures_db.fixtures import fixture_row, fixture_rows
+from fixtures_db.schema import SlabLevelRow, SlabRow
 from procedures.units import RAD_PER_ARCSEC
 from station.results.fixture_kinds.dates import due_text
 
 
 def lines(session: Session) -> list[str]:
     """Return a line for each slab: its level in force."""
-    return [f"{row.id}: {_level(in_force(row.levels))}, {due_text(row)}" for row in slabs(session)]
+    return [f"{row.id}: {_level(in_force(row.levels))}, {due_text(row)}" for row in fixture_rows(session, SlabRow)]
 
 
 def description(session: Session, name: str) -> str:
     """Return every level of a slab; raise `NotInDatabase` if there is none of that name."""
-    row = slab_row(session, name)
+    row = fixture_row(session, SlabRow, name)
     said = [f"{row.id}: certificate {row.certificate_date or 'none'}, {due_text(row)}"]
     by_date = sorted(row.levels, key=lambda level: (level.measured_utc, level.id))
     return "\n".join([*said, *(f"  {_level(level)}" for level in by_date)])

@@ -20,8 +20,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from drivers.simulated.truth import paper_truth
-from fixtures_db.cubes import cube_row
 from fixtures_db.database import open_db
+from fixtures_db.fixtures import fixture_row
+from fixtures_db.schema import CubeRow
 from procedures.arrays import FloatArray
 from procedures.tolerance.estimators import Unit
 from procedures.tolerance.items import ITEMS, angles
@@ -60,7 +61,7 @@ def drawing_of_file(path: Path) -> Drawing:
 def drawing_of_cube(db: str | None, name: str) -> Drawing:
     """Return the drawing of a cube in the database; `NotInDatabase`, or `DataRefused` if items are missing."""
     with open_db(db) as database, database.read() as session:
-        row = cube_row(session, name)
+        row = fixture_row(session, CubeRow, name)
         side, items = row.side_mm, {t.item: t.tolerance_mm for t in row.tolerances}
     return Drawing(name, side, _angles(items, side, f"cube {name}"), np.ones(len(ITEMS)))
 

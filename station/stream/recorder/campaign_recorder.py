@@ -18,7 +18,7 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.campaigns import accept_step, set_state, start_campaign
 from fixtures_db.database import Database
-from fixtures_db.sites import surveyed_site
+from fixtures_db.site_surveys import surveyed_site
 from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
 from procedures.frames import TURN_START
 from station.errors import cannot_write

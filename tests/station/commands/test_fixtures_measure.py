@@ -9,10 +9,10 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from fixtures_db.cube_measurements import measurements
-from fixtures_db.cubes import cube_row
+from fixtures_db.cube_measurements import measurement, measurements
 from fixtures_db.database import open_db
-from fixtures_db.measured_rows import measurement
+from fixtures_db.fixtures import fixture_row
+from fixtures_db.schema import CubeRow
 from procedures.campaign.campaign import Fixture
 from procedures.frames import face_of
 from station import cli
@@ -185,7 +185,7 @@ def test_what_the_dwells_do_not_determine_is_named_and_not_stored(
     )
     assert "part: no dwell in position " in said
     with open_db(station.db) as database, database.read() as session:
-        (row,) = measurements(cube_row(session, "CUBE-7"))
+        (row,) = measurements(fixture_row(session, CubeRow, "CUBE-7"))
         found = measurement(row).cube
     assert "parallelism.x.y" not in found.names
     assert np.sqrt(np.diag(found.covariance)).max() < 1e-3

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from fixtures_db.chain import Link, faults
-from fixtures_db.cubes import add_cube, certify_faces
 from fixtures_db.database import Database, open_db
+from fixtures_db.face_certificates import certify_faces
+from fixtures_db.fixtures import add_fixture
 from fixtures_db.history import accept_calibration, history
+from fixtures_db.schema import CubeRow
 from procedures.campaign.campaign import FaceCertificate
 from station import cli
 from tests.fixtures_db.factory import NOON, facts, solution
@@ -23,7 +25,7 @@ def fill(database: Database, folder: Path) -> None:
     """Put three calibrations, two certificates and a campaign of three steps into a database."""
     face = FaceCertificate(np.array([1e-5, -2e-5]), np.eye(2) * 25e-12)
     with database.write() as session:
-        add_cube(session, "CUBE-7", side_mm=400.0)
+        add_fixture(session, CubeRow(id="CUBE-7", side_mm=400.0))
         faces, due = {"x_up": face, "y_up": face}, date(2030, 1, 1)
         certify_faces(session, "CUBE-7", faces, source="CMM", measured_utc=NOON, due_date=due)
         for bias in (1e-3, 2e-3, 3e-3):

@@ -12,12 +12,13 @@ import pytest
 
 from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import accept_step
-from fixtures_db.cubes import add_cube, certify_faces
 from fixtures_db.database import Database, open_db
+from fixtures_db.face_certificates import certify_faces
+from fixtures_db.fixtures import add_fixture
 from fixtures_db.history import calibration
 from fixtures_db.limits import Limit, limits_of, set_limits
-from fixtures_db.sites import Survey, add_site
-from fixtures_db.slabs import add_level, add_slab
+from fixtures_db.schema import CubeRow, SiteRow, SlabRow
+from fixtures_db.slab_levels import add_level
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.files.campaign_folder.notes import write_setup
@@ -33,6 +34,7 @@ from station.results.certificate.certificate import Certificate
 from station.results.certificate.checklist import missing
 from station.results.verdict import judge
 from station.stream.recorder import Unit, open_campaign
+from tests.fixtures_db.factory import level_row, survey_columns
 from tests.station.guide.stored import recorded
 from tests.station.results.certificate.factory import laboratory
 
@@ -101,16 +103,16 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
     with open_db(root / "station.db") as database:
         with database.write() as session:
             for kind in KINDS[1:]:
-                add_cube(session, kind, side_mm=400.0)
-                add_slab(session, kind)
+                add_fixture(session, CubeRow(id=kind, side_mm=400.0))
+                add_fixture(session, SlabRow(id=kind))
                 due = {"good": AHEAD, "old": PAST}.get(kind)
                 said = {"source": "CMM 12", "measured_utc": LONG_AGO, "due_date": due}
                 if kind != "bare":
                     certify_faces(session, kind, face, **said)
-                    add_level(session, kind, tilt_rad=(0.0, 0.0), std_rad=(5e-6, 5e-6), **said)
+                    add_level(session, level_row(kind, std=(5e-6, 5e-6), **said))
             for name, latitude, due in (("LAB-1", 48.0, AHEAD), ("LAB-2", 50.0, PAST)):
-                survey = Survey(9.8, 1e-6, "gravimeter", LONG_AGO.date(), due)
-                add_site(session, name, latitude_deg=latitude, survey=survey)
+                survey = survey_columns(9.8, 1e-6, "gravimeter", LONG_AGO.date(), due)
+                add_fixture(session, SiteRow(id=name, latitude_deg=latitude, **survey))
         yield Bench(database, root, make_results(recorded(root / "c", database, turned=True), database))
 
 

@@ -12,9 +12,9 @@ from drivers.ports import open_port
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
-from fixtures_db.cubes import add_cube
 from fixtures_db.database import Database, open_db
-from fixtures_db.slabs import add_slab
+from fixtures_db.fixtures import add_fixture
+from fixtures_db.schema import CubeRow, SlabRow
 from procedures.counts.sample_records import CountBlock
 from station.errors import CannotWrite
 from station.files.setup import Setup
@@ -67,9 +67,9 @@ def test_without_the_variable_it_is_the_users_own_configuration(monkeypatch: pyt
 
 def test_cubes_and_slabs_stand_there_with_their_certificates(db: Database, tmp_path: Path) -> None:
     with db.write() as session:
-        add_cube(session, "OLD", side_mm=200.0, due_date=date(2020, 2, 1))
-        add_cube(session, "NEW", side_mm=200.0, due_date=date(2100, 2, 1))
-        add_slab(session, "SLAB", due_date=date(2020, 2, 1))
+        add_fixture(session, CubeRow(id="OLD", side_mm=200.0, due_date=date(2020, 2, 1)))
+        add_fixture(session, CubeRow(id="NEW", side_mm=200.0, due_date=date(2100, 2, 1)))
+        add_fixture(session, SlabRow(id="SLAB", due_date=date(2020, 2, 1)))
     begin(tmp_path / "c", db)
     start = start_view(db, Setup(operator="x"))
     assert {cube.key: (cube.note, cube.warns) for cube in start.cubes} == {

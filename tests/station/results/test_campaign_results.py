@@ -11,12 +11,14 @@ import pytest
 
 from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import campaign
-from fixtures_db.cubes import add_cube, certify_faces
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import AlreadyStored, NotInDatabase
+from fixtures_db.face_certificates import certify_faces
+from fixtures_db.fixtures import add_fixture
 from fixtures_db.history import history, verify_chain
 from fixtures_db.limits import Limit, set_limits
-from fixtures_db.slabs import add_level, add_slab
+from fixtures_db.schema import CubeRow, SlabRow
+from fixtures_db.slab_levels import add_level
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.errors import Altered, CannotWrite
@@ -30,6 +32,7 @@ from station.guide.outcome import verdict_view
 from station.results import campaign_results as module
 from station.results.campaign_results import make_results, store
 from station.results.certificate.model_statement import diagnosis_said
+from tests.fixtures_db.factory import level_row
 from tests.procedures.diagnosis.planted import wandering
 from tests.station.guide.recorded import everything
 from tests.station.guide.stored import recorded
@@ -137,12 +140,12 @@ def test_an_expired_certificate_makes_it_measured_and_says_which(
     said = {"source": "CMM 12", "measured_utc": datetime(2019, 1, 1, tzinfo=UTC)}
     face = FaceCertificate(np.zeros(2), np.eye(2) * 25e-12)
     with db.write() as session:
-        add_cube(session, "CUBE-7", side_mm=400.0)
+        add_fixture(session, CubeRow(id="CUBE-7", side_mm=400.0))
         due = past if expired == "cube" else ahead
         certify_faces(session, "CUBE-7", dict.fromkeys(FACES, face), **said, due_date=due)
-        add_slab(session, "SLAB-1")
+        add_fixture(session, SlabRow(id="SLAB-1"))
         due = past if expired == "slab" else ahead
-        add_level(session, "SLAB-1", tilt_rad=(0.0, 0.0), std_rad=(1e-5, 1e-5), **said, due_date=due)
+        add_level(session, level_row("SLAB-1", std=(1e-5, 1e-5), **said, due_date=due))
     results = make_results(recorded(tmp_path / "c", db, cube_id="CUBE-7", slab_id="SLAB-1"), db)
     names = {"cube": "CUBE-7", "slab": "SLAB-1"}
     reason = f"the certificate of {expired} {names[expired]} expired on 2020-01-01" if expired else ""

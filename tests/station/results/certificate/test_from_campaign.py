@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from fixtures_db.campaigns import accept_step, campaign
-from fixtures_db.cubes import add_cube, certify_faces
 from fixtures_db.database import Database, open_db
+from fixtures_db.face_certificates import certify_faces
+from fixtures_db.fixtures import add_fixture
 from fixtures_db.history import calibration
 from fixtures_db.limits import set_limits
 from fixtures_db.references import references
-from fixtures_db.sites import Survey, add_site
-from fixtures_db.slabs import add_level, add_slab
+from fixtures_db.schema import CubeRow, SiteRow, SlabRow
+from fixtures_db.slab_levels import add_level
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.files.campaign_folder.notes import UnitRecord, write_setup, write_unit
@@ -24,12 +25,13 @@ from station.results.campaign_results import make_results, store
 from station.results.certificate.checklist import missing
 from station.results.certificate.issuing import Request, issue
 from station.stream.recorder import open_campaign
+from tests.fixtures_db.factory import level_row, survey_columns
 from tests.station.guide.recorded import UNIT
 from tests.station.guide.stored import recorded
 from tests.station.results.certificate.factory import LIMITS, laboratory
 from tests.station.results.certificate.test_certificate import seen
 
-SURVEY = Survey(9.8072914, 2e-7, "gravimeter, survey 12", date(2024, 5, 1), date(2090, 5, 1))
+SURVEY = survey_columns(9.8072914, 2e-7, "gravimeter, survey 12", date(2024, 5, 1), date(2090, 5, 1))
 LONG_AGO, AHEAD = datetime(2020, 1, 1, 12, tzinfo=UTC), datetime(2090, 1, 1, 12, tzinfo=UTC)
 
 
@@ -37,15 +39,15 @@ def furnish(database: Database, due: date = date(2090, 1, 1)) -> None:
     """Add a certified cube, a level slab and limits of the model."""
     face = FaceCertificate(np.zeros(2), np.eye(2) * 25e-12)
     with database.write() as session:
-        add_cube(session, "CUBE-7", side_mm=400.0)
+        add_fixture(session, CubeRow(id="CUBE-7", side_mm=400.0))
         for measured, by in ((LONG_AGO, "CMM 12"), (AHEAD, "CMM of the future")):
             faces = dict.fromkeys(FACES, face)
             certify_faces(session, "CUBE-7", faces, source=by, measured_utc=measured, due_date=due)
-        add_slab(session, "SLAB-2")
-        tilt, std = (1e-5, 0.0), (5e-6, 5e-6)
-        add_level(
-            session, "SLAB-2", tilt_rad=tilt, std_rad=std, source="level 17", measured_utc=LONG_AGO, due_date=due
+        add_fixture(session, SlabRow(id="SLAB-2"))
+        level = level_row(
+            "SLAB-2", (1e-5, 0.0), (5e-6, 5e-6), source="level 17", measured_utc=LONG_AGO, due_date=due
         )
+        add_level(session, level)
         set_limits(session, "SIM-FOG3", LIMITS[:1])
 
 
@@ -113,7 +115,7 @@ def test_gravity_entered_by_hand_is_known_by_its_survey(
 ) -> None:
     with open_db(tmp_path / "station.db") as database:
         with database.write() as session:
-            add_site(session, "LAB-1", latitude_deg=48.1374, survey=SURVEY)
+            add_fixture(session, SiteRow(id="LAB-1", latitude_deg=48.1374, **SURVEY))
         (tmp_path / "c").mkdir()
         open_campaign(tmp_path / "c", UNIT, SiteTable(**{"latitude_deg": 48.1374, **entered}), database)
         with database.read() as session:
@@ -123,14 +125,14 @@ def test_gravity_entered_by_hand_is_known_by_its_survey(
     if site is None:
         assert found == []
     else:
-        said = {"source": SURVEY.source, "measured_utc": "2024-05-01", "due_date": "2090-05-01"}
+        said = {"source": SURVEY["gravity_source"], "measured_utc": "2024-05-01", "due_date": "2090-05-01"}
         assert found == [{"kind": "site", "id": site, **said}]
 
 
 def test_the_height_is_that_of_the_surveyed_site(tmp_path: Path) -> None:
     with open_db(tmp_path / "station.db") as database:
         with database.write() as session:
-            add_site(session, "LAB-1", latitude_deg=48.1374, height_m=519.0, survey=SURVEY)
+            add_fixture(session, SiteRow(id="LAB-1", latitude_deg=48.1374, height_m=519.0, **SURVEY))
         folder = recorded(tmp_path / "c", database)
         with database.write() as session:
             campaign(session, str(folder)).site_id = "LAB-1"

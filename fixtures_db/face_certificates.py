@@ -1,65 +1,18 @@
-"""Cubes: what the drawing allows, what was measured, and the fixture a solve takes."""
+"""Certificates of a cube's resting faces, and the cube as a solve takes it."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from datetime import date, datetime
 
 import numpy as np
 from sqlalchemy.orm import Session
 
-from fixtures_db.chain import ChainFault
-from fixtures_db.chained import append, date_owner, in_force, verify_rows
-from fixtures_db.cubes_known import cubes
-from fixtures_db.errors import AlreadyThere, NotInDatabase
-from fixtures_db.measured_rows import measurement
-from fixtures_db.schema import CubeRow, FaceCertificateRow, ToleranceRow
+from fixtures_db.chained import append, date_owner, in_force
+from fixtures_db.cube_measurements import measurement
+from fixtures_db.fixtures import fixture_row
+from fixtures_db.schema import CubeRow, FaceCertificateRow
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import FaceCertificate, Fixture
 from procedures.frames import FACES
-
-
-@dataclass(frozen=True, slots=True)
-class Tolerance:
-    """An item of a cube's drawing: flatness, perpendicularity or parallelism of a face, in mm over its side."""
-
-    item: str
-    kind: str
-    face: str
-    reference_face: str | None
-    tolerance_mm: float
-
-
-def add_cube(
-    session: Session,
-    cube_id: str,
-    *,
-    side_mm: float,
-    tolerances: Sequence[Tolerance] = (),
-    certificate_date: date | None = None,
-    due_date: date | None = None,
-) -> CubeRow:
-    """Add a cube with the tolerance items of its drawing; raise `AlreadyThere` if the name is taken."""
-    if session.get(CubeRow, cube_id) is not None:
-        raise AlreadyThere("cube", cube_id)
-    if not side_mm > 0:
-        raise ValueError(f"side of cube {cube_id!r} is {side_mm} mm, expected a positive length")
-    row = CubeRow(id=cube_id, side_mm=side_mm, certificate_date=certificate_date, due_date=due_date)
-    row.tolerances = [
-        ToleranceRow(
-            item=t.item, kind=t.kind, face=t.face, reference_face=t.reference_face, tolerance_mm=t.tolerance_mm
-        )
-        for t in tolerances
-    ]
-    session.add(row)
-    session.flush()
-    return row
-
-
-def cube_row(session: Session, cube_id: str) -> CubeRow:
-    """Return one cube's row; raise `NotInDatabase` if there is none of that name."""
-    if (row := session.get(CubeRow, cube_id)) is None:
-        raise NotInDatabase("cube", cube_id, [known.id for known in cubes(session)])
-    return row
 
 
 def certify_faces(
@@ -76,7 +29,7 @@ def certify_faces(
     ``faces`` by resting face (``x_up`` ...): up vector's components (2,) [rad] along the two other cube axes
     and their covariance (2, 2) [rad2]. ``source`` says who measured, and how.
     """
-    cube = cube_row(session, cube_id)
+    cube = fixture_row(session, CubeRow, cube_id)
     for resting, face in faces.items():
         row = FaceCertificateRow(
             cube_id=cube_id,
@@ -97,7 +50,7 @@ def cube(session: Session, cube_id: str, C_sb: FloatArray | None = None) -> Fixt
     Where no face was, it holds what IMUs measured of the cube last. ``C_sb`` (3, 3) takes the cube's axes to the
     IMU's; identity if not given.
     """
-    row = cube_row(session, cube_id)
+    row = fixture_row(session, CubeRow, cube_id)
     faces = {resting: face_certificate(face) for resting, face in faces_in_force(row).items()}
     last = None if faces else in_force(row.measurements)
     measured = None if last is None else measurement(last).cube
@@ -108,11 +61,6 @@ def faces_in_force(cube: CubeRow) -> dict[str, FaceCertificateRow]:
     """Return by resting face what was measured last, in the order of `FACES`."""
     by_face = {resting: [row for row in cube.certificates if row.resting == resting] for resting in FACES}
     return {resting: row for resting, rows in by_face.items() if (row := in_force(rows)) is not None}
-
-
-def verify_certificates(session: Session, expected_head: str | None = None) -> list[ChainFault]:
-    """Return every face certificate that was altered, dropped or reordered since it was stored."""
-    return verify_rows(session, FaceCertificateRow, "face certificate", expected_head)
 
 
 def check_certificate(row: FaceCertificateRow) -> None:

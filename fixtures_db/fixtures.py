@@ -1,0 +1,59 @@
+"""Cubes, slabs and sites by name; what is known of each stands in `fixtures_db.schema`."""
+
+from collections.abc import Sequence
+from typing import Any, TypeVar
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from fixtures_db.errors import AlreadyThere, NotInDatabase
+from fixtures_db.schema import CubeRow, SiteRow, SlabRow
+
+FixtureRow = TypeVar("FixtureRow", bound=CubeRow | SlabRow | SiteRow)
+KINDS: dict[type[Any], str] = {CubeRow: "cube", SlabRow: "slab", SiteRow: "site"}
+GRAVITY_M_S2 = (9.7, 9.9)  # what the Earth's surface has
+
+
+def add_fixture(session: Session, row: FixtureRow) -> FixtureRow:
+    """Add a cube, slab or site.
+
+    Raises
+    ------
+    AlreadyThere
+        If the name is taken.
+    ValueError
+        If the side of a cube is no length, or a site is no place on the Earth.
+    """
+    if session.get(type(row), row.id) is not None:
+        raise AlreadyThere(KINDS[type(row)], row.id)
+    if isinstance(row, CubeRow) and not row.side_mm > 0:
+        raise ValueError(f"side of cube {row.id!r} is {row.side_mm} mm, expected a positive length")
+    if isinstance(row, SiteRow):
+        check_site(row)
+    session.add(row)
+    session.flush()
+    return row
+
+
+def fixture_rows(session: Session, kind: type[FixtureRow]) -> Sequence[FixtureRow]:
+    """Return all cubes, slabs or sites by name."""
+    return session.scalars(select(kind).order_by(kind.id)).all()
+
+
+def fixture_row(session: Session, kind: type[FixtureRow], name: str) -> FixtureRow:
+    """Return one cube, slab or site; raise `NotInDatabase` if there is none of that name."""
+    if (row := session.get(kind, name)) is None:
+        raise NotInDatabase(KINDS[kind], name, [known.id for known in fixture_rows(session, kind)])
+    return row
+
+
+def check_site(row: SiteRow) -> None:
+    """Raise `ValueError` if a row is no place on the Earth, or its gravity is none or has no sigma."""
+    for word, value, most in (("latitude", row.latitude_deg, 90), ("longitude", row.longitude_deg, 180)):
+        if value is not None and not abs(value) <= most:
+            raise ValueError(f"{word} of site {row.id!r} is {value} deg, expected within {most} deg of 0")
+    if (row.gravity_m_s2, row.gravity_std_m_s2) == (None, None):
+        return
+    g, std, (low, high) = row.gravity_m_s2, row.gravity_std_m_s2, GRAVITY_M_S2
+    if g is None or std is None or not (low < g < high and 0 < std < 0.1):
+        raise ValueError(f"gravity of site {row.id!r} is {g} +- {std} m/s2, expected {low} to {high} with 1 sigma")
