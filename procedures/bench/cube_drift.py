@@ -15,6 +15,7 @@ from scipy import stats
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import CubeMeasurement, common_and_difference
+from procedures.statistics.multiple_testing import holm
 
 CHANGED = 0.01  # p-value, by Holm over all values, below which a cube is said to have changed
 
@@ -68,8 +69,8 @@ def drift(measurements: Sequence[CubeMeasurement], months: Sequence[float]) -> C
     rows = [_moved(value[:, k], covariance[:, k, :, k], t) for k in range(len(quantities))]
     shift, shift_std, trend, trend_std, chi2, of_trend = np.array(rows).T
     dof = len(measurements) - 1
-    p = np.asarray(stats.chi2.sf(chi2, dof), dtype=np.float64)
-    return CubeDrift(quantities, shift, shift_std, trend, trend_std, chi2, of_trend, dof, holm(p))
+    p_adjusted = np.array(list(holm(dict(enumerate(stats.chi2.sf(chi2, dof)))).values()))
+    return CubeDrift(quantities, shift, shift_std, trend, trend_std, chi2, of_trend, dof, p_adjusted)
 
 
 def compare(first: MeasuredCube, second: MeasuredCube) -> Comparison | None:
@@ -85,15 +86,6 @@ def compare(first: MeasuredCube, second: MeasuredCube) -> Comparison | None:
     chi2 = float(difference @ np.linalg.solve(covariance, difference))
     std = np.sqrt(np.diag(covariance))
     return Comparison(quantities, difference, std, chi2, float(stats.chi2.sf(chi2, len(quantities))))
-
-
-def holm(p: FloatArray) -> FloatArray:
-    """Return p-values (n,) adjusted for being several (Holm, Scand. J. Statist. 6, 1979)."""
-    order = np.argsort(p)
-    stepped = np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1))
-    adjusted = np.empty(len(p))
-    adjusted[order] = np.minimum(stepped, 1.0)
-    return adjusted
 
 
 def _stacked(

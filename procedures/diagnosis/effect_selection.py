@@ -29,6 +29,7 @@ from procedures.diagnosis.linear_model import (
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.sweep_repeatability import log_p_of_repeats
 from procedures.errors import DoesNotFit
+from procedures.statistics.multiple_testing import holm
 
 # Of the adjusted p. The words would allow 0.05 for likely; that names what is not there in more than 1 %.
 CLAIMED = np.log(0.01)
@@ -78,7 +79,8 @@ def try_all(
             way, test = min(tests, key=lambda each: each[1].log_p)
             found.append(Tried(way, test, min(test.log_p + np.log(len(tests)), 0.0)))
     found.sort(key=lambda each: each.log_p)
-    return holm(found)
+    adjusted = holm({number: each.log_p for number, each in enumerate(found)}, are_logs=True)
+    return [replace(each, log_p_adjusted=adjusted[number]) for number, each in enumerate(found)]
 
 
 def _tested(evidence: Evidence, way: Candidate, terms: Sequence[Term]) -> Significance | None:
@@ -88,15 +90,6 @@ def _tested(evidence: Evidence, way: Candidate, terms: Sequence[Term]) -> Signif
             return significance(evidence, way.fit(evidence, terms)) if usable(way, evidence, terms) else None
     except DoesNotFit:
         return None
-
-
-def holm(found: Sequence[Tried]) -> list[Tried]:
-    """Return Holm's adjusted p of a sorted list."""
-    worst, adjusted = -np.inf, list[Tried]()
-    for i, each in enumerate(found):
-        worst = min(max(worst, each.log_p + np.log(len(found) - i)), 0.0)
-        adjusted.append(replace(each, log_p_adjusted=worst))
-    return adjusted
 
 
 def next_effect(

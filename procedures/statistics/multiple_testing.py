@@ -1,7 +1,7 @@
 """p-values of many tests at once."""
 
 from collections.abc import Hashable, Mapping
-from math import erfc, sqrt
+from math import erfc, inf, log, sqrt
 from typing import TypeVar
 
 Name = TypeVar("Name", bound=Hashable)
@@ -12,13 +12,15 @@ def two_sided(sigmas: float) -> float:
     return erfc(abs(sigmas) / sqrt(2.0))
 
 
-def holm(p_values: Mapping[Name, float]) -> dict[Name, float]:
-    """Return the p-values adjusted for their number: one is below alpha by chance in alpha of all sets at most.
+def holm(p_values: Mapping[Name, float], are_logs: bool = False) -> dict[Name, float]:
+    """Return the p-values, or ln p, adjusted for their number.
 
-    It holds however the tests depend on each other. Source: Holm, Scand. J. Statist. 6, 65, 1979.
+    One is below alpha by chance in alpha of all sets at most, however the tests depend on each other. Source:
+    Holm, Scand. J. Statist. 6, 65, 1979.
     """
-    adjusted, largest = dict[Name, float](), 0.0
+    adjusted, largest, certain = dict[Name, float](), -inf, 0.0 if are_logs else 1.0
     for rank, name in enumerate(sorted(p_values, key=lambda one: p_values[one])):
-        largest = max(largest, min(1.0, (len(p_values) - rank) * p_values[name]))
-        adjusted[name] = largest
+        tests = len(p_values) - rank
+        counted = p_values[name] + log(tests) if are_logs else tests * p_values[name]
+        largest = adjusted[name] = min(max(largest, counted), certain)
     return {name: adjusted[name] for name in p_values}

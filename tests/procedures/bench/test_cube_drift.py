@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.bench.cube_drift import compare, drift, holm
+from procedures.bench.cube_drift import compare, drift
 from procedures.bench.cube_measurement import measure_cube
 from procedures.campaign.campaign import FaceCertificate, MeasuredCube
 from procedures.campaign.measured_cube import PARALLELISM, CubeMeasurement, UnitShare, from_certificate
@@ -130,7 +130,3 @@ def test_of_a_certificate_only_whole_pairs_count() -> None:
     some = from_certificate({"x_up": face, "x_down": face, "z_up": face, "z_down": face})
     assert some is not None
     assert some.names == ("parallelism.x.y", "parallelism.x.z", "parallelism.z.x", "parallelism.z.y", "skew.x.z")
-
-
-def test_holm_steps_down() -> None:
-    assert holm(np.array([0.04, 0.01, 0.03])) == pytest.approx([0.06, 0.03, 0.06])

@@ -1,12 +1,9 @@
 import numpy as np
-import pytest
 
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import (
-    Tried,
     gain_of,
     holds_in_every_campaign,
-    holm,
     next_effect,
     stands_without_any,
     try_all,
@@ -51,16 +48,6 @@ def test_one_term_of_eight_sigma_is_adopted() -> None:
         new = next_effect(evidence, try_all(evidence, pool), (), left_out)
         right += new is not None and new.candidate.effect.name == name
     assert right >= 0.97 * runs
-
-
-def test_p_is_adjusted_as_holm_has_it() -> None:
-    rng = np.random.default_rng(3)
-    evidence = small(rng)
-    way = made_up(evidence, rng.standard_normal((36, 1)))
-    test = significance(evidence, way.fit(evidence))
-    tried = [Tried(way, test, float(np.log(p))) for p in (0.001, 0.015, 0.016, 0.4)]
-    by_hand = [0.004, 0.045, 0.045, 0.4]  # 4 x 0.001, 3 x 0.015, the larger of 2 x 0.016 and that, 1 x 0.4
-    assert np.exp([each.log_p_adjusted for each in holm(tried)]) == pytest.approx(by_hand)
 
 
 def test_one_bad_dwell_is_no_effect_of_the_instrument_but_may_be_of_the_bench() -> None:
