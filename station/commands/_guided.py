@@ -13,7 +13,7 @@ import platformdirs
 import typer
 
 from station.files.setup import Setup
-from station.guide.view import View
+from station.guide.view import CalibrationView
 
 if TYPE_CHECKING:
     from station.guide.start_engine import EngineOptions
@@ -34,12 +34,12 @@ Hands = Annotated[
 MoveS = Annotated[float, typer.Option("--move-s", metavar="S", help="Device time a simulated move takes.")]
 
 FAIL, CANNOT_GO_ON, CANCELLED = 1, 2, 130
-SITE = ("latitude_deg", "longitude_deg", "height_m", "gravity_m_s2", "gravity_std_m_s2")
-CARE = ("heading_std_deg", "closure_std_deg")
+SITE_FIELDS = ("latitude_deg", "longitude_deg", "height_m", "gravity_m_s2", "gravity_std_m_s2")
+PROCEDURE_FIELDS = ("heading_std_deg", "closure_std_deg")
 
 
 @dataclass(frozen=True, slots=True)
-class Screen:
+class Display:
     """How the campaign is looked at: ``headless`` by nobody, else by screen, lines of text or browser."""
 
     headless: bool = False
@@ -59,7 +59,7 @@ def campaigns_root() -> Path:
 def set_up(setup: Setup, given: Mapping[str, Any]) -> Setup:
     """Return ``setup`` with what the command line gives in its place; what is out of range is wrong usage."""
     known = {name: value for name, value in given.items() if value not in {None, ""}}
-    if not known.keys() & {*SITE, *CARE}:
+    if not known.keys() & {*SITE_FIELDS, *PROCEDURE_FIELDS}:
         return setup.model_copy(update=known)
     from station.commands._tables import checked
     from station.files.campaign_folder.schema import (  # numerics: a form need not wait for them
@@ -67,14 +67,14 @@ def set_up(setup: Setup, given: Mapping[str, Any]) -> Setup:
         SiteTable,
     )
 
-    checked(SiteTable, latitude_deg=0.0, **{n: known[n] for n in SITE[1:] if n in known})
+    checked(SiteTable, latitude_deg=0.0, **{n: known[n] for n in SITE_FIELDS[1:] if n in known})
     if "latitude_deg" in known:
         checked(SiteTable, latitude_deg=known["latitude_deg"])
-    checked(ProcedureTable, **{n: known[n] for n in CARE if n in known})
+    checked(ProcedureTable, **{n: known[n] for n in PROCEDURE_FIELDS if n in known})
     return setup.model_copy(update=known)
 
 
-def guide(options: "EngineOptions", screen: Screen) -> int:
+def guide(options: "EngineOptions", screen: Display) -> int:
     """Run an engine until its campaign has ended or the operator has left; return the exit code."""
     if not (screen.headless or screen.plain or screen.web) and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise typer.BadParameter(
@@ -95,16 +95,16 @@ def guide(options: "EngineOptions", screen: Screen) -> int:
         return _code(_serve(socket, screen) if screen.web else _look(socket, screen, options))
 
 
-def _serve(socket: Path, screen: Screen) -> View:
+def _serve(socket: Path, screen: Display) -> CalibrationView:
     """Serve the engine to browsers until its campaign has ended, or the server was told to."""
-    from station.guide.client import Connection
-    from station.guide.text_lines import OVER
+    from station.guide.client import EngineConnection
+    from station.guide.text_lines import ENDED_STAGES
     from station.tui.web import serve
 
-    with Connection(socket) as connection:
+    with EngineConnection(socket) as connection:
 
         def stop_when_over() -> None:
-            if connection.view.stage in OVER:
+            if connection.view.stage in ENDED_STAGES:
                 connection.when_changed(_nothing)
                 os.kill(os.getpid(), signal.SIGTERM)
 
@@ -127,15 +127,15 @@ def _announce(url: str) -> None:
     typer.echo(url)
 
 
-def _report(view: View) -> Path | None:
+def _report(view: CalibrationView) -> Path | None:
     return Path(view.verdict.report) if view.verdict and view.verdict.report else None
 
 
-def _look(socket: Path, screen: Screen, options: "EngineOptions") -> View:
-    from station.guide.client import Connection
+def _look(socket: Path, screen: Display, options: "EngineOptions") -> CalibrationView:
+    from station.guide.client import EngineConnection
 
     changed = threading.Event()
-    with Connection(socket, changed.set) as connection:
+    with EngineConnection(socket, changed.set) as connection:
         if screen.plain:
             from station.commands._plain import follow
 
@@ -146,7 +146,7 @@ def _look(socket: Path, screen: Screen, options: "EngineOptions") -> View:
         return connection.view
 
 
-def _code(view: View) -> int:
+def _code(view: CalibrationView) -> int:
     """Return the exit code of a campaign that ended so."""
     if view.stage == "failed":
         typer.echo(f"{view.error}; {view.hint}" if view.hint else view.error, err=True)

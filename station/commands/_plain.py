@@ -11,13 +11,13 @@ import time
 
 import typer
 
-from station.guide.client import Connection
-from station.guide.command import Command
-from station.guide.text_lines import OVER, PlainScreen, between_words, listen
-from station.guide.view import View
+from station.guide.client import EngineConnection
+from station.guide.command import OperatorCommand
+from station.guide.text_lines import ENDED_STAGES, PlainScreen, between_words, listen
+from station.guide.view import CalibrationView
 
 PATIENCE_S = 60.0  # with a question that nobody can answer: it may go away, as when the cube is put elsewhere
-ENDS = frozenset({"verdict", "stored"})
+VERDICT_STAGES = frozenset({"verdict", "stored"})
 
 
 def say(text: str) -> None:
@@ -27,7 +27,9 @@ def say(text: str) -> None:
     typer.echo(text)
 
 
-def follow(connection: Connection, changed: threading.Event, first: Command | None, *, rings: bool) -> View:
+def follow(
+    connection: EngineConnection, changed: threading.Event, first: OperatorCommand | None, *, rings: bool
+) -> CalibrationView:
     """Write lines and take keys until the campaign has ended or nobody can take it further; return that view."""
     asks = sys.stdin.isatty()
     screen, is_deaf = PlainScreen(say, rings=rings, asks=asks), threading.Event()
@@ -44,7 +46,7 @@ def follow(connection: Connection, changed: threading.Event, first: Command | No
         changed.clear()
         view = connection.view
         screen.show(view)
-        if view.stage in OVER:
+        if view.stage in ENDED_STAGES:
             return view
         if view.start and view.start.refused and (not asks or is_deaf.is_set()):
             return view.model_copy(
@@ -55,5 +57,5 @@ def follow(connection: Connection, changed: threading.Event, first: Command | No
             is_stuck = bool(asked_since) and time.monotonic() - asked_since > PATIENCE_S
             if is_stuck:
                 typer.echo("nobody can answer: the input is at its end", err=True)
-            if is_stuck or view.stage in ENDS:
-                connection.send(Command(verb="leave"))
+            if is_stuck or view.stage in VERDICT_STAGES:
+                connection.send(OperatorCommand(verb="leave"))

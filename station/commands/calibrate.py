@@ -80,9 +80,9 @@ def calibrate(
 
     Example: station calibrate --device serial:///dev/ttyUSB0?format=counts --latitude 48.1
     """
-    from station.commands._guided import Screen, campaigns_root, guide, set_up
+    from station.commands._guided import Display, campaigns_root, guide, set_up
     from station.files.setup import Setup
-    from station.guide.command import Command
+    from station.guide.command import OperatorCommand
     from station.guide.last_setup import load_setup
     from station.guide.start_engine import EngineOptions
 
@@ -102,7 +102,7 @@ def calibrate(
     options = EngineOptions(
         root=campaigns_root(), database=db, setup=setup, plan=plan, hands=hands, move_s=move_s,
         asks=not headless, warms_up=not headless and warm_up,
-        first=Command(verb="begin", setup=setup) if begins else None,
+        first=OperatorCommand(verb="begin", setup=setup) if begins else None,
     )  # fmt: skip
-    screen = Screen(headless=headless, plain=plain, web=web, port=port, slow=slow, quiet=quiet, stores=store)
+    screen = Display(headless=headless, plain=plain, web=web, port=port, slow=slow, quiet=quiet, stores=store)
     raise typer.Exit(guide(options, screen))

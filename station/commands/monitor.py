@@ -99,7 +99,7 @@ def monitor(
     from station.calibrated.body_axes import body_axes
     from station.commands._lengths import lengths
     from station.monitor.alarms import parse_alarm
-    from station.monitor.monitor_command import Wanted, run
+    from station.monitor.monitor_command import MonitorRequest, run
     from station.tui.monitor.run import run_monitor
 
     url = whole_url(url)
@@ -130,7 +130,7 @@ def monitor(
         raise PortNotFound(address.path, "no such file", "check the file's name")
     if not (json or plain) and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise typer.BadParameter("the screen needs a terminal; --plain writes lines of text, --json lines of JSON")
-    wanted = Wanted(
+    wanted = MonitorRequest(
         url=url, C=C, aid=aid, gnss=gnss, mavlink_out=mavlink_out, calibration=calibration, latitude_deg=latitude,
         heading_deg=heading, gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds,
         speed=speed, model=model, serial=serial, database=db, locate=locate, lever_arm=arm,

@@ -39,15 +39,15 @@ def resume(
     Example: station resume --list
     """
     from fixtures_db.database import open_db
-    from station.commands._guided import Screen, campaigns_root, guide
+    from station.commands._guided import Display, campaigns_root, guide
     from station.errors import DataRefused
-    from station.guide.command import Command
+    from station.guide.command import OperatorCommand
     from station.guide.last_setup import load_setup
-    from station.guide.open_campaigns import unfinished
+    from station.guide.open_campaigns import unfinished_campaigns
     from station.guide.start_engine import EngineOptions
 
     with open_db(db) as database:
-        found = unfinished(database)
+        found = unfinished_campaigns(database)
     if list_only:
         for each in found:
             typer.echo(f"{each.title}, {each.state}: {each.folder}")
@@ -62,7 +62,7 @@ def resume(
     setup = load_setup().model_copy(update={"url": device})  # of a form, should this campaign be refused
     options = EngineOptions(
         root=campaigns_root(), database=db, setup=setup, hands=hands, move_s=move_s,
-        asks=not headless, warms_up=not headless and warm_up, first=Command(verb="resume", folder=which),
+        asks=not headless, warms_up=not headless and warm_up, first=OperatorCommand(verb="resume", folder=which),
     )  # fmt: skip
-    screen = Screen(headless=headless, plain=plain, web=web, port=port, slow=slow, quiet=quiet, stores=store)
+    screen = Display(headless=headless, plain=plain, web=web, port=port, slow=slow, quiet=quiet, stores=store)
     raise typer.Exit(guide(options, screen))

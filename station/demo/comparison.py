@@ -14,7 +14,7 @@ _SCALE = {"1": (PPM_PER_ONE, "1e-6"), "g": (UG_PER_G, "ug"), "rad": (ARCSEC_PER_
 
 
 @dataclass(frozen=True, slots=True)
-class Compared:
+class TrueAndFound:
     """A parameter as found, its 1 sigma and its truth, in ``unit``."""
 
     title: str
@@ -29,17 +29,17 @@ class Compared:
         return (self.value - self.truth) / self.std
 
 
-def compared(solution: Solution, truth: Mapping[str, float]) -> list[Compared]:
+def compared(solution: Solution, truth: Mapping[str, float]) -> list[TrueAndFound]:
     """Return every parameter of a solution whose truth is known."""
-    found = list[Compared]()
+    found = list[TrueAndFound]()
     for name, title, value, std, unit in _parameters(solution):
         if name in truth:
             scale, shown = _SCALE.get(unit, (1.0, unit))
-            found.append(Compared(title, value * scale, std * scale, truth[name] * scale, shown))
+            found.append(TrueAndFound(title, value * scale, std * scale, truth[name] * scale, shown))
     return found
 
 
-def comparison_text(rows: list[Compared]) -> str:
+def comparison_text(rows: list[TrueAndFound]) -> str:
     """Return the comparison as a table."""
     lines = [f"{'parameter':<29}{'found':>14} {'1 sigma':>10}{'truth':>15} {'error/sigma':>12}  unit"]
     for row in rows:

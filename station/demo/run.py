@@ -19,10 +19,10 @@ from station.demo.example_bench import GRAVITY_STD, ExampleBench, add_example
 from station.demo.truth_values import truth_values
 from station.errors import CannotWrite, cannot_write
 from station.files.setup import Setup
-from station.guide.headless import record
-from station.guide.options import Options
+from station.guide.headless import record_headless
+from station.guide.options import CalibrationOptions
 from station.guide.simulated_operator import SimulatedOperator
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from station.results.campaign_results import Results, make_results, store
 from station.stream.recorder import check_raw_bytes
 
@@ -59,7 +59,7 @@ class DemoOutcome:
 
 def run_demo(
     request: DemoRequest,
-    show: Callable[[View], None],
+    show: Callable[[CalibrationView], None],
     recorded: Callable[[], None],
 ) -> DemoOutcome:
     """Run the demo.
@@ -78,11 +78,11 @@ def run_demo(
         _device(request, folder / "imu") as (url, control),
         open_db(request.database or folder / "station.db") as db,
     ):
-        options = Options(folder, asks=False, warms_up=False, is_patient=False)
+        options = CalibrationOptions(folder, asks=False, warms_up=False, is_patient=False)
         with db.write() as session:
             bench = add_example(session, request.seed)
         setup = _setup(bench, url, campaign, request)
-        record(setup, options, db, SimulatedOperator(control, MOVE_S), show)
+        record_headless(setup, options, db, SimulatedOperator(control, MOVE_S), show)
         recorded()
         steps = sorted([*campaign.glob("dwell_*.mcap"), *campaign.glob("turn_*.mcap")])
         samples = sum(check_raw_bytes(path, FORMATS["counts"]) for path in steps)

@@ -12,7 +12,7 @@ from procedures.frames import face_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rested:
+class AcceptedDwell:
     """Count rates (3,) and 1 sigma (3,) [count/s], raw, of a dwell in ``position``."""
 
     position: int
@@ -27,18 +27,18 @@ class Rested:
         return face_of(self.position)
 
 
-def rested(position: int, series: CountSeries) -> Rested:
+def accepted_dwell(position: int, series: CountSeries) -> AcceptedDwell:
     """Estimate the rates of a dwell."""
-    accel, gyro = estimates(series.accel, series), estimates(series.gyro, series)
-    return Rested(position, *rates(accel), *rates(gyro))
+    accel, gyro = triad_estimates(series.accel, series), triad_estimates(series.gyro, series)
+    return AcceptedDwell(position, *rates_and_sigmas(accel), *rates_and_sigmas(gyro))
 
 
-def rates(found: Sequence[RateEstimate]) -> tuple[FloatArray, FloatArray]:
+def rates_and_sigmas(found: Sequence[RateEstimate]) -> tuple[FloatArray, FloatArray]:
     """Return the rates (3,) and their sigmas (3,)."""
     return np.array([each.rate for each in found]), np.array([each.std for each in found])
 
 
-def estimates(samples: IntArray | None, series: CountSeries) -> list[RateEstimate]:
+def triad_estimates(samples: IntArray | None, series: CountSeries) -> list[RateEstimate]:
     """Estimate the three channels of a triad."""
     assert samples is not None, "the station's own recordings hold both triads"
     return [estimate_counts([samples[:, i]], series.period, [series.starts], [series.t])[0] for i in range(3)]

@@ -3,16 +3,16 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from station.guide.command import Command
-from station.guide.setup_view import Check
-from station.guide.view import View
+from station.guide.command import OperatorCommand
+from station.guide.setup_view import PortCheck
+from station.guide.view import CalibrationView
 from station.stream.events import Sound
 
 if TYPE_CHECKING:
-    from station.guide.disk_space import Disk
+    from station.guide.disk_space import DiskSpace
 
 
-class Campaign(Protocol):
+class GuidedCampaign(Protocol):
     """A campaign under way, on a device or complete."""
 
     has_device: bool  # whether its IMU is being read
@@ -28,7 +28,7 @@ class Campaign(Protocol):
         ...
 
     @property
-    def disk(self) -> "Disk":
+    def disk(self) -> "DiskSpace":
         """The room that what is left to do needs, and what there is."""
         ...
 
@@ -36,11 +36,11 @@ class Campaign(Protocol):
         """Go on for a moment."""
         ...
 
-    def view(self, base: View) -> View:
+    def view(self, base: CalibrationView) -> CalibrationView:
         """Return ``base`` with everything filled in."""
         ...
 
-    def obey(self, command: Command) -> None:
+    def obey(self, command: OperatorCommand) -> None:
         """Do as the operator says."""
         ...
 
@@ -48,7 +48,7 @@ class Campaign(Protocol):
         """Tell the operator."""
         ...
 
-    def as_checked(self) -> Check | None:
+    def as_checked(self) -> PortCheck | None:
         """Return what a look at its port says of the unit, None where none is read."""
         ...
 

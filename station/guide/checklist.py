@@ -108,19 +108,19 @@ class Checklist:
 
     def remaining_s(self) -> float:
         """Return how long the open steps will take with no break."""
-        return sum(duration(step) for step in self.open_steps)
+        return sum(step_duration(step) for step in self.open_steps)
 
-    def views(self, live: str) -> tuple[view.Step, ...]:
+    def views(self, live: str) -> tuple[view.StepView, ...]:
         """Return the steps as a screen shows them; ``live`` is being recorded."""
         return tuple(self._view(step, live) for step in self.steps)
 
-    def _view(self, step: Step, live: str) -> view.Step:
+    def _view(self, step: Step, live: str) -> view.StepView:
         state: view.StepState = "redo" if step.name in self._redo else "done"
         if step.name == live:
             state = "live"
         elif not self.attempts[step.name]:
             state = "todo"
-        shown = view.Step(
+        shown = view.StepView(
             name=step.name, state=state, attempts=self.attempts[step.name],
             seconds=self._seconds.get(step.name, 0.0), note=self._notes.get(step.name, ""),
         )  # fmt: skip
@@ -140,7 +140,7 @@ def is_free(step: Step) -> bool:
     return isinstance(step, FreePosition) or (isinstance(step, Soak) and not step.face)
 
 
-def duration(step: Step) -> float:
+def step_duration(step: Step) -> float:
     """Return how long a step takes a person [s]."""
     if isinstance(step, Turn):
         return GRIP_S + 2 * step.rest_s + 360 * step.revolutions / TURN_SPEED_DEG_S

@@ -8,21 +8,21 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from station.guide.command import Command
-from station.guide.view import View
+from station.guide.command import OperatorCommand
+from station.guide.view import CalibrationView
 
 START_S = 30.0
 ENDED = "the engine has ended; what was accepted is safe: go on with `station resume`"
 _OVER = {"cancelled", "left", "failed"}
 
 
-class Connection:
-    """The engine at ``path``: a `station.guide.session.Session`. ``changed`` is called on its thread."""
+class EngineConnection:
+    """The engine at ``path``, as a `CalibrationSession`. ``changed`` is called on its thread."""
 
     def __init__(self, path: Path, changed: Callable[[], None] = lambda: None) -> None:
         self._socket = _connected(path)
         self._changed = changed
-        self._view = View(stage="connecting", line="starting")
+        self._view = CalibrationView(stage="connecting", line="starting")
         self._sending = threading.Lock()
         self._thread = threading.Thread(target=self._run, name="views", daemon=True)
         self._thread.start()
@@ -36,7 +36,7 @@ class Connection:
         self.close()
 
     @property
-    def view(self) -> View:
+    def view(self) -> CalibrationView:
         """The newest view."""
         return self._view
 
@@ -44,7 +44,7 @@ class Connection:
         """Have ``changed`` called on each new view from now on."""
         self._changed = changed
 
-    def send(self, command: Command) -> None:
+    def send(self, command: OperatorCommand) -> None:
         """Ask something of the engine; nothing happens if it has ended."""
         line = command.model_dump_json(exclude_defaults=True).encode() + b"\n"
         try:
@@ -66,7 +66,7 @@ class Connection:
         try:
             with self._socket.makefile("rb") as stream:
                 for line in stream:
-                    self._view = View.model_validate_json(line)
+                    self._view = CalibrationView.model_validate_json(line)
                     self._changed()
         except OSError:
             pass  # as at its end

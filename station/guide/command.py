@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict
 
 from station.files.setup import Setup
 
-Verb = Literal[
+CommandVerb = Literal[
     "check",  # look at the port `url` for two seconds
     "listen",  # to the GNSS receiver `url` for a few seconds
     "consider",  # `setup` as it stands: how ready is it
@@ -26,11 +26,11 @@ Verb = Literal[
 ]
 
 
-class Command(BaseModel):
+class OperatorCommand(BaseModel):
     """A verb and what belongs to it."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
-    verb: Verb
+    verb: CommandVerb
     setup: Setup | None = None
     url: str = ""
     folder: str = ""

@@ -5,11 +5,11 @@ import numpy as np
 from procedures.bench.cube_attitude import Standing, heading_off
 from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn
 from procedures.frames import face_normal, face_of
-from station.guide.cube_tracking import Tracker
-from station.guide.face_and_stillness import Look
-from station.guide.stage_context import Desk
+from station.guide.cube_tracking import CubeTracker
+from station.guide.face_and_stillness import BlockLook
+from station.guide.stage_context import StageContext
 from station.guide.view import PoseView
-from station.guide.wording import face as face_words
+from station.guide.wording import face_in_words
 
 TIPPED_DEG = 20.0  # off the vertical, from which on another face is as near as makes no matter
 OFF_DEG, OFF_SIGMA = (
@@ -22,7 +22,7 @@ AS_WANTED = "it stands as wanted"
 SIDES = ("east", "north", "west", "south")
 
 
-def pose_view(tracker: Tracker, desk: Desk, step: Step | None) -> PoseView | None:
+def pose_view(tracker: CubeTracker, context: StageContext, step: Step | None) -> PoseView | None:
     """Return how the cube stands, and what is left to do for ``step``; None before anything was seen."""
     now = tracker.now
     if now is None:
@@ -35,7 +35,7 @@ def pose_view(tracker: Tracker, desk: Desk, step: Step | None) -> PoseView | Non
             "C_lb": rows,
             "heading_std_deg": round(float(np.degrees(tracker.heading_std)), 1) if is_known else None,
             "turn_deg": None if off is None else float(round(off)),
-            "text": _left_to_do(now, desk, step, off, is_known=is_known),
+            "text": _left_to_do(now, context, step, off, is_known=is_known),
         }
     )
 
@@ -43,26 +43,26 @@ def pose_view(tracker: Tracker, desk: Desk, step: Step | None) -> PoseView | Non
 class HeadingWatch:
     """Counts how long the cube rests on the right face with a wrong heading."""
 
-    def __init__(self, desk: Desk, tracker: Tracker) -> None:
-        self._desk, self._tracker = desk, tracker
+    def __init__(self, context: StageContext, tracker: CubeTracker) -> None:
+        self._context, self._tracker = context, tracker
         self._seconds = 0
         self.text = ""  # once it has been wrong for long
 
-    def take(self, look: Look, step: Step | None) -> None:
+    def take(self, look: BlockLook, step: Step | None) -> None:
         """Take a second in which ``step`` was wanted; what stays wrong is said once."""
-        pose = pose_view(self._tracker, self._desk, step)
+        pose = pose_view(self._tracker, self._context, step)
         is_wrong = (
             pose is not None and pose.turn_deg is not None and look.is_still and look.is_upright
-            and not self._desk.position  # where it stood for the step before it is yet to be moved
+            and not self._context.position  # where it stood for the step before it is yet to be moved
             and abs(pose.turn_deg) > max(OFF_DEG, OFF_SIGMA * (pose.heading_std_deg or 0.0))
-            and _position_as_it_stands(self._desk, step, pose.turn_deg) is None
+            and _position_as_it_stands(self._context, step, pose.turn_deg) is None
         )  # fmt: skip
         self._seconds = self._seconds + 1 if is_wrong else 0
         self.text = self.text if is_wrong else ""
         if pose is not None and self._seconds >= WRONG_S:
-            text = f"{face_words(look.face)} as wanted, but the heading is wrong: {pose.text}"
+            text = f"{face_in_words(look.face)} as wanted, but the heading is wrong: {pose.text}"
             if not self.text:
-                self._desk.story.say("rejected", text)
+                self._context.event_log.say("rejected", text)
             self.text = text
 
 
@@ -78,7 +78,9 @@ def _tipped_deg(now: Standing, face: str) -> float:
     return float(np.degrees(np.arccos(np.clip(now.up @ face_normal(face), -1.0, 1.0))))
 
 
-def _left_to_do(now: Standing, desk: Desk, step: Step | None, off: float | None, *, is_known: bool) -> str:
+def _left_to_do(
+    now: Standing, context: StageContext, step: Step | None, off: float | None, *, is_known: bool
+) -> str:
     face = face_wanted(step)
     if step is None or not face:
         return ""
@@ -94,7 +96,7 @@ def _left_to_do(now: Standing, desk: Desk, step: Step | None, off: float | None,
     text = f"turn {abs(off):.0f} deg more, {sense} from above"
     if abs(off) > HALF_DEG:
         text = "turn 180 deg, either way round"
-    other = _position_as_it_stands(desk, step, off)
+    other = _position_as_it_stands(context, step, off)
     return f"{text}; or leave it: position {other} is to do as well" if other else text
 
 
@@ -110,7 +112,7 @@ def face_wanted(step: Step | None) -> str:
 def _tip(now: Standing, face: str, *, is_known: bool) -> str:
     """Say how to get ``face`` up."""
     where = now.C_lb @ face_normal(face)
-    said = f"{face_words(face).replace(' points ', ' ')}"
+    said = f"{face_in_words(face).replace(' points ', ' ')}"
     if where[2] < -np.cos(np.radians(45.0)):
         return f"turn it over: {said}"
     if not is_known:
@@ -119,10 +121,10 @@ def _tip(now: Standing, face: str, *, is_known: bool) -> str:
     return f"tip it over to the {SIDES[(looks + 2) % 4]}: {said}"
 
 
-def _position_as_it_stands(desk: Desk, step: Step | None, off_deg: float) -> int | None:
+def _position_as_it_stands(context: StageContext, step: Step | None, off_deg: float) -> int | None:
     """Return the other position of the step's face if the cube stands in it and it is to do as well."""
     if not isinstance(step, Dwell) or abs(abs(off_deg) - 180.0) > OFF_DEG:
         return None
     other = step.position + 1 if step.position % 2 else step.position - 1
-    there = desk.checklist.dwell_at(other)
-    return other if there is not None and desk.checklist.is_open(there) else None
+    there = context.checklist.dwell_at(other)
+    return other if there is not None and context.checklist.is_open(there) else None

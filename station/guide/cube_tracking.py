@@ -24,18 +24,18 @@ from procedures.earth.cube_heading import earth_heading
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import BIAS_STD, SPREAD, first_position, scale
 from procedures.frames import AXES
-from station.guide.face_and_stillness import Look
-from station.guide.stage_context import Desk
+from station.guide.face_and_stillness import BlockLook
+from station.guide.stage_context import StageContext
 from station.stream.live.rates_as_counts import counted
 from station.stream.live.stillness import Block
 
 TICK_S = 0.05  # a hand turns a cube by some degrees in it
-NOW_S = 0.25  # of the newest samples, whose specific force is taken for gravity
-GAIN = 0.5  # of the way to where gravity seems to be, while hands push as well
-PUSHED = 0.1  # of gravity, by which the specific force may differ from it
-MOST_S = 60  # of a rest: a longer one is a soak, or lasts until biases have wandered
-LEFT_STD = np.radians(2.0)  # how well the marks are kept to by a position that was accepted
-KNOWN_STD = np.radians(15.0)  # of a heading that tells four directions apart
+GRAVITY_WINDOW_S = 0.25  # of the newest samples, whose specific force is taken for gravity
+LEVELLING_GAIN = 0.5  # of the way to where gravity seems to be, while hands push as well
+MAX_FORCE_SHARE_OFF_GRAVITY = 0.1  # of gravity, by which the specific force may differ from it
+MAX_REST_S = 60  # of a rest: a longer one is a soak, or lasts until biases have wandered
+MARKS_STD = np.radians(2.0)  # how well the marks are kept to by a position that was accepted
+KNOWN_HEADING_STD = np.radians(15.0)  # of a heading that tells four directions apart
 ROUGH_K_STD = 0.3
 TURNED_K_STD = 0.005  # of a gyro that was turned itself: how the turn closed, and the Earth's rate
 
@@ -54,11 +54,11 @@ class _Rest:
         return self.total / self.seconds
 
 
-class Tracker:
-    """Follows the cube of a ``desk``; `now` is how it stands, None before the first second."""
+class CubeTracker:
+    """Follows the cube of a ``context``; `now` is how it stands, None before the first second."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._desk = desk
+    def __init__(self, context: StageContext) -> None:
+        self._context = context
         self._base: Standing | None = None
         self.now: Standing | None = None
         self._block: Block | None = None  # the last one taken
@@ -77,11 +77,11 @@ class Tracker:
     @property
     def is_heading_known(self) -> bool:
         """Whether four directions are told apart."""
-        return bool(self.heading_std < KNOWN_STD)
+        return bool(self.heading_std < KNOWN_HEADING_STD)
 
-    def take(self, block: Block, look: Look) -> None:
+    def take(self, block: Block, look: BlockLook) -> None:
         """Take a second of the stream."""
-        up = self._desk.judge.way_up(block.rate[3:])
+        up = self._context.gate.way_up(block.rate[3:])
         base = standing(up) if self._base is None else self._seen_since(self._base, block)
         self._learn_scale()
         if look.is_still:
@@ -89,22 +89,22 @@ class Tracker:
         else:
             self._rest = None
             base = self._moved(base, self._ticks(block.first, block.last))
-            base = levelled(base, up, GAIN) if self._is_gravity(block.rate[3:]) else base
+            base = levelled(base, up, LEVELLING_GAIN) if self._is_gravity(block.rate[3:]) else base
         self._base = self.now = base
         self._block = block
 
     def glance(self) -> None:
         """Take what has come since the last whole second, for show only."""
-        tape, block, base = self._desk.feed.tape, self._block, self._base
+        tape, block, base = self._context.feed.tape, self._block, self._base
         if block is None or base is None or tape.end <= block.last or block.last < max(tape.begin, tape.first):
             return
-        newest = max(block.last, tape.end - max(round(NOW_S / self._desk.feed.period), 1))
-        accel = counted(tape.block(newest, tape.end), self._desk.feed.period).accel
-        force = accel.mean(axis=0) / self._desk.feed.period
+        newest = max(block.last, tape.end - max(round(GRAVITY_WINDOW_S / self._context.feed.period), 1))
+        accel = counted(tape.block(newest, tape.end), self._context.feed.period).accel
+        force = accel.mean(axis=0) / self._context.feed.period
         base = self._moved(base, self._ticks(block.last, tape.end))
-        gain = 1.0 if self._scale is None else GAIN
+        gain = 1.0 if self._scale is None else LEVELLING_GAIN
         if self._is_gravity(force):
-            base = levelled(base, self._desk.judge.way_up(force), gain)
+            base = levelled(base, self._context.gate.way_up(force), gain)
         self.now = base
 
     @property
@@ -118,27 +118,27 @@ class Tracker:
         """Return how the cube stands as the block begins: less sure after a gap, unsure after a new beginning."""
         last = self._block
         if block.is_anew or last is None:
-            self._rest, self._outdated = None, self._desk.position
+            self._rest, self._outdated = None, self._context.position
             return forgotten(base)
         if block.first == last.last and not block.is_broken:
             return base
         self._rest = None
         return lost_sight(base, max(block.begins - last.ends, 0.0), self._k_std)
 
-    def _rested(self, base: Standing, block: Block, look: Look) -> Standing:
+    def _rested(self, base: Standing, block: Block, look: BlockLook) -> Standing:
         rest = self._rest = self._rest or _Rest(base)
-        if rest.seconds < MOST_S:
+        if rest.seconds < MAX_REST_S:
             rest.seconds, rest.total = rest.seconds + 1, rest.total + block.rate
         self._resting = rest.rate
-        level = levelled(rest.before, self._desk.judge.way_up(rest.rate[3:]), 1.0)
+        level = levelled(rest.before, self._context.gate.way_up(rest.rate[3:]), 1.0)
         return self._as_left(self._by_earth(level, rest, look))
 
-    def _by_earth(self, level: Standing, rest: _Rest, look: Look) -> Standing:
+    def _by_earth(self, level: Standing, rest: _Rest, look: BlockLook) -> Standing:
         """Return the resting cube with the heading that the Earth's rate tells, if it does."""
-        desk, rate, first = self._desk, rest.rate[:3], 0.0
+        context, rate, first = self._context, rest.rate[:3], 0.0
         k = None if self._scale is None else self._scale[0]
-        if not desk.rested:  # then the scale factor is part of the question
-            found = desk.heading(rate, rest.seconds, look.face)
+        if not context.accepted_dwells:  # then the scale factor is part of the question
+            found = context.heading(rate, rest.seconds, look.face)
             if not found.is_sure or not look.is_upright:
                 return level
             k = float(np.linalg.norm(rate)) / EARTH_RATE
@@ -146,31 +146,33 @@ class Tracker:
             first = heading_off(level, first_position(look.face)) + found.quarter * np.pi / 2
         if k is None:
             return level
-        std = desk.gyro_std(rest.seconds)
+        std = context.gyro_std(rest.seconds)
         turned = told(forgotten(level), first, 0.0, 0.0)
-        off, off_std = earth_heading(rate, std, turned.C_lb, desk.facts.latitude, desk.C_sb, k, desk.known)
+        off, off_std = earth_heading(
+            rate, std, turned.C_lb, context.bench.latitude, context.C_sb, k, context.known
+        )
         whole = float(np.angle(np.exp(1j * (first + off))))
         return told(level, whole, off_std, self._k_std)
 
     def _as_left(self, level: Standing) -> Standing:
         """Return the cube with the heading of the position that it was accepted in, where nothing tells better."""
-        position = self._desk.position
+        position = self._context.position
         self._outdated = self._outdated if position == self._outdated else 0
-        if position == self._outdated or level.heading_std(self._k_std) < KNOWN_STD:
+        if position == self._outdated or level.heading_std(self._k_std) < KNOWN_HEADING_STD:
             return level
-        return told(forgotten(level), heading_off(level, position), LEFT_STD, self._k_std)
+        return told(forgotten(level), heading_off(level, position), MARKS_STD, self._k_std)
 
     def _moved(self, base: Standing, counts: FloatArray) -> Standing:
         """Return the cube after the ``counts`` (n, 3) of the gyros; without their scale its heading is lost."""
         if self._scale is None:
             return forgotten(base)
         k = np.array([self._turned.get(axis, self._scale[0]) for axis in AXES])
-        return carried(base, counts @ self._desk.C_sb / k)
+        return carried(base, counts @ self._context.C_sb / k)
 
     def _ticks(self, first: int, last: int) -> FloatArray:
         """Return what the gyros counted in each tick (n, 3), IMU axes, less what they count at rest."""
-        period = self._desk.feed.period
-        gyro = counted(self._desk.feed.tape.block(first, last), period).gyro.astype(float)
+        period = self._context.feed.period
+        gyro = counted(self._context.feed.tape.block(first, last), period).gyro.astype(float)
         if self._resting is not None:
             gyro -= self._resting[:3] * period
         size = max(round(TICK_S / period), 1)
@@ -181,21 +183,21 @@ class Tracker:
         if self._resting is None:
             return True
         rest = float(np.linalg.norm(self._resting[3:]))
-        return abs(float(np.linalg.norm(force)) - rest) < PUSHED * rest
+        return abs(float(np.linalg.norm(force)) - rest) < MAX_FORCE_SHARE_OFF_GRAVITY * rest
 
     def _learn_scale(self) -> None:
         """Take the gyros' scale factor from the accepted steps, once there are others."""
-        desk = self._desk
-        done = (len(desk.rested), len(desk.turns))
+        context = self._context
+        done = (len(context.accepted_dwells), len(context.turns))
         if done == self._scaled_by or not any(done):
             return
         self._scaled_by = done
-        if desk.turns:
-            self._scale = (float(desk.gyro_k or 0.0), SPREAD)
-            axes = {step.name: step.axis for step in desk.checklist.steps if isinstance(step, Turn)}
-            self._turned = {axes[n]: each.counts / (2 * np.pi) for n, each in desk.turns.items() if n in axes}
+        if context.turns:
+            self._scale = (float(context.gyro_k or 0.0), SPREAD)
+            axes = {step.name: step.axis for step in context.checklist.steps if isinstance(step, Turn)}
+            self._turned = {axes[n]: each.counts / (2 * np.pi) for n, each in context.turns.items() if n in axes}
         else:
-            found = scale(desk.known, desk.facts.latitude, desk.C_sb)
+            found = scale(context.known, context.bench.latitude, context.C_sb)
             self._scale = (
                 None if found is None or found[1] > ROUGH_K_STD else (found[0], float(np.hypot(found[1], SPREAD)))
             )

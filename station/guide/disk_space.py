@@ -13,17 +13,17 @@ from pathlib import Path
 
 from procedures.campaign.plan_steps import Step, Turn
 from station.errors import DiskFull, megabytes
-from station.guide.checklist import duration
+from station.guide.checklist import step_duration
 
 JOURNAL_BYTES = 75  # of a sample
 STEP_BYTES = 135  # of a sample
 WARM_UP_S = 1800.0
-AGAIN = 1.5  # steps are done again, and people take breaks
+REPEATS_FACTOR = 1.5  # steps are done again, and people take breaks
 RESULTS_BYTES = 20_000_000  # report, diagnosis, database
 
 
 @dataclass(frozen=True, slots=True)
-class Disk:
+class DiskSpace:
     """Room in ``folder`` in bytes: what a campaign needs, what is free; None where it cannot be told."""
 
     folder: Path
@@ -44,10 +44,10 @@ class Disk:
 
 def disk_needed(steps: Sequence[Step], rate_hz: float, warm_up_s: float = WARM_UP_S) -> int:
     """Return the bytes that ``steps`` will take at ``rate_hz`` samples a second, repeats and breaks included."""
-    recorded_s = sum(duration(step) if isinstance(step, Turn) else step.seconds for step in steps)
-    session_s = warm_up_s + sum(duration(step) for step in steps)
+    recorded_s = sum(step_duration(step) if isinstance(step, Turn) else step.seconds for step in steps)
+    session_s = warm_up_s + sum(step_duration(step) for step in steps)
     written = recorded_s * STEP_BYTES + session_s * JOURNAL_BYTES
-    return round(AGAIN * written * rate_hz) + RESULTS_BYTES
+    return round(REPEATS_FACTOR * written * rate_hz) + RESULTS_BYTES
 
 
 def disk_free(folder: Path) -> int | None:
@@ -62,9 +62,9 @@ def disk_free(folder: Path) -> int | None:
     return found.f_bavail * found.f_frsize
 
 
-def disk_for(folder: Path, steps: Sequence[Step], rate_hz: float, warm_up_s: float = WARM_UP_S) -> Disk:
+def disk_for(folder: Path, steps: Sequence[Step], rate_hz: float, warm_up_s: float = WARM_UP_S) -> DiskSpace:
     """Return what a campaign of ``steps`` in ``folder`` needs and has."""
-    return Disk(folder, disk_needed(steps, rate_hz, warm_up_s), disk_free(folder))
+    return DiskSpace(folder, disk_needed(steps, rate_hz, warm_up_s), disk_free(folder))
 
 
 def refuse_full(folder: Path, steps: Sequence[Step], rate_hz: float, warm_up_s: float = WARM_UP_S) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.counts.count_rate import RateEstimate
 from procedures.units import ARCSEC_PER_DEG
-from station.guide.face_and_stillness import Look
+from station.guide.face_and_stillness import BlockLook
 from station.stream.live.accepted_blocks import merged
 from station.stream.live.stillness import Block
 from station.stream.recorder.sample_buffer import Run
@@ -31,7 +31,7 @@ CREEP_CHI2 = 20.0  # of two level axes: chance passes it once in 20000 dwells
 CREEP_RAD = 1e-4  # 20 arcsec: below it the biases of a good unit may wander as well
 
 
-class Dwelling:
+class DwellAttempt:
     """Collects ``samples`` samples of ``period`` [s].
 
     ``gyro_k`` returns the gyros' scale factor [count/rad], roughly, for their count rate (3,) at rest.
@@ -78,7 +78,7 @@ class Dwelling:
         rate: FloatArray = np.mean([block.rate for block in self.kept], axis=0)
         return rate
 
-    def take(self, block: Block, look: Look) -> str:
+    def take(self, block: Block, look: BlockLook) -> str:
         """Take a block; return why the dwell must begin again, empty if it need not.
 
         A block counts once the next one is still as well: what disturbs may have begun in it.
@@ -119,14 +119,14 @@ class Dwelling:
         usual, limit = np.median([block.rate for block in self.kept], axis=0), OFF_SIGMA * self._sigma
         self.kept = [block for block in self.kept if bool(np.all(np.abs(block.rate - usual) <= limit))]
 
-    def _is_off(self, block: Block, look: Look) -> bool:
+    def _is_off(self, block: Block, look: BlockLook) -> bool:
         """Say whether a channel is far off its median so far: an even motion makes nothing tremble."""
         if self._drifts or len(self.kept) < FEW_BLOCKS:
             return False
         usual = np.median([each.rate for each in self.kept], axis=0)
         return bool(np.any(np.abs(block.rate - usual) > OFF_SIGMA * look.sigma))
 
-    def _moved(self, look: Look) -> str:
+    def _moved(self, look: BlockLook) -> str:
         """Say by how much the cube was turned while it was disturbed."""
         away = self._away
         if any(a.last != b.first or b.is_broken for a, b in pairwise([self.kept[-1], *away])):

@@ -5,52 +5,52 @@ from typing import Any, Protocol
 
 from procedures.campaign.plan_steps import Dwell, Soak
 from procedures.frames import face_normal
-from station.guide.accepted_dwell import estimates
-from station.guide.dwell_attempt import TOUCHED, Dwelling, crept
-from station.guide.face_and_stillness import Look
-from station.guide.heading_questions import NEITHER, which_way
-from station.guide.seating_check import Seat
-from station.guide.soak_progress import Thermometer, in_words
+from station.guide.accepted_dwell import triad_estimates
+from station.guide.dwell_attempt import TOUCHED, DwellAttempt, crept
+from station.guide.face_and_stillness import BlockLook
+from station.guide.heading_questions import NEITHER, which_position
+from station.guide.seating_check import SeatCheck
+from station.guide.soak_progress import SoakTemperature, soak_in_words
 from station.guide.stage import Stage
-from station.guide.stage_context import Desk
-from station.guide.view import Question
-from station.guide.wording import title
+from station.guide.stage_context import StageContext
+from station.guide.view import OperatorQuestion
+from station.guide.wording import step_title
 from station.guide.wrong_heading import after_dwell
 from station.stream.live.accepted_blocks import series
 from station.stream.live.stillness import Block
 
 ASK_AFTER_S = 10.0  # of accepted seconds without a sure heading
 BY_EARTH, AS_SAID, AS_ASKED = "by the Earth rate", "as said", "as asked for, not checked"
-ANY = "any will do"
+ANY_HEADING = "any will do"
 
 
-class Again(Protocol):
+class NextStage(Protocol):
     """Makes the stage that comes after this one; ``why`` is said, empty if all is well."""
 
-    def __call__(self, desk: Desk, why: str, *, must_move: bool) -> Stage:
+    def __call__(self, context: StageContext, why: str, *, must_move: bool) -> Stage:
         """Return the stage."""
         ...
 
 
-class Resting:
+class DwellStage:
     """One attempt at a dwell or soak on ``face``, for one of ``dwells``, the likeliest first.
 
     A soak is judged by face, heading and stillness alone: what its counts drift by is what it is for.
     """
 
-    def __init__(self, desk: Desk, face: str, dwells: Sequence[Dwell | Soak], again: Again) -> None:
-        self._desk, self._face, self._dwells, self._again = desk, face, dwells, again
-        period = desk.feed.period
+    def __init__(self, context: StageContext, face: str, dwells: Sequence[Dwell | Soak], again: NextStage) -> None:
+        self._context, self._face, self._dwells, self._again = context, face, dwells, again
+        period = context.feed.period
         self._is_soak = isinstance(dwells[0], Soak)
         samples = round(dwells[0].seconds / period)
-        self._dwelling = Dwelling(samples, period, desk.rough_gyro_k, drifts=self._is_soak)
-        self._thermometer = Thermometer()
-        self._seat = Seat(desk, face)
+        self._dwelling = DwellAttempt(samples, period, context.rough_gyro_k, drifts=self._is_soak)
+        self._thermometer = SoakTemperature()
+        self._seat = SeatCheck(context, face)
         self._is_neither = False
-        self._position, self._how = desk.position, AS_SAID if desk.position else ""
+        self._position, self._how = context.position, AS_SAID if context.position else ""
         if not dwells[0].position:  # a soak that wants the face only
-            self._how = ANY
-        desk.story.say("start", "recording: keep your hands off")
+            self._how = ANY_HEADING
+        context.event_log.say("start", "recording: keep your hands off")
 
     @property
     def oldest(self) -> int | None:
@@ -62,40 +62,40 @@ class Resting:
         """The dwell that this is, as far as it is known."""
         return next((each for each in self._dwells if each.position == self._position), self._dwells[0])
 
-    def take(self, block: Block, look: Look) -> Stage:
+    def take(self, block: Block, look: BlockLook) -> Stage:
         """Take a second of the stream."""
         was_disturbed = self._dwelling.is_disturbed
         self._thermometer.take(block)
         if self._is_neither:
-            return self._again(self._desk, "set the cube down along the marks on the slab", must_move=True)
+            return self._again(self._context, "set the cube down along the marks on the slab", must_move=True)
         if why := self._dwelling.take(block, look):
             if why == TOUCHED:
-                self._desk.story.say("still", "not let go yet: keep your hands off")
-                return self._again(self._desk, "", must_move=False)
-            return self._again(self._desk, f"{why}; it begins again", must_move=False)
+                self._context.event_log.say("still", "not let go yet: keep your hands off")
+                return self._again(self._context, "", must_move=False)
+            return self._again(self._context, f"{why}; it begins again", must_move=False)
         self._tell(was_disturbed)
         if self._dwelling.is_disturbed or not self._dwelling.kept:
             return self
         if why := self._wrong_heading() or self._seat_fault():
-            return self._again(self._desk, why, must_move=True)
+            return self._again(self._context, why, must_move=True)
         return self._completed() if self._dwelling.is_complete else self
 
     def interrupted(self) -> Stage:
         """Give the dwell up: the stream broke it."""
-        self._desk.position = 0
-        return self._again(self._desk, "the stream was interrupted; the dwell begins again", must_move=False)
+        self._context.position = 0
+        return self._again(self._context, "the stream was interrupted; the dwell begins again", must_move=False)
 
     def answer(self, key: str) -> None:
         """Take the operator's word for the position."""
         self._is_neither = key == NEITHER
-        if key in {choice.key for choice in which_way(self._face).choices} - {NEITHER}:
+        if key in {choice.key for choice in which_position(self._face).choices} - {NEITHER}:
             self._position, self._how = int(key), AS_SAID
 
     def shown(self) -> dict[str, Any]:
         """Return how far the dwell is."""
         wanted_s = self._step.seconds
         accepted_s = min(self._dwelling.accepted_s, wanted_s)
-        where = title(self._step) if self.is_known else f"{title(self._step)}?"
+        where = step_title(self._step) if self.is_known else f"{step_title(self._step)}?"
         soak = self._thermometer.view(wanted_s - accepted_s) if self._is_soak else None
         line = f"{where}: {accepted_s:.0f} of {wanted_s:.0f} s, hands off"
         hint = "disturbed: those seconds are left out; keep still" if self._dwelling.is_disturbed else ""
@@ -104,7 +104,7 @@ class Resting:
         return {
             "stage": "dwell", "live": self._step.name, "hint": hint,
             "accepted_s": accepted_s, "wanted_s": wanted_s,
-            "line": f"{line}; {in_words(soak)}" if soak else line, "soak": soak, "question": self._question,
+            "line": f"{line}; {soak_in_words(soak)}" if soak else line, "soak": soak, "question": self._question,
             "position": self._position, "heading": self._how or "reading the Earth rate",
             "seating": self._seat.words, "is_seated": not self._seat.is_to_lift,
         }  # fmt: skip
@@ -112,28 +112,28 @@ class Resting:
     @property
     def is_known(self) -> bool:
         """Whether it is known which way the cube points, as far as that matters."""
-        return bool(self._position) or self._how == ANY
+        return bool(self._position) or self._how == ANY_HEADING
 
     @property
-    def _question(self) -> Question | None:
-        if self.is_known or not self._desk.facts.asks:
+    def _question(self) -> OperatorQuestion | None:
+        if self.is_known or not self._context.bench.asks:
             return None
         is_time = self._dwelling.accepted_s >= ASK_AFTER_S or self._dwelling.is_complete
-        return which_way(self._face) if is_time else None
+        return which_position(self._face) if is_time else None
 
     def _seat_fault(self) -> str:
         return "" if self._is_soak else self._seat.fault(self._dwelling, self._position)
 
     def _tell(self, was_disturbed: bool) -> None:
         if self._dwelling.is_disturbed and not was_disturbed:
-            self._desk.story.say("still", "disturbed: keep still, only those seconds are left out")
+            self._context.event_log.say("still", "disturbed: keep still, only those seconds are left out")
 
     def _wrong_heading(self) -> str:
         """Read the heading; say what is wrong with it."""
-        if self._how in {BY_EARTH, ANY}:
+        if self._how in {BY_EARTH, ANY_HEADING}:
             return ""
-        desk, seconds = self._desk, self._dwelling.accepted_s
-        found = desk.heading(self._dwelling.rate()[:3], seconds, self._face)
+        context, seconds = self._context, self._dwelling.accepted_s
+        found = context.heading(self._dwelling.rate()[:3], seconds, self._face)
         if not found.is_sure:
             return ""
         if found.position is None:
@@ -152,33 +152,33 @@ class Resting:
         """Say so if there is nothing to do in this position."""
         if any(each.position == self._position for each in self._dwells):
             return ""
-        is_done = self._desk.checklist.dwell_at(self._position) is not None
+        is_done = self._context.checklist.dwell_at(self._position) is not None
         why = f"position {self._position} is {'done already' if is_done else 'not asked for'}"
         return f"{why}; position {self._dwells[0].position} is the same face turned by 180 deg"
 
     def _completed(self) -> Stage:
-        desk, dwelling = self._desk, self._dwelling
-        dwelling.forget_restless(desk.judge.stillness.is_still)
+        context, dwelling = self._context, self._dwelling
+        dwelling.forget_restless(context.gate.stillness.is_still)
         if not dwelling.is_complete:
             return self
         if why := self._crept():
-            return self._again(desk, f"{why}; it begins again", must_move=False)
-        if not self.is_known and not desk.facts.asks:
+            return self._again(context, f"{why}; it begins again", must_move=False)
+        if not self.is_known and not context.bench.asks:
             self._position, self._how = self._dwells[0].position, AS_ASKED
         if not self.is_known:
             return self
         if why := "" if self._is_soak else self._seat.last_fault(self._dwelling, self._position):
-            return self._again(desk, why, must_move=True)
-        if why := "" if self._how == ANY else self._nothing_left():
-            return self._again(desk, why, must_move=True)
-        desk.accept(self._step, dwelling.runs(), kept_seat=None if self._is_soak else self._seat.kept)
-        return after_dwell(desk, lambda why: self._again(desk, why, must_move=True))
+            return self._again(context, why, must_move=True)
+        if why := "" if self._how == ANY_HEADING else self._nothing_left():
+            return self._again(context, why, must_move=True)
+        context.accept(self._step, dwelling.runs(), kept_seat=None if self._is_soak else self._seat.kept)
+        return after_dwell(context, lambda why: self._again(context, why, must_move=True))
 
     def _crept(self) -> str:
         """Say how far the cube crept; in a soak a slope is what is looked for."""
         if self._is_soak:
             return ""
-        desk, dwelling = self._desk, self._dwelling
-        recorded = series(desk.feed.tape, dwelling.runs(), desk.feed.period)
-        up = desk.C_sb @ face_normal(self._face)
-        return crept(estimates(recorded.accel, recorded), dwelling.accepted_s, up)
+        context, dwelling = self._context, self._dwelling
+        recorded = series(context.feed.tape, dwelling.runs(), context.feed.period)
+        up = context.C_sb @ face_normal(self._face)
+        return crept(triad_estimates(recorded.accel, recorded), dwelling.accepted_s, up)

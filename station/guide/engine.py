@@ -21,16 +21,16 @@ from procedures.errors import ProcedureError
 from station.errors import CannotWrite, DataRefused, DiskFull, StationError
 from station.exit_codes import exit_code
 from station.files.setup import Setup
-from station.guide.campaign import Campaign
-from station.guide.command import Command
+from station.guide.campaign import GuidedCampaign
+from station.guide.command import OperatorCommand
 from station.guide.last_setup import save_setup
-from station.guide.options import Options
-from station.guide.readiness_in_background import Considering, said_of
+from station.guide.options import CalibrationOptions
+from station.guide.readiness_in_background import ReadinessInBackground, announce_readiness
 from station.guide.setup import start_view
-from station.guide.setup_view import Check, Readiness, Start
-from station.guide.solved import Solved
+from station.guide.setup_view import PortCheck, Readiness, StartView
+from station.guide.solved import SolveOutcome
 from station.guide.step_words import for_people
-from station.guide.view import Stage, View
+from station.guide.view import CalibrationView, StageName
 
 if TYPE_CHECKING:
     from station.guide.simulated_operator import Operator
@@ -39,46 +39,51 @@ REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
 FOR_UNIT = "waiting for the unit to say who it is"
 WHOLE = "all is recorded: leave, and diagnose it together with the campaign that it complements"
 ELSEWHERE = "; if it is at another port now, look at its address and go on, or `station resume --device URL`"
-OVER = frozenset({"cancelled", "left", "failed"})
-AGAIN = frozenset({"redo", "choose"})  # what needs the device of a campaign that is complete
-LOOKS = {"check": ("check", "is_checking"), "listen": ("receiver", "is_listening")}  # by verb, what `Start` says
+ENDED_STAGES = frozenset({"cancelled", "left", "failed"})
+DEVICE_VERBS = frozenset({"redo", "choose"})  # what needs the device of a campaign that is complete
+LOOK_VERBS = {
+    "check": ("check", "is_checking"),
+    "listen": ("receiver", "is_listening"),
+}  # by verb, what `Start` says
 
 
-class Engine:
+class CalibrationEngine:
     """At most one campaign; ``publish`` is told each view that is worth showing before something slow."""
 
-    def __init__(self, database: Database, options: Options, publish: Callable[[View], None]) -> None:
+    def __init__(
+        self, database: Database, options: CalibrationOptions, publish: Callable[[CalibrationView], None]
+    ) -> None:
         self._database, self._options, self._publish = database, options, publish
-        self._campaign: Campaign | None = None
-        self._aside = ThreadPoolExecutor(len(LOOKS) + 1, "look")
-        self._looks: dict[str, Future[Check]] = {}  # under way, by verb
-        self._outcome = Solved()
+        self._campaign: GuidedCampaign | None = None
+        self._aside = ThreadPoolExecutor(len(LOOK_VERBS) + 1, "look")
+        self._looks: dict[str, Future[PortCheck]] = {}  # under way, by verb
+        self._outcome = SolveOutcome()
         self._refused = ""  # why what is complete could not be solved
-        self._view = View()
-        self.view = View(stage="start", start=start_view(database, options.setup))
+        self._view = CalibrationView()
+        self.view = CalibrationView(stage="start", start=start_view(database, options.setup))
         self._readiness: Readiness | None = None  # of the campaign
-        self._considering = Considering(database, options, self._aside)
+        self._considering = ReadinessInBackground(database, options, self._aside)
         self._considered = options.setup
 
     @property
-    def view(self) -> View:
+    def view(self) -> CalibrationView:
         """What is shown; no text of it names a file of a step."""
         return self._view
 
     @view.setter
-    def view(self, view: View) -> None:
+    def view(self, view: CalibrationView) -> None:
         self._view = for_people(view)
 
     def round(self) -> None:
         """Let the campaign go on for a moment, or do nothing."""
         for verb in [verb for verb, look in self._looks.items() if look.done()]:
-            result, is_under_way = LOOKS[verb]
+            result, is_under_way = LOOK_VERBS[verb]
             self._show_start(**{result: self._looks.pop(verb).result(), is_under_way: False})
             self._consider(self._considered)
         if (ready := self._considering.answered()) is not None and self._campaign is None:
             self._show_start(readiness=ready)
         campaign = self._campaign
-        if campaign is None or self.view.stage in OVER:
+        if campaign is None or self.view.stage in ENDED_STAGES:
             return
         try:
             campaign.round()
@@ -97,10 +102,10 @@ class Engine:
     @property
     def is_busy(self) -> bool:
         """Whether there is a stream to follow."""
-        is_over = self.view.stage in OVER
+        is_over = self.view.stage in ENDED_STAGES
         return self._campaign is not None and self._campaign.has_device and not is_over
 
-    def obey(self, command: Command) -> None:
+    def obey(self, command: OperatorCommand) -> None:
         """Do as the operator says; what is refused is said in the view."""
         try:
             self._obey(command)
@@ -124,7 +129,7 @@ class Engine:
         if self._campaign is not None:
             self._campaign.close()
 
-    def _obey(self, command: Command) -> None:
+    def _obey(self, command: OperatorCommand) -> None:
         campaign = self._campaign
         if campaign is None:
             self._obey_at_start(command)
@@ -138,14 +143,14 @@ class Engine:
             self._finish(campaign)
         elif command.verb == "store":
             self._store()
-        elif command.verb in AGAIN and not campaign.has_device:
+        elif command.verb in DEVICE_VERBS and not campaign.has_device:
             self._do_again(campaign, command)
         else:
-            self._outcome = Solved() if command.verb == "redo" else self._outcome
+            self._outcome = SolveOutcome() if command.verb == "redo" else self._outcome
             campaign.obey(command)
             self._show(campaign)
 
-    def _do_again(self, campaign: Campaign, command: Command) -> None:
+    def _do_again(self, campaign: GuidedCampaign, command: OperatorCommand) -> None:
         """Open the device of a campaign that is complete, to do a step again; what refuses changes nothing."""
         from station.guide.finished_campaign import finished
         from station.guide.live_campaign import resume
@@ -163,11 +168,11 @@ class Engine:
         else:
             self._obey(command)
 
-    def _obey_at_start(self, command: Command) -> None:
-        if command.verb in LOOKS:
+    def _obey_at_start(self, command: OperatorCommand) -> None:
+        if command.verb in LOOK_VERBS:
             if command.verb not in self._looks:
                 self._looks[command.verb] = self._aside.submit(_look, command.verb, command.url)
-                self._show_start(**{LOOKS[command.verb][1]: True})
+                self._show_start(**{LOOK_VERBS[command.verb][1]: True})
         elif command.verb == "consider" and command.setup is not None:
             self._consider(command.setup)
         elif command.verb == "begin" and command.setup is not None:
@@ -188,28 +193,30 @@ class Engine:
 
     def _consider(self, setup: Setup) -> None:
         """Have it said how ready the set-up is that stands in the form."""
-        start = self.view.start or Start()
+        start = self.view.start or StartView()
         self._considered = setup
         self._considering.ask(setup, start.check, start.receiver)
 
-    def _start(self, make: Callable[[], Campaign], hint: str = FOR_UNIT, *, is_to_go_on: bool = False) -> None:
-        start = (self.view.start or Start()).model_copy(update={"setup": self._considered})
-        self._publish(View(stage="connecting", line="connecting", hint=hint))
+    def _start(
+        self, make: Callable[[], GuidedCampaign], hint: str = FOR_UNIT, *, is_to_go_on: bool = False
+    ) -> None:
+        start = (self.view.start or StartView()).model_copy(update={"setup": self._considered})
+        self._publish(CalibrationView(stage="connecting", line="connecting", hint=hint))
         wait(self._looks.values())  # they hold the ports
         try:
             self._campaign = make()
         except REFUSALS as error:
             if not self._options.is_patient:
                 raise
-            self.view = View(stage="start", start=start)
+            self.view = CalibrationView(stage="start", start=start)
             is_moved = is_to_go_on and isinstance(error, PortNotFound | LinkSilent)
             self._show_start(refused=f"{error}{ELSEWHERE if is_moved else ''}", refused_code=exit_code(error) or 0)
         else:
-            self._readiness = said_of(self._campaign, self._database, self._options)
+            self._readiness = announce_readiness(self._campaign, self._database, self._options)
             self._show(self._campaign)
 
-    def _show(self, campaign: Campaign) -> None:
-        view = campaign.view(View(readiness=self._readiness))
+    def _show(self, campaign: GuidedCampaign) -> None:
+        view = campaign.view(CalibrationView(readiness=self._readiness))
         if self._outcome.verdict is not None:
             view = view.model_copy(update=self._outcome.shown())
         elif self._refused and campaign.is_complete:
@@ -217,10 +224,10 @@ class Engine:
         self.view = view
 
     def _show_start(self, **changes: object) -> None:
-        start = self.view.start or Start()
+        start = self.view.start or StartView()
         self.view = self.view.model_copy(update={"start": start.model_copy(update=changes)})
 
-    def _finish(self, campaign: Campaign) -> None:
+    def _finish(self, campaign: GuidedCampaign) -> None:
         from station.guide.outcome import verdict_view
         from station.results.campaign_results import (
             make_results,  # scipy and matplotlib: not before they are wanted
@@ -229,7 +236,7 @@ class Engine:
         self._publish(self.view.model_copy(update={"stage": "solving", "line": "solving"}))
         try:
             results = make_results(campaign.folder, self._database)
-            self._outcome = Solved(verdict_view(results, self._database), results)
+            self._outcome = SolveOutcome(verdict_view(results, self._database), results)
         except REFUSALS as error:
             if isinstance(error, CannotWrite) or not self._options.is_patient:
                 raise
@@ -251,7 +258,7 @@ class Engine:
         else:
             self.view = self.view.model_copy(update=self._outcome.shown())
 
-    def _cancel(self, campaign: Campaign) -> None:
+    def _cancel(self, campaign: GuidedCampaign) -> None:
         if self._outcome.sha256:
             self._end("left", "the calibration is stored; there is nothing to cancel")
             return
@@ -276,7 +283,7 @@ class Engine:
             }
         )  # fmt: skip
 
-    def _end(self, stage: Stage, line: str, code: int = 0) -> None:
+    def _end(self, stage: StageName, line: str, code: int = 0) -> None:
         if self._campaign is not None:
             self._campaign.close()
         ended = {"stage": stage, "line": line, "hint": "", "question": None, "code": code}
@@ -288,7 +295,7 @@ def prefetch() -> None:
     import station.guide.port_check  # noqa: F401
 
 
-def _look(verb: str, url: str) -> Check:
+def _look(verb: str, url: str) -> PortCheck:
     if verb == "check":
         from station.guide.port_check import check_port
 
@@ -298,13 +305,13 @@ def _look(verb: str, url: str) -> Check:
     return check_receiver(url)
 
 
-def _begun(setup: Setup, database: Database, options: Options) -> Campaign:
+def _begun(setup: Setup, database: Database, options: CalibrationOptions) -> GuidedCampaign:
     from station.guide.live_campaign import begin
 
     return begin(setup, database, options)
 
 
-def _resumed(folder: Path, database: Database, options: Options) -> Campaign:
+def _resumed(folder: Path, database: Database, options: CalibrationOptions) -> GuidedCampaign:
     from station.guide.finished_campaign import finished
     from station.guide.live_campaign import resume
 
@@ -323,6 +330,6 @@ def _port_of(folder: Path) -> str:
 def _awaited(setup: Setup) -> str:
     if not setup.gnss:
         return FOR_UNIT
-    from station.guide.gnss_in_campaign import FIXES, WAIT_S
+    from station.guide.gnss_in_campaign import MAX_SITE_WAIT_S, SITE_FIXES
 
-    return f"waiting for the unit, and up to {WAIT_S:g} s for {FIXES} positions of the receiver"
+    return f"waiting for the unit, and up to {MAX_SITE_WAIT_S:g} s for {SITE_FIXES} positions of the receiver"

@@ -7,10 +7,10 @@ from pathlib import Path
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import DatabaseError
 from station.exit_codes import exit_code
-from station.guide.engine import Engine, prefetch
-from station.guide.server import Server
+from station.guide.engine import CalibrationEngine, prefetch
+from station.guide.server import ViewServer
 from station.guide.start_engine import EngineOptions
-from station.guide.view import View
+from station.guide.view import CalibrationView
 
 IDLE_S = 0.1
 DRAWN_S = 1.0  # what a screen may take to draw its first view before anything else asks for the processor
@@ -20,19 +20,19 @@ def serve(path: Path, options: EngineOptions) -> None:
     """Serve one engine until stdin is closed; a database that cannot be opened is a view that says so."""
     stop = threading.Event()
     threading.Thread(target=_watch_stdin, args=(stop,), daemon=True).start()
-    with Server(path) as server:
+    with ViewServer(path) as server:
         try:
             database = open_db(options.database)
         except DatabaseError as error:
-            server.publish(View(stage="failed", error=str(error), code=exit_code(error) or 0))
+            server.publish(CalibrationView(stage="failed", error=str(error), code=exit_code(error) or 0))
             stop.wait()
             return
         with database:
             _serve(server, database, options, stop)
 
 
-def _serve(server: Server, database: Database, options: EngineOptions, stop: threading.Event) -> None:
-    engine = Engine(database, options.engine(), server.publish)
+def _serve(server: ViewServer, database: Database, options: EngineOptions, stop: threading.Event) -> None:
+    engine = CalibrationEngine(database, options.engine(), server.publish)
     operator = None
     if options.first is None:
         server.publish(engine.view)

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Sequence
 
 from procedures.frames import AXES, face_of
-from station.guide.view import Step
+from station.guide.view import StepView
 
 
-def lacking(steps: Sequence[Step]) -> str:
+def lacking(steps: Sequence[StepView]) -> str:
     """Return why the steps done so far surely cannot be solved and which positions are to do, else empty.
 
     Scale factors, misalignments and bias of an accelerometer are four numbers: rests determine them where each

@@ -2,10 +2,10 @@
 
 from station.stream.events import Event, Sound
 
-KEPT = 8
+EVENTS_KEPT = 8
 
 
-class Story:
+class EventLog:
     """Numbers events and keeps the last few."""
 
     def __init__(self) -> None:
@@ -15,7 +15,7 @@ class Story:
     def say(self, sound: Sound, text: str) -> None:
         """Add an event."""
         self._number += 1
-        self.events = (*self.events, Event(number=self._number, sound=sound, text=text))[-KEPT:]
+        self.events = (*self.events, Event(number=self._number, sound=sound, text=text))[-EVENTS_KEPT:]
 
     def ended(self) -> None:
         """Take it that what was begun is over: that it began is no news any more."""

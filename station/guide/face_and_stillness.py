@@ -19,15 +19,15 @@ from station.stream.live.stillness import LEAST, TICKS, Block, Stillness
 LIMIT_DEG = 3.0
 ALLOWANCE_DEG = 0.5  # biases of 8.7 mg
 LEARNT_ALLOWANCE_DEG = 0.1
-CALM = 0.5  # of the limit, in amplitude
-COUNTING = 0.5  # count^2, twice what counting alone may vary by
-TURNING_RATE = 3.0  # times the rate at rest, which is the Earth's and the biases
+CALM_SHARE = 0.5  # of the limit, in amplitude
+COUNTING_VARIANCE = 0.5  # count^2, twice what counting alone may vary by
+TURNING_RATE_RATIO = 3.0  # times the rate at rest, which is the Earth's and the biases
 TURNING_COUNTS = 20.0  # times the noise of a second
 CHANNELS = ("gyro x", "gyro y", "gyro z", "accelerometer x", "accelerometer y", "accelerometer z")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Look:
+class BlockLook:
     """What a block shows: the face that is up, its angle off the vertical, and how still it is (limit 1).
 
     ``is_calm``: twice as still as it need be, as a cube is that nobody touches. ``sigma`` (6,) [count/s] is what
@@ -45,7 +45,7 @@ class Look:
     hindrance: str
 
 
-class Judge:
+class FaceAndStillnessGate:
     """Judges blocks of one unit in its cube; ``C_sb`` (3, 3) takes the cube's axes to the IMU's."""
 
     def __init__(self, C_sb: FloatArray) -> None:
@@ -75,7 +75,7 @@ class Judge:
             self._bias = np.mean([(up + down) / 2 for up, down in pairs], axis=0)
             self._allowance = LEARNT_ALLOWANCE_DEG
 
-    def look(self, block: Block) -> Look:
+    def look(self, block: Block) -> BlockLook:
         """Judge a block."""
         face, off = self.seen_face(block.rate[3:])
         ratio = np.sqrt(block.variance / self.stillness.limit)
@@ -91,10 +91,10 @@ class Judge:
             hindrance = f"waiting for still: {CHANNELS[worst]} moves"
         elif not is_upright:
             hindrance = f"tilted by {off:.1f} deg, limit {self.limit_deg:.1f} deg"
-        calm = np.maximum(CALM**2 * self.stillness.limit, COUNTING)
+        calm = np.maximum(CALM_SHARE**2 * self.stillness.limit, COUNTING_VARIANCE)
         is_calm = is_still and bool(np.all(block.variance <= calm))
         sigma = np.sqrt(np.maximum(self.stillness.noise, LEAST) * TICKS)
-        return Look(
+        return BlockLook(
             face, off, float(ratio[worst]), CHANNELS[worst], is_upright, is_still, is_calm, sigma, hindrance
         )
 
@@ -121,7 +121,9 @@ class Judge:
         if self._rest is None:
             return False
         sigma = np.sqrt(np.maximum(self.stillness.noise[:3], LEAST) * TICKS)
-        return bool(np.any(np.abs(block.rate[:3]) > TURNING_RATE * self._rest.max() + TURNING_COUNTS * sigma))
+        return bool(
+            np.any(np.abs(block.rate[:3]) > TURNING_RATE_RATIO * self._rest.max() + TURNING_COUNTS * sigma)
+        )
 
 
 def opposite_faces() -> Sequence[tuple[str, str]]:

@@ -7,13 +7,13 @@ from fixtures_db.database import Database
 from station.files.campaign_folder.notes import kept_plan, read_setup
 from station.files.setup import Setup
 from station.guide.checklist import Checklist
-from station.guide.command import Command
-from station.guide.disk_space import Disk, disk_for
-from station.guide.event_log import Story
+from station.guide.command import OperatorCommand
+from station.guide.disk_space import DiskSpace, disk_for
+from station.guide.event_log import EventLog
 from station.guide.folder_lock import FolderLock
 from station.guide.interrupted_campaigns import reopen
 from station.guide.live_campaign import usual_steps
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from station.stream.events import Sound
 from station.stream.recorder import CampaignRecorder
 
@@ -25,7 +25,7 @@ class FinishedCampaign:
 
     def __init__(self, recorder: CampaignRecorder, checklist: Checklist, stack: ExitStack) -> None:
         self._recorder, self._checklist, self._stack = recorder, checklist, stack
-        self._story = Story()
+        self._story = EventLog()
 
     @property
     def folder(self) -> Path:
@@ -33,21 +33,21 @@ class FinishedCampaign:
         return self._recorder.folder
 
     @property
-    def disk(self) -> Disk:
+    def disk(self) -> DiskSpace:
         """The room that its results need, and what there is."""
         return disk_for(self.folder, (), 0.0)
 
     def round(self) -> None:
         """Do nothing: nothing comes."""
 
-    def obey(self, command: Command) -> None:
+    def obey(self, command: OperatorCommand) -> None:
         """Do nothing: what needs the device needs a `LiveCampaign`."""
 
     def say(self, sound: Sound, text: str) -> None:
         """Tell the operator."""
         self._story.say(sound, text)
 
-    def view(self, base: View) -> View:
+    def view(self, base: CalibrationView) -> CalibrationView:
         """Return ``base`` with everything filled in."""
         imu = self._recorder.tables.imu
         return base.model_copy(

@@ -8,7 +8,7 @@ from types import TracebackType
 
 from station.errors import CannotWrite, cannot_write
 
-NAME = ".lock"
+LOCK_FILE = ".lock"
 PATIENCE_S = 0.5  # whoever only looks holds the lock for less than this
 _POLL_S = 0.01
 
@@ -40,12 +40,12 @@ class FolderLock:
         self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
     ) -> None:
         if self._descriptor is not None:
-            (self._folder / NAME).unlink(missing_ok=True)
+            (self._folder / LOCK_FILE).unlink(missing_ok=True)
             os.close(self._descriptor)
             self._descriptor = None
 
     def _take(self) -> bool:
-        path = self._folder / NAME
+        path = self._folder / LOCK_FILE
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
         except OSError as error:
@@ -60,7 +60,7 @@ class FolderLock:
 def is_locked(folder: Path) -> bool:
     """Say whether another process holds a folder."""
     try:
-        descriptor = os.open(folder / NAME, os.O_RDWR | os.O_CLOEXEC)
+        descriptor = os.open(folder / LOCK_FILE, os.O_RDWR | os.O_CLOEXEC)
     except OSError:
         return False
     try:

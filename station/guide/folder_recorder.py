@@ -12,7 +12,7 @@ from station.stream.recorder.sample_buffer import Run, Tape
 
 
 class FolderRecorder:
-    """A `station.guide.stage_context.Recorder` on a campaign's folder."""
+    """A `station.guide.stage_context.StepRecorder` on a campaign's folder."""
 
     def __init__(self, recorder: CampaignRecorder) -> None:
         self._recorder = recorder

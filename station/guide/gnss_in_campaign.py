@@ -13,19 +13,19 @@ from drivers.errors import DriverError
 from procedures.earth.gnss_records import AveragedSite
 from station.files.atomic_file import replace_file
 from station.files.setup import Setup
-from station.guide.event_log import Story
+from station.guide.event_log import EventLog
 from station.stream.gnss import GnssFeed, open_gnss
 from station.stream.gnss.sample_rate import SampleRate
 from station.stream.gnss.summary import site_in_words
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import words_of
 
-NAME = "gnss.json"
-FIXES = 20  # to average before a campaign begins
-WAIT_S = 60.0
+GNSS_FILE = "gnss.json"
+SITE_FIXES = 20  # to average before a campaign begins
+MAX_SITE_WAIT_S = 60.0
 SHORT_WAIT_S = 15.0  # where the site is stated and only to be compared
 POLL_S = 0.05
-FAR_DEG = 0.01  # a kilometre: the stated site is not this one
+MAX_SITE_DIFFERENCE_DEG = 0.01  # a kilometre: the stated site is not this one
 
 
 class NoFix(DriverError):
@@ -34,7 +34,7 @@ class NoFix(DriverError):
     def __init__(self, port: str, fixes: int, trouble: str) -> None:
         self.port, self.fixes, self.trouble = port, fixes, trouble
         super().__init__(
-            f"{port}: {fixes} positions within {WAIT_S:g} s, expected {FIXES}; "
+            f"{port}: {fixes} positions within {MAX_SITE_WAIT_S:g} s, expected {SITE_FIXES}; "
             f"{trouble or 'wait for a fix'}, or state the site"
         )
 
@@ -42,7 +42,7 @@ class NoFix(DriverError):
 class GnssBeside:
     """What a campaign does with its receiver each round; troubles are said once each, none stops it."""
 
-    def __init__(self, gnss: GnssFeed, feed: LiveFeed, story: Story) -> None:
+    def __init__(self, gnss: GnssFeed, feed: LiveFeed, story: EventLog) -> None:
         self._gnss, self._story = gnss, story
         self._rate = SampleRate(feed, gnss.utc, gnss.utc_scatter)
         self._said = ""
@@ -65,10 +65,10 @@ def sited(setup: Setup, gnss: GnssFeed, folder: Path) -> Setup:
     NoFix
         If the site is needed and the receiver has none within a minute.
     """
-    deadline = time.monotonic() + (WAIT_S if setup.latitude_deg is None else SHORT_WAIT_S)
-    while ((site := gnss.site()) is None or site.fixes < FIXES) and time.monotonic() < deadline:
+    deadline = time.monotonic() + (MAX_SITE_WAIT_S if setup.latitude_deg is None else SHORT_WAIT_S)
+    while ((site := gnss.site()) is None or site.fixes < SITE_FIXES) and time.monotonic() < deadline:
         gnss.advance(POLL_S)
-    if site is None or site.fixes < FIXES:
+    if site is None or site.fixes < SITE_FIXES:
         if setup.latitude_deg is None:
             raise NoFix(gnss.address.name, site.fixes if site else 0, gnss.trouble)
         return setup
@@ -121,7 +121,7 @@ def _warnings(seen: Mapping[str, float | None], stated: Mapping[str, float]) -> 
     return [
         f"{name} {value:g} is stated, GNSS says {seen[name]:g}"
         for name, value in stated.items()
-        if name != "height_m" and abs(value - (seen[name] or 0.0)) > FAR_DEG
+        if name != "height_m" and abs(value - (seen[name] or 0.0)) > MAX_SITE_DIFFERENCE_DEG
     ]
 
 
@@ -142,4 +142,4 @@ def _write(
         "warnings": _warnings(seen, stated),
     }
     known = {name: value for name, value in said.items() if value not in (None, [], {})}
-    replace_file(folder / NAME, (json.dumps(known, indent=1) + "\n").encode())
+    replace_file(folder / GNSS_FILE, (json.dumps(known, indent=1) + "\n").encode())

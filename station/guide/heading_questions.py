@@ -3,28 +3,28 @@
 from procedures.campaign.plan_steps import Turn
 from procedures.frames import POSITIONS, face_of
 from station.guide.setup_view import Choice
-from station.guide.view import Question
-from station.guide.wording import axes, sense, title
+from station.guide.view import OperatorQuestion
+from station.guide.wording import axes_in_words, step_title, turn_sense
 
 NEITHER = "n"
 TAKE = "y"
 OTHER_WAY = (TAKE, "n")
 
 
-def which_way(face: str) -> Question:
+def which_position(face: str) -> OperatorQuestion:
     """Ask which of the two positions of a face it is; the answer's key is the position."""
     pair = [p for p in range(1, len(POSITIONS) + 1) if face_of(p) == face]
-    choices = [Choice(key=str(p), title=f"position {p}: {axes(p)}") for p in pair]
+    choices = [Choice(key=str(p), title=f"position {p}: {axes_in_words(p)}") for p in pair]
     choices.append(Choice(key=NEITHER, title="neither: I set it down again"))
     text = "The Earth rate does not tell which way the cube points. Which is it?"
-    return Question(text=text, choices=tuple(choices))
+    return OperatorQuestion(text=text, choices=tuple(choices))
 
 
-def other_way(asked: Turn, other: Turn) -> Question:
+def which_turn(asked: Turn, other: Turn) -> OperatorQuestion:
     """Ask whether a turn the wrong way is to be the other step, which is to be done as well."""
-    text = f"You turn {sense(other)}: that is {title(other)}, asked for is {title(asked)}."
+    text = f"You turn {turn_sense(other)}: that is {step_title(other)}, asked for is {step_title(asked)}."
     choices = (
-        Choice(key=TAKE, title=f"take it as {title(other)}: turn on to the end"),
-        Choice(key=OTHER_WAY[1], title=f"no: I begin {title(asked)} anew, {sense(asked)}"),
+        Choice(key=TAKE, title=f"take it as {step_title(other)}: turn on to the end"),
+        Choice(key=OTHER_WAY[1], title=f"no: I begin {step_title(asked)} anew, {turn_sense(asked)}"),
     )
-    return Question(text=text, choices=choices)
+    return OperatorQuestion(text=text, choices=choices)

@@ -5,20 +5,20 @@ from dataclasses import replace
 
 from fixtures_db.database import Database
 from station.files.setup import Setup
-from station.guide.command import Command
-from station.guide.engine import Engine
+from station.guide.command import OperatorCommand
+from station.guide.engine import CalibrationEngine
 from station.guide.live_campaign import begin
-from station.guide.options import Options
+from station.guide.options import CalibrationOptions
 from station.guide.simulated_operator import Operator
 from station.guide.start_engine import EngineOptions
-from station.guide.view import View
+from station.guide.view import CalibrationView
 
-OVER = frozenset({"verdict", "stored", "failed", "left", "cancelled"})
+HEADLESS_ENDS = frozenset({"verdict", "stored", "failed", "left", "cancelled"})
 
 
 def run_headless(
-    options: EngineOptions, database: Database, show: Callable[[View], None], *, stores: bool
-) -> View:
+    options: EngineOptions, database: Database, show: Callable[[CalibrationView], None], *, stores: bool
+) -> CalibrationView:
     """Do ``options.first`` up to a verdict and, if asked, store the calibration; return the last view.
 
     Raises
@@ -26,31 +26,38 @@ def run_headless(
     DriverError, CannotWrite, DataRefused, ProcedureError, DatabaseError
         What ended it; every accepted step stays.
     """
-    engine, operator = Engine(database, replace(options.engine(), is_patient=False), show), options.operator()
+    engine, operator = (
+        CalibrationEngine(database, replace(options.engine(), is_patient=False), show),
+        options.operator(),
+    )
     try:
         if options.first is not None:
             engine.obey(options.first)
-        while engine.view.stage not in OVER:
+        while engine.view.stage not in HEADLESS_ENDS:
             engine.round()
             show(engine.view)
             operator.look(engine.view)
         if stores:
-            engine.obey(Command(verb="store"))
+            engine.obey(OperatorCommand(verb="store"))
             show(engine.view)
         return engine.view
     finally:
         engine.close()
 
 
-def record(
-    setup: Setup, options: Options, database: Database, operator: Operator, show: Callable[[View], None]
+def record_headless(
+    setup: Setup,
+    options: CalibrationOptions,
+    database: Database,
+    operator: Operator,
+    show: Callable[[CalibrationView], None],
 ) -> None:
     """Record a new campaign, without solving it; raises as `run_headless`."""
     campaign = begin(setup, database, options)
     try:
         while not campaign.guide.is_complete:
             campaign.round()
-            view = campaign.view(View())
+            view = campaign.view(CalibrationView())
             show(view)
             operator.look(view)
     finally:

@@ -25,7 +25,7 @@ from station.files.toml_text import read_toml
 from station.guide.folder_lock import FolderInUse, FolderLock
 from station.stream.recorder.campaign_recorder import CampaignRecorder, step_of
 
-OPEN = ("recording", "recorded")
+RESUMABLE_STATES = ("recording", "recorded")
 __all__ = ["FolderInUse", "FolderLock", "cancel_campaign", "reopen"]
 
 
@@ -47,12 +47,12 @@ def reopen(folder: Path, database: Database) -> CampaignRecorder:
     with database.read() as session:
         row = campaign(session, key)
         steps, state = list(row.steps), row.state
-    if state not in OPEN:
+    if state not in RESUMABLE_STATES:
         raise CampaignInUse(key)
     adopted = _reconciled(folder, steps, named)
-    if adopted or state != OPEN[0]:
+    if adopted or state != RESUMABLE_STATES[0]:
         with database.write() as session:
-            set_state(session, key, OPEN[0])
+            set_state(session, key, RESUMABLE_STATES[0])
             for name, sha256 in adopted.items():
                 file = named[name]
                 written = datetime.fromtimestamp((folder / file).stat().st_mtime, UTC)

@@ -31,21 +31,21 @@ from station.files.campaign_folder.notes import (
 from station.files.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
 from station.files.new_folder import journal_path, new_folder
 from station.files.setup import Setup
-from station.guide.accepted_steps import SoFar, after_pause, so_far
+from station.guide.accepted_steps import AcceptedSteps, after_pause, read_accepted_steps
 from station.guide.checklist import Checklist
-from station.guide.command import Command
-from station.guide.disk_space import WARM_UP_S, Disk, disk_for, refuse_full
+from station.guide.command import OperatorCommand
+from station.guide.disk_space import WARM_UP_S, DiskSpace, disk_for, refuse_full
 from station.guide.fixture import cube_fixture
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.gnss_in_campaign import GnssBeside, reopened, said_of_site, sited, utc_now
 from station.guide.guide import Guide
 from station.guide.host_clock import HostClock
 from station.guide.interrupted_campaigns import FolderLock, reopen
-from station.guide.options import Options
+from station.guide.options import CalibrationOptions
 from station.guide.port_check import RECORD_INSTEAD
-from station.guide.setup_view import Check
-from station.guide.stage_context import POWER_CYCLED, Desk, Facts
-from station.guide.view import View
+from station.guide.setup_view import PortCheck
+from station.guide.stage_context import POWER_CYCLED, BenchFacts, StageContext
+from station.guide.view import CalibrationView
 from station.stream.events import Sound
 from station.stream.gnss import GnssFeed, open_gnss
 from station.stream.live.live_feed import LiveFeed, open_feed
@@ -67,13 +67,13 @@ class LiveCampaign:
 
     def __init__(
         self, reader: Reader, feed: LiveFeed, unit: Unit, guide: Guide, recorder: CampaignRecorder,
-        options: Options, stack: ExitStack, gnss: GnssFeed | None = None,
+        options: CalibrationOptions, stack: ExitStack, gnss: GnssFeed | None = None,
     ) -> None:  # fmt: skip
         self._reader, self._feed, self._stack, self._is_patient = reader, feed, stack, options.is_patient
         self.unit, self.guide, self.recorder = unit, guide, recorder
         self._retry_at = 0.0
-        story = guide.desk.story
-        self._beside = HostClock(feed, story) if gnss is None else GnssBeside(gnss, feed, story)
+        event_log = guide.context.event_log
+        self._beside = HostClock(feed, event_log) if gnss is None else GnssBeside(gnss, feed, event_log)
         recorder.utc = None if gnss is None else gnss.utc
 
     @property
@@ -88,7 +88,7 @@ class LiveCampaign:
 
     def say(self, sound: Sound, text: str) -> None:
         """Tell the operator."""
-        self.guide.desk.story.say(sound, text)
+        self.guide.context.event_log.say(sound, text)
 
     def round(self) -> None:
         """Take what has come, waiting for it a moment.
@@ -118,25 +118,25 @@ class LiveCampaign:
             self.guide.take(block)
         self.guide.glance(self._feed.newest())
 
-    def view(self, base: View) -> View:
+    def view(self, base: CalibrationView) -> CalibrationView:
         """Return ``base`` with everything filled in."""
         unit = f"{self.unit.model} {self.unit.serial}"
         return self.guide.view(base.model_copy(update={"unit": unit, "folder": str(self.folder)}))
 
-    def as_checked(self) -> Check:
+    def as_checked(self) -> PortCheck:
         """Return what a look at its port says of the unit."""
         imu, rate = self.recorder.tables.imu, 1 / self.unit.period
-        unit = Check(url=self._reader.address.text, is_good=True, rate_hz=rate, output=imu.output)
+        unit = PortCheck(url=self._reader.address.text, is_good=True, rate_hz=rate, output=imu.output)
         return unit.model_copy(update={"model": imu.model, "serial": imu.serial})
 
-    def obey(self, command: Command) -> None:
+    def obey(self, command: OperatorCommand) -> None:
         """Do as the operator says."""
         self.guide.obey(command)
 
     @property
-    def disk(self) -> Disk:
+    def disk(self) -> DiskSpace:
         """The room that the open steps need, and what there is."""
-        return disk_for(self.folder, self.guide.desk.checklist.open_steps, 1 / self.unit.period, 0.0)
+        return disk_for(self.folder, self.guide.context.checklist.open_steps, 1 / self.unit.period, 0.0)
 
     def close(self) -> None:
         """Let the device and the folder go; may be called twice."""
@@ -146,7 +146,7 @@ class LiveCampaign:
     def _refuse_dead(self) -> None:
         """Raise `DeadChannel` for one that the open steps need: turns need gyroscopes, all need accelerometers."""
         silent = self._feed.silent
-        has_turns = any(isinstance(step, Turn) for step in self.guide.desk.checklist.open_steps)
+        has_turns = any(isinstance(step, Turn) for step in self.guide.context.checklist.open_steps)
         if silent and (has_turns or "accelerometer" in silent):
             for block in self._feed.ready():  # nothing of it is used
                 self._feed.tape.forget_before(block.first)
@@ -169,7 +169,7 @@ class LiveCampaign:
             self._feed.replace_source(self._reader)
 
 
-def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
+def begin(setup: Setup, database: Database, options: CalibrationOptions) -> LiveCampaign:
     """Begin a new campaign.
 
     Raises
@@ -204,17 +204,17 @@ def begin(setup: Setup, database: Database, options: Options) -> LiveCampaign:
             procedure=procedure_table(setup), cube_id=setup.cube or None, slab_id=setup.slab or None,
             started_utc=None if gnss is None else utc_now(gnss),
         )  # fmt: skip
-        desk = Desk(
+        context = StageContext(
             feed, Checklist(steps), _facts(recorder.tables, fixture, setup, options), FolderRecorder(recorder)
         )
-        guide = Guide(desk, warms_up=options.warms_up)
+        guide = Guide(context, warms_up=options.warms_up)
         if gnss is not None:
-            desk.story.say("", said_of_site(given, gnss))
+            context.event_log.say("", said_of_site(given, gnss))
         return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all(), gnss)
     raise AssertionError("unreachable")
 
 
-def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
+def resume(folder: Path, database: Database, options: CalibrationOptions) -> LiveCampaign:
     """Go on with an unfinished campaign, on the same unit and, unless the options name another, the same port.
 
     Raises
@@ -235,24 +235,24 @@ def resume(folder: Path, database: Database, options: Options) -> LiveCampaign:
         imu = recorder.tables.imu
         unit = feed.identify(imu.model, imu.serial, has_begun=True)
         fixture, _ = cube_fixture(database, recorder.tables.fixture.id, recorder.tables.fixture.imu_axes)
-        recorded = so_far(folder) if recorder.accepted else SoFar()
+        recorded = read_accepted_steps(folder) if recorder.accepted else AcceptedSteps()
         done = _as_it_runs(recorded, recorder, feed)
         checklist = Checklist(steps, recorder.accepted, done.seconds)
         refuse_full(folder, checklist.open_steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         facts = _facts(recorder.tables, fixture, setup, options)
-        desk = Desk(feed, checklist, facts, FolderRecorder(recorder), done)
+        context = StageContext(feed, checklist, facts, FolderRecorder(recorder), done)
         record = read_unit(folder)
         unsure = record if record is not None and not record.serial_from_wire else None
-        guide = Guide(desk, warms_up=options.warms_up, unsure=unsure)
+        guide = Guide(context, warms_up=options.warms_up, unsure=unsure)
         if done.turn_on > recorded.turn_on:
-            desk.story.say("rejected", POWER_CYCLED)
+            context.event_log.say("rejected", POWER_CYCLED)
         if missed:
-            desk.story.say("rejected", missed)
+            context.event_log.say("rejected", missed)
         return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all(), gnss)
     raise AssertionError("unreachable")
 
 
-def _as_it_runs(done: SoFar, recorder: CampaignRecorder, feed: LiveFeed) -> SoFar:
+def _as_it_runs(done: AcceptedSteps, recorder: CampaignRecorder, feed: LiveFeed) -> AcceptedSteps:
     """Return what the steps so far leave, the unit perhaps switched off and on since the last of them."""
     files = [recorder.folder / table.file for table in recorder.tables.steps()]
     if not files or not feed.tells_time or feed.stamp is None:
@@ -299,9 +299,9 @@ def _record(feed: LiveFeed, unit: Unit) -> UnitRecord:
     return UnitRecord(model=unit.model, serial=unit.serial, serial_from_wire=from_wire, period=unit.period)
 
 
-def _facts(tables: CampaignTable, fixture: Fixture, setup: Setup, options: Options) -> Facts:
+def _facts(tables: CampaignTable, fixture: Fixture, setup: Setup, options: CalibrationOptions) -> BenchFacts:
     care = tables.procedure
-    return Facts(
+    return BenchFacts(
         float(np.radians(tables.site.latitude_deg)), float(np.radians(care.heading_std_deg)),
         float(np.radians(care.closure_std_deg)), fixture,
         None if setup.dwell_s or setup.bias_ug is None else setup.bias_ug * 1e-6, options.asks,

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class CalibrationOptions:
     """Where campaigns go, what the set-up begins with, and the steps if not the usual ones.
 
     ``imu_axes``: the cube axes along which the IMU's x, y, z point, the cube's own if empty.

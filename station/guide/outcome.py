@@ -12,7 +12,7 @@ from procedures.calibration.solution import StepResidual
 from procedures.frames import AXES
 from station.files.campaign_folder.notes import read_left_out
 from station.guide.step_words import gap_in_words, verdict_for_people
-from station.guide.view import Row, Verdict
+from station.guide.view import Verdict, VerdictRow
 from station.results.diagnosis.diagnosis_text import diagnosis_text, warnings_of
 from station.results.diagnosis.wording import verdict_sentence
 from station.results.kept_tilted_dwells import doubt_of, worst_kept
@@ -109,7 +109,7 @@ def verdict_rows(
     outcome: Outcome,
     moved: Mapping[str, Shift],
     budgets: Sequence["ParameterBudget"] = (),
-) -> tuple[Row, ...]:
+) -> tuple[VerdictRow, ...]:
     """Return the table: what a calibration applies, then what else is limited."""
     judged = {one.limit.parameter: one for one in outcome.judged}
     budget = {one.name: one for one in budgets}
@@ -125,12 +125,12 @@ def _row(
     judged: Judged | None,
     moved: Shift | None,
     budget: "ParameterBudget | None",
-) -> Row:
+) -> VerdictRow:
     """Return a line; its sigma is the budget's, which a guarded limit is narrowed by, if there is one."""
     value, unit = ("not measured", "") if found is None else shown(found)
     combined = found if found is None or budget is None else replace(found, std=budget.std)
     expanded = None if found is None or budget is None else replace(found, std=budget.expanded)
-    return Row(
+    return VerdictRow(
         name=title_of(name),
         value=value,
         sigma="" if combined is None else shown_sigma(combined),

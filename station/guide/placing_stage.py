@@ -6,14 +6,13 @@ from procedures.campaign.plan_steps import Soak, Turn
 from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import APART_DEG, wanted
 from station.guide.checklist import is_free
-from station.guide.dwell_stage import Resting
-from station.guide.face_and_stillness import Look
-from station.guide.free_attitude_dwell import Leaning, free_look
+from station.guide.dwell_stage import DwellStage
+from station.guide.face_and_stillness import BlockLook
+from station.guide.free_attitude_dwell import FreeAttitudeStage, free_look
 from station.guide.stage import Stage
-from station.guide.stage_context import Desk
-from station.guide.turn_stage import Turning
-from station.guide.wording import face as face_words
-from station.guide.wording import task, title
+from station.guide.stage_context import StageContext
+from station.guide.turn_stage import TurnStage
+from station.guide.wording import face_in_words, instruction, step_title
 from station.stream.live.stillness import Block
 
 SETTLE_BLOCKS = 3  # still ones that are not used
@@ -21,7 +20,7 @@ HANDS_OFF = "hands off: the cube comes to rest"
 SET_DOWN_AGAIN = "lift the cube, wipe it and the slab, set it down as it stood"
 
 
-class Placing:
+class PlacingStage:
     """The cube is to be moved: after an accepted step it must be seen to move before another can begin.
 
     ``why`` says what was wrong with how it stood, empty if nothing was.
@@ -29,22 +28,22 @@ class Placing:
 
     oldest: int | None = None
 
-    def __init__(self, desk: Desk, *, must_move: bool, why: str = "") -> None:
-        self._desk, self._must_move = desk, must_move
+    def __init__(self, context: StageContext, *, must_move: bool, why: str = "") -> None:
+        self._context, self._must_move = context, must_move
         self._why = why
         self._face, self._calm, self._hint = "", 0, ""
         self._is_free = False
 
-    def take(self, block: Block, look: Look) -> Stage:
+    def take(self, block: Block, look: BlockLook) -> Stage:
         """Take a second of the stream."""
-        judge = self._desk.judge
-        if self._desk.checklist.wanted is None:
+        judge = self._context.gate
+        if self._context.checklist.wanted is None:
             return self
         if judge.stillness.is_known and not look.is_still:
             self._must_move = False
-            self._desk.moved()
+            self._context.moved()
         self._is_free = self._wants_free(look)
-        look = free_look(self._desk, block, look) if self._is_free else look
+        look = free_look(self._context, block, look) if self._is_free else look
         if self._must_move and not self._begins_here(look):
             return self
         is_calm = not look.hindrance and look.is_calm and (self._is_free or look.face == self._face)
@@ -52,32 +51,32 @@ class Placing:
         self._face, self._hint = look.face, look.hindrance
         if self._calm < SETTLE_BLOCKS:
             return self
-        step = self._desk.checklist.open_free() if self._is_free else None
-        return Leaning(self._desk, step, _again) if step else self._arrived(look.face)
+        step = self._context.checklist.open_free() if self._is_free else None
+        return FreeAttitudeStage(self._context, step, _again) if step else self._arrived(look.face)
 
     def interrupted(self) -> Stage:
         """Wait anew; the cube may have been moved meanwhile."""
-        return Placing(self._desk, must_move=False, why=self._why)
+        return PlacingStage(self._context, must_move=False, why=self._why)
 
     def shown(self) -> dict[str, Any]:
         """Return where the cube is to go, and what hinders."""
-        step, position = self._desk.checklist.wanted, self._desk.position
+        step, position = self._context.checklist.wanted, self._context.position
         is_there = isinstance(step, Turn) and step.start_position == position
-        lean = wanted(self._desk.leans_taken()) if step is not None and is_free(step) else None
-        what = task(step, is_there=is_there, way=lean or (1, 1, 0)) if step else "all steps are done"
+        lean = wanted(self._context.leans_taken()) if step is not None and is_free(step) else None
+        what = instruction(step, is_there=is_there, way=lean or (1, 1, 0)) if step else "all steps are done"
         hint = self._why or (self._hint if not self._must_move else "")
         shown: dict[str, Any] = {"stage": "settle" if self._calm else "place", "line": what, "hint": hint}
         shown |= {"lean": lean, "is_free": self._is_free}
         if self._calm:
             shown["line"] = HANDS_OFF
-        if self._desk.off_seat:  # one thing at a time: not where it is to go next
+        if self._context.off_seat:  # one thing at a time: not where it is to go next
             shown |= {"line": SET_DOWN_AGAIN, "hint": _told(self._why)}
             shown |= {"is_seated": False, "seating": _told(self._why)}
         return shown
 
-    def _begins_here(self, look: Look) -> bool:
+    def _begins_here(self, look: BlockLook) -> bool:
         """Say whether the wanted step begins where the cube stands, so that it need not be moved."""
-        step, position = self._desk.checklist.wanted, self._desk.position
+        step, position = self._context.checklist.wanted, self._context.position
         if look.hindrance or self._why:
             return False
         if self._is_free or not position:  # leaning as it is wanted: taken before it is only to do it again
@@ -86,9 +85,9 @@ class Placing:
             return look.face == step.face and step.position in {0, position}
         return (step.start_position if isinstance(step, Turn) else getattr(step, "position", 0)) == position
 
-    def _wants_free(self, look: Look) -> bool:
+    def _wants_free(self, look: BlockLook) -> bool:
         """Say whether the cube is to be judged by the gate of a free attitude as it leans now."""
-        checklist = self._desk.checklist
+        checklist = self._context.checklist
         if checklist.open_free() is None:
             return False
         if look.off_deg >= APART_DEG:
@@ -98,28 +97,28 @@ class Placing:
         return step is not None and is_free(step) and not (look.is_upright and has_work)
 
     def _arrived(self, face: str) -> Stage:
-        desk = self._desk
-        step, soak = desk.checklist.wanted, desk.checklist.open_soak(face)
+        context = self._context
+        step, soak = context.checklist.wanted, context.checklist.open_soak(face)
         if isinstance(step, Turn) and face_of(step.start_position) == face:
-            return Turning(desk, step, _again)
-        dwells = desk.checklist.open_dwells(face)
+            return TurnStage(context, step, _again)
+        dwells = context.checklist.open_dwells(face)
         if soak and (soak == step or not dwells):
-            return Resting(desk, face, [soak], _again)
+            return DwellStage(context, face, [soak], _again)
         if dwells:
-            return Resting(desk, face, dwells, _again)
+            return DwellStage(context, face, dwells, _again)
         return self._wrong(face)
 
     def _wrong(self, face: str) -> Stage:
-        turns = [each for each in desk_turns(self._desk) if face_of(each.start_position) == face]
-        left = f"{title(turns[0])} comes later, or choose it" if turns else "nothing is left to do there"
-        why = f"{face_words(face)}: {'its positions are done; ' if turns else ''}{left}"
-        self._desk.story.say("rejected", why)
-        return Placing(self._desk, must_move=True, why=why)
+        turns = [each for each in open_turns(self._context) if face_of(each.start_position) == face]
+        left = f"{step_title(turns[0])} comes later, or choose it" if turns else "nothing is left to do there"
+        why = f"{face_in_words(face)}: {'its positions are done; ' if turns else ''}{left}"
+        self._context.event_log.say("rejected", why)
+        return PlacingStage(self._context, must_move=True, why=why)
 
 
-def desk_turns(desk: Desk) -> list[Turn]:
+def open_turns(context: StageContext) -> list[Turn]:
     """Return the turns that are to be done."""
-    checklist = desk.checklist
+    checklist = context.checklist
     return [step for step in checklist.steps if isinstance(step, Turn) and checklist.is_open(step)]
 
 
@@ -128,7 +127,7 @@ def _told(why: str) -> str:
     return why.removesuffix("; lift, wipe, set down")
 
 
-def _again(desk: Desk, why: str, *, must_move: bool) -> Stage:
+def _again(context: StageContext, why: str, *, must_move: bool) -> Stage:
     if why:
-        desk.story.say("rejected", why)
-    return Placing(desk, must_move=must_move, why=why if must_move else "")
+        context.event_log.say("rejected", why)
+    return PlacingStage(context, must_move=must_move, why=why if must_move else "")

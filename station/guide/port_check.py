@@ -8,31 +8,31 @@ from drivers.errors import DriverError
 from drivers.wire import ALL_CHANNELS
 from procedures.counts.sample_records import RateBlock, SampleBlock, block_rows
 from procedures.frames import AXES
-from station.guide.setup_view import Check
+from station.guide.setup_view import PortCheck
 from station.stream.live.rates_as_counts import RATE_UNIT
 from station.stream.live.stillness import TICKS, Block, block_of
 
 if TYPE_CHECKING:
     from station.devices.imu_probe import Seen
 
-LOOK_S = 2.0
+PORT_LOOK_S = 2.0
 RECORD_INSTEAD = "record its steps with `station record` and solve them as a campaign folder"
 TICK_S = 0.1
 BAD_SHARE = 0.01  # of the frames; beyond it the line is not good enough to begin
 
 
-def check_port(url: str, seconds: float = LOOK_S) -> Check:
+def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
     """Look at what a port sends; what is wrong with it stands in ``text``, with what to do. Never raises."""
     from station.devices.imu_probe import look
 
     try:
         seen = look(url, seconds)
     except (DriverError, OSError) as error:
-        return Check(url=url, is_good=False, text=str(error))
+        return PortCheck(url=url, is_good=False, text=str(error))
     counters = seen.counters
     bad = counters.bad_crc + counters.bad_length
     remedies = _remedies(seen, bad)
-    return Check(
+    return PortCheck(
         url=url,
         is_good=not remedies,
         format=seen.format,

@@ -17,7 +17,7 @@ from station.guide.disk_space import disk_free, disk_needed
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
+class PriorKnowledge:
     """``references`` of cubes and slabs by kind and id, as `fixtures_db.references` has them; ``limits`` by model.
 
     ``sites`` stand with their references. ``usual``: the steps are the usual ones. ``free`` and
@@ -34,9 +34,9 @@ class Known:
     needed: int | None = None
 
 
-def known(
+def read_prior_knowledge(
     database: Database, root: Path, steps: Sequence[Step], rate_hz: float | None, *, usual: bool = True
-) -> Known:
+) -> PriorKnowledge:
     """Return what is known now, for a campaign of ``steps`` that goes beneath ``root``."""
     now = datetime.now(UTC)
     with database.read() as session:
@@ -44,7 +44,7 @@ def known(
         found = [reference(row, now) for row in fixture_rows(session, CubeRow)]
         found += [reference(row, now) for row in fixture_rows(session, SlabRow)]
         sites = [(row, reference(row, now)) for row in fixture_rows(session, SiteRow)]
-    return Known(
+    return PriorKnowledge(
         now.astimezone().date(), _software(), limits, {(one["kind"], one["id"]): one for one in found}, sites,
         usual, disk_free(root), None if rate_hz is None else disk_needed(steps, rate_hz),
     )  # fmt: skip

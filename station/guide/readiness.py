@@ -17,15 +17,20 @@ from fixtures_db.site_surveys import is_surveyed_at
 from station.errors import megabytes
 from station.files.campaign_folder.schema import GRAVITY_STD
 from station.files.setup import Setup
-from station.guide.prior_knowledge import Known
-from station.guide.setup_view import Check, Readiness, ReadyLine
+from station.guide.prior_knowledge import PriorKnowledge
+from station.guide.setup_view import PortCheck, Readiness, ReadyLine
 from station.results.certificate.checklist import missing_before
 
-NEVER = ("gyroscope.bias_12_position", "gyroscope.bias_two_direction")  # closed forms of accelerometers alone
+NEVER_DETERMINED = (
+    "gyroscope.bias_12_position",
+    "gyroscope.bias_two_direction",
+)  # closed forms of accelerometers alone
 SAYS_NONE = {"operator": "no operator", "software.commit": "the station is not run from a checkout"}
 
 
-def readiness(setup: Setup, known: Known, check: Check | None = None, receiver: Check | None = None) -> Readiness:
+def readiness(
+    setup: Setup, known: PriorKnowledge, check: PortCheck | None = None, receiver: PortCheck | None = None
+) -> Readiness:
     """Return what is there and what lacks, one line each, and how the campaign can end.
 
     ``check`` and ``receiver`` are the newest looks; those of other addresses than the set-up's say nothing.
@@ -51,7 +56,7 @@ def readiness(setup: Setup, known: Known, check: Check | None = None, receiver: 
     )
 
 
-def _no_pass(model: str, check: Check | None, known: Known) -> str | None:
+def _no_pass(model: str, check: PortCheck | None, known: PriorKnowledge) -> str | None:
     """Say why it cannot end in PASS, empty if it can; None while the model is not known."""
     if not model:
         return None
@@ -61,14 +66,14 @@ def _no_pass(model: str, check: Check | None, known: Known) -> str | None:
     return f"{never[0]} is limited and not determined by the steps" if never else ""
 
 
-def _is_never(limit: Limit, check: Check | None, *, usual: bool) -> bool:
+def _is_never(limit: Limit, check: PortCheck | None, *, usual: bool) -> bool:
     units = UNITS[limit.parameter]
     if check is not None and check.output and len(units) == 2 and limit.unit != units[check.output == "rate"]:
         return True
-    return usual and limit.parameter.startswith(NEVER)
+    return usual and limit.parameter.startswith(NEVER_DETERMINED)
 
 
-def _lacks(setup: Setup, known: Known) -> list[str]:
+def _lacks(setup: Setup, known: PriorKnowledge) -> list[str]:
     """Return in words what a certificate needs and could never be given afterwards."""
     references = [one for kind in ("cube", "slab") if (one := _chosen(kind, setup, known)) is not None]
     own = {"operator": setup.operator, "software": known.software, "references": references}
@@ -76,7 +81,7 @@ def _lacks(setup: Setup, known: Known) -> list[str]:
     return list(dict.fromkeys(_in_words(field, setup, known) for field in missing_before(document)))
 
 
-def _in_words(field: str, setup: Setup, known: Known) -> str:
+def _in_words(field: str, setup: Setup, known: PriorKnowledge) -> str:
     if field in SAYS_NONE:
         return SAYS_NONE[field]
     kind = field.split(".")[1]
@@ -92,25 +97,25 @@ def _commit() -> str:
     return SAYS_NONE["software.commit"]
 
 
-def _used(setup: Setup, known: Known) -> list[Mapping[str, Any]]:
+def _used(setup: Setup, known: PriorKnowledge) -> list[Mapping[str, Any]]:
     """Return cube, slab and site as the database will have them of the campaign."""
     survey = _survey(setup, known)
     chosen = [_chosen("cube", setup, known), _chosen("slab", setup, known), survey]
     return [one for one in chosen if one]
 
 
-def _chosen(kind: str, setup: Setup, known: Known) -> Mapping[str, Any] | None:
+def _chosen(kind: str, setup: Setup, known: PriorKnowledge) -> Mapping[str, Any] | None:
     return known.references.get((kind, getattr(setup, kind)))
 
 
-def _survey(setup: Setup, known: Known) -> Mapping[str, Any] | None:
+def _survey(setup: Setup, known: PriorKnowledge) -> Mapping[str, Any] | None:
     if setup.gravity_m_s2 is None or setup.latitude_deg is None:
         return None
     stated = setup.latitude_deg, setup.gravity_m_s2, setup.gravity_std_m_s2 or GRAVITY_STD
     return next((reference for site, reference in known.sites if is_surveyed_at(site, *stated)), None)
 
 
-def _limits(model: str, no_pass: str | None, known: Known) -> ReadyLine:
+def _limits(model: str, no_pass: str | None, known: PriorKnowledge) -> ReadyLine:
     if not model:
         return _note("limits", "which model? The port was not looked at")
     if no_pass:
@@ -125,7 +130,7 @@ def _operator(setup: Setup) -> ReadyLine:
     return _lacking("operator", "nobody is named; a certificate names who measured")
 
 
-def _fixture(kind: str, name: str, known: Known) -> ReadyLine:
+def _fixture(kind: str, name: str, known: PriorKnowledge) -> ReadyLine:
     one = known.references.get((kind, name))
     if not name:
         return _lacking(kind, f"no {kind} is chosen")
@@ -142,7 +147,7 @@ def _fixture(kind: str, name: str, known: Known) -> ReadyLine:
     return _ready(kind, f"{name}, certificate due {due}")
 
 
-def _site(setup: Setup, known: Known) -> ReadyLine:
+def _site(setup: Setup, known: PriorKnowledge) -> ReadyLine:
     if setup.gravity_m_s2 is None:
         text = "gravity from latitude and height, known to 5e-4 m/s2: not surveyed"
         return _note("site", text)
@@ -158,7 +163,7 @@ def _site(setup: Setup, known: Known) -> ReadyLine:
     return _ready("site", f"{name}, surveyed" + (f", due {due}" if due else ""))
 
 
-def _disk(known: Known) -> ReadyLine:
+def _disk(known: PriorKnowledge) -> ReadyLine:
     if known.free is None:
         return _note("disk", "how much is free cannot be told")
     free = f"{megabytes(known.free)} free"
@@ -168,7 +173,7 @@ def _disk(known: Known) -> ReadyLine:
     return (_ready if is_enough else _lacking)("disk", f"{free}, about {megabytes(known.needed)} needed")
 
 
-def _receiver(setup: Setup, receiver: Check | None) -> ReadyLine:
+def _receiver(setup: Setup, receiver: PortCheck | None) -> ReadyLine:
     if not setup.gnss:
         return _note("receiver", "none: time is this machine's")
     if receiver is None:

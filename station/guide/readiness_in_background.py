@@ -5,22 +5,22 @@ from concurrent.futures import Executor, Future
 from fixtures_db.database import Database
 from fixtures_db.errors import DatabaseError
 from station.files.setup import Setup
-from station.guide.campaign import Campaign
-from station.guide.options import Options
-from station.guide.setup_view import Check, Readiness
+from station.guide.campaign import GuidedCampaign
+from station.guide.options import CalibrationOptions
+from station.guide.setup_view import PortCheck, Readiness
 
-Asked = tuple[Setup, Check | None, Check | None]  # set-up, the looks at its port and at its receiver
+Asked = tuple[Setup, PortCheck | None, PortCheck | None]  # set-up, the looks at its port and at its receiver
 
 
-class Considering:
+class ReadinessInBackground:
     """Answers the newest of what it was asked; what was asked meanwhile is left out."""
 
-    def __init__(self, database: Database, options: Options, aside: Executor) -> None:
+    def __init__(self, database: Database, options: CalibrationOptions, aside: Executor) -> None:
         self._database, self._options, self._aside = database, options, aside
         self._answer: Future[Readiness] | None = None
         self._next: Asked | None = None
 
-    def ask(self, setup: Setup, check: Check | None, receiver: Check | None) -> None:
+    def ask(self, setup: Setup, check: PortCheck | None, receiver: PortCheck | None) -> None:
         """Ask how ready a set-up is."""
         self._next = (setup, check, receiver)
         self._begin()
@@ -36,30 +36,38 @@ class Considering:
     def _begin(self) -> None:
         if self._answer is None and self._next is not None:
             asked, self._next = self._next, None
-            self._answer = self._aside.submit(how_ready, self._database, self._options, *asked)
+            self._answer = self._aside.submit(current_readiness, self._database, self._options, *asked)
 
 
-def how_ready(
-    database: Database, options: Options, setup: Setup, check: Check | None, receiver: Check | None
+def current_readiness(
+    database: Database,
+    options: CalibrationOptions,
+    setup: Setup,
+    check: PortCheck | None,
+    receiver: PortCheck | None,
 ) -> Readiness:
     """Return how ready a set-up is now; a look at another port than the set-up's says nothing."""
     from station.guide.live_campaign import usual_steps
-    from station.guide.prior_knowledge import known
+    from station.guide.prior_knowledge import read_prior_knowledge
     from station.guide.readiness import readiness
 
     check = check if check is not None and check.url == setup.url else None
     steps, rate = tuple(options.steps), None if check is None else check.rate_hz
-    facts = known(database, options.root, steps or usual_steps(setup), rate, usual=not steps)
+    facts = read_prior_knowledge(database, options.root, steps or usual_steps(setup), rate, usual=not steps)
     return readiness(setup, facts, check, receiver)
 
 
-def said_of(campaign: Campaign, database: Database, options: Options) -> Readiness | None:
+def announce_readiness(
+    campaign: GuidedCampaign, database: Database, options: CalibrationOptions
+) -> Readiness | None:
     """Tell the operator how a campaign can end whose unit has answered, before anything is recorded."""
     from station.files.campaign_folder.notes import read_setup
 
     if (unit := campaign.as_checked()) is None:
         return None
     setup = (read_setup(campaign.folder) or Setup()).model_copy(update={"url": unit.url})
-    ready = how_ready(database, options, setup, unit, Check(url=setup.gnss, is_good=True, text="connected"))
+    ready = current_readiness(
+        database, options, setup, unit, PortCheck(url=setup.gnss, is_good=True, text="connected")
+    )
     campaign.say("", "this run " + ", ".join(ready.said))
     return ready

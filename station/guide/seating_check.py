@@ -9,25 +9,25 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.bench.seating_check import PLAUSIBLE, Seating, judge, seating
 from procedures.units import ARCSEC_PER_DEG
-from station.guide.accepted_dwell import estimates, rates
-from station.guide.dwell_attempt import Dwelling
+from station.guide.accepted_dwell import rates_and_sigmas, triad_estimates
+from station.guide.dwell_attempt import DwellAttempt
 from station.guide.setup_view import Choice
-from station.guide.stage_context import Desk
-from station.guide.view import Question
+from station.guide.stage_context import StageContext
+from station.guide.view import OperatorQuestion
 from station.stream.live.accepted_blocks import series
 
 LOOKS_S = (3.0, 6.0, 10.0, 20.0, 40.0, 70.0)  # of accepted seconds
 ALIKE_RAD = 5e-5  # 10 arcsec, or three sigma
 KEPT_SHARE = 0.2  # of a kept seat's tilt: by so much it may move as it is let go
-FIRST = "the first on this face: nothing to compare it with yet"
+FIRST_ON_FACE = "the first on this face: nothing to compare it with yet"
 CONTRADICTORY = "not judged: the seats before contradict each other"
 
 
-class Seat:
+class SeatCheck:
     """Judges the seat of one attempt at a dwell on ``face``."""
 
-    def __init__(self, desk: Desk, face: str) -> None:
-        self._desk, self._face = desk, face
+    def __init__(self, context: StageContext, face: str) -> None:
+        self._context, self._face = context, face
         self._looks = list(LOOKS_S)
         self.words, self.is_off = "", False
         self.is_to_lift = False  # off, and neither kept nor the bench's
@@ -38,7 +38,7 @@ class Seat:
         """How far off (2,) [rad] the cube sits that the operator takes so; None where it sits well."""
         return self._off if self.is_off else None
 
-    def fault(self, dwelling: Dwelling, position: int) -> str:
+    def fault(self, dwelling: DwellAttempt, position: int) -> str:
         """Look when it is time to; return why the cube should be lifted, empty if it need not."""
         if not position or not self._looks or dwelling.accepted_s < self._looks[0]:
             return ""
@@ -46,17 +46,17 @@ class Seat:
             self._looks.pop(0)
         return self.last_fault(dwelling, position)
 
-    def last_fault(self, dwelling: Dwelling, position: int) -> str:
+    def last_fault(self, dwelling: DwellAttempt, position: int) -> str:
         """Look now."""
-        desk = self._desk
-        recorded = series(desk.feed.tape, dwelling.runs(), desk.feed.period)
-        accel, std = rates(estimates(recorded.accel, recorded))
-        before = [(each.position, each.accel, each.accel_std) for each in desk.well_seated]
-        facts = desk.facts
+        context = self._context
+        recorded = series(context.feed.tape, dwelling.runs(), context.feed.period)
+        accel, std = rates_and_sigmas(triad_estimates(recorded.accel, recorded))
+        before = [(each.position, each.accel, each.accel_std) for each in context.well_seated]
+        facts = context.bench
         found = seating(before, (position, accel, std), facts.fixture, facts.heading_std)
         if found is None:
-            is_first = not any(each.face == self._face for each in desk.well_seated)
-            self.words = FIRST if is_first else CONTRADICTORY
+            is_first = not any(each.face == self._face for each in context.well_seated)
+            self.words = FIRST_ON_FACE if is_first else CONTRADICTORY
             self.is_off, self._off = False, None
             return ""
         why = judge(found)
@@ -68,19 +68,19 @@ class Seat:
         if not why or self._is_known(position, found):
             return ""
         self.is_to_lift = True
-        desk.seats[position], desk.off_seat = found.off, position
+        context.seats[position], context.off_seat = found.off, position
         return f"not seated: {why}; lift, wipe, set down"
 
     def _is_kept(self, position: int, found: Seating) -> bool:
         """Say whether this is the seat that the operator keeps, and not another one."""
-        if (kept := self._desk.kept_seats.get(position)) is None:
+        if (kept := self._context.kept_seats.get(position)) is None:
             return False
         near = max(ALIKE_RAD, 3 * float(found.measured_std.max()), KEPT_SHARE * float(np.linalg.norm(kept)))
         return bool(np.linalg.norm(found.off - kept) < near)
 
     def _is_known(self, position: int, found: Seating) -> bool:
         """Say whether the cube sat just so before it was lifted: then it is the bench."""
-        if (before := self._desk.seats.get(position)) is None:
+        if (before := self._context.seats.get(position)) is None:
             return False
         near = np.maximum(ALIKE_RAD, 3 * found.measured_std)
         if alike := bool(np.all(np.abs(found.off - before) < near)):
@@ -88,9 +88,9 @@ class Seat:
         return alike
 
 
-def keep_question(desk: Desk) -> Question | None:
+def keep_question(context: StageContext) -> OperatorQuestion | None:
     """Return what is to be asked before the cube is kept as it sits; None where that is plausible."""
-    off = float(np.linalg.norm(desk.seats[desk.off_seat]))
+    off = float(np.linalg.norm(context.seats[context.off_seat]))
     if off <= PLAUSIBLE:
         return None
     text = (
@@ -98,7 +98,7 @@ def keep_question(desk: Desk) -> Question | None:
         f"tilted and spoils the calibration. Keep it?"
     )
     choices = (Choice(key="n", title="no: lift, wipe, set down"), Choice(key="y", title="yes, keep it as it sits"))
-    return Question(text=text, choices=choices)
+    return OperatorQuestion(text=text, choices=choices)
 
 
 def _words(found: Seating) -> str:

@@ -13,21 +13,21 @@ from typing import Self
 
 from pydantic import ValidationError
 
-from station.guide.command import Command
-from station.guide.view import View
+from station.guide.command import OperatorCommand
+from station.guide.view import CalibrationView
 
-LEAST_S = 0.05  # between two views to one screen
+MIN_VIEW_INTERVAL_S = 0.05  # between two views to one screen
 LONGEST_LINE = 65536
 
 
-class Server:
+class ViewServer:
     """Serves views at ``path`` while the ``with`` block lasts."""
 
     def __init__(self, path: Path) -> None:
-        self._commands: SimpleQueue[Command] = SimpleQueue()
+        self._commands: SimpleQueue[OperatorCommand] = SimpleQueue()
         self._changed = threading.Condition()
         self._text, self._version, self._is_closed = b"", 0, False
-        self._view: View | None = None
+        self._view: CalibrationView | None = None
         self._server = _SocketServer(str(path), self)
 
     def __enter__(self) -> Self:
@@ -43,7 +43,7 @@ class Server:
         self._server.shutdown()
         self._server.server_close()
 
-    def publish(self, view: View) -> None:
+    def publish(self, view: CalibrationView) -> None:
         """Show a view to every screen; returns at once."""
         if view == self._view:
             return
@@ -52,9 +52,9 @@ class Server:
             self._view, self._text, self._version = view, text, self._version + 1
             self._changed.notify_all()
 
-    def commands(self, timeout_s: float) -> list[Command]:
+    def commands(self, timeout_s: float) -> list[OperatorCommand]:
         """Return what was asked since the last call; wait at most ``timeout_s`` for the first of it."""
-        found = list[Command]()
+        found = list[OperatorCommand]()
         with contextlib.suppress(Empty):
             found.append(self._commands.get(timeout=timeout_s) if timeout_s else self._commands.get_nowait())
             while True:
@@ -70,7 +70,7 @@ class Server:
     def put(self, line: bytes) -> None:
         """Take a line from a screen; one that is no command is dropped."""
         with contextlib.suppress(ValidationError):
-            self._commands.put(Command.model_validate_json(line))
+            self._commands.put(OperatorCommand.model_validate_json(line))
 
     @property
     def is_closed(self) -> bool:
@@ -82,7 +82,7 @@ class _SocketServer(socketserver.ThreadingUnixStreamServer):
     daemon_threads = True
     block_on_close = False
 
-    def __init__(self, path: str, owner: Server) -> None:
+    def __init__(self, path: str, owner: ViewServer) -> None:
         self.owner = owner
         super().__init__(path, _Screen)
 
@@ -95,7 +95,7 @@ class _Screen(socketserver.StreamRequestHandler):
         left = threading.Event()
         threading.Thread(target=self._listen, args=(left,), daemon=True).start()
         with contextlib.suppress(OSError):
-            while not left.wait(LEAST_S):
+            while not left.wait(MIN_VIEW_INTERVAL_S):
                 version, text = owner.next_text(version)
                 if owner.is_closed:
                     return

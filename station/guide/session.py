@@ -2,18 +2,18 @@
 
 from typing import Protocol
 
-from station.guide.command import Command
-from station.guide.view import View
+from station.guide.command import OperatorCommand
+from station.guide.view import CalibrationView
 
 
-class Session(Protocol):
+class CalibrationSession(Protocol):
     """An engine as its screens see it; both return at once."""
 
     @property
-    def view(self) -> View:
+    def view(self) -> CalibrationView:
         """The newest view."""
         ...
 
-    def send(self, command: Command) -> None:
+    def send(self, command: OperatorCommand) -> None:
         """Ask something of the engine."""
         ...

@@ -9,21 +9,21 @@ from fixtures_db.database import Database
 from fixtures_db.fixtures import fixture_rows
 from fixtures_db.schema import CubeRow, SlabRow
 from station.files.setup import Setup
-from station.guide.open_campaigns import unfinished
-from station.guide.setup_view import Choice, Start
+from station.guide.open_campaigns import unfinished_campaigns
+from station.guide.setup_view import Choice, StartView
 
 
-def start_view(database: Database, setup: Setup) -> Start:
+def start_view(database: Database, setup: Setup) -> StartView:
     """Return what can be chosen: ports, cubes and slabs with their certificates, unfinished campaigns."""
     with database.read() as session:
         known = [(cube.id, f"{cube.side_mm:g} mm", cube.due_date) for cube in fixture_rows(session, CubeRow)]
         stones = [(slab.id, "", slab.due_date) for slab in fixture_rows(session, SlabRow)]
-    return Start(
+    return StartView(
         setup=setup,
         ports=tuple(_ports()),
         cubes=tuple(_reference(*each) for each in known),
         slabs=tuple(_reference(*each) for each in stones),
-        unfinished=tuple(unfinished(database)),
+        unfinished=tuple(unfinished_campaigns(database)),
     )
 
 

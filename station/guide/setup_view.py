@@ -1,6 +1,6 @@
 """What the set-up of a guided calibration holds and shows: its values, what can be chosen, how ready it is.
 
-Parts of `station.guide.view.View`; they cross a process border as JSON.
+Parts of `station.guide.view.CalibrationView`; they cross a process border as JSON.
 """
 
 from typing import Literal
@@ -25,7 +25,7 @@ class Choice(FrozenValue):
     warns: bool = False
 
 
-class Check(FrozenValue):
+class PortCheck(FrozenValue):
     """A live look at a port: what its bytes are. ``noise`` says the white noise in words.
 
     Of a GNSS receiver ``text`` alone: where it stands, with sigma, or what is wrong.
@@ -76,7 +76,7 @@ class Readiness(FrozenValue):
         return f"can end in {passes}", f"can end in a {certified}"
 
 
-class Unfinished(FrozenValue):
+class UnfinishedCampaign(FrozenValue):
     """A campaign that can be gone on with. ``state``: free, in use (by another station), not here (no folder)."""
 
     folder: str
@@ -87,18 +87,18 @@ class Unfinished(FrozenValue):
     state: Literal["free", "in use", "not here"]
 
 
-class Start(FrozenValue):
+class StartView(FrozenValue):
     """What the start screen offers."""
 
     setup: Setup = Setup()
     ports: tuple[Choice, ...] = ()
     cubes: tuple[Choice, ...] = ()  # note: "certificate expired on 2026-02-01"
     slabs: tuple[Choice, ...] = ()
-    check: Check | None = None
+    check: PortCheck | None = None
     is_checking: bool = False
-    receiver: Check | None = None
+    receiver: PortCheck | None = None
     is_listening: bool = False
-    unfinished: tuple[Unfinished, ...] = ()
+    unfinished: tuple[UnfinishedCampaign, ...] = ()
     readiness: Readiness | None = None  # of the set-up that was considered last
     refused: str = ""  # why what was sent could not begin
     refused_code: int = 0  # the program's exit code for it, where nobody is there to try again

@@ -10,7 +10,7 @@ from drivers.simulated.hands import SimulatedHands
 from procedures.campaign.plan_steps import Turn
 from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import LEANS, Lean
-from station.guide.view import Step, View
+from station.guide.view import CalibrationView, StepView
 
 SOAK_K = 15.0
 REST_MARGIN_S = 2.0  # the guide judges rest in blocks of 1 s that begin anywhere
@@ -28,15 +28,15 @@ class HandsLost(DriverError):
 class Operator(Protocol):
     """Looks at the views and does what they ask for."""
 
-    def look(self, view: View) -> None:
+    def look(self, view: CalibrationView) -> None:
         """Take a view; returns soon."""
         ...
 
 
-class Nobody:
+class HumanOperator:
     """A person is at the cube."""
 
-    def look(self, view: View) -> None:
+    def look(self, view: CalibrationView) -> None:
         """Leave it to them."""
 
 
@@ -56,7 +56,7 @@ class SimulatedOperator:
         self._seen, self._restarts = -np.inf, 0.0  # the guide's device time [s]; what restarts took off it
         self._heated = 0.0  # by how much the unit is warmer than it was
 
-    def look(self, view: View) -> None:
+    def look(self, view: CalibrationView) -> None:
         """Place the cube, or turn it once it has rested, if that is what is wanted now."""
         self._heat(view)
         step = view.step(view.wanted)
@@ -80,7 +80,7 @@ class SimulatedOperator:
         """Let the hands go."""
         self._hands.close()
 
-    def _seen_s(self, view: View) -> float:
+    def _seen_s(self, view: CalibrationView) -> float:
         """Return up to which device time [s] the guide has looked; where the stream has none, the device's own.
 
         A unit that was switched off and on begins its time again; the hands' goes on.
@@ -97,7 +97,7 @@ class SimulatedOperator:
         self._seen = now
         return now
 
-    def _heat(self, view: View) -> None:
+    def _heat(self, view: CalibrationView) -> None:
         """Warm the unit in the first half of a soak, let it cool in the second and after it."""
         is_first = view.soak is not None and view.soak.left_s > view.wanted_s / 2
         wanted = SOAK_K if is_first else 0.0
@@ -109,7 +109,7 @@ class SimulatedOperator:
             raise HandsLost(str(error)) from error
         self._heated = wanted
 
-    def _do(self, what: str, step: Step, lean: Lean | None) -> float:
+    def _do(self, what: str, step: StepView, lean: Lean | None) -> float:
         """Return the device time [s] at which it will be over."""
         if what == "place" and step.is_free:
             return self._hands.lean(lean or LEANS[0], self._move_s)

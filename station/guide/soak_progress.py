@@ -6,7 +6,7 @@ from station.guide.view import SoakView
 from station.stream.live.stillness import Block
 
 
-class Thermometer:
+class SoakTemperature:
     """Follows the temperature of a soak's blocks; devices that say none leave it unknown."""
 
     def __init__(self) -> None:
@@ -27,7 +27,7 @@ class Thermometer:
         return SoakView(temperature_c=self._now, low_c=self._low, high_c=self._high, left_s=left_s)
 
 
-def in_words(soak: SoakView) -> str:
+def soak_in_words(soak: SoakView) -> str:
     """Return it for people: ``24.3 degC (21.0 to 24.3 so far), 8 min left``."""
     left = f"{soak.left_s / 60:.0f} min left" if soak.left_s >= 90 else f"{soak.left_s:.0f} s left"
     if soak.temperature_c is None or soak.low_c is None or soak.high_c is None:

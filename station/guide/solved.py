@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Solved:
+class SolveOutcome:
     """What came of a campaign; empty until it was solved."""
 
     verdict: Verdict | None = None

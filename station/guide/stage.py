@@ -2,14 +2,14 @@
 
 from typing import Any, Protocol
 
-from station.guide.face_and_stillness import Look
+from station.guide.face_and_stillness import BlockLook
 from station.stream.live.stillness import Block
 
 
 class Stage(Protocol):
     """One thing being done: placing, resting, turning, warming up."""
 
-    def take(self, block: Block, look: Look) -> "Stage":
+    def take(self, block: Block, look: BlockLook) -> "Stage":
         """Take a second of the stream; return the stage that goes on, itself or the next."""
         ...
 
@@ -23,5 +23,5 @@ class Stage(Protocol):
         ...
 
     def shown(self) -> dict[str, Any]:
-        """Return the fields of `station.guide.view.View` that this stage sets."""
+        """Return the fields of `station.guide.view.CalibrationView` that this stage sets."""
         ...

@@ -14,23 +14,23 @@ from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import Heading, Known, find_heading, scale
 from station.errors import DataRefused
-from station.guide.accepted_dwell import Rested, rested
-from station.guide.accepted_steps import SoFar
+from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell
+from station.guide.accepted_steps import AcceptedSteps
 from station.guide.checklist import Checklist
-from station.guide.event_log import Story
-from station.guide.face_and_stillness import Judge
-from station.guide.turn_pairs import Closings, turns_again, what_now
-from station.guide.wording import title
+from station.guide.event_log import EventLog
+from station.guide.face_and_stillness import FaceAndStillnessGate
+from station.guide.turn_pairs import TurnClosures, turns_again, what_now
+from station.guide.wording import step_title
 from station.stream.live.accepted_blocks import series
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.stillness import LEAST, TICKS
 from station.stream.recorder.sample_buffer import Run, Tape
 
-NOTHING = SoFar()
+NO_ACCEPTED_STEPS = AcceptedSteps()
 POWER_CYCLED = "the unit was switched off and on: its biases are solved apart from before"
 
 
-class Recorder(Protocol):
+class StepRecorder(Protocol):
     """Where accepted steps go: on the disk and in the database when `accept` returns."""
 
     def accept(
@@ -60,7 +60,7 @@ class Recorder(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Facts:
+class BenchFacts:
     """What is known of the bench: latitude, 1 sigma of headings and closures [rad], the cube; and the rules.
 
     ``bias_std`` [g] is the accelerometer bias's 1 sigma wanted, from which a dwell's length follows; None: it is
@@ -76,33 +76,33 @@ class Facts:
     asks: bool = True
 
 
-class Desk:
+class StageContext:
     """Shared by all stages. ``position`` is where the cube is known to stand since it last moved, 0 if not."""
 
     def __init__(
         self,
         feed: LiveFeed,
         checklist: Checklist,
-        facts: Facts,
-        recorder: Recorder,
-        done: SoFar = NOTHING,
+        bench: BenchFacts,
+        recorder: StepRecorder,
+        done: AcceptedSteps = NO_ACCEPTED_STEPS,
     ) -> None:
-        self.feed, self.checklist, self.facts, self._recorder = feed, checklist, facts, recorder
-        self.story, self.judge = Story(), Judge(facts.fixture.C_sb)
-        self.rested: dict[int, Rested] = {}
+        self.feed, self.checklist, self.bench, self._recorder = feed, checklist, bench, recorder
+        self.event_log, self.gate = EventLog(), FaceAndStillnessGate(bench.fixture.C_sb)
+        self.accepted_dwells: dict[int, AcceptedDwell] = {}
         self.turns: dict[str, TurnSeen] = dict(done.turns)  # those that stand, by step
         steps = {step.name: step for step in checklist.steps if isinstance(step, Turn)}
         standing = [(steps[name].axis, seen) for name, seen in self.turns.items() if name in steps]
-        self.closings = Closings(facts.closure_std, standing)
-        self.leaned: dict[str, FloatArray] = dict(done.leaned)  # accelerometer count rates (3,), by step
+        self.closings = TurnClosures(bench.closure_std, standing)
+        self.free_attitudes = dict(done.free_attitudes)  # accelerometer count rates (3,), by step
         self.position = 0
         self.seats: dict[int, FloatArray] = {}  # how the cube sat when it was found off, by position
         self.kept_seats: dict[int, FloatArray] = {}  # how it sits where the operator keeps it so, by position
         self.off_seat = 0  # the position in which it was just found off
         self.badly_seated: set[int] = set(done.badly_seated)  # positions recorded with a seat known to be bad
         self.turn_on = done.turn_on  # which one since the campaign began, from 1
-        self.told_off: set[tuple[int, ...]] = set()  # positions said to have stood turned, as they stand now
-        for each in done.before:
+        self.reported_turned = set[tuple[int, ...]]()  # positions said to have stood turned, as they stand now
+        for each in done.dwells:
             self._learn(each)
         for step in steps.values():
             if self.closings.undecided(step.axis) == step.direction:
@@ -111,24 +111,24 @@ class Desk:
     @property
     def C_sb(self) -> FloatArray:
         """Takes the cube's axes to the IMU's (3, 3)."""
-        return self.facts.fixture.C_sb
+        return self.bench.fixture.C_sb
 
     @property
-    def well_seated(self) -> list[Rested]:
+    def well_seated(self) -> list[AcceptedDwell]:
         """The dwells by which a seat can be judged: a seat that is known to be bad would mislead."""
-        return [each for each in self.rested.values() if each.position not in self.badly_seated]
+        return [each for each in self.accepted_dwells.values() if each.position not in self.badly_seated]
 
     @property
     def known(self) -> list[Known]:
         """The gyros' rates where the position is certain."""
-        return [Known(each.position, each.gyro, each.gyro_std) for each in self.rested.values()]
+        return [Known(each.position, each.gyro, each.gyro_std) for each in self.accepted_dwells.values()]
 
     @property
     def gyro_k(self) -> float | None:
         """The gyros' scale factor [count/rad], roughly; None where nothing says it."""
         if self.turns:
             return float(np.median(self.turn_counts)) / (2 * np.pi)
-        found = scale(self.known, self.facts.latitude, self.C_sb)
+        found = scale(self.known, self.bench.latitude, self.C_sb)
         return None if found is None or found[1] > 0.3 else found[0]
 
     def rough_gyro_k(self, rest: FloatArray) -> float:
@@ -158,7 +158,7 @@ class Desk:
         self.accept(step, runs, note, doubt=why)
         for again in turns_again(found, step):
             self.checklist.redo(again)
-        if not self.facts.asks and self.closings.is_vain(step.axis):
+        if not self.bench.asks and self.closings.is_vain(step.axis):
             wide = np.degrees(self.closings.found_std(step.axis))
             remedy = f"check marks and stop, or state a closure of {wide:.2g} deg"
             raise DataRefused("hand turns", None, why, f"closures of {np.degrees(stated):.2g} deg", remedy)
@@ -170,7 +170,7 @@ class Desk:
         for step in self.checklist.steps:
             if isinstance(step, Turn) and step.axis == axis:
                 self.checklist.keep(step.name)
-        self.story.say(
+        self.event_log.say(
             "", f"closures are now {np.degrees(now):.2g} deg, 1 sigma; recorded, and sigmas become wider"
         )
 
@@ -194,28 +194,28 @@ class Desk:
         if isinstance(step, Dwell):
             self.position = step.position
             self.kept_seats.pop(step.position, None)
-            self.told_off = {each for each in self.told_off if step.position not in each}
+            self.reported_turned = {each for each in self.reported_turned if step.position not in each}
             (self.badly_seated.discard if kept_seat is None else self.badly_seated.add)(step.position)
-            found = rested(step.position, series(tape, runs, period))
-            if not self.rested:
+            found = accepted_dwell(step.position, series(tape, runs, period))
+            if not self.accepted_dwells:
                 rate = np.concatenate((found.gyro, found.accel))
-                self._recorder.keep_first_rest(rate, self.judge.stillness.noise)
+                self._recorder.keep_first_rest(rate, self.gate.stillness.noise)
             self._learn(found)
         elif isinstance(step, Soak):
             self.position = step.position
         if doubt:
-            self.story.say("rejected", doubt)
+            self.event_log.say("rejected", doubt)
             return
         count = sum(n > 0 for n in self.checklist.attempts.values())
         of = len(self.checklist.steps)
-        told = [f"accepted: {title(step)}", note, f"{count} of {of} done"]
-        self.story.say("accepted", ", ".join(filter(None, told)))
+        told = [f"accepted: {step_title(step)}", note, f"{count} of {of} done"]
+        self.event_log.say("accepted", ", ".join(filter(None, told)))
 
     def leans_taken(self) -> list[FloatArray]:
         """Return which way (3,) of the cube was up in each free position that is done and stays so."""
         open_steps = {step.name for step in self.checklist.steps if self.checklist.is_open(step)}
-        taken = [rate for name, rate in self.leaned.items() if name not in open_steps]
-        return [self.judge.way_up(rate) for rate in taken]
+        taken = [rate for name, rate in self.free_attitudes.items() if name not in open_steps]
+        return [self.gate.way_up(rate) for rate in taken]
 
     def skip_warm_up(self, gyro_deg_h: float, accelerometer_g: float) -> None:
         """Record that the unit was not settled."""
@@ -228,8 +228,8 @@ class Desk:
 
     def heading(self, gyro: FloatArray, seconds: float, face: str) -> Heading:
         """Say which way the cube stands with ``face`` up, from the gyros' mean count rate (3,)."""
-        std, facts = self.gyro_std(seconds), self.facts
-        return find_heading(gyro, std, face, facts.latitude, self.C_sb, self.known)
+        std, bench = self.gyro_std(seconds), self.bench
+        return find_heading(gyro, std, face, bench.latitude, self.C_sb, self.known)
 
     def power_cycled(self, then: str = "") -> None:
         """Take it that the unit was switched off and on: what its biases were says nothing of what they are.
@@ -237,19 +237,19 @@ class Desk:
         ``then`` is what is said to come next.
         """
         self.turn_on += 1
-        self.rested.clear()
+        self.accepted_dwells.clear()
         self.seats.clear()
         self.kept_seats.clear()
         self.moved()
-        self.story.say("rejected", POWER_CYCLED + then)
+        self.event_log.say("rejected", POWER_CYCLED + then)
 
     def turned_off(self) -> list[tuple[list[int], HeadingError]]:
         """Return the positions that stood turned against the marks, as far as the gyros tell by now."""
         k, known = self.gyro_k, self.known
         if k is None:
             return []
-        facts = self.facts
-        errors = heading_errors(known, facts.latitude, self.C_sb, k * np.eye(3), facts.heading_std)
+        bench = self.bench
+        errors = heading_errors(known, bench.latitude, self.C_sb, k * np.eye(3), bench.heading_std)
         return [([known[i].position for i in error.dwells], error) for error in errors]
 
     def moved(self) -> None:
@@ -258,11 +258,11 @@ class Desk:
 
     def gyro_std(self, seconds: float) -> FloatArray:
         """Return 1 sigma (3,) of a mean gyro count rate over ``seconds``: noise and the counter's step."""
-        noise = np.maximum(self.judge.stillness.noise[:3], LEAST) * TICKS
+        noise = np.maximum(self.gate.stillness.noise[:3], LEAST) * TICKS
         std: FloatArray = np.sqrt(noise / seconds + 1 / (6 * seconds**2))
         return std
 
-    def _learn(self, found: Rested) -> None:
-        self.rested[found.position] = found
-        self.judge.learn_rest(found.gyro)
-        self.judge.learn_faces({each.face: each.accel for each in self.rested.values()})
+    def _learn(self, found: AcceptedDwell) -> None:
+        self.accepted_dwells[found.position] = found
+        self.gate.learn_rest(found.gyro)
+        self.gate.learn_faces({each.face: each.accel for each in self.accepted_dwells.values()})

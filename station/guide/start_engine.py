@@ -12,10 +12,10 @@ from pydantic import BaseModel, ConfigDict
 
 from station.errors import StationError
 from station.files.setup import Setup
-from station.guide.command import Command
+from station.guide.command import OperatorCommand
 
 if TYPE_CHECKING:
-    from station.guide.options import Options
+    from station.guide.options import CalibrationOptions
     from station.guide.simulated_operator import Operator
 
 END_S = 30.0  # a solve under way, and a reader's farewell
@@ -33,7 +33,7 @@ class EngineFailed(StationError):
 
 
 class EngineOptions(BaseModel):
-    """What the engine's process is told: as `station.guide.options.Options`, with files by their names.
+    """What the engine's process is told: as `station.guide.options.CalibrationOptions`, with files by their names.
 
     ``hands`` is the control address of a simulated device whose cube is then moved without a person; ``first``
     is obeyed at once.
@@ -48,27 +48,27 @@ class EngineOptions(BaseModel):
     warms_up: bool = True
     hands: str | None = None
     move_s: float = 45.0
-    first: Command | None = None
+    first: OperatorCommand | None = None
 
-    def engine(self) -> "Options":
+    def engine(self) -> "CalibrationOptions":
         """Return the engine's options; raise `DataRefused` if the plan cannot be read."""
-        from station.guide.options import Options
+        from station.guide.options import CalibrationOptions
 
         if self.plan is None:
-            return Options(self.root, self.setup, (), self.asks, self.warms_up)
+            return CalibrationOptions(self.root, self.setup, (), self.asks, self.warms_up)
         from station.files.campaign_folder.plan_toml import (  # a screen need not wait for these
             read_mounting,
             read_plan,
         )
 
         steps, axes = read_plan(self.plan), read_mounting(self.plan)
-        return Options(self.root, self.setup, steps, self.asks, self.warms_up, imu_axes=axes)
+        return CalibrationOptions(self.root, self.setup, steps, self.asks, self.warms_up, imu_axes=axes)
 
     def operator(self) -> "Operator":
         """Return who moves the cube, as far as the engine is concerned."""
-        from station.guide.simulated_operator import Nobody, SimulatedOperator
+        from station.guide.simulated_operator import HumanOperator, SimulatedOperator
 
-        return SimulatedOperator(self.hands, self.move_s) if self.hands else Nobody()
+        return SimulatedOperator(self.hands, self.move_s) if self.hands else HumanOperator()
 
 
 @contextmanager

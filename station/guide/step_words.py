@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
-from station.guide.view import Step, Verdict, View
+from station.guide.view import CalibrationView, StepView, Verdict
 
 _FILED = re.compile(
     r"(?:[^\s:;,]*/)?\b(?:(?P<kind>dwell|free|soak)_(?P<number>\d\d+)|turn_(?P<axis>[xyz])_(?P<way>plus|minus))"
@@ -22,24 +22,24 @@ _TYPED = (  # what people type, and what the step's words then are
 )
 
 
-def in_words(text: str) -> str:
+def files_as_steps(text: str) -> str:
     """Return a text with positions and turns in the place of files and of steps' names."""
     return _FILED.sub(_words, text) if "_" in text else text
 
 
-def step_typed(text: str, steps: Iterable[Step]) -> str:
+def step_typed(text: str, steps: Iterable[StepView]) -> str:
     """Return the name of the step that ``text`` means: ``3``, ``x+``, ``+x``, ``soak 1``; empty if none."""
-    typed = re.sub(r"0+(\d)", r"\1", " ".join(in_words(text.lower()).lower().split()))
+    typed = re.sub(r"0+(\d)", r"\1", " ".join(files_as_steps(text.lower()).lower().split()))
     wanted = next(
         (form.format(*found.groups()) for pattern, form in _TYPED if (found := pattern.match(typed))), typed
     )
-    return next((step.name for step in steps if wanted == in_words(step.name).lower()), "")
+    return next((step.name for step in steps if wanted == files_as_steps(step.name).lower()), "")
 
 
-def for_people(view: View) -> View:
+def for_people(view: CalibrationView) -> CalibrationView:
     """Return a view whose texts name no file of a step."""
-    events = tuple(event.model_copy(update={"text": in_words(event.text)}) for event in view.events)
-    update: dict[str, object] = {name: in_words(getattr(view, name)) for name in ("line", "hint", "error")}
+    events = tuple(event.model_copy(update={"text": files_as_steps(event.text)}) for event in view.events)
+    update: dict[str, object] = {name: files_as_steps(getattr(view, name)) for name in ("line", "hint", "error")}
     if view.verdict is not None:
         update["verdict"] = verdict_for_people(view.verdict)
     return view.model_copy(update=update | {"events": events})
@@ -48,8 +48,8 @@ def for_people(view: View) -> View:
 def verdict_for_people(verdict: Verdict) -> Verdict:
     """Return a verdict whose texts name no file of a step."""
     names = ("sentence", "status_reason", "worst_residual", "change", "diagnosis", "diagnosis_text")
-    update: dict[str, object] = {name: in_words(getattr(verdict, name)) for name in names}
-    return verdict.model_copy(update=update | {"warnings": tuple(map(in_words, verdict.warnings))})
+    update: dict[str, object] = {name: files_as_steps(getattr(verdict, name)) for name in names}
+    return verdict.model_copy(update=update | {"warnings": tuple(map(files_as_steps, verdict.warnings))})
 
 
 def gap_in_words(warning: str, left_out: Mapping[str, Sequence[float]]) -> str:

@@ -8,7 +8,7 @@ from station.stream.recorder import UnitChanged
 
 
 @dataclass(frozen=True, slots=True)
-class Trouble:
+class TroubleView:
     """``word`` stands in the place of what is live; ``instruction`` is what to do; the error says the rest."""
 
     word: str
@@ -20,12 +20,12 @@ class Trouble:
         return cls("", "")
 
 
-def trouble_of(error: DriverError) -> Trouble:
+def trouble_of(error: DriverError) -> TroubleView:
     """Return what an error of the stream is to the operator."""
     if isinstance(error, UnitChanged):
-        return Trouble("WRONG UNIT", "connect the campaign's own unit; it goes on by itself")
+        return TroubleView("WRONG UNIT", "connect the campaign's own unit; it goes on by itself")
     if isinstance(error, WrongFormat):
-        return Trouble("NOT READABLE", "check format and baud rate; it goes on by itself")
+        return TroubleView("NOT READABLE", "check format and baud rate; it goes on by itself")
     if isinstance(error, DeadChannel):
-        return Trouble("DEAD CHANNEL", "check its wiring and supply; it goes on by itself")
-    return Trouble("NO DATA", "check cable and power; it goes on by itself")
+        return TroubleView("DEAD CHANNEL", "check its wiring and supply; it goes on by itself")
+    return TroubleView("NO DATA", "check cable and power; it goes on by itself")

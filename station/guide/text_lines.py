@@ -6,41 +6,38 @@ Nothing is ever overwritten: each line says one thing once. Where somebody liste
 from collections.abc import Callable, Iterable
 from textwrap import wrap
 
-from station.guide.command import Command, Verb
-from station.guide.session import Session
+from station.guide.command import CommandVerb, OperatorCommand
+from station.guide.session import CalibrationSession
 from station.guide.setup_view import Readiness
-from station.guide.soak_progress import in_words
-from station.guide.step_words import in_words as step_in_words
-from station.guide.step_words import step_typed
-from station.guide.view import Stage, Verdict, View
+from station.guide.soak_progress import soak_in_words
+from station.guide.step_words import files_as_steps, step_typed
+from station.guide.view import CalibrationView, StageName, Verdict
 from station.stream.events import Event, Sound
 
-OVER = frozenset({"cancelled", "left", "failed"})
-BELLS: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}
-EVERY_S = 25.0  # of accepted seconds between two lines of progress
+ENDED_STAGES = frozenset({"cancelled", "left", "failed"})
+BELL_STROKES: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}
+PROGRESS_EVERY_S = 25.0  # of accepted seconds between two lines of progress
 QUIET_HINTS = ("learning the noise", "waiting for still")
-KEYS = {
-    "r": Command(verb="redo"), "p": Command(verb="pause"), "k": Command(verb="keep_seating"),
-    "f": Command(verb="finish"), "s": Command(verb="store"), "q": Command(verb="leave"),
-    "c": Command(verb="cancel"),
+CALIBRATION_KEYS: dict[str, CommandVerb] = {
+    "r": "redo", "p": "pause", "k": "keep_seating", "f": "finish", "s": "store", "q": "leave", "c": "cancel",
 }  # fmt: skip
-KEYS_IN: dict[tuple[Stage, str], Command] = {  # as on the screen, where a key means another thing in that stage
-    ("warm_up", "s"): Command(verb="skip_warm_up"), ("paused", "p"): Command(verb="go_on"),
+STAGE_KEYS: dict[tuple[StageName, str], CommandVerb] = {  # where a key means another thing in that stage
+    ("warm_up", "s"): "skip_warm_up", ("paused", "p"): "go_on",
 }  # fmt: skip
-HELP = (
+KEYS_HELP = (
     "keys, each followed by Enter: r do the last step again, r 3 position 3 again, r x+ that turn, n 4 do it "
     "next, p pause or go on, k keep the cube as it sits, f finish with what is there, s skip the warm-up, at the "
     "verdict s store, q leave to resume later, c cancel; a question is answered with the key it names"
 )
-AT_THE_END: dict[Stage, str] = {  # what can be typed then, each followed by Enter
+AT_THE_END: dict[StageName, str] = {  # what can be typed then, each followed by Enter
     "verdict": "s store the calibration, d the diagnosis, o the report, r 3 do position 3 again, r x+ that "
     "turn, q leave: it can be stored another day, c cancel",
     "stored": "d the diagnosis, o the report, q leave",
 }
 REFUSED = "g try again, an address (such as serial:///dev/ttyUSB1) try that one, q leave: nothing was recorded"
 SHORTEST_ADDRESS = 4  # a shorter line is a slip
-STEP_VERBS: dict[str, Verb] = {"r": "redo", "n": "choose"}
-SAID_STAGES = frozenset({"warm_up", "place", "settle", "paused", "connecting", "solving", *OVER})
+STEP_VERBS: dict[str, CommandVerb] = {"r": "redo", "n": "choose"}
+SAID_STAGES = frozenset({"warm_up", "place", "settle", "paused", "connecting", "solving", *ENDED_STAGES})
 
 
 class PlainScreen:
@@ -67,12 +64,12 @@ class PlainScreen:
         }
         self._event = 0
 
-    def show(self, view: View) -> None:
+    def show(self, view: CalibrationView) -> None:
         """Write what is new."""
         if view.unit:
             self._once("unit", f"connected: {view.unit}; recording into {view.folder}")
             if self._asks:
-                self._once("keys", HELP)
+                self._once("keys", KEYS_HELP)
         if view.readiness:
             self._once("ready", "\n".join(ready_lines(view.readiness)))
             self._told["ends"] = ", ".join(view.readiness.said)
@@ -96,7 +93,7 @@ class PlainScreen:
             self._told["question"] = ""
         self._prompt(view)
 
-    def _prompt(self, view: View) -> None:
+    def _prompt(self, view: CalibrationView) -> None:
         """Say what can be typed where all waits for it."""
         if view.stage == "connecting":
             self._told["refused"] = ""  # the same refusal is told again
@@ -116,19 +113,20 @@ class PlainScreen:
             self._event = event.number
             if (ends := self._told["ends"]) and event.text.endswith(ends):
                 return  # it stands below what is ready
-            self._say(f"{event.text}{chr(7) * BELLS[event.sound] if self._rings else ''}")
+            self._say(f"{event.text}{chr(7) * BELL_STROKES[event.sound] if self._rings else ''}")
 
-    def _hint(self, view: View) -> None:
+    def _hint(self, view: CalibrationView) -> None:
         spoken = any(view.hint in event.text for event in view.events)
         if view.hint and not spoken and not view.hint.startswith(QUIET_HINTS):
             self._once("hint", view.hint)
 
-    def _progress(self, view: View) -> None:
-        if view.stage == "dwell" and view.accepted_s >= EVERY_S:
-            said = f"{step_in_words(view.live)}: {EVERY_S * (view.accepted_s // EVERY_S):.0f} s accepted"
-            self._once("seconds", f"{said}, {in_words(view.soak)}" if view.soak else said)
+    def _progress(self, view: CalibrationView) -> None:
+        if view.stage == "dwell" and view.accepted_s >= PROGRESS_EVERY_S:
+            seconds = PROGRESS_EVERY_S * (view.accepted_s // PROGRESS_EVERY_S)
+            said = f"{files_as_steps(view.live)}: {seconds:.0f} s accepted"
+            self._once("seconds", f"{said}, {soak_in_words(view.soak)}" if view.soak else said)
         elif view.stage == "warm_up" and view.warm_up is not None:
-            seconds = EVERY_S * (view.warm_up.seconds // EVERY_S)
+            seconds = PROGRESS_EVERY_S * (view.warm_up.seconds // PROGRESS_EVERY_S)
             left = "" if view.warm_up.left_s is None else f", about {view.warm_up.left_s:.0f} s left"
             self._once("seconds", f"warming up, {seconds:.0f} s{left if seconds else ''}, {view.warm_up.note}")
 
@@ -171,23 +169,24 @@ def verdict_lines(verdict: Verdict) -> list[str]:
     return [*lines, verdict.report, verdict.solution]
 
 
-def command_of(line: str, view: View, first: Command | None = None) -> Command | None:
+def command_of(line: str, view: CalibrationView, first: OperatorCommand | None = None) -> OperatorCommand | None:
     """Return what a line of input asks for, None if it asks for nothing; ``first`` is what was refused."""
     key, _, rest = line.strip().partition(" ")
     if view.start and view.start.refused and first is not None:
         return _once_more(line.strip(), first)
     if view.question and key in {choice.key for choice in view.question.choices}:
-        return Command(verb="answer", key=key)
+        return OperatorCommand(verb="answer", key=key)
     if key in STEP_VERBS and rest:
         step = step_typed(rest, view.steps)
-        return Command(verb=STEP_VERBS[key], step=step) if step else None
-    return KEYS_IN.get((view.stage, key)) or KEYS.get(key)
+        return OperatorCommand(verb=STEP_VERBS[key], step=step) if step else None
+    verb = STAGE_KEYS.get((view.stage, key)) or CALIBRATION_KEYS.get(key)
+    return OperatorCommand(verb=verb) if verb else None
 
 
-def _once_more(typed: str, first: Command) -> Command | None:
+def _once_more(typed: str, first: OperatorCommand) -> OperatorCommand | None:
     """Return the first command again, with another address if one was typed."""
     if typed in {"q", "c"}:
-        return Command(verb="leave")
+        return OperatorCommand(verb="leave")
     if typed in {"", "g"}:
         return first
     if len(typed) < SHORTEST_ADDRESS:
@@ -196,7 +195,7 @@ def _once_more(typed: str, first: Command) -> Command | None:
     return first.model_copy(update={"setup": setup} if setup else {"url": typed})
 
 
-def shown_at_end(line: str, view: View) -> str:
+def shown_at_end(line: str, view: CalibrationView) -> str:
     """Return what a line of input asks to be shown of a verdict, empty if it asks for something else."""
     if view.verdict is None:
         return ""
@@ -204,7 +203,10 @@ def shown_at_end(line: str, view: View) -> str:
 
 
 def listen(
-    session: Session, lines: Iterable[str], say: Callable[[str], None], first: Command | None = None
+    session: CalibrationSession,
+    lines: Iterable[str],
+    say: Callable[[str], None],
+    first: OperatorCommand | None = None,
 ) -> None:
     """Turn lines of input into commands until there are no more; ``first`` is what may be refused."""
     for line in lines:
@@ -216,8 +218,8 @@ def listen(
             say(_not_understood(line, session.view))
 
 
-def _not_understood(line: str, view: View) -> str:
+def _not_understood(line: str, view: CalibrationView) -> str:
     key, _, rest = line.strip().partition(" ")
     if key in STEP_VERBS and rest:
-        return f"there is no step {rest.strip()!r}; {HELP}"
-    return HELP
+        return f"there is no step {rest.strip()!r}; {KEYS_HELP}"
+    return KEYS_HELP

@@ -10,16 +10,16 @@ from procedures.bench.turn_closing import Closing, TurnSeen, apart, closing, lim
 from procedures.campaign.plan_steps import Turn
 from procedures.earth.gyrocompass import Known, heading_change
 from station.guide.setup_view import Choice
-from station.guide.view import Question
-from station.guide.wording import title
+from station.guide.view import OperatorQuestion
+from station.guide.wording import step_title
 
-WORTH_DEG = 5.0  # a wider sigma says nothing
+MAX_HEADING_STD_DEG = 5.0  # a wider sigma says nothing
 GROSS_SIGMAS = 4.0  # of the horizontal Earth rate: chance passes it once in 16000 turns
-ROUNDS = 2  # of turns of which no two agree, after which another one is vain
-AGAIN, WIDEN = "t", "w"
+MAX_TURN_ROUNDS = 2  # of turns of which no two agree, after which another one is vain
+TURN_AGAIN, WIDEN_CLOSURE = "t", "w"
 
 
-class Closings:
+class TurnClosures:
     """The turns about each axis, what they say together, and ``closure_std`` [rad] as it is stated now."""
 
     def __init__(self, closure_std: float, before: Iterable[tuple[str, TurnSeen]] = ()) -> None:
@@ -51,7 +51,7 @@ class Closings:
     def is_vain(self, axis: str) -> bool:
         """Say whether more turns about an axis would decide nothing."""
         found = self._verdict.get(axis)
-        return found is Closing.REPEATS or (found is Closing.APART and self._rounds[axis] >= ROUNDS)
+        return found is Closing.REPEATS or (found is Closing.APART and self._rounds[axis] >= MAX_TURN_ROUNDS)
 
     def is_open(self, axis: str) -> bool:
         """Say whether the turns about an axis have not closed."""
@@ -74,7 +74,7 @@ class Closings:
         self._verdict[axis] = Closing.CLOSED
         return self.closure_std
 
-    def question(self, axis: str) -> Question:
+    def question(self, axis: str) -> OperatorQuestion:
         """Ask whether to turn again or to state what was found."""
         wide, stated = np.degrees(self.found_std(axis)), np.degrees(self.closure_std)
         again = {
@@ -82,13 +82,13 @@ class Closings:
             Closing.OTHER: "turn the other way again: that one was off",
         }.get(self._verdict[axis], "turn both ways again, after a look at the marks and the stop")
         choices = (
-            Choice(key=AGAIN, title=again),
-            Choice(key=WIDEN, title=f"take them: closures are {wide:.2g} deg (1 sigma), not {stated:.2g}"),
+            Choice(key=TURN_AGAIN, title=again),
+            Choice(key=WIDEN_CLOSURE, title=f"take them: closures are {wide:.2g} deg (1 sigma), not {stated:.2g}"),
         )
-        return Question(text=f"The turns about {axis.upper()} did not close as stated.", choices=choices)
+        return OperatorQuestion(text=f"The turns about {axis.upper()} did not close as stated.", choices=choices)
 
 
-def in_words(seen: TurnSeen, partner: TurnSeen | None, closure_std: float) -> str:
+def agreement_in_words(seen: TurnSeen, partner: TurnSeen | None, closure_std: float) -> str:
     """Say how a turn agrees with its partner; nothing where there is none."""
     if partner is None:
         return ""
@@ -106,12 +106,12 @@ def heading_moved(
 ) -> tuple[float, float] | None:
     """Return by how much the heading changed [deg], counter-clockwise, with 1 sigma; None where nothing tells."""
     angle, std = np.degrees(heading_change(before, after, latitude, C_sb, k))
-    return (float(angle), float(std)) if std < WORTH_DEG else None
+    return (float(angle), float(std)) if std < MAX_HEADING_STD_DEG else None
 
 
 def what_now(found: Closing, step: Turn, off: float, most: float) -> str:
     """Say what the turns about an axis say together, and what is to be done; ``off`` and its limit [rad]."""
-    name, other = title(step), title(_other_way(step))
+    name, other = step_title(step), step_title(_other_way(step))
     how = f"{name} and {other} came back {np.degrees(abs(off)):.2f} deg apart, limit {np.degrees(most):.2f}"
     return {
         Closing.ONCE_MORE: f"{how}: one more {name} decides which was off",

@@ -8,38 +8,38 @@ from procedures.bench.turn_closing import TurnSeen
 from procedures.campaign.plan_steps import Turn
 from procedures.earth.gyrocompass import Known, scale
 from procedures.frames import AXES, face_of
-from station.guide.face_and_stillness import Look
-from station.guide.heading_questions import NEITHER, OTHER_WAY, TAKE, other_way, which_way
+from station.guide.face_and_stillness import BlockLook
+from station.guide.heading_questions import NEITHER, OTHER_WAY, TAKE, which_position, which_turn
 from station.guide.stage import Stage
-from station.guide.stage_context import Desk
+from station.guide.stage_context import StageContext
 from station.guide.turn_pairs import (
-    AGAIN,
     GROSS_SIGMAS,
-    WIDEN,
+    TURN_AGAIN,
+    WIDEN_CLOSURE,
+    agreement_in_words,
     earth_rate_says,
     heading_moved,
-    in_words,
 )  # fmt: skip
-from station.guide.view import Question, TurnView
-from station.guide.wording import sense, task, times, title
+from station.guide.view import OperatorQuestion, TurnView
+from station.guide.wording import instruction, step_title, times_in_words, turn_sense
 from station.stream.live.accepted_blocks import merged
 from station.stream.live.stillness import Block
 from station.stream.live.turn_detection import TurnWatch
 
 if TYPE_CHECKING:
-    from station.guide.dwell_stage import Again
+    from station.guide.dwell_stage import NextStage
 
 TOUCHED_REVOLUTIONS = 0.1  # less is no turn, but a hand on the cube
 SLOW_DEG_S, FAST_DEG_S = 5.0, 100.0
 
 
-class Turning:
+class TurnStage:
     """One attempt at the turn ``step``, the cube resting on its face."""
 
-    def __init__(self, desk: Desk, step: Turn, again: "Again") -> None:
-        self._desk, self._step, self._again = desk, step, again
-        self._watch = TurnWatch(step, desk.C_sb, desk.feed.period, desk.turn_counts)
-        self._position = desk.position
+    def __init__(self, context: StageContext, step: Turn, again: "NextStage") -> None:
+        self._context, self._step, self._again = context, step, again
+        self._watch = TurnWatch(step, context.C_sb, context.feed.period, context.turn_counts)
+        self._position = context.position
         self._rested: list[Block] = []
         self._is_ready = False
         self._is_answered = False  # what is to become of turns that did not close
@@ -56,45 +56,47 @@ class Turning:
         """Whether the turn is under way."""
         return self._watch.is_moving
 
-    def take(self, block: Block, look: Look) -> Stage:
+    def take(self, block: Block, look: BlockLook) -> Stage:
         """Take a second of the stream."""
-        if not self._desk.checklist.is_open(self._step):  # its closure is stated as it was found
-            return self._again(self._desk, "", must_move=True)
+        if not self._context.checklist.is_open(self._step):  # its closure is stated as it was found
+            return self._again(self._context, "", must_move=True)
         if self._is_ready:
             return self._follow(block, look)
         if look.hindrance:
-            return self._again(self._desk, "", must_move=False)
+            return self._again(self._context, "", must_move=False)
         self._watch.rest(block)
         self._rested.append(block)
         if why := self._wrong_heading():
-            return self._again(self._desk, why, must_move=True)
+            return self._again(self._context, why, must_move=True)
         if self._position and self._watch.rested_s >= self._watch.rest_blocks - 0.5:
             self._is_ready = True
-            self._desk.story.say("start", f"turn now: {times(self._step)} {sense(self._step)}")
+            self._context.event_log.say(
+                "start", f"turn now: {times_in_words(self._step)} {turn_sense(self._step)}"
+            )
         return self
 
     def interrupted(self) -> Stage:
         """Give the turn up: the stream broke it."""
-        self._desk.position = 0
-        return self._again(self._desk, "the stream was interrupted; the turn begins again", must_move=False)
+        self._context.position = 0
+        return self._again(self._context, "the stream was interrupted; the turn begins again", must_move=False)
 
     def answer(self, key: str) -> None:
         """Take the operator's word for the position, or for what becomes of turns that did not close."""
-        if self._asks_of_closing and key in {AGAIN, WIDEN}:
+        if self._asks_of_closing and key in {TURN_AGAIN, WIDEN_CLOSURE}:
             self._is_answered = True
-            if key == WIDEN:
-                self._desk.widen_closure(self._step.axis)
+            if key == WIDEN_CLOSURE:
+                self._context.widen_closure(self._step.axis)
             return
         if self._is_wrong_way and key in OTHER_WAY:
             self._takes_other = key == TAKE
             return
-        if key in {choice.key for choice in which_way(face_of(self._step.start_position)).choices}:
+        if key in {choice.key for choice in which_position(face_of(self._step.start_position)).choices}:
             self._position = -1 if key == NEITHER else int(key)
 
     def shown(self) -> dict[str, Any]:
         """Return how far the turn is."""
         watch = self._watch
-        per_degree = self._desk.rough_gyro_k(watch.rest_rate) * np.pi / 180
+        per_degree = self._context.rough_gyro_k(watch.rest_rate) * np.pi / 180
         turn = TurnView(
             revolutions=0.0 if self._is_wrong_way else self._revolutions(),
             wanted=self._step.revolutions,
@@ -102,16 +104,16 @@ class Turning:
             slow_deg_s=SLOW_DEG_S, fast_deg_s=FAST_DEG_S,
             rest_s=watch.rested_s, rest_wanted_s=float(watch.rest_blocks), may_begin=self._is_ready,
         )  # fmt: skip
-        line, hint = task(self._step, is_there=True), ""
+        line, hint = instruction(self._step, is_there=True), ""
         if not self._is_ready:
-            line = f"hands off: it rests before {title(self._step)}"
+            line = f"hands off: it rests before {step_title(self._step)}"
         elif watch.is_moving and watch.rested_s:
-            line = f"hands off: it rests after {title(self._step)}"
+            line = f"hands off: it rests after {step_title(self._step)}"
         elif watch.is_moving:
-            line = f"{title(self._step)}: {abs(turn.revolutions):.2f} of {turn.wanted} turns"
+            line = f"{step_title(self._step)}: {abs(turn.revolutions):.2f} of {turn.wanted} turns"
             hint = _speed(turn)
             if self._is_wrong_way:
-                hint = f"the other way round: {sense(self._step)} from above was asked for"
+                hint = f"the other way round: {turn_sense(self._step)} from above was asked for"
         return {
             "stage": "turn", "live": self._step.name, "line": line, "hint": hint, "turn": turn,
             "question": self._question, "position": self._position,
@@ -120,26 +122,31 @@ class Turning:
     @property
     def _asks_of_closing(self) -> bool:
         """Whether the operator may state a wider closure instead of turning again; turning answers as well."""
-        desk, is_free = self._desk, not self._is_answered and not self._watch.is_moving
-        return desk.facts.asks and is_free and desk.closings.is_open(self._step.axis)
+        context, is_free = self._context, not self._is_answered and not self._watch.is_moving
+        return context.bench.asks and is_free and context.closings.is_open(self._step.axis)
 
     @property
-    def _question(self) -> Question | None:
+    def _question(self) -> OperatorQuestion | None:
         if self._asks_of_closing:
-            return self._desk.closings.question(self._step.axis)
-        if self._is_wrong_way and self._takes_other is None and (other := self._other) and self._desk.facts.asks:
-            return other_way(self._step, other)
-        if self._position or not self._desk.facts.asks or self._watch.rested_s < self._watch.rest_blocks - 0.5:
+            return self._context.closings.question(self._step.axis)
+        if (
+            self._is_wrong_way
+            and self._takes_other is None
+            and (other := self._other)
+            and self._context.bench.asks
+        ):
+            return which_turn(self._step, other)
+        if self._position or not self._context.bench.asks or self._watch.rested_s < self._watch.rest_blocks - 0.5:
             return None
-        return which_way(face_of(self._step.start_position))
+        return which_position(face_of(self._step.start_position))
 
     def _wrong_count(self) -> str:
         """Say whether the Earth's rate tells another number of revolutions; later turns have the first."""
-        desk, wanted = self._desk, self._step.revolutions
-        if desk.turns:
+        context, wanted = self._context, self._step.revolutions
+        if context.turns:
             return ""
         found = abs(self._revolutions())
-        if scale(desk.known, desk.facts.latitude, desk.C_sb) is None or round(found) == wanted:
+        if scale(context.known, context.bench.latitude, context.C_sb) is None or round(found) == wanted:
             return ""
         return f"it was about {found:.1f} revolutions, expected {wanted}"
 
@@ -147,60 +154,62 @@ class Turning:
         """Return how far it has turned since it began to move."""
         if not self._watch.is_moving:
             return 0.0
-        return self._watch.turned_counts / (2 * np.pi * self._desk.rough_gyro_k(self._watch.rest_rate))
+        return self._watch.turned_counts / (2 * np.pi * self._context.rough_gyro_k(self._watch.rest_rate))
 
     def _wrong_heading(self) -> str:
         """Find where the cube stands; say what is wrong with it."""
-        desk, step = self._desk, self._step
+        context, step = self._context, self._step
         if not self._position:
             rate = np.mean([block.rate[:3] for block in self._rested], axis=0)
-            found = desk.heading(rate, len(self._rested), face_of(step.start_position))
+            found = context.heading(rate, len(self._rested), face_of(step.start_position))
             if found.is_sure:
                 self._position = found.position or -1
-            elif not desk.facts.asks and self._watch.rested_s >= self._watch.rest_blocks - 0.5:
+            elif not context.bench.asks and self._watch.rested_s >= self._watch.rest_blocks - 0.5:
                 self._position = step.start_position
         if self._position in {0, step.start_position}:
             return ""
         where = f"position {self._position}" if self._position > 0 else "no position, 90 deg off the marks"
-        return f"the cube stands in {where}; a {title(step)} begins in position {step.start_position}"
+        return f"the cube stands in {where}; a {step_title(step)} begins in position {step.start_position}"
 
-    def _follow(self, block: Block, look: Look) -> Stage:
-        desk, watch = self._desk, self._watch
+    def _follow(self, block: Block, look: BlockLook) -> Stage:
+        context, watch = self._context, self._watch
         if watch.is_over:  # it waits for an answer
             self._is_touched |= not look.is_still
         else:
             watch.take(block, is_still=look.is_still)
         if watch.is_moving:
-            desk.moved()
+            context.moved()
         if self._is_wrong_way:
             if why := self._other_way():
-                return self._again(desk, why, must_move=False)
+                return self._again(context, why, must_move=False)
             if self._is_wrong_way:
                 return self
         if look.is_still and look.face != face_of(self._step.start_position):
-            return self._again(desk, f"{title(self._step)}: the cube was tipped over; once more", must_move=False)
+            return self._again(
+                context, f"{step_title(self._step)}: the cube was tipped over; once more", must_move=False
+            )
         if not watch.is_over:
             return self
         return self._over()
 
     def _over(self) -> Stage:
         """Judge the whole turn."""
-        desk, watch = self._desk, self._watch
+        context, watch = self._context, self._watch
         if abs(self._revolutions()) < TOUCHED_REVOLUTIONS:
-            desk.story.say("still", "touched before the turn: keep your hands off")
-            return self._again(desk, "", must_move=False)
+            context.event_log.say("still", "touched before the turn: keep your hands off")
+            return self._again(context, "", must_move=False)
         if why := watch.fault() or self._wrong_count():
-            return self._again(desk, f"{title(self._step)}: {why}; once more", must_move=False)
+            return self._again(context, f"{step_title(self._step)}: {why}; once more", must_move=False)
         change = self._heading_moved()
         if change is not None and abs(change[0]) > GROSS_SIGMAS * np.hypot(change[1], self._closure_deg):
             why = f"it came back {abs(change[0]):.1f} deg off (1 sigma {change[1]:.1f} deg)"
-            return self._again(desk, f"{title(self._step)}: {why}; once more", must_move=False)
+            return self._again(context, f"{step_title(self._step)}: {why}; once more", must_move=False)
         seen = self._seen()
-        partner = desk.closings.partner(self._step.axis, self._step.direction)
-        told = in_words(seen, partner, desk.closings.closure_std) or earth_rate_says(change)
-        desk.accept_turn(self._step, merged(watch.step_blocks(), None), seen, told)
-        desk.position = 0 if self._is_touched else self._step.start_position
-        return self._again(desk, "", must_move=not self._is_touched)
+        partner = context.closings.partner(self._step.axis, self._step.direction)
+        told = agreement_in_words(seen, partner, context.closings.closure_std) or earth_rate_says(change)
+        context.accept_turn(self._step, merged(watch.step_blocks(), None), seen, told)
+        context.position = 0 if self._is_touched else self._step.start_position
+        return self._again(context, "", must_move=not self._is_touched)
 
     @property
     def _is_wrong_way(self) -> bool:
@@ -211,7 +220,7 @@ class Turning:
     @property
     def _other(self) -> Turn | None:
         """The turn the other way, if it is to be done as well."""
-        checklist, step = self._desk.checklist, self._step
+        checklist, step = self._context.checklist, self._step
         alike = (step.axis, step.start_position, step.revolutions)
         turns = [s for s in checklist.steps if isinstance(s, Turn) and s != step and checklist.is_open(s)]
         return next((s for s in turns if (s.axis, s.start_position, s.revolutions) == alike), None)
@@ -220,39 +229,39 @@ class Turning:
         """Take a turn the wrong way as the other step if it may be that; say why it may not."""
         other = self._other
         if other is None or self._takes_other is False:
-            expected = f"expected {sense(self._step)} seen from above"
-            return f"{title(self._step)}: it was the other way round, {expected}; once more"
-        if self._takes_other or not self._desk.facts.asks:
-            self._desk.story.say("", f"taken as {title(other)}")
+            expected = f"expected {turn_sense(self._step)} seen from above"
+            return f"{step_title(self._step)}: it was the other way round, {expected}; once more"
+        if self._takes_other or not self._context.bench.asks:
+            self._context.event_log.say("", f"taken as {step_title(other)}")
             self._step = other
             self._watch.take_as(other)
         return ""
 
     @property
     def _closure_deg(self) -> float:
-        return float(np.degrees(self._desk.closings.closure_std))
+        return float(np.degrees(self._context.closings.closure_std))
 
     def _seen(self) -> TurnSeen:
         """Return the turn as it counted; its noise is that of the rate at rest, over the time it moved."""
-        step, watch, desk = self._step, self._watch, self._desk
-        up = desk.C_sb[:, AXES.index(step.axis)]
-        rate_std = float(np.sqrt(up**2 @ desk.gyro_std(len(watch.rests[0])) ** 2))
+        step, watch, context = self._step, self._watch, self._context
+        up = context.C_sb[:, AXES.index(step.axis)]
+        rate_std = float(np.sqrt(up**2 @ context.gyro_std(len(watch.rests[0])) ** 2))
         angle = 2 * np.pi * step.revolutions
         noise = rate_std * watch.moved_s / abs(watch.turned_counts) * angle
         return TurnSeen(step.direction, watch.counts_per_revolution, angle, noise)
 
     def _heading_moved(self) -> tuple[float, float] | None:
         """Return what the horizontal Earth rate before and after tells [deg], with 1 sigma."""
-        desk, (before, after) = self._desk, self._watch.rests
+        context, (before, after) = self._context, self._watch.rests
         before, after = before[:-1], after[1:]  # the turn may reach into those: slow, but leaking into level gyros
         if not before or not after:
             return None
-        k = desk.rough_gyro_k(self._watch.rest_rate)
-        return heading_moved(self._known(before), self._known(after), desk.facts.latitude, desk.C_sb, k)
+        k = context.rough_gyro_k(self._watch.rest_rate)
+        return heading_moved(self._known(before), self._known(after), context.bench.latitude, context.C_sb, k)
 
     def _known(self, blocks: list[Block]) -> Known:
         rate = np.mean([block.rate[:3] for block in blocks], axis=0)
-        return Known(self._step.start_position, rate, self._desk.gyro_std(len(blocks)))
+        return Known(self._step.start_position, rate, self._context.gyro_std(len(blocks)))
 
 
 def _speed(turn: TurnView) -> str:

@@ -2,7 +2,7 @@
 
 On one face the accelerometers' count rates hold scale factor and bias whichever way the cube points, and the
 upright gyro's its bias and the Earth rate's vertical part. A unit switched on again repeats them to
-`ACCELEROMETER` and `GYROSCOPE`; another one of its model seldom comes as near in all of them.
+`MAX_ACCELEROMETER_CHANGE` and `MAX_GYROSCOPE_CHANGE`; another one of its model seldom comes as near in all.
 """
 
 from typing import Literal, NamedTuple
@@ -13,10 +13,12 @@ from procedures.frames import AXES
 from station.files.campaign_folder.notes import UnitRecord
 from station.stream.live.stillness import LEAST, TICKS
 
-ACCELEROMETER = 1e-3  # of g: turn-on repeatability of bias and scale factor together
-GYROSCOPE = 0.3  # of the greatest gyro rate at rest
-NOISE = 2.0  # ratio of sigmas
-PERIOD = 2e-2  # relative: where a device sends no time it was measured for 3 s, by a busy machine to 1 %
+MAX_ACCELEROMETER_CHANGE = 1e-3  # of g: turn-on repeatability of bias and scale factor together
+MAX_GYROSCOPE_CHANGE = 0.3  # of the greatest gyro rate at rest
+MAX_NOISE_RATIO = 2.0  # ratio of sigmas
+MAX_PERIOD_DIFFERENCE = (
+    2e-2  # relative: where a device sends no time it was measured for 3 s, by a busy machine to 1 %
+)
 
 
 class Sameness(NamedTuple):
@@ -37,7 +39,7 @@ def same_unit(before: UnitRecord, now: UnitRecord) -> Sameness:
             return Sameness("yes", f"it says serial number {now.serial}, as when the campaign began")
         text = f"it says {now.model} {now.serial}, the campaign began with {before.model} {before.serial}"
         return Sameness("no", text)
-    if abs(now.period / before.period - 1) > PERIOD:
+    if abs(now.period / before.period - 1) > MAX_PERIOD_DIFFERENCE:
         text = f"it sends every {now.period:.6g} s, the campaign's unit every {before.period:.6g} s"
         return Sameness("no", text)
     if before.rate is None or before.noise is None or now.rate is None or now.noise is None:
@@ -63,13 +65,15 @@ def _differences(*arrays: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[
     upright = int(np.argmax(np.abs(other[3:])))
     shift = (rate - other)[3:] / abs(other[3 + upright])
     said = [
-        f"accelerometer {AXES[i]} by {shift[i] * 1e3:+.1f} mg" for i in range(3) if abs(shift[i]) > ACCELEROMETER
+        f"accelerometer {AXES[i]} by {shift[i] * 1e3:+.1f} mg"
+        for i in range(3)
+        if abs(shift[i]) > MAX_ACCELEROMETER_CHANGE
     ]
-    turn_on = GYROSCOPE * np.abs(other[:3]).max() + 5 * np.sqrt(TICKS * (noise + other_noise)[upright])
+    turn_on = MAX_GYROSCOPE_CHANGE * np.abs(other[:3]).max() + 5 * np.sqrt(TICKS * (noise + other_noise)[upright])
     if abs(rate[upright] - other[upright]) > turn_on:
         said.append(f"gyro {AXES[upright]} {rate[upright]:.4g} instead of {other[upright]:.4g} counts/s")
     ratio = np.sqrt(noise / other_noise)
-    for i in np.flatnonzero((ratio > NOISE) | (ratio < 1 / NOISE)).tolist():
+    for i in np.flatnonzero((ratio > MAX_NOISE_RATIO) | (ratio < 1 / MAX_NOISE_RATIO)).tolist():
         triad = "gyro" if i < 3 else "accelerometer"
         said.append(f"noise of {triad} {AXES[i % 3]} {ratio[i]:.2g} times as large")
     return said

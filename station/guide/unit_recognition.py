@@ -6,23 +6,23 @@ from typing import Any
 import numpy as np
 
 from station.files.campaign_folder.notes import UnitRecord
-from station.guide.face_and_stillness import Look
+from station.guide.face_and_stillness import BlockLook
 from station.guide.setup_view import Choice
 from station.guide.stage import Stage
-from station.guide.stage_context import Desk
+from station.guide.stage_context import StageContext
 from station.guide.unit_identity import same_unit
-from station.guide.view import Question
+from station.guide.view import OperatorQuestion
 from station.stream.live.stillness import Block
 from station.stream.recorder import UnitChanged
 
-BLOCKS = 10
+RECOGNITION_BLOCKS = 10
 
 
-class Recognising:
+class UnitRecognitionStage:
     """Compares ten seconds at rest with the campaign's first dwell, then asks."""
 
-    def __init__(self, desk: Desk, before: UnitRecord, then: Callable[[Desk], Stage]) -> None:
-        self._desk, self._before, self._then = desk, before, then
+    def __init__(self, context: StageContext, before: UnitRecord, then: Callable[[StageContext], Stage]) -> None:
+        self._context, self._before, self._then = context, before, then
         self._blocks: list[Block] = []
         self._text, self._answer, self._hint = "", "", ""
 
@@ -31,42 +31,44 @@ class Recognising:
         """The first sample that is still needed."""
         return None
 
-    def take(self, block: Block, look: Look) -> Stage:
+    def take(self, block: Block, look: BlockLook) -> Stage:
         """Take a second of the stream."""
         self._hint = look.hindrance
         if self._answer == "y":
-            return self._then(self._desk)
+            return self._then(self._context)
         if self._text:
             return self
         self._blocks = [] if look.hindrance else [*self._blocks, block]
-        if len(self._blocks) == BLOCKS:
+        if len(self._blocks) == RECOGNITION_BLOCKS:
             self._compare()
         return self
 
     def answer(self, key: str) -> None:
         """Take the operator's word; raise `UnitChanged` if it is another unit."""
         if key == "n":
-            raise UnitChanged(self._desk.feed.address.name, "another unit", self._before.serial)
+            raise UnitChanged(self._context.feed.address.name, "another unit", self._before.serial)
         self._answer = key
 
     def interrupted(self) -> Stage:
         """Look again."""
-        return Recognising(self._desk, self._before, self._then)
+        return UnitRecognitionStage(self._context, self._before, self._then)
 
     def shown(self) -> dict[str, Any]:
         """Return the question, once there is something to say."""
         line = f"is this {self._before.model} {self._before.serial}?"
         shown = {"stage": "settle", "line": line, "hint": self._hint or "leave the cube at rest"}
         choices = (Choice(key="y", title="yes, it is"), Choice(key="n", title="no, it is another"))
-        question = Question(text=f"{line} {self._text}", choices=choices) if self._text else None
+        question = OperatorQuestion(text=f"{line} {self._text}", choices=choices) if self._text else None
         return shown | {"question": question}
 
     def _compare(self) -> None:
         rate = np.mean([block.rate for block in self._blocks], axis=0)
-        seen = {"rate": tuple(rate.tolist()), "noise": tuple(self._desk.judge.stillness.noise.tolist())}
+        seen = {"rate": tuple(rate.tolist()), "noise": tuple(self._context.gate.stillness.noise.tolist())}
         found = same_unit(self._before, self._before.model_copy(update={**seen, "serial_from_wire": False}))
-        if not self._desk.facts.asks:
+        if not self._context.bench.asks:
             if found.answer != "yes":
-                raise UnitChanged(self._desk.feed.address.name, f"a unit that {found.text}", self._before.serial)
+                raise UnitChanged(
+                    self._context.feed.address.name, f"a unit that {found.text}", self._before.serial
+                )
             self._answer = "y"
         self._text = f"It says no serial number; {found.text}."

@@ -1,15 +1,15 @@
 """What a guided calibration shows: one frozen value that says everything a screen, a line of text or a test needs.
 
-The engine makes it, a screen draws it; nothing flows back but `station.guide.command.Command`. It crosses a
-process border as JSON. Angles in deg, rates in deg/s, times in s of the device unless a name says otherwise.
+The engine makes it, a screen draws it; nothing flows back but `station.guide.command.OperatorCommand`. It crosses
+a process border as JSON. Angles in deg, rates in deg/s, times in s of the device unless a name says otherwise.
 """
 
 from typing import Literal
 
-from station.guide.setup_view import Choice, FrozenValue, Readiness, Start
+from station.guide.setup_view import Choice, FrozenValue, Readiness, StartView
 from station.stream.events import Event
 
-Stage = Literal[
+StageName = Literal[
     "start",  # no campaign yet: set-up, and unfinished ones to go on with
     "connecting",
     "warm_up",
@@ -28,7 +28,7 @@ Stage = Literal[
 StepState = Literal["todo", "live", "done", "redo"]
 
 
-class Step(FrozenValue):
+class StepView(FrozenValue):
     """A step of the campaign, in the order suggested. ``position`` is 0 for a turn, ``axis`` empty for a dwell.
 
     Free positions and soaks have a ``number`` of their own; ``is_free``: in a free attitude; ``up``: the face of a
@@ -58,7 +58,7 @@ class Step(FrozenValue):
         return max(self.attempts - 1, 0)
 
 
-class Gates(FrozenValue):
+class GatesView(FrozenValue):
     """The two gates, and what the counts show right now.
 
     ``face`` is the face that is up (``x_up`` ...), ``off_deg`` the angle it seems off the vertical against
@@ -128,7 +128,7 @@ class SoakView(FrozenValue):
     left_s: float = 0.0
 
 
-class WarmUp(FrozenValue):
+class WarmUpView(FrozenValue):
     """Warm-up; limits are learnt from this unit. ``left_s`` None: cannot be said yet."""
 
     seconds: float = 0.0
@@ -140,7 +140,7 @@ class WarmUp(FrozenValue):
     note: str = ""
 
 
-class Link(FrozenValue):
+class LinkView(FrozenValue):
     """The stream: ``is_live`` False while nothing comes that can be used; ``text`` says what is wrong, what to do.
 
     ``word`` is what is wrong in two words, such as NO DATA, WRONG UNIT.
@@ -157,14 +157,14 @@ class Link(FrozenValue):
     text: str = ""
 
 
-class Question(FrozenValue):
+class OperatorQuestion(FrozenValue):
     """Something only the operator knows; answered with the ``key`` of a choice."""
 
     text: str
     choices: tuple[Choice, ...]
 
 
-class Row(FrozenValue):
+class VerdictRow(FrozenValue):
     """A line of the verdict's table, all of it text.
 
     ``sigma`` is the combined standard uncertainty, by which a guarded limit is narrowed; ``expanded`` is U (95 %),
@@ -198,7 +198,7 @@ class Verdict(FrozenValue):
     change: str = ""
     diagnosis: str = ""
     diagnosis_text: str = ""  # all of it, as `station diagnose` prints it
-    rows: tuple[Row, ...] = ()
+    rows: tuple[VerdictRow, ...] = ()
     warnings: tuple[str, ...] = ()
     redo: str = ""
     report: str = ""  # path
@@ -206,7 +206,7 @@ class Verdict(FrozenValue):
     stored_sha256: str = ""
 
 
-class View(FrozenValue):
+class CalibrationView(FrozenValue):
     """Everything.
 
     ``line`` is the state as one plain sentence. ``hint`` says what hinders or what comes next. ``wanted`` and
@@ -216,35 +216,35 @@ class View(FrozenValue):
     was looked at; None where it sends none that goes on.
     """
 
-    stage: Stage = "start"
+    stage: StageName = "start"
     time_s: float | None = None
     line: str = ""
     hint: str = ""
     unit: str = ""  # "SIM-FOG3 SIM-7"
     folder: str = ""
-    start: Start | None = None
+    start: StartView | None = None
     readiness: Readiness | None = None  # of the campaign, once the unit has answered
-    steps: tuple[Step, ...] = ()
+    steps: tuple[StepView, ...] = ()
     wanted: str = ""
     live: str = ""
     can_redo: str = ""
     accepted_s: float = 0.0
     wanted_s: float = 0.0
     remaining_s: float = 0.0
-    gates: Gates | None = None
+    gates: GatesView | None = None
     pose: PoseView | None = None
     turn: TurnView | None = None
     soak: SoakView | None = None
     lean: tuple[int, int, int] | None = None
-    warm_up: WarmUp | None = None
-    link: Link = Link()
-    question: Question | None = None
+    warm_up: WarmUpView | None = None
+    link: LinkView = LinkView()
+    question: OperatorQuestion | None = None
     events: tuple[Event, ...] = ()  # the last few
     verdict: Verdict | None = None
     error: str = ""
     code: int = 0  # the program's exit code for an end that was nobody's wish
 
-    def step(self, name: str) -> Step | None:
+    def step(self, name: str) -> StepView | None:
         """Return a step by its name."""
         return next((step for step in self.steps if step.name == name), None)
 

@@ -10,26 +10,26 @@ from procedures.bench.warm_up import Means, WarmUpState, unsettled, warm_up
 from procedures.campaign.plan_steps import Dwell
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
-from station.guide.accepted_dwell import estimates
+from station.guide.accepted_dwell import triad_estimates
 from station.guide.checklist import MOVE_S
-from station.guide.face_and_stillness import Look
+from station.guide.face_and_stillness import BlockLook
 from station.guide.stage import Stage
-from station.guide.stage_context import Desk
-from station.guide.view import WarmUp
+from station.guide.stage_context import StageContext
+from station.guide.view import WarmUpView
 from station.guide.wording import rounded
 from station.stream.live.accepted_blocks import merged, series
 from station.stream.live.stillness import LEAST, TICKS, Block
 
 MEAN_BLOCKS = 10
 NOISE_ROWS = 6
-LEAST_S = 1.0
+MIN_SHOWN_LEFT_S = 1.0
 
 
-class Warming:
+class WarmUpStage:
     """Collects means of ten seconds at rest until limits learnt from them are met."""
 
-    def __init__(self, desk: Desk, then: Callable[[Desk], Stage]) -> None:
-        self._desk, self._then = desk, then
+    def __init__(self, context: StageContext, then: Callable[[StageContext], Stage]) -> None:
+        self._context, self._then = context, then
         self._blocks: list[Block] = []
         self._rows: list[list[Block]] = []
         self._marks: list[float] = []
@@ -37,7 +37,7 @@ class Warming:
         self._began: float | None = None
         self._now, self._hint, self._stated = 0.0, "", 0.0
 
-    def take(self, block: Block, look: Look) -> Stage:
+    def take(self, block: Block, look: BlockLook) -> Stage:
         """Take a second of the stream."""
         self._began = block.begins if self._began is None else self._began
         self._now, self._hint = block.ends, look.hindrance
@@ -54,13 +54,13 @@ class Warming:
         self._stated = self._now
         if not self._state.is_ready:
             return self
-        self._desk.story.say("start", "the unit has settled; positions may begin")
+        self._context.event_log.say("start", "the unit has settled; positions may begin")
         self._choose_dwell()
-        return self._then(self._desk)
+        return self._then(self._context)
 
     def interrupted(self) -> Stage:
         """Begin anew: a device that was switched off warms up again."""
-        return Warming(self._desk, self._then)
+        return WarmUpStage(self._context, self._then)
 
     @property
     def oldest(self) -> int | None:
@@ -70,25 +70,25 @@ class Warming:
 
     def skipped(self) -> Stage:
         """Begin without: the drift seen is recorded and widens the sigmas."""
-        desk, history = self._desk, self._history()
+        context, history = self._context, self._history()
         try:
-            found = unsettled(history, desk.checklist.remaining_s(), self._marks)
+            found = unsettled(history, context.checklist.remaining_s(), self._marks)
         except ValueError as error:
-            desk.story.say("rejected", f"not yet: {error}")
+            context.event_log.say("rejected", f"not yet: {error}")
             return self
         gyro_deg_h = _deg_h(float(np.max(found.gyro)), history)
         accel_g = 0.0
         if found.accel is not None and history.accel is not None:
             accel_g = float(np.max(found.accel) / np.max(np.abs(history.accel)))
-        desk.skip_warm_up(gyro_deg_h, accel_g)
+        context.skip_warm_up(gyro_deg_h, accel_g)
         text = f"warm-up skipped: biases may drift by {gyro_deg_h:.2g} deg/h and {accel_g * UG_PER_G:.2g} ug"
-        desk.story.say("", f"{text}; recorded, and the sigmas become wider")
-        return self._then(desk)
+        context.event_log.say("", f"{text}; recorded, and the sigmas become wider")
+        return self._then(context)
 
     def shown(self) -> dict[str, Any]:
         """Return how far it is."""
         state, seconds = self._state, self._now - (self._began or self._now)
-        warm = WarmUp(seconds=seconds)
+        warm = WarmUpView(seconds=seconds)
         if state is not None:
             warm = warm.model_copy(update=self._figures(state))
         warm = warm.model_copy(update={"note": self._hint or waits_for(warm)})
@@ -100,7 +100,9 @@ class Warming:
     def _figures(self, state: WarmUpState) -> dict[str, object]:
         left = None if state.left_s is None else state.left_s - (self._now - self._stated)
         shown: dict[str, object] = {
-            "left_s": left if left is not None and left >= LEAST_S else None,  # over, and it goes on: nobody knows
+            "left_s": left
+            if left is not None and left >= MIN_SHOWN_LEFT_S
+            else None,  # over, and it goes on: nobody knows
             "temperature_rate_c_min": _per_minute(state.temperature_rate),
             "temperature_limit_c_min": _per_minute(state.temperature_limit),
         }
@@ -113,10 +115,10 @@ class Warming:
 
     @property
     def _dwell_s(self) -> float:
-        return max((s.seconds for s in self._desk.checklist.steps if isinstance(s, Dwell)), default=100.0)
+        return max((s.seconds for s in self._context.checklist.steps if isinstance(s, Dwell)), default=100.0)
 
     def _history(self) -> Means:
-        noise = np.maximum(self._desk.judge.stillness.noise, LEAST) * TICKS
+        noise = np.maximum(self._context.gate.stillness.noise, LEAST) * TICKS
         std = np.sqrt(noise / MEAN_BLOCKS + 1 / (6 * MEAN_BLOCKS**2))
         rates = np.array([np.mean([b.rate for b in row], axis=0) for row in self._rows]).reshape(-1, 6)
         stds = np.tile(std, (len(rates), 1))
@@ -128,22 +130,22 @@ class Warming:
 
     def _choose_dwell(self) -> None:
         """Let the dwells be as long as the noise and the sigma wanted ask for."""
-        desk, wanted = self._desk, self._desk.facts.bias_std
+        context, wanted = self._context, self._context.bench.bias_std
         if wanted is None:
             return
         blocks = [block for row in self._rows[-NOISE_ROWS:] for block in row]
-        recorded = series(desk.feed.tape, merged(blocks, None), desk.feed.period)
-        noise = np.array([each.noise for each in estimates(recorded.accel, recorded)])
+        recorded = series(context.feed.tape, merged(blocks, None), context.feed.period)
+        noise = np.array([each.noise for each in triad_estimates(recorded.accel, recorded)])
         k = np.full(3, float(np.max(np.abs(blocks[-1].rate[3:]))))
         found = dwell_seconds(noise, k, wanted)
-        desk.set_dwell(found.seconds)
+        context.set_dwell(found.seconds)
         wish = "" if found.is_reached else f", {wanted * UG_PER_G:.2g} ug cannot be reached"
         known = f"{found.bias_std_g * UG_PER_G:.2g} ug"
         text = f"each dwell lasts {found.seconds:.0f} s, for a bias known to {known}{wish}"
-        desk.story.say("", text)
+        context.event_log.say("", text)
 
 
-def waits_for(warm: WarmUp) -> str:
+def waits_for(warm: WarmUpView) -> str:
     """Say what a warm-up waits for, in numbers that a person reads."""
     drift, limit = warm.gyro_drift_deg_h, warm.gyro_limit_deg_h
     if drift is None or limit is None:

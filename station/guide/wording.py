@@ -15,36 +15,36 @@ def rounded(value: float, limit: float) -> str:
     return f"{value:.{digits}f}"
 
 
-def axes(position: int) -> str:
+def axes_in_words(position: int) -> str:
     """Return where each axis of the cube points in a position."""
     letters = POSITIONS[position - 1]
     return ", ".join(f"{axis} {_WORDS[letter]}" for axis, letter in zip("XYZ", letters, strict=True))
 
 
-def face(name: str) -> str:
+def face_in_words(name: str) -> str:
     """Return a face such as ``x_up`` in words."""
     return f"{name[0].upper()} points {name[2:]}"
 
 
-def lean(way: Lean) -> str:
+def lean_in_words(way: Lean) -> str:
     """Return how the cube is to lean: ``on an edge, X half up, Y half down``."""
     half = {sign: [axis for axis, one in zip("XYZ", way, strict=True) if one == sign] for sign in (1, -1)}
     said = [f"{' and '.join(axes)} half {word}" for axes, word in ((half[1], "up"), (half[-1], "down")) if axes]
     return f"on {'an edge' if 0 in way else 'a corner'}, {', '.join(said)}"
 
 
-def sense(turn: Turn) -> str:
+def turn_sense(turn: Turn) -> str:
     """Return which way a turn goes, seen from above."""
     up = face_of(turn.start_position).endswith("up")
     return "counter-clockwise" if (turn.direction == "+") == up else "clockwise"
 
 
-def times(turn: Turn) -> str:
+def times_in_words(turn: Turn) -> str:
     """Return how often the cube is turned."""
     return "once" if turn.revolutions == 1 else f"{turn.revolutions} times"
 
 
-def title(step: Step) -> str:
+def step_title(step: Step) -> str:
     """Return a step's name for people."""
     if isinstance(step, Dwell):
         return f"position {step.position}"
@@ -55,16 +55,16 @@ def title(step: Step) -> str:
     return f"turn {step.axis.upper()}{step.direction}"
 
 
-def task(step: Step, *, is_there: bool = False, way: Lean = (1, 1, 0)) -> str:
+def instruction(step: Step, *, is_there: bool = False, way: Lean = (1, 1, 0)) -> str:
     """Return what is to be done; ``is_there``: the cube stands where a turn begins; ``way``: how it is to lean."""
     after = f"; then leave it for {step.seconds:.0f} s" if isinstance(step, Soak) else ""
     if isinstance(step, Dwell) or (isinstance(step, Soak) and step.position):
-        return f"put the cube in position {step.position}: {axes(step.position)}{after}"
+        return f"put the cube in position {step.position}: {axes_in_words(step.position)}{after}"
     if isinstance(step, Soak) and step.up:
-        return f"put the cube down so that {face(step.up)}{after}"
+        return f"put the cube down so that {face_in_words(step.up)}{after}"
     if isinstance(step, FreePosition | Soak):
-        return f"lean the cube {lean(way)}, near 45 deg; prop it{after}"
+        return f"lean the cube {lean_in_words(way)}, near 45 deg; prop it{after}"
     if is_there:
         speed = "" if step.speed_deg_s is None else f" at about {step.speed_deg_s:g} deg/s"
-        return f"turn {times(step)} {sense(step)} from above{speed}, flat, back to where it stood"
-    return f"put the cube in position {step.start_position}: {axes(step.start_position)}; then turn it"
+        return f"turn {times_in_words(step)} {turn_sense(step)} from above{speed}, flat, back to where it stood"
+    return f"put the cube in position {step.start_position}: {axes_in_words(step.start_position)}; then turn it"

@@ -8,42 +8,46 @@ from functools import partial
 
 from procedures.bench.heading_errors import HeadingError, stood
 from procedures.campaign.plan_steps import Dwell
-from station.guide.question import Asking
+from station.guide.question import QuestionStage
 from station.guide.setup_view import Choice
 from station.guide.stage import Stage
-from station.guide.stage_context import Desk
-from station.guide.view import Question
+from station.guide.stage_context import StageContext
+from station.guide.view import OperatorQuestion
 
 REDO, KEEP = "r", "k"
 
 
-def after_dwell(desk: Desk, again: Callable[[str], Stage]) -> Stage:
+def after_dwell(context: StageContext, again: Callable[[str], Stage]) -> Stage:
     """Return what comes after an accepted dwell; ``again`` makes the usual stage, told why the cube is to move."""
-    for positions, error in desk.turned_off():
+    for positions, error in context.turned_off():
         key = tuple(sorted(positions))
-        if key in desk.told_off or not (dwell := _to_redo(desk, positions)):
+        if key in context.reported_turned or not (dwell := _to_redo(context, positions)):
             continue
-        desk.told_off.add(key)
+        context.reported_turned.add(key)
         told = f"position {' or '.join(map(str, key))} {stood(error)}"
-        desk.story.say("rejected", told)
-        if not desk.facts.asks:  # once: the second time it stands as it is, and the solution says so
-            return _redo(desk, dwell, error, again) if desk.checklist.attempts[dwell.name] == 1 else again("")
-        then = {REDO: partial(_redo, desk, dwell, error, again), KEEP: partial(again, "")}
+        context.event_log.say("rejected", told)
+        if not context.bench.asks:  # once: the second time it stands as it is, and the solution says so
+            return (
+                _redo(context, dwell, error, again) if context.checklist.attempts[dwell.name] == 1 else again("")
+            )
+        then = {REDO: partial(_redo, context, dwell, error, again), KEEP: partial(again, "")}
         choices = (
             Choice(key=REDO, title=f"record position {dwell.position} again, set along the marks"),
             Choice(key=KEEP, title="keep it: the solution names it, the sigmas do not cover it"),
         )
-        return Asking(desk, Question(text=f"{told[0].upper()}{told[1:]}.", choices=choices), then)
+        return QuestionStage(
+            context, OperatorQuestion(text=f"{told[0].upper()}{told[1:]}.", choices=choices), then
+        )
     return again("")
 
 
-def _to_redo(desk: Desk, positions: list[int]) -> Dwell | None:
+def _to_redo(context: StageContext, positions: list[int]) -> Dwell | None:
     """Return the dwell to be done again: where it may be several, the one in which the cube stands."""
-    position = desk.position if desk.position in positions else positions[0]
-    return desk.checklist.dwell_at(position)
+    position = context.position if context.position in positions else positions[0]
+    return context.checklist.dwell_at(position)
 
 
-def _redo(desk: Desk, dwell: Dwell, error: HeadingError, again: Callable[[str], Stage]) -> Stage:
-    desk.checklist.redo(dwell.name)
+def _redo(context: StageContext, dwell: Dwell, error: HeadingError, again: Callable[[str], Stage]) -> Stage:
+    context.checklist.redo(dwell.name)
     way = "counter-clockwise" if error.angle > 0 else "clockwise"
     return again(f"set position {dwell.position} along the marks: it stood too far {way}")

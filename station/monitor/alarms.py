@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from station.monitor.view import Reading
+from station.monitor.view import AttitudeReading
 
-OVER_AGAIN = 0.95  # of the limit: where an alarm ends
-ALARMS: dict[str, tuple[str, Callable[[Reading], float]]] = {  # unit, and what is held against the limit
+ALARM_RELEASE_SHARE = 0.95  # of the limit: where an alarm ends
+ALARMS: dict[str, tuple[str, Callable[[AttitudeReading], float]]] = {  # unit, and what is held against the limit
     "roll": ("deg", lambda reading: abs(reading.roll)),
     "pitch": ("deg", lambda reading: abs(reading.pitch)),
     "rate": ("deg/s", lambda reading: max(abs(rate) for rate in reading.rate)),
@@ -23,7 +23,7 @@ class Alarm:
     name: str
     limit: float
 
-    def said(self, reading: Reading) -> str:
+    def said(self, reading: AttitudeReading) -> str:
         """Return the alarm in words."""
         unit, size = ALARMS[self.name]
         return f"{self.name} {size(reading):.3g}, limit {self.limit:g} {unit}"
@@ -42,19 +42,19 @@ def parse_alarm(text: str) -> Alarm:
     return Alarm(name, value)
 
 
-class Watch:
+class AlarmWatch:
     """Holds readings against limits; ``on`` are the alarms that ring."""
 
     def __init__(self, alarms: tuple[Alarm, ...]) -> None:
         self._alarms = alarms
         self.on: dict[Alarm, str] = {}
 
-    def look(self, reading: Reading) -> tuple[list[str], list[str]]:
+    def look(self, reading: AttitudeReading) -> tuple[list[str], list[str]]:
         """Return what begins to ring and what ends, in words."""
         begun, ended = list[str](), list[str]()
         for alarm in self._alarms:
             size = ALARMS[alarm.name][1](reading)
-            if size > alarm.limit or (alarm in self.on and size > OVER_AGAIN * alarm.limit):
+            if size > alarm.limit or (alarm in self.on and size > ALARM_RELEASE_SHARE * alarm.limit):
                 if alarm not in self.on:
                     begun.append(alarm.said(reading))
                 self.on[alarm] = alarm.said(reading)

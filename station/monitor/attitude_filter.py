@@ -20,11 +20,13 @@ NORTH_S = (
     31.0  # of rest, from which north is told: a little more than `procedures.attitude.heading_at_rest` asks for
 )
 RESIDUAL_SHARE = 0.1  # of each tick: a second
-ANEW_S = 10.0  # put between what has no relation in time: the filter then begins anew with the biases learnt
+RESTART_GAP_S = (
+    10.0  # put between what has no relation in time: the filter then begins anew with the biases learnt
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Aiding:
+class AidValues:
     """An aid's newest values, nan where there is none: ``airspeed`` [m/s], ``velocity`` (3,) NED, ``heading``.
 
     ``age`` [s] of velocity and heading at the tick's end.
@@ -36,7 +38,7 @@ class Aiding:
     age: float = 0.0
 
 
-NO_AID = Aiding()
+NO_AID = AidValues()
 Compass = Callable[[AttitudeLog], tuple[float, float] | None]
 
 
@@ -58,7 +60,7 @@ class Attitude:
     heading: float
 
 
-class AttitudeTrack:
+class AttitudeEstimator:
     """One unit's attitude.
 
     ``settings`` makes the filter's of some seconds and of whether the heading is known. Where it is not,
@@ -93,11 +95,11 @@ class AttitudeTrack:
             self._rest.clear()
             self._shift = np.nan
 
-    def take(self, t: FloatArray, inputs: Inputs, aiding: Aiding = NO_AID) -> Attitude | None:
+    def take(self, t: FloatArray, inputs: Inputs, aiding: AidValues = NO_AID) -> Attitude | None:
         """Take ends (n,) [s] and inputs of a tick; None while aligning. The aid stands at its last sample."""
         if np.isnan(self._shift):
             assert self._last is not None
-            self._shift = self._last + ANEW_S - float(t[0])
+            self._shift = self._last + RESTART_GAP_S - float(t[0])
         log = self._log(t + self._shift, inputs, aiding)
         self._last = float(log.t[-1])
         if self._filter is None:
@@ -141,7 +143,7 @@ class AttitudeTrack:
         self._filter.run(whole)
         return self._filter
 
-    def _log(self, t: FloatArray, inputs: Inputs, aiding: Aiding) -> AttitudeLog:
+    def _log(self, t: FloatArray, inputs: Inputs, aiding: AidValues) -> AttitudeLog:
         n = len(t)
         airspeed, heading, velocity = np.full(n, np.nan), np.full(n, np.nan), np.full((n, 3), np.nan)
         airspeed[-1], velocity[-1] = aiding.airspeed, aiding.velocity
@@ -171,11 +173,11 @@ class AttitudeTrack:
         return self._force
 
 
-def prepare() -> None:
+def compile_filter() -> None:
     """Have the filter compiled: kept on the disk, so that only a first run of all takes its minute."""
     t: FloatArray = np.arange(10.0)
     still = Inputs(np.zeros((10, 3)), np.tile([0.0, 0.0, -9.8], (10, 1)))
-    track = AttitudeTrack("none", lambda log, knows: Settings())
+    track = AttitudeEstimator("none", lambda log, knows: Settings())
     track.take(t, still)
 
 

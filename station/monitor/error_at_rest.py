@@ -10,16 +10,16 @@ from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
 from station.calibrated.rates_and_forces import Inputs, Tick
-from station.monitor.view import Bought, Side
+from station.monitor.view import CalibrationGain, RestErrors
 
-LEAST_S = 2.0
+MIN_REST_S = 2.0
 MOVED_FORCE = 0.1  # m/s2, of a tick's mean from that of the rest so far
 MOVED_RATE = np.radians(0.5)  # rad/s
-NEAR = np.cos(np.radians(20.0))  # to a face, beyond which there is no level to compare with
+NEAR_FACE_COS = np.cos(np.radians(20.0))  # to a face, beyond which there is no level to compare with
 M_S2_PER_MG = 1e-3 * STANDARD_GRAVITY
 
 
-class Rest:
+class ErrorAtRest:
     """Sums over one rest; ``latitude`` [rad] and ``heading`` [rad] of forward as known, else None.
 
     ``quantum`` [m/s2] is a count's worth of a tick's specific force.
@@ -50,19 +50,19 @@ class Rest:
         self._seconds += seconds
 
     @property
-    def bought(self) -> Bought | None:
+    def bought(self) -> CalibrationGain | None:
         """Both sides; None before 2 s of rest."""
-        if self._seconds < LEAST_S:
+        if self._seconds < MIN_REST_S:
             return None
-        return Bought(self._seconds, self._side("with"), self._side("without"), self._known())
+        return CalibrationGain(self._seconds, self._side("with"), self._side("without"), self._known())
 
-    def _side(self, name: str) -> Side:
+    def _side(self, name: str) -> RestErrors:
         rate, force = self._sums[name] / self._n
         size = float(np.linalg.norm(force))
         nearest = float(np.abs(force).max()) / size
-        level = float(np.degrees(np.arccos(min(nearest, 1.0)))) if nearest > NEAR else float("nan")
+        level = float(np.degrees(np.arccos(min(nearest, 1.0)))) if nearest > NEAR_FACE_COS else float("nan")
         reference = self._sums["with"][1]  # one vertical for both: drift is the gyros' affair
-        return Side(
+        return RestErrors(
             level, self._drift(rate, -reference / np.linalg.norm(reference)), (size - self._gravity) / M_S2_PER_MG
         )
 
@@ -73,7 +73,7 @@ class Rest:
         below = float(rate @ down)
         across = rate - below * down
         north, off_down = EARTH_RATE * np.cos(self._latitude), below + EARTH_RATE * np.sin(self._latitude)
-        if self._heading is not None and abs(down[0]) < NEAR:
+        if self._heading is not None and abs(down[0]) < NEAR_FACE_COS:
             ahead = np.array([1.0, 0.0, 0.0]) - down[0] * down
             ahead /= np.linalg.norm(ahead)
             right = np.cross(down, ahead)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 
 from procedures.earth.gnss_records import AirData, FixType, GnssFix
 from station.files.mcap_files.fix_reader import Record
-from station.monitor.attitude_filter import NO_AID, Aiding
+from station.monitor.attitude_filter import NO_AID, AidValues
 from station.stream.events import StreamState
 from station.stream.gnss import GnssFeed
 
@@ -56,18 +56,18 @@ class GnssAid:
         )  # fmt: skip
 
 
-def aiding_of(records: Sequence[Record], aid: str, host_ns: int) -> Aiding:
+def aiding_of(records: Sequence[Record], aid: str, host_ns: int) -> AidValues:
     """Return the newest of what ``aid`` is about among records until a moment [ns], nan where there is nothing."""
     if aid == "airspeed-filter":
         airs = [record for record in records if isinstance(record, AirData)]
-        return Aiding(airspeed=airs[-1].airspeed) if airs else NO_AID
+        return AidValues(airspeed=airs[-1].airspeed) if airs else NO_AID
     if aid == "gnss":
         for record in reversed(records):
             if isinstance(record, GnssFix) and (velocity := _velocity(record)) is not None:
                 latency = USUAL_LATENCY if record.latency is None else record.latency
                 age = max((host_ns - record.host_ns) / 1e9 + latency, 0.0)
                 heading = math.nan if record.heading is None else record.heading
-                return Aiding(velocity=velocity, heading=heading, age=age)
+                return AidValues(velocity=velocity, heading=heading, age=age)
     return NO_AID
 
 

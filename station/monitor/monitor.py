@@ -20,32 +20,33 @@ from station.files.mcap_files.fix_reader import Record
 from station.locate.live_inputs import Taken
 from station.locate.location import Location
 from station.locate.monitor_interface import in_imu_axes, news_of
-from station.monitor.alarms import Watch
-from station.monitor.attitude_filter import Aiding, Attitude, AttitudeTrack
-from station.monitor.error_at_rest import Rest
+from station.monitor.alarms import AlarmWatch
+from station.monitor.attitude_filter import AidValues, Attitude, AttitudeEstimator
+from station.monitor.error_at_rest import ErrorAtRest
 from station.monitor.gnss_aid import aiding_of
-from station.monitor.options import USUAL, Aid, Options
-from station.monitor.recording import Recording
-from station.monitor.sample_times import Moments
-from station.monitor.session import Verb
+from station.monitor.options import DEFAULT_OPTIONS, GnssSource, MonitorOptions
+from station.monitor.recording import MonitorRecording
+from station.monitor.sample_times import SampleTimes
+from station.monitor.session import MonitorVerb
 from station.monitor.stream_health import StreamHealth
-from station.monitor.view import Mode, Point, Reading, View
+from station.monitor.view import AttitudeReading, ChartPoint, MonitorView, MotionState
 from station.stream.events import Event, Sound, StreamState
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import words_of
 
 TICK_S = 0.1
 HISTORY = 600  # points: a minute
-EVENTS = 8
-LATEST_S = 0.5  # that a tick waits for other readers, so that what was read before it counts in it
+EVENTS_KEPT = 8
+MAX_HOLD_S = 0.5  # that a tick waits for other readers, so that what was read before it counts in it
 
 
 class Monitor:
     """Follows one unit; call `round` for ever. ``sinks`` are told each reading."""
 
     def __init__(
-        self, feed: LiveFeed, applied: Applied, options: Options = USUAL, recording: Recording | None = None,
-        aid: Aid | None = None, sinks: tuple[Callable[[View], None], ...] = (), folder: str = "",
+        self, feed: LiveFeed, applied: Applied, options: MonitorOptions = DEFAULT_OPTIONS,
+        recording: MonitorRecording | None = None, aid: GnssSource | None = None,
+        sinks: tuple[Callable[[MonitorView], None], ...] = (), folder: str = "",
     ) -> None:  # fmt: skip
         self._feed, self._options, self._recording, self._aid = feed, options, recording, aid
         self._sinks, self._in_use = sinks, applied.in_use
@@ -56,21 +57,23 @@ class Monitor:
         self._sensors = Sensors(applied.document, applied.nominal, C, feed.period, counts=counts)
         self._applied, self._told_north = applied, False
         can_compass = options.latitude is not None and options.heading is None and applied.document is not None
-        self._track = AttitudeTrack(options.aid, self._settings, heading, self._compass if can_compass else None)
-        self._rest = Rest(options.gravity, options.latitude, options.heading, self._sensors.quantum(TICK_S))
-        self._watch, self._health = Watch(options.alarms), StreamHealth(feed)
+        self._track = AttitudeEstimator(
+            options.aid, self._settings, heading, self._compass if can_compass else None
+        )
+        self._rest = ErrorAtRest(options.gravity, options.latitude, options.heading, self._sensors.quantum(TICK_S))
+        self._watch, self._health = AlarmWatch(options.alarms), StreamHealth(feed)
         self._size = max(1, round(TICK_S / feed.period))
         self._at = self._begin = self._noted = feed.tape.first
-        self._history: deque[Point] = deque(maxlen=HISTORY)
-        self._events: deque[Event] = deque(maxlen=EVENTS)
+        self._history: deque[ChartPoint] = deque(maxlen=HISTORY)
+        self._events: deque[Event] = deque(maxlen=EVENTS_KEPT)
         self._numbers = self._marks = 0
         self._speed: float | None = None
         self._held_since: float | None = None
-        self._moments = Moments()
+        self._moments = SampleTimes()
         self._silent = ""  # channels that do not change, in words
         self._heard: dict[str, str] = {}  # by stream, the words of its trouble
         unit = feed.unit
-        self.view = View(
+        self.view = MonitorView(
             unit=f"{unit.model} {unit.serial}" if unit else "", aid=options.aid, in_use=self._in_use, folder=folder
         )
 
@@ -100,7 +103,7 @@ class Monitor:
         self._take()
         self._show()
 
-    def obey(self, verb: Verb) -> None:
+    def obey(self, verb: MonitorVerb) -> None:
         """Do as the operator says; raise `CannotWrite` if the disk refuses."""
         if verb == "mark":
             self._marks += 1
@@ -198,7 +201,7 @@ class Monitor:
             return True
         now = monotonic()
         self._held_since = now if self._held_since is None else self._held_since
-        return now - self._held_since > LATEST_S
+        return now - self._held_since > MAX_HOLD_S
 
     def _go_on(self, tick: Tick, records: Sequence[Record], now_ns: int) -> None:
         aiding = aiding_of(records, self._options.aid, now_ns)
@@ -230,28 +233,30 @@ class Monitor:
             self._say(news[0], "location", news[1])
         return found
 
-    def _reading(self, tick: Tick, found: Attitude) -> Reading:
-        mode: Mode = "at rest" if found.at_rest else "moving"
+    def _reading(self, tick: Tick, found: Attitude) -> AttitudeReading:
+        mode: MotionState = "at rest" if found.at_rest else "moving"
         p, q, r = np.degrees(found.rate).tolist()
         x, y, z = (found.bias * DEG_H_PER_RAD_S).tolist()
         roll, pitch, sigma, residual = np.degrees([found.roll, found.pitch, found.sigma, found.residual]).tolist()
         temperature = tick.temperature if np.isfinite(tick.temperature) else None
-        return Reading(
+        return AttitudeReading(
             float(tick.t[-1]), self._at - 1, roll, pitch, sigma, (p, q, r), (x, y, z), residual, mode,
             None if np.isnan(found.heading) else float(np.degrees(found.heading)), self._speed, temperature,
         )  # fmt: skip
 
-    def _point(self, reading: Reading) -> Point:
+    def _point(self, reading: AttitudeReading) -> ChartPoint:
         speed = np.nan if self._speed is None else self._speed
-        return Point(reading.t, reading.roll, reading.pitch, *reading.rate, speed, reading.residual, reading.sigma)
+        return ChartPoint(
+            reading.t, reading.roll, reading.pitch, *reading.rate, speed, reading.residual, reading.sigma
+        )
 
-    def _learn_speed(self, aiding: Aiding) -> None:
+    def _learn_speed(self, aiding: AidValues) -> None:
         if np.isfinite(aiding.airspeed):
             self._speed = float(aiding.airspeed)
         elif np.isfinite(aiding.velocity[0]):
             self._speed = float(np.hypot(*aiding.velocity[:2]))
 
-    def _ring(self, reading: Reading) -> None:
+    def _ring(self, reading: AttitudeReading) -> None:
         begun, ended = self._watch.look(reading)
         for text in begun:
             self._say("rejected", "alarm", f"ALARM {text}")

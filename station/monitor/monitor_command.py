@@ -24,13 +24,13 @@ from station.files.new_folder import new_folder
 from station.locate.monitor_interface import Locating
 from station.monitor.alarms import Alarm
 from station.monitor.monitor import Monitor
-from station.monitor.options import Aid, Options, Seeing
-from station.monitor.reader_restart import Revival
-from station.monitor.recording import Recording
-from station.monitor.session import Session
+from station.monitor.options import CameraSource, GnssSource, MonitorOptions
+from station.monitor.reader_restart import RestartableReader
+from station.monitor.recording import MonitorRecording
+from station.monitor.session import MonitorSession
 from station.monitor.text_lines import PlainMonitor, json_line, listen
 from station.monitor.thread import MonitorThread
-from station.monitor.view import View
+from station.monitor.view import MonitorView
 from station.stream.camera.camera_feed import SESSION, open_camera
 from station.stream.camera.description import NAME as CAMERA_FILE
 from station.stream.camera.description import Description, read_description
@@ -45,7 +45,7 @@ Output = Literal["screen", "plain", "json"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Wanted:
+class MonitorRequest:
     """What the command line asks for, checked; angles in deg, ``gravity`` in m/s2."""
 
     url: str
@@ -70,13 +70,15 @@ class Wanted:
     database: str | None = None
 
 
-def run(wanted: Wanted, output: Output, show: Callable[[Session], None], *, quiet: bool = False) -> None:
+def run(
+    wanted: MonitorRequest, output: Output, show: Callable[[MonitorSession], None], *, quiet: bool = False
+) -> None:
     """Monitor until the operator leaves, the replay or the time is over; raise what ended it otherwise.
 
     ``show`` is the screen: it returns when the operator has left.
     """
     with ExitStack() as stack:
-        sinks: list[Callable[[View], None]] = [_write_json] if output == "json" else []
+        sinks: list[Callable[[MonitorView], None]] = [_write_json] if output == "json" else []
         monitor = stack.enter_context(opened(wanted, tuple(sinks)))
         stays = output == "screen" and wanted.seconds == float("inf")
         session = stack.enter_context(MonitorThread(monitor, stays=stays, seconds=wanted.seconds))
@@ -89,7 +91,7 @@ def run(wanted: Wanted, output: Output, show: Callable[[Session], None], *, quie
 
 
 @contextmanager
-def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> Iterator[Monitor]:
+def opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], ...] = ()) -> Iterator[Monitor]:
     """Yield the engine of a device or a replay, with its folder.
 
     Raises
@@ -104,7 +106,7 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
         folder = _folder(wanted, stack)
         source, revive = _source(wanted, folder or Path(stack.enter_context(tempfile.TemporaryDirectory())), stack)
         feed = open_feed(source)
-        if isinstance(revive, Revival):
+        if isinstance(revive, RestartableReader):
             revive.feed = feed
         unknown = UNKNOWN if feed.wire.identity is None else None
         unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
@@ -115,7 +117,7 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
         where = _locating(wanted, feed, applied, aid, described, stack)
         if wanted.mavlink_out:
             sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
-        recording = None if folder is None else Recording(folder, feed.wire, aid.utc if aid else None)
+        recording = None if folder is None else MonitorRecording(folder, feed.wire, aid.utc if aid else None)
         if recording is not None:
             recording.note("begin", wanted.url, float("nan"), 0)
             recording.note("aid", aid_name, float("nan"), 0)
@@ -124,7 +126,7 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
         latitude = None if wanted.latitude_deg is None else float(np.radians(wanted.latitude_deg))
         yield Monitor(
             feed, applied,
-            Options(
+            MonitorOptions(
                 aid=aid_name, C=wanted.C, latitude=latitude,
                 heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
                 gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
@@ -134,7 +136,7 @@ def opened(wanted: Wanted, sinks: tuple[Callable[[View], None], ...] = ()) -> It
         )  # fmt: skip
 
 
-def _folder(wanted: Wanted, stack: ExitStack) -> Path | None:
+def _folder(wanted: MonitorRequest, stack: ExitStack) -> Path | None:
     """Return the new folder of the run; None for a replay that asks for none."""
     folder = wanted.folder
     if folder is None:
@@ -145,7 +147,9 @@ def _folder(wanted: Wanted, stack: ExitStack) -> Path | None:
     return stack.enter_context(new_folder(folder, EVENTS_FILE))
 
 
-def _aid(wanted: Wanted, source: Source, folder: Path | None, stack: ExitStack) -> tuple[Aid | None, str]:
+def _aid(
+    wanted: MonitorRequest, source: Source, folder: Path | None, stack: ExitStack
+) -> tuple[GnssSource | None, str]:
     """Return the receiver, live or recorded, and by name what it aids with."""
     if isinstance(source, Replay) and not wanted.gnss:
         file = Path(source.address.path)
@@ -163,7 +167,12 @@ def _aid(wanted: Wanted, source: Source, folder: Path | None, stack: ExitStack) 
 
 
 def _locating(
-    wanted: Wanted, feed: LiveFeed, applied: Applied, aid: Aid | None, camera: Description | None, stack: ExitStack
+    wanted: MonitorRequest,
+    feed: LiveFeed,
+    applied: Applied,
+    aid: GnssSource | None,
+    camera: Description | None,
+    stack: ExitStack,
 ) -> Locating | None:
     if not wanted.locate:
         return None
@@ -176,7 +185,7 @@ def _locating(
     return locating(feed, applied, wanted.C, wanted.lever_arm, stack, live=not is_replay, camera=eye)
 
 
-def _described(wanted: Wanted) -> Description | None:
+def _described(wanted: MonitorRequest) -> Description | None:
     """Return the camera's file that was named, or that a recording has; None where nothing is located by it."""
     address = parse_device_url(wanted.url)
     beside = Path(address.path).parent / CAMERA_FILE
@@ -184,7 +193,7 @@ def _described(wanted: Wanted) -> Description | None:
     return None if file is None or not wanted.locate else read_description(file)
 
 
-def _camera(described: Description, source: Source, folder: Path | None, stack: ExitStack) -> Seeing:
+def _camera(described: Description, source: Source, folder: Path | None, stack: ExitStack) -> CameraSource:
     """Return the camera, live or recorded."""
     if isinstance(source, Replay):
         recorded = Path(source.address.path).parent
@@ -197,23 +206,23 @@ def _camera(described: Description, source: Source, folder: Path | None, stack: 
     return stack.enter_context(open_camera(described, beside))
 
 
-def _source(wanted: Wanted, folder: Path, stack: ExitStack) -> tuple[Source, "Revival | None"]:
+def _source(wanted: MonitorRequest, folder: Path, stack: ExitStack) -> tuple[Source, "RestartableReader | None"]:
     address = parse_device_url(wanted.url)
     if address.scheme == "replay" and is_mcap(Path(address.path)):
         return Replay(wanted.url, wanted.speed), None
-    revival = Revival(wanted.url, folder)
+    revival = RestartableReader(wanted.url, folder)
     stack.callback(revival.close)
     return revival.reader, revival
 
 
-def _mavlink_out(where: str, stack: ExitStack) -> Callable[[View], None]:
+def _mavlink_out(where: str, stack: ExitStack) -> Callable[[MonitorView], None]:
     """Return a sink that tells each attitude by MAVLink."""
     from drivers.mavlink.attitude_out import open_attitude_out
 
     out = open_attitude_out(where)
     stack.callback(out.close)
 
-    def send(view: View) -> None:
+    def send(view: MonitorView) -> None:
         reading = view.reading
         assert reading is not None
         p, q, r = np.radians(reading.rate).tolist()
@@ -223,7 +232,7 @@ def _mavlink_out(where: str, stack: ExitStack) -> Callable[[View], None]:
     return send
 
 
-def _write_json(view: View) -> None:
+def _write_json(view: MonitorView) -> None:
     sys.stdout.write(json_line(view) + "\n")
     sys.stdout.flush()
 

@@ -13,7 +13,7 @@ from station.monitor.alarms import Alarm
 from station.stream.events import StreamState
 
 
-class Beside(Protocol):
+class CompanionSource(Protocol):
     """What is read beside the IMU."""
 
     def advance(self) -> None:
@@ -30,7 +30,7 @@ class Beside(Protocol):
         ...
 
 
-class Aid(Beside, Protocol):
+class GnssSource(CompanionSource, Protocol):
     """What helps the IMU: a receiver."""
 
     def take(self, until_ns: int) -> Sequence[Record]:
@@ -42,7 +42,7 @@ class Aid(Beside, Protocol):
         ...
 
 
-class Seeing(Beside, Protocol):
+class CameraSource(CompanionSource, Protocol):
     """What sees where the IMU goes: a camera."""
 
     def take(self, until_ns: int) -> Sequence[CameraImage]:
@@ -51,7 +51,7 @@ class Seeing(Beside, Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Options:
+class MonitorOptions:
     """How to monitor: ``aid`` by name, ``C`` (3, 3) IMU axes to forward-right-down; angles in rad, m/s2.
 
     ``speed`` [m/s] of the aid is shown; latitude and ``heading`` of forward are None where not known.
@@ -65,7 +65,7 @@ class Options:
     alarms: tuple[Alarm, ...] = ()
     revive: Callable[[], None] | None = None  # has a reader that ended begin again
     locating: Locating | None = None
-    camera: Seeing | None = None  # of which ``locating`` is told
+    camera: CameraSource | None = None  # of which ``locating`` is told
 
 
-USUAL = Options()
+DEFAULT_OPTIONS = MonitorOptions()

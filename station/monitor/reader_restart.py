@@ -12,7 +12,7 @@ from station.stream.reader import Reader
 RETRY_S = 1.0
 
 
-class Revival:
+class RestartableReader:
     """Call it to have the reader of ``feed`` begin again, if it has ended and a second has passed."""
 
     def __init__(self, url: str, folder: Path) -> None:

@@ -12,15 +12,15 @@ from drivers.wire import FrameKind, WireFormat
 from station.errors import cannot_write
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
+from station.stream.events import EVENTS_FILE
 from station.stream.recorder.row_times import RowTimes, Utc
 from station.stream.recorder.sample_buffer import Tape
 
 FLUSH_S = 0.2
-EVENTS = "events.csv"
-COLUMNS = ("utc", "device_s", "sample", "event", "text")
+EVENT_COLUMNS = ("utc", "device_s", "sample", "event", "text")
 
 
-class Recording:
+class MonitorRecording:
     """Writes into a folder, with reference time beside the rows where ``utc`` tells it.
 
     ``name`` is the file being written, empty while none is.
@@ -74,13 +74,13 @@ class Recording:
 
     def note(self, event: str, text: str, device_s: float, sample: int) -> None:
         """Write what happened; raise `CannotWrite` if the disk refuses."""
-        path = self._folder / EVENTS
+        path = self._folder / EVENTS_FILE
         try:
             is_new = not path.exists()
             with path.open("a", newline="", encoding="utf-8") as stream:
                 rows = csv.writer(stream)
                 if is_new:
-                    rows.writerow(COLUMNS)
+                    rows.writerow(EVENT_COLUMNS)
                 rows.writerow((datetime.now(UTC).isoformat(), f"{device_s:.6f}", sample, event, text))
         except OSError as error:
             raise cannot_write(path, error) from error

@@ -6,14 +6,14 @@ It is asked anew of the last minute, in which the two clocks drift apart by mill
 
 from collections import deque
 
-TICKS = 600
+LAG_TICKS = 600
 
 
-class Moments:
+class SampleTimes:
     """Learns the lag from ticks in order, the same in a replay."""
 
     def __init__(self) -> None:
-        self._lags: deque[int] = deque(maxlen=TICKS)
+        self._lags: deque[int] = deque(maxlen=LAG_TICKS)
 
     def begin_anew(self) -> None:
         """Forget the lag: the device's clock may have begun anew."""

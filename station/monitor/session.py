@@ -2,9 +2,9 @@
 
 from typing import Literal, Protocol
 
-from station.monitor.view import View
+from station.monitor.view import MonitorView
 
-Verb = Literal[
+MonitorVerb = Literal[
     "mark",  # this moment, with a number
     "record",  # begin a recording, or end it
     "zero",  # show angles from here; again: absolute ones
@@ -13,14 +13,14 @@ Verb = Literal[
 ]
 
 
-class Session(Protocol):
+class MonitorSession(Protocol):
     """An engine as its screens see it; both return at once."""
 
     @property
-    def view(self) -> View:
+    def view(self) -> MonitorView:
         """The newest view."""
         ...
 
-    def send(self, verb: Verb) -> None:
+    def send(self, verb: MonitorVerb) -> None:
         """Ask something of the engine."""
         ...

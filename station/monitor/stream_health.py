@@ -7,7 +7,7 @@ from collections.abc import Callable
 from station.stream.events import StreamState
 from station.stream.live.live_feed import LiveFeed
 
-RATE_S = 5.0
+RATE_WINDOW_S = 5.0
 
 
 class StreamHealth:
@@ -26,7 +26,7 @@ class StreamHealth:
         if counters.samples > self._seen[-1][1]:
             self._came = now
         self._seen.append((now, counters.samples))
-        while now - self._seen[0][0] > RATE_S and len(self._seen) > 2:
+        while now - self._seen[0][0] > RATE_WINDOW_S and len(self._seen) > 2:
             self._seen.popleft()
         seconds = now - self._seen[0][0]
         framing = self._feed.stream.decoder.counters

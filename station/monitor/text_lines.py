@@ -6,22 +6,22 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from station.locate.location import Location
-from station.monitor.session import Session, Verb
-from station.monitor.view import LATE_S, Bought, Side, View
+from station.monitor.session import MonitorSession, MonitorVerb
+from station.monitor.view import LATE_S, CalibrationGain, MonitorView, RestErrors
 from station.text.plural import plural
 
-FORMAT = "monitor/1"
-EVERY_S = 1.0  # of the device's time, between two lines of text
-KEYS: dict[str, Verb] = {"m": "mark", "r": "record", "z": "zero", "n": "anew", "q": "leave"}
-HELP = "keys, each followed by Enter: m mark, r record or end it, z zero on or off, n anew, q leave"
+MONITOR_FORMAT = "monitor/1"
+READING_EVERY_S = 1.0  # of the device's time, between two lines of text
+MONITOR_KEYS: dict[str, MonitorVerb] = {"m": "mark", "r": "record", "z": "zero", "n": "anew", "q": "leave"}
+MONITOR_KEYS_HELP = "keys, each followed by Enter: m mark, r record or end it, z zero on or off, n anew, q leave"
 
 
-def json_line(view: View) -> str:
+def json_line(view: MonitorView) -> str:
     """Return a reading as a line of `monitor/1`; what is not known is left out, angles are absolute."""
     reading = view.reading
     assert reading is not None
     told: dict[str, Any] = {
-        "format": FORMAT, "t_s": reading.t, "sample": reading.sample, "roll_deg": reading.roll,
+        "format": MONITOR_FORMAT, "t_s": reading.t, "sample": reading.sample, "roll_deg": reading.roll,
         "pitch_deg": reading.pitch, "sigma_deg": reading.sigma, "rate_deg_s": list(reading.rate),
         "gyro_bias_deg_h": list(reading.bias), "residual_deg": reading.residual, "mode": reading.mode,
         "aid": view.aid,
@@ -62,11 +62,11 @@ def _location(location: Location) -> dict[str, Any]:
     return told | {name: value for name, value in known.items() if value is not None}
 
 
-def _sides(bought: Bought) -> tuple[tuple[str, Side], ...]:
+def _sides(bought: CalibrationGain) -> tuple[tuple[str, RestErrors], ...]:
     return ("calibrated", bought.with_it), ("nominal", bought.without)
 
 
-def _side(side: Side) -> dict[str, float]:
+def _side(side: RestErrors) -> dict[str, float]:
     values = {"level_deg": side.level, "drift_deg_h": side.drift, "g_error_mg": side.g}
     return {name: value for name, value in values.items() if math.isfinite(value)}
 
@@ -78,7 +78,7 @@ class PlainMonitor:
         self._say, self._rings = say, rings
         self._event, self._next, self._told = 0, -math.inf, ""
 
-    def show(self, view: View) -> None:
+    def show(self, view: MonitorView) -> None:
         """Write what is new."""
         head = f"{view.unit}, calibration {view.in_use.text}"
         if view.unit and head != self._told:
@@ -91,13 +91,13 @@ class PlainMonitor:
         reading = view.reading
         if reading is None or view.shown is None:
             return
-        if reading.t < self._next <= reading.t + 2 * EVERY_S:
+        if reading.t < self._next <= reading.t + 2 * READING_EVERY_S:
             return
-        self._next = reading.t + EVERY_S
+        self._next = reading.t + READING_EVERY_S
         self._say(reading_line(view))
 
 
-def reading_line(view: View) -> str:
+def reading_line(view: MonitorView) -> str:
     """Return a view's reading in a line of text."""
     reading, shown = view.reading, view.shown
     assert reading is not None
@@ -114,15 +114,15 @@ def reading_line(view: View) -> str:
             f"drift {with_it.drift:.2f}, {without.drift:.2f} deg/h ({view.bought.earth})"
         )
     if view.location is not None:
-        line += f"; {location_text(view.location)}{_behind(view)}"
+        line += f"; {location_line(view.location)}{_behind(view)}"
     return line + "".join(f"; ALARM {alarm}" for alarm in view.alarms)
 
 
-def _behind(view: View) -> str:
+def _behind(view: MonitorView) -> str:
     return f"; {view.behind:.0f} s behind" if view.behind > LATE_S else ""
 
 
-def location_text(location: Location) -> str:
+def location_line(location: Location) -> str:
     """Return where it is, or what is missing, in words."""
     camera = f"; camera: {location.camera}" if location.camera else ""
     if not location.is_located:
@@ -136,10 +136,10 @@ def location_text(location: Location) -> str:
     )
 
 
-def listen(session: Session, lines: Iterable[str], say: Callable[[str], None]) -> None:
+def listen(session: MonitorSession, lines: Iterable[str], say: Callable[[str], None]) -> None:
     """Turn lines of input into what they ask for until there are no more."""
     for line in lines:
-        if (verb := KEYS.get(line.strip())) is not None:
+        if (verb := MONITOR_KEYS.get(line.strip())) is not None:
             session.send(verb)
         else:
-            say(HELP)
+            say(MONITOR_KEYS_HELP)

@@ -11,16 +11,16 @@ from types import TracebackType
 from typing import Self
 
 from drivers.errors import ReplayEnded
-from station.monitor.attitude_filter import prepare
+from station.monitor.attitude_filter import compile_filter
 from station.monitor.monitor import Monitor
-from station.monitor.session import Verb
-from station.monitor.view import View
+from station.monitor.session import MonitorVerb
+from station.monitor.view import MonitorView
 
 PREPARING = "preparing: the filter is compiled once on this machine, which takes up to a minute"
 
 
 class MonitorThread:
-    """A `station.monitor.session.Session`; the engine runs while the ``with`` block lasts.
+    """A `station.monitor.session.MonitorSession`; the engine runs while the ``with`` block lasts.
 
     ``failure`` is what ended it, None if it was asked to or the replay is over; ``stays`` keeps the last view of a
     replay on the screen until somebody leaves. ``seconds`` [s of the device] ends it.
@@ -28,7 +28,7 @@ class MonitorThread:
 
     def __init__(self, monitor: Monitor, *, stays: bool = False, seconds: float = float("inf")) -> None:
         self._monitor, self._stays, self._seconds = monitor, stays, seconds
-        self._verbs: SimpleQueue[Verb] = SimpleQueue()
+        self._verbs: SimpleQueue[MonitorVerb] = SimpleQueue()
         self._stop, self.changed = threading.Event(), threading.Event()
         self._view = monitor.view
         self._from: float | None = None  # device time of the first reading [s]
@@ -46,11 +46,11 @@ class MonitorThread:
         self._thread.join()
 
     @property
-    def view(self) -> View:
+    def view(self) -> MonitorView:
         """The newest view."""
         return self._view
 
-    def send(self, verb: Verb) -> None:
+    def send(self, verb: MonitorVerb) -> None:
         """Ask something of the engine."""
         if verb == "leave":
             self._stop.set()
@@ -59,7 +59,7 @@ class MonitorThread:
     def _run(self) -> None:
         try:
             self._publish(PREPARING)
-            prepare()
+            compile_filter()
             while not self._stop.is_set() and not self._is_long_enough():
                 self._obey()
                 self._monitor.round()

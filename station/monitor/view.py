@@ -12,10 +12,10 @@ from station.stream.events import Event, StreamState
 
 LATE_S = 2.0  # by which a location may be older than the attitude
 
-Mode = Literal["waiting", "aligning", "at rest", "moving"]
+MotionState = Literal["waiting", "aligning", "at rest", "moving"]
 
 
-class Point(NamedTuple):
+class ChartPoint(NamedTuple):
     """A tenth of a second for the strip charts; what is not known is nan. ``aid`` [m/s]."""
 
     t: float
@@ -30,7 +30,7 @@ class Point(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class AttitudeReading:
     """The newest attitude, absolute: a zero changes nothing here.
 
     ``sigma`` is of the vertical's direction; ``residual`` the angle between the specific force and the vertical;
@@ -45,14 +45,14 @@ class Reading:
     rate: tuple[float, float, float]
     bias: tuple[float, float, float]
     residual: float
-    mode: Mode
+    mode: MotionState
     heading: float | None = None  # true, where given or learnt
     speed: float | None = None  # of the aid [m/s]
     temperature: float | None = None  # degC
 
 
 @dataclass(frozen=True, slots=True)
-class Side:
+class RestErrors:
     """How far a unit at rest is off, by one way of reading it: ``level`` [deg], ``drift`` [deg/h], ``g`` [mg]."""
 
     level: float
@@ -61,25 +61,25 @@ class Side:
 
 
 @dataclass(frozen=True, slots=True)
-class Bought:
+class CalibrationGain:
     """What the calibration bought, over ``seconds`` of rest; ``off`` is what the drift still has of the Earth."""
 
     seconds: float
-    with_it: Side
-    without: Side
+    with_it: RestErrors
+    without: RestErrors
     earth: str
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class MonitorView:
     """All of it. ``zero`` (roll, pitch) is taken off what is shown, and off nothing else."""
 
     unit: str = ""
     aid: str = "none"
     line: str = "waiting for the first samples"
-    reading: Reading | None = None
-    history: tuple[Point, ...] = ()
-    bought: Bought | None = None
+    reading: AttitudeReading | None = None
+    history: tuple[ChartPoint, ...] = ()
+    bought: CalibrationGain | None = None
     streams: tuple[StreamState, ...] = ()
     in_use: InUse = field(default_factory=InUse)
     location: Location | None = None  # None: not asked for

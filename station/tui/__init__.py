@@ -1,1 +1,1 @@
-"""The screens of a guided calibration: they draw a `station.guide.view.View` and send `Command`s, nothing else."""
+"""The screens of a guided calibration: they draw a `CalibrationView` and send `OperatorCommand`s, nothing else."""

@@ -3,9 +3,9 @@
 import sys
 from pathlib import Path
 
-from station.guide.client import Connection
+from station.guide.client import EngineConnection
 from station.tui.run import run_screens
 
 if __name__ == "__main__":
-    with Connection(Path(sys.argv[1])) as connection:
+    with EngineConnection(Path(sys.argv[1])) as connection:
         run_screens(connection)

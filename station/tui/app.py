@@ -1,12 +1,12 @@
 """The application: draws the session's view and sends what the operator asks. It knows nothing by itself."""
 
-from station.guide.command import Command
-from station.guide.session import Session
-from station.guide.view import View
+from station.guide.command import OperatorCommand
+from station.guide.session import CalibrationSession
+from station.guide.view import CalibrationView
 from station.tui.common_app import CommonApp
 from station.tui.screens import SCREEN_FOR
 from station.tui.screens.modal import Modal
-from station.tui.screens.question import LATER, QuestionScreen
+from station.tui.screens.question import ANSWER_LATER, QuestionScreen
 from station.tui.screens.stage import StageScreen
 
 
@@ -23,10 +23,10 @@ class StationApp(CommonApp):
         Whether the bell stays silent.
     """
 
-    def __init__(self, session: Session, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
+    def __init__(self, session: CalibrationSession, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
         super().__init__(is_quiet=is_quiet)
         self._session, self._refresh_hz = session, refresh_hz
-        self._view: View | None = None
+        self._view: CalibrationView | None = None
         self._base: StageScreen | None = None
         self._postponed: object = None  # the question that was put off
 
@@ -45,7 +45,7 @@ class StationApp(CommonApp):
         self._show(view)
         self._ask(view)
 
-    def _close_what_does_not_fit(self, view: View) -> None:
+    def _close_what_does_not_fit(self, view: CalibrationView) -> None:
         is_other = not isinstance(self._base, SCREEN_FOR[view.stage])
         while len(self.screen_stack) > 2:
             top = self.screen
@@ -53,7 +53,7 @@ class StationApp(CommonApp):
                 return
             self.pop_screen()
 
-    def _show(self, view: View) -> None:
+    def _show(self, view: CalibrationView) -> None:
         """Show the view on its screen; a modal that fits keeps the screen under it until it is answered."""
         wanted = SCREEN_FOR[view.stage]
         if self._base is None or self._base not in self.screen_stack:
@@ -65,7 +65,7 @@ class StationApp(CommonApp):
         if self._base.view is not view:
             self._base.show(view)
 
-    def _ask(self, view: View) -> None:
+    def _ask(self, view: CalibrationView) -> None:
         question = view.question
         if question is None:
             self._postponed = None
@@ -82,8 +82,8 @@ class StationApp(CommonApp):
         return self._session.view.question is not None if action == "ask" else True
 
     def _answer(self, key: str | None) -> None:
-        if key not in (None, LATER):
-            self._session.send(Command(verb="answer", key=key))
+        if key not in (None, ANSWER_LATER):
+            self._session.send(OperatorCommand(verb="answer", key=key))
 
     async def action_quit(self) -> None:
         """Ask before leaving a campaign."""

@@ -6,15 +6,15 @@ from collections.abc import Callable
 from station.stream.events import Sound
 
 # When each stroke follows the one before [s]. Terminals merge strokes closer than about 0.1 s.
-PATTERNS: dict[Sound, tuple[float, ...]] = {
+BELL_PATTERNS: dict[Sound, tuple[float, ...]] = {
     "": (),
     "start": (0.0,),
     "still": (0.0, 0.5),
     "accepted": (0.0, 0.18, 0.18),
     "rejected": (0.0, 0.8, 0.8, 0.8),
 }
-APART = 0.7  # between two patterns
-LONGEST = 12  # strokes: what has become older than that is not news
+PATTERN_GAP_S = 0.7  # between two patterns
+MAX_STROKES = 12  # strokes: what has become older than that is not news
 
 
 class Bells:
@@ -35,10 +35,10 @@ class Bells:
 
     def ring(self, sound: Sound) -> None:
         """Ring a pattern, after those that ring already."""
-        waits = PATTERNS[sound]
-        if len(self._waits) + len(waits) > LONGEST or not waits:
+        waits = BELL_PATTERNS[sound]
+        if len(self._waits) + len(waits) > MAX_STROKES or not waits:
             return
-        self._waits += (waits[0] + APART, *waits[1:]) if self._is_ringing else waits
+        self._waits += (waits[0] + PATTERN_GAP_S, *waits[1:]) if self._is_ringing else waits
         if not self._is_ringing:
             self._next()
 

@@ -27,7 +27,7 @@ UNKNOWN = "?"  # a face that nobody knows
 
 
 @dataclass(frozen=True, slots=True)
-class Size:
+class PictureSize:
     """Columns and rows of the front face without its edges, and how deep the cube goes back, in rows."""
 
     width: int
@@ -55,16 +55,20 @@ class Size:
         return self.depth + self.height + 1
 
 
-SIZES = tuple(Size(width=4 * depth - 2, height=4 * depth // 3, depth=depth) for depth in range(3, 13))
-SMALL, LARGE = SIZES[0], SIZES[4]
+PICTURE_SIZES = tuple(
+    PictureSize(width=4 * depth - 2, height=4 * depth // 3, depth=depth) for depth in range(3, 13)
+)
+SMALL, LARGE = PICTURE_SIZES[0], PICTURE_SIZES[4]
 
 
-def largest(columns: int, rows: int) -> Size:
+def largest_picture(columns: int, rows: int) -> PictureSize:
     """Return the largest size that fits; the smallest where none does."""
-    return max((s for s in SIZES if s.columns <= columns and s.rows <= rows), default=SMALL, key=lambda s: s.depth)
+    return max(
+        (s for s in PICTURE_SIZES if s.columns <= columns and s.rows <= rows), default=SMALL, key=lambda s: s.depth
+    )
 
 
-def draw_cube(canvas: Canvas, faces: dict[str, str], size: Size, turn: str = "") -> None:
+def draw_cube(canvas: Canvas, faces: dict[str, str], size: PictureSize, turn: str = "") -> None:
     """Draw the cube.
 
     Parameters
@@ -92,7 +96,7 @@ def axis_colour(face: str) -> str:
     return "$foreground" if face == UNKNOWN else f"$axis-{face[1].lower()}"
 
 
-def draw_slab(canvas: Canvas, size: Size) -> None:
+def draw_slab(canvas: Canvas, size: PictureSize) -> None:
     """Draw the slab with its mark to the North."""
     width = LEFT + size.width + 2 + RIGHT
     for row in range(size.height, size.rows - 1):
@@ -102,7 +106,7 @@ def draw_slab(canvas: Canvas, size: Size) -> None:
     canvas.put(size.height + 1, size.corner + 2 + size.depth, "N", "bold $foreground")
 
 
-def draw_hidden(canvas: Canvas, size: Size, faces: dict[str, str]) -> None:
+def draw_hidden(canvas: Canvas, size: PictureSize, faces: dict[str, str]) -> None:
     """Name the faces that cannot be seen in the line below, in letters where words have no room."""
     ways = [way for way in "DNW" if faces[way] != UNKNOWN]
     words = ", ".join(f"{DIRECTIONS[way]} {faces[way]}" for way in ways)
@@ -111,7 +115,7 @@ def draw_hidden(canvas: Canvas, size: Size, faces: dict[str, str]) -> None:
     canvas.put(size.bottom + 1, 1, words, "$foreground")
 
 
-def _fill(canvas: Canvas, size: Size, faces: dict[str, str]) -> None:
+def _fill(canvas: Canvas, size: PictureSize, faces: dict[str, str]) -> None:
     shade = {way: f"{axis_colour(faces[way])} {percent}" for way, percent in SHADE.items()}
     for way in SHADE:
         if faces[way] == UNKNOWN:
@@ -123,12 +127,12 @@ def _fill(canvas: Canvas, size: Size, faces: dict[str, str]) -> None:
         canvas.fill(row, LEFT + back, size.width + 2, shade[way])
 
 
-def _side_end(size: Size, row: int) -> int:
+def _side_end(size: PictureSize, row: int) -> int:
     """Return the column of the far edge of the east face."""
     return size.corner + min(size.depth, size.bottom - row)
 
 
-def _edges(canvas: Canvas, size: Size) -> None:
+def _edges(canvas: Canvas, size: PictureSize) -> None:
     far = size.corner + size.depth
     canvas.put(0, LEFT + size.depth, "┌" + "─" * size.width + "┐", EDGE)
     for row in range(1, size.bottom):
@@ -145,7 +149,7 @@ def _edges(canvas: Canvas, size: Size) -> None:
     canvas.put(size.bottom, LEFT, "└" + "─" * size.width + "┘", EDGE)
 
 
-def _labels(canvas: Canvas, size: Size, faces: dict[str, str]) -> None:
+def _labels(canvas: Canvas, size: PictureSize, faces: dict[str, str]) -> None:
     middle = LEFT + 1 + size.width // 2
     top = size.depth // 2
     front = size.depth + size.height // 2
@@ -165,7 +169,7 @@ def _labels(canvas: Canvas, size: Size, faces: dict[str, str]) -> None:
         canvas.put(row + 1, column - len(word) // 2, word, "$foreground")
 
 
-def _arrow(canvas: Canvas, size: Size, turn: str) -> None:
+def _arrow(canvas: Canvas, size: PictureSize, turn: str) -> None:
     line = "━" * (size.width - 2)
     arrow = f"{line}━▶" if turn == "counter-clockwise" else f"◀━{line}"
     canvas.put(size.bottom, LEFT + 1, arrow, "bold $accent")

@@ -1,7 +1,7 @@
 """Durations and limits as a person reads them."""
 
 
-def duration(seconds: float) -> str:
+def duration_in_words(seconds: float) -> str:
     """Return a time [s] in words: ``45 s``, ``12 min``, ``1 h 05 min``."""
     if seconds < 90:
         return f"{seconds:.0f} s"
@@ -9,7 +9,7 @@ def duration(seconds: float) -> str:
     return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02} min"
 
 
-def against(value: float, limit: float, unit: str, form: str = "") -> str:
+def beside_limit(value: float, limit: float, unit: str, form: str = "") -> str:
     """Return a value beside its limit: ``0.3 < 3 deg``."""
     form = form or (".1f" if abs(value) < 100 else ".0f")
     return f"{value:{form}} {'>' if abs(value) > limit else '<'} {limit:g} {unit}".rstrip()

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from math import cos, radians
 
 from procedures.frames import POSITIONS, TURN_START, face_of
-from station.guide.view import Step
+from station.guide.view import StepView
 
 DIRECTIONS = {"U": "up", "D": "down", "N": "north", "S": "south", "E": "east", "W": "west"}
-Rows = Sequence[Sequence[float]]
+RotationRows = Sequence[Sequence[float]]
 SQUARE_DEG = 10.0  # nearer a cube is drawn square to the slab
 _OPPOSITE = dict(zip("UDNSEW", "DUSNWE", strict=True))
 
@@ -20,7 +20,7 @@ def faces(position: int) -> dict[str, str]:
     return looks
 
 
-def faces_of(C_lb: Rows) -> dict[str, str] | None:
+def faces_of(C_lb: RotationRows) -> dict[str, str] | None:
     """Return the face that looks each way, from what East, North and Up are along the cube's axes.
 
     None where the cube stands more than `SQUARE_DEG` off any way that a position can have.
@@ -38,7 +38,7 @@ def faces_of(C_lb: Rows) -> dict[str, str] | None:
     return looks
 
 
-def nearest_face(C_lb: Rows) -> dict[str, str]:
+def nearest_face(C_lb: RotationRows) -> dict[str, str]:
     """Return the face that is up and the one that is down; which way the others look is not known."""
     up = C_lb[2]
     axis = max(range(3), key=lambda i: abs(up[i]))
@@ -46,19 +46,19 @@ def nearest_face(C_lb: Rows) -> dict[str, str]:
     return dict.fromkeys("NSEW", "?") | {"U": f"{sign}{'XYZ'[axis]}", "D": f"{other}{'XYZ'[axis]}"}
 
 
-def start_of(step: Step) -> int:
+def start_of(step: StepView) -> int:
     """Return the position, 1..12, in which a step stands or begins."""
     with_it_up = next((p for p in range(1, len(POSITIONS) + 1) if face_of(p) == step.up), 0)
     return step.position or step.start_position or with_it_up or TURN_START[step.axis]
 
 
-def is_counter_clockwise(step: Step) -> bool:
+def is_counter_clockwise(step: StepView) -> bool:
     """Return whether a turn is counter-clockwise seen from above: right-handed about the axis that points up."""
     points_up = POSITIONS[start_of(step) - 1]["xyz".index(step.axis)] == "U"
     return points_up == (step.direction == "+")
 
 
-def title(step: Step) -> str:
+def short_step_title(step: StepView) -> str:
     """Return a step's short name: ``position 3``, ``turn X +``."""
     if step.is_soak or step.is_free:
         return f"{'soak' if step.is_soak else 'free position'} {step.number}"

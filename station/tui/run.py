@@ -1,12 +1,12 @@
 """Run the screens in this terminal."""
 
-from station.guide.session import Session
+from station.guide.session import CalibrationSession
 
 REFRESH_HZ = 10.0
 SLOW_HZ = 2.0  # a serial console at 115 200 baud carries no more
 
 
-def run_screens(session: Session, *, slow: bool = False, quiet: bool = False) -> None:
+def run_screens(session: CalibrationSession, *, slow: bool = False, quiet: bool = False) -> None:
     """Show a session until its campaign has ended or the operator has left.
 
     Parameters

@@ -15,7 +15,7 @@ RECEIVER = re.compile(r"mavlink:((udpin|udpout|tcp):(//)?[^?]+:\d{1,5}|serial:(/
 BARE = re.compile(  # what is made a URL of later
     r"((udp(in|out)?:([^?:\s]+:)?|[^?:\s]+:)\d{1,5}|(/dev/|tty)[^?]+)(\?.+)?"
 )
-Check = Callable[[str], str]  # returns what is wrong, or nothing
+TextCheck = Callable[[str], str]  # returns what is wrong, or nothing
 
 
 def anything(text: str) -> str:
@@ -23,7 +23,9 @@ def anything(text: str) -> str:
     return ""
 
 
-def number(low: float, high: float, unit: str = "", *, is_needed: bool = False, is_whole: bool = False) -> Check:
+def number(
+    low: float, high: float, unit: str = "", *, is_needed: bool = False, is_whole: bool = False
+) -> TextCheck:
     """Return the check of a number between two limits."""
     expected = f"{'a whole number' if is_whole else 'a number'} from {low:g} to {high:g} {unit}".rstrip()
 
@@ -55,7 +57,7 @@ class Entry:
     name: str
     label: str
     unit: str = ""
-    check: Check = anything
+    check: TextCheck = anything
     empty: str = ""
 
 

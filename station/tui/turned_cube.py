@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.tui.canvas import Canvas
-from station.tui.cube_picture import EDGE, LEFT, SLANT, Size, axis_colour, draw_slab
+from station.tui.cube_picture import EDGE, LEFT, SLANT, PictureSize, axis_colour, draw_slab
 
 Floats = NDArray[np.float64]
 SCALE = 0.8  # of the upright cube: one that stands on its edge is wider
@@ -14,7 +14,7 @@ LEAST = 2.5  # characters that a face needs for its name
 NORTH_WEST = "\u2572"  # box drawings
 
 
-def draw_turned(canvas: Canvas, C_lb: Sequence[Sequence[float]], size: Size) -> None:
+def draw_turned(canvas: Canvas, C_lb: Sequence[Sequence[float]], size: PictureSize) -> None:
     """Draw a cube whose axes point, along East, North and Up, as ``C_lb`` (3, 3) says."""
     draw_slab(canvas, size)
     C = np.array(C_lb, float)
@@ -31,7 +31,7 @@ def draw_turned(canvas: Canvas, C_lb: Sequence[Sequence[float]], size: Size) -> 
             canvas.put(round(row), round(column) - 1, _name(axis, sign), "bold $foreground")
 
 
-def _on_screen(point: Floats, size: Size) -> Floats:
+def _on_screen(point: Floats, size: PictureSize) -> Floats:
     """Return row and column of a point (3,) East, North, Up; the cube's faces are 1 from its middle."""
     east, north, up = SCALE * point
     half = np.array([size.height + 1, size.width + 1]) / 2
@@ -42,13 +42,13 @@ def _on_screen(point: Floats, size: Size) -> Floats:
     return screen
 
 
-def _corners(C: Floats, axis: int, sign: int, size: Size) -> list[Floats]:
+def _corners(C: Floats, axis: int, sign: int, size: PictureSize) -> list[Floats]:
     """Return where the corners of a face are, around it."""
     a, b = (C[:, i] for i in range(3) if i != axis)
     return [_on_screen(sign * C[:, axis] + s * a + t * b, size) for s, t in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
 
 
-def _face(canvas: Canvas, C: Floats, axis: int, sign: int, size: Size) -> None:
+def _face(canvas: Canvas, C: Floats, axis: int, sign: int, size: PictureSize) -> None:
     middle = _on_screen(sign * C[:, axis], size)
     a, b = (_on_screen(C[:, i], size) - _on_screen(np.zeros(3), size) for i in range(3) if i != axis)
     spans = np.column_stack((a, b))
@@ -63,7 +63,7 @@ def _face(canvas: Canvas, C: Floats, axis: int, sign: int, size: Size) -> None:
                 canvas.fill(row, column, 1, f"{axis_colour(_name(axis, sign))} {percent}%")
 
 
-def _outline(canvas: Canvas, C: Floats, axis: int, sign: int, size: Size) -> None:
+def _outline(canvas: Canvas, C: Floats, axis: int, sign: int, size: PictureSize) -> None:
     corners = _corners(C, axis, sign, size)
     for begin, end in zip(corners, [*corners[1:], corners[0]], strict=True):
         rows, columns = end - begin

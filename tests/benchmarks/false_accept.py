@@ -24,7 +24,7 @@ from procedures.frames import face_normal, face_of
 from station.guide.checklist import Checklist
 from station.guide.face_and_stillness import LIMIT_DEG
 from station.guide.guide import Guide
-from station.guide.stage_context import Desk, Facts
+from station.guide.stage_context import BenchFacts, StageContext
 from station.stream.live import open_feed
 from station.stream.recorder.sample_buffer import Run, Tape
 from tests.station.stream.live.bench_in_memory import Source
@@ -36,7 +36,7 @@ DWELL_S, PATIENCE_S, MOVE_S = 10.0, 60.0, 3.0
 
 @dataclass
 class Accepted:
-    """A `station.guide.stage_context.Recorder` in memory: the step, and its first and last device time [s]."""
+    """A `station.guide.stage_context.StepRecorder` in memory: the step, and its first and last device time [s]."""
 
     steps: list[tuple[Step, float, float]] = field(default_factory=list)
 
@@ -65,8 +65,8 @@ def trial(seed: int) -> tuple[str, str]:
     feed.identify()
     kind, position = KINDS[seed % len(KINDS)], int(rng.integers(1, 13))
     wanted = [Dwell(p, DWELL_S) for p in range(1, 13)] if rng.random() < 0.5 else [Dwell(position, DWELL_S)]
-    facts = Facts(float(np.radians(31.17)), 1e-3, 2e-4, Fixture(), asks=False)
-    guide = Guide(Desk(feed, Checklist(wanted), facts, accepted), warms_up=False)
+    facts = BenchFacts(float(np.radians(31.17)), 1e-3, 2e-4, Fixture(), asks=False)
+    guide = Guide(StageContext(feed, Checklist(wanted), facts, accepted), warms_up=False)
     stands = position if kind != "wrong face" else int(rng.choice([p for p in range(1, 13) if p != position]))
     tilt_deg = {"tilted": rng.uniform(0, 45), "tilted a little": rng.uniform(0, 6)}.get(kind, 0.0)
     tilt = tilt_deg * level_direction(stands, rng)

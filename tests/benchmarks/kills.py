@@ -33,8 +33,8 @@ from station.guide.checklist import Checklist
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
 from station.guide.interrupted_campaigns import FolderLock, reopen
-from station.guide.stage_context import Desk, Facts
-from station.guide.view import View
+from station.guide.stage_context import BenchFacts, StageContext
+from station.guide.view import CalibrationView
 from station.stream.live import open_feed
 from station.stream.recorder import CampaignRecorder, open_campaign
 from tests.station.stream.live.bench_in_memory import SITE, Source
@@ -97,14 +97,14 @@ def record(number: int, step: Step, recorder: CampaignRecorder) -> None:
     feed.identify()
     start = step.position if isinstance(step, Dwell) else step.start_position
     source.device.obey(f"place {start} 5")
-    facts = Facts(float(np.radians(TRUTH.latitude_deg)), 1e-3, 2e-4, Fixture(), asks=False)
-    guide = Guide(Desk(feed, Checklist([step]), facts, Announced(recorder)), warms_up=False)
+    facts = BenchFacts(float(np.radians(TRUTH.latitude_deg)), 1e-3, 2e-4, Fixture(), asks=False)
+    guide = Guide(StageContext(feed, Checklist([step]), facts, Announced(recorder)), warms_up=False)
     has_turned = False
     while not guide.is_complete:
         feed.advance()
         for block in feed.ready():
             guide.take(block)
-            turn = guide.view(View()).turn
+            turn = guide.view(CalibrationView()).turn
             if (
                 turn is not None
                 and not has_turned

@@ -26,8 +26,8 @@ from procedures.frames import nominal_C_lb
 from station.calibrated.body_axes import body_axes
 from station.calibrated.filter_settings import settings_of
 from station.monitor import monitor
-from station.monitor.options import Options
-from station.monitor.view import View
+from station.monitor.options import MonitorOptions
+from station.monitor.view import MonitorView
 from tests.station.monitor.rig import MonitorRig
 from tests.station.monitor.unit import calibration_of, write_calibration
 
@@ -49,7 +49,7 @@ def drawn(calibration: dict[str, Any], rng: np.random.Generator) -> dict[str, An
     return calibration
 
 
-def off_deg(view: View, position: int) -> float:
+def off_deg(view: MonitorView, position: int) -> float:
     assert view.reading is not None
     roll, pitch = np.radians([view.reading.roll, view.reading.pitch])
     down: FloatArray = np.array([-np.sin(pitch), np.sin(roll) * np.cos(pitch), np.cos(roll) * np.cos(pitch)])
@@ -62,7 +62,9 @@ def rest(seeds: int) -> None:
     for seed in range(seeds):
         for position in range(1, 13):
             calibration = drawn(calibration_of(unit(seed)), np.random.default_rng([seed, position]))
-            rig = MonitorRig(unit(seed), Options(latitude=LATITUDE), position=position, calibration=calibration)
+            rig = MonitorRig(
+                unit(seed), MonitorOptions(latitude=LATITUDE), position=position, calibration=calibration
+            )
             rig.run(80.0)
             late = [view for view in rig.lines if view.reading is not None and view.reading.t > 62.0]
             offs += [off_deg(view, position) for view in late]
@@ -73,7 +75,7 @@ def rest(seeds: int) -> None:
 
 def moved(seed: int, position: int) -> tuple[float, float]:
     """Return error and 1 sigma [deg] as a hand move from position 9 ends."""
-    rig = MonitorRig(unit(seed), Options(latitude=LATITUDE))
+    rig = MonitorRig(unit(seed), MonitorOptions(latitude=LATITUDE))
     rig.run(40.0)
     rig.hands(f"place {position} 20")
     end = rig.source.device.imu.done

@@ -15,8 +15,8 @@ import sys
 import termios
 import time
 
-from station.guide.command import Command
-from station.guide.view import View
+from station.guide.command import OperatorCommand
+from station.guide.view import CalibrationView
 from station.tui.app import StationApp
 from tests.station.tui.views import HOLDING, TURNING
 
@@ -30,17 +30,17 @@ class ChangingSession:
 
     def __init__(self, lines: list[bytes]) -> None:
         self._lines, self._tick, self._began = lines, -1, time.monotonic()
-        self._view, self.shown = View(), 0
+        self._view, self.shown = CalibrationView(), 0
 
     @property
-    def view(self) -> View:
+    def view(self) -> CalibrationView:
         tick = int((time.monotonic() - self._began) * HZ)
         if tick != self._tick:
             self._tick, self.shown = tick, self.shown + 1
-            self._view = View.model_validate_json(self._lines[tick % len(self._lines)])
+            self._view = CalibrationView.model_validate_json(self._lines[tick % len(self._lines)])
         return self._view
 
-    def send(self, command: Command) -> None:
+    def send(self, command: OperatorCommand) -> None:
         pass
 
 

@@ -23,7 +23,7 @@ KEPT = 300  # images that are not taken
 
 
 class CameraFeed:
-    """One camera, read and decoded; call `advance` often. `station.monitor.options.Seeing`."""
+    """One camera, read and decoded; call `advance` often. `station.monitor.options.CameraSource`."""
 
     def __init__(self, reader: LastingReader, clock: Callable[[], float] = time.monotonic) -> None:
         self._reader, self._clock, self.address = reader, clock, reader.address

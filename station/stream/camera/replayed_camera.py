@@ -14,7 +14,7 @@ RATE_NS = 5 * 10**9
 
 
 class RecordedCamera:
-    """`station.monitor.options.Seeing` of a folder's images, of which no more than one is held."""
+    """`station.monitor.options.CameraSource` of a folder's images, of which no more than one is held."""
 
     up_to_ns = FOR_EVER
 

@@ -1,1 +1,1 @@
-"""The screen of `station monitor`: draws a `station.monitor.view.View` and sends verbs, nothing else."""
+"""The screen of `station monitor`: draws a `station.monitor.view.MonitorView` and sends verbs, nothing else."""

@@ -1,7 +1,7 @@
 """The application: draws the session's view and sends what the operator asks. It knows nothing by itself."""
 
-from station.monitor.session import Session
-from station.monitor.view import View
+from station.monitor.session import MonitorSession
+from station.monitor.view import MonitorView
 from station.tui.common_app import CommonApp
 from station.tui.monitor.screen import MonitorScreen
 
@@ -9,10 +9,10 @@ from station.tui.monitor.screen import MonitorScreen
 class MonitorApp(CommonApp):
     """The screen of one monitor; parameters as of `station.tui.app.StationApp`."""
 
-    def __init__(self, session: Session, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
+    def __init__(self, session: MonitorSession, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
         super().__init__(is_quiet=is_quiet)
         self._session, self._refresh_hz = session, refresh_hz
-        self._view: View | None = None
+        self._view: MonitorView | None = None
         self.monitor = MonitorScreen(session.send)
 
     async def on_mount(self) -> None:

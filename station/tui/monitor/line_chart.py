@@ -4,10 +4,12 @@ import math
 from collections.abc import Sequence
 
 DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))  # of U+2800, by row and column
-EMPTY = 0x2800
+EMPTY_BRAILLE = 0x2800
 
 
-def strip(values: Sequence[float], width: int, height: int, low: float, high: float, span: int) -> list[list[int]]:
+def line_dots(
+    values: Sequence[float], width: int, height: int, low: float, high: float, span: int
+) -> list[list[int]]:
     """Return the dots (height, width) of the last ``span`` values between ``low`` and ``high``; nan is left out.
 
     A column of dots goes from the least to the greatest of its share of the values, so that no peak is lost.
@@ -27,7 +29,7 @@ def strip(values: Sequence[float], width: int, height: int, low: float, high: fl
     return cells
 
 
-def limits(values: Sequence[float], least: float) -> tuple[float, float] | None:
+def drawn_range(values: Sequence[float], least: float) -> tuple[float, float] | None:
     """Return the range to draw, at least ``least`` wide; None where nothing is known."""
     known = [value for value in values if math.isfinite(value)]
     if not known:

@@ -5,19 +5,19 @@ from textwrap import wrap
 from textual.content import Content
 
 from station.locate.location import Location
-from station.monitor.view import LATE_S, View
+from station.monitor.view import LATE_S, MonitorView
 from station.text.plural import plural
 from station.tui.monitor.map_picture import map_picture
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 
-LINES = 5
+READING_LINES = 5
 
 
-class Map(Drawn[Location]):
+class TrackMap(ValueWidget[Location]):
     """The way gone, north up."""
 
     DEFAULT_CSS = """
-    Map { width: 34; height: 100%; background: $surface; }
+    TrackMap { width: 34; height: 100%; background: $surface; }
     """
 
     def render(self) -> Content:
@@ -25,11 +25,11 @@ class Map(Drawn[Location]):
         return map_picture(self.size.width, self.size.height, self.value)
 
 
-class Where(Drawn[View]):
+class LocationReadings(ValueWidget[MonitorView]):
     """Position and heading with their sigmas and the fixes' health; before that, what is missing."""
 
     DEFAULT_CSS = """
-    Where { height: 5; padding-left: 1; }
+    LocationReadings { height: 5; padding-left: 1; }
     """
 
     def render(self) -> Content:
@@ -38,7 +38,9 @@ class Where(Drawn[View]):
         if not location.is_located:
             head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {plural(location.fixes, 'fix')}")
             width = max(self.content_size.width - 1, 20)
-            why = [line for part in (location.camera, location.why) for line in wrap(part, width)][: LINES - 1]
+            why = [line for part in (location.camera, location.why) for line in wrap(part, width)][
+                : READING_LINES - 1
+            ]
             return Content("\n").join((head, *(Content(line) for line in why)))
         east, north, up = (f"{value:+.2f}" for value in location.enu)
         outliers, newest = plural(location.outliers, "outlier"), f"newest {location.fix_age:.1f} s"

@@ -8,7 +8,7 @@ from textual.content import Content
 
 from station.locate.location import Location
 from station.tui.canvas import Canvas
-from station.tui.monitor.line_chart import DOTS, EMPTY
+from station.tui.monitor.line_chart import DOTS, EMPTY_BRAILLE
 
 LEAST = 20.0  # m that a map shows at least
 STEPS = (1, 2, 5, 10)
@@ -71,7 +71,7 @@ def _way(canvas: Canvas, sheet: _Sheet, places: tuple[Place, ...]) -> None:
                 cell = r // 4, c // 2
                 drawn[cell] = drawn.get(cell, 0) | DOTS[r % 4][c % 2]
     for (row, column), bits in drawn.items():
-        canvas.put(row, column, chr(EMPTY + bits), WAY)
+        canvas.put(row, column, chr(EMPTY_BRAILLE + bits), WAY)
 
 
 def _scale(canvas: Canvas, sheet: _Sheet, row: int) -> None:

@@ -8,21 +8,21 @@ from textual.containers import Grid, Horizontal, Vertical
 from textual.screen import Screen
 
 from station.locate.location import Location
-from station.monitor.session import Verb
-from station.monitor.view import View
-from station.tui.monitor.location_widgets import Map, Where
+from station.monitor.session import MonitorVerb
+from station.monitor.view import MonitorView
+from station.tui.monitor.location_widgets import LocationReadings, TrackMap
 from station.tui.monitor.widgets import (
     CalibrationLine,
-    Chart,
-    Comparison,
     Horizon,
+    MonitorTitle,
     Readings,
-    State,
+    RestComparison,
+    StateLine,
     Streams,
-    Title,
+    StripChart,
 )
-from station.tui.screens.confirm import Confirm
-from station.tui.screens.help import Help
+from station.tui.screens.confirm import ConfirmScreen
+from station.tui.screens.help import HelpScreen
 from station.tui.widgets.event_lines import EventLines
 from station.tui.widgets.key_line import KeyLine
 
@@ -37,8 +37,8 @@ HELP_LOCATED = (
     "and hardly believed. Heading is of forward, from true north. Residual is the angle between what the "
     "accelerometers say is down and the attitude. The zero is of the display only."
 )
-MANY = 2  # streams that leave room for all charts on a short screen
-LEAVE = "The recording is finished and complete; everything stays in its folder."
+MANY_STREAMS = 2  # streams that leave room for all charts on a short screen
+LEAVE_TEXT = "The recording is finished and complete; everything stays in its folder."
 
 
 class MonitorScreen(Screen[None]):
@@ -49,9 +49,9 @@ class MonitorScreen(Screen[None]):
         Binding("r", "send('record')", "Record", tooltip="begin a recording, or end it"),
         Binding("z", "send('zero')", "Zero", tooltip="show angles from here, or absolute ones again"),
         Binding("n", "send('anew')", "Anew", tooltip="begin charts and the comparison at rest anew"),
-        Binding("l", "map", "Map", tooltip="the map, or the horizon"),
+        Binding("l", "map", "TrackMap", tooltip="the map, or the horizon"),
         Binding("q", "leave", "Leave", tooltip="end the monitor"),
-        Binding("question_mark", "help", "Help", key_display="?", tooltip="what is shown, and all keys"),
+        Binding("question_mark", "help", "HelpScreen", key_display="?", tooltip="what is shown, and all keys"),
     ]
     DEFAULT_CSS = """
     MonitorScreen #upper { height: 11; }
@@ -71,22 +71,26 @@ class MonitorScreen(Screen[None]):
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (112, "-wide")]
     VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]
 
-    def __init__(self, send: Callable[[Verb], None]) -> None:
+    def __init__(self, send: Callable[[MonitorVerb], None]) -> None:
         super().__init__()
         self._send = send
-        self.view = View()
-        self.title_line, self.state = Title(("", "")), State(("…", "$muted", ""))
-        self.horizon, self.readings, self.comparison = Horizon(None), Readings(View()), Comparison(None)
-        self.map, self.where = Map(Location()), Where(View())
+        self.view = MonitorView()
+        self.title_line, self.state = MonitorTitle(("", "")), StateLine(("…", "$muted", ""))
+        self.horizon, self.readings, self.comparison = Horizon(None), Readings(MonitorView()), RestComparison(None)
+        self.map, self.where = TrackMap(Location()), LocationReadings(MonitorView())
         self.charts = (
-            Chart("ROLL", "deg", 0.02, roll="$axis-x"),
-            Chart("PITCH", "deg", 0.02, pitch="$axis-y"),
-            Chart("RATES", "deg/s", 0.02, p="$axis-x", q="$axis-y", r="$axis-z"),
-            Chart("RESIDUAL", "deg", 0.02, residual="$warning"),
-            Chart("AID", "m/s", 1.0, aid="$primary"),
-            Chart("SIGMA", "deg", 0.002, sigma="$accent"),
+            StripChart("ROLL", "deg", 0.02, roll="$axis-x"),
+            StripChart("PITCH", "deg", 0.02, pitch="$axis-y"),
+            StripChart("RATES", "deg/s", 0.02, p="$axis-x", q="$axis-y", r="$axis-z"),
+            StripChart("RESIDUAL", "deg", 0.02, residual="$warning"),
+            StripChart("AID", "m/s", 1.0, aid="$primary"),
+            StripChart("SIGMA", "deg", 0.002, sigma="$accent"),
         )
-        self.events, self.streams, self.calibration = EventLines(), Streams(()), CalibrationLine(View().in_use)
+        self.events, self.streams, self.calibration = (
+            EventLines(),
+            Streams(()),
+            CalibrationLine(MonitorView().in_use),
+        )
 
     def compose(self) -> ComposeResult:
         """Lay everything out."""
@@ -106,7 +110,7 @@ class MonitorScreen(Screen[None]):
         yield self.calibration
         yield KeyLine()
 
-    def show(self, view: View) -> None:
+    def show(self, view: MonitorView) -> None:
         """Take a new view; with the first location its numbers come up, and the map once there is a place."""
         is_first, self.view = self.view.location is None and view.location is not None, view
         if is_first:
@@ -125,7 +129,7 @@ class MonitorScreen(Screen[None]):
             chart.show(view.history)
         self.events.show(view.events)
         self.streams.show(view.streams)
-        self.set_class(len(view.streams) > MANY, "-crowded")
+        self.set_class(len(view.streams) > MANY_STREAMS, "-crowded")
         self.calibration.show(view.in_use)
         self.calibration.set_class(bool(view.in_use.note), "noted")
 
@@ -137,7 +141,7 @@ class MonitorScreen(Screen[None]):
         """Offer the map only where a location is asked for."""
         return action != "map" or self.view.location is not None
 
-    def action_send(self, verb: Verb) -> None:
+    def action_send(self, verb: MonitorVerb) -> None:
         """Send a verb."""
         self._send(verb)
 
@@ -151,7 +155,7 @@ class MonitorScreen(Screen[None]):
             if answer:
                 self._send("leave")
 
-        self.app.push_screen(Confirm("End the monitor?", LEAVE, "Yes, end it", ()), answered)
+        self.app.push_screen(ConfirmScreen("End the monitor?", LEAVE_TEXT, "Yes, end it", ()), answered)
 
     def action_help(self) -> None:
         """Explain what is shown and the keys."""
@@ -163,17 +167,17 @@ class MonitorScreen(Screen[None]):
             if active.binding.show
         }
         text = HELP if self.view.location is None else HELP_LOCATED
-        self.app.push_screen(Help("monitor", text, keys))
+        self.app.push_screen(HelpScreen("monitor", text, keys))
 
 
-def _at(view: View) -> str:
+def _at(view: MonitorView) -> str:
     reading = view.reading
     if reading is None:
         return ""
     return f"{'' if reading.speed is None else f' {reading.speed:.1f} m/s'}  {reading.t:.1f} s"
 
 
-def state_of(view: View) -> tuple[str, str, str]:
+def state_of(view: MonitorView) -> tuple[str, str, str]:
     """Return the chip, its colour and the sentence that matter most."""
     if view.is_over:
         return "■ ENDED", "$foreground", view.line

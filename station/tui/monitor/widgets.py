@@ -3,29 +3,29 @@
 from textual.content import Content
 
 from station.calibrated.in_use import InUse
-from station.monitor.view import Bought, Mode, Point, View
+from station.monitor.view import CalibrationGain, ChartPoint, MonitorView, MotionState
 from station.stream.events import StreamState
 from station.tui.canvas import Canvas
 from station.tui.monitor.horizon_picture import horizon_picture
-from station.tui.monitor.line_chart import EMPTY, limits, strip
-from station.tui.widgets.drawn import Drawn
+from station.tui.monitor.line_chart import EMPTY_BRAILLE, drawn_range, line_dots
+from station.tui.widgets.drawn import ValueWidget
 
-SPAN = 600  # points in a chart: a minute
-MODES: dict[Mode, tuple[str, str]] = {
+CHART_POINTS = 600  # points in a chart: a minute
+MOTION_LOOKS: dict[MotionState, tuple[str, str]] = {
     "waiting": ("…", "$muted"),
     "aligning": ("…", "$warning"),
     "at rest": ("◼", "$success"),
     "moving": ("↻", "$primary"),
 }
-STEEP = 89.0  # deg of pitch, beyond which roll and heading are one
-LABEL = 13
+STEEP_PITCH_DEG = 89.0  # deg of pitch, beyond which roll and heading are one
+LABEL_COLUMNS = 13
 
 
-class Title(Drawn[tuple[str, str]]):
+class MonitorTitle(ValueWidget[tuple[str, str]]):
     """The unit on the left, time and aid on the right."""
 
     DEFAULT_CSS = """
-    Title { height: 1; padding: 0 1; background: $panel; color: $foreground; }
+    MonitorTitle { height: 1; padding: 0 1; background: $panel; color: $foreground; }
     """
 
     def render(self) -> Content:
@@ -35,11 +35,11 @@ class Title(Drawn[tuple[str, str]]):
         return Content.assemble((left[:room].ljust(room) + "  ", "bold"), right)
 
 
-class State(Drawn[tuple[str, str, str]]):
+class StateLine(ValueWidget[tuple[str, str, str]]):
     """A chip and a sentence: what is wrong, else whether it is recorded."""
 
     DEFAULT_CSS = """
-    State { height: 1; background: $surface; }
+    StateLine { height: 1; background: $surface; }
     """
 
     def render(self) -> Content:
@@ -48,7 +48,7 @@ class State(Drawn[tuple[str, str, str]]):
         return Content.assemble((f" {chip} ", f"bold $background on {colour}"), f"  {text}")
 
 
-class Horizon(Drawn[tuple[float, float] | None]):
+class Horizon(ValueWidget[tuple[float, float] | None]):
     """Roll and pitch as a picture."""
 
     DEFAULT_CSS = """
@@ -62,7 +62,7 @@ class Horizon(Drawn[tuple[float, float] | None]):
         return horizon_picture(self.size.width, self.size.height, *self.value)
 
 
-class Readings(Drawn[View]):
+class Readings(ValueWidget[MonitorView]):
     """The numbers: attitude, sigma, rates, bias, residual."""
 
     DEFAULT_CSS = """
@@ -74,9 +74,9 @@ class Readings(Drawn[View]):
         view, reading, shown = self.value, self.value.reading, self.value.shown
         if reading is None or shown is None:
             return Content.styled("no attitude yet", "$muted")
-        symbol, colour = MODES[reading.mode]
+        symbol, colour = MOTION_LOOKS[reading.mode]
         zero = [f"  from zero {value:+.3f}" for value in view.zero] if view.zero else ["", ""]
-        steep = "  any: X is vertical" if abs(reading.pitch) > STEEP else ""
+        steep = "  any: X is vertical" if abs(reading.pitch) > STEEP_PITCH_DEG else ""
         p, q, r = (_short(rate, 3) for rate in reading.rate)
         x, y, z = (_short(bias, 2) for bias in reading.bias)
         is_told = reading.heading is None or view.location is not None  # beside the place, as of the same moment
@@ -99,11 +99,11 @@ def _short(value: float, digits: int) -> str:
     return f"{value:+.{max(digits - (abs(value) >= 10) - (abs(value) >= 100) - (abs(value) >= 1000), 0)}f}"
 
 
-class Comparison(Drawn[Bought | None]):
+class RestComparison(ValueWidget[CalibrationGain | None]):
     """What the calibration bought, side by side."""
 
     DEFAULT_CSS = """
-    Comparison { height: 5; padding-left: 1; }
+    RestComparison { height: 5; padding-left: 1; }
     """
 
     def render(self) -> Content:
@@ -130,11 +130,11 @@ def _row(name: str, with_it: float, without: float, unit: str) -> Content:
     )  # fmt: skip
 
 
-class Chart(Drawn[tuple[Point, ...]]):
+class StripChart(ValueWidget[tuple[ChartPoint, ...]]):
     """A minute of one or more quantities; ``least`` is the narrowest range that is drawn."""
 
     DEFAULT_CSS = """
-    Chart { height: 2; width: 1fr; }
+    StripChart { height: 2; width: 1fr; }
     """
 
     def __init__(self, name: str, unit: str, least: float, **series: str) -> None:
@@ -143,24 +143,24 @@ class Chart(Drawn[tuple[Point, ...]]):
 
     def render(self) -> Content:
         """Draw the label and the range on the left, the lines on the right."""
-        width, height = self.size.width - LABEL, self.size.height
+        width, height = self.size.width - LABEL_COLUMNS, self.size.height
         columns = {name: [getattr(point, name) for point in self.value] for name in self._series}
-        found = limits([value for column in columns.values() for value in column], self._least)
+        found = drawn_range([value for column in columns.values() for value in column], self._least)
         canvas = Canvas(self.size.width, height)
         canvas.put(0, 1, self._label, "bold")
         if found is None or width < 2:
-            canvas.put(0, LABEL, "none", "$muted")
+            canvas.put(0, LABEL_COLUMNS, "none", "$muted")
             return canvas.content()
         low, high = found
         canvas.put(0, 1 + len(self._label) + 1, self._unit, "$muted")
         canvas.put(height - 1, 1, _range(low, high), "$muted")
         drawn = [[0] * width for _ in range(height)]
         for name, colour in self._series.items():  # where lines meet, the dots of both in the later one's colour
-            for row, line in enumerate(strip(columns[name], width, height, low, high, SPAN)):
+            for row, line in enumerate(line_dots(columns[name], width, height, low, high, CHART_POINTS)):
                 for column, dots in enumerate(line):
                     if dots:
                         drawn[row][column] |= dots
-                        canvas.put(row, LABEL + column, chr(EMPTY + drawn[row][column]), colour)
+                        canvas.put(row, LABEL_COLUMNS + column, chr(EMPTY_BRAILLE + drawn[row][column]), colour)
         return canvas.content()
 
 
@@ -170,10 +170,10 @@ def _range(low: float, high: float) -> str:
     digits = 0 if size >= 100 else 1 if size >= 10 else 2
     if high - low < 10**-digits and size < 10:
         digits = 3
-    return f"{low:.{digits}f}..{high:.{digits}f}"[: LABEL - 1]
+    return f"{low:.{digits}f}..{high:.{digits}f}"[: LABEL_COLUMNS - 1]
 
 
-class Streams(Drawn[tuple[StreamState, ...]]):
+class Streams(ValueWidget[tuple[StreamState, ...]]):
     """A line for each stream: rate, age, gaps, errors."""
 
     DEFAULT_CSS = """
@@ -198,7 +198,7 @@ def _stream(stream: StreamState) -> Content:
     return Content.assemble(word, f" {stream.name}  {stream.rate_hz:.1f} Hz  age {stream.age_s:.1f} s  {said}")
 
 
-class CalibrationLine(Drawn[InUse]):
+class CalibrationLine(ValueWidget[InUse]):
     """The calibration in use and its age."""
 
     DEFAULT_CSS = """

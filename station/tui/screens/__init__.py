@@ -3,10 +3,10 @@
 from collections.abc import Iterator, Mapping
 from importlib import import_module
 
-from station.guide.view import Stage
+from station.guide.view import StageName
 from station.tui.screens.stage import StageScreen
 
-_HOMES: dict[Stage, str] = {
+_HOMES: dict[StageName, str] = {
     "start": "start.StartScreen",
     "connecting": "connecting.ConnectingScreen",
     "warm_up": "warm_up.WarmUpScreen",
@@ -24,15 +24,15 @@ _HOMES: dict[Stage, str] = {
 }
 
 
-class _Screens(Mapping[Stage, type[StageScreen]]):
+class _Screens(Mapping[StageName, type[StageScreen]]):
     """The screens by stage, each imported when it is first shown: the first one need not wait for the others."""
 
-    def __getitem__(self, stage: Stage) -> type[StageScreen]:
+    def __getitem__(self, stage: StageName) -> type[StageScreen]:
         module, _, name = _HOMES[stage].partition(".")
         screen: type[StageScreen] = getattr(import_module(f"{__name__}.{module}"), name)
         return screen
 
-    def __iter__(self) -> Iterator[Stage]:
+    def __iter__(self) -> Iterator[StageName]:
         return iter(_HOMES)
 
     def __len__(self) -> int:

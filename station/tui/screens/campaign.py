@@ -7,31 +7,31 @@ from textual.binding import Binding
 from textual.containers import Horizontal, Vertical
 from textual.widgets import ContentSwitcher
 
-from station.guide.command import Command
+from station.guide.command import OperatorCommand
 from station.guide.enough_to_solve import lacking
-from station.guide.view import Stage, View
+from station.guide.view import CalibrationView, StageName
 from station.tui.orientation import is_counter_clockwise
 from station.tui.screens.framed import FramedScreen
 from station.tui.widgets.accepted_bar import AcceptedBar
-from station.tui.widgets.banner import Now
-from station.tui.widgets.cube import CubePair, Cubes
+from station.tui.widgets.banner import BannerText
+from station.tui.widgets.cube import CubePair, CubePairValue
 from station.tui.widgets.gates_panel import GatesPanel
-from station.tui.widgets.seating import Seating
+from station.tui.widgets.seating import SeatingLines
 from station.tui.widgets.soak_lines import SoakLines
-from station.tui.widgets.step_grid import Grid, StepGrid
+from station.tui.widgets.step_grid import GridCursor, StepGrid
 from station.tui.widgets.step_words import StepWords
 from station.tui.widgets.turn_gauge import TurnGauge
 
-STAGES: tuple[Stage, ...] = ("place", "settle", "dwell", "turn", "paused")
+STAGES: tuple[StageName, ...] = ("place", "settle", "dwell", "turn", "paused")
 CLOCKWISE, COUNTER_CLOCKWISE = "↻", "↺"
-LOOKS: dict[Stage, tuple[str, str, str]] = {
+STAGE_LOOKS: dict[StageName, tuple[str, str, str]] = {
     "place": ("NOW", "▶", "$primary"),
     "settle": ("KEEP STILL", "◼", "$warning"),
     "dwell": ("RECORDING", "●", "$success"),
     "turn": ("TURN", CLOCKWISE, "$accent"),
     "paused": ("PAUSED", "‖", "$foreground"),
 }
-GRID = "Any order is taken: put the cube as you like and it is recognised. Arrows and Enter choose a step."
+GRID_HELP = "Any order is taken: put the cube as you like and it is recognised. Arrows and Enter choose a step."
 
 
 class CampaignScreen(FramedScreen):
@@ -39,12 +39,12 @@ class CampaignScreen(FramedScreen):
 
     HELPS = {
         "place": f"Put the cube on the slab as it is drawn, North mark to North; a free position leans between "
-        f"faces, far from those taken. No key is needed. {GRID}",
+        f"faces, far from those taken. No key is needed. {GRID_HELP}",
         "settle": "The cube is on the right face and comes to rest. Take your hands off. Both gates must be open.",
         "dwell": "Accepted seconds are counted. Do not touch the bench: a knock costs the disturbed seconds only.",
         "turn": "Turn the cube flat on the slab as the arrow says, whole turns, back to the mark, then let it "
         "rest. An uneven hand does no harm as long as the speed stays between its limits.",
-        "paused": f"Nothing is recorded. p goes on. {GRID}",
+        "paused": f"Nothing is recorded. p goes on. {GRID_HELP}",
     }
     BINDINGS = [
         Binding("up", "move(-1, 0)", "Up", show=False),
@@ -70,10 +70,10 @@ class CampaignScreen(FramedScreen):
     CampaignScreen.-wide #right { width: 50; }
     """
 
-    def __init__(self, send: Callable[[Command], None]) -> None:
+    def __init__(self, send: Callable[[OperatorCommand], None]) -> None:
         super().__init__(send)
         self.cube, self.grid, self.gates = CubePair(), StepGrid(), GatesPanel()
-        self.seating, self.turn, self.accepted = Seating(), TurnGauge(), AcceptedBar()
+        self.seating, self.turn, self.accepted = SeatingLines(), TurnGauge(), AcceptedBar()
         self.soak, self.words = SoakLines(), StepWords()
         self.lower = ContentSwitcher(self.seating, self.turn, self.soak, self.words, initial="seating")
         self._cursor = ""  # empty: on the step wanted
@@ -88,21 +88,21 @@ class CampaignScreen(FramedScreen):
                 yield self.lower
         yield self.accepted
 
-    def now(self, view: View) -> Now:
+    def now(self, view: CalibrationView) -> BannerText:
         """Return what the banner says: one instruction, and what hinders."""
-        word, symbol, colour = LOOKS.get(view.stage, LOOKS["place"])
+        word, symbol, colour = STAGE_LOOKS.get(view.stage, STAGE_LOOKS["place"])
         if view.stage in ("place", "settle") and _is_badly_seated(view):
             word, symbol, colour = "SET DOWN AGAIN", "▲", "$error"
         elif view.turn is not None and view.turn.is_to_rest:
-            word, symbol, colour = LOOKS["settle"]
+            word, symbol, colour = STAGE_LOOKS["settle"]
         elif (step := view.step(view.live)) is not None and step.axis and view.stage == "turn":
             symbol = COUNTER_CLOCKWISE if is_counter_clockwise(step) else CLOCKWISE
-        return Now(word, symbol, colour, view.line, view.hint)
+        return BannerText(word, symbol, colour, view.line, view.hint)
 
-    def draw(self, view: View) -> None:
+    def draw(self, view: CalibrationView) -> None:
         """Show a view."""
         super().draw(view)
-        self.cube.show(Cubes(view.step(view.live or view.wanted), view.pose))
+        self.cube.show(CubePairValue(view.step(view.live or view.wanted), view.pose))
         self.grid.show(self._grid())
         self.gates.show(view.gates)
         self.seating.show(view.gates)
@@ -111,7 +111,7 @@ class CampaignScreen(FramedScreen):
         self._show_lower(view)
         self.accepted.show((view.accepted_s, view.wanted_s))
 
-    def keys_depend_on(self, view: View) -> object:
+    def keys_depend_on(self, view: CalibrationView) -> object:
         """Return what decides which keys are offered."""
         return view.stage == "paused", view.done > 0, bool(view.can_redo), _is_badly_seated(view)
 
@@ -167,15 +167,15 @@ class CampaignScreen(FramedScreen):
         )
         self.confirm("Finish with what is there?", text, "Yes, finish", "finish", *STAGES)
 
-    def _show_lower(self, view: View) -> None:
+    def _show_lower(self, view: CalibrationView) -> None:
         """Show the words of the step under the cursor while it was moved there, else what is measured."""
         is_moved = self._cursor not in {"", view.live or view.wanted}
         self.words.show(view.step(self._cursor))
         measured = "turn" if view.turn else "soak" if view.soak else "seating"
         self.lower.current = "words" if is_moved else measured
 
-    def _grid(self) -> Grid:
-        return Grid(self.view.steps, self.view.wanted, self._cursor or self.view.live or self.view.wanted)
+    def _grid(self) -> GridCursor:
+        return GridCursor(self.view.steps, self.view.wanted, self._cursor or self.view.live or self.view.wanted)
 
     def _set_cursor(self, name: str) -> None:
         self._cursor = name
@@ -183,5 +183,5 @@ class CampaignScreen(FramedScreen):
         self._show_lower(self.view)
 
 
-def _is_badly_seated(view: View) -> bool:
+def _is_badly_seated(view: CalibrationView) -> bool:
     return view.gates is not None and not view.gates.is_seated

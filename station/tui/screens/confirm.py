@@ -6,16 +6,16 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.widgets import Button, Label
 
-from station.guide.view import Stage, View
+from station.guide.view import CalibrationView, StageName
 from station.tui.screens.modal import Modal
 
 
-class Confirm(Modal[bool]):
+class ConfirmScreen(Modal[bool]):
     """Returns True for yes. ``stages`` are those in which the question makes sense."""
 
     DEFAULT_CSS = """
-    Confirm Horizontal { width: auto; height: auto; }
-    Confirm Button { margin-right: 2; }
+    ConfirmScreen Horizontal { width: auto; height: auto; }
+    ConfirmScreen Button { margin-right: 2; }
     """
     BINDINGS = [
         ("y", "answer(True)", "Yes"),
@@ -23,7 +23,7 @@ class Confirm(Modal[bool]):
         ("left,right,up,down", "app.focus_next", "Other button"),
     ]
 
-    def __init__(self, title: str, text: str, yes: str, stages: Collection[Stage]) -> None:
+    def __init__(self, title: str, text: str, yes: str, stages: Collection[StageName]) -> None:
         super().__init__()
         self._title, self._text, self._yes, self._stages = title, text, yes, stages
 
@@ -36,7 +36,7 @@ class Confirm(Modal[bool]):
                 yield Button("n  No, go on", id="no", compact=True)
                 yield Button(f"y  {self._yes}", id="yes", variant="error", compact=True)
 
-    def fits(self, view: View) -> bool:
+    def fits(self, view: CalibrationView) -> bool:
         """Return whether the stage is one of those."""
         return view.stage in self._stages
 

@@ -1,8 +1,8 @@
 """Waiting for the IMU."""
 
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from station.tui.screens.framed import FramedScreen
-from station.tui.widgets.banner import Now
+from station.tui.widgets.banner import BannerText
 
 
 class ConnectingScreen(FramedScreen):
@@ -15,6 +15,6 @@ class ConnectingScreen(FramedScreen):
     )
     HELPS = {"connecting": TEXT}
 
-    def now(self, view: View) -> Now:
+    def now(self, view: CalibrationView) -> BannerText:
         """Return what the banner says."""
-        return Now("CONNECTING", "…", "$primary", view.line, view.hint)
+        return BannerText("CONNECTING", "…", "$primary", view.line, view.hint)

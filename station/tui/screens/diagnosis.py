@@ -5,11 +5,11 @@ from textual.binding import Binding
 from textual.containers import VerticalScroll
 from textual.widgets import Static
 
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from station.tui.screens.modal import Modal
 from station.tui.widgets.key_line import KeyLine
 
-NONE = "There is no diagnosis of this campaign yet: finish it first."
+NO_DIAGNOSIS = "There is no diagnosis of this campaign yet: finish it first."
 
 
 class DiagnosisScreen(Modal[None]):
@@ -34,7 +34,7 @@ class DiagnosisScreen(Modal[None]):
 
     def __init__(self, text: str) -> None:
         super().__init__()
-        self.text = Static(text or NONE, id="text", markup=False)
+        self.text = Static(text or NO_DIAGNOSIS, id="text", markup=False)
         self.scroll = VerticalScroll(self.text, can_focus=False)
 
     def compose(self) -> ComposeResult:
@@ -43,7 +43,7 @@ class DiagnosisScreen(Modal[None]):
         yield self.scroll
         yield KeyLine()
 
-    def fits(self, view: View) -> bool:
+    def fits(self, view: CalibrationView) -> bool:
         """Return whether it is still the verdict that is shown."""
         return view.stage in ("verdict", "stored")
 

@@ -6,10 +6,10 @@ from textual.containers import Vertical
 from textual.content import Content
 from textual.widgets import Static
 
-from station.guide.view import Stage, View
+from station.guide.view import CalibrationView, StageName
 from station.tui.screens.stage import StageScreen
 
-LOOKS: dict[Stage, tuple[str, str, str]] = {
+ENDED_LOOKS: dict[StageName, tuple[str, str, str]] = {
     "cancelled": (
         "✗ CANCELLED", "$warning",
         "Everything recorded stays as files in the folder; the database is as it was before.",
@@ -25,7 +25,7 @@ LOOKS: dict[Stage, tuple[str, str, str]] = {
 class EndedScreen(StageScreen):
     """One sentence; any of the usual keys closes."""
 
-    HELPS = {stage: sentence for stage, (_, _, sentence) in LOOKS.items()}
+    HELPS = {stage: sentence for stage, (_, _, sentence) in ENDED_LOOKS.items()}
     BINDINGS = [
         Binding("enter", "leave", "Close", tooltip="close the screens"),
         Binding("escape,space,q,c", "leave", show=False),
@@ -41,9 +41,9 @@ class EndedScreen(StageScreen):
         with Vertical(id="ended"):
             yield self.text
 
-    def draw(self, view: View) -> None:
+    def draw(self, view: CalibrationView) -> None:
         """Show a view."""
-        word, colour, sentence = LOOKS.get(view.stage, LOOKS["failed"])
+        word, colour, sentence = ENDED_LOOKS.get(view.stage, ENDED_LOOKS["failed"])
         parts = [Content.styled(f" {word} ", f"bold $background on {colour}"), Content("")]
         if view.stage == "cancelled" and not view.folder:
             sentence = ""  # nothing was begun

@@ -8,10 +8,10 @@ from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.widgets import Static
 
-from station.guide.command import Command
-from station.guide.view import View
+from station.guide.command import OperatorCommand
+from station.guide.view import CalibrationView
 from station.tui.screens.stage import StageScreen
-from station.tui.widgets.banner import Banner, Now
+from station.tui.widgets.banner import Banner, BannerText
 from station.tui.widgets.event_lines import EventLines
 from station.tui.widgets.link_line import NO_DATA, LinkLine
 
@@ -29,7 +29,7 @@ class FramedScreen(StageScreen):
     FramedScreen #inner { height: 1fr; }
     """
 
-    def __init__(self, send: Callable[[Command], None]) -> None:
+    def __init__(self, send: Callable[[OperatorCommand], None]) -> None:
         super().__init__(send)
         self.banner, self.events, self.link = Banner(), EventLines(keeps_reason=True), LinkLine()
 
@@ -45,11 +45,11 @@ class FramedScreen(StageScreen):
         """Lay out what is inside the frame."""
         yield Static(self.TEXT, id="text", markup=False)
 
-    def now(self, view: View) -> Now:
+    def now(self, view: CalibrationView) -> BannerText:
         """Return what the banner says."""
         raise NotImplementedError
 
-    def draw(self, view: View) -> None:
+    def draw(self, view: CalibrationView) -> None:
         """Show a view in the frame."""
         now = self.now(view)
         if not view.link.is_live and view.stage != "connecting":

@@ -5,13 +5,13 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from station.tui.screens.modal import Modal
 
-SOUNDS = "one: begin, two: keep still, three quick: accepted, four slow: rejected"
+SOUNDS_HELP = "one: begin, two: keep still, three quick: accepted, four slow: rejected"
 
 
-class Help(Modal[None]):
+class HelpScreen(Modal[None]):
     """The help of one stage, or of a screen that has none; ``keys`` by what they do."""
 
     BINDINGS = [("escape,question_mark,q,enter,space", "dismiss(None)", "Close")]
@@ -33,9 +33,9 @@ class Help(Modal[None]):
         keys = [
             Content.assemble((f"{key:>{width}}", "bold $accent"), f"  {what}") for what, key in self._keys.items()
         ]
-        sounds = Content.assemble(("sounds  ", "bold"), SOUNDS)
+        sounds = Content.assemble(("sounds  ", "bold"), SOUNDS_HELP)
         return Content("\n").join([Content(self._text), Content(""), *keys, Content(""), sounds])
 
-    def fits(self, view: View) -> bool:
+    def fits(self, view: CalibrationView) -> bool:
         """Return whether it is still the stage explained."""
         return view.stage == self._stage

@@ -5,7 +5,7 @@ from typing import Generic, TypeVar
 from textual.await_complete import AwaitComplete
 from textual.screen import ModalScreen
 
-from station.guide.view import View
+from station.guide.view import CalibrationView
 
 T = TypeVar("T")
 
@@ -23,7 +23,7 @@ class Modal(ModalScreen[T], Generic[T]):
     Modal > .box Label { width: auto; max-width: 66; height: auto; margin-bottom: 1; }
     """
 
-    def fits(self, view: View) -> bool:
+    def fits(self, view: CalibrationView) -> bool:
         """Return whether the modal still makes sense."""
         raise NotImplementedError
 

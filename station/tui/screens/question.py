@@ -8,14 +8,14 @@ from textual.widgets import Label, OptionList
 from textual.widgets.option_list import Option
 
 from station.guide.setup_view import Choice
-from station.guide.view import Question, View
+from station.guide.view import CalibrationView, OperatorQuestion
 from station.tui.screens.modal import Modal
 
-LATER = ""
+ANSWER_LATER = ""
 
 
 class QuestionScreen(Modal[str]):
-    """Returns the key of the choice, or `LATER`.
+    """Returns the key of the choice, or `ANSWER_LATER`.
 
     A choice is taken by its own key where all keys are single characters, else by its number. None is under the
     cursor at first, so that no stray Enter answers.
@@ -27,7 +27,7 @@ class QuestionScreen(Modal[str]):
     """
     BINDINGS = [("escape", "later", "Not now")]
 
-    def __init__(self, question: Question) -> None:
+    def __init__(self, question: OperatorQuestion) -> None:
         super().__init__()
         self.question = question
         keys = [choice.key for choice in question.choices]
@@ -44,12 +44,12 @@ class QuestionScreen(Modal[str]):
     def compose(self) -> ComposeResult:
         """Lay out the text and the choices."""
         with Vertical(classes="box") as box:
-            box.border_title = "Question"
+            box.border_title = "OperatorQuestion"
             yield Label(self.question.text, markup=False)
             yield self._list
             yield Label("its key, or arrows and Enter; Esc: not now, a asks again", id="keys")
 
-    def fits(self, view: View) -> bool:
+    def fits(self, view: CalibrationView) -> bool:
         """Return whether the question is still asked."""
         return view.question == self.question
 
@@ -64,4 +64,4 @@ class QuestionScreen(Modal[str]):
 
     def action_later(self) -> None:
         """Leave the question open."""
-        self.dismiss(LATER)
+        self.dismiss(ANSWER_LATER)

@@ -7,11 +7,11 @@ from textual.content import Content
 from textual.widgets import Label, Static
 
 from station.guide.setup_view import Readiness
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from station.tui.screens.modal import Modal
-from station.tui.widgets.ready_lines import consequences, line
+from station.tui.widgets.ready_lines import consequences, ready_line
 
-HARM = "Limits may still be stored; all else counts as it stands now."
+STILL_OPEN = "Limits may still be stored; all else counts as it stands now."
 
 
 class ReadyScreen(Modal[bool]):
@@ -31,14 +31,14 @@ class ReadyScreen(Modal[bool]):
         with Vertical(classes="box") as box:
             box.border_title = "Begin all the same?" if self._asks else "Ready?"
             with VerticalScroll():
-                yield Static(Content("\n").join(line(one) for one in self._ready.lines))
+                yield Static(Content("\n").join(ready_line(one) for one in self._ready.lines))
                 yield Static(Content("\n").join((Content(""), *consequences(self._ready))))
             if self._asks:
-                yield Static(Content.assemble("\n", (HARM, "$muted")))
+                yield Static(Content.assemble("\n", (STILL_OPEN, "$muted")))
             keys = "y  Begin all the same    n  Back to the form" if self._asks else "Esc closes"
             yield Label(Content.assemble("\n", (keys, "bold $accent")))
 
-    def fits(self, view: View) -> bool:
+    def fits(self, view: CalibrationView) -> bool:
         """Return whether nothing was begun yet."""
         return view.stage == "start"
 

@@ -7,27 +7,27 @@ from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding
 from textual.screen import Screen
 
-from station.guide.command import Command, Verb
-from station.guide.view import Stage, View
-from station.tui.screens.confirm import Confirm
-from station.tui.screens.help import Help
+from station.guide.command import CommandVerb, OperatorCommand
+from station.guide.view import CalibrationView, StageName
+from station.tui.screens.confirm import ConfirmScreen
+from station.tui.screens.help import HelpScreen
 from station.tui.widgets.key_line import KeyLine
 from station.tui.widgets.title_bar import TitleBar
 from station.tui.widgets.too_small import LEAST, TooSmall
 
-RUNNING: tuple[Stage, ...] = (
+RUNNING: tuple[StageName, ...] = (
     "start", "connecting", "warm_up", "place", "settle", "dwell", "turn", "paused", "solving", "verdict",
 )  # fmt: skip
 CANCEL = (
     "Everything recorded stays as files in the folder. The database is left as it was: no calibration is stored, "
     "and this campaign cannot be gone on with."
 )
-LEAVE = (
+LEAVE_TEXT = (
     "All accepted steps are safe. The step in progress is not kept. The start screen offers to go on from here."
 )
 
 
-COMMON = ("app.ask", "leave", "cancel", "help", "command_palette")  # the keys of every screen
+COMMON_KEYS = ("app.ask", "leave", "cancel", "help", "command_palette")  # the keys of every screen
 
 
 class StageScreen(Screen[None]):
@@ -41,7 +41,7 @@ class StageScreen(Screen[None]):
         Binding("a", "app.ask", "Answer", tooltip="answer the question that was put off"),
         Binding("q", "leave", "Leave", tooltip="end here and go on another time"),
         Binding("c", "cancel", "Cancel", tooltip="give the campaign up; the database stays as it was"),
-        Binding("question_mark", "help", "Help", key_display="?", tooltip="what goes on, and all keys"),
+        Binding("question_mark", "help", "HelpScreen", key_display="?", tooltip="what goes on, and all keys"),
     ]
     DEFAULT_CSS = """
     StageScreen { layers: default above; }
@@ -49,14 +49,14 @@ class StageScreen(Screen[None]):
     """
     HORIZONTAL_BREAKPOINTS = [(0, "-cramped"), (LEAST[0], "-narrow"), (112, "-wide")]
     VERTICAL_BREAKPOINTS = [(0, "-low"), (LEAST[1], "-short"), (34, "-tall")]
-    HELPS: ClassVar[dict[Stage, str]] = {}
+    HELPS: ClassVar[dict[StageName, str]] = {}
 
-    def __init__(self, send: Callable[[Command], None]) -> None:
+    def __init__(self, send: Callable[[OperatorCommand], None]) -> None:
         super().__init__()
         self._send = send
         self._is_ready = False
         self._keys: object = None
-        self.view = View()
+        self.view = CalibrationView()
         self.title_bar, self.too_small = TitleBar(), TooSmall()
 
     def compose(self) -> ComposeResult:
@@ -70,25 +70,27 @@ class StageScreen(Screen[None]):
         """Lay out what is between title and keys."""
         raise NotImplementedError
 
-    def draw(self, view: View) -> None:
+    def draw(self, view: CalibrationView) -> None:
         """Show a view in the body."""
         raise NotImplementedError
 
-    def keys_depend_on(self, view: View) -> object:
+    def keys_depend_on(self, view: CalibrationView) -> object:
         """Return what decides which keys are offered."""
         return view.stage
 
     @property
     def active_bindings(self) -> dict[str, ActiveBinding]:
         """The keys that work now, a screen's own before those of every screen."""
-        return dict(sorted(super().active_bindings.items(), key=lambda item: item[1].binding.action in COMMON))
+        return dict(
+            sorted(super().active_bindings.items(), key=lambda item: item[1].binding.action in COMMON_KEYS)
+        )
 
     def on_mount(self) -> None:
         """Draw what was shown before there was anything to draw on."""
         self._is_ready = True
         self.show(self.view)
 
-    def show(self, view: View) -> None:
+    def show(self, view: CalibrationView) -> None:
         """Take a new view."""
         self.view = view
         if not self._is_ready:
@@ -100,22 +102,22 @@ class StageScreen(Screen[None]):
             self._keys = keys
             self.refresh_bindings()
 
-    def order(self, verb: Verb, step: str = "", folder: str = "", url: str = "") -> None:
+    def order(self, verb: CommandVerb, step: str = "", folder: str = "", url: str = "") -> None:
         """Send a command."""
-        self._send(Command(verb=verb, step=step, folder=folder, url=url))
+        self._send(OperatorCommand(verb=verb, step=step, folder=folder, url=url))
 
-    def confirm(self, title: str, text: str, yes: str, verb: Verb, *stages: Stage) -> None:
+    def confirm(self, title: str, text: str, yes: str, verb: CommandVerb, *stages: StageName) -> None:
         """Send a command once the operator has said yes."""
 
         def answered(answer: bool | None) -> None:
             if answer:
                 self.order(verb)
 
-        self.app.push_screen(Confirm(title, text, yes, stages or RUNNING), answered)
+        self.app.push_screen(ConfirmScreen(title, text, yes, stages or RUNNING), answered)
 
     def action_leave(self) -> None:
         """Ask, then leave."""
-        self.confirm("Leave and go on another time?", LEAVE, "Yes, leave", "leave")
+        self.confirm("Leave and go on another time?", LEAVE_TEXT, "Yes, leave", "leave")
 
     def action_cancel(self) -> None:
         """Ask, then cancel."""
@@ -129,4 +131,4 @@ class StageScreen(Screen[None]):
             if is_told and active.enabled:
                 what = active.tooltip or active.binding.description
                 keys[what] = ", ".join(filter(None, (keys.get(what), self.app.get_key_display(active.binding))))
-        self.app.push_screen(Help(self.view.stage, self.HELPS.get(self.view.stage, self.view.line), keys))
+        self.app.push_screen(HelpScreen(self.view.stage, self.HELPS.get(self.view.stage, self.view.line), keys))

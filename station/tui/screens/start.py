@@ -8,10 +8,10 @@ from textual.containers import Horizontal
 from textual.widgets import Button, OptionList, Static
 
 from station.files.setup import Setup
-from station.guide.command import Command, Verb
-from station.guide.setup_view import Start
-from station.guide.view import View
-from station.tui.durations_in_words import duration
+from station.guide.command import CommandVerb, OperatorCommand
+from station.guide.setup_view import StartView
+from station.guide.view import CalibrationView
+from station.tui.durations_in_words import duration_in_words
 from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.stage import StageScreen
 from station.tui.setup_entries import seconds_needed
@@ -19,20 +19,20 @@ from station.tui.widgets.ready_lines import ReadyLines
 from station.tui.widgets.setup_form import SetupForm
 from station.tui.widgets.unfinished_list import UnfinishedList
 
-HELP = (
+START_HELP = (
     "Go on with an unfinished campaign by Enter, or fill in the form and begin. Tab and shift+Tab go from field "
     "to field, Enter opens a list. A port is looked at for two seconds when it is chosen. Dwell 0: the length "
     "comes from the unit's noise and the sigma wanted of the accelerometers' bias. A GNSS receiver says where the "
     "slab stands, where latitude is left empty, and what time it is. All is remembered."
 )
 CONSIDER_S = 0.2  # after the last letter
-LOOKS: dict[str, Verb] = {"url": "check", "gnss": "listen"}  # what looks at the address in a field
+LOOK_VERBS: dict[str, CommandVerb] = {"url": "check", "gnss": "listen"}  # what looks at the address in a field
 
 
 class StartScreen(StageScreen):
     """The campaigns to go on with above, the form below, how long it takes at the bottom."""
 
-    HELPS = {"start": HELP}
+    HELPS = {"start": START_HELP}
     BINDINGS = [
         Binding("ctrl+s", "begin", "Begin", tooltip="begin a new campaign as the form says"),
         Binding("ctrl+r", "ready", "Ready?", tooltip="what is there and what lacks, and how the campaign can end"),
@@ -49,7 +49,7 @@ class StartScreen(StageScreen):
     StartScreen #time { width: 1fr; text-wrap: nowrap; }
     """
 
-    def __init__(self, send: Callable[[Command], None]) -> None:
+    def __init__(self, send: Callable[[OperatorCommand], None]) -> None:
         super().__init__(send)
         self.unfinished, self.form = UnfinishedList(), SetupForm()
         self.heading = Static("GO ON with a campaign", classes="heading")
@@ -78,9 +78,9 @@ class StartScreen(StageScreen):
         super().on_mount()
         (self.unfinished if self.unfinished.is_of_use else self.form.port.select).focus()
 
-    def draw(self, view: View) -> None:
+    def draw(self, view: CalibrationView) -> None:
         """Show a view."""
-        start = view.start or Start()
+        start = view.start or StartView()
         self.unfinished.offer(start.unfinished)
         self.heading.display = bool(start.unfinished)
         self.form.offer(start)
@@ -97,13 +97,14 @@ class StartScreen(StageScreen):
 
     def _how_long(self) -> str:
         if self.view.remaining_s:
-            return f"It takes about {duration(self.view.remaining_s)}."
+            return f"It takes about {duration_in_words(self.view.remaining_s)}."
         if "dwell_s" in self.form.problems():
             return ""
         dwell_s = float(self.form.texts()["dwell_s"])
         if not dwell_s:
             return "How long it takes follows from the unit's noise, after warm-up."
-        return f"It takes about {duration(seconds_needed(dwell_s))}: 12 dwells of {dwell_s:g} s, 6 hand turns."
+        time = duration_in_words(seconds_needed(dwell_s))
+        return f"It takes about {time}: 12 dwells of {dwell_s:g} s, 6 hand turns."
 
     def on_setup_form_changed(self, event: SetupForm.Changed) -> None:
         """Say what is wrong with what was typed."""
@@ -120,7 +121,7 @@ class StartScreen(StageScreen):
         self._waits = False
         if (setup := self.form.setup_so_far()) != self._considered:
             self._considered = setup
-            self._send(Command(verb="consider", setup=setup))
+            self._send(OperatorCommand(verb="consider", setup=setup))
 
     def _named(self, name: str, problem: str) -> str:
         return f"{self.form.fields[name].entry.label} {problem}" if problem else ""
@@ -131,7 +132,7 @@ class StartScreen(StageScreen):
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Go on with a campaign, at the port that was looked at if that may be its unit's."""
-        campaign, check = self.unfinished.campaigns[event.option_index], (self.view.start or Start()).check
+        campaign, check = self.unfinished.campaigns[event.option_index], (self.view.start or StartView()).check
         is_its = check is not None and check.is_good and check.serial in {"", campaign.serial}
         url = self.form.texts()["url"]
         self.order("resume", folder=campaign.folder, url=url if is_its and check and check.url == url else "")
@@ -142,12 +143,12 @@ class StartScreen(StageScreen):
 
     def action_look(self) -> None:
         """Ask for a look at the port, and at the receiver where there is one."""
-        for name in LOOKS:
+        for name in LOOK_VERBS:
             self._look(name)
 
     def _look(self, name: str) -> None:
         if (url := self.form.texts()[name]) and not self.form.fields[name].entry.check(url):
-            self.order(LOOKS[name], url=url)
+            self.order(LOOK_VERBS[name], url=url)
 
     def action_begin(self) -> None:
         """Begin, or go to the first field that is wrong and say what."""
@@ -158,7 +159,7 @@ class StartScreen(StageScreen):
             return self._say()
         self._typed = ""
         self._say()
-        ready = (self.view.start or Start()).readiness
+        ready = (self.view.start or StartView()).readiness
         if ready is not None and (ready.can_pass is False or not ready.can_certify):
             self.app.push_screen(ReadyScreen(ready, asks=True), self._begin)
         else:
@@ -167,11 +168,11 @@ class StartScreen(StageScreen):
 
     def _begin(self, is_wanted: bool | None) -> None:
         if is_wanted:
-            self._send(Command(verb="begin", setup=self.form.setup()))
+            self._send(OperatorCommand(verb="begin", setup=self.form.setup()))
 
     def action_ready(self) -> None:
         """Show what is there and what lacks."""
-        if (ready := (self.view.start or Start()).readiness) is not None:
+        if (ready := (self.view.start or StartView()).readiness) is not None:
             self.app.push_screen(ReadyScreen(ready, asks=False))
 
     def action_cancel(self) -> None:

@@ -9,11 +9,11 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import ScrollableContainer, Vertical
 
-from station.guide.command import Command
-from station.guide.view import View
+from station.guide.command import OperatorCommand
+from station.guide.view import CalibrationView
 from station.tui.screens.diagnosis import DiagnosisScreen
 from station.tui.screens.stage import StageScreen
-from station.tui.widgets.fact import Fact
+from station.tui.widgets.fact import FactLine
 from station.tui.widgets.number_table import NumberTable
 from station.tui.widgets.verdict_sentence import VerdictSentence
 
@@ -41,12 +41,12 @@ class VerdictScreen(StageScreen):
     VerdictScreen #scroll { height: 1fr; scrollbar-size: 1 1; }
     """
 
-    def __init__(self, send: Callable[[Command], None]) -> None:
+    def __init__(self, send: Callable[[OperatorCommand], None]) -> None:
         super().__init__(send)
         self.sentence, self.table = VerdictSentence(), NumberTable()
-        self.status, self.residual, self.change = Fact("status"), Fact("residual"), Fact("change")
-        self.diagnosis, self.report = Fact("diagnosis"), Fact("report")
-        self.warnings, self.stored = Fact("warnings", "warning"), Fact("stored", "good")
+        self.status, self.residual, self.change = FactLine("status"), FactLine("residual"), FactLine("change")
+        self.diagnosis, self.report = FactLine("diagnosis"), FactLine("report")
+        self.warnings, self.stored = FactLine("warnings", "warning"), FactLine("stored", "good")
 
     def body(self) -> ComposeResult:
         """Lay out the sentence, the facts and the table."""
@@ -64,7 +64,7 @@ class VerdictScreen(StageScreen):
                 )
             yield self.table
 
-    def draw(self, view: View) -> None:
+    def draw(self, view: CalibrationView) -> None:
         """Show a view."""
         if (verdict := view.verdict) is None:
             return
@@ -78,7 +78,7 @@ class VerdictScreen(StageScreen):
         self.stored.say(seal and f"✓ in the database, sha256 {seal}")
         self.table.show(verdict.rows)
 
-    def keys_depend_on(self, view: View) -> object:
+    def keys_depend_on(self, view: CalibrationView) -> object:
         """Return what decides which keys are offered."""
         return view.stage, bool(view.verdict and view.verdict.redo)
 

@@ -3,9 +3,9 @@
 from textual.app import ComposeResult
 from textual.binding import Binding
 
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from station.tui.screens.framed import FramedScreen
-from station.tui.widgets.banner import Now
+from station.tui.widgets.banner import BannerText
 from station.tui.widgets.warm_up_panel import WarmUpPanel
 
 
@@ -24,11 +24,11 @@ class WarmUpScreen(FramedScreen):
         self.panel = WarmUpPanel()
         yield self.panel
 
-    def now(self, view: View) -> Now:
+    def now(self, view: CalibrationView) -> BannerText:
         """Return what the banner says."""
-        return Now("WARM-UP", "◷", "$primary", view.line, view.hint)
+        return BannerText("WARM-UP", "◷", "$primary", view.line, view.hint)
 
-    def draw(self, view: View) -> None:
+    def draw(self, view: CalibrationView) -> None:
         """Show a view."""
         super().draw(view)
         self.panel.show(view.warm_up)

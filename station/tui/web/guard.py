@@ -10,7 +10,7 @@ from collections.abc import Awaitable, Callable
 
 from aiohttp import web
 
-REPORT = "report"  # below the secret; a document, which may do nothing
+REPORT_PATH = "report"  # below the secret; a document, which may do nothing
 DOWNLOAD = "/download/"  # the page asks for it by this name; what follows is a secret of its own
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
@@ -30,7 +30,7 @@ class Guard:
     @property
     def report(self) -> str:
         """The path of the report."""
-        return f"/{self.token}/{REPORT}"
+        return f"/{self.token}/{REPORT_PATH}"
 
     def fault(self, request: web.Request) -> str:
         """Return why a request is refused, empty if it is not."""

@@ -13,11 +13,15 @@ from station.tui.web.errors import NotLoopback, PortTaken
 from station.tui.web.guard import DOWNLOAD, Guard
 from station.tui.web.tab import STOP_S, Tab
 
-LOOPBACK = {"127.0.0.1": "127.0.0.1", "::1": "::1", "localhost": "127.0.0.1"}  # the last may mean others elsewhere
+LOOPBACK_HOSTS = {
+    "127.0.0.1": "127.0.0.1",
+    "::1": "::1",
+    "localhost": "127.0.0.1",
+}  # the last may mean others elsewhere
 HEARTBEAT_S = 15.0  # a browser that vanished without a word is noticed within this
 CLOSE_S = 2.0  # for a browser to say goodbye
 HTTP_PORT = 80  # which browsers leave out
-SIZE = {"width": 80, "height": 24}  # cells, where a tab does not say its own
+DEFAULT_TERMINAL_SIZE = {"width": 80, "height": 24}  # cells, where a tab does not say its own
 
 
 class LoopbackServer(Server):
@@ -32,9 +36,9 @@ class LoopbackServer(Server):
         title: str,
         report: Callable[[], Path | None] = lambda: None,
     ) -> None:
-        if host not in LOOPBACK:
-            raise NotLoopback(host, tuple(LOOPBACK))
-        self._socket = _listening(LOOPBACK[host], port)
+        if host not in LOOPBACK_HOSTS:
+            raise NotLoopback(host, tuple(LOOPBACK_HOSTS))
+        self._socket = _listening(LOOPBACK_HOSTS[host], port)
         address, port = self._socket.getsockname()[:2]
         name = f"[{address}]" if ":" in address else address
         self.guard = Guard(name if port == HTTP_PORT else f"{name}:{port}")
@@ -69,7 +73,7 @@ class LoopbackServer(Server):
         websocket = web.WebSocketResponse(heartbeat=HEARTBEAT_S, timeout=CLOSE_S)
         await websocket.prepare(request)
         tab = Tab(self.command, websocket, self.download_manager)
-        width, height = (to_int(request.query.get(name, ""), size) for name, size in SIZE.items())
+        width, height = (to_int(request.query.get(name, ""), size) for name, size in DEFAULT_TERMINAL_SIZE.items())
         self._open.add(websocket)
         try:
             await tab.start(width, height)

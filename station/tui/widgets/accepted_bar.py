@@ -3,10 +3,10 @@
 from textual.content import Content
 
 from station.tui.bars import bar
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 
 
-class AcceptedBar(Drawn[tuple[float, float]]):
+class AcceptedBar(ValueWidget[tuple[float, float]]):
     """Value: seconds accepted, seconds wanted; wanted 0 while nothing is counted."""
 
     DEFAULT_CSS = """

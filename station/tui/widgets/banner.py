@@ -5,13 +5,13 @@ from textwrap import wrap
 
 from textual.content import Content
 
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 
-LEAST, MOST = 3, 6  # rows
+MIN_ROWS, MAX_ROWS = 3, 6  # rows
 
 
 @dataclass(frozen=True, slots=True)
-class Now:
+class BannerText:
     """``word`` and its ``symbol`` say what is asked, ``colour`` is a variable of the theme."""
 
     word: str
@@ -21,15 +21,15 @@ class Now:
     hint: str = ""
 
 
-class Banner(Drawn[Now]):
+class Banner(ValueWidget[BannerText]):
     """What everybody must see: nothing of it is cut off, it takes the rows that it needs."""
 
     DEFAULT_CSS = f"""
-    Banner {{ height: auto; min-height: {LEAST}; max-height: {MOST}; background: $surface; }}
+    Banner {{ height: auto; min-height: {MIN_ROWS}; max-height: {MAX_ROWS}; background: $surface; }}
     """
 
     def __init__(self) -> None:
-        super().__init__(Now("", "", "$primary", ""), id="banner")
+        super().__init__(BannerText("", "", "$primary", ""), id="banner")
 
     def render(self) -> Content:
         """Draw the rows; the coloured edge runs down all but the first."""
@@ -41,7 +41,7 @@ class Banner(Drawn[Now]):
         rows = [Content.assemble((chip, f"bold $background on {now.colour}"), (f"  {first}", "bold"))]
         rows += [Content.assemble(edge, (row, "bold")) for row in _wrapped(rest, room)]
         rows += [Content.assemble(edge, (row, f"bold {now.colour}")) for row in _wrapped(now.hint, room)]
-        rows += [Content.assemble(edge)] * (LEAST - len(rows))
+        rows += [Content.assemble(edge)] * (MIN_ROWS - len(rows))
         return Content("\n").join(rows)
 
 

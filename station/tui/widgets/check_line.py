@@ -2,13 +2,13 @@
 
 from textual.content import Content
 
-from station.guide.setup_view import Check
-from station.tui.widgets.drawn import Drawn
+from station.guide.setup_view import PortCheck
+from station.tui.widgets.drawn import ValueWidget
 
-Look = tuple[str, Check | None, bool]  # address in the form, newest check, whether one is under way
+Look = tuple[str, PortCheck | None, bool]  # address in the form, newest check, whether one is under way
 
 
-class CheckLine(Drawn[Look]):
+class CheckLine(ValueWidget[Look]):
     """Format, unit, rate, errors and noise; or why there is no telling."""
 
     DEFAULT_CSS = """

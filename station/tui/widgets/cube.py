@@ -5,12 +5,12 @@ from textwrap import wrap
 
 from textual.content import Content
 
-from station.guide.view import PoseView, Step
+from station.guide.view import PoseView, StepView
 from station.tui.canvas import Canvas
-from station.tui.cube_picture import SLANT, Size, draw_cube, largest
+from station.tui.cube_picture import SLANT, PictureSize, draw_cube, largest_picture
 from station.tui.orientation import faces, faces_of, is_counter_clockwise, nearest_face, start_of
 from station.tui.turned_cube import draw_turned
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 
 LEANING = f"""
    {SLANT}\u2572   on an edge
@@ -23,14 +23,14 @@ TITLES = ("AS WANTED", "AS IT STANDS")
 
 
 @dataclass(frozen=True, slots=True)
-class Cubes:
+class CubePairValue:
     """The step that is wanted and the cube as it stands, None while nothing is known."""
 
-    step: Step | None = None
+    step: StepView | None = None
     pose: PoseView | None = None
 
 
-class CubePair(Drawn[Cubes]):
+class CubePair(ValueWidget[CubePairValue]):
     """Draws both as large as there is room; what is left to do stands below them."""
 
     DEFAULT_CSS = """
@@ -38,7 +38,7 @@ class CubePair(Drawn[Cubes]):
     """
 
     def __init__(self) -> None:
-        super().__init__(Cubes(), id="cube")
+        super().__init__(CubePairValue(), id="cube")
 
     def render(self) -> Content:
         """Draw the cubes; nothing while no step is wanted."""
@@ -46,7 +46,7 @@ class CubePair(Drawn[Cubes]):
         width, height = self.size
         if step is None or not width:
             return Content("")
-        size = largest(width // 2, height - 1 - TEXT_LINES)
+        size = largest_picture(width // 2, height - 1 - TEXT_LINES)
         canvas = Canvas(width, height)
         for number, title in enumerate(TITLES):
             canvas.put(0, number * (width // 2) + 1, title, "bold" if number == 0 else "bold $accent")
@@ -60,7 +60,7 @@ class CubePair(Drawn[Cubes]):
         return wrap(pose.text if pose else "how it stands is not known", max(width - 2, 20))
 
 
-def _wanted(canvas: Canvas, step: Step, size: Size) -> None:
+def _wanted(canvas: Canvas, step: StepView, size: PictureSize) -> None:
     if step.is_free:
         for row, line in enumerate(LEANING.split("\n")):
             canvas.put(row, 1, line, "bold")
@@ -71,7 +71,7 @@ def _wanted(canvas: Canvas, step: Step, size: Size) -> None:
     draw_cube(canvas, faces(start_of(step)), size, turn)
 
 
-def _stands(canvas: Canvas, pose: PoseView | None, size: Size) -> None:
+def _stands(canvas: Canvas, pose: PoseView | None, size: PictureSize) -> None:
     if pose is None:
         return
     if pose.heading_std_deg is None:

@@ -7,11 +7,11 @@ from textual.widget import Widget
 T = TypeVar("T")
 
 
-class Drawn(Widget, Generic[T]):
+class ValueWidget(Widget, Generic[T]):
     """Holds ``value``; a subclass says in `render` how it looks. What is too long is cut unless it wraps."""
 
     DEFAULT_CSS = """
-    Drawn { text-wrap: nowrap; text-overflow: ellipsis; }
+    ValueWidget { text-wrap: nowrap; text-overflow: ellipsis; }
     """
 
     def __init__(self, value: T, *, id: str | None = None) -> None:

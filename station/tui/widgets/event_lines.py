@@ -6,12 +6,12 @@ from textual.content import Content
 from textual.geometry import Size
 
 from station.stream.events import Event, Sound
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 
-LEAST = 2  # rows
-ENDS: frozenset[Sound] = frozenset({"accepted", "rejected"})
+MIN_ROWS = 2  # rows
+OUTCOME_SOUNDS: frozenset[Sound] = frozenset({"accepted", "rejected"})
 
-LOOKS: dict[Sound, tuple[str, str]] = {
+SOUND_LOOKS: dict[Sound, tuple[str, str]] = {
     "": ("·", "$muted"),
     "start": ("▶", "$primary"),
     "still": ("◼", "$accent"),
@@ -20,7 +20,7 @@ LOOKS: dict[Sound, tuple[str, str]] = {
 }
 
 
-class EventLines(Drawn[tuple[Event, ...]]):
+class EventLines(ValueWidget[tuple[Event, ...]]):
     """As many whole events as there are lines; the newest in full colour.
 
     ``keeps_reason``: why the last attempt was rejected stays in sight until one is accepted.
@@ -36,7 +36,7 @@ class EventLines(Drawn[tuple[Event, ...]]):
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         """Return the rows that the newest event and the reason that still counts need."""
-        return max(sum(len(_lines(each, max(width, 40), is_newest=False)) for each in self._first), LEAST)
+        return max(sum(len(_lines(each, max(width, 40), is_newest=False)) for each in self._first), MIN_ROWS)
 
     def render(self) -> Content:
         """Draw the events in the order in which they happened; what needs two lines has two."""
@@ -53,13 +53,13 @@ class EventLines(Drawn[tuple[Event, ...]]):
     @property
     def _first(self) -> tuple[Event, ...]:
         """The newest event, and the reason of the last rejection if nothing was accepted since."""
-        ends = [each for each in self.value if each.sound in ENDS]
+        ends = [each for each in self.value if each.sound in OUTCOME_SOUNDS]
         reason = ends[-1:] if self._keeps_reason and ends and ends[-1].sound == "rejected" else []
         return tuple(self.value[-1:]) + tuple(each for each in reason if each != self.value[-1])
 
 
 def _lines(event: Event, width: int, *, is_newest: bool) -> list[Content]:
-    symbol, colour = LOOKS[event.sound]
+    symbol, colour = SOUND_LOOKS[event.sound]
     first, *others = wrap(event.text, width - 4, break_on_hyphens=False) or [""]
     look = "" if is_newest else "$muted"
     begin = Content.assemble((f" {symbol} ", f"bold {colour}"), (first, look))

@@ -5,16 +5,16 @@ from textual.containers import Horizontal
 from textual.widgets import Static
 
 
-class Fact(Horizontal):
+class FactLine(Horizontal):
     """A name on the left, the text beside it however long."""
 
     DEFAULT_CSS = """
-    Fact { height: auto; padding: 0 2; display: none; }
-    Fact.said { display: block; }
-    Fact .name { width: 11; color: $muted; }
-    Fact .text { width: 1fr; height: auto; }
-    Fact.warning .text { color: $warning; text-style: bold; }
-    Fact.good .text { color: $success; text-style: bold; }
+    FactLine { height: auto; padding: 0 2; display: none; }
+    FactLine.said { display: block; }
+    FactLine .name { width: 11; color: $muted; }
+    FactLine .text { width: 1fr; height: auto; }
+    FactLine.warning .text { color: $warning; text-style: bold; }
+    FactLine.good .text { color: $success; text-style: bold; }
     """
 
     def __init__(self, name: str, classes: str = "") -> None:

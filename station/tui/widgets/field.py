@@ -7,17 +7,17 @@ from textual.widgets import Input, Label
 from station.tui.setup_entries import Entry
 
 
-class Field(Horizontal):
+class SetupField(Horizontal):
     """An entry of the set-up; a cross and the colour of errors while its text is wrong."""
 
     DEFAULT_CSS = """
-    Field { height: 1; }
-    Field .label { width: 11; }
-    Field .mark { width: 2; color: $error; }
-    Field Input { width: 1fr; max-width: 24; }
-    Field.long Input { max-width: 100%; margin-right: 2; }
-    Field .unit { width: 6; padding-left: 1; color: $muted; }
-    Field.wrong .label { color: $error; text-style: bold; }
+    SetupField { height: 1; }
+    SetupField .label { width: 11; }
+    SetupField .mark { width: 2; color: $error; }
+    SetupField Input { width: 1fr; max-width: 24; }
+    SetupField.long Input { max-width: 100%; margin-right: 2; }
+    SetupField .unit { width: 6; padding-left: 1; color: $muted; }
+    SetupField.wrong .label { color: $error; text-style: bold; }
     """
 
     def __init__(self, entry: Entry, *, is_long: bool = False) -> None:

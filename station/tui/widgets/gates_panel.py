@@ -4,17 +4,17 @@ from dataclasses import dataclass
 
 from textual.content import Content
 
-from station.guide.view import Gates
+from station.guide.view import GatesView
 from station.tui.bars import bar
-from station.tui.durations_in_words import against
-from station.tui.widgets.drawn import Drawn
+from station.tui.durations_in_words import beside_limit
+from station.tui.widgets.drawn import ValueWidget
 
-NEARER = 45.0  # deg, beyond which another face is the one that is up
-FARTHEST = 54.74  # deg a corner's way is from three faces
-NUMBERS = 22  # columns of the numbers on the right
+OTHER_FACE_DEG = 45.0  # deg, beyond which another face is the one that is up
+CORNER_DEG = 54.74  # deg a corner's way is from three faces
+NUMBER_COLUMNS = 22  # columns of the numbers on the right
 
 
-class GatesPanel(Drawn[Gates | None]):
+class GatesPanel(ValueWidget[GatesView | None]):
     """A line for each gate: name, symbol and word, bar against the limit, numbers."""
 
     DEFAULT_CSS = """
@@ -29,10 +29,10 @@ class GatesPanel(Drawn[Gates | None]):
         gates = self.value
         if gates is None:
             return Content("\n").join(_unknown(name) for name in ("FACE", "STILL"))
-        room = self.size.width - 17 - NUMBERS
+        room = self.size.width - 17 - NUMBER_COLUMNS
         up = f"{gates.face.replace('_', ' ').capitalize()}, " if gates.face else ""
         channel = gates.still_channel.replace("accelerometer", "accel").replace("gyroscope", "gyro")
-        is_tilted = gates.limit_deg < gates.off_deg < NEARER
+        is_tilted = gates.limit_deg < gates.off_deg < OTHER_FACE_DEG
         word = "tilted" if is_tilted else "wrong" if gates.off_deg > gates.limit_deg else "other"
         if gates.is_right_face:
             word = "right" if gates.is_wanted_face else "may do"
@@ -40,12 +40,12 @@ class GatesPanel(Drawn[Gates | None]):
             word = "apart" if gates.is_right_face else "near"
             far = f"{gates.off_deg:.0f} deg from {gates.face.replace('_', ' ')}"
             return Content("\n").join(
-                (_Gate("FREE", word, gates.is_right_face, gates.off_deg / FARTHEST, far).drawn(room),
+                (_Gate("FREE", word, gates.is_right_face, gates.off_deg / CORNER_DEG, far).drawn(room),
                  _still(gates, channel).drawn(room))
             )  # fmt: skip
         face = _Gate("FACE", word, gates.is_right_face,
                      gates.off_deg / gates.limit_deg if gates.is_right_face else 1.0,
-                     up + against(gates.off_deg, gates.limit_deg, "deg"))  # fmt: skip
+                     up + beside_limit(gates.off_deg, gates.limit_deg, "deg"))  # fmt: skip
         return Content("\n").join((face.drawn(room), _still(gates, channel).drawn(room)))
 
 
@@ -62,14 +62,14 @@ class _Gate:
         filled, empty = bar(self.fraction, max(room, 3))
         return Content.assemble(
             (f" {self.name:6}", "bold"), (f"{'✓' if self.is_open else '✗'} {self.word:7}", f"bold {colour}"),
-            (filled, colour), (empty, "on $foreground 12%"), f" {self.numbers:>{NUMBERS - 1}}",
+            (filled, colour), (empty, "on $foreground 12%"), f" {self.numbers:>{NUMBER_COLUMNS - 1}}",
         )  # fmt: skip
 
 
-def _still(gates: Gates, channel: str) -> _Gate:
+def _still(gates: GatesView, channel: str) -> _Gate:
     return _Gate("STILL", "still" if gates.is_still else "moving", gates.is_still,
                  gates.still / gates.still_limit,
-                 against(min(gates.still, 9999.0), gates.still_limit, f"noise {channel}"))  # fmt: skip
+                 beside_limit(min(gates.still, 9999.0), gates.still_limit, f"noise {channel}"))  # fmt: skip
 
 
 def _unknown(name: str) -> Content:

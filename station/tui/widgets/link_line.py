@@ -2,14 +2,14 @@
 
 from textual.content import Content
 
-from station.guide.view import Link
+from station.guide.view import LinkView
 from station.text.plural import plural
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 
 NO_DATA = "NO DATA"
 
 
-class LinkLine(Drawn[Link]):
+class LinkLine(ValueWidget[LinkView]):
     """Rate, bad frames, lost samples, gaps, temperature."""
 
     DEFAULT_CSS = """
@@ -18,9 +18,9 @@ class LinkLine(Drawn[Link]):
     """
 
     def __init__(self) -> None:
-        super().__init__(Link(), id="link")
+        super().__init__(LinkView(), id="link")
 
-    def show(self, value: Link) -> None:
+    def show(self, value: LinkView) -> None:
         """Take a link's state."""
         self.set_class(not value.is_live, "silent")
         super().show(value)

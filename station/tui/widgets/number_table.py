@@ -5,17 +5,17 @@ from collections.abc import Iterable
 from textual.content import Content
 from textual.geometry import Size
 
-from station.guide.view import Row
-from station.tui.widgets.drawn import Drawn
-from station.tui.widgets.verdict_sentence import LOOKS
+from station.guide.view import VerdictRow
+from station.tui.widgets.drawn import ValueWidget
+from station.tui.widgets.verdict_sentence import VERDICT_LOOKS
 
-HEADER = ("parameter", "value", "U (95 %)", "1 sigma", "unit", "verdict", "limit", "change")
-RIGHT = (1, 2, 3, 7)  # columns of numbers
-SIGMA, VERDICT = HEADER.index("1 sigma"), HEADER.index("verdict")
+TABLE_HEADER = ("parameter", "value", "U (95 %)", "1 sigma", "unit", "verdict", "limit", "change")
+RIGHT_COLUMNS = (1, 2, 3, 7)  # columns of numbers
+SIGMA, VERDICT = TABLE_HEADER.index("1 sigma"), TABLE_HEADER.index("verdict")
 GAP, INDENT = "  ", "    "
 
 
-class NumberTable(Drawn[tuple[Row, ...]]):
+class NumberTable(ValueWidget[tuple[VerdictRow, ...]]):
     """As high as it needs and as wide as there is room; put it where it can be scrolled down."""
 
     DEFAULT_CSS = """
@@ -34,8 +34,8 @@ class NumberTable(Drawn[tuple[Row, ...]]):
         return Content("\n").join(self._lines(self.content_size.width))
 
     def _lines(self, width: int) -> list[Content]:
-        rows = [HEADER, *(_cells(row) for row in self.value)]
-        widths = [max(len(row[column]) for row in rows) for column in range(len(HEADER))]
+        rows = [TABLE_HEADER, *(_cells(row) for row in self.value)]
+        widths = [max(len(row[column]) for row in rows) for column in range(len(TABLE_HEADER))]
         is_wide = sum(widths) + len(GAP) * (len(widths) - 1) <= width
         draw = _line if is_wide else _stacked
         colours = ["", *(_colour(row) for row in self.value)]
@@ -45,8 +45,8 @@ class NumberTable(Drawn[tuple[Row, ...]]):
 
 def _line(cells: tuple[str, ...], widths: list[int], colour: str, _: int) -> list[Content]:
     """Draw a row in one line."""
-    if cells is HEADER:
-        return [_aligned(cells, widths, range(len(HEADER))).stylize("bold $muted")]
+    if cells is TABLE_HEADER:
+        return [_aligned(cells, widths, range(len(TABLE_HEADER))).stylize("bold $muted")]
     before, after = (_aligned(cells, widths, part) for part in (range(VERDICT), range(VERDICT + 1, len(cells))))
     return [
         Content(GAP).join([before, Content.styled(cells[VERDICT].ljust(widths[VERDICT]), f"bold {colour}"), after])
@@ -61,7 +61,7 @@ def _stacked(cells: tuple[str, ...], widths: list[int], colour: str, width: int)
     numbers = _aligned(cells, widths, range(VERDICT))
     if numbers.cell_length > width:
         numbers = _aligned(cells, widths, [column for column in range(VERDICT) if column != SIGMA])
-    if cells is HEADER:
+    if cells is TABLE_HEADER:
         return [numbers.stylize("bold $muted")]
     verdict, limit, change = cells[VERDICT:]
     said = [
@@ -76,15 +76,15 @@ def _stacked(cells: tuple[str, ...], widths: list[int], colour: str, width: int)
 
 def _aligned(cells: tuple[str, ...], widths: list[int], columns: Iterable[int]) -> Content:
     return Content(
-        GAP.join(cells[k].rjust(widths[k]) if k in RIGHT else cells[k].ljust(widths[k]) for k in columns)
+        GAP.join(cells[k].rjust(widths[k]) if k in RIGHT_COLUMNS else cells[k].ljust(widths[k]) for k in columns)
     )
 
 
-def _colour(row: Row) -> str:
-    return LOOKS[row.verdict][1] if row.verdict in LOOKS else ""
+def _colour(row: VerdictRow) -> str:
+    return VERDICT_LOOKS[row.verdict][1] if row.verdict in VERDICT_LOOKS else ""
 
 
-def _cells(row: Row) -> tuple[str, ...]:
-    symbol = LOOKS[row.verdict][0] if row.verdict in LOOKS else ""
+def _cells(row: VerdictRow) -> tuple[str, ...]:
+    symbol = VERDICT_LOOKS[row.verdict][0] if row.verdict in VERDICT_LOOKS else ""
     verdict = f"{symbol} {row.verdict.replace('_', ' ')}".strip()
     return row.name, row.value, row.expanded, row.sigma, row.unit, verdict, row.limit, row.change

@@ -7,17 +7,17 @@ from textual.widgets import Label, Select
 from station.guide.setup_view import Choice
 
 
-class Pick(Vertical):
+class PickList(Vertical):
     """Choices of a set-up; ``value`` is the key chosen, empty for none."""
 
     DEFAULT_CSS = """
-    Pick { height: auto; }
-    Pick Horizontal { height: 1; }
-    Pick .label { width: 11; margin-left: 2; }
-    Pick Select { width: 1fr; margin-right: 2; }
-    Pick .note { height: auto; margin-left: 13; color: $success; display: none; }
-    Pick .note.said { display: block; }
-    Pick .note.warns { color: $warning; text-style: bold; }
+    PickList { height: auto; }
+    PickList Horizontal { height: 1; }
+    PickList .label { width: 11; margin-left: 2; }
+    PickList Select { width: 1fr; margin-right: 2; }
+    PickList .note { height: auto; margin-left: 13; color: $success; display: none; }
+    PickList .note.said { display: block; }
+    PickList .note.warns { color: $warning; text-style: bold; }
     """
 
     def __init__(self, name: str, label: str, prompt: str) -> None:

@@ -5,13 +5,13 @@ from textwrap import wrap
 from textual.content import Content
 
 from station.guide.setup_view import Readiness, ReadyLine
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 
 WIDTH, INDENT = 68, 12  # of a line in the list
-LOOKS = {"ready": ("✓", "$success"), "note": ("·", "$foreground"), "lacks": ("✗", "$warning")}
+READY_LOOKS = {"ready": ("✓", "$success"), "note": ("·", "$foreground"), "lacks": ("✗", "$warning")}
 
 
-class ReadyLines(Drawn[Readiness | None]):
+class ReadyLines(ValueWidget[Readiness | None]):
     """Two lines: can it end in PASS, can it end in a certificate, and why not. Away while that is not known."""
 
     DEFAULT_CSS = """
@@ -46,12 +46,12 @@ def _fitting(text: str, width: int | None) -> str:
     return f"{text.partition(', ')[0]}, ctrl+r says why"
 
 
-def line(one: ReadyLine) -> Content:
+def ready_line(one: ReadyLine) -> Content:
     """Return a thing that is needed, its state as symbol and colour, and what is known of it."""
     rows = wrap(one.text, WIDTH - INDENT, break_on_hyphens=False)
     return _styled(one.state, f"{one.name:{INDENT - 2}}" + f"\n{' ' * INDENT}".join(rows))
 
 
 def _styled(state: str, text: str) -> Content:
-    symbol, colour = LOOKS[state]
+    symbol, colour = READY_LOOKS[state]
     return Content.assemble((f"{symbol} ", f"bold {colour}"), text)

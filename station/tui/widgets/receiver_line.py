@@ -2,13 +2,13 @@
 
 from textual.content import Content
 
-from station.guide.setup_view import Check
-from station.tui.widgets.drawn import Drawn
+from station.guide.setup_view import PortCheck
+from station.tui.widgets.drawn import ValueWidget
 
-Heard = tuple[str, Check | None, bool, bool]  # address, newest look, whether one goes on, is latitude stated
+Heard = tuple[str, PortCheck | None, bool, bool]  # address, newest look, whether one goes on, is latitude stated
 
 
-class ReceiverLine(Drawn[Heard]):
+class ReceiverLine(ValueWidget[Heard]):
     """Where it stands, with sigma, and what that is for; or why there is no telling. Away without an address."""
 
     DEFAULT_CSS = """

@@ -4,15 +4,15 @@ from textwrap import fill
 
 from textual.content import Content
 
-from station.guide.view import Gates
-from station.tui.widgets.drawn import Drawn
+from station.guide.view import GatesView
+from station.tui.widgets.drawn import ValueWidget
 
 
-class Seating(Drawn[Gates | None]):
+class SeatingLines(ValueWidget[GatesView | None]):
     """Heading, then seating."""
 
     DEFAULT_CSS = """
-    Seating { height: 1fr; min-height: 3; }
+    SeatingLines { height: 1fr; min-height: 3; }
     """
 
     def __init__(self) -> None:

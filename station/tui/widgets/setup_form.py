@@ -6,21 +6,21 @@ from textual.message import Message
 from textual.widgets import Input, Select, Static
 
 from station.files.setup import Setup
-from station.guide.setup_view import Check, Start
+from station.guide.setup_view import PortCheck, StartView
 from station.tui.setup_entries import ENTRIES, problems, setup_of, texts_of
 from station.tui.widgets.check_line import CheckLine
-from station.tui.widgets.field import Field
-from station.tui.widgets.pick import Pick
+from station.tui.widgets.field import SetupField
+from station.tui.widgets.pick import PickList
 from station.tui.widgets.receiver_line import ReceiverLine
 
-SITE = (
+FIELD_PAIRS = (
     ("latitude_deg", "longitude_deg"),
     ("height_m", "operator"),
     ("gravity_m_s2", "gravity_std_m_s2"),
     ("dwell_s", "bias_ug"),
     ("revolutions", ""),
 )
-ADDRESSES = ("url", "gnss")  # looked at when Enter is pressed
+ADDRESS_FIELDS = ("url", "gnss")  # looked at when Enter is pressed
 
 
 class SetupForm(VerticalScroll, can_focus=False):
@@ -48,14 +48,14 @@ class SetupForm(VerticalScroll, can_focus=False):
 
     def __init__(self) -> None:
         super().__init__(id="form")
-        self.port = Pick("port", "Port", "ports found: Enter opens the list")
-        self.cube = Pick("cube", "Cube", "which cube: Enter opens the list")
-        self.slab = Pick("slab", "Slab", "which slab: Enter opens the list")
+        self.port = PickList("port", "Port", "ports found: Enter opens the list")
+        self.cube = PickList("cube", "Cube", "which cube: Enter opens the list")
+        self.slab = PickList("slab", "Slab", "which slab: Enter opens the list")
         self.look, self.heard = CheckLine(), ReceiverLine()
-        self.fields = {entry.name: Field(entry, is_long=entry.name in ADDRESSES) for entry in ENTRIES}
-        self._start = Start()
+        self.fields = {entry.name: SetupField(entry, is_long=entry.name in ADDRESS_FIELDS) for entry in ENTRIES}
+        self._start = StartView()
         self._filled: Setup | None = None
-        self._check: Check | None = None
+        self._check: PortCheck | None = None
 
     def compose(self) -> ComposeResult:
         """Lay out a line for each thing, or two things that belong together."""
@@ -67,13 +67,13 @@ class SetupForm(VerticalScroll, can_focus=False):
         yield self.slab
         yield self.fields["gnss"]
         yield self.heard
-        for names in SITE:
+        for names in FIELD_PAIRS:
             yield self._pair(*names)
 
     def _pair(self, *names: str) -> Horizontal:
         return Horizontal(*(self.fields[name] if name else Static() for name in names), classes="pair")
 
-    def offer(self, start: Start) -> None:
+    def offer(self, start: StartView) -> None:
         """Take what the engine offers."""
         self.port.offer(start.ports)
         self.cube.offer(start.cubes)
@@ -98,7 +98,7 @@ class SetupForm(VerticalScroll, can_focus=False):
         for pick, key in ((self.port, setup.url), (self.cube, setup.cube), (self.slab, setup.slab)):
             pick.choose(key)
 
-    def _take_unit(self, check: Check | None) -> None:
+    def _take_unit(self, check: PortCheck | None) -> None:
         """Let a device that says its own model and serial number fill in these."""
         if check == self._check:
             return
@@ -148,7 +148,7 @@ class SetupForm(VerticalScroll, can_focus=False):
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Look at port or receiver once its address is typed; else go to the next field."""
         event.stop()
-        if event.input.id in ADDRESSES:
+        if event.input.id in ADDRESS_FIELDS:
             self.post_message(self.Look(event.input.id))
         else:
             self.screen.focus_next()

@@ -3,10 +3,10 @@
 from textual.content import Content
 
 from station.guide.view import SoakView
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 
 
-class SoakLines(Drawn[SoakView | None]):
+class SoakLines(ValueWidget[SoakView | None]):
     """A line for the temperature, one for the time."""
 
     DEFAULT_CSS = """

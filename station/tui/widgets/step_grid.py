@@ -4,38 +4,38 @@ from dataclasses import dataclass
 
 from textual.content import Content
 
-from station.guide.view import Step, StepState
+from station.guide.view import StepState, StepView
 from station.tui.orientation import faces, is_counter_clockwise, start_of
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 
-COLUMNS = ("X up", "X down", "Y up", "Y down", "Z up", "Z down")
+FACE_COLUMNS = ("X up", "X down", "Y up", "Y down", "Z up", "Z down")
 OTHERS = "free positions, s: soaks"
 TURNS = 2  # the row of the turns
 ROWS = 3
-LOOKS: dict[StepState, tuple[str, str]] = {
+STEP_LOOKS: dict[StepState, tuple[str, str]] = {
     "todo": ("○", "$muted"),
     "live": ("●", "bold $accent"),
     "done": ("✓", "$success"),
     "redo": ("!", "$warning"),
 }
-Place = tuple[int, int]  # row, column
+Cell = tuple[int, int]  # row, column
 
 
 @dataclass(frozen=True, slots=True)
-class Grid:
+class GridCursor:
     """The steps, which one is wanted, and where the cursor stands."""
 
-    steps: tuple[Step, ...] = ()
+    steps: tuple[StepView, ...] = ()
     wanted: str = ""
     cursor: str = ""
 
     @property
-    def places(self) -> dict[str, Place]:
+    def places(self) -> dict[str, Cell]:
         """The cell of each step: free positions and soaks stand in rows of their own below the faces'."""
-        by_face = {step.name: place_of(step) for step in self.steps if not step.number}
+        by_face = {step.name: cell_of(step) for step in self.steps if not step.number}
         others = [step.name for step in self.steps if step.number]
         first = ROWS if by_face else 0
-        below = {name: (first + i // len(COLUMNS), i % len(COLUMNS)) for i, name in enumerate(others)}
+        below = {name: (first + i // len(FACE_COLUMNS), i % len(FACE_COLUMNS)) for i, name in enumerate(others)}
         return by_face | below
 
     @property
@@ -48,7 +48,7 @@ class Grid:
         """The first row in sight: the cursor's is."""
         return max(self.places.get(self.cursor, (0, 0))[0] - ROWS + 1, 0)
 
-    def at(self, place: Place) -> Step | None:
+    def at(self, place: Cell) -> StepView | None:
         """Return the step in a cell."""
         places = self.places
         return next((step for step in self.steps if places[step.name] == place), None)
@@ -56,8 +56,8 @@ class Grid:
     def neighbour(self, down: int, right: int) -> str:
         """Return the name of the next step in a direction; the cursor's own where there is none."""
         row, column = self.places.get(self.cursor, (0, 0))
-        for _ in range(max(len(COLUMNS), self.rows)):
-            row, column = (row + down) % self.rows, (column + right) % len(COLUMNS)
+        for _ in range(max(len(FACE_COLUMNS), self.rows)):
+            row, column = (row + down) % self.rows, (column + right) % len(FACE_COLUMNS)
             if found := self.at((row, column)):
                 return found.name
         return self.cursor
@@ -69,7 +69,7 @@ class Grid:
         return names[max(at - 1, 0)] if names else ""
 
 
-class StepGrid(Drawn[Grid]):
+class StepGrid(ValueWidget[GridCursor]):
     """A cell has two lines: number or turn, then symbol and word."""
 
     DEFAULT_CSS = """
@@ -77,17 +77,17 @@ class StepGrid(Drawn[Grid]):
     """
 
     def __init__(self) -> None:
-        super().__init__(Grid(), id="steps")
+        super().__init__(GridCursor(), id="steps")
 
     def render(self) -> Content:
         """Draw the cells under their headers."""
-        width = max(self.size.width // len(COLUMNS), 7)
+        width = max(self.size.width // len(FACE_COLUMNS), 7)
         lines, before = list[Content](), ""
         for row in range(self.value.top, self.value.top + ROWS):
             if (header := self._header(row, width)) != before:
                 lines.append(Content(header).stylize("$muted"))
             before = header
-            cells = [self._cell((row, column), width) for column in range(len(COLUMNS))]
+            cells = [self._cell((row, column), width) for column in range(len(FACE_COLUMNS))]
             lines += [Content("").join(cell[line] for cell in cells) for line in (0, 1)]
         return Content("\n").join(lines)
 
@@ -97,15 +97,15 @@ class StepGrid(Drawn[Grid]):
         if row > TURNS or (steps and all(step.number for step in steps)):
             return f" {OTHERS}"
         if row < TURNS:
-            return "".join(f" {name}".ljust(width) for name in COLUMNS)
+            return "".join(f" {name}".ljust(width) for name in FACE_COLUMNS)
         turns = {step.axis: f" turn {step.axis.upper()}, {_up(step)}" for step in steps if step.axis}
         return "".join(turns.get(axis, "").ljust(2 * width) for axis in "xyz")
 
-    def _cell(self, place: Place, width: int) -> tuple[Content, Content]:
+    def _cell(self, place: Cell, width: int) -> tuple[Content, Content]:
         step = self.value.at(place)
         if step is None:
             return Content(" " * width), Content(" " * width)
-        symbol, colour = LOOKS[step.state]
+        symbol, colour = STEP_LOOKS[step.state]
         is_wanted = step.name == self.value.wanted
         name = _counted(f"{'▶' if is_wanted else ' '}{_short(step)}", step.superseded, width)
         ground = " on $primary 45%" if step.name == self.value.cursor else ""
@@ -122,7 +122,7 @@ def _counted(name: str, superseded: int, width: int) -> str:
     return next((said for each in (name, dense) if len(said := f"{each} +{superseded}") <= width), name)
 
 
-def place_of(step: Step) -> Place:
+def cell_of(step: StepView) -> Cell:
     """Return the cell of a step."""
     if step.position:
         column, row = divmod(step.position - 1, 2)
@@ -130,12 +130,12 @@ def place_of(step: Step) -> Place:
     return TURNS, 2 * "xyz".index(step.axis) + (step.direction != "+")
 
 
-def _up(step: Step) -> str:
+def _up(step: StepView) -> str:
     looks = faces(start_of(step))
     return f"{step.axis.upper()} {'up' if looks['U'].startswith('+') else 'down'}"
 
 
-def _short(step: Step) -> str:
+def _short(step: StepView) -> str:
     if step.number:
         return f"{'s' if step.is_soak else ''}{step.number}"
     if step.position:

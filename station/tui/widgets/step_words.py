@@ -2,12 +2,12 @@
 
 from textual.content import Content
 
-from station.guide.view import Step
-from station.tui.orientation import title
-from station.tui.widgets.drawn import Drawn
+from station.guide.view import StepView
+from station.tui.orientation import short_step_title
+from station.tui.widgets.drawn import ValueWidget
 
 
-class StepWords(Drawn[Step | None]):
+class StepWords(ValueWidget[StepView | None]):
     """Name, state, seconds, how many recordings are superseded, and what was noted."""
 
     DEFAULT_CSS = """
@@ -24,4 +24,4 @@ class StepWords(Drawn[Step | None]):
             return Content("")
         said = [step.state, f"{step.seconds:.0f} s" if step.attempts else ""]
         said += [f"{step.superseded} superseded" if step.superseded else "", step.note]
-        return Content.assemble((f"{title(step)}: ", "bold"), ", ".join(word for word in said if word))
+        return Content.assemble((f"{short_step_title(step)}: ", "bold"), ", ".join(word for word in said if word))

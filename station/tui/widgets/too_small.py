@@ -3,13 +3,13 @@
 from textual.app import RenderResult
 from textual.content import Content
 
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 
 LEAST = (80, 24)  # columns, rows
 GOES_ON = "The campaign goes on meanwhile, and keys work"
 
 
-class TooSmall(Drawn[bool]):
+class TooSmall(ValueWidget[bool]):
     """Says what is needed and what there is; the screen comes back by itself once there is room.
 
     ``value``: whether a campaign goes on meanwhile.

@@ -4,12 +4,12 @@ from textual.content import Content
 
 from station.guide.view import TurnView
 from station.tui.bars import bar, pointer
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 
-NUMBERS = 19  # columns of the numbers on the right
+NUMBER_COLUMNS = 19  # columns of the numbers on the right
 
 
-class TurnGauge(Drawn[TurnView | None]):
+class TurnGauge(ValueWidget[TurnView | None]):
     """Three lines: turns, speed between its limits, and the return or the rest."""
 
     DEFAULT_CSS = """
@@ -24,7 +24,7 @@ class TurnGauge(Drawn[TurnView | None]):
         turn = self.value
         if turn is None:
             return Content("")
-        room = max(self.size.width - 8 - NUMBERS, 8)
+        room = max(self.size.width - 8 - NUMBER_COLUMNS, 8)
         return Content("\n").join((_turns(turn, room), _speed(turn, room - 11), _back(turn, room)))
 
 
@@ -32,7 +32,10 @@ def _turns(turn: TurnView, room: int) -> Content:
     filled, empty = bar(abs(turn.revolutions) / turn.wanted, room)
     numbers = f"{abs(turn.revolutions):.2f} of {turn.wanted}"
     return Content.assemble(
-        (" TURNS ", "bold"), (filled, "$accent"), (empty, "on $foreground 12%"), (f"{numbers:>{NUMBERS}}", "bold")
+        (" TURNS ", "bold"),
+        (filled, "$accent"),
+        (empty, "on $foreground 12%"),
+        (f"{numbers:>{NUMBER_COLUMNS}}", "bold"),
     )
 
 
@@ -42,7 +45,10 @@ def _speed(turn: TurnView, room: int) -> Content:
     numbers = f"{speed:.0f} deg/s, {turn.slow_deg_s:g}-{turn.fast_deg_s:g}"
     scale = pointer(speed / (1.2 * turn.fast_deg_s), max(room, 4))
     return Content.assemble(
-        (" SPEED ", "bold"), (f"{word:11}", f"bold {colour}"), (scale, colour), (f"{numbers:>{NUMBERS}}", "")
+        (" SPEED ", "bold"),
+        (f"{word:11}", f"bold {colour}"),
+        (scale, colour),
+        (f"{numbers:>{NUMBER_COLUMNS}}", ""),
     )
 
 
@@ -62,7 +68,10 @@ def _back(turn: TurnView, room: int) -> Content:
         filled, empty = bar(turn.rest_s / turn.rest_wanted_s, room)
         numbers = f"{turn.rest_s:.0f} of {turn.rest_wanted_s:.0f} s"
         return Content.assemble(
-            (" REST  ", "bold"), (filled, "$success"), (empty, "on $foreground 12%"), f"{numbers:>{NUMBERS}}"
+            (" REST  ", "bold"),
+            (filled, "$success"),
+            (empty, "on $foreground 12%"),
+            f"{numbers:>{NUMBER_COLUMNS}}",
         )
     sigma = "" if turn.came_back_std_deg is None else f" ± {turn.came_back_std_deg:.3f}"
     return Content.assemble((" BACK  ", "bold"), f"came back within {abs(turn.came_back_deg):.3f}{sigma} deg")

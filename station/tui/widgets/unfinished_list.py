@@ -4,7 +4,7 @@ from textual.content import Content
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
-from station.guide.setup_view import Unfinished
+from station.guide.setup_view import UnfinishedCampaign
 
 WORDS = {"free": "▶ go on: Enter", "in use": "✗ in use elsewhere", "not here": "✗ its folder is not here"}
 
@@ -19,9 +19,9 @@ class UnfinishedList(OptionList):
 
     def __init__(self) -> None:
         super().__init__(compact=True, id="unfinished", markup=False)
-        self.campaigns: tuple[Unfinished, ...] = ()
+        self.campaigns: tuple[UnfinishedCampaign, ...] = ()
 
-    def offer(self, campaigns: tuple[Unfinished, ...]) -> None:
+    def offer(self, campaigns: tuple[UnfinishedCampaign, ...]) -> None:
         """Offer other campaigns."""
         if campaigns == self.campaigns:
             return
@@ -36,5 +36,5 @@ class UnfinishedList(OptionList):
         return any(campaign.state == "free" for campaign in self.campaigns)
 
 
-def _line(campaign: Unfinished) -> Content:
+def _line(campaign: UnfinishedCampaign) -> Content:
     return Content.assemble(f"{campaign.title:50} ", WORDS[campaign.state])

@@ -3,13 +3,13 @@
 from textual.content import Content
 
 from station.guide.view import Verdict
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 
 DOUBTED = ("!", "$warning")
-LOOKS = {"PASS": ("✓", "$success"), "FAIL": ("✗", "$error"), "NOT_MEASURED": ("?", "$warning")}
+VERDICT_LOOKS = {"PASS": ("✓", "$success"), "FAIL": ("✗", "$error"), "NOT_MEASURED": ("?", "$warning")}
 
 
-class VerdictSentence(Drawn[Verdict | None]):
+class VerdictSentence(ValueWidget[Verdict | None]):
     """Stands alone at the top."""
 
     DEFAULT_CSS = """
@@ -24,7 +24,7 @@ class VerdictSentence(Drawn[Verdict | None]):
 
     def show(self, value: Verdict | None) -> None:
         """Take another verdict."""
-        for word in LOOKS:
+        for word in VERDICT_LOOKS:
             self.set_class(value is not None and value.word == word, word)
         self.set_class(value is not None and _is_doubted(value), "doubted")
         super().show(value)
@@ -33,7 +33,7 @@ class VerdictSentence(Drawn[Verdict | None]):
         """Draw it."""
         if self.value is None:
             return Content("")
-        symbol, colour = DOUBTED if _is_doubted(self.value) else LOOKS[self.value.word]
+        symbol, colour = DOUBTED if _is_doubted(self.value) else VERDICT_LOOKS[self.value.word]
         plain = self.value.said or self.value.word.replace("_", " ")
         sentence = self.value.sentence.removeprefix(f"{plain}: ")
         return Content.assemble((f" {symbol} {plain} ", f"$background on {colour}"), f"  {sentence}")

@@ -2,14 +2,14 @@
 
 from textual.content import Content
 
-from station.guide.view import WarmUp
+from station.guide.view import WarmUpView
 from station.guide.wording import rounded
 from station.tui.bars import bar
-from station.tui.durations_in_words import duration
-from station.tui.widgets.drawn import Drawn
+from station.tui.durations_in_words import duration_in_words
+from station.tui.widgets.drawn import ValueWidget
 
 
-class WarmUpPanel(Drawn[WarmUp | None]):
+class WarmUpPanel(ValueWidget[WarmUpView | None]):
     """Time gone and left, then temperature rate and gyro drift with a bar each."""
 
     DEFAULT_CSS = """
@@ -24,9 +24,9 @@ class WarmUpPanel(Drawn[WarmUp | None]):
         warm = self.value
         if warm is None:
             return Content.styled("waiting for the first counts", "$muted")
-        left = "cannot be said yet" if warm.left_s is None else f"about {duration(warm.left_s)}"
+        left = "cannot be said yet" if warm.left_s is None else f"about {duration_in_words(warm.left_s)}"
         lines = [
-            Content.assemble(("time so far     ", "$muted"), (duration(warm.seconds), "bold")),
+            Content.assemble(("time so far     ", "$muted"), (duration_in_words(warm.seconds), "bold")),
             Content.assemble(("time left       ", "$muted"), (left, "bold")),
             Content(""),
             self._gate("temp. rate", warm.temperature_rate_c_min, warm.temperature_limit_c_min, "°C/min"),

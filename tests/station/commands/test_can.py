@@ -23,7 +23,7 @@ from station.files.campaign_folder.reading import read_campaign
 from station.files.setup import Setup
 from station.files.sha256sums import verify_folder
 from station.guide.live_campaign import begin, resume
-from station.guide.options import Options
+from station.guide.options import CalibrationOptions
 from station.stream.recorder import check_raw_bytes
 from tests.station.commands.program import Program
 
@@ -144,9 +144,9 @@ def test_files_named_from_one_folder_are_found_when_gone_on_from_another(
     setup = Setup(url=url, latitude_deg=31.17, folder=str(tmp_path / "c"), model="FOG", serial="CAN-5")
     (tmp_path / "elsewhere").mkdir()
     with open_db(str(tmp_path / "s.db")) as database:
-        begin(setup, database, Options(root=tmp_path)).close()
+        begin(setup, database, CalibrationOptions(root=tmp_path)).close()
         monkeypatch.chdir(tmp_path / "elsewhere")
-        resume(tmp_path / "c", database, Options(root=tmp_path)).close()
+        resume(tmp_path / "c", database, CalibrationOptions(root=tmp_path)).close()
 
 
 @pytest.mark.parametrize(

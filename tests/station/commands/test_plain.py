@@ -14,16 +14,16 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station.files.setup import Setup
-from station.guide.command import Command
-from station.guide.setup_view import Readiness, Start
-from station.guide.text_lines import HELP, PlainScreen, between_words, command_of, shown_at_end
-from station.guide.view import Stage, Verdict, View
+from station.guide.command import OperatorCommand
+from station.guide.setup_view import Readiness, StartView
+from station.guide.text_lines import KEYS_HELP, PlainScreen, between_words, command_of, shown_at_end
+from station.guide.view import CalibrationView, StageName, Verdict
 from station.stream.events import Event
 from tests.station.commands.program import MAIN, Program
 
-REFUSED = View(stage="start", start=Start(refused="/dev/x: no such port", refused_code=4))
-BEGIN = Command(verb="begin", setup=Setup(url="/dev/x", latitude_deg=31.0))
-VERDICT = View(
+REFUSED = CalibrationView(stage="start", start=StartView(refused="/dev/x: no such port", refused_code=4))
+BEGIN = OperatorCommand(verb="begin", setup=Setup(url="/dev/x", latitude_deg=31.0))
+VERDICT = CalibrationView(
     stage="verdict",
     verdict=Verdict(
         word="PASS", sentence="PASS", status="calibrated", diagnosis_text="all of it", report="/r.html"
@@ -119,7 +119,7 @@ def test_a_person_may_leave_after_a_refusal(tmp_path: Path) -> None:
 def test_what_was_refused_is_said_each_time_and_only_to_somebody_who_can_type() -> None:
     said = list[str]()
     screen = PlainScreen(said.append, rings=False, asks=True)
-    for view in (REFUSED, REFUSED, View(stage="connecting", line="connecting"), REFUSED):
+    for view in (REFUSED, REFUSED, CalibrationView(stage="connecting", line="connecting"), REFUSED):
         screen.show(view)
     assert [text.split("\n")[0] for text in said] == [f"refused: {REFUSED.start.refused}", "connecting",
                                                       f"refused: {REFUSED.start.refused}"]  # fmt: skip
@@ -129,14 +129,14 @@ def test_what_was_refused_is_said_each_time_and_only_to_somebody_who_can_type() 
 def test_a_person_is_told_the_keys_and_how_it_can_end_once() -> None:
     ready = Readiness(can_pass=True, can_certify=True)
     ends = Event(number=1, sound="", text="this run " + ", ".join(ready.said))
-    view = View(stage="place", unit="SIM-FOG3 SIM-7", readiness=ready, events=(ends,))
+    view = CalibrationView(stage="place", unit="SIM-FOG3 SIM-7", readiness=ready, events=(ends,))
     for asks in (True, False):
         said = list[str]()
         screen = PlainScreen(said.append, rings=False, asks=asks)
         for each in (view, view.model_copy(update={"hint": "slowly"})):
             screen.show(each)
         assert sum(text.count("can end in PASS") for text in said) == 1
-        assert said.count(HELP) == asks
+        assert said.count(KEYS_HELP) == asks
 
 
 @pytest.mark.parametrize(
@@ -146,12 +146,12 @@ def test_a_person_is_told_the_keys_and_how_it_can_end_once() -> None:
         ("paused", "p", "go_on"),
     ],
 )  # fmt: skip
-def test_a_key_means_what_it_means_on_the_screen(stage: Stage, typed: str, verb: str) -> None:
-    assert command_of(typed, View(stage=stage)) == Command(verb=verb)
+def test_a_key_means_what_it_means_on_the_screen(stage: StageName, typed: str, verb: str) -> None:
+    assert command_of(typed, CalibrationView(stage=stage)) == OperatorCommand(verb=verb)
 
 
 def test_no_word_is_broken_and_what_fits_stays_as_it_is() -> None:
-    text = f"{HELP}\n  bias x    12.5 ug\n\nend"
+    text = f"{KEYS_HELP}\n  bias x    12.5 ug\n\nend"
     lines = between_words(text, 80).split("\n")
     assert max(map(len, lines)) <= 80
     assert " ".join(lines).split() == text.split()
@@ -173,20 +173,20 @@ def test_the_end_says_what_can_be_typed() -> None:
     [
         ("g", BEGIN),
         ("", BEGIN),
-        ("q", Command(verb="leave")),
-        ("/dev/ttyUSB1", Command(verb="begin", setup=Setup(url="/dev/ttyUSB1", latitude_deg=31.0))),
+        ("q", OperatorCommand(verb="leave")),
+        ("/dev/ttyUSB1", OperatorCommand(verb="begin", setup=Setup(url="/dev/ttyUSB1", latitude_deg=31.0))),
         ("x", None),
     ],
 )
-def test_after_a_refusal_a_line_is_another_try(typed: str, sent: Command | None) -> None:
+def test_after_a_refusal_a_line_is_another_try(typed: str, sent: OperatorCommand | None) -> None:
     assert command_of(typed, REFUSED, BEGIN) == sent
 
 
 def test_a_resumed_campaign_is_tried_at_another_port() -> None:
-    first = Command(verb="resume", folder="/c")
-    assert command_of("can0", REFUSED, first) == Command(verb="resume", folder="/c", url="can0")
+    first = OperatorCommand(verb="resume", folder="/c")
+    assert command_of("can0", REFUSED, first) == OperatorCommand(verb="resume", folder="/c", url="can0")
 
 
 def test_diagnosis_and_report_are_shown_at_the_end_only() -> None:
     assert (shown_at_end("d", VERDICT), shown_at_end("o\n", VERDICT)) == ("all of it", "/r.html")
-    assert shown_at_end("d", View(stage="dwell")) == ""
+    assert shown_at_end("d", CalibrationView(stage="dwell")) == ""

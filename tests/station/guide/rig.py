@@ -10,22 +10,22 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
-from station.guide.accepted_steps import so_far
+from station.guide.accepted_steps import read_accepted_steps
 from station.guide.checklist import Checklist
-from station.guide.command import Command
+from station.guide.command import OperatorCommand
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
 from station.guide.interrupted_campaigns import reopen
-from station.guide.stage_context import Desk, Facts
-from station.guide.view import View
+from station.guide.stage_context import BenchFacts, StageContext
+from station.guide.view import CalibrationView
 from station.stream.live import open_feed
 from station.stream.recorder import open_campaign
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
-Watch = Callable[[View], None]
+Watch = Callable[[CalibrationView], None]
 
 
-def ignore(_: View) -> None:
+def ignore(_: CalibrationView) -> None:
     pass
 
 
@@ -52,21 +52,21 @@ class GuideRig:
         self.unit = self.feed.identify() if format == "counts" else self.feed.identify("FOG", "1")
         self.database = open_db(folder / "station.db")
         self.recorder = open_campaign(self.folder, self.unit, SITE, self.database, output=self.feed.wire.output)
-        self.facts = Facts(
+        self.facts = BenchFacts(
             float(np.radians(self.truth.latitude_deg)), 1e-3, 2e-4, Fixture(), bias_std=bias_std, asks=asks
         )
-        self.desk = Desk(self.feed, Checklist(steps), self.facts, FolderRecorder(self.recorder))
-        self.guide = Guide(self.desk, warms_up=warms_up)
-        self.seen: list[View] = []
+        self.context = StageContext(self.feed, Checklist(steps), self.facts, FolderRecorder(self.recorder))
+        self.guide = Guide(self.context, warms_up=warms_up)
+        self.seen: list[CalibrationView] = []
         self.said: dict[int, str] = {}
 
     def resume(self) -> None:
         """Go on as after a kill: all that is known comes from the folder and the database."""
         self.recorder = reopen(self.folder, self.database)
-        done, steps = so_far(self.folder), self.desk.checklist.steps
+        done, steps = read_accepted_steps(self.folder), self.context.checklist.steps
         checklist = Checklist(steps, self.recorder.accepted, done.seconds)
-        self.desk = Desk(self.feed, checklist, self.facts, FolderRecorder(self.recorder), done)
-        self.guide = Guide(self.desk, warms_up=False)
+        self.context = StageContext(self.feed, checklist, self.facts, FolderRecorder(self.recorder), done)
+        self.guide = Guide(self.context, warms_up=False)
         self.said.clear()
 
     def hands(self, command: str) -> None:
@@ -74,17 +74,19 @@ class GuideRig:
         assert answer.startswith("ok"), answer
 
     def obey(self, verb: str, **what: str) -> None:
-        self.guide.obey(Command.model_validate({"verb": verb, **what}))
+        self.guide.obey(OperatorCommand.model_validate({"verb": verb, **what}))
 
     @property
-    def view(self) -> View:
-        return self.guide.view(View())
+    def view(self) -> CalibrationView:
+        return self.guide.view(CalibrationView())
 
     @property
     def texts(self) -> list[str]:
         return [self.said[number] for number in sorted(self.said)]
 
-    def run(self, until: Callable[[View], bool], watch: Watch = ignore, seconds: float = 2000.0) -> View:
+    def run(
+        self, until: Callable[[CalibrationView], bool], watch: Watch = ignore, seconds: float = 2000.0
+    ) -> CalibrationView:
         """Let device time pass until a view shows what is waited for; fail after ``seconds`` of it."""
         end = self.source.device.imu.time + seconds
         while self.source.device.imu.time < end:
@@ -99,12 +101,12 @@ class GuideRig:
                     return view
         raise AssertionError(f"not within {seconds} s: {self.view.line}; {self.view.hint}; {self.texts[-5:]}")
 
-    def rest(self, seconds: float) -> View:
+    def rest(self, seconds: float) -> CalibrationView:
         """Let device time pass."""
         end = self.source.device.imu.time + seconds
         return self.run(lambda _: self.source.device.imu.time >= end, seconds=seconds + 10)
 
-    def done(self, count: int) -> Callable[[View], bool]:
+    def done(self, count: int) -> Callable[[CalibrationView], bool]:
         return lambda view: view.done >= count
 
 

@@ -11,7 +11,7 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Turn
 from procedures.frames import nominal_C_lb
-from station.guide.view import PoseView, View
+from station.guide.view import CalibrationView, PoseView
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
@@ -23,7 +23,7 @@ def off_deg(pose: PoseView, position: int) -> float:
     return float(np.degrees(np.arccos(np.clip((np.trace(between) - 1) / 2, -1, 1))))
 
 
-def known_pose(view: View) -> bool:
+def known_pose(view: CalibrationView) -> bool:
     return view.pose is not None and view.pose.heading_std_deg is not None
 
 
@@ -118,7 +118,7 @@ def test_nothing_is_shown_of_cube_and_gates_while_the_stream_is_silent(rig: Make
 def test_a_view_with_a_pose_crosses_a_process_border_unchanged(rig: Make) -> None:
     guided = rig([Dwell(1, 10.0), Turn("x", "+", 3, 1, 5.0)])
     view = guided.run(guided.done(1))
-    assert View.model_validate_json(view.model_dump_json()) == view
+    assert CalibrationView.model_validate_json(view.model_dump_json()) == view
 
 
 def test_the_second_turn_of_an_axis_is_followed_all_the_way_round(rig: Make) -> None:

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from station.guide.dwell_attempt import OTHERWISE, OTHERWISE_BLOCKS, Dwelling
-from station.guide.face_and_stillness import Look
+from station.guide.dwell_attempt import OTHERWISE, OTHERWISE_BLOCKS, DwellAttempt
+from station.guide.face_and_stillness import BlockLook
 from station.stream.live.stillness import Block
 
 SAMPLES = 50
 SIGMA = np.full(6, 0.8)  # count/s of a block, the least a counter shows
 REST = np.array([0.4, 0.0, 0.2, 0.0, 1.0, 1000.0])
 LOWERED = REST - np.array([0, 0, 0, 0, 0, 23.0])  # 23 mg of 1000 count/(g s)
-LOOK = Look("z_up", 0.2, 1.0, "az", True, True, True, SIGMA, "")
+LOOK = BlockLook("z_up", 0.2, 1.0, "az", True, True, True, SIGMA, "")
 
 
 def block(number: int, rate: np.ndarray) -> Block:
@@ -19,8 +19,8 @@ def block(number: int, rate: np.ndarray) -> Block:
     return Block(first, last, rate, np.zeros(6), number, number + 1.0, 23.0, True, False, False)
 
 
-def dwelling(seconds: int) -> Dwelling:
-    return Dwelling(seconds * SAMPLES, 1 / SAMPLES, lambda rate: 1e6)
+def dwelling(seconds: int) -> DwellAttempt:
+    return DwellAttempt(seconds * SAMPLES, 1 / SAMPLES, lambda rate: 1e6)
 
 
 def test_seconds_in_which_the_cube_was_still_lowered_are_dropped_by_those_that_followed() -> None:

@@ -11,17 +11,17 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
 
 
-def at(stage: str) -> Callable[[View], bool]:
+def at(stage: str) -> Callable[[CalibrationView], bool]:
     return lambda view: view.stage == stage
 
 
-def after(seconds: float) -> Callable[[View], bool]:
+def after(seconds: float) -> Callable[[CalibrationView], bool]:
     return lambda view: view.stage == "dwell" and view.accepted_s >= seconds
 
 

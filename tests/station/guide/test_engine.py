@@ -20,11 +20,11 @@ from fixtures_db.history import history, verify_chain
 from station.files.campaign_folder.reading import read_campaign
 from station.files.setup import Setup
 from station.files.sha256sums import verify_folder
-from station.guide.client import Connection
-from station.guide.command import Command
-from station.guide.open_campaigns import unfinished
+from station.guide.client import EngineConnection
+from station.guide.command import OperatorCommand
+from station.guide.open_campaigns import unfinished_campaigns
 from station.guide.start_engine import EngineOptions, engine_process
-from station.guide.view import View
+from station.guide.view import CalibrationView
 
 SPEED = 60.0
 
@@ -42,20 +42,20 @@ def setup_for(device: SimulatedDevice, folder: Path) -> Setup:
     )  # fmt: skip
 
 
-def options_for(device: SimulatedDevice, folder: Path, first: Command | None = None) -> EngineOptions:
+def options_for(device: SimulatedDevice, folder: Path, first: OperatorCommand | None = None) -> EngineOptions:
     return EngineOptions(
         root=folder, database=str(folder / "s.db"), hands=device.control, move_s=5.0, warms_up=False, first=first
     )
 
 
-class Screen(Connection):
+class Screen(EngineConnection):
     """A screen that waits for what it is told to."""
 
     def __init__(self, path: Path) -> None:
         self._news = threading.Event()
         super().__init__(path, self._news.set)
 
-    def wait(self, until: Callable[[View], bool], seconds: float = 90.0) -> View:
+    def wait(self, until: Callable[[CalibrationView], bool], seconds: float = 90.0) -> CalibrationView:
         """Return the first view that shows what is waited for."""
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
@@ -66,16 +66,16 @@ class Screen(Connection):
         raise AssertionError(f"not within {seconds} s: {self.view.stage}, {self.view.line}")
 
 
-def at(*stages: str) -> Callable[[View], bool]:
+def at(*stages: str) -> Callable[[CalibrationView], bool]:
     return lambda view: view.stage in stages
 
 
 def test_a_campaign_from_set_up_to_a_stored_calibration(device: SimulatedDevice, tmp_path: Path) -> None:
     with engine_process(options_for(device, tmp_path)) as socket, Screen(socket) as screen:
-        screen.send(Command(verb="check", url=device.url))
+        screen.send(OperatorCommand(verb="check", url=device.url))
         check = screen.wait(lambda v: v.start is not None and v.start.check is not None).start.check
         assert (check.is_good, check.format, check.serial) == (True, "counts", "SIM-5")
-        screen.send(Command(verb="begin", setup=setup_for(device, tmp_path)))
+        screen.send(OperatorCommand(verb="begin", setup=setup_for(device, tmp_path)))
         screen.wait(at("dwell"))
         with Screen(socket) as other:  # a second screen sees the same, and its leaving changes nothing
             assert other.wait(lambda v: v.unit == "SIM-FOG3 SIM-5").folder == str(tmp_path / "c")
@@ -84,16 +84,16 @@ def test_a_campaign_from_set_up_to_a_stored_calibration(device: SimulatedDevice,
         assert Path(view.verdict.report).exists()
         with open_db(tmp_path / "s.db") as database, database.read() as session:
             assert not history(session, "SIM-5")  # storing is the operator's act
-        screen.send(Command(verb="store"))
+        screen.send(OperatorCommand(verb="store"))
         stored = screen.wait(at("stored")).verdict.stored_sha256
-        screen.send(Command(verb="leave"))
+        screen.send(OperatorCommand(verb="leave"))
         screen.wait(at("left"))
     with open_db(tmp_path / "s.db") as database, database.read() as session:
         [row] = history(session, "SIM-5")
         assert row.sha256 == stored
         assert row.document == (tmp_path / "c" / "calibration.json").read_text()
         assert verify_chain(session) == []
-        assert unfinished(database) == []
+        assert unfinished_campaigns(database) == []
     assert len(verify_folder(tmp_path / "c")) == 18
 
 
@@ -102,16 +102,16 @@ def test_what_cannot_be_solved_by_itself_is_said_once_and_can_be_left(
 ) -> None:
     plan = tmp_path / "plan.toml"
     plan.write_text('format = "plan/1"\n[[soak]]\nposition = 9\nseconds = 10\n')
-    first = Command(verb="begin", setup=setup_for(device, tmp_path))
+    first = OperatorCommand(verb="begin", setup=setup_for(device, tmp_path))
     options = options_for(device, tmp_path, first).model_copy(update={"plan": plan})
     with engine_process(options) as socket, Screen(socket) as screen:
         view = screen.wait(lambda v: v.line.startswith("all is recorded"))
         assert view.hint.startswith("it cannot be solved by itself: ")
         for verb, text in (("pause", "paused"), ("go_on", "going on"), ("pause", "paused"), ("go_on", "going on")):
-            screen.send(Command(verb=verb))
+            screen.send(OperatorCommand(verb=verb))
             view = screen.wait(lambda v, text=text: any(event.text == text for event in v.events[-2:]))
         assert sum(event.text.startswith("it cannot be solved by itself") for event in view.events) == 1
-        screen.send(Command(verb="leave"))
+        screen.send(OperatorCommand(verb="leave"))
         screen.wait(at("left"))
     assert verify_folder(tmp_path / "c") == ["soak_01.mcap"]
 
@@ -126,16 +126,16 @@ def test_cancel_leaves_the_database_as_it_was_and_the_files(
     short.write_text(
         'format = "plan/1"\n' + "".join(f"[[dwell]]\nposition = {p}\nseconds = 8\n" for p in range(1, 13))
     )
-    first = Command(verb="begin", setup=setup_for(device, tmp_path))
+    first = OperatorCommand(verb="begin", setup=setup_for(device, tmp_path))
     options = options_for(device, tmp_path, first).model_copy(update={"plan": short})
     with engine_process(options) as socket, Screen(socket) as screen:
         if when == "paused":
             screen.wait(at("dwell"))
-            screen.send(Command(verb="pause"))
+            screen.send(OperatorCommand(verb="pause"))
         if when == "dwell":
             screen.wait(lambda v: v.stage == "dwell" and v.done >= 2)
         screen.wait(at(when))
-        screen.send(Command(verb="cancel"))
+        screen.send(OperatorCommand(verb="cancel"))
         view = screen.wait(at("cancelled"))
         assert "the database is as it was" in view.line
     with open_db(tmp_path / "s.db") as database:
@@ -157,11 +157,11 @@ def dump(database: Database) -> list[str]:
 def test_what_cannot_begin_is_said_and_leaves_nothing_behind(device: SimulatedDevice, tmp_path: Path) -> None:
     setup = setup_for(device, tmp_path).model_copy(update={"url": "serial:///dev/ttyNONE?format=counts"})
     with engine_process(options_for(device, tmp_path)) as socket, Screen(socket) as screen:
-        screen.send(Command(verb="begin", setup=setup))
+        screen.send(OperatorCommand(verb="begin", setup=setup))
         view = screen.wait(lambda v: v.start is not None and bool(v.start.refused))
         assert "no such port" in view.start.refused
         assert not (tmp_path / "c").exists()
-        screen.send(Command(verb="begin", setup=setup_for(device, tmp_path)))
+        screen.send(OperatorCommand(verb="begin", setup=setup_for(device, tmp_path)))
         screen.wait(at("dwell"))
 
 
@@ -173,13 +173,13 @@ def test_an_engine_that_waits_for_a_receiver_does_not_keep_whoever_leaves(
         nobody.bind(("127.0.0.1", 0))
         silent = f"udpout:127.0.0.1:{nobody.getsockname()[1]}"
         setup = setup_for(device, tmp_path).model_copy(update={"gnss": silent, "latitude_deg": None})
-        first = Command(verb="begin", setup=setup)
+        first = OperatorCommand(verb="begin", setup=setup)
         with engine_process(options_for(device, tmp_path, first)) as path, Screen(path) as screen:
             screen.wait(at("connecting"))
 
 
 def test_a_killed_engine_is_told_and_its_campaign_is_gone_on_with(device: SimulatedDevice, tmp_path: Path) -> None:
-    first = Command(verb="begin", setup=setup_for(device, tmp_path))
+    first = OperatorCommand(verb="begin", setup=setup_for(device, tmp_path))
     options = options_for(device, tmp_path, first)
     socket = tmp_path / "engine"
     process = subprocess.Popen(
@@ -196,10 +196,10 @@ def test_a_killed_engine_is_told_and_its_campaign_is_gone_on_with(device: Simula
         view = screen.wait(at("failed"))
     assert "station resume" in view.error
     with open_db(tmp_path / "s.db") as database:
-        [found] = unfinished(database)
+        [found] = unfinished_campaigns(database)
     assert found.done >= 4
     assert (found.total, found.state) == (18, "free")
-    again = Command(verb="resume", folder=found.folder)
+    again = OperatorCommand(verb="resume", folder=found.folder)
     with engine_process(options_for(device, tmp_path, again)) as path, Screen(path) as screen:
         view = screen.wait(at("verdict"))
         assert view.done == 18
@@ -209,13 +209,13 @@ def test_a_killed_engine_is_told_and_its_campaign_is_gone_on_with(device: Simula
 
 
 def test_another_unit_may_not_go_on_with_a_campaign(device: SimulatedDevice, tmp_path: Path) -> None:
-    begin = Command(verb="begin", setup=setup_for(device, tmp_path))
+    begin = OperatorCommand(verb="begin", setup=setup_for(device, tmp_path))
     with engine_process(options_for(device, tmp_path, begin)) as socket, Screen(socket) as screen:
         screen.wait(lambda v: v.done >= 1)
-        screen.send(Command(verb="leave"))
+        screen.send(OperatorCommand(verb="leave"))
         screen.wait(at("left"))
     with SimulatedDevice(Truth.example(6), 6, speed=SPEED) as other:
-        resume = Command(verb="resume", folder=str(tmp_path / "c"))
+        resume = OperatorCommand(verb="resume", folder=str(tmp_path / "c"))
         options = options_for(other, tmp_path, resume).model_copy(update={"setup": Setup(url=other.url)})
         with engine_process(options) as socket, Screen(socket) as screen:
             view = screen.wait(lambda v: v.start is not None and bool(v.start.refused))

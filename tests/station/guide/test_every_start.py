@@ -17,10 +17,10 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from station.exit_codes import exit_code
 from station.files.setup import Setup
-from station.guide.command import Command
-from station.guide.engine import REFUSALS, Engine
+from station.guide.command import OperatorCommand
+from station.guide.engine import REFUSALS, CalibrationEngine
 from station.guide.headless import run_headless
-from station.guide.options import Options
+from station.guide.options import CalibrationOptions
 from station.guide.start_engine import EngineOptions
 
 
@@ -141,9 +141,9 @@ def hindered(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Hindran
 def test_a_hindered_start_stays_at_a_form_and_ends_without_one_by_the_same_words(
     hindered: Hindrance, tmp_path: Path
 ) -> None:
-    begin = Command(verb="begin", setup=hindered.setup)
+    begin = OperatorCommand(verb="begin", setup=hindered.setup)
     with open_db(tmp_path / "s.db") as database:
-        engine = Engine(database, Options(tmp_path, asks=False), lambda view: None)
+        engine = CalibrationEngine(database, CalibrationOptions(tmp_path, asks=False), lambda view: None)
         engine.obey(begin)
         engine.close()
         start = engine.view.start

@@ -15,10 +15,10 @@ from station import cli
 from station.files.campaign_folder.notes import keep_plan, write_setup
 from station.files.setup import Setup
 from station.files.toml_text import read_toml
-from station.guide.command import Command
-from station.guide.engine import Engine
+from station.guide.command import OperatorCommand
+from station.guide.engine import CalibrationEngine
 from station.guide.last_setup import save_setup
-from station.guide.options import Options
+from station.guide.options import CalibrationOptions
 from station.guide.start_engine import EngineOptions
 from station.results.kept_tilted_dwells import doubt_of
 from tests.station.guide.stored import recorded
@@ -49,9 +49,11 @@ def kept_tilted(folder: Path, position: int, *off: float) -> None:
     toml.write_text(text.replace(found, f"{found}kept_seat_rad = [{off[0]}, {off[1]}]\n"))
 
 
-def resumed(folder: Path, database: Database, url: str = "") -> Engine:
-    engine = Engine(database, Options(folder.parent, Setup(url=url), warms_up=False), lambda view: None)
-    engine.obey(Command(verb="resume", folder=str(folder)))
+def resumed(folder: Path, database: Database, url: str = "") -> CalibrationEngine:
+    engine = CalibrationEngine(
+        database, CalibrationOptions(folder.parent, Setup(url=url), warms_up=False), lambda view: None
+    )
+    engine.obey(OperatorCommand(verb="resume", folder=str(folder)))
     engine.round()
     return engine
 
@@ -62,7 +64,7 @@ def test_it_goes_to_the_verdict_without_its_port_and_can_be_stored(folder: Path,
     assert (engine.view.unit, engine.view.done) == ("SIM-FOG3 SIM-7", 12)
     assert engine.view.verdict.diagnosis_text
     assert not engine.is_busy
-    engine.obey(Command(verb="store"))
+    engine.obey(OperatorCommand(verb="store"))
     assert engine.view.stage == "stored"
     engine.close()
     with database.read() as session:
@@ -97,10 +99,10 @@ def test_a_step_done_again_opens_the_port_and_its_refusal_changes_nothing(
     folder: Path, database: Database
 ) -> None:
     engine = resumed(folder, database)
-    engine.obey(Command(verb="redo", step="dwell_03"))
+    engine.obey(OperatorCommand(verb="redo", step="dwell_03"))
     assert engine.view.stage == "verdict"
     assert "not done again: /dev/ttyNONE: no such port" in engine.view.events[-1].text
-    engine.obey(Command(verb="store"))
+    engine.obey(OperatorCommand(verb="store"))
     assert engine.view.stage == "stored"
     engine.close()
 
@@ -109,7 +111,7 @@ def test_a_step_done_again_on_its_unit_is_wanted_next(folder: Path, database: Da
     with SimulatedDevice(Truth.example(7), 7) as device:
         engine = resumed(folder, database, device.url)
         assert engine.view.stage == "verdict"
-        engine.obey(Command(verb="redo", step="dwell_03"))
+        engine.obey(OperatorCommand(verb="redo", step="dwell_03"))
         assert (engine.view.wanted, engine.view.verdict) == ("dwell_03", None)
         assert engine.is_busy
         engine.close()
@@ -128,14 +130,14 @@ def test_one_step_short_it_wants_its_port(folder: Path, database: Database) -> N
 def test_a_refused_campaign_leaves_the_form_as_it_stood(folder: Path, database: Database) -> None:
     keep_plan(folder, (*POSITIONS, *steps_of(hand_turns.plan(1, 5.0))))
     remembered = Setup(latitude_deg=48.1, operator="Curie", cube="CUBE-7")
-    engine = Engine(database, Options(folder.parent, remembered), lambda view: None)
+    engine = CalibrationEngine(database, CalibrationOptions(folder.parent, remembered), lambda view: None)
     typed = remembered.model_copy(update={"url": "/dev/ttyNEW", "operator": "Noether"})
-    engine.obey(Command(verb="consider", setup=typed))
-    engine.obey(Command(verb="resume", folder=str(folder)))
+    engine.obey(OperatorCommand(verb="consider", setup=typed))
+    engine.obey(OperatorCommand(verb="resume", folder=str(folder)))
     assert engine.view.start.setup == typed
     assert NOWHERE.split("?")[0].removeprefix("serial://") in engine.view.start.refused
     begun = typed.model_copy(update={"operator": "Curie", "folder": str(folder.parent / "n")})
-    engine.obey(Command(verb="begin", setup=begun))
+    engine.obey(OperatorCommand(verb="begin", setup=begun))
     assert engine.view.start.setup == begun
     assert "--device" not in engine.view.start.refused
     engine.close()

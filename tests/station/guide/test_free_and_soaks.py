@@ -12,9 +12,9 @@ from procedures.campaign.plan_steps import Dwell, FreePosition, Soak
 from procedures.rests_and_moves.free_attitudes import LEANS, angle_deg, way_up
 from station.files.campaign_folder.reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.guide.accepted_steps import so_far
+from station.guide.accepted_steps import read_accepted_steps
 from station.guide.interrupted_campaigns import reopen
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
@@ -25,7 +25,7 @@ def free(count: int, seconds: float = 10.0) -> list[FreePosition]:
 
 
 def up_of(rig: GuideRig, name: str) -> np.ndarray:
-    return rig.desk.judge.way_up(rig.desk.leaned[name])
+    return rig.context.gate.way_up(rig.context.free_attitudes[name])
 
 
 def test_leaning_cubes_are_recorded_each_where_it_is_asked_for(rig: Make) -> None:
@@ -101,10 +101,10 @@ def test_a_leaning_cube_that_slips_is_not_taken(rig: Make) -> None:
     assert guided.view.done == 0
 
 
-def heats(rig: GuideRig) -> Callable[[View], None]:
+def heats(rig: GuideRig) -> Callable[[CalibrationView], None]:
     told = list[bool]()
 
-    def watch(view: View) -> None:
+    def watch(view: CalibrationView) -> None:
         if view.soak and not told:
             told.append(True)
             rig.hands("heat 20 10")
@@ -153,10 +153,10 @@ def test_what_is_gone_on_with_knows_the_attitudes_taken_and_the_soaks(rig: Make)
     guided.hands("place 1 8")
     guided.run(guided.done(2))
     assert reopen(guided.folder, guided.database).accepted == {"free_01": 1, "soak_01": 1}
-    done = so_far(guided.folder)
+    done = read_accepted_steps(guided.folder)
     assert done.seconds == pytest.approx({"free_01": 10.0, "soak_01": 10.0}, rel=1e-6)
-    assert list(done.leaned) == ["free_01"]
-    assert angle_deg(guided.desk.judge.way_up(done.leaned["free_01"]), up_of(guided, "free_01")) < 0.01
+    assert list(done.free_attitudes) == ["free_01"]
+    assert angle_deg(guided.context.gate.way_up(done.free_attitudes["free_01"]), up_of(guided, "free_01")) < 0.01
 
 
 def test_the_ways_wanted_are_far_from_faces_and_from_each_other() -> None:

@@ -17,7 +17,7 @@ from station.files.campaign_folder.notes import keep_plan
 from station.files.campaign_folder.reading import read_campaign
 from station.files.sha256sums import verify_folder
 from station.guide.interrupted_campaigns import FolderInUse, FolderLock, cancel_campaign, reopen
-from station.guide.open_campaigns import unfinished
+from station.guide.open_campaigns import unfinished_campaigns
 from station.stream.recorder import Unit
 from station.stream.recorder import campaign_recorder as recording
 from tests.fixtures_db.factory import facts, solution
@@ -190,7 +190,7 @@ def test_a_campaign_with_a_stored_calibration_is_neither_cancelled_nor_gone_on_w
     for refused in (cancel_campaign, reopen):
         with pytest.raises(CampaignInUse):
             refused(tmp_path / "c", db)
-    assert unfinished(db) == []
+    assert unfinished_campaigns(db) == []
 
 
 def test_unfinished_campaigns_are_listed_newest_first_with_what_is_done(db: Database, tmp_path: Path) -> None:
@@ -200,16 +200,16 @@ def test_unfinished_campaigns_are_listed_newest_first_with_what_is_done(db: Data
     yesterday = datetime.now(UTC) - timedelta(days=1)
     with db.write() as session:
         campaign(session, str((tmp_path / "one").resolve())).started_utc = yesterday
-    second, first = unfinished(db)
+    second, first = unfinished_campaigns(db)
     began = yesterday.astimezone()
     assert first.title == f"campaign of {began:%Y-%m-%d %H:%M}, 2 of 3 done, SIM-FOG3 SIM-7"
     assert (first.done, first.total, first.serial, first.state) == (2, 3, "SIM-7", "free")
     assert second.title.endswith(", 0 of 18 done, SIM-FOG3 SIM-7")
     assert len(second.title.split(",")[0]) == len("campaign of 12:40")
     with FolderLock(tmp_path / "one"):
-        assert [each.state for each in unfinished(db)] == ["free", "in use"]
+        assert [each.state for each in unfinished_campaigns(db)] == ["free", "in use"]
     (tmp_path / "two").rename(tmp_path / "moved")
-    assert [each.state for each in unfinished(db)] == ["not here", "free"]
+    assert [each.state for each in unfinished_campaigns(db)] == ["not here", "free"]
 
 
 def test_a_folder_has_one_station_and_a_killed_one_lets_it_go(db: Database, tmp_path: Path) -> None:
@@ -225,9 +225,9 @@ def test_a_folder_has_one_station_and_a_killed_one_lets_it_go(db: Database, tmp_
     assert not (folder / ".lock").exists()
     killed(tmp_path / "station.db", hold)
     assert (folder / ".lock").exists()
-    assert [each.state for each in unfinished(db)] == ["free"]
+    assert [each.state for each in unfinished_campaigns(db)] == ["free"]
     with FolderLock(folder):
-        assert [each.state for each in unfinished(db)] == ["in use"]
+        assert [each.state for each in unfinished_campaigns(db)] == ["in use"]
 
 
 def test_two_stations_on_one_database_do_not_disturb_each_other(db: Database, tmp_path: Path) -> None:
@@ -245,4 +245,4 @@ def test_two_stations_on_one_database_do_not_disturb_each_other(db: Database, tm
 def test_a_row_always_has_its_folder(db: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recording, "write_tables", die)
     killed(tmp_path / "station.db", lambda own: begin(tmp_path / "c", own))
-    assert unfinished(db) == []
+    assert unfinished_campaigns(db) == []

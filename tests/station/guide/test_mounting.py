@@ -9,7 +9,7 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from station.files.campaign_folder.reading import read_campaign
 from station.files.setup import Setup
-from station.guide.headless import record
+from station.guide.headless import record_headless
 from station.guide.simulated_operator import SimulatedOperator
 from station.guide.start_engine import EngineOptions
 
@@ -35,7 +35,7 @@ def test_a_remounted_imu_is_guided_and_recorded_as_mounted(tmp_path: Path) -> No
     with SimulatedDevice(truth, 5, speed=100.0) as device, open_db(tmp_path / "s.db") as database:
         setup = Setup(url=device.url, latitude_deg=31.17, folder=str(tmp_path / "c"), dwell_s=4.0)
         with closing(SimulatedOperator(device.control, 5.0)) as operator:
-            record(setup, options, database, operator, lambda view: None)
+            record_headless(setup, options, database, operator, lambda view: None)
     found = read_campaign(tmp_path / "c")
     assert found.tables.fixture.imu_axes == ["+y", "-x", "+z"]
     assert [dwell.position for dwell in found.campaign.dwells] == [1, 7]

@@ -16,7 +16,7 @@ from procedures.uncertainty.budget import combined
 from procedures.uncertainty.sources import HEADING, Cell
 from station.guide.enough_to_solve import in_ranges, lacking
 from station.guide.outcome import change_in_words, verdict_rows, worst_residual
-from station.guide.view import Step
+from station.guide.view import StepView
 from station.results.parameters_by_name import Parameter, applied, parameters, shifts
 from station.results.verdict import Word, judge, judged_in_words, limit_in_words
 from tests.fixtures_db.factory import facts, solution
@@ -150,15 +150,15 @@ def test_parameters_are_named_as_the_covariance_names_them() -> None:
 def test_the_faces_that_are_enough_to_finish_are_those_that_determine_a_solution(count: int) -> None:
     for faces in combinations(FACES, count):
         steps = [
-            Step(name=f"dwell_{p:02d}", state="todo", position=p, attempts=face_of(p) in faces)
+            StepView(name=f"dwell_{p:02d}", state="todo", position=p, attempts=face_of(p) in faces)
             for p in range(1, 13)
         ]
         assert (lacking(steps) == "") == is_determined(np.stack([face_normal(face) for face in faces]))
 
 
 def test_turns_about_all_axes_or_a_free_position_are_left_to_the_solve_to_judge() -> None:
-    turns = [Step(name=f"turn_{a}_plus", state="done", axis=a, start_position=1, attempts=1) for a in "xyz"]
+    turns = [StepView(name=f"turn_{a}_plus", state="done", axis=a, start_position=1, attempts=1) for a in "xyz"]
     assert lacking(turns) == ""
     assert lacking(turns[:2]).startswith("Too little to solve")
-    assert lacking([Step(name="free_01", state="done", is_free=True, number=1, attempts=1)]) == ""
+    assert lacking([StepView(name="free_01", state="done", is_free=True, number=1, attempts=1)]) == ""
     assert in_ranges([12, 1, 2, 5, 6, 7]) == "1, 2, 5 to 7, 12"

@@ -11,7 +11,7 @@ from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Turn, steps_of
 from procedures.dwells_and_turns import hand_turns, twelve_position
 from station import cli
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from tests.station.guide.rig import GuideRig
 
 STEPS = (*steps_of(twelve_position.plan(5.0)), *steps_of(hand_turns.plan(1, 5.0)))
@@ -24,7 +24,7 @@ class Hands:
     def __init__(self, rig: GuideRig) -> None:
         self._rig, self._done = rig, set[tuple[str, str, int]]()
 
-    def __call__(self, view: View) -> None:
+    def __call__(self, view: CalibrationView) -> None:
         step = view.step(view.wanted)
         if step is None or view.stage not in {"place", "turn"}:
             return

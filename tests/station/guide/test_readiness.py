@@ -24,9 +24,9 @@ from procedures.frames import FACES
 from station.files.campaign_folder.notes import write_setup
 from station.files.setup import Setup
 from station.guide.live_campaign import site_table, usual_steps
-from station.guide.prior_knowledge import known
+from station.guide.prior_knowledge import read_prior_knowledge
 from station.guide.readiness import readiness
-from station.guide.setup_view import Check, Readiness
+from station.guide.setup_view import PortCheck, Readiness
 from station.guide.text_lines import ready_lines
 from station.results import campaign_results as module
 from station.results.campaign_results import Results, make_results, store
@@ -67,8 +67,10 @@ class Bench:
     results: Results
 
     def before(self, setup: Setup, model: str = "SIM-FOG3") -> Readiness:
-        check = Check(url=setup.url, is_good=True, model=model, serial="SIM-7", output="increments", rate_hz=50.0)
-        return readiness(setup, known(self.database, self.root, usual_steps(setup), 50.0), check)
+        check = PortCheck(
+            url=setup.url, is_good=True, model=model, serial="SIM-7", output="increments", rate_hz=50.0
+        )
+        return readiness(setup, read_prior_knowledge(self.database, self.root, usual_steps(setup), 50.0), check)
 
     def after(self, setup: Setup, number: int) -> tuple[str, dict[str, object]]:
         """Have the campaign done with that set-up, as far as the database goes; return verdict and document."""
@@ -163,8 +165,8 @@ def test_what_lacks_is_named_one_line_each(bench: Bench) -> None:
 
 def test_what_is_not_known_before_the_port_was_looked_at_is_said_to_be_so(bench: Bench) -> None:
     setup = Setup(url="x", cube="good", slab="good", operator="M. Huber", latitude_deg=31.17)
-    facts = known(bench.database, bench.root, usual_steps(setup), None)
-    for check in (None, Check(url="y", is_good=True, model="SIM-FOG3"), Check(url="x", is_good=False)):
+    facts = read_prior_knowledge(bench.database, bench.root, usual_steps(setup), None)
+    for check in (None, PortCheck(url="y", is_good=True, model="SIM-FOG3"), PortCheck(url="x", is_good=False)):
         ready = readiness(setup, facts, check)
         assert ready.can_pass is None
         assert ready.can_certify
@@ -174,8 +176,8 @@ def test_what_is_not_known_before_the_port_was_looked_at_is_said_to_be_so(bench:
 
 def test_a_full_disk_and_a_silent_receiver_are_named(bench: Bench) -> None:
     setup = Setup(url="x", gnss="mavlink:udpin:0.0.0.0:14550")
-    facts = replace(known(bench.database, bench.root, usual_steps(setup), 50.0), free=10_000_000)
-    ready = readiness(setup, facts, None, Check(url=setup.gnss, is_good=False, text="no heartbeat"))
+    facts = replace(read_prior_knowledge(bench.database, bench.root, usual_steps(setup), 50.0), free=10_000_000)
+    ready = readiness(setup, facts, None, PortCheck(url=setup.gnss, is_good=False, text="no heartbeat"))
     lines = {line.name: line for line in ready.lines}
     assert lines["disk"].state == "lacks"
     assert lines["disk"].text.startswith("10 MB free, about ")
@@ -186,7 +188,9 @@ def test_a_station_without_a_commit_to_name_says_that_no_certificate_is_possible
     bench: Bench,
 ) -> None:
     setup = Setup(url="x", cube="good", slab="good", operator="M. Huber")
-    facts = replace(known(bench.database, bench.root, usual_steps(setup), 50.0), software="fog-station 1.0")
+    facts = replace(
+        read_prior_knowledge(bench.database, bench.root, usual_steps(setup), 50.0), software="fog-station 1.0"
+    )
     ready = readiness(setup, facts)
     assert ready.no_certificate == "the station is not run from a checkout"
     assert ready.lines[-1].name == "software"

@@ -13,11 +13,11 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from station.files.setup import Setup
-from station.guide.command import Command
-from station.guide.engine import Engine
-from station.guide.options import Options
+from station.guide.command import OperatorCommand
+from station.guide.engine import CalibrationEngine
+from station.guide.options import CalibrationOptions
 from station.guide.receiver_check import check_receiver
-from station.guide.view import View
+from station.guide.view import CalibrationView
 
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
 SPEED = 60.0
@@ -59,20 +59,22 @@ def test_what_cannot_be_listened_to_is_words(url: str, said: str) -> None:
 
 
 def test_the_campaign_waits_for_looks_and_says_the_site_that_it_took(tmp_path: Path) -> None:
-    shown: list[View] = []
+    shown: list[CalibrationView] = []
     with (
         SimulatedDevice(TRUTH, 5, speed=SPEED) as device,
         SimulatedGnss(device.truth, beside=device) as gnss,
         open_db(tmp_path / "s.db") as database,
     ):
-        engine = Engine(database, Options(tmp_path, asks=False, warms_up=False), shown.append)
+        engine = CalibrationEngine(
+            database, CalibrationOptions(tmp_path, asks=False, warms_up=False), shown.append
+        )
         try:
-            engine.obey(Command(verb="listen", url=gnss.url))
+            engine.obey(OperatorCommand(verb="listen", url=gnss.url))
             assert engine.view.start is not None
             assert engine.view.start.is_listening
-            engine.obey(Command(verb="check", url=device.url))
+            engine.obey(OperatorCommand(verb="check", url=device.url))
             setup = Setup(url=device.url, gnss=gnss.url, longitude_deg=12.5, folder=str(tmp_path / "c"))
-            engine.obey(Command(verb="begin", setup=setup))  # both ports are still being looked at
+            engine.obey(OperatorCommand(verb="begin", setup=setup))  # both ports are still being looked at
             until = time.monotonic() + PATIENCE_S
             while not engine.view.gates:
                 assert time.monotonic() < until, (engine.view.stage, engine.view.start)

@@ -87,7 +87,7 @@ def test_a_kept_seat_that_is_done_again_well_judges_again(rig: Make) -> None:
     guided.obey("redo", step="dwell_04")
     guided.hands("place 4 8")
     guided.run(lambda v: v.step("dwell_04").attempts == 2)
-    assert guided.desk.badly_seated == set()
+    assert guided.context.badly_seated == set()
     assert all(d.kept_seat_rad is None for d in read_toml(guided.folder)[0].dwell)
 
 
@@ -100,7 +100,7 @@ def test_a_tilt_that_no_face_has_is_kept_only_with_a_yes(rig: Make) -> None:
     assert (guided.view.done, guided.view.question) == (3, None)
     guided.hands("place 4 8")
     guided.run(guided.done(4))
-    assert guided.desk.badly_seated == set()
+    assert guided.context.badly_seated == set()
 
 
 def test_a_small_tilt_is_kept_without_a_question_and_holds_for_that_seat_alone(rig: Make) -> None:
@@ -111,7 +111,7 @@ def test_a_small_tilt_is_kept_without_a_question_and_holds_for_that_seat_alone(r
     guided.run(lambda v: v.events[-1].sound == "rejected" and "tilted by 7" in v.events[-1].text)  # arcsec
     guided.hands("place 4 8 0 0.03 0")
     guided.run(guided.done(4))
-    assert guided.desk.badly_seated == {4}
+    assert guided.context.badly_seated == {4}
 
 
 def test_a_kept_seat_is_said_to_be_kept_while_it_is_recorded(rig: Make) -> None:
@@ -123,4 +123,4 @@ def test_a_kept_seat_is_said_to_be_kept_while_it_is_recorded(rig: Make) -> None:
     assert guided.view.stage == "dwell"
     assert guided.view.gates.is_seated
     guided.run(guided.done(4))
-    assert guided.desk.badly_seated == {4}
+    assert guided.context.badly_seated == {4}

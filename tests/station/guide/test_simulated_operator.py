@@ -7,11 +7,13 @@ from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station.guide.simulated_operator import PATIENCE_S, SimulatedOperator
-from station.guide.view import Step, View
+from station.guide.view import CalibrationView, StepView
 from station.stream.events import Event
 
 MOVE_S = 5.0
-WANTS_7 = View(stage="place", wanted="dwell_07", steps=(Step(name="dwell_07", state="todo", position=7),))
+WANTS_7 = CalibrationView(
+    stage="place", wanted="dwell_07", steps=(StepView(name="dwell_07", state="todo", position=7),)
+)
 
 
 def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None:

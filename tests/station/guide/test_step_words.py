@@ -9,9 +9,9 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Dwell, Turn, steps_of
 from procedures.dwells_and_turns.hand_turns import plan
-from station.guide.command import Command
+from station.guide.command import OperatorCommand
 from station.guide.outcome import verdict_view
-from station.guide.step_words import for_people, gap_in_words, in_words, step_typed
+from station.guide.step_words import files_as_steps, for_people, gap_in_words, step_typed
 from station.guide.text_lines import PlainScreen, command_of, listen, verdict_lines
 from station.results.campaign_results import make_results
 from station.stream.events import Event
@@ -37,7 +37,7 @@ FILED = re.compile(r"\b(dwell|turn|free|soak)_\w|\.mcap|\.csv")
     ],
 )
 def test_files_and_names_of_steps_become_words(filed: str, said: str) -> None:
-    assert in_words(filed) == said
+    assert files_as_steps(filed) == said
 
 
 @pytest.mark.parametrize(
@@ -49,7 +49,7 @@ def test_files_and_names_of_steps_become_words(filed: str, said: str) -> None:
     ],
 )  # fmt: skip
 def test_a_step_is_meant_by_what_people_type(typed: str, step: str) -> None:
-    assert step_typed(in_words(typed), views.steps(0)) == step
+    assert step_typed(files_as_steps(typed), views.steps(0)) == step
 
 
 def test_free_positions_and_soaks_are_typed_by_their_number() -> None:
@@ -59,9 +59,9 @@ def test_free_positions_and_soaks_are_typed_by_their_number() -> None:
 
 def test_a_line_of_plain_mode_names_a_step_as_people_do() -> None:
     view = views.PLACING
-    assert command_of("r 3", view) == Command(verb="redo", step="dwell_03")
-    assert command_of("n +x", view) == Command(verb="choose", step="turn_x_plus")
-    assert command_of("r dwell_03", view) == Command(verb="redo", step="dwell_03")
+    assert command_of("r 3", view) == OperatorCommand(verb="redo", step="dwell_03")
+    assert command_of("n +x", view) == OperatorCommand(verb="choose", step="turn_x_plus")
+    assert command_of("r dwell_03", view) == OperatorCommand(verb="redo", step="dwell_03")
     said = list[str]()
     listen(MemorySession(view), ["r 77"], said.append)
     assert said[0].startswith("there is no step '77'; keys, each followed by Enter")
@@ -71,9 +71,9 @@ def test_a_line_of_plain_mode_names_a_step_as_people_do() -> None:
 def test_a_gap_that_the_guide_made_is_called_what_it_is_and_lost_samples_are_not() -> None:
     left_out = {"dwell_02.mcap": [4.02]}
     knocked = gap_in_words("dwell_02.mcap:301: a gap of 4.02 s", left_out)
-    assert in_words(knocked) == "position 2: 4.0 s left out, the cube was disturbed; the rest was accepted"
+    assert files_as_steps(knocked) == "position 2: 4.0 s left out, the cube was disturbed; the rest was accepted"
     lost = gap_in_words("dwell_02.mcap:301: a gap of 0.06 s", left_out)
-    assert in_words(lost) == "position 2: a gap of 0.06 s: samples were lost"
+    assert files_as_steps(lost) == "position 2: a gap of 0.06 s: samples were lost"
     assert gap_in_words("anything else", left_out) == "anything else"
 
 

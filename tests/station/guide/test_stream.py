@@ -9,7 +9,7 @@ from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.reading import read_campaign
-from station.guide.accepted_steps import so_far
+from station.guide.accepted_steps import read_accepted_steps
 from station.stream.recorder import UnitChanged
 from tests.station.guide.rig import GuideRig, dwells
 
@@ -63,12 +63,12 @@ def test_a_unit_switched_off_and_on_says_so_warms_up_and_marks_what_follows(rig:
     view = guided.run(lambda v: any("switched off and on" in event.text for event in v.events))
     assert view.events[-1].text.endswith("it warms up again")
     assert view.stage == "warm_up"
-    assert guided.desk.rested == {}
+    assert guided.context.accepted_dwells == {}
     guided.hands("place 3 8")
     guided.run(guided.done(3))
     assert [dwell.turn_on for dwell in read_campaign(guided.folder).tables.dwell] == [None, None, 2]
-    assert so_far(guided.folder).turn_on == 2
-    assert [each.position for each in so_far(guided.folder).before] == [3]
+    assert read_accepted_steps(guided.folder).turn_on == 2
+    assert [each.position for each in read_accepted_steps(guided.folder).dwells] == [3]
 
 
 def test_a_port_that_was_away_alone_is_no_power_cycle(rig: Make) -> None:
@@ -76,4 +76,4 @@ def test_a_port_that_was_away_alone_is_no_power_cycle(rig: Make) -> None:
     guided.run(guided.done(1))
     guided.rest(60)
     assert not any("switched off" in text for text in guided.texts)
-    assert guided.desk.turn_on == 1
+    assert guided.context.turn_on == 1

@@ -12,18 +12,18 @@ from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Turn
 from station.errors import DataRefused
 from station.files.campaign_folder.reading import read_campaign
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from tests.station.guide.rig import GuideRig
 
 Make = Callable[..., GuideRig]
 PLUS, MINUS = Turn("x", "+", 3, 1, 5.0), Turn("x", "-", 3, 1, 5.0)
 
 
-def ready(view: View) -> bool:
+def ready(view: CalibrationView) -> bool:
     return view.turn is not None and view.turn.rest_s >= view.turn.rest_wanted_s and not view.hint
 
 
-def rejected(view: View) -> bool:
+def rejected(view: CalibrationView) -> bool:
     return any(event.sound == "rejected" for event in view.events)
 
 

@@ -26,7 +26,7 @@ def gone_on(guided: GuideRig) -> None:
     record = read_unit(guided.folder)
     assert record is not None
     assert record.rate is not None
-    guided.guide = Guide(guided.desk, warms_up=False, unsure=record)
+    guided.guide = Guide(guided.context, warms_up=False, unsure=record)
 
 
 def test_the_same_unit_looks_the_same_and_is_still_asked_for(rig: Make) -> None:
@@ -47,7 +47,7 @@ def test_another_unit_is_told_apart_and_no_ends_it(rig: Make) -> None:
     assert record is not None
     assert record.rate is not None
     rate = [value * 1.02 if i == 3 else value for i, value in enumerate(record.rate)]
-    guided.guide = Guide(guided.desk, warms_up=False, unsure=record.model_copy(update={"rate": tuple(rate)}))
+    guided.guide = Guide(guided.context, warms_up=False, unsure=record.model_copy(update={"rate": tuple(rate)}))
     view = guided.run(lambda v: v.question is not None)
     assert "unlike the campaign's first dwell: accelerometer x by" in view.question.text
     with pytest.raises(UnitChanged):

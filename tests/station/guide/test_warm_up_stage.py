@@ -9,7 +9,7 @@ from drivers.simulated.truth import Truth
 from station.files.campaign_folder.notes import kept_plan
 from station.files.campaign_folder.reading import read_campaign
 from station.files.toml_text import read_toml
-from station.guide.view import WarmUp
+from station.guide.view import WarmUpView
 from station.guide.warm_up_stage import waits_for
 from station.guide.wording import rounded
 from tests.station.guide.rig import GuideRig, dwells
@@ -66,7 +66,7 @@ def test_the_dwells_last_as_long_as_the_sigma_wanted_asks_for(rig: Make, bias_ug
     guided.run(lambda v: v.stage != "warm_up", seconds=200)
     seconds = {step.seconds for step in kept_plan(guided.folder)}
     assert len(seconds) == 1
-    assert seconds == {step.seconds for step in guided.desk.checklist.steps}
+    assert seconds == {step.seconds for step in guided.context.checklist.steps}
     assert (10 <= seconds.pop() < 30) if bias_ug == 1.0 else seconds.pop() > 30
 
 
@@ -89,5 +89,5 @@ def test_a_drift_is_told_as_finely_as_its_limit() -> None:
     assert rounded(4.35e-14, 0.0285235) == "0.000"
     assert rounded(0.0285235, 0.0285235) == "0.029"
     assert rounded(12.3, 2.5) == "12.3"
-    drifting = WarmUp(gyro_drift_deg_h=0.31, gyro_limit_deg_h=0.0281)
+    drifting = WarmUpView(gyro_drift_deg_h=0.31, gyro_limit_deg_h=0.0281)
     assert waits_for(drifting) == "waiting for a gyro drift below 0.028 deg/h, now 0.310 deg/h"

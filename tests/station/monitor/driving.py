@@ -23,9 +23,9 @@ from station.files.mcap_files.fix_writer import FixWriter
 from station.locate.live_camera import LiveCamera
 from station.monitor.locator_thread import locating
 from station.monitor.monitor import Monitor
-from station.monitor.options import Options
-from station.monitor.recording import Recording
-from station.monitor.view import View
+from station.monitor.options import MonitorOptions
+from station.monitor.recording import MonitorRecording
+from station.monitor.view import MonitorView
 from station.stream.events import StreamState
 from station.stream.live import open_feed
 from tests.station.monitor.sighted import CAMERA, Sight
@@ -85,7 +85,7 @@ class DriveRig:
         self.source.device.drive(track)
         self.feed = open_feed(self.source)
         self.feed.identify()
-        self.lines: list[View] = []
+        self.lines: list[MonitorView] = []
         applied = Applied(calibration_of(truth), None, InUse("by hand", 1.0))
         C = body_axes(DEFAULT)
         self.sight = sight = None if sees is None else Sight(self.source, track, *sees)
@@ -97,19 +97,19 @@ class DriveRig:
         where = None if folder else locating(self.feed, applied, C, lever_arm, ExitStack(), live=False, camera=eye)
         self.writer = None if folder is None else FixWriter(folder / "gnss_1.mcap")
         receiver = Receiver(self.source, Autopilot(truth, autopilot, faults, track, seed), self.writer)
-        recording = None if folder is None else Recording(folder, self.feed.wire)
+        recording = None if folder is None else MonitorRecording(folder, self.feed.wire)
         if recording is not None:
             recording.begin()
         self.monitor = Monitor(
-            self.feed, applied, Options(C=C, aid="gnss", locating=where, camera=sight), recording, receiver,
+            self.feed, applied, MonitorOptions(C=C, aid="gnss", locating=where, camera=sight), recording, receiver,
             (self.lines.append,),
         )  # fmt: skip
 
     @property
-    def view(self) -> View:
+    def view(self) -> MonitorView:
         return self.monitor.view
 
-    def run(self, seconds: float) -> View:
+    def run(self, seconds: float) -> MonitorView:
         end = self.source.device.imu.time + seconds
         while self.source.device.imu.time < end:
             self.monitor.round()

@@ -9,10 +9,10 @@ from drivers.simulated.truth import Truth
 from station.calibrated.calibration_choice import Applied
 from station.calibrated.in_use import InUse
 from station.monitor.monitor import Monitor
-from station.monitor.options import Options
-from station.monitor.recording import Recording
-from station.monitor.session import Verb
-from station.monitor.view import View
+from station.monitor.options import MonitorOptions
+from station.monitor.recording import MonitorRecording
+from station.monitor.session import MonitorVerb
+from station.monitor.view import MonitorView
 from station.stream.live import open_feed
 from tests.station.monitor.unit import calibration_of
 from tests.station.stream.live.bench_in_memory import Source
@@ -22,7 +22,7 @@ class MonitorRig:
     """``hands`` moves the cube; `run` lets device time pass. ``lines`` are the views that a sink was told."""
 
     def __init__(
-        self, truth: Truth | None = None, options: Options | None = None, folder: Path | None = None, *,
+        self, truth: Truth | None = None, options: MonitorOptions | None = None, folder: Path | None = None, *,
         position: int = 9, faults: Iterable[Fault] = (), calibration: dict[str, Any] | None = None,
     ) -> None:  # fmt: skip
         self.truth = Truth.example(5) if truth is None else truth
@@ -30,27 +30,29 @@ class MonitorRig:
         self.hands(f"place {position} 1")
         self.feed = open_feed(self.source)
         self.feed.identify()
-        recording = None if folder is None else Recording(folder, self.feed.wire)
-        self.lines: list[View] = []
+        recording = None if folder is None else MonitorRecording(folder, self.feed.wire)
+        self.lines: list[MonitorView] = []
         applied = Applied(calibration or calibration_of(self.truth), None, InUse("by hand", 1.0))
-        self.monitor = Monitor(self.feed, applied, options or Options(), recording, None, (self.lines.append,))
+        self.monitor = Monitor(
+            self.feed, applied, options or MonitorOptions(), recording, None, (self.lines.append,)
+        )
 
     def hands(self, command: str) -> None:
         answer = self.source.device.obey(command)
         assert answer.startswith("ok"), answer
 
-    def obey(self, verb: Verb) -> None:
+    def obey(self, verb: MonitorVerb) -> None:
         self.monitor.obey(verb)
 
     @property
-    def view(self) -> View:
+    def view(self) -> MonitorView:
         return self.monitor.view
 
     @property
     def texts(self) -> list[str]:
         return [event.text for event in self.view.events]
 
-    def run(self, seconds: float, until: Callable[[View], bool] = lambda view: False) -> View:
+    def run(self, seconds: float, until: Callable[[MonitorView], bool] = lambda view: False) -> MonitorView:
         """Let device time pass, at most until a view shows what is waited for."""
         end = self.source.device.imu.time + seconds
         while self.source.device.imu.time < end and not until(self.view):

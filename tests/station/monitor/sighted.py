@@ -31,7 +31,7 @@ def driven(track: Track) -> Trajectory:
 
 
 class Sight:
-    """`station.monitor.options.Seeing`, and what follows features through its images; dark where ``is_dark``."""
+    """A `CameraSource`, and what follows features through its images; dark where ``is_dark``."""
 
     def __init__(
         self, source: Source, track: Track, late_s: float, dark: tuple[float, float] = (0.0, 0.0)

@@ -10,7 +10,7 @@ from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.truth import Truth
 from station.locate.location import Location
 from station.monitor.text_lines import json_line, reading_line
-from station.monitor.view import View
+from station.monitor.view import MonitorView
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DriveRig
 
@@ -40,7 +40,7 @@ def drive() -> DriveRig:
     return rig
 
 
-def located(drive: DriveRig) -> list[View]:
+def located(drive: DriveRig) -> list[MonitorView]:
     return [view for view in drive.lines if view.location is not None and view.location.is_located]
 
 

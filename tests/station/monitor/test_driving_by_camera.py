@@ -6,7 +6,7 @@ import pytest
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from station.locate.location import Location
 from station.monitor.text_lines import json_line, reading_line
-from station.monitor.view import View
+from station.monitor.view import MonitorView
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DriveRig
 from tests.station.monitor.test_driving import TRUTH, off, turned
@@ -23,7 +23,7 @@ def drive() -> DriveRig:
     return rig
 
 
-def located(drive: DriveRig) -> list[tuple[View, Location]]:
+def located(drive: DriveRig) -> list[tuple[MonitorView, Location]]:
     return [(view, view.location) for view in drive.lines if view.location and view.location.is_located]
 
 

@@ -10,7 +10,7 @@ from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import FixType, GnssFix
 from station.monitor import monitor
-from station.monitor.attitude_filter import Aiding
+from station.monitor.attitude_filter import AidValues
 from station.monitor.gnss_aid import USUAL_LATENCY, aiding_of
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DriveRig
@@ -39,7 +39,7 @@ def test_what_a_late_receiver_says_counts_at_its_own_moment(
 ) -> None:
     told = off_course(tmp_path / "told")
 
-    def at_once(*given: object) -> Aiding:
+    def at_once(*given: object) -> AidValues:
         return replace(aiding_of(*given), age=0.0)  # type: ignore[arg-type]
 
     monkeypatch.setattr(monitor, "aiding_of", at_once)

@@ -14,8 +14,8 @@ from procedures.frames import nominal_C_lb
 from station.calibrated.body_axes import body_axes
 from station.files.mcap_files import read_step
 from station.monitor.alarms import Alarm
-from station.monitor.options import Options
-from station.monitor.view import View
+from station.monitor.options import MonitorOptions
+from station.monitor.view import MonitorView
 from station.stream.recorder import check_raw_bytes
 from tests.station.monitor.rig import MonitorRig
 from tests.station.monitor.unit import calibration_of
@@ -25,7 +25,7 @@ FLAT = replace(Truth.example(5), faces_rad=np.zeros((6, 2)), slab_tilt_rad=np.ze
 QUIET = replace(FLAT, gyro_turn_on_dph=0.0, accel_turn_on_g=0.0)
 
 
-def down_of(view: View) -> np.ndarray:
+def down_of(view: MonitorView) -> np.ndarray:
     roll, pitch = np.radians([view.reading.roll, view.reading.pitch])
     return np.array([-np.sin(pitch), np.sin(roll) * np.cos(pitch), np.cos(roll) * np.cos(pitch)])
 
@@ -37,7 +37,7 @@ def true_down(position: int) -> np.ndarray:
 
 @pytest.mark.parametrize("position", range(1, 13))
 def test_every_position_reads_as_it_stands_within_sigma(position: int) -> None:
-    view = MonitorRig(FLAT, Options(latitude=LATITUDE), position=position).run(40.0)
+    view = MonitorRig(FLAT, MonitorOptions(latitude=LATITUDE), position=position).run(40.0)
     off = np.degrees(np.arccos(np.clip(down_of(view) @ true_down(position), -1, 1)))
     assert off < 3 * view.reading.sigma
     assert view.reading.sigma < 0.05
@@ -45,7 +45,7 @@ def test_every_position_reads_as_it_stands_within_sigma(position: int) -> None:
 
 
 def test_a_hand_move_is_followed_and_the_new_position_read() -> None:
-    rig = MonitorRig(FLAT, Options(latitude=LATITUDE))
+    rig = MonitorRig(FLAT, MonitorOptions(latitude=LATITUDE))
     rig.run(30.0)
     rig.hands("place 1 20")
     view = rig.run(22.0, lambda view: view.reading.mode == "moving")
@@ -57,7 +57,7 @@ def test_a_hand_move_is_followed_and_the_new_position_read() -> None:
 
 
 def test_it_shows_what_the_calibration_bought() -> None:
-    options = Options(latitude=LATITUDE, gravity=QUIET.local_gravity)
+    options = MonitorOptions(latitude=LATITUDE, gravity=QUIET.local_gravity)
     bought = MonitorRig(QUIET, options).run(60.0).bought
     assert bought.seconds > 40
     assert bought.with_it.level < 0.01 < 0.05 < bought.without.level
@@ -67,7 +67,9 @@ def test_it_shows_what_the_calibration_bought() -> None:
 
 
 def test_with_a_heading_the_whole_of_the_earths_rate_is_taken_off() -> None:
-    options = Options(latitude=LATITUDE, heading=0.0)  # position 9 is NWU: x, which is forward, points north
+    options = MonitorOptions(
+        latitude=LATITUDE, heading=0.0
+    )  # position 9 is NWU: x, which is forward, points north
     bought = MonitorRig(QUIET, options).run(60.0).bought
     assert bought.with_it.drift < 0.3
     wrong = MonitorRig(QUIET, replace(options, heading=np.radians(90.0))).run(60.0).bought
@@ -75,7 +77,9 @@ def test_with_a_heading_the_whole_of_the_earths_rate_is_taken_off() -> None:
 
 
 def test_half_a_minute_of_rest_tells_north_and_what_was_learnt_no_longer_holds_the_earths_rate() -> None:
-    rig = MonitorRig(QUIET, Options(latitude=LATITUDE), position=10)  # SEU: x, which is forward, points south
+    rig = MonitorRig(
+        QUIET, MonitorOptions(latitude=LATITUDE), position=10
+    )  # SEU: x, which is forward, points south
     before = rig.run(30.0).reading
     assert before.heading is None
     assert max(map(abs, before.bias)) > 8.0
@@ -113,7 +117,7 @@ def test_a_zero_changes_what_is_shown_and_nothing_else() -> None:
 
 
 def test_an_alarm_rings_once_and_ends_below_its_limit() -> None:
-    rig = MonitorRig(FLAT, Options(alarms=(Alarm("roll", 20.0),)))
+    rig = MonitorRig(FLAT, MonitorOptions(alarms=(Alarm("roll", 20.0),)))
     rig.run(20.0)
     assert rig.view.alarms == ()
     rig.hands("lean 0 1 1")

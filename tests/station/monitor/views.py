@@ -4,16 +4,16 @@ import math
 
 from station.calibrated.in_use import InUse
 from station.locate.location import Location
-from station.monitor.view import Bought, Point, Reading, Side, View
+from station.monitor.view import AttitudeReading, CalibrationGain, ChartPoint, MonitorView, RestErrors
 from station.stream.events import Event, StreamState
 
 FOLDER = "/srv/monitor/2026-11-21_1240"
 
 
-def _history(n: int = 600) -> tuple[Point, ...]:
+def _history(n: int = 600) -> tuple[ChartPoint, ...]:
     """A minute: it leans to the right in mid-chart, and comes back."""
     return tuple(
-        Point(
+        ChartPoint(
             0.1 * i, 12.0 * _bump(i / n), 3.0 * _bump(i / n) * math.sin(i / 30), 0.4 * math.sin(i / 25), 0.1,
             -0.05, math.nan, 0.02 + 0.2 * _bump(i / n), 0.01 + 0.02 * _bump(i / n),
         )
@@ -25,21 +25,21 @@ def _bump(x: float) -> float:
     return math.exp(-(((x - 0.6) / 0.12) ** 2))
 
 
-READING = Reading(
+READING = AttitudeReading(
     t=812.4, sample=40619, roll=12.345, pitch=-4.321, sigma=0.01, rate=(0.4, 0.1, -0.05), bias=(0.12, -0.3, 12.1),
     residual=0.021, mode="moving", temperature=23.4,
 )  # fmt: skip
 IMU = StreamState(name="IMU counts", rate_hz=50.0, age_s=0.0, samples=40620, gaps=0, lost=0, bad=0)
 GNSS = StreamState(name="GNSS udpin:0.0.0.0:14550", rate_hz=5.0, age_s=0.1, samples=4060, gaps=0, lost=2, bad=0)
 IN_USE = InUse("9f2c41d07be8 of 2026-11-01, calibrated, 20 days old", 20.0)
-MOVING = View(
+MOVING = MonitorView(
     unit="SIM-FOG3 SIM-7", line="", reading=READING, history=_history(), streams=(IMU,), in_use=IN_USE,
     recording="recording.mcap", folder=FOLDER,
     events=(Event(number=1, sound="start", text="mark 1"), Event(number=2, sound="start", text="mark 2")),
 )  # fmt: skip
 
 
-def _with(view: View, **changes: object) -> View:
+def _with(view: MonitorView, **changes: object) -> MonitorView:
     from dataclasses import replace
 
     return replace(view, **changes)  # type: ignore[arg-type]
@@ -57,7 +57,9 @@ RESTING = _with(
         residual=0.003,
         mode="at rest",
     ),
-    bought=Bought(157.2, Side(0.0025, 0.031, 0.0018), Side(0.07, 1.006, -22.647), "the Earth's rate is taken off"),
+    bought=CalibrationGain(
+        157.2, RestErrors(0.0025, 0.031, 0.0018), RestErrors(0.07, 1.006, -22.647), "the Earth's rate is taken off"
+    ),
 )
 ZEROED = _with(MOVING, zero=(12.0, -4.0))
 ALARM = Event(number=3, sound="rejected", text="ALARM roll 12.3, limit 10 deg")
@@ -112,7 +114,7 @@ BEHIND = _with(LOCATED, reading=_with(LOCATED.reading, t=824.0))
 VIEWS = {
     "behind": BEHIND,
     "not_located": WAITING_TO_LOCATE, "located": LOCATED, "seeing": SEEING, "blind": BLIND,
-    "waiting": View(), "moving": MOVING, "resting": RESTING, "zeroed": ZEROED, "alarming": ALARMING,
+    "waiting": MonitorView(), "moving": MOVING, "resting": RESTING, "zeroed": ZEROED, "alarming": ALARMING,
     "silent": SILENT, "aided": AIDED, "steep": STEEP, "uncalibrated": UNCALIBRATED,
     "ended": _with(RESTING, is_over=True, line="ended"),
 }  # fmt: skip

@@ -3,7 +3,7 @@
 import asyncio
 import re
 
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from tests.paths import ROOT
 from tests.station.tui import start_views, views
 from tests.station.tui.session import SMALL, screens
@@ -18,7 +18,7 @@ PICTURES = {
 }
 
 
-async def picture(view: View) -> str:
+async def picture(view: CalibrationView) -> str:
     """Return a screen as SVG that asks for no font from elsewhere and is the same each time."""
     async with screens(view, SMALL) as seen:
         await seen.pilot.pause()

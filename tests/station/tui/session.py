@@ -6,22 +6,22 @@ from dataclasses import dataclass
 
 from textual.pilot import Pilot
 
-from station.guide.command import Command
-from station.guide.view import View
+from station.guide.command import OperatorCommand
+from station.guide.view import CalibrationView
 from station.tui.app import StationApp
 
 SMALL, LARGE = (80, 24), (120, 40)
 
 
 class MemorySession:
-    """A `station.guide.session.Session` without an engine: holds a view, keeps what was sent."""
+    """A `station.guide.session.CalibrationSession` without an engine: holds a view, keeps what was sent."""
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: CalibrationView) -> None:
         self.view = view
-        self.sent: list[Command] = []
-        self.considered: list[Command] = []  # set-ups as they stood in the form
+        self.sent: list[OperatorCommand] = []
+        self.considered: list[OperatorCommand] = []  # set-ups as they stood in the form
 
-    def send(self, command: Command) -> None:
+    def send(self, command: OperatorCommand) -> None:
         (self.considered if command.verb == "consider" else self.sent).append(command)
 
 
@@ -34,10 +34,10 @@ class Screens:
     pilot: Pilot[None]
 
     @property
-    def sent(self) -> list[Command]:
+    def sent(self) -> list[OperatorCommand]:
         return self.session.sent
 
-    async def show(self, view: View) -> None:
+    async def show(self, view: CalibrationView) -> None:
         self.session.view = view
         self.app.pull()
         await self.pilot.pause()
@@ -53,7 +53,7 @@ class Screens:
 
 
 @asynccontextmanager
-async def screens(view: View, size: tuple[int, int] = SMALL) -> AsyncIterator[Screens]:
+async def screens(view: CalibrationView, size: tuple[int, int] = SMALL) -> AsyncIterator[Screens]:
     """Run the application over a view; it looks at the session when it is told to, not by the clock."""
     session = MemorySession(view)
     app = StationApp(session, refresh_hz=0.001, is_quiet=True)

@@ -2,8 +2,8 @@
 
 import sys
 
-from station.guide.command import Command
-from station.guide.view import View
+from station.guide.command import OperatorCommand
+from station.guide.view import CalibrationView
 from station.stream.events import Event
 from station.tui.run import run_screens
 from tests.station.tui.session import MemorySession
@@ -15,22 +15,22 @@ FIRST, THEN = 5, Event(number=12, sound="accepted", text="position 3 accepted")
 class Showing(MemorySession):
     """Something is accepted once it was looked at a few times; leaving leaves."""
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: CalibrationView) -> None:
         super().__init__(view)
         self.looks = 0
 
     @property
-    def view(self) -> View:
+    def view(self) -> CalibrationView:
         self.looks += 1
         if self.looks == FIRST:
             self._view = self._view.model_copy(update={"events": (*self._view.events, THEN)})
         return self._view
 
     @view.setter
-    def view(self, view: View) -> None:
+    def view(self, view: CalibrationView) -> None:
         self._view = view
 
-    def send(self, command: Command) -> None:
+    def send(self, command: OperatorCommand) -> None:
         if command.verb == "leave":
             self._view = LEFT
 

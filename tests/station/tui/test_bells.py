@@ -7,7 +7,7 @@ from typing import get_args
 import pytest
 
 from station.stream.events import Event, Sound
-from station.tui.bells import LONGEST, PATTERNS, Bells
+from station.tui.bells import BELL_PATTERNS, MAX_STROKES, Bells
 from tests.station.tui.session import MemorySession, StationApp
 from tests.station.tui.views import HOLDING
 
@@ -44,8 +44,8 @@ def rung(*sounds: Sound) -> list[float]:
 
 
 def test_each_sound_has_a_pattern_unlike_the_others() -> None:
-    assert set(PATTERNS) == set(get_args(Sound))
-    assert {sound: len(rung(sound)) for sound in PATTERNS} == {
+    assert set(BELL_PATTERNS) == set(get_args(Sound))
+    assert {sound: len(rung(sound)) for sound in BELL_PATTERNS} == {
         "": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4,
     }  # fmt: skip
     accepted, rejected = rung("accepted"), rung("rejected")
@@ -60,7 +60,7 @@ def test_patterns_follow_one_another_with_a_pause() -> None:
 
 
 def test_a_flood_of_events_does_not_ring_for_minutes() -> None:
-    assert len(rung(*["rejected"] * 50)) <= LONGEST + 1
+    assert len(rung(*["rejected"] * 50)) <= MAX_STROKES + 1
 
 
 @pytest.mark.parametrize(("is_quiet", "expected"), [(False, 3), (True, 0)])

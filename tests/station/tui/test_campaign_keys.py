@@ -2,10 +2,10 @@
 
 import pytest
 
-from station.guide.command import Command
-from station.guide.view import View
-from station.tui.screens.confirm import Confirm
-from station.tui.widgets.step_grid import Grid, place_of
+from station.guide.command import OperatorCommand
+from station.guide.view import CalibrationView
+from station.tui.screens.confirm import ConfirmScreen
+from station.tui.widgets.step_grid import GridCursor, cell_of
 from tests.station.tui import views
 from tests.station.tui.session import LARGE, screens
 
@@ -15,25 +15,25 @@ PLACE = views.PLACING  # wanted: dwell_03; done: dwell_01, dwell_02
 @pytest.mark.parametrize(
     ("view", "keys", "command"),
     [
-        (PLACE, "p", Command(verb="pause")),
-        (views.PAUSED, "p", Command(verb="go_on")),
-        (PLACE, "r", Command(verb="redo", step="dwell_02")),  # the cursor is on a step not done yet
-        (PLACE, "b b r", Command(verb="redo", step="dwell_01")),
-        (PLACE, "left r", Command(verb="redo", step="dwell_01")),
-        (PLACE, "enter", Command(verb="choose", step="dwell_03")),
-        (PLACE, "right enter", Command(verb="choose", step="dwell_05")),
-        (PLACE, "down enter", Command(verb="choose", step="dwell_04")),
-        (PLACE, "down down enter", Command(verb="choose", step="turn_x_minus")),
-        (PLACE, "up left enter", Command(verb="choose", step="turn_x_plus")),
-        (PLACE, "left left enter", Command(verb="choose", step="dwell_11")),
-        (PLACE, "right escape enter", Command(verb="choose", step="dwell_03")),
-        (views.BADLY_SEATED, "k", Command(verb="keep_seating")),
-        (views.TURNING, "f y", Command(verb="finish")),
-        (views.WARMING, "s y", Command(verb="skip_warm_up")),
-        (views.PASSED, "s y", Command(verb="store")),
+        (PLACE, "p", OperatorCommand(verb="pause")),
+        (views.PAUSED, "p", OperatorCommand(verb="go_on")),
+        (PLACE, "r", OperatorCommand(verb="redo", step="dwell_02")),  # the cursor is on a step not done yet
+        (PLACE, "b b r", OperatorCommand(verb="redo", step="dwell_01")),
+        (PLACE, "left r", OperatorCommand(verb="redo", step="dwell_01")),
+        (PLACE, "enter", OperatorCommand(verb="choose", step="dwell_03")),
+        (PLACE, "right enter", OperatorCommand(verb="choose", step="dwell_05")),
+        (PLACE, "down enter", OperatorCommand(verb="choose", step="dwell_04")),
+        (PLACE, "down down enter", OperatorCommand(verb="choose", step="turn_x_minus")),
+        (PLACE, "up left enter", OperatorCommand(verb="choose", step="turn_x_plus")),
+        (PLACE, "left left enter", OperatorCommand(verb="choose", step="dwell_11")),
+        (PLACE, "right escape enter", OperatorCommand(verb="choose", step="dwell_03")),
+        (views.BADLY_SEATED, "k", OperatorCommand(verb="keep_seating")),
+        (views.TURNING, "f y", OperatorCommand(verb="finish")),
+        (views.WARMING, "s y", OperatorCommand(verb="skip_warm_up")),
+        (views.PASSED, "s y", OperatorCommand(verb="store")),
     ],
 )
-async def test_a_key_sends_its_command(view: View, keys: str, command: Command) -> None:
+async def test_a_key_sends_its_command(view: CalibrationView, keys: str, command: OperatorCommand) -> None:
     async with screens(view) as seen:
         await seen.press(*keys.split())
         assert seen.sent == [command]
@@ -52,11 +52,11 @@ async def test_a_key_sends_its_command(view: View, keys: str, command: Command) 
         (views.STORED, "c"),
     ],
 )
-async def test_what_makes_no_sense_or_was_not_confirmed_sends_nothing(view: View, keys: str) -> None:
+async def test_what_makes_no_sense_or_was_not_confirmed_sends_nothing(view: CalibrationView, keys: str) -> None:
     async with screens(view) as seen:
         await seen.press(*keys.split())
         assert seen.sent == []
-        assert not isinstance(seen.app.screen, Confirm)
+        assert not isinstance(seen.app.screen, ConfirmScreen)
 
 
 async def test_the_cursor_goes_with_the_step_wanted_until_it_is_moved() -> None:
@@ -73,35 +73,35 @@ async def test_the_cursor_goes_with_the_step_wanted_until_it_is_moved() -> None:
 @pytest.mark.parametrize("key", ["up", "down", "left", "right"])
 def test_the_cursor_reaches_every_step_of_its_line_and_comes_round(key: str) -> None:
     down, right = {"up": (-1, 0), "down": (1, 0), "left": (0, -1), "right": (0, 1)}[key]
-    grid = Grid(views.steps(0), cursor="dwell_01")
+    grid = GridCursor(views.steps(0), cursor="dwell_01")
     seen = []
     for _ in range(6 if right else 3):
-        grid = Grid(grid.steps, cursor=grid.neighbour(down, right))
+        grid = GridCursor(grid.steps, cursor=grid.neighbour(down, right))
         seen.append(grid.cursor)
     assert seen[-1] == "dwell_01"
     assert len(set(seen)) == (6 if right else 3)
 
 
 def test_every_step_has_a_cell_of_its_own() -> None:
-    assert len({place_of(step) for step in views.steps(0)}) == 18
+    assert len({cell_of(step) for step in views.steps(0)}) == 18
 
 
 def test_the_cursor_goes_down_to_free_positions_and_soaks_and_they_come_into_sight() -> None:
-    grid = Grid((*views.steps(0), *views.ONES), cursor="turn_x_plus")
+    grid = GridCursor((*views.steps(0), *views.ONES), cursor="turn_x_plus")
     assert grid.top == 0
-    grid = Grid(grid.steps, cursor=grid.neighbour(1, 0))
+    grid = GridCursor(grid.steps, cursor=grid.neighbour(1, 0))
     assert (grid.cursor, grid.top) == ("free_01", 1)
     assert len(set(grid.places.values())) == 18 + 14
-    alone = Grid(views.ONES, cursor="free_01")
+    alone = GridCursor(views.ONES, cursor="free_01")
     assert (alone.neighbour(-1, 0), alone.top) == ("soak_01", 0)
 
 
 def test_a_plan_of_a_few_steps_can_be_walked() -> None:
-    grid = Grid(views.steps(0)[2:5:2], cursor="dwell_03")
+    grid = GridCursor(views.steps(0)[2:5:2], cursor="dwell_03")
     assert grid.neighbour(0, 1) == "dwell_05"
     assert grid.neighbour(1, 0) == "dwell_03"
-    assert Grid().neighbour(0, 1) == ""
-    assert Grid().before() == ""
+    assert GridCursor().neighbour(0, 1) == ""
+    assert GridCursor().before() == ""
 
 
 async def test_the_bar_shows_what_the_view_says_and_no_less() -> None:
@@ -139,7 +139,7 @@ async def test_to_finish_what_cannot_be_solved_is_refused_before_it_is_asked() -
         await seen.press("f", "y")
         await seen.pilot.pause()
         assert seen.sent == []
-        assert not isinstance(seen.app.screen, Confirm)
+        assert not isinstance(seen.app.screen, ConfirmScreen)
         [said] = [notice.message for notice in seen.app._notifications]  # noqa: SLF001  as it is shown
         assert said.startswith("Too little to solve: ")
         assert said.endswith("Positions to do: 3 to 12.")

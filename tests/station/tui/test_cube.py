@@ -8,9 +8,17 @@ from textual.content import Content
 
 from procedures.arrays import FloatArray
 from procedures.frames import nominal_C_lb, vertical_rotation
-from station.guide.view import Step
+from station.guide.view import StepView
 from station.tui.canvas import Canvas
-from station.tui.cube_picture import LARGE, SIZES, SMALL, Size, axis_colour, draw_cube, largest
+from station.tui.cube_picture import (
+    LARGE,
+    PICTURE_SIZES,
+    SMALL,
+    PictureSize,
+    axis_colour,
+    draw_cube,
+    largest_picture,
+)
 from station.tui.orientation import faces, faces_of, is_counter_clockwise, nearest_face, start_of
 from station.tui.turned_cube import draw_turned
 from tests.station.tui import views
@@ -23,7 +31,7 @@ TOWARDS = {"east": (1, 0, 0), "north": (0, 1, 0), "up": (0, 0, 1), "west": (-1, 
 every_position = pytest.mark.parametrize("position", range(1, 13))
 
 
-def drawn_cube(looks: dict[str, str], size: Size, turn: str = "") -> Content:
+def drawn_cube(looks: dict[str, str], size: PictureSize, turn: str = "") -> Content:
     canvas = Canvas(size.columns, size.rows)
     draw_cube(canvas, looks, size, turn)
     return canvas.content()
@@ -43,7 +51,7 @@ def face_towards(position: int, way: str) -> str:
 
 @every_position
 @pytest.mark.parametrize("size", [SMALL, LARGE], ids=["small", "large"])
-def test_every_label_of_the_drawing_is_the_axis_that_points_there(position: int, size: Size) -> None:
+def test_every_label_of_the_drawing_is_the_axis_that_points_there(position: int, size: PictureSize) -> None:
     rows = drawn_cube(faces(position), size).plain.split("\n")
     assert all(len(row) == size.columns for row in rows)
     for way in ("north", "west", "down"):  # hidden faces: named in the last line
@@ -81,7 +89,7 @@ def test_a_cube_that_stands_near_a_position_is_drawn_in_it(position: int, off: f
 
 @every_position
 @pytest.mark.parametrize("size", [SMALL, LARGE], ids=["small", "large"])
-def test_a_cube_drawn_at_any_attitude_has_its_labels_where_its_faces_are(position: int, size: Size) -> None:
+def test_a_cube_drawn_at_any_attitude_has_its_labels_where_its_faces_are(position: int, size: PictureSize) -> None:
     """Turned by 15 deg clockwise all three faces still look up, south and east."""
     canvas = Canvas(size.columns, size.rows)
     draw_turned(canvas, rows_of(vertical_rotation(np.radians(-15.0)) @ nominal_C_lb(position)), size)
@@ -108,11 +116,11 @@ def test_a_cube_at_any_attitude_stays_in_its_picture_and_shows_no_hidden_face() 
 
 
 def test_a_picture_is_the_largest_that_fits() -> None:
-    assert largest(18, 10) == SMALL == largest(1, 1)
-    assert largest(200, 200) == SIZES[-1]
-    for size in SIZES:
-        assert largest(size.columns, size.rows) == size
-        assert largest(size.columns - 1, size.rows).depth in {size.depth - 1, SMALL.depth}
+    assert largest_picture(18, 10) == SMALL == largest_picture(1, 1)
+    assert largest_picture(200, 200) == PICTURE_SIZES[-1]
+    for size in PICTURE_SIZES:
+        assert largest_picture(size.columns, size.rows) == size
+        assert largest_picture(size.columns - 1, size.rows).depth in {size.depth - 1, SMALL.depth}
 
 
 def test_each_face_has_the_colour_of_its_axis() -> None:
@@ -124,7 +132,7 @@ def test_each_face_has_the_colour_of_its_axis() -> None:
 
 
 @pytest.mark.parametrize("step", [step for step in TURNING.steps if step.axis], ids=lambda step: step.name)
-def test_the_arrow_of_a_turn_shows_how_the_front_moves(step: Step) -> None:
+def test_the_arrow_of_a_turn_shows_how_the_front_moves(step: StepView) -> None:
     up = nominal_C_lb(start_of(step)) @ np.eye(3)["xyz".index(step.axis)]
     assert up == pytest.approx([0, 0, 1])
     rate = up if step.direction == "+" else -up
@@ -136,7 +144,7 @@ def test_the_arrow_of_a_turn_shows_how_the_front_moves(step: Step) -> None:
 
 
 def test_a_turn_of_a_plan_may_be_about_an_axis_that_points_down() -> None:
-    down = Step(name="t", state="todo", axis="x", direction="+", revolutions=1, start_position=3)
+    down = StepView(name="t", state="todo", axis="x", direction="+", revolutions=1, start_position=3)
     assert not is_counter_clockwise(down)
 
 

@@ -5,12 +5,12 @@ from typing import get_args
 import pytest
 from textual.widgets import Footer
 
-from station.guide.view import Stage, View
+from station.guide.view import CalibrationView, StageName
 from station.tui.screens import SCREEN_FOR
-from station.tui.screens.confirm import Confirm
-from station.tui.screens.help import Help
+from station.tui.screens.confirm import ConfirmScreen
+from station.tui.screens.help import HelpScreen
 from station.tui.screens.stage import RUNNING
-from station.tui.widgets.drawn import Drawn
+from station.tui.widgets.drawn import ValueWidget
 from station.tui.widgets.event_lines import EventLines
 from station.tui.widgets.number_table import NumberTable
 from tests.station.tui import start_views, views
@@ -19,14 +19,14 @@ from tests.station.tui.session import LARGE, SMALL, Screens, screens
 MAY_BE_CUT = (NumberTable, EventLines)  # one scrolls, the other's texts are any length
 
 
-def of_stage(stage: Stage) -> View:
+def of_stage(stage: StageName) -> CalibrationView:
     return next(view for view in views.VIEWS.values() if view.stage == stage)
 
 
 async def test_every_stage_has_its_screen_also_when_a_view_says_nothing_else() -> None:
-    async with screens(View()) as seen:
-        for stage in get_args(Stage):
-            for view in (View(stage=stage), of_stage(stage)):
+    async with screens(CalibrationView()) as seen:
+        for stage in get_args(StageName):
+            for view in (CalibrationView(stage=stage), of_stage(stage)):
                 await seen.show(view)
                 assert type(seen.app.screen) is SCREEN_FOR[stage], stage
         assert len(seen.app.screen_stack) == 2
@@ -34,7 +34,7 @@ async def test_every_stage_has_its_screen_also_when_a_view_says_nothing_else() -
 
 @pytest.mark.parametrize("size", [SMALL, LARGE], ids=["80x24", "120x40"])
 async def test_nothing_is_cut_off(size: tuple[int, int]) -> None:
-    async with screens(View(), size) as seen:
+    async with screens(CalibrationView(), size) as seen:
         for name, view in views.VIEWS.items():
             await seen.show(view)
             await seen.pilot.pause()
@@ -52,7 +52,7 @@ def cut_off(seen: Screens) -> list[object]:
                 found.append((widget, widget.region))
             if isinstance(widget, Footer) and widget.max_scroll_x:
                 found.append(widget)
-            if isinstance(widget, Drawn) and widget.content_size.width:
+            if isinstance(widget, ValueWidget) and widget.content_size.width:
                 rows = sum(
                     -(-len(line) // widget.content_size.width) or 1 for line in widget.render().plain.split("\n")
                 )
@@ -65,7 +65,7 @@ def cut_off(seen: Screens) -> list[object]:
     ("view", "goes_on"), [(start_views.START, False), (views.HOLDING, True), (views.PASSED, False)]
 )
 async def test_a_terminal_that_is_too_small_speaks_of_a_campaign_only_where_one_goes_on(
-    view: View, goes_on: bool
+    view: CalibrationView, goes_on: bool
 ) -> None:
     async with screens(view, (60, 12)) as seen:
         text = " ".join(" ".join(seen.lines()).split())
@@ -74,11 +74,11 @@ async def test_a_terminal_that_is_too_small_speaks_of_a_campaign_only_where_one_
 
 
 async def test_help_explains_each_stage_and_its_keys_and_closes() -> None:
-    async with screens(View()) as seen:
-        for stage in get_args(Stage):
+    async with screens(CalibrationView()) as seen:
+        for stage in get_args(StageName):
             await seen.show(of_stage(stage))
             await seen.press("f1" if stage == "start" else "question_mark")
-            assert isinstance(seen.app.screen, Help), stage
+            assert isinstance(seen.app.screen, HelpScreen), stage
             said = seen.app.screen.query_one("Static").render().plain
             assert len(said.split("\n")[0]) > 20
             assert "four slow: rejected" in said
@@ -88,11 +88,11 @@ async def test_help_explains_each_stage_and_its_keys_and_closes() -> None:
 
 
 @pytest.mark.parametrize("stage", RUNNING)
-async def test_cancel_works_in_every_stage_and_asks_first(stage: Stage) -> None:
+async def test_cancel_works_in_every_stage_and_asks_first(stage: StageName) -> None:
     async with screens(of_stage(stage)) as seen:
         key = "escape" if stage == "start" else "c"
         await seen.press(key)
-        assert isinstance(seen.app.screen, Confirm)
+        assert isinstance(seen.app.screen, ConfirmScreen)
         assert not cut_off(seen)
         assert "database" in seen.app.screen.query_one("Label").render().plain
         await seen.press("n")
@@ -102,11 +102,11 @@ async def test_cancel_works_in_every_stage_and_asks_first(stage: Stage) -> None:
 
 
 async def test_leaving_asks_first_in_every_stage_with_something_to_go_on_with() -> None:
-    async with screens(View()) as seen:
+    async with screens(CalibrationView()) as seen:
         for stage in RUNNING[1:]:
             await seen.show(of_stage(stage))
             await seen.press("q")
-            assert isinstance(seen.app.screen, Confirm), stage
+            assert isinstance(seen.app.screen, ConfirmScreen), stage
             await seen.press("n")
             assert seen.sent == []
         await seen.press("q", "right", "enter")
@@ -121,7 +121,7 @@ async def test_the_usual_keys_of_a_terminal_ask_to_leave_too(key: str) -> None:
 
 
 @pytest.mark.parametrize("stage", ["start", "stored", "cancelled", "left", "failed"])
-async def test_where_nothing_is_at_stake_leaving_closes_the_screens(stage: Stage) -> None:
+async def test_where_nothing_is_at_stake_leaving_closes_the_screens(stage: StageName) -> None:
     async with screens(of_stage(stage)) as seen:
         await seen.press("ctrl+q")
         assert not seen.app.is_running
@@ -147,7 +147,7 @@ async def test_the_end_says_what_became_of_the_data_and_a_key_closes_it(key: str
         (views.NOT_MEASURED, " ? NO LIMITS   no limits are stored for SIM-FOG3."),  # the word is not said twice
     ],
 )
-async def test_the_verdict_is_a_word_a_symbol_and_one_sentence(view: View, said: str) -> None:
+async def test_the_verdict_is_a_word_a_symbol_and_one_sentence(view: CalibrationView, said: str) -> None:
     async with screens(view) as seen:
         assert seen.app.screen.sentence.render().plain == said
         assert seen.app.screen.sentence.has_class(view.verdict.word)
@@ -184,7 +184,7 @@ async def test_a_campaign_without_an_imu_is_said_in_red_words() -> None:
 
 
 async def test_all_keys_of_the_footer_are_in_the_palette() -> None:
-    async with screens(View()) as seen:
+    async with screens(CalibrationView()) as seen:
         for view in views.VIEWS.values():
             await seen.show(view)
             if view.question or view.stage == "start":
@@ -212,7 +212,7 @@ def keys_missing(seen: Screens) -> list[str]:
 async def test_every_key_that_works_stands_in_the_terminal_also_while_another_window_has_the_focus(
     has_focus: bool,
 ) -> None:
-    async with screens(View()) as seen:
+    async with screens(CalibrationView()) as seen:
         seen.app.app_focus = has_focus
         for name, view in views.VIEWS.items():
             if view.question is None:

@@ -3,9 +3,9 @@
 import re
 
 from station.guide.stream_trouble import trouble_of
-from station.tui.screens.campaign import LOOKS as BANNERS
+from station.tui.screens.campaign import STAGE_LOOKS
 from station.tui.widgets.link_line import NO_DATA
-from station.tui.widgets.step_grid import LOOKS as STATES
+from station.tui.widgets.step_grid import STEP_LOOKS
 from tests.paths import ROOT
 from tests.station.tui import views
 from tests.station.tui.session import screens
@@ -25,7 +25,7 @@ def test_the_glossary_is_in_alphabetical_order_and_says_each_word_once() -> None
 
 
 def test_the_words_of_banner_link_and_steps_are_explained() -> None:
-    shown = {word for word, _, _ in BANNERS.values()} | set(STATES) | {NO_DATA, "SET DOWN AGAIN", "live"}
+    shown = {word for word, _, _ in STAGE_LOOKS.values()} | set(STEP_LOOKS) | {NO_DATA, "SET DOWN AGAIN", "live"}
     shown |= {trouble_of(error).word for error in STREAM}
     assert shown - set(WORDS) == set()
 

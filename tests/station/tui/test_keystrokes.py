@@ -7,7 +7,7 @@ from drivers.simulated.server import SimulatedDevice
 from fixtures_db.database import open_db
 from station.demo.example_bench import GRAVITY_STD, add_example
 from station.files.setup import Setup
-from station.guide.client import Connection
+from station.guide.client import EngineConnection
 from station.guide.start_engine import EngineOptions, engine_process
 from station.tui.app import StationApp
 from tests.station.tui.test_page import PAGE
@@ -32,7 +32,7 @@ async def test_a_calibration_from_the_filled_form_to_the_stored_pass_takes_the_k
         options = EngineOptions(
             root=tmp_path, database=str(tmp_path / "s.db"), setup=setup, hands=device.control, move_s=5.0
         )
-        with engine_process(options) as socket, Connection(socket) as screen:
+        with engine_process(options) as socket, EngineConnection(socket) as screen:
             async with StationApp(screen, is_quiet=True).run_test(size=(80, 24)) as pilot:
 
                 async def press(*keys: str) -> None:

@@ -9,7 +9,7 @@ from textual.widget import Widget
 from drivers.errors import DriverError, LinkLost, LinkSilent, PortBusy, PortDenied, WrongFormat
 from station.errors import DataRefused, cannot_write
 from station.guide.stream_trouble import trouble_of
-from station.guide.view import Stage, View
+from station.guide.view import CalibrationView, StageName
 from station.stream.events import Event
 from station.stream.live.stream_trouble import AMISS
 from station.stream.recorder import UnitChanged
@@ -39,7 +39,7 @@ EVENTS = [
     *map(str, STREAM),
 ]
 LEAN = "lean the cube on a corner, X and Y half up, Z half down, near 45 deg; prop it; then leave it for 3600 s"
-CAMPAIGN: tuple[Stage, ...] = ("place", "settle", "dwell", "turn")
+CAMPAIGN: tuple[StageName, ...] = ("place", "settle", "dwell", "turn")
 
 
 def words(text: str) -> str:
@@ -55,7 +55,7 @@ def said_in(seen: Screens, widget: Widget) -> str:
 
 @pytest.mark.parametrize("error", STREAM, ids=lambda error: type(error).__name__)
 async def test_what_is_wrong_with_the_stream_is_said_whole_and_once(error: DriverError) -> None:
-    async with screens(View()) as seen:
+    async with screens(CalibrationView()) as seen:
         link = views.LINK.model_copy(update={"is_live": False, "word": trouble_of(error).word, "name": PORT})
         event = Event(number=99, sound="rejected", text=str(error))
         for stage in (*CAMPAIGN, "warm_up", "paused"):
@@ -83,7 +83,7 @@ async def test_the_newest_event_is_whole() -> None:
 
 
 async def test_hints_and_instructions_are_whole() -> None:
-    async with screens(View()) as seen:
+    async with screens(CalibrationView()) as seen:
         for view in views.VIEWS.values():
             if view.stage not in CAMPAIGN or view.question:
                 continue
@@ -134,7 +134,7 @@ async def test_the_step_under_the_cursor_is_told_whole() -> None:
 
 
 async def test_the_end_and_the_set_up_say_errors_whole() -> None:
-    async with screens(View()) as seen:
+    async with screens(CalibrationView()) as seen:
         for error in (*STREAM, *OTHERS):
             await seen.show(views.BROKEN.model_copy(update={"error": str(error)}))
             await seen.pilot.pause()
@@ -160,7 +160,7 @@ async def test_a_question_is_whole_with_its_choices() -> None:
 
 @pytest.mark.parametrize("size", [(60, 20), (79, 24), (80, 23), (20, 8)])
 async def test_a_terminal_that_is_too_small_says_what_is_needed_and_what_it_has(size: tuple[int, int]) -> None:
-    async with screens(View(), size) as seen:
+    async with screens(CalibrationView(), size) as seen:
         for view in views.VIEWS.values():
             if view.question is None:
                 await seen.show(view)

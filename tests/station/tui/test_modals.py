@@ -7,17 +7,17 @@ from textual.command import CommandPalette
 from textual.events import Key
 
 from station.guide.setup_view import Choice
-from station.guide.view import Question, View
+from station.guide.view import CalibrationView, OperatorQuestion
 from station.tui.screens import SCREEN_FOR
-from station.tui.screens.confirm import Confirm
-from station.tui.screens.help import Help
+from station.tui.screens.confirm import ConfirmScreen
+from station.tui.screens.help import HelpScreen
 from station.tui.screens.modal import Modal
 from station.tui.screens.question import QuestionScreen
 from station.tui.screens.stage import RUNNING
 from tests.station.tui import views
 from tests.station.tui.session import LARGE, SMALL, screens
 
-PAIR = Question(
+PAIR = OperatorQuestion(
     text="Which is it?",
     choices=(Choice(key="11", title="position 11"), Choice(key="12", title="position 12")),
 )
@@ -33,7 +33,7 @@ PAIR = Question(
         (PAIR, "down enter", "11"),
     ],
 )
-async def test_a_question_is_answered_by_one_key(question: Question, keys: str, answer: str) -> None:
+async def test_a_question_is_answered_by_one_key(question: OperatorQuestion, keys: str, answer: str) -> None:
     async with screens(views.ASKING.model_copy(update={"question": question})) as seen:
         assert isinstance(seen.app.screen, QuestionScreen)
         await seen.press(*keys.split())
@@ -75,12 +75,12 @@ async def test_a_modal_stays_while_it_fits_and_goes_when_it_does_not() -> None:
     async with screens(views.WARMING) as seen:
         await seen.press("c")
         await seen.show(views.PLACING)  # another screen waits under the modal
-        assert isinstance(seen.app.screen, Confirm)
+        assert isinstance(seen.app.screen, ConfirmScreen)
         await seen.press("n")
         seen.app.pull()
         assert type(seen.app.screen) is SCREEN_FOR["place"]
         await seen.press("question_mark")
-        assert isinstance(seen.app.screen, Help)
+        assert isinstance(seen.app.screen, HelpScreen)
         await seen.show(views.SETTLING)
         assert not isinstance(seen.app.screen, Modal)
         await seen.press("c")
@@ -152,8 +152,8 @@ OVER = ("cancelled", "left", "failed")
 @pytest.mark.parametrize("size", [SMALL, LARGE], ids=["80x24", "120x40"])
 async def test_views_and_keys_in_any_order_never_break_the_screens(size: tuple[int, int]) -> None:
     chance = random.Random(size[0])
-    every = [*views.VIEWS.values(), *(View(stage=stage) for stage in RUNNING)]
-    async with screens(View(), size) as seen:
+    every = [*views.VIEWS.values(), *(CalibrationView(stage=stage) for stage in RUNNING)]
+    async with screens(CalibrationView(), size) as seen:
         for _ in range(50):
             seen.session.view = chance.choice(every)
             seen.app.pull()

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.guide.view import Step, TurnView, View
+from station.guide.view import CalibrationView, StepView, TurnView
 from station.tui.orientation import is_counter_clockwise
 from tests.station.tui import views
 from tests.station.tui.session import screens
@@ -22,7 +22,7 @@ from tests.station.tui.test_messages import said_in
         (views.WARMING, "WARM-UP leave the cube at rest", "put the cube"),
     ],
 )
-async def test_the_banner_says_one_thing(view: View, said: str, not_said: str) -> None:
+async def test_the_banner_says_one_thing(view: CalibrationView, said: str, not_said: str) -> None:
     async with screens(view) as seen:
         await seen.pilot.pause()
         banner = said_in(seen, seen.app.screen.banner)
@@ -31,7 +31,7 @@ async def test_the_banner_says_one_thing(view: View, said: str, not_said: str) -
 
 
 @pytest.mark.parametrize("step", [step for step in views.steps(12) if step.axis], ids=lambda step: step.name)
-async def test_symbol_and_column_of_a_turn_are_those_of_the_turn_asked_for(step: Step) -> None:
+async def test_symbol_and_column_of_a_turn_are_those_of_the_turn_asked_for(step: StepView) -> None:
     turn = TurnView(revolutions=1.0, speed_deg_s=30.0)
     view = views.TURNING.model_copy(update={"live": step.name, "wanted": step.name, "turn": turn})
     async with screens(view) as seen:

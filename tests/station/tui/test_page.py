@@ -5,8 +5,8 @@ from textual.binding import Binding
 
 from station.tui.app import StationApp
 from station.tui.screens import SCREEN_FOR
-from station.tui.screens.campaign import LOOKS as WORDS
-from station.tui.widgets.step_grid import LOOKS as STATES
+from station.tui.screens.campaign import STAGE_LOOKS
+from station.tui.widgets.step_grid import STEP_LOOKS
 from tests.paths import ROOT
 from tests.station.tui.screenshots import PICTURES, picture
 
@@ -24,8 +24,8 @@ def test_the_page_names_every_key() -> None:
 
 
 def test_the_page_names_every_state_of_a_step() -> None:
-    assert all(f"`{symbol} {state}`" in PAGE for state, (symbol, _) in STATES.items())
-    assert set(WORDS) == {"place", "settle", "dwell", "turn", "paused"}
+    assert all(f"`{symbol} {state}`" in PAGE for state, (symbol, _) in STEP_LOOKS.items())
+    assert set(STAGE_LOOKS) == {"place", "settle", "dwell", "turn", "paused"}
 
 
 @pytest.mark.parametrize("name", PICTURES)

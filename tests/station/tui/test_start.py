@@ -4,9 +4,9 @@ import pytest
 
 from drivers.mavlink.address import LINKS, parse_mavlink_url
 from station.files.setup import Setup
-from station.guide.command import Command
-from station.guide.setup_view import Check, Readiness, ReadyLine, Start
-from station.guide.view import View
+from station.guide.command import OperatorCommand
+from station.guide.setup_view import PortCheck, Readiness, ReadyLine, StartView
+from station.guide.view import CalibrationView
 from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.start import CONSIDER_S
 from station.tui.setup_entries import ENTRIES, problems, receiver, setup_of, texts_of
@@ -14,11 +14,11 @@ from tests.station.tui import start_views
 from tests.station.tui.session import Screens, screens
 
 URL = "tcp://rig:5000?format=counts"
-FRESH = View(stage="start", start=Start(setup=Setup(url=URL)))
+FRESH = CalibrationView(stage="start", start=StartView(setup=Setup(url=URL)))
 SETUP = start_views.START.start.setup
 
 
-def of_start(**update: object) -> View:
+def of_start(**update: object) -> CalibrationView:
     """Return the start screen, with nothing known of how ready it is unless that is given."""
     start = start_views.START.start.model_copy(update={"readiness": None, **update})
     return start_views.START.model_copy(update={"start": start})
@@ -39,7 +39,7 @@ async def fill(seen: Screens, name: str, text: str) -> None:
 async def test_enter_goes_on_with_the_campaign_on_top() -> None:
     async with screens(start_views.START) as seen:
         await seen.press("enter")
-        assert seen.sent == [Command(verb="resume", folder=start_views.FOLDER, url=start_views.URL)]
+        assert seen.sent == [OperatorCommand(verb="resume", folder=start_views.FOLDER, url=start_views.URL)]
 
 
 async def test_campaigns_in_use_or_not_here_are_shown_and_cannot_be_chosen() -> None:
@@ -47,32 +47,32 @@ async def test_campaigns_in_use_or_not_here_are_shown_and_cannot_be_chosen() -> 
         options = seen.app.screen.unfinished
         assert [options.get_option_at_index(i).disabled for i in range(3)] == [False, True, True]
         await seen.press("down", "down", "enter")
-        assert seen.sent == [Command(verb="resume", folder=start_views.FOLDER, url=start_views.URL)]
+        assert seen.sent == [OperatorCommand(verb="resume", folder=start_views.FOLDER, url=start_views.URL)]
 
 
 @pytest.mark.parametrize(
     ("check", "sent"),
     [
-        (Check(url=SETUP.url, is_good=True, serial=""), SETUP.url),
-        (Check(url=SETUP.url, is_good=True, serial="SIM-8"), ""),
-        (Check(url=SETUP.url, is_good=False), ""),
-        (Check(url="tcp://else:1", is_good=True), ""),
+        (PortCheck(url=SETUP.url, is_good=True, serial=""), SETUP.url),
+        (PortCheck(url=SETUP.url, is_good=True, serial="SIM-8"), ""),
+        (PortCheck(url=SETUP.url, is_good=False), ""),
+        (PortCheck(url="tcp://else:1", is_good=True), ""),
         (None, ""),
     ],
 )
 async def test_a_campaign_goes_on_at_the_port_looked_at_if_its_unit_may_be_there(
-    check: Check | None, sent: str
+    check: PortCheck | None, sent: str
 ) -> None:
     async with screens(of_start(check=check)) as seen:
         await seen.press("enter")
-        assert seen.sent == [Command(verb="resume", folder=start_views.FOLDER, url=sent)]
+        assert seen.sent == [OperatorCommand(verb="resume", folder=start_views.FOLDER, url=sent)]
 
 
 async def test_what_is_remembered_is_filled_in_and_sent_back_as_it_was() -> None:
     async with screens(of_start()) as seen:
         await seen.press("ctrl+s")
         expected = SETUP.model_copy(update={"model": "SIM-FOG3", "serial": "SIM-7"})
-        assert seen.sent == [Command(verb="begin", setup=expected)]
+        assert seen.sent == [OperatorCommand(verb="begin", setup=expected)]
 
 
 async def test_what_is_typed_is_sent() -> None:
@@ -86,7 +86,7 @@ async def test_what_is_typed_is_sent() -> None:
             url="tcp://rig:5000?format=counts", latitude_deg=48.137, height_m=520.0, operator="M. Huber",
             dwell_s=0.0, bias_ug=0.5, revolutions=5, serial="A-7",
         )  # fmt: skip
-        assert seen.sent == [Command(verb="begin", setup=expected)]
+        assert seen.sent == [OperatorCommand(verb="begin", setup=expected)]
 
 
 async def test_a_wrong_value_is_said_in_words_as_it_is_typed() -> None:
@@ -131,7 +131,7 @@ async def test_choosing_a_port_looks_at_it() -> None:
         other = start_views.START.start.ports[1].key
         await seen.press("enter", "down", "enter")
         assert seen.app.screen.form.fields["url"].input.value == other
-        assert seen.sent == [Command(verb="check", url=other)]
+        assert seen.sent == [OperatorCommand(verb="check", url=other)]
         await seen.show(of_start(unfinished=(), is_checking=True))
         assert "looking" in seen.app.screen.form.look.render().plain
 
@@ -140,7 +140,7 @@ async def test_enter_in_the_address_looks_at_it_and_ctrl_l_looks_again() -> None
     async with screens(FRESH) as seen:
         await fill(seen, "url", "tcp://x:1")
         await seen.press("enter", "ctrl+l")
-        assert seen.sent == 2 * [Command(verb="check", url="tcp://x:1")]
+        assert seen.sent == 2 * [OperatorCommand(verb="check", url="tcp://x:1")]
 
 
 async def test_with_a_receiver_no_latitude_is_needed_and_both_are_sent() -> None:
@@ -148,7 +148,7 @@ async def test_with_a_receiver_no_latitude_is_needed_and_both_are_sent() -> None
     async with screens(FRESH) as seen:
         await fill(seen, "gnss", receiver)
         await seen.press("ctrl+s")
-        assert seen.sent == [Command(verb="begin", setup=Setup(url=URL, gnss=receiver))]
+        assert seen.sent == [OperatorCommand(verb="begin", setup=Setup(url=URL, gnss=receiver))]
 
 
 async def test_a_wrong_address_of_a_receiver_is_said_and_not_listened_to() -> None:
@@ -165,7 +165,10 @@ async def test_enter_listens_to_the_receiver_and_ctrl_l_looks_at_both() -> None:
     async with screens(FRESH) as seen:
         await fill(seen, "gnss", start_views.GNSS)
         await seen.press("enter", "ctrl+l")
-        listen, check = Command(verb="listen", url=start_views.GNSS), Command(verb="check", url=URL)
+        listen, check = (
+            OperatorCommand(verb="listen", url=start_views.GNSS),
+            OperatorCommand(verb="check", url=URL),
+        )
         assert seen.sent == [listen, check, listen]
 
 
@@ -175,12 +178,12 @@ async def test_enter_listens_to_the_receiver_and_ctrl_l_looks_at_both() -> None:
         (None, True, "listening to the receiver"),
         (None, False, "not listened to yet"),
         (start_views.WITH_RECEIVER.start.receiver, False, "✓ 48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m"),
-        (Check(url=start_views.GNSS, is_good=False, text="no fix"), False, "✗ no fix"),
-        (Check(url="mavlink:tcp:x:1", is_good=True, text="48"), False, "not listened to yet"),
+        (PortCheck(url=start_views.GNSS, is_good=False, text="no fix"), False, "✗ no fix"),
+        (PortCheck(url="mavlink:tcp:x:1", is_good=True, text="48"), False, "not listened to yet"),
     ],
 )
 async def test_what_the_receiver_says_stands_below_its_address(
-    receiver: Check | None, is_listening: bool, expected: str
+    receiver: PortCheck | None, is_listening: bool, expected: str
 ) -> None:
     start = start_views.WITH_RECEIVER.start.model_copy(update={"receiver": receiver, "is_listening": is_listening})
     async with screens(start_views.WITH_RECEIVER.model_copy(update={"start": start})) as seen:
@@ -212,11 +215,14 @@ def test_every_link_to_a_receiver_is_accepted_by_the_form(link: str) -> None:
             start_views.START.start.check,
             "✓ counts, SIM-FOG3 SIM-7, 100.0 Hz, 0 of 200 frames bad, noise 49 ug/rtHz",
         ),
-        (Check(url=SETUP.url, is_good=False, text="no byte within 2 s: is it powered?"), "✗ no byte within 2 s"),
-        (Check(url="tcp://else:1", is_good=True), "not looked at yet"),
+        (
+            PortCheck(url=SETUP.url, is_good=False, text="no byte within 2 s: is it powered?"),
+            "✗ no byte within 2 s",
+        ),
+        (PortCheck(url="tcp://else:1", is_good=True), "not looked at yet"),
     ],
 )
-async def test_a_look_says_what_came(check: Check, expected: str) -> None:
+async def test_a_look_says_what_came(check: PortCheck, expected: str) -> None:
     async with screens(of_start(check=check)) as seen:
         assert expected in seen.app.screen.form.look.render().plain
 
@@ -225,7 +231,7 @@ async def test_a_device_that_says_its_serial_number_fills_it_in_and_one_that_doe
     async with screens(start_views.START) as seen:
         serial = seen.app.screen.form.fields["serial"].input
         assert (serial.value, serial.disabled) == ("SIM-7", True)
-        silent = Check(url=SETUP.url, is_good=True, format="counts", model="RIG", frames=200)
+        silent = PortCheck(url=SETUP.url, is_good=True, format="counts", model="RIG", frames=200)
         await seen.show(of_start(check=silent, setup=SETUP.model_copy(update={"operator": "B"})))
         assert (serial.value, serial.disabled) == ("", False)
         await seen.press("ctrl+s")

@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.guide.view import Row
-from station.tui.screens.diagnosis import NONE, DiagnosisScreen
+from station.guide.view import VerdictRow
+from station.tui.screens.diagnosis import NO_DIAGNOSIS, DiagnosisScreen
 from station.tui.screens.verdict import VerdictScreen
 from tests.station.tui import views
 from tests.station.tui.session import LARGE, SMALL, screens
@@ -39,7 +39,7 @@ async def test_a_campaign_without_a_diagnosis_says_so() -> None:
     async with screens(bare) as seen:
         await seen.press("d")
         await seen.pilot.pause()
-        assert any(NONE[:40] in line for line in seen.lines())
+        assert any(NO_DIAGNOSIS[:40] in line for line in seen.lines())
 
 
 async def test_a_browser_opens_the_report_at_its_own_server(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -63,11 +63,11 @@ async def test_where_no_browser_can_be_opened_the_file_is_named(monkeypatch: pyt
         assert any(views.PASSED.verdict.worst_residual in line for line in seen.lines())
 
 
-WIDE = Row(
+WIDE = VerdictRow(
     name="accelerometer bias two direction y", value="-123456.789", sigma="0.080", expanded="0.16", unit="ug",
     limit="-12000 to 12500.5 ug less 1.64 sigma", verdict="NOT_MEASURED", change="+0.453 ug (4.0 sigma)",
 )  # fmt: skip
-SCALE = Row(
+SCALE = VerdictRow(
     name="accelerometer scale factor x", value="36000.0132", sigma="0.0021", expanded="0.0042", unit="count/(g s)",
     limit="33000 to 39000 count/(g s) less 2 sigma", verdict="PASS",
 )  # fmt: skip

@@ -13,16 +13,18 @@ from fixtures_db.database import open_db
 from fixtures_db.history import history
 from station.files.campaign_folder.reading import read_campaign
 from station.files.setup import Setup
-from station.guide.client import Connection
+from station.guide.client import EngineConnection
 from station.guide.start_engine import EngineOptions, engine_process
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from station.tui.app import StationApp
 
 SPEED = 60.0  # device seconds per second
 PATIENCE_S = 100.0
 
 
-async def seen(pilot: Pilot[None], screen: Connection, until: Callable[[View], bool]) -> View:
+async def seen(
+    pilot: Pilot[None], screen: EngineConnection, until: Callable[[CalibrationView], bool]
+) -> CalibrationView:
     """Let the screen run until its view shows what is waited for."""
     deadline = time.monotonic() + PATIENCE_S
     while not until(screen.view):
@@ -42,7 +44,7 @@ async def test_a_campaign_is_begun_redone_paused_stored_and_left_by_keys(tmp_pat
         options = EngineOptions(
             root=tmp_path, database=str(tmp_path / "s.db"), setup=setup, hands=device.control, move_s=5.0
         )
-        with engine_process(options) as socket, Connection(socket) as screen:
+        with engine_process(options) as socket, EngineConnection(socket) as screen:
             async with StationApp(screen, is_quiet=True).run_test(size=(80, 24)) as pilot:
                 await seen(pilot, screen, lambda v: bool(v.start and v.start.readiness))
                 await pilot.press("ctrl+s", "y")  # it has no cube, slab and limits, and says so

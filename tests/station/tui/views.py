@@ -7,19 +7,19 @@ from procedures.frames import TURN_START, nominal_C_lb, rotation, vertical_rotat
 from station.guide.setup_view import Choice
 from station.guide.stream_trouble import trouble_of
 from station.guide.view import (
-    Gates,
-    Link,
+    CalibrationView,
+    GatesView,
+    LinkView,
+    OperatorQuestion,
     PoseView,
-    Question,
-    Row,
     SoakView,
-    Stage,
-    Step,
+    StageName,
     StepState,
+    StepView,
     TurnView,
     Verdict,
-    View,
-    WarmUp,
+    VerdictRow,
+    WarmUpView,
 )
 from station.stream.events import Event
 from station.stream.recorder import UnitChanged
@@ -27,7 +27,7 @@ from tests.station.tui import start_views
 from tests.station.tui.start_views import FOLDER
 
 UNIT = "SIM-FOG3 SIM-7"
-LINK = Link(name="ttyUSB0", rate_hz=100.0, bad_frames=0, lost=0, gaps=0, temperature_c=24.3)
+LINK = LinkView(name="ttyUSB0", rate_hz=100.0, bad_frames=0, lost=0, gaps=0, temperature_c=24.3)
 
 
 def pose(position: int, turned: float = 0.0, tipped: float = 0.0, std: float | None = 1.8,
@@ -38,11 +38,11 @@ def pose(position: int, turned: float = 0.0, tipped: float = 0.0, std: float | N
     return PoseView.model_validate({"C_lb": rows, "heading_std_deg": std, **told})
 
 
-def steps(done: int, *, live: str = "", redo: str = "") -> tuple[Step, ...]:
+def steps(done: int, *, live: str = "", redo: str = "") -> tuple[StepView, ...]:
     """Return the 18 steps, the first ``done`` accepted; position 2 was recorded twice."""
-    dwells = [Step(name=f"dwell_{p:02d}", state="todo", position=p) for p in range(1, 13)]
+    dwells = [StepView(name=f"dwell_{p:02d}", state="todo", position=p) for p in range(1, 13)]
     turns = [
-        Step(
+        StepView(
             name=f"turn_{axis}_{word}", state="todo", axis=axis, direction=sign, revolutions=3,
             start_position=TURN_START[axis],
         )
@@ -52,7 +52,7 @@ def steps(done: int, *, live: str = "", redo: str = "") -> tuple[Step, ...]:
     return tuple(_told(step, number < done, live, redo) for number, step in enumerate([*dwells, *turns]))
 
 
-def _told(step: Step, is_done: bool, live: str, redo: str) -> Step:
+def _told(step: StepView, is_done: bool, live: str, redo: str) -> StepView:
     state: StepState = "done" if is_done else "todo"
     if step.name in (live, redo):
         state = "live" if step.name == live else "redo"
@@ -70,24 +70,26 @@ EVENTS = (
     Event(number=11, sound="start", text="next: position 3"),
 )
 
-RUNNING = View(unit=UNIT, folder=FOLDER, steps=steps(2), wanted="dwell_03", can_redo="dwell_02", link=LINK,
-               remaining_s=2210.0, events=EVENTS)  # fmt: skip
+RUNNING = CalibrationView(
+    unit=UNIT, folder=FOLDER, steps=steps(2), wanted="dwell_03", can_redo="dwell_02", link=LINK,
+    remaining_s=2210.0, events=EVENTS,
+)  # fmt: skip
 
 
-def running(stage: Stage, **update: object) -> View:
+def running(stage: StageName, **update: object) -> CalibrationView:
     """Return a view of a campaign under way."""
     return RUNNING.model_copy(update={"stage": stage, **update})
 
 
-CONNECTING = View(
+CONNECTING = CalibrationView(
     stage="connecting", line="connecting", hint="waiting for the unit to say who it is",
-    folder=FOLDER, link=Link(name="ttyUSB0"),
+    folder=FOLDER, link=LinkView(name="ttyUSB0"),
 )  # fmt: skip
 WARMING = running(
     "warm_up",
     steps=steps(0), wanted="dwell_01", can_redo="", events=EVENTS[1:2], remaining_s=2700.0,
     line="leave the cube at rest on the slab",
-    warm_up=WarmUp(
+    warm_up=WarmUpView(
         seconds=241.0, left_s=372.0, temperature_rate_c_min=0.21, temperature_limit_c_min=0.05,
         gyro_drift_deg_h=4.35e-14, gyro_limit_deg_h=0.0285235,
         note="waiting for a temperature rate below 0.050 °C/min, now 0.210 °C/min",
@@ -97,7 +99,7 @@ PLACING = running(
     "place",
     line="put the cube in position 3: X down, Y north, Z east",
     hint="waiting for still: gyro z moves",
-    gates=Gates(face="y_up", off_deg=40.0, still=38.2, still_channel="gyro z", heading="not known"),
+    gates=GatesView(face="y_up", off_deg=40.0, still=38.2, still_channel="gyro z", heading="not known"),
     pose=pose(5, 25.0, 40.0, text="tip it over to the north: X down"),
 )
 UNKNOWN = PLACING.model_copy(
@@ -106,7 +108,7 @@ UNKNOWN = PLACING.model_copy(
 WRONG_HEADING = PLACING.model_copy(
     update={
         "hint": "X points down as wanted, but the heading is wrong: turn 35 deg more, clockwise from above",
-        "gates": Gates(face="x_down", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gyro z",
+        "gates": GatesView(face="x_down", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gyro z",
                        is_still=True, heading="not known"),
         "pose": pose(3, 35.0, turn_deg=-35.0, text="turn 35 deg more, clockwise from above"),
     }
@@ -124,7 +126,7 @@ SETTLING = running(
     line="hands off: the cube comes to rest",
     hint="waiting for still: gyro z moves",
     pose=pose(3, text="it stands as wanted"),
-    gates=Gates(face="x_down", off_deg=0.31, is_right_face=True, still=7.9, still_channel="gz", position=3,
+    gates=GatesView(face="x_down", off_deg=0.31, is_right_face=True, still=7.9, still_channel="gz", position=3,
                 heading="by the Earth rate"),
 )  # fmt: skip
 BADLY_SEATED = running(
@@ -133,7 +135,7 @@ BADLY_SEATED = running(
     line="lift the cube, wipe it and the slab, set it down as it stood",
     hint="not seated: tilted by 84 arcsec along +y, limit 60",
     pose=pose(4, text="it stands as wanted"),
-    gates=Gates(face="x_down", off_deg=0.32, is_right_face=True, still=1.2, still_channel="gx", is_still=True,
+    gates=GatesView(face="x_down", off_deg=0.32, is_right_face=True, still=1.2, still_channel="gx", is_still=True,
                 position=4, heading="by the Earth rate", is_seated=False,
                 seating="not seated: tilted by 84 arcsec along +y, limit 60"),
 )  # fmt: skip
@@ -143,7 +145,7 @@ HOLDING = running(
     remaining_s=2010.0,
     line="position 4: 62 of 100 s, hands off",
     pose=pose(4, text="it stands as wanted"),
-    gates=Gates(face="x_down", off_deg=0.32, is_right_face=True, still=1.1, still_channel="gx", is_still=True,
+    gates=GatesView(face="x_down", off_deg=0.32, is_right_face=True, still=1.1, still_channel="gx", is_still=True,
                 position=4, heading="by the Earth rate", seating="seated within 3 arcsec"),
 )  # fmt: skip
 KNOCKED = HOLDING.model_copy(
@@ -166,10 +168,10 @@ CAME_BACK = TURNING.model_copy(
     }
 )
 ONES = (
-    *(Step(name=f"free_{n:02d}", state="done" if n < 3 else "todo", number=n, is_free=True, attempts=n < 3,
+    *(StepView(name=f"free_{n:02d}", state="done" if n < 3 else "todo", number=n, is_free=True, attempts=n < 3,
            seconds=100.0 * (n < 3)) for n in range(1, 13)),
-    Step(name="soak_01", state="todo", number=1, is_soak=True, position=9),
-    Step(name="soak_02", state="todo", number=2, is_soak=True, position=11),
+    StepView(name="soak_01", state="todo", number=1, is_soak=True, position=9),
+    StepView(name="soak_02", state="todo", number=2, is_soak=True, position=11),
 )  # fmt: skip
 LEANING = running(
     "place",
@@ -180,7 +182,7 @@ LEANING = running(
     lean=(1, 0, -1),
     line="lean the cube on an edge, X half up, Z half down, near 45 deg; prop it",
     hint="12 deg from an attitude taken already, at least 20: lean it another way",
-    gates=Gates(
+    gates=GatesView(
         face="y_up", off_deg=38.0, limit_deg=20.0, is_free=True, still=1.1, still_channel="gz", is_still=True
     ),
 )
@@ -191,7 +193,7 @@ SOAKING = running(
     remaining_s=5900.0,
     line="soak 1: 1325 of 3600 s, hands off; 31.4 degC (23.0 to 31.4 so far), 38 min left",
     soak=SoakView(temperature_c=31.4, low_c=23.0, high_c=31.4, left_s=2275.0),
-    gates=Gates(face="z_up", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gz", is_still=True,
+    gates=GatesView(face="z_up", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gz", is_still=True,
                 position=9, heading="by the Earth rate"),
 )  # fmt: skip
 PAUSED = running("paused", line="paused: nothing is recorded", hint="p goes on")
@@ -224,7 +226,7 @@ ASKING = running(
     "settle",
     line="The heading cannot be told from the Earth rate here.",
     gates=SETTLING.gates,
-    question=Question(
+    question=OperatorQuestion(
         text="X is down. Which way does +Y point?",
         choices=(
             Choice(key="3", title="north: position 3"),
@@ -239,12 +241,12 @@ SOLVING = running(
 )
 
 
-def rows(what: str, unit: str, limit: str, *lines: str) -> tuple[Row, ...]:
+def rows(what: str, unit: str, limit: str, *lines: str) -> tuple[VerdictRow, ...]:
     """Return the rows of x, y, z; a line holds value, sigma, change and, where there is a limit, the verdict."""
     cells = [[cell.strip() for cell in line.split("|")] for line in lines]
     return tuple(
-        Row(name=f"{what} {axis}", value=value, sigma=sigma, expanded=f"{1.96 * float(sigma):.2g}", unit=unit,
-            limit=limit if verdict else "", change=change, verdict=verdict)
+        VerdictRow(name=f"{what} {axis}", value=value, sigma=sigma, expanded=f"{1.96 * float(sigma):.2g}",
+            unit=unit, limit=limit if verdict else "", change=change, verdict=verdict)
         for axis, (value, sigma, change, verdict) in zip("xyz", cells, strict=True)
     )  # fmt: skip
 
@@ -312,7 +314,7 @@ STORED = PASSED.model_copy(
         "verdict": PASSED.verdict.model_copy(update={"stored_sha256": "9f2c41d07be85a6391aa0c" + 42 * "0"}),
     }
 )
-CANCELLED = View(stage="cancelled", unit=UNIT, folder=FOLDER, line="The campaign was cancelled.")
+CANCELLED = CalibrationView(stage="cancelled", unit=UNIT, folder=FOLDER, line="The campaign was cancelled.")
 LEFT = running("left", line="Left after 2 of 18 steps.")
 BROKEN = running(
     "failed", line="The campaign stopped.", error="The disk is full: 0 bytes are free on /srv, 40 MB expected."
@@ -321,5 +323,5 @@ BROKEN = running(
 VIEWS = {
     name.lower(): view
     for name, view in [*vars(start_views).items(), *globals().items()]
-    if isinstance(view, View) and name != "RUNNING"
+    if isinstance(view, CalibrationView) and name != "RUNNING"
 }  # fmt: skip

@@ -7,7 +7,7 @@ from procedures.campaign.plan_steps import Dwell, Turn
 from station.files.scenario import read_scenario
 from station.files.setup import Setup
 from station.guide.live_campaign import usual_steps
-from station.guide.view import View
+from station.guide.view import CalibrationView
 from tests.paths import ROOT
 from tests.station.guide.rig import GuideRig
 
@@ -19,7 +19,7 @@ ENOUGH = 4  # steps: the knock is in the fourth
 def test_the_shipped_calibration_is_accepted_step_by_step_also_after_the_knock(tmp_path: Path) -> None:
     rig, moves = GuideRig(tmp_path, STEPS[:ENOUGH], SCENARIO.truth, asks=False), deque(SCENARIO.moves)
 
-    def operate(_: View) -> None:
+    def operate(_: CalibrationView) -> None:
         while moves and moves[0].at_s <= rig.source.device.imu.time:
             rig.hands(moves.popleft().command)
 

@@ -23,7 +23,7 @@ from procedures.campaign.plan_steps import Dwell
 from station import cli
 from station.errors import DataRefused
 from station.files.campaign_folder.reading import read_campaign
-from station.guide.event_log import Story
+from station.guide.event_log import EventLog
 from station.guide.gnss_in_campaign import GnssBeside
 from station.guide.host_clock import HostClock
 from station.stream.gnss import GnssFeed
@@ -136,7 +136,7 @@ def test_solve_warns_of_a_clock_and_refuses_a_worse_one(
 
 def beside(ppm: float, seconds: float, faults: tuple[Fault, ...] = (), *, has_gnss: bool = True) -> list[str]:
     """Return what a campaign's receiver, or its machine's clock, has it say within so many device seconds."""
-    bench, story = Bench(ppm, faults), Story()
+    bench, story = Bench(ppm, faults), EventLog()
     feed, gnss = open_feed(Imu(bench)), GnssFeed(Receiver(bench))
     watch = GnssBeside(gnss, feed, story) if has_gnss else HostClock(feed, story)
     looks = itertools.count(0.0, READ_S)

@@ -17,7 +17,7 @@ from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import read_fixes
 from station.files.mcap_files.fix_writer import FixWriter
 from station.monitor import monitor
-from station.monitor.options import Options
+from station.monitor.options import MonitorOptions
 from station.stream.replay.gnss import recorded_aid
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import Receiver, open_feed, record_drive
@@ -96,7 +96,7 @@ def test_a_tick_waits_for_what_the_receivers_reader_may_still_tell_but_not_for_e
     feed.identify()
     receiver = Lagging(source, Autopilot(TRUTH, AutopilotTruth(default_hz=5.0)))
     applied = Applied(calibration_of(TRUTH), None, InUse("by hand", 1.0))
-    engine = monitor.Monitor(feed, applied, Options(aid="gnss"), None, receiver)
+    engine = monitor.Monitor(feed, applied, MonitorOptions(aid="gnss"), None, receiver)
     for _ in range(10):
         engine.round()
     assert engine.view.line == "waiting for the first samples"

@@ -2,7 +2,7 @@
 
 import asyncio
 
-from station.monitor.view import View
+from station.monitor.view import MonitorView
 from tests.station.monitor import views
 from tests.station.tui.monitor.session import LARGE, SMALL, shown
 from tests.station.tui.screenshots import FOLDER, portable
@@ -15,7 +15,7 @@ PICTURES = {
 }
 
 
-async def picture(view: View, size: tuple[int, int]) -> str:
+async def picture(view: MonitorView, size: tuple[int, int]) -> str:
     """Return the monitor's screen as SVG."""
     async with shown(view, size) as seen:
         await seen.pilot.pause()

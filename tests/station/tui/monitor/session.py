@@ -6,21 +6,21 @@ from dataclasses import dataclass
 
 from textual.pilot import Pilot
 
-from station.monitor.session import Verb
-from station.monitor.view import View
+from station.monitor.session import MonitorVerb
+from station.monitor.view import MonitorView
 from station.tui.monitor.app import MonitorApp
 
 SMALL, LARGE = (80, 24), (120, 40)
 
 
 class MemorySession:
-    """A `station.monitor.session.Session` without an engine: holds a view, keeps what was sent."""
+    """A `station.monitor.session.MonitorSession` without an engine: holds a view, keeps what was sent."""
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: MonitorView) -> None:
         self.view = view
-        self.sent: list[Verb] = []
+        self.sent: list[MonitorVerb] = []
 
-    def send(self, verb: Verb) -> None:
+    def send(self, verb: MonitorVerb) -> None:
         self.sent.append(verb)
 
 
@@ -32,7 +32,7 @@ class Shown:
     session: MemorySession
     pilot: Pilot[None]
 
-    async def show(self, view: View) -> None:
+    async def show(self, view: MonitorView) -> None:
         self.session.view = view
         self.app.pull()
         await self.pilot.pause()
@@ -44,7 +44,7 @@ class Shown:
 
 
 @asynccontextmanager
-async def shown(view: View, size: tuple[int, int] = SMALL) -> AsyncIterator[Shown]:
+async def shown(view: MonitorView, size: tuple[int, int] = SMALL) -> AsyncIterator[Shown]:
     """Run the application over a view; it looks at the session when it is told to, not by the clock."""
     session = MemorySession(view)
     app = MonitorApp(session, refresh_hz=0.001, is_quiet=True)

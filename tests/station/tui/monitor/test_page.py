@@ -6,8 +6,8 @@ import pytest
 from textual.binding import Binding
 
 from station.monitor.alarms import ALARMS
-from station.monitor.text_lines import KEYS
-from station.monitor.view import Mode
+from station.monitor.text_lines import MONITOR_KEYS
+from station.monitor.view import MotionState
 from station.tui.monitor.app import MonitorApp
 from station.tui.monitor.screen import MonitorScreen
 from tests.paths import ROOT
@@ -22,12 +22,12 @@ def test_the_page_names_every_key() -> None:
     assert len(keys) == 8
     for key in keys:
         assert f"`{'?' if key == 'question_mark' else key}`" in PAGE, key
-    assert set(KEYS) < keys
+    assert set(MONITOR_KEYS) < keys
 
 
 def test_the_page_names_every_alarm_and_mode() -> None:
     assert all(f"`{name}`" in PAGE for name in ALARMS)
-    assert all(mode in PAGE for mode in get_args(Mode))
+    assert all(mode in PAGE for mode in get_args(MotionState))
 
 
 @pytest.mark.parametrize("name", PICTURES)

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from station.tui.monitor.horizon_picture import horizon_picture
-from station.tui.monitor.line_chart import limits, strip
+from station.tui.monitor.line_chart import drawn_range, line_dots
 
 
 def ground(roll: float, pitch: float) -> list[list[bool]]:
@@ -52,12 +52,12 @@ def test_every_attitude_is_drawn_in_its_size(roll: float, pitch: float) -> None:
 def test_a_single_peak_among_many_values_is_seen() -> None:
     values = [0.0] * 600
     values[300] = 1.0
-    top = strip(values, 20, 2, 0.0, 1.0, 600)[0]
+    top = line_dots(values, 20, 2, 0.0, 1.0, 600)[0]
     assert [column for column, dots in enumerate(top) if dots] == [10]
 
 
 def test_few_values_stand_on_the_right_and_what_is_unknown_is_left_out() -> None:
-    cells = strip([0.5, math.nan], 10, 1, 0.0, 1.0, 20)[0]
+    cells = line_dots([0.5, math.nan], 10, 1, 0.0, 1.0, 20)[0]
     assert [column for column, dots in enumerate(cells) if dots] == [9]
-    assert limits([math.nan], 1.0) is None
-    assert limits([2.0, 2.0], 1.0) == (1.5, 2.5)
+    assert drawn_range([math.nan], 1.0) is None
+    assert drawn_range([2.0, 2.0], 1.0) == (1.5, 2.5)

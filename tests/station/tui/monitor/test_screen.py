@@ -6,9 +6,9 @@ import pytest
 from textual.widgets import Footer
 
 from station.tui.monitor.app import MonitorApp
-from station.tui.screens.confirm import Confirm
-from station.tui.screens.help import Help
-from station.tui.widgets.drawn import Drawn
+from station.tui.screens.confirm import ConfirmScreen
+from station.tui.screens.help import HelpScreen
+from station.tui.widgets.drawn import ValueWidget
 from station.tui.widgets.event_lines import EventLines
 from tests.station.monitor.views import VIEWS
 from tests.station.tui.monitor.session import LARGE, SMALL, MemorySession, Shown, shown
@@ -52,7 +52,7 @@ def cut_off(seen: Shown) -> list[object]:
             found.append((widget, widget.region))
         if isinstance(widget, Footer) and widget.max_scroll_x:
             found.append(widget)
-        if isinstance(widget, Drawn) and widget.content_size.width:
+        if isinstance(widget, ValueWidget) and widget.content_size.width:
             lines = widget.render().plain.split("\n")
             may_be_long = type(widget).__name__ in {"State", "CalibrationLine"}
             is_wide = any(len(line) > widget.content_size.width for line in lines) and not may_be_long
@@ -102,7 +102,7 @@ async def test_keys_ask_the_engine_and_leaving_a_recording_asks_first() -> None:
         await seen.pilot.press("m", "r", "z", "n")
         assert seen.session.sent == ["mark", "record", "zero", "anew"]
         await seen.pilot.press("q")
-        assert isinstance(seen.app.screen, Confirm)
+        assert isinstance(seen.app.screen, ConfirmScreen)
         await seen.pilot.press("n", "ctrl+c", "y")
         assert seen.session.sent[4:] == ["leave"]
 
@@ -130,7 +130,7 @@ async def test_without_a_recording_it_is_left_at_once_and_closes_when_it_is_over
 async def test_help_names_every_key() -> None:
     async with shown(VIEWS["moving"]) as seen:
         await seen.pilot.press("question_mark")
-        assert isinstance(seen.app.screen, Help)
+        assert isinstance(seen.app.screen, HelpScreen)
         assert all(
             word in seen.text() for word in ("mark this moment", "show angles from here", "end the monitor")
         )

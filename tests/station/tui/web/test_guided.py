@@ -9,9 +9,9 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Dwell
 from station.files.campaign_folder.notes import keep_plan
-from station.guide.client import Connection
-from station.guide.command import Command, Verb
-from station.guide.view import View
+from station.guide.client import EngineConnection
+from station.guide.command import CommandVerb, OperatorCommand
+from station.guide.view import CalibrationView
 from station.tui.themes import STATION
 from tests.station.commands.program import Program
 from tests.station.guide.stored import recorded
@@ -24,16 +24,16 @@ class Watch:
 
     def __init__(self, socket: Path) -> None:
         self._changed = threading.Event()
-        self._connection = Connection(socket, self._changed.set)
+        self._connection = EngineConnection(socket, self._changed.set)
 
-    def until(self, holds: Callable[[View], bool]) -> View:
+    def until(self, holds: Callable[[CalibrationView], bool]) -> CalibrationView:
         while not holds(view := self._connection.view):
             assert self._changed.wait(DEADLINE_S), view
             self._changed.clear()
         return view
 
-    def send(self, verb: Verb) -> None:
-        self._connection.send(Command(verb=verb))
+    def send(self, verb: CommandVerb) -> None:
+        self._connection.send(OperatorCommand(verb=verb))
 
     def __enter__(self) -> "Watch":
         return self
