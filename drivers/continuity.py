@@ -5,6 +5,7 @@ import numpy as np
 from drivers.wire import WireFormat
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import SampleBlock
+from procedures.counts.sample_times import GAP_PERIODS
 
 FEW, TURN_S = 1024, 60.0  # a counter or a clock [s] that turns sooner is read as never going back
 LEARNING = 33  # device times from which the sample period is taken
@@ -77,7 +78,7 @@ class TimeWatch:
                 return 0
             self._period = float(np.nanmedian(steps[: LEARNING - 1])) if np.isfinite(steps).any() else np.inf
         self._times = times[-1:]
-        return int(np.count_nonzero(~((steps > 0) & (steps <= 1.5 * self._period))))
+        return int(np.count_nonzero(~((steps > 0) & (steps <= GAP_PERIODS * self._period))))
 
 
 class StepGate:

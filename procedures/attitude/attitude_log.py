@@ -6,8 +6,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.attitude.forward_right_down import down_of
-
-GAP = 1.5  # nominal intervals, above which a step of time is a gap
+from procedures.counts.sample_times import GAP_PERIODS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +50,7 @@ class AttitudeLog:
     @property
     def gaps(self) -> list[tuple[float, float]]:
         """Start and end [s] of every step of time above 1.5 nominal intervals."""
-        after = np.flatnonzero(np.diff(self.t) > GAP * self.nominal)
+        after = np.flatnonzero(np.diff(self.t) > GAP_PERIODS * self.nominal)
         return [(float(self.t[i]), float(self.t[i + 1])) for i in after]
 
     @property

@@ -7,9 +7,8 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.joint_state import Settings
 from procedures.attitude.mixer import GATE
 from procedures.attitude.velocity_aid_kernels import SMOOTH_S
+from procedures.statistics.white_noise import white_noise
 
-WINDOW_S = 1.0
-QUIET = 0.05  # quantile of the windows' noise that counts as the unit's own
 GATE_SIGMA = 4.0
 LEAST_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: no unit clips below
 CLIPPED_ROWS = 3
@@ -27,20 +26,6 @@ def gyro_noise(log: AttitudeLog) -> float:
 def force_noise(log: AttitudeLog) -> float:
     """Return the accelerometers' white noise [m/s/sqrt(s)]."""
     return white_noise(log.force, log.nominal)
-
-
-def white_noise(samples: FloatArray, nominal: float) -> float:
-    """Return the noise per root of a second of samples (n, 3) in their quietest seconds, the largest axis.
-
-    From second differences, so that slow motion and bias do not count; 0 for less than a second of samples.
-    """
-    rows = max(round(WINDOW_S / nominal), 8)
-    windows = (len(samples) - 2) // rows
-    if windows < 1:
-        return 0.0
-    second = np.diff(samples, n=2, axis=0)[: windows * rows]
-    variance = np.mean(second.reshape(windows, rows, 3) ** 2, axis=1) / 6
-    return float(np.sqrt(np.quantile(variance, QUIET, axis=0).max() * nominal))
 
 
 def at_rest(settings: Settings, log: AttitudeLog) -> Settings:

@@ -14,7 +14,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 
-GAP = 1.5  # sample periods
+GAP_PERIODS = 1.5  # a step longer than so many sample periods is a gap
 CLOSE, NEAR = 1e-3, 1e-2  # relative: of a stated period that is right, and of one that is not wrong
 LASTING = 0.6  # sample periods
 RUNS, ROWS = 8, 200  # looked at before and after a long step: so many runs, of no more rows together
@@ -68,7 +68,7 @@ def _by_themselves(stamps: FloatArray) -> SampleTimes:
 def _near(t: FloatArray, nominal: float) -> list[float]:
     """Return what the period may be: the mean of steps that are not long, or of rows between long ones."""
     step = np.diff(t)
-    is_long = step > GAP * nominal
+    is_long = step > GAP_PERIODS * nominal
     found = [float(step[~is_long].mean())] if not is_long.all() else []
     ends = np.flatnonzero(is_long)
     if len(ends) > 2:
@@ -83,7 +83,7 @@ def _pace(t: FloatArray) -> float:
     rows = max(min(ROWS, len(step) // 2), 1)
     far = float(np.median(t[rows:] - t[:-rows])) / rows
     usual = step[np.abs(step - np.median(step)) <= USUAL * np.median(step)]
-    if len(usual) > ALIKE * len(step) and far < GAP * usual.mean():
+    if len(usual) > ALIKE * len(step) and far < GAP_PERIODS * usual.mean():
         return float(usual.mean())
     return far
 
@@ -91,7 +91,7 @@ def _pace(t: FloatArray) -> float:
 def _in_sequence(t: FloatArray, period: float) -> SampleTimes:
     """Return the times, the period being about ``period`` [s]."""
     step = np.diff(t)
-    long = np.flatnonzero(step > GAP * period) + 1
+    long = np.flatnonzero(step > GAP_PERIODS * period) + 1
     if not len(long):
         return SampleTimes(t, float(step.mean()) if len(step) else period, np.zeros(1, dtype=np.int64))
     gaps = _lasting(t - period * np.arange(len(t)), long, LASTING * period)
@@ -174,7 +174,7 @@ def _slices(begin: IntArray, end: IntArray, side: int) -> list[slice]:
 def _on_a_grid(t: FloatArray, begins: IntArray, long: IntArray, period: float) -> SampleTimes:
     """Return a regular grid for each segment, its pace that of the rows before long steps: the least late ones."""
     ends, rows = np.setdiff1d(long - 1, begins - 1), np.arange(len(t))
-    std = GAP * period / len(t)  # of the mean from end to end
+    std = GAP_PERIODS * period / len(t)  # of the mean from end to end
     for _ in range(2 if np.ptp(ends) > len(t) / 2 else 0):
         x, y = (_about_mean(each[ends], np.searchsorted(begins, ends, side="right")) for each in (rows, t))
         if x @ x == 0:

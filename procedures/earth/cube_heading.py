@@ -14,8 +14,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import EARTH_RATE, earth_rate_n
-from procedures.earth.gyrocompass import BIAS_STD, SLACK, SPREAD, Known
-from procedures.frames import nominal_C_lb
+from procedures.earth.gyrocompass import BIAS_STD, SLACK, SPREAD, Known, earth_rate_at
 
 FITS = 4.0  # sigma
 
@@ -54,7 +53,7 @@ def _bias(latitude: float, C_sb: FloatArray, k: float, known: Sequence[Known]) -
     """Return the gyros' biases (3,) [rad/s] and their variances (3,)."""
     weight, total = np.full(3, BIAS_STD**-2), np.zeros(3)
     for each in known:
-        u = C_sb @ nominal_C_lb(each.position).T @ earth_rate_n(latitude)
+        u = earth_rate_at(each.position, latitude, C_sb)
         of_dwell = 1 / ((each.std / k) ** 2 + (SLACK * EARTH_RATE) ** 2 + (SPREAD * u) ** 2)
         weight, total = weight + of_dwell, total + of_dwell * (each.rate / k - u)
     return total / weight, 1 / weight

@@ -84,10 +84,10 @@ def find_heading(
     bias_std : rad/s, 1 sigma of a gyro's bias
     """
     first = first_position(face)
-    before = [_earth_rate(each.position, 0, latitude, C_sb) for each in known]
+    before = [earth_rate_at(each.position, latitude, C_sb) for each in known]
     rates = np.array([*(each.rate for each in known), rate])
     stds = np.array([*(each.std for each in known), std])
-    candidates = [np.array([*before, _earth_rate(first, quarter, latitude, C_sb)]) for quarter in range(4)]
+    candidates = [np.array([*before, earth_rate_at(first, latitude, C_sb, quarter)]) for quarter in range(4)]
     fits = [_fit(rates, stds, u, bias_std) for u in candidates]
     best, second = np.argsort([fit.cost for fit in fits])[:2]
     margin = fits[second].cost - fits[best].cost
@@ -105,7 +105,7 @@ def scale(
     """
     if not known:
         return None
-    u = np.array([_earth_rate(each.position, 0, latitude, C_sb) for each in known])
+    u = np.array([earth_rate_at(each.position, latitude, C_sb) for each in known])
     fit = _fit(np.array([k.rate for k in known]), np.array([k.std for k in known]), u, bias_std)
     fits = fit.chi2 < chdtri(u.size - 1, STRANGE) and fit.std < ROUGH * fit.s
     return (1 / fit.s, fit.std / fit.s) if fits else None
@@ -135,13 +135,29 @@ def heading_change(
     return float(np.arctan2(along[1], along[0])), float(np.sqrt(variance @ east**2) / horizontal)
 
 
+def attitude_at_rest(force: FloatArray, rate: FloatArray) -> FloatArray | None:
+    """Return ``C_nb`` (3, 3) of a unit at rest: up along its specific force, North along its rate's level part.
+
+    ``force`` and ``rate`` (3,), body axes, any unit, are without bias. None where the rate has no level part.
+    """
+    up = force / np.linalg.norm(force)
+    level = rate - up * (up @ rate)
+    if not (size := np.linalg.norm(level)) > 0:
+        return None
+    north = level / size
+    return np.stack((np.cross(north, up), north, up))
+
+
 def first_position(face: str) -> int:
     """Return the first of the two positions 1..12 that a face has."""
     return next(p for p in range(1, 13, 2) if face_of(p) == face)
 
 
-def _earth_rate(position: int, quarter: int, latitude: float, C_sb: FloatArray) -> FloatArray:
-    """Return the Earth's rate (3,) [rad/s], IMU axes, ``quarter`` turns counter-clockwise from ``position``."""
+def earth_rate_at(position: int, latitude: float, C_sb: FloatArray, quarter: int = 0) -> FloatArray:
+    """Return the Earth's rate (3,) [rad/s], IMU axes, ``quarter`` turns counter-clockwise from ``position``.
+
+    ``latitude`` in rad; ``C_sb`` (3, 3) takes the cube's axes to the IMU's.
+    """
     C_bl = nominal_C_lb(position).T @ vertical_rotation(-quarter * np.pi / 2)
     rate: FloatArray = C_sb @ C_bl @ earth_rate_n(latitude)
     return rate

@@ -85,3 +85,16 @@ def part(series: Series, stretch: slice) -> Series:
     gyro = None if series.gyro is None else series.gyro[stretch]
     accel = None if series.accel is None else series.accel[stretch]
     return replace(series, t=t, gyro=gyro, accel=accel, temperature=temperature, starts=one)  # type: ignore[arg-type]
+
+
+def whole_seconds(t: FloatArray) -> IntArray:
+    """Return in which second (n,) since the first each of the times ``t`` (n,) [s] lies."""
+    seconds: IntArray = np.floor(t - t[0]).astype(np.int64)
+    return seconds
+
+
+def second_means(second: IntArray, values: FloatArray) -> FloatArray:
+    """Return the mean (s, 3) of ``values`` (n, 3), any unit, in each ``second`` (n,); 0 in one without samples."""
+    sums = np.stack([np.bincount(second, values[:, axis]) for axis in range(3)], axis=1)
+    means: FloatArray = sums / np.maximum(np.bincount(second), 1)[:, None]
+    return means

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import earth_rate_ned
 from procedures.attitude.joint_state import DEFAULT, FREE, Settings
 from procedures.attitude.sensor_noise import gyro_noise
 from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.statistics.white_noise import white_noise
 from procedures.units import DEG_H_PER_DEG_S, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 
 LEAST_NOISE = 1e-7  # rad/sqrt(s)
@@ -23,7 +23,6 @@ WALK = 1e-6  # rad/s/sqrt(s), of a FOG's bias
 FORCE_WALK = 1e-6  # m/s2/sqrt(s)
 RESTING_VELOCITY = 1e-3  # m/s*sqrt(s)
 STEP = 12**-0.5  # sqrt(s): evenly within a count's worth of velocity, for about a second
-COUNTED = 4 / 6  # quanta^2: second differences of counts that step up and down by one, as they show as noise
 RESTING_FORCE = 2e-4  # m/s/sqrt(s): a bench is never quite quiet
 
 
@@ -53,7 +52,7 @@ def settings_of(
         gyro_bias_walk=WALK, rest_bias_walk=WALK, unseen_rate=0.0 if knows_earth else EARTH_RATE,
         gyro_scale_std=max(scale, 1e-5), gyro_noise_per_rate=max(scale, 1e-4),
         force_bias_std=max(force_bias_std(calibration), 1e-5), force_bias_walk=FORCE_WALK,
-        rest_force_noise=max(_noise(log.force, log.nominal, quantum), RESTING_FORCE),
+        rest_force_noise=max(white_noise(log.force, log.nominal, window_s=np.inf, quantum=quantum), RESTING_FORCE),
         rest_velocity_noise=max(RESTING_VELOCITY, STEP * quantum * log.nominal),
     )  # fmt: skip
 
@@ -83,14 +82,3 @@ def _largest(part: Mapping[str, Any]) -> float:
 def _relative(part: Mapping[str, Any]) -> float:
     std, value = (np.array(part[name], dtype=np.float64) for name in ("std", "value"))
     return float(np.nanmax(np.abs(std / value)))
-
-
-def _noise(samples: FloatArray, nominal: float, quantum: float) -> float:
-    """Return the white noise per root of a second of samples (n, 3), from second differences.
-
-    Counting shows there as noise, at most as much as counts that step up and down by one; it does not add up.
-    """
-    if len(samples) < 3:
-        return 0.0
-    variance = np.mean(np.diff(samples, n=2, axis=0) ** 2, axis=0) / 6
-    return float(np.sqrt(max(float(variance.max()) - COUNTED * quantum**2, 0.0) * nominal))

@@ -12,14 +12,15 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuNoise, ImuSeries
+from procedures.rests_and_moves.rest_detection import second_means, whole_seconds
 from procedures.statistics.allan_deviation import noise_terms, overlapping_deviation
+from procedures.statistics.white_noise import white_noise
 from station.calibrated.filter_settings import FORCE_WALK, WALK, force_bias_std, gyro_bias_std
 
 LEAST_S = 10.0  # of rest, for an Allan deviation
 PATIENCE_S = 30.0
 SAME_FORCE = 0.03  # m/s2 between the means of two seconds
 SAME_RATE = np.radians(0.2)  # rad/s
-QUIET = 0.05  # quantile of the seconds that counts as the unit's own noise
 MINUTE_S = 60.0
 COUNTED_S = 1.0  # within which the counting's error is taken for white
 LEAST_GYRO, LEAST_FORCE = 1e-7, 1e-4  # rad/s, m/s2 per root of a Hz: nothing is quieter on a vehicle
@@ -53,13 +54,12 @@ class NoiseOf:
 
 def longest_rest(imu: ImuSeries, quantum: float = 0.0) -> Rest:
     """Return the longest run of seconds of one mean; ``quantum`` [m/s2] is a count's worth of a second."""
-    second = np.floor(imu.t - imu.t[0]).astype(np.int64)
+    second = whole_seconds(imu.t)
     count = np.bincount(second)
     still = np.ones(len(count) - 1, dtype=bool)
     for values, allowed in ((imu.f_b, SAME_FORCE + 2 * quantum), (imu.omega_b, SAME_RATE)):
-        sums = np.stack([np.bincount(second, values[:, i]) for i in range(3)], axis=1)
-        means = sums / np.maximum(count, 1)[:, None]
-        still &= (np.abs(np.diff(means, axis=0)).max(axis=1) < allowed) & (count[1:] > 0) & (count[:-1] > 0)
+        steps = np.abs(np.diff(second_means(second, values), axis=0))
+        still &= (steps.max(axis=1) < allowed) & (count[1:] > 0) & (count[:-1] > 0)
     edges = np.flatnonzero(np.diff(np.r_[False, still, False].astype(np.int8)))
     if not len(edges):
         return Rest(0, 0, 0.0)
@@ -104,16 +104,7 @@ def _terms(values: FloatArray, period: float, quantum: float) -> tuple[float, fl
 
 
 def _quietest(values: FloatArray, period: float, quantum: float) -> tuple[float, float]:
-    """Return white noise of the worst axis in the quietest seconds of a motion, and a walk as large in a minute.
-
-    From second differences, in which slow motion does not show.
-    """
-    rows = max(round(1.0 / period), 8)
-    second = np.diff(values, n=2, axis=0)
-    windows = len(second) // rows
-    if windows < 1:
-        return 0.0, 0.0
-    variance = np.mean(second[: windows * rows].reshape(windows, rows, 3) ** 2, axis=1) / 6
-    white = float(np.sqrt(np.quantile(variance, QUIET, axis=0).max() * period))
+    """Return white noise of the quietest seconds of a motion, and a walk as large in a minute."""
+    white = white_noise(values, period)
     counting = quantum / np.sqrt(6 * COUNTED_S)
     return float(np.hypot(white, counting)), white / MINUTE_S

@@ -17,6 +17,7 @@ import numpy as np
 from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
+from procedures.counts.sample_times import GAP_PERIODS
 from station.stream.live import open_feed
 from station.stream.live.accepted_blocks import merged
 from station.stream.live.stillness import Block
@@ -27,7 +28,6 @@ SPEED = 20.0  # device seconds a second: 1000 frames a second
 PLUGGED_S = 10.0  # of device time between two unplugs
 AWAY_S = (0.05, 2.0)
 ASKED_S = 3.0
-GAP = 1.5  # sample periods
 EVEN_S = 0.01  # of device time: half a sample period
 
 
@@ -98,7 +98,7 @@ def _blocks(source: WatchedReader) -> Iterator[tuple[Block, bool]]:
     for block in feed.blocks():
         samples = feed.tape.block(block.first, block.last)
         steps = np.diff(samples.device_time) / feed.period
-        yield block, bool(np.any(steps > GAP) or np.any(np.diff(samples.counter) != 1))
+        yield block, bool(np.any(steps > GAP_PERIODS) or np.any(np.diff(samples.counter) != 1))
         feed.tape.forget_before(block.last)
 
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.attitude.attitude_log import GAP
 from procedures.attitude.tracing.effects import ATTITUDE_EFFECTS, AttitudeEffect, Motion
+from procedures.counts.sample_times import GAP_PERIODS
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import KINDS, TRIADS, Evidence
@@ -45,7 +45,7 @@ def windows(motion: Motion, base: FloatArray, gravity: float, use: BoolArray) ->
     k = max(round(span / log.nominal), 2)
     m = len(log.t) // k
     rows = np.arange(m * k).reshape(m, k)
-    fine = use & np.isfinite(reference).all(axis=1) & (log.intervals < GAP * log.nominal)
+    fine = use & np.isfinite(reference).all(axis=1) & (log.intervals < GAP_PERIODS * log.nominal)
     if not has_truth:  # the mean direction stands for that of the window's middle
         average = max(round(WINDOW_S / log.nominal), 1)
         kernel = np.ones(average) / average

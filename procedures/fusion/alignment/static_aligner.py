@@ -1,16 +1,17 @@
 """Attitude at rest: level by specific force, heading by the Earth's rate (gyrocompassing).
 
-The mean specific force points up, ``up_b = f / |f|``. What the mean rate leaves across it is the horizontal
-Earth rate, which points North: ``north_b = (omega - bias) - up (up . omega)``. The gyro's bias East of it is the
-error that remains: ``yaw_std = bias_std / (Omega cos lat)``, 0.33 deg for 0.05 deg/h at 55 deg;
+The attitude is `procedures.earth.gyrocompass.attitude_at_rest` of the means. What remains is the gyro's bias East
+of the horizontal Earth rate, ``yaw_std = bias_std / (Omega cos lat)``, 0.33 deg for 0.05 deg/h at 55 deg, and
 ``tilt_std = accel_bias / g``.
 """
 
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.earth.gyrocompass import attitude_at_rest
 from procedures.fusion.alignment.alignment import SETTLED_TILT, SETTLED_YAW, Aligned, Waiting
 from procedures.fusion.fusion_records import ImuNoise, ImuSeries
+from procedures.rests_and_moves.rest_detection import second_means, whole_seconds
 
 SHAKING = 5e-3  # m/s2 of a second's mean specific force, beside its noise, that a bench may have
 TURNING = 1e-4  # rad/s of a second's mean rate
@@ -20,11 +21,11 @@ SHORTEST = 5.0  # s
 
 def is_still(imu: ImuSeries, noise: ImuNoise) -> bool:
     """Say whether second by second specific force and rate stay what they were, but for their noise."""
-    second = np.floor(imu.t - imu.t[0]).astype(np.int64)
+    second = whole_seconds(imu.t)
     count = np.bincount(second)
     full = count >= 0.5 * np.median(count)
     for values, density, allowed in ((imu.f_b, noise.accel, SHAKING), (imu.omega_b, noise.gyro, TURNING)):
-        means = np.stack([np.bincount(second, values[:, i])[full] / count[full] for i in range(3)], axis=1)
+        means = second_means(second, values)[full]
         if np.abs(means - np.median(means, axis=0)).max() > SIGMAS * np.hypot(density, allowed):
             return False
     return True
@@ -36,13 +37,11 @@ def align_at_rest(imu: ImuSeries, noise: ImuNoise, gravity: float, earth_n: Floa
     if elapsed < SHORTEST or not is_still(imu, noise):
         return Waiting(f"it does not stand still for {SHORTEST:g} s")
     f, omega = imu.f_b.mean(axis=0), imu.omega_b.mean(axis=0)
-    up = f / np.linalg.norm(f)
-    across = omega - up * (up @ omega)
-    horizontal = float(earth_n[1])
+    C_nb, horizontal = attitude_at_rest(f, omega), float(earth_n[1])
     rate_std = np.hypot(noise.gyro_bias, noise.gyro / np.sqrt(elapsed))
     yaw_std = float(rate_std / max(horizontal, 1e-12))
     tilt_std = float(np.hypot(noise.accel_bias, noise.accel / np.sqrt(elapsed)) / gravity)
-    if yaw_std > SETTLED_YAW or tilt_std > SETTLED_TILT or not np.linalg.norm(across) > 0:
+    if yaw_std > SETTLED_YAW or tilt_std > SETTLED_TILT or C_nb is None:
         tilt, yaw, tilt_asked, yaw_asked = np.degrees(
             np.minimum([tilt_std, yaw_std, SETTLED_TILT, SETTLED_YAW], np.pi)
         )
@@ -50,8 +49,6 @@ def align_at_rest(imu: ImuSeries, noise: ImuNoise, gravity: float, earth_n: Floa
             f"at rest the Earth's rate gives yaw to {yaw:.1f} deg and gravity tilt to {tilt:.1f} deg 1 sigma, "
             f"{yaw_asked:.0f} and {tilt_asked:.0f} are needed: it must move, or have better gyros"
         )
-    north = across / np.linalg.norm(across)
-    C_nb = np.stack((np.cross(north, up), north, up))
     std = np.r_[tilt_std, tilt_std, yaw_std, [1e-3] * 3, [rate_std] * 3, [noise.accel_bias] * 3]
     zero = np.zeros(3)
     return Aligned(

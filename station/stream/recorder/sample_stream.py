@@ -15,9 +15,9 @@ from drivers.host_times import HostTimes
 from drivers.wire import WireFormat
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import SampleBlock, block_rows
+from procedures.counts.sample_times import GAP_PERIODS
 from station.stream.reader import Chunk
 
-GAP = 1.5  # sample periods, as in campaign folders
 LEARNING = 33  # samples from which the period is taken where the device does not state it
 
 
@@ -112,7 +112,7 @@ class SampleStream:
         repeat = steps == 0 if self._modulus else seconds == 0
         back = ~repeat & ((steps < 0) | (seconds <= 0))
         period = self.period
-        missing = (steps > 1) | (seconds > GAP * period if period else np.zeros(n, dtype=bool))
+        missing = (steps > 1) | (seconds > GAP_PERIODS * period if period else np.zeros(n, dtype=bool))
         self._count(repeat, back, missing, steps)
         missing |= self._doubted(block, repeat) | (contradicted > 0)
         self._is_doubted |= contradicted > 0

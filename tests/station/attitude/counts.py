@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude_log import GAP, AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog
+from procedures.counts.sample_times import GAP_PERIODS
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
 
@@ -31,7 +32,7 @@ def log_of_counts(
     """
     nominal = float(np.median(np.diff(t)))
     interval = np.diff(t, prepend=t[0] - nominal)
-    interval = np.where(interval > GAP * nominal, nominal, interval)
+    interval = np.where(interval > GAP_PERIODS * nominal, nominal, interval)
     seen = calibrated_inputs(calibration, accel / interval[:, None], gyro / interval[:, None], around)
     if seen.f is None or seen.omega is None:
         raise ValueError("the calibration holds one triad, expected accelerometer and gyroscope")
