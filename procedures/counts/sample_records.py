@@ -149,3 +149,20 @@ class RateSeries:
 
 
 Series = CountSeries | RateSeries
+S = TypeVar("S", bound=Series)
+
+
+def block_series(blocks: Sequence[CountBlock], period: float) -> CountSeries:
+    """Return gap-free blocks as the segments of a step; ``period`` [s] where they do not tell."""
+    joined = joined_blocks(blocks)
+    steps = np.concatenate([np.diff(block.device_time) for block in blocks])
+    period = float(steps.mean()) if len(steps) else period
+    starts = np.cumsum([0, *(len(block) for block in blocks[:-1])])
+    return CountSeries(joined.device_time, joined.gyro, joined.accel, joined.temperature, period, starts)
+
+
+def series_rows(series: S, rows: Any, starts: IntArray) -> S:
+    """Return the samples that ``rows``, a slice or a mask, picks; ``starts`` (s,) is where segments begin."""
+    gyro, accel = (None if values is None else values[rows] for values in (series.gyro, series.accel))
+    extra = {name: values[rows] for name, values in series.extra.items()}
+    return type(series)(series.t[rows], gyro, accel, series.temperature[rows], series.period, starts, extra)

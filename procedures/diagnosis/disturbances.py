@@ -14,7 +14,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord
 from procedures.campaign.observations import TRIADS, channel
-from procedures.counts.sample_records import CountSeries, RateSeries, Series
+from procedures.counts.sample_records import CountSeries, Series, series_rows
 from procedures.diagnosis.disturbed_blocks import LEAST, Blocks, Trace, is_white, judge
 from procedures.diagnosis.result import Finding, Test
 from procedures.diagnosis.vibration import measure
@@ -102,10 +102,7 @@ def _kept(series: Series, keep: BoolArray) -> Series:
     carried = np.flatnonzero(begins)  # a segment whose first samples are cut begins where the next are kept
     after = np.searchsorted(np.flatnonzero(keep), carried)
     starts = np.unique(after[after < keep.sum()])
-    gyro, accel = (None if each is None else each[keep] for each in (series.gyro, series.accel))
-    extra = {name: values[keep] for name, values in series.extra.items()}
-    kept = series.t[keep], gyro, accel, series.temperature[keep], series.period, starts.astype(np.int64), extra
-    return CountSeries(*kept) if isinstance(series, CountSeries) else RateSeries(*kept)  # type: ignore[arg-type]
+    return series_rows(series, keep, starts.astype(np.int64))
 
 
 def _steps(campaign: Campaign) -> tuple[DwellRecord | RestRecord, ...]:

@@ -18,7 +18,7 @@ from procedures.campaign.campaign import RestRecord, SoakRecord
 from procedures.campaign.dead_channels import dead_in_soak
 from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.count_rate import LEAST_SAMPLES
-from procedures.counts.sample_records import CountSeries, RateSeries, Series
+from procedures.counts.sample_records import Series, series_rows
 from procedures.diagnosis.excitation_nodes import Part, Places, attitude, on_face
 from procedures.dwells_and_turns.twelve_position import JointFit
 from procedures.effects.effect import SeenStep
@@ -94,14 +94,7 @@ def _cut(series: Series) -> tuple[Series, ...]:
 
 def _piece(series: Series, a: int, b: int) -> Series:
     starts = np.concatenate(([0], series.starts[(series.starts > a) & (series.starts < b)] - a))
-    rows = slice(a, b)
-    extra = {name: values[rows] for name, values in series.extra.items()}
-    t, temperature = series.t[rows], series.temperature[rows]
-    if isinstance(series, CountSeries):
-        gyro, accel = (None if v is None else v[rows] for v in (series.gyro, series.accel))
-        return CountSeries(t, gyro, accel, temperature, series.period, starts, extra)
-    omega, f = (None if v is None else v[rows] for v in (series.gyro, series.accel))
-    return RateSeries(t, omega, f, temperature, series.period, starts, extra)
+    return series_rows(series, slice(a, b), starts)
 
 
 def _parts(

@@ -2,9 +2,7 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from procedures.counts.sample_records import CountSeries
+from procedures.counts.sample_records import CountSeries, block_series
 from station.stream.live.rates_as_counts import counted
 from station.stream.live.stillness import Block
 from station.stream.recorder.sample_buffer import Run, Tape
@@ -26,14 +24,4 @@ def merged(blocks: Sequence[Block], samples: int | None) -> list[Run]:
 
 def series(tape: Tape, runs: Sequence[Run], period: float) -> CountSeries:
     """Return the samples of runs as a step's counts; ``period`` [s] where they are too few to tell."""
-    blocks = [counted(tape.block(first, last), period) for first, last in runs]
-    t = np.concatenate([block.device_time for block in blocks])
-    steps = np.concatenate([np.diff(block.device_time) for block in blocks])
-    return CountSeries(
-        t=t,
-        gyro=np.concatenate([block.gyro for block in blocks]),
-        accel=np.concatenate([block.accel for block in blocks]),
-        temperature=np.concatenate([block.temperature for block in blocks]),
-        period=float(steps.mean()) if len(steps) else period,
-        starts=np.cumsum([0, *(len(block) for block in blocks[:-1])]),
-    )
+    return block_series([counted(tape.block(first, last), period) for first, last in runs], period)
