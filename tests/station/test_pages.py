@@ -14,13 +14,16 @@ from station import cli
 from tests.paths import ROOT
 
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
+PACKAGES = ("station", "drivers", "procedures", "fixtures_db", "tests", "docs")
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 FENCE = re.compile(r"^\s*```.*?^\s*```", re.MULTILINE | re.DOTALL)
 SPAN = re.compile(r"`([^`]+)`")
 NAMED_FILE = re.compile(r"`((?:station|drivers|procedures|fixtures_db|tests|docs)/[\w./]+\.\w+)[`:]")
 NAME_IN_FILE = re.compile(rf"`(\w+)` (?:in|of) {NAMED_FILE.pattern.replace('[`:]', '`')}")
+NAMED_SOURCE = re.compile(r"`((?:[a-z_0-9]+/)*[a-z_0-9]+\.py)[`:]")
 BENCHMARK = re.compile(r"python -m\s+(tests\.benchmarks\.\w+)")
 COMMAND_LINE = re.compile(r"^ *(?:\$ )?(station [a-z].*)$", re.MULTILINE)
+SOURCES = [str(p.relative_to(ROOT)) for folder in PACKAGES for p in (ROOT / folder).rglob("*.py")]
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 
 
@@ -45,6 +48,17 @@ def test_every_link_leads_somewhere(page: Path) -> None:
         there = page.parent / name if name else page
         assert there.exists(), target
         assert not anchor or anchor in anchors(there), target
+
+
+@every_page
+def test_every_source_file_that_is_named_is_there(page: Path) -> None:
+    if page.stem != "CHANGELOG":  # which names files as they were
+        missing = [
+            path
+            for path in NAMED_SOURCE.findall(prose(page))
+            if not any(f"/{file}".endswith(f"/{path}") for file in SOURCES)
+        ]
+        assert missing in ([], ["generate.py"])  # which a page lets the reader write
 
 
 def test_the_front_page_leads_to_every_other() -> None:

@@ -2,7 +2,7 @@
 
 The sender and the station's clock run `SPEED` times as fast. Told means that no look at the feed later than
 `TOLD_S` after the last good fix finds nothing said: 2 s, and what a busy machine may add between fix and bytes.
-test_feed.py has the 2 s alone, in device time.
+test_gnss_feed.py has the 2 s alone, in device time.
 """
 
 import os
