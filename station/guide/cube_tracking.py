@@ -55,7 +55,7 @@ class _Rest:
 
 
 class CubeTracker:
-    """Follows the cube of a ``context``; `now` is how it stands, None before the first second."""
+    """Follows the cube of a campaign; `now` is how it stands, None before the first second."""
 
     def __init__(self, context: StageContext) -> None:
         self._context = context

@@ -37,7 +37,7 @@ KEPT_BLOCKS = 8  # of the past, besides those of the step
 
 
 class Guide:
-    """Takes a context through its checklist.
+    """Takes a campaign through its checklist.
 
     ``warms_up``: not before the unit has settled; ``unsure`` is the unit that it should be, where the wire does
     not say.

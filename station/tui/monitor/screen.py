@@ -49,24 +49,24 @@ class MonitorScreen(Screen[None]):
         Binding("r", "send('record')", "Record", tooltip="begin a recording, or end it"),
         Binding("z", "send('zero')", "Zero", tooltip="show angles from here, or absolute ones again"),
         Binding("n", "send('anew')", "Anew", tooltip="begin charts and the comparison at rest anew"),
-        Binding("l", "map", "TrackMap", tooltip="the map, or the horizon"),
+        Binding("l", "map", "Map", tooltip="the map, or the horizon"),
         Binding("q", "leave", "Leave", tooltip="end the monitor"),
-        Binding("question_mark", "help", "HelpScreen", key_display="?", tooltip="what is shown, and all keys"),
+        Binding("question_mark", "help", "Help", key_display="?", tooltip="what is shown, and all keys"),
     ]
     DEFAULT_CSS = """
     MonitorScreen #upper { height: 11; }
     MonitorScreen #charts { grid-size: 2 3; grid-rows: 2; height: 6; grid-gutter: 0 1; }
     MonitorScreen EventLines { min-height: 1; }
-    MonitorScreen.-wide Horizon, MonitorScreen.-wide Map { width: 58; }
-    MonitorScreen Map, MonitorScreen Where { display: none; }
-    MonitorScreen.-map Where, MonitorScreen.-map.-placed Map { display: block; }
-    MonitorScreen.-map Comparison, MonitorScreen.-map.-placed Horizon { display: none; }
+    MonitorScreen.-wide Horizon, MonitorScreen.-wide TrackMap { width: 58; }
+    MonitorScreen TrackMap, MonitorScreen LocationReadings { display: none; }
+    MonitorScreen.-map LocationReadings, MonitorScreen.-map.-placed TrackMap { display: block; }
+    MonitorScreen.-map RestComparison, MonitorScreen.-map.-placed Horizon { display: none; }
     MonitorScreen.-short.-crowded #charts { grid-size: 2 2; height: 4; }
     MonitorScreen.-short.-crowded #aid, MonitorScreen.-short.-crowded #sigma { display: none; }
     MonitorScreen.-tall #upper { height: 16; }
     MonitorScreen.-tall Readings { margin: 1 0 2 0; }
     MonitorScreen.-tall #charts { grid-rows: 5; height: 15; margin-top: 1; }
-    MonitorScreen.-tall Chart { height: 4; }
+    MonitorScreen.-tall StripChart { height: 4; }
     """
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (112, "-wide")]
     VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]

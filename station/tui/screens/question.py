@@ -44,7 +44,7 @@ class QuestionScreen(Modal[str]):
     def compose(self) -> ComposeResult:
         """Lay out the text and the choices."""
         with Vertical(classes="box") as box:
-            box.border_title = "OperatorQuestion"
+            box.border_title = "Question"
             yield Label(self.question.text, markup=False)
             yield self._list
             yield Label("its key, or arrows and Enter; Esc: not now, a asks again", id="keys")

@@ -41,7 +41,7 @@ class StageScreen(Screen[None]):
         Binding("a", "app.ask", "Answer", tooltip="answer the question that was put off"),
         Binding("q", "leave", "Leave", tooltip="end here and go on another time"),
         Binding("c", "cancel", "Cancel", tooltip="give the campaign up; the database stays as it was"),
-        Binding("question_mark", "help", "HelpScreen", key_display="?", tooltip="what goes on, and all keys"),
+        Binding("question_mark", "help", "Help", key_display="?", tooltip="what goes on, and all keys"),
     ]
     DEFAULT_CSS = """
     StageScreen { layers: default above; }

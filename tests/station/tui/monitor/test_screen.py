@@ -54,7 +54,7 @@ def cut_off(seen: Shown) -> list[object]:
             found.append(widget)
         if isinstance(widget, ValueWidget) and widget.content_size.width:
             lines = widget.render().plain.split("\n")
-            may_be_long = type(widget).__name__ in {"State", "CalibrationLine"}
+            may_be_long = type(widget).__name__ in {"StateLine", "CalibrationLine"}
             is_wide = any(len(line) > widget.content_size.width for line in lines) and not may_be_long
             if is_wide or len(lines) > widget.content_size.height:
                 found.append((widget, widget.render().plain))
