@@ -11,9 +11,9 @@ from procedures.units import RAD_PER_ARCSEC, RAD_PER_URAD
 from station.results.cube_measurement.known_faces import Known, Study, drift_of
 from station.results.cube_measurement.observable import not_observable
 from station.results.solution_text import measured
+from station.text.table import table_lines
 
-WIDE = 43  # columns of a value's name
-LEAST_CHI2 = 1e-6  # below it, what is left is rounding
+MIN_CHI2 = 1e-6  # below it, what is left is rounding
 
 
 def study_text(found: Study) -> str:
@@ -37,17 +37,15 @@ def values(found: CubeMeasurement) -> list[str]:
     names, H = common_and_difference(found.cube.names)
     less = [" less " in name for name in names]
     G, those = H[less], [name for name in names if " less " in name]
-    lines = _table(found.cube.names, found.cube.value, found.cube.covariance)
-    lines += [f"  {name:<{WIDE}} not determined" for name in NAMES if name not in found.cube.names]
-    return lines + _table(those, G @ found.cube.value, G @ found.cube.covariance @ G.T)
+    rows = [*_rows(found.cube.names, found.cube.value, found.cube.covariance)]
+    rows += [(name, "not determined", "") for name in NAMES if name not in found.cube.names]
+    rows += _rows(those, G @ found.cube.value, G @ found.cube.covariance @ G.T)
+    return table_lines(rows, "<<<", ("", "urad", "arcsec"))
 
 
-def _table(names: Sequence[str], value: FloatArray, covariance: FloatArray) -> list[str]:
-    lines = list[str]()
+def _rows(names: Sequence[str], value: FloatArray, covariance: FloatArray) -> Iterator[tuple[str, str, str]]:
     for name, v, s in zip(names, value, np.sqrt(np.diag(covariance)), strict=True):
-        arcsec = measured(v / RAD_PER_ARCSEC, s / RAD_PER_ARCSEC, "arcsec")
-        lines.append(f"  {name:<{WIDE}} {measured(v / RAD_PER_URAD, s / RAD_PER_URAD, 'urad'):<26} {arcsec}")
-    return lines
+        yield name, measured(v / RAD_PER_URAD, s / RAD_PER_URAD), measured(v / RAD_PER_ARCSEC, s / RAD_PER_ARCSEC)
 
 
 def known_lines(known: Known) -> list[str]:
@@ -58,7 +56,8 @@ def known_lines(known: Known) -> list[str]:
             f"against the certificate of its faces: chi-square {chi2_text(found.chi2, 4)} of {len(found.names)} "
             f"values, p {found.p_value:.2g}"
         )
-        lines += _shifts(found.names, found.difference, found.std)
+        rows = _shifts(found.names, found.difference, found.std)
+        lines += table_lines(rows, "<<<", ("", "urad", "sigma"))
     for (at, earlier), sources in zip(known.measured[:-1], known.sources[:-1], strict=True):
         if shared := len(sources & known.sources[-1]):
             said = f"{shared} of {len(sources)} campaigns are the same: not independent, left out of the drift"
@@ -83,7 +82,7 @@ def verdict(moved: CubeDrift) -> str:
 
 def chi2_text(value: float, digits: int) -> str:
     """Return a chi-square with so many significant digits, 0 where it is rounding."""
-    return f"{value if value >= LEAST_CHI2 else 0.0:.{digits}g}"
+    return f"{value if value >= MIN_CHI2 else 0.0:.{digits}g}"
 
 
 def _since(moved: CubeDrift | None) -> str:
@@ -94,16 +93,20 @@ def _since(moved: CubeDrift | None) -> str:
     return f"{verdict(moved)}; most {moved.names[most]} by {sigmas[most]:+z.1f} sigma"
 
 
-def _shifts(names: Sequence[str], shift: FloatArray, std: FloatArray) -> Iterator[str]:
+def _shifts(names: Sequence[str], shift: FloatArray, std: FloatArray) -> Iterator[tuple[str, str, str]]:
     for name, v, s in zip(names, shift, std, strict=True):
-        yield f"  {name:<{WIDE}} {measured(v / RAD_PER_URAD, s / RAD_PER_URAD, 'urad'):<26} {v / s:+z.1f} sigma"
+        yield name, measured(v / RAD_PER_URAD, s / RAD_PER_URAD), f"{v / s:+z.1f}"
 
 
 def _trends(moved: CubeDrift) -> Iterator[str]:
+    rows = []
     shifts = _shifts(moved.names, moved.shift, moved.shift_std)
-    columns = zip(shifts, moved.trend, moved.trend_std, moved.chi2, moved.chi2_of_trend, strict=True)
-    for shift, slope, std, constant, line in columns:
-        trend = f", {measured(slope / RAD_PER_URAD, std / RAD_PER_URAD, 'urad/month')}" if np.isfinite(std) else ""
-        of_line = f", {chi2_text(line, 3)} of a line ({moved.dof - 1})" if moved.dof > 1 else ""
-        yield f"{shift}{trend}, chi-square {chi2_text(constant, 3)} of a constant ({moved.dof}){of_line}"
+    for shift, slope, std, *chi2 in zip(
+        shifts, moved.trend, moved.trend_std, moved.chi2, moved.chi2_of_trend, strict=True
+    ):
+        trend = measured(slope / RAD_PER_URAD, std / RAD_PER_URAD) if np.isfinite(std) else "-"
+        constant, line = (chi2_text(each, 3) for each in chi2)
+        rows.append((*shift, trend, constant, line if moved.dof > 1 else "-"))
+    chi2_of = (f"chi2 of\nconst ({moved.dof})", f"of line\n({moved.dof - 1})")
+    yield from table_lines(rows, "<<<<<<", ("", "moved\nurad", "sigma", "urad/month", *chi2_of))
     yield f"  {verdict(moved)}"

@@ -7,6 +7,7 @@ from procedures.history.fleet import LEAST as LEAST_UNITS
 from procedures.history.groups import LEAST as LEAST_BOTH
 from station.results.parameters_by_name import shown_scale, title_of
 from station.text.rounding import decimals
+from station.text.table import table_lines
 
 MOST_SHOWN = 12  # of those that do not stand out none is shown; of those that do, so many of each kind
 
@@ -17,8 +18,8 @@ def population_text(document: dict[str, Any]) -> str:
     lines = [head, *(f"  left out: {text}" for text in document["left_out"]), ""]
     lines += _units(document)
     lines += _groups(document)
-    lines += ["", "over the units' newest calibrations", f"  {'':<32}{'median':>14} {'spread':>12}"]
-    lines += [_parameter(name, one) for name, one in document["parameters"].items()]
+    rows = [_parameter(name, one) for name, one in document["parameters"].items()]
+    lines += ["", "over the units' newest calibrations", *table_lines(rows, "<>><", ("", "median", "spread", ""))]
     lines += [
         "",
         f"A fleet with nothing off shows something in {100 * document['false_alarm']:g} % of cases at most.",
@@ -64,9 +65,8 @@ def _listed(what: str, rows: list[tuple[str, str, dict[str, Any], str]]) -> Iter
         yield f"  and {len(rows) - MOST_SHOWN} more; --json lists all"
 
 
-def _parameter(name: str, one: dict[str, Any]) -> str:
+def _parameter(name: str, one: dict[str, Any]) -> tuple[str, str, str, str]:
     scale, unit = shown_scale(name, one["unit"])
     spread = one.get("spread", 0.0) * scale
     places = min(max(decimals(spread or one["units"][0]["std"] * scale), 0), 7)
-    cells = f"{one['median'] * scale:>14.{places}f} {f'{spread:.{places}f}' if spread else '-':>12} {unit}"
-    return f"  {title_of(name):<32}{cells}"
+    return title_of(name), f"{one['median'] * scale:.{places}f}", f"{spread:.{places}f}" if spread else "-", unit

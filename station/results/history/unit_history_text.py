@@ -1,16 +1,17 @@
 """history/1 as lines of at most 80 columns for the terminal."""
 
 from collections.abc import Iterator
+from itertools import groupby
 from textwrap import wrap
 from typing import Any
 
 from station.results.parameters_by_name import Parameter, Shift, largest, shown, shown_scale, shown_sigma, title_of
 from station.results.verdict import word_said
 from station.text.rounding import decimals
+from station.text.table import WIDTH, table_lines
 
 SIGNIFICANT = 0.05  # a drift's p-value, adjusted for the number of parameters
 ALARMS = 10  # dates shown
-WIDTH = 80
 MAIN = ("scale_factor", "bias")  # shown in the list; the file holds misalignment too
 
 
@@ -46,13 +47,13 @@ def _analysis(one: dict[str, Any]) -> Iterator[str]:
         yield f"  predicted for {one['predicted_utc'][:10]}: {one['predicted_because']}"
     yield f"  control limit {one['control_limit']:.2f} sigma on z and on their moving average, A: beyond it"
     yield from (f"  left out: {text}" for text in one["left_out"])
-    kind = ""
-    for name, track in one["parameters"].items():
-        if (heading := name.rpartition(".")[0]) != kind:
-            kind = heading
-            yield f"  {_title(name, track)}"
-            yield f"    {'':<4}{'newest':>11} {'turn-on':>9} {'last z':>8}   {'predicted, 95 %':<27}{'outside':>8}"
-        yield f"    {name.rpartition('.')[2]:<4}{_cells(name, track)}".rstrip()
+    for _, group in groupby(one["parameters"].items(), lambda item: item[0].rpartition(".")[0]):
+        tracks = dict(group)
+        yield f"  {_title(*next(iter(tracks.items())))}"
+        rows = (_cells(name, track) for name, track in tracks.items())
+        yield from table_lines(
+            rows, "<>>><<>", ("", "newest", "turn-on", "last z", "", "predicted, 95 %", "outside")
+        )
     needs = {text for track in one["parameters"].values() for text in track["needs"]}
     for text in sorted(needs):
         word, _, said = text.partition(": ")
@@ -72,18 +73,21 @@ def _title(name: str, track: dict[str, Any]) -> str:
     return f"{name.rpartition('.')[0].replace('_', ' ').replace('.', ' ')} [{unit}]{said}"
 
 
-def _cells(name: str, track: dict[str, Any]) -> str:
+def _cells(name: str, track: dict[str, Any]) -> tuple[str, ...]:
     parameter = Parameter(name, track["value"][-1], track["std"][-1], track["unit"])
     scatter, chart, ahead = (track.get(key) for key in ("repeatability", "chart", "prediction"))
-    cells = f"{shown(parameter)[0]:>11} "
-    cells += f"{_scatter(name, track, scatter):>9} " if scatter else f"{'-':>9} "
-    mark = " A " if chart and track["calibrations"][-1] in chart["alarms"] else "   "
-    cells += f"{chart['z'][-1]:>+z8.1f}{mark}" if chart else f"{'-':>8}   "
-    if ahead is None:
-        return cells
-    low, high = (_number(name, track, end) for end in ahead["interval_95"])
-    outside = f"{100 * ahead['probability_outside']:>7.1f}%" if "probability_outside" in ahead else ""
-    return cells + f"{low + ' to ' + high:<27}{outside:>8}"
+    mark = "A" if chart and track["calibrations"][-1] in chart["alarms"] else ""
+    predicted = " to ".join(_number(name, track, end) for end in ahead["interval_95"]) if ahead else ""
+    outside = f"{100 * ahead['probability_outside']:.1f}%" if ahead and "probability_outside" in ahead else ""
+    return (
+        name.rpartition(".")[2],
+        shown(parameter)[0],
+        _scatter(name, track, scatter) if scatter else "-",
+        f"{chart['z'][-1]:+z.1f}" if chart else "-",
+        mark,
+        predicted,
+        outside,
+    )
 
 
 def _alarms(one: dict[str, Any]) -> Iterator[str]:
