@@ -43,7 +43,7 @@ class AxisPort(Protocol):
         ...
 
 
-class Part(NamedTuple):
+class AxisSample(NamedTuple):
     """One axis' share of a sample: a count, ``time`` [s] on the host's clock, ``temperature`` [degC]."""
 
     time: float
@@ -58,7 +58,7 @@ class TriadJoiner:
     def __init__(self, wire: WireFormat) -> None:
         self._decoders = [Decoder(wire) for _ in range(3)]
         self._times = [HostTimes() for _ in range(3)]
-        self._parts: list[deque[Part]] = [deque() for _ in range(3)]
+        self._parts: list[deque[AxisSample]] = [deque() for _ in range(3)]
         self._stepped = [False] * 3  # an axis' times go on elsewhere with the next of its samples
         self._counter = 0
         self.missing = 0
@@ -73,7 +73,7 @@ class TriadJoiner:
             self._parts[axis].clear()
         if self._times[axis].period is not None:
             columns = (times, block.gyro[:, 0], block.temperature, block.healthy)
-            new = [Part(*row) for row in zip(*(each.tolist() for each in columns), strict=True)]
+            new = [AxisSample(*row) for row in zip(*(each.tolist() for each in columns), strict=True)]
             while self._parts[axis] and self._parts[axis][-1].time >= new[0].time:  # they had run ahead
                 self._parts[axis].pop()
             self._parts[axis] += new
@@ -85,7 +85,7 @@ class TriadJoiner:
 
     def _joined(self, now: float) -> bytes:
         """Return what is whole by ``now`` [s]."""
-        samples = list[tuple[int, tuple[Part, ...]]]()
+        samples = list[tuple[int, tuple[AxisSample, ...]]]()
         period = self._times[0].period
         while period is not None and self._parts[0]:
             x = self._parts[0][0]
@@ -93,7 +93,7 @@ class TriadJoiner:
             if "wait" in others:
                 break
             self._parts[0].popleft()
-            whole = (x, *(part for part in others if isinstance(part, Part)))
+            whole = (x, *(part for part in others if isinstance(part, AxisSample)))
             if len(whole) == 3:
                 samples.append((self._counter, whole))
             elif not self._counter:
@@ -103,7 +103,7 @@ class TriadJoiner:
             self._counter += 1
         return _encoded(samples)
 
-    def _nearest(self, axis: int, at: float, period: float, now: float) -> "Part | str":
+    def _nearest(self, axis: int, at: float, period: float, now: float) -> "AxisSample | str":
         """Return the axis' sample nearest to ``at`` [s], ``missing`` if none is near, ``wait`` if one may be."""
         parts = self._parts[axis]
         while len(parts) > 1 and abs(parts[1].time - at) <= abs(parts[0].time - at):
@@ -113,7 +113,7 @@ class TriadJoiner:
         return parts[0] if parts and abs(parts[0].time - at) <= NEAR * period else "missing"
 
 
-def _encoded(samples: Sequence[tuple[int, tuple[Part, ...]]]) -> bytes:
+def _encoded(samples: Sequence[tuple[int, tuple[AxisSample, ...]]]) -> bytes:
     if not samples:
         return b""
     parts = [whole for _, whole in samples]

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from drivers.errors import LinkLost
 from drivers.mavlink.address import MavlinkUrl
-from drivers.mavlink.session import Session
+from drivers.mavlink.session import MavlinkSession
 from drivers.mavlink.signing import read_key
 from drivers.serial_port import open_serial
 from drivers.tcp_port import open_tcp
@@ -25,7 +25,7 @@ class _Bytes(Protocol):
 class MavlinkPort:
     """Bytes as they come; `drivers.ports.Port`."""
 
-    def __init__(self, line: _Bytes, session: Session) -> None:
+    def __init__(self, line: _Bytes, session: MavlinkSession) -> None:
         self._line, self.session = line, session
 
     def read(self, max_bytes: int) -> bytes:
@@ -60,4 +60,4 @@ def open_mavlink(address: MavlinkUrl, timeout_s: float) -> MavlinkPort:
         line = open_serial(address.path, address.baud or 0, "N", timeout_s)
     else:
         line = open_udp(address.host, address.port, timeout_s, listens=address.link == "udpin")
-    return MavlinkPort(line, Session(address.rate_hz, address.system, key))
+    return MavlinkPort(line, MavlinkSession(address.rate_hz, address.system, key))

@@ -40,7 +40,7 @@ STREAMS = {  # MAV_DATA_STREAM in which ArduPilot sends them
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class RequestedMessage:
     """A message asked for, and what came of it: a word of `RESULTS` or ``no answer``."""
 
     message: str
@@ -48,7 +48,7 @@ class Asked:
     outcome: str
 
 
-class Session:
+class MavlinkSession:
     """One link's conversation; time is given [s, monotonic], bytes go in and out."""
 
     def __init__(self, rate_hz: float, system: int | None = None, key: bytes | None = None) -> None:
@@ -66,7 +66,7 @@ class Session:
         self._to_ask: deque[int] = deque()
         self._tries = 0
         self._until: float | None = None  # an answer is waited for
-        self.asked: list[Asked] = []
+        self.asked: list[RequestedMessage] = []
 
     def hear(self, data: bytes, now: float) -> None:
         """Take what has come."""
@@ -117,7 +117,7 @@ class Session:
 
     def _done(self, outcome: str, now: float) -> None:
         number, self._until, self._tries = self._to_ask.popleft(), None, 0
-        self.asked.append(Asked(NAMES[number], self._rate_hz, outcome))
+        self.asked.append(RequestedMessage(NAMES[number], self._rate_hz, outcome))
         if outcome != RESULTS[ACCEPTED]:
             rate = max(1, round(self._rate_hz))
             self._say(self._mav.request_data_stream_encode(*self._target, STREAMS[number], rate, 1))

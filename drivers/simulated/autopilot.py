@@ -22,10 +22,10 @@ from drivers.mavlink.messages import (
 from drivers.mavlink.signing import signing_time
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault
-from drivers.simulated.gnss_receiver import Receiver, Seen
+from drivers.simulated.gnss_receiver import SimulatedFix, SimulatedReceiver
 from drivers.simulated.timed_faults import active
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 
 SET_MESSAGE_INTERVAL = 511
 ACCEPTED, DENIED, UNSUPPORTED = 0, 2, 3
@@ -45,12 +45,12 @@ class Autopilot:
         truth: Truth,
         autopilot: AutopilotTruth | None = None,
         faults: Iterable[GnssFault] = (),
-        track: Track | None = None,
+        track: VehicleTrack | None = None,
         seed: int | None = 1,
     ) -> None:
         self.truth = autopilot or AutopilotTruth()
         self.faults = tuple(faults)
-        self._receiver = Receiver(truth, self.truth, track, seed)
+        self._receiver = SimulatedReceiver(truth, self.truth, track, seed)
         self._rng = np.random.default_rng([seed or 0, 0xA9])
         self._mav = dialect.MAVLink(None, srcSystem=self.truth.system, srcComponent=self.truth.component)
         self._mav.robust_parsing = True
@@ -171,7 +171,7 @@ class Autopilot:
         return [raw, self._sent[0]] if self._active(now, "replay") else [raw]
 
 
-def _raw(seen: Seen, stamp_us: int, number: int) -> "dialect.MAVLink_message":
+def _raw(seen: SimulatedFix, stamp_us: int, number: int) -> "dialect.MAVLink_message":
     return seen.gps2_raw(stamp_us) if number == GPS2_RAW else seen.gps_raw_int(stamp_us)
 
 

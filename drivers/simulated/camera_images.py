@@ -12,7 +12,7 @@ from drivers.simulated.camera_texture import Floats, pyramid
 from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.timed_faults import active
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.arrays import FloatArray
 from procedures.fusion.optional_libraries import opencv
 from procedures.fusion.vision.feature_tracker import Image
@@ -32,7 +32,7 @@ class CameraImages:
         truth: Truth,
         camera: CameraTruth,
         faults: Iterable[CameraFault] = (),
-        track: Track | None = None,
+        track: VehicleTrack | None = None,
         seed: int | None = 1,
     ) -> None:
         self._cv = opencv()

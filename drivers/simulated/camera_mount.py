@@ -7,7 +7,7 @@ from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.imu import LYING
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_motion import turned
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.arrays import FloatArray
 from procedures.frames import rotation
 
@@ -15,7 +15,7 @@ from procedures.frames import rotation
 class Mounted:
     """The pose of a camera at true times [s]; without a track it stands at the origin, the cube on its bottom."""
 
-    def __init__(self, truth: Truth, camera: CameraTruth, track: Track | None) -> None:
+    def __init__(self, truth: Truth, camera: CameraTruth, track: VehicleTrack | None) -> None:
         world = stand(truth)
         self._camera, self._track, self._C_sb = camera, track, world.C_sb
         self._C_bn = world.attitude(LYING)

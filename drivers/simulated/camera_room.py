@@ -9,7 +9,7 @@ import numpy as np
 
 from drivers.simulated.camera_texture import Floats, grey
 from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.arrays import FloatArray
 
 MARGIN = 9.0  # m, from the track to the walls
@@ -35,7 +35,7 @@ class Hits:
 class Room:
     """The room; ``low`` and ``high`` (boxes, 3) [m] are the corners, the room's own first."""
 
-    def __init__(self, track: Track | None, seed: int = 1) -> None:
+    def __init__(self, track: VehicleTrack | None, seed: int = 1) -> None:
         points = np.zeros((1, 3)) if track is None else track.positions(np.arange(track.t[0], track.t[-1], 0.1))
         rng = np.random.default_rng([seed, 0x5CE6])
         low: FloatArray = points.min(axis=0) - np.array([MARGIN, MARGIN, EYE])

@@ -14,16 +14,16 @@ from drivers.camera.parts import CONTENT_TYPE
 from drivers.simulated.camera_faults import CameraFault
 from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.companion_devices import Beside, TrueTime
+from drivers.simulated.companion_devices import CompanionDevice, TrueTime
 from drivers.simulated.timed_faults import active
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 
 POLL_S = 0.002
 PATH = "/stream"
 
 
-class SimulatedCamera(Beside[CameraFault]):
+class SimulatedCamera(CompanionDevice[CameraFault]):
     """A camera on a TCP port of the loopback while the ``with`` block lasts.
 
     Parameters
@@ -41,7 +41,7 @@ class SimulatedCamera(Beside[CameraFault]):
         truth: Truth,
         camera: CameraTruth | None = None,
         faults: Iterable[CameraFault] = (),
-        track: Track | None = None,
+        track: VehicleTrack | None = None,
         seed: int | None = 1,
         *,
         beside: TrueTime | None = None,

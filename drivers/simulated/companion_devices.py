@@ -20,7 +20,7 @@ class TrueTime(Protocol):
         ...
 
 
-class Beside(Generic[F]):
+class CompanionDevice(Generic[F]):
     """Served by a thread while the ``with`` block lasts; what is to be said is a subclass's.
 
     ``beside`` is the device whose time it shares; without one time is the host's, ``speed`` times as fast. Of its

@@ -15,7 +15,7 @@ from drivers.simulated.faults import Fault, FaultyLine, Sent
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.pace import MOST_SAMPLES
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 from drivers.wire import FORMATS, Identity, WireFormat
 from procedures.arrays import FloatArray
 
@@ -78,7 +78,7 @@ class ByteDevice:
         with self._lock:
             return self._answer(command)
 
-    def drive(self, track: Track) -> None:
+    def drive(self, track: VehicleTrack) -> None:
         """Carry the cube along a track from now on, see `SimulatedImu.drive`."""
         with self._lock:
             self.imu.drive(track)

@@ -11,7 +11,7 @@ from pymavlink.dialects.v20 import all as dialect
 
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.arrays import FloatArray
 
 CORRELATION_S = 60.0
@@ -22,7 +22,7 @@ UNKNOWN = 65535
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class SimulatedFix:
     """A moment's fix as the receiver has it [deg, m, m/s]; ``v_n`` (3,) is East-North-Up."""
 
     latitude: float
@@ -68,10 +68,12 @@ class Seen:
         return (0, height, *accuracies) if yaw_first else (height, *accuracies, 0)
 
 
-class Receiver:
+class SimulatedReceiver:
     """A receiver at a truth's site, or on a track from there; times [s] must not go back by much."""
 
-    def __init__(self, truth: Truth, autopilot: AutopilotTruth, track: Track | None, seed: int | None) -> None:
+    def __init__(
+        self, truth: Truth, autopilot: AutopilotTruth, track: VehicleTrack | None, seed: int | None
+    ) -> None:
         self._truth, self._autopilot, self._track = truth, autopilot, track
         self._rng = np.random.default_rng([seed or 0, 0x6E55])
         self._std = 0.0 if seed is None else autopilot.position_std_m
@@ -79,7 +81,7 @@ class Receiver:
         self._error = self._std * self._rng.standard_normal(3)
         self._at = 0.0
 
-    def look(self, t: float, jump_m: float, *, has_fix: bool) -> Seen:
+    def look(self, t: float, jump_m: float, *, has_fix: bool) -> SimulatedFix:
         """Return what it sees at true time ``t`` [s], ``jump_m`` east of where it is."""
         truth, zero = self._truth, np.zeros(3)
         place = self._track.position(t) if self._track else zero
@@ -89,7 +91,7 @@ class Receiver:
         curve = 1 - FLATTENING2 * np.sin(latitude) ** 2
         meridian, normal = AXIS * (1 - FLATTENING2) / curve**1.5, AXIS / np.sqrt(curve)
         height = truth.height_m + up
-        return Seen(
+        return SimulatedFix(
             latitude=truth.latitude_deg + float(np.degrees(north / meridian)),
             longitude=truth.longitude_deg + float(np.degrees(east / (normal * np.cos(latitude)))),
             height=height,

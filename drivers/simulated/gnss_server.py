@@ -5,16 +5,16 @@ from pathlib import Path
 
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.companion_devices import Beside, TrueTime
+from drivers.simulated.companion_devices import CompanionDevice, TrueTime
 from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.two_way_lines import talk_on
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 
 POLL_S = 0.002
 
 
-class SimulatedGnss(Beside[GnssFault]):
+class SimulatedGnss(CompanionDevice[GnssFault]):
     """An autopilot on a real transport while the ``with`` block lasts.
 
     Parameters
@@ -32,7 +32,7 @@ class SimulatedGnss(Beside[GnssFault]):
         truth: Truth,
         autopilot: AutopilotTruth | None = None,
         faults: Iterable[GnssFault] = (),
-        track: Track | None = None,
+        track: VehicleTrack | None = None,
         seed: int | None = 1,
         *,
         beside: TrueTime | None = None,

@@ -16,7 +16,7 @@ from drivers.simulated.effects import planted
 from drivers.simulated.sensor import Sensor
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_motion import drive
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.plan_steps import Turn
 from procedures.counts.sample_records import CountBlock, RateBlock
@@ -117,7 +117,7 @@ class SimulatedImu:
             rest(last.C_bn, samples, last.position, rested), rest(last.C_bn, None, last.position, rested + samples)
         )
 
-    def drive(self, track: Track) -> None:
+    def drive(self, track: VehicleTrack) -> None:
         """Carry the cube along a track, x ahead and z up, from now on; the track's time is the device's."""
         carried = drive(track, self.world.attitude(LYING), self.index + self._queued(), self.truth.sample_period_s)
         self._append(carried, rest(carried.end_C_bn(), None, 0))

@@ -4,14 +4,14 @@ import numpy as np
 
 from drivers.simulated.cube_motion import Segment
 from drivers.simulated.errors import TruthRefused
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.arrays import FloatArray
 from procedures.units import STANDARD_GRAVITY
 
 SLOWEST = 0.2  # m/s, below which the vehicle keeps its heading
 
 
-def drive(track: Track, C_bn: FloatArray, first: int, period: float) -> Segment:
+def drive(track: VehicleTrack, C_bn: FloatArray, first: int, period: float) -> Segment:
     """Return the drive along a track from sample ``first`` to its end, the x axis of the cube ahead.
 
     ``C_bn`` (3, 3) is an attitude with x level; at the first sample the cube is put on its course.

@@ -15,7 +15,7 @@ EXPECTED = "two rows or more t_s,e_m,n_m,u_m after a header"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Track:
+class VehicleTrack:
     """Points ``enu`` (n, 3) [m] at times ``t`` (n,) [s]; it stands at the first before and at the last after."""
 
     t: FloatArray
@@ -52,7 +52,7 @@ class Track:
         return v
 
 
-def load_track(text: str) -> Track:
+def load_track(text: str) -> VehicleTrack:
     """Return the track of a CSV text ``t_s,e_m,n_m,u_m``; raise `TruthRefused` where it is none."""
     lines = [line for line in text.splitlines()[1:] if line.partition("#")[0].strip()]
     if not lines:
@@ -63,4 +63,4 @@ def load_track(text: str) -> Track:
         raise TruthRefused(str(error), EXPECTED) from error
     if rows.shape[1] != 4:
         raise TruthRefused(f"{rows.shape[1]} columns", "t_s,e_m,n_m,u_m")
-    return Track(rows[:, 0], rows[:, 1:])
+    return VehicleTrack(rows[:, 0], rows[:, 1:])

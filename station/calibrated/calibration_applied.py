@@ -37,7 +37,7 @@ class Surroundings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Inputs:
+class CalibratedInputs:
     """Specific force ``f`` (n, 3) [g] and angular rate ``omega`` (n, 3) [deg/s], IMU axes; absent triads are None.
 
     ``not_applied`` names effects that were left in, and why.
@@ -53,7 +53,7 @@ def calibrated_inputs(
     accel: FloatArray | None,
     gyro: FloatArray | None,
     around: Surroundings = Surroundings(),
-) -> Inputs:
+) -> CalibratedInputs:
     """Return what the sensors went through, from count rates (n, 3) [count/s] (or rates as they came).
 
     An effect of gyroscopes that depends on specific force needs both triads.
@@ -78,7 +78,7 @@ def calibrated_inputs(
         before, u = u, {name: triad.invert(output[name] - off[name]) for name, triad in triads.items()}
         if all(np.allclose(u[name], before[name], rtol=STILL, atol=STILL) for name in u):
             break
-    return Inputs(u.get("accelerometer"), u.get("gyroscope"), left)
+    return CalibratedInputs(u.get("accelerometer"), u.get("gyroscope"), left)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

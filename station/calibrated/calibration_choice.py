@@ -22,7 +22,7 @@ DAY_S = 86400.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Applied:
+class AppliedCalibration:
     """``document`` is calibration/1, or None with a maker's scale factors in ``nominal``."""
 
     document: Mapping[str, Any] | None
@@ -30,7 +30,7 @@ class Applied:
     in_use: InUse
 
 
-def find_calibration(file: Path | None, database: str | None, unit: Unit, wire: WireFormat) -> Applied:
+def find_calibration(file: Path | None, database: str | None, unit: Unit, wire: WireFormat) -> AppliedCalibration:
     """Return what to apply to a unit's counts.
 
     Raises
@@ -49,7 +49,9 @@ def find_calibration(file: Path | None, database: str | None, unit: Unit, wire: 
     nominal = next(iter(wire.scales.values()), None) if len(wire.scales) == 1 else wire.scales.get(unit.model)
     if nominal is None:
         raise _nothing_of(unit)
-    return Applied(None, nominal, InUse(f"NONE: nominal scale factors of {nominal.model}", None, nominal.source))
+    return AppliedCalibration(
+        None, nominal, InUse(f"NONE: nominal scale factors of {nominal.model}", None, nominal.source)
+    )
 
 
 def _nothing_of(unit: Unit) -> DataRefused:
@@ -62,11 +64,11 @@ def _nothing_of(unit: Unit) -> DataRefused:
     )  # fmt: skip
 
 
-def _applied(document: Mapping[str, Any], name: str, unit: Unit, now: datetime) -> Applied:
+def _applied(document: Mapping[str, Any], name: str, unit: Unit, now: datetime) -> AppliedCalibration:
     accepted = datetime.fromisoformat(document["accepted_utc"])
     age = (now - accepted).total_seconds() / DAY_S
     text = f"{name} of {accepted:%Y-%m-%d}, {document['status']}, {age:.0f} days old"
-    return Applied(document, None, InUse(text, age, _note(document, unit, now)))
+    return AppliedCalibration(document, None, InUse(text, age, _note(document, unit, now)))
 
 
 def _note(document: Mapping[str, Any], unit: Unit, now: datetime) -> str:

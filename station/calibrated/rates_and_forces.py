@@ -22,7 +22,7 @@ LEAST_SLOPE_S = 10.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Inputs:
+class RatesAndForces:
     """Rates (n, 3) [rad/s] and specific forces (n, 3) [m/s2], forward-right-down."""
 
     rate: FloatArray
@@ -30,12 +30,12 @@ class Inputs:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Tick:
+class CalibratedTick:
     """A tenth of a second: ends (n,) [s] of the samples' intervals, what they say with and without calibration."""
 
     t: FloatArray
-    calibrated: Inputs
-    nominal: Inputs
+    calibrated: RatesAndForces
+    nominal: RatesAndForces
     temperature: float
     is_healthy: bool
     not_applied: tuple[str, ...]
@@ -64,7 +64,7 @@ class Sensors:
         gyro, accel = (np.abs(scale).min() for scale in self._scales)
         return float(np.radians(1.0) / gyro), float(STANDARD_GRAVITY / accel)
 
-    def take(self, block: SampleBlock) -> Tick:
+    def take(self, block: SampleBlock) -> CalibratedTick:
         """Return what a block says."""
         gyro, accel = (self._rates(block, name) for name in ("gyro", "accel"))
         nominal = self._body(np.radians(gyro / self._scales[0]), accel / self._scales[1] * STANDARD_GRAVITY)
@@ -78,14 +78,14 @@ class Sensors:
             assert found.omega is not None
             calibrated = self._body(np.radians(found.omega), found.f * STANDARD_GRAVITY)
             left = found.not_applied
-        return Tick(block.device_time, calibrated, nominal, temperature, bool(block.healthy.all()), left)
+        return CalibratedTick(block.device_time, calibrated, nominal, temperature, bool(block.healthy.all()), left)
 
     def _rates(self, block: SampleBlock, name: str) -> FloatArray:
         values: FloatArray = getattr(block, name).astype(np.float64)
         return values / self._period if isinstance(block, CountBlock) else values
 
-    def _body(self, rate: FloatArray, force: FloatArray) -> Inputs:
-        return Inputs(rate @ self._C.T, force @ self._C.T)
+    def _body(self, rate: FloatArray, force: FloatArray) -> RatesAndForces:
+        return RatesAndForces(rate @ self._C.T, force @ self._C.T)
 
     def _temperature(self, block: SampleBlock) -> float:
         """Return the newest temperature that is known [degC], nan if none ever was."""

@@ -9,7 +9,7 @@ from station.commands import Database
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from station.devices.port_survey import Found
+    from station.devices.port_survey import SurveyedPort
 
 OFF_PACE = 0.5  # of the declared rate; a look is short
 CLEAR = "\x1b[H\x1b[2J"
@@ -37,7 +37,7 @@ def devices(
     Example: station devices --url serial:///dev/ttyUSB0?baud=921600
     """
     from drivers.bare_address import whole_url
-    from station.devices.port_survey import Found, ports_present, survey
+    from station.devices.port_survey import SurveyedPort, ports_present, survey
 
     url = [whole_url(each) for each in url or ()]
     if url and len(url) == 1 and not watch and not json:
@@ -45,7 +45,7 @@ def devices(
         return
     try:
         while True:
-            found = survey([Found(each) for each in url] if url else ports_present(), seconds)
+            found = survey([SurveyedPort(each) for each in url] if url else ports_present(), seconds)
             _show(found, json=json, clear=watch)
             if not watch:
                 break
@@ -55,7 +55,7 @@ def devices(
         raise typer.Exit(4)
 
 
-def _show(found: "Sequence[Found]", *, json: bool, clear: bool) -> None:
+def _show(found: "Sequence[SurveyedPort]", *, json: bool, clear: bool) -> None:
     import sys
     from dataclasses import asdict
     from datetime import datetime
@@ -76,7 +76,7 @@ def _show(found: "Sequence[Found]", *, json: bool, clear: bool) -> None:
     sys.stdout.flush()
 
 
-def _warning(found: "Found") -> list[str]:
+def _warning(found: "SurveyedPort") -> list[str]:
     pace = _pace(found.url, found.frames_s, found.rate_hz)
     return [f"    warning: {pace}"] if pace else []
 

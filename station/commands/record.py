@@ -79,7 +79,7 @@ def record(
     from station.stream.gnss import open_gnss
     from station.stream.gnss.sample_rate import Timed, by_this_machine, said_of
     from station.stream.live.live_feed import no_recording, open_feed
-    from station.stream.live.trouble_lines import Told
+    from station.stream.live.trouble_lines import TroubleLog
     from station.stream.reader import Reader
     from station.stream.recorder import plain_recording as recording
 
@@ -93,7 +93,7 @@ def record(
         timed = Timed(receiver, feed) if receiver else None
         rate = by_this_machine(feed)
         names = (feed.address.name, receiver.address.name if receiver else "", view.address.name if view else "")
-        line, sky, sight = (Told(name, lambda text: typer.echo(text, err=True)) for name in names)
+        line, sky, sight = (TroubleLog(name, lambda text: typer.echo(text, err=True)) for name in names)
 
         def look() -> None:
             line.look(feed.amiss or feed.silent or ("" if receiver else said_of(rate)))
@@ -150,13 +150,13 @@ def _fusion(
         return lambda recording: None
     where = fusion
     from station.commands._lengths import lengths
-    from station.locate.folder_from_recording import Asked, fusion_from_recording
+    from station.locate.folder_from_recording import FusionOptions, fusion_from_recording
 
     try:
         arm = lengths(lever_arm)
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--lever-arm") from error
-    asked = Asked(calibration, db, arm, model, serial)
+    asked = FusionOptions(calibration, db, arm, model, serial)
 
     def make(recording: str) -> None:
         for line in fusion_from_recording(recording, where, asked):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from drivers.simulated.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
     from drivers.simulated.truth import Truth
-    from drivers.simulated.vehicle_track import Track
+    from drivers.simulated.vehicle_track import VehicleTrack
 
 
 def simulate(
@@ -192,7 +192,7 @@ def _end_on_signals() -> None:
 
 
 def _autopilot(
-    where: str | None, path: "Track | None", planted: "tuple[GnssFault, ...]"
+    where: str | None, path: "VehicleTrack | None", planted: "tuple[GnssFault, ...]"
 ) -> "Callable[[SimulatedDevice], SimulatedGnss] | None":
     """Return what makes the autopilot once the IMU is served, None where none is wanted."""
     from drivers.simulated.gnss_server import SimulatedGnss

@@ -9,7 +9,7 @@ from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl, LinkSilent, WrongFormat
 from drivers.mavlink.address import MavlinkUrl
 from drivers.mavlink.port import MavlinkPort
-from drivers.mavlink.session import Asked
+from drivers.mavlink.session import RequestedMessage
 from drivers.ports import open_port
 from station.stream.gnss.gnss_feed import EXPECTED, GnssFeed
 from station.stream.gnss.summary import summary
@@ -39,7 +39,7 @@ class Heard:
     """What came of a link, and what was asked of it."""
 
     feed: GnssFeed
-    asked: Sequence[Asked]
+    asked: Sequence[RequestedMessage]
 
     def lines(self) -> list[str]:
         """Return it in lines."""

@@ -18,7 +18,7 @@ READ_BYTES = 65536
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class ImuProbe:
     """What came within ``seconds``; ``rate_hz`` is by the device's own time, None if it sends none.
 
     ``channels`` are those that it measures; the others are 0 in ``samples``.
@@ -43,7 +43,7 @@ class Seen:
         return watch.text(period, self.channels, self.frames * period)
 
 
-def look(url: str, seconds: float) -> Seen:
+def look(url: str, seconds: float) -> ImuProbe:
     """Read a device for ``seconds``; where its address names no format, find the one that fits best.
 
     Raises
@@ -73,7 +73,7 @@ def look(url: str, seconds: float) -> Seen:
     return seen
 
 
-def seen_as(wire: WireFormat, data: bytes, seconds: float) -> Seen | None:
+def seen_as(wire: WireFormat, data: bytes, seconds: float) -> ImuProbe | None:
     """Return what ``data``, come within ``seconds``, holds of a format; None where it holds none of its frames."""
     decoder = Decoder(wire)
     block = decoder.feed(data)
@@ -82,7 +82,7 @@ def seen_as(wire: WireFormat, data: bytes, seconds: float) -> Seen | None:
     steps = np.diff(block.device_time)
     steps = steps[np.isfinite(steps) & (steps > 0)]
     rate = float(1 / np.median(steps)) if len(steps) else None
-    return Seen(
+    return ImuProbe(
         wire.name, decoder.model, decoder.serial, seconds, len(data), len(block), rate, decoder.counters, block,
         decoder.kind.channels,
     )  # fmt: skip

@@ -30,7 +30,7 @@ TIMEOUT_S = 0.05
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class SurveyedPort:
     """A port and what came out of it.
 
     ``url`` opens it, ``about`` is what it says of itself, ``looks_like`` the format of its bytes, ``mavlink`` or
@@ -54,27 +54,27 @@ class Found:
     trouble: str = ""
 
 
-def ports_present() -> list[Found]:
+def ports_present() -> list[SurveyedPort]:
     """Return serial ports, CAN interfaces of the kernel, and the port that ground stations listen on."""
     found = []
     for port in list_ports():
         number = f", serial number {port.serial_number}" if port.serial_number else ""
         timer = "" if port.latency_ms is None else f", holds bytes for {port.latency_ms} ms"
-        found.append(Found(f"serial://{port.device}", f"{port.description}{number}{timer}"))
+        found.append(SurveyedPort(f"serial://{port.device}", f"{port.description}{number}{timer}"))
     for kind in sorted(Path("/sys/class/net").glob("*/type")):
         if kind.read_text().strip() == ARPHRD_CAN:
-            found.append(Found(f"can://socketcan/{kind.parent.name}", "CAN interface"))
-    return [*found, Found(GROUND_STATION, "MAVLink, the ground station's port")]
+            found.append(SurveyedPort(f"can://socketcan/{kind.parent.name}", "CAN interface"))
+    return [*found, SurveyedPort(GROUND_STATION, "MAVLink, the ground station's port")]
 
 
-def survey(ports: Iterable[Found], seconds: float) -> list[Found]:
+def survey(ports: Iterable[SurveyedPort], seconds: float) -> list[SurveyedPort]:
     """Look at all ports at once, for ``seconds`` each; what cannot be opened says so in ``trouble``."""
     wanted = list(ports)
     with ThreadPoolExecutor(max(1, len(wanted))) as pool:
         return list(pool.map(lambda port: _looked_at(port, seconds), wanted))
 
 
-def _looked_at(port: Found, seconds: float) -> Found:
+def _looked_at(port: SurveyedPort, seconds: float) -> SurveyedPort:
     try:
         address = parse_device_url(port.url)
         if address.scheme == "camera":
@@ -93,7 +93,7 @@ def _looked_at(port: Found, seconds: float) -> Found:
         return replace(port, trouble=str(error))
 
 
-def _camera(port: Found, seconds: float) -> Found:
+def _camera(port: SurveyedPort, seconds: float) -> SurveyedPort:
     seen = look_at_camera(port.url, seconds, TIMEOUT_S)
     return replace(
         port, about=seen.size, looks_like=FORMAT, frames_s=seen.images / seen.seconds,
@@ -112,7 +112,7 @@ def _timed(port: Port, seconds: float) -> tuple[bytes, float]:
     return read_for(port, seconds), max(time.monotonic() - began, 1e-9)
 
 
-def recognised(port: Found, data: bytes, seconds: float) -> Found:
+def recognised(port: SurveyedPort, data: bytes, seconds: float) -> SurveyedPort:
     """Return the port with what its bytes are."""
     if not data:
         return replace(port, trouble=f"no bytes within {seconds:.1f} s")
@@ -135,7 +135,7 @@ def recognised(port: Found, data: bytes, seconds: float) -> Found:
     return replace(port, trouble=f"{len(data)} bytes hold no frame of any known format")
 
 
-def _mavlink(port: Found, data: bytes, seconds: float) -> Found | None:
+def _mavlink(port: SurveyedPort, data: bytes, seconds: float) -> SurveyedPort | None:
     from drivers.mavlink.decoder import MavlinkDecoder  # pymavlink: only where a port needs it
     from station.stream.gnss.summary import site_in_words
 

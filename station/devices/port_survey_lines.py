@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from textwrap import wrap
 
-from station.devices.port_survey import Found
+from station.devices.port_survey import SurveyedPort
 
 INDENT = 4
 
 
-def survey_lines(found: Sequence[Found]) -> list[str]:
+def survey_lines(found: Sequence[SurveyedPort]) -> list[str]:
     """Return two lines or more for each port: its address, then what comes out of it."""
     return [line for each in found for line in _lines(each)]
 
@@ -25,7 +25,7 @@ def fitted(lines: Sequence[str], width: int, height: int) -> list[str]:
     return [*broken[: height - 1], f"... {len(broken) - height + 1} more lines: --url URL looks at one alone"]
 
 
-def _lines(found: Found) -> list[str]:
+def _lines(found: SurveyedPort) -> list[str]:
     lines = [f"{found.url}  {found.about}".rstrip()]
     if not found.looks_like or found.trouble:
         return [*lines, f"{'':{INDENT}}{found.trouble}"]

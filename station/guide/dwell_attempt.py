@@ -16,7 +16,7 @@ from procedures.units import ARCSEC_PER_DEG
 from station.guide.face_and_stillness import BlockLook
 from station.stream.live.accepted_blocks import merged
 from station.stream.live.stillness import Block
-from station.stream.recorder.sample_buffer import Run
+from station.stream.recorder.sample_buffer import SampleRun
 
 TOUCHED = "touched just after it was set down"
 OTHERWISE = "the cube stands otherwise than when the dwell began"
@@ -69,7 +69,7 @@ class DwellAttempt:
         """The first sample that is still needed."""
         return next((block.first for block in (*self.kept, *self._newest, *self._away)), None)
 
-    def runs(self) -> list[Run]:
+    def runs(self) -> list[SampleRun]:
         """Return the accepted samples, as many as wanted."""
         return merged(self.kept, self._wanted)
 

@@ -8,7 +8,7 @@ from procedures.campaign.plan_steps import Step
 from station.files.campaign_folder.notes import keep_left_out, keep_plan, read_unit, write_unit
 from station.files.campaign_folder.writing import write_tables
 from station.stream.recorder import CampaignRecorder
-from station.stream.recorder.sample_buffer import Run, Tape
+from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 
 class FolderRecorder:
@@ -18,7 +18,13 @@ class FolderRecorder:
         self._recorder = recorder
 
     def accept(
-        self, step: Step, tape: Tape, runs: Sequence[Run], *, kept_seat: Sequence[float] | None, turn_on: int
+        self,
+        step: Step,
+        tape: SampleBuffer,
+        runs: Sequence[SampleRun],
+        *,
+        kept_seat: Sequence[float] | None,
+        turn_on: int,
     ) -> None:
         """Record ``step`` as the samples of ``runs``, the unit switched on for the ``turn_on``-th time, from 1.
 
@@ -60,7 +66,7 @@ class FolderRecorder:
         write_tables(recorder.folder, recorder.tables)
 
 
-def spans_left_out(runs: Sequence[Run], tape: Tape) -> list[int]:
+def spans_left_out(runs: Sequence[SampleRun], tape: SampleBuffer) -> list[int]:
     """Return how many samples each step from run to run is, where nothing is missing in between."""
     between = [(before[1], after[0]) for before, after in pairwise(runs)]
     return [first - last + 1 for last, first in between if tape.last_break(last - 1, first + 1) is None]

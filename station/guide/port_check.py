@@ -13,7 +13,7 @@ from station.stream.live.rates_as_counts import RATE_UNIT
 from station.stream.live.stillness import TICKS, Block, block_of
 
 if TYPE_CHECKING:
-    from station.devices.imu_probe import Seen
+    from station.devices.imu_probe import ImuProbe
 
 PORT_LOOK_S = 2.0
 RECORD_INSTEAD = "record its steps with `station record` and solve them as a campaign folder"
@@ -66,7 +66,7 @@ def _second(samples: SampleBlock, first: int, size: int) -> Block:
     return block_of(rows, first, 1 / size, is_broken=False, is_anew=False)
 
 
-def _remedies(seen: "Seen", bad: int) -> list[str]:
+def _remedies(seen: "ImuProbe", bad: int) -> list[str]:
     counters, said = seen.counters, list[str]()
     if bad > BAD_SHARE * (seen.frames + bad):
         said.append(

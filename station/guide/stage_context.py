@@ -24,7 +24,7 @@ from station.guide.wording import step_title
 from station.stream.live.accepted_blocks import series
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.stillness import LEAST, TICKS
-from station.stream.recorder.sample_buffer import Run, Tape
+from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 NO_ACCEPTED_STEPS = AcceptedSteps()
 POWER_CYCLED = "the unit was switched off and on: its biases are solved apart from before"
@@ -34,7 +34,13 @@ class StepRecorder(Protocol):
     """Where accepted steps go: on the disk and in the database when `accept` returns."""
 
     def accept(
-        self, step: Step, tape: Tape, runs: Sequence[Run], *, kept_seat: Sequence[float] | None, turn_on: int
+        self,
+        step: Step,
+        tape: SampleBuffer,
+        runs: Sequence[SampleRun],
+        *,
+        kept_seat: Sequence[float] | None,
+        turn_on: int,
     ) -> object:
         """Record ``step`` as the samples of ``runs``, the unit switched on for the ``turn_on``-th time, from 1.
 
@@ -140,7 +146,7 @@ class StageContext:
         """Counts per revolution of the turns that stand."""
         return [seen.counts for seen in self.turns.values()]
 
-    def accept_turn(self, step: Turn, runs: Sequence[Run], seen: TurnSeen, note: str) -> None:
+    def accept_turn(self, step: Turn, runs: Sequence[SampleRun], seen: TurnSeen, note: str) -> None:
         """Record a turn; where the turns about its axis do not close, say what is to be done again.
 
         Raises
@@ -177,7 +183,7 @@ class StageContext:
     def accept(
         self,
         step: Step,
-        runs: Sequence[Run],
+        runs: Sequence[SampleRun],
         note: str = "",
         kept_seat: FloatArray | None = None,
         doubt: str = "",

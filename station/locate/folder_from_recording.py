@@ -11,10 +11,10 @@ from procedures.earth.gnss_records import GnssFix, TimeMark
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.level_fixes import antenna, is_usable, level_fixes, origin_at
-from station.calibrated.calibration_choice import UNKNOWN, Applied, find_calibration
+from station.calibrated.calibration_choice import UNKNOWN, AppliedCalibration, find_calibration
 from station.calibrated.rates_and_forces import Sensors
 from station.errors import DataRefused
-from station.files.fusion_folder.writing import Recorded, Seen, write_fusion
+from station.files.fusion_folder.writing import CameraTracks, FusionRecording, write_fusion
 from station.files.mcap_files.fix_reader import Record
 from station.locate.imu_noise import LEAST_S, Rest, densities, longest_rest
 from station.stream.camera.recorded_tracks import recorded_tracks
@@ -30,7 +30,7 @@ KNOWN_STD, UNKNOWN_STD = 0.02, 0.1  # s: of fixes placed by their sender's clock
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Asked:
+class FusionOptions:
     """How to make the folder: ``lever_arm`` (3,) [m], IMU to antenna in IMU axes, empty where not known."""
 
     calibration: Path | None = None
@@ -40,7 +40,7 @@ class Asked:
     serial: str = ""
 
 
-def fusion_from_recording(url: str, folder: Path, asked: Asked) -> list[str]:
+def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[str]:
     """Write the fusion folder of a recorded MCAP file (``replay:FILE``), and return what was made of it, in lines.
 
     Raises
@@ -66,7 +66,7 @@ def fusion_from_recording(url: str, folder: Path, asked: Asked) -> list[str]:
     marks = feed.tape.marks(feed.tape.begin, feed.tape.end)
     seen = recorded_tracks(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
     folder.mkdir(parents=True, exist_ok=True)
-    write_fusion(folder, Recorded(origin, gravity, imu, noise, fixes, std, asked.lever_arm, seen))
+    write_fusion(folder, FusionRecording(origin, gravity, imu, noise, fixes, std, asked.lever_arm, seen))
     silent = [f"warning: {feed.silent}"] if feed.silent else []
     return [*silent, *_said(folder, imu, fixes, rest, applied, seen)]
 
@@ -75,7 +75,7 @@ def _device_s(feed: LiveFeed, sample: int) -> float:
     return float(feed.tape.block(sample, sample + 1).device_time[0])
 
 
-def _read(url: str, asked: Asked) -> tuple[LiveFeed, Applied]:
+def _read(url: str, asked: FusionOptions) -> tuple[LiveFeed, AppliedCalibration]:
     """Return a feed that has taken the whole of a recording; what came before a restart is let go."""
     feed = open_feed(Replay(url, 0.0))
     unknown = UNKNOWN if feed.wire.identity is None else None
@@ -89,7 +89,7 @@ def _read(url: str, asked: Asked) -> tuple[LiveFeed, Applied]:
     return feed, find_calibration(asked.calibration, asked.database, unit, feed.wire)
 
 
-def _calibrated(feed: LiveFeed, applied: Applied) -> tuple[ImuSeries, Sensors]:
+def _calibrated(feed: LiveFeed, applied: AppliedCalibration) -> tuple[ImuSeries, Sensors]:
     """Return all samples in SI, stamped in the middle of their intervals, IMU axes."""
     counts = feed.wire.output == "increments"
     sensors = Sensors(applied.document, applied.nominal, np.eye(3), feed.period, counts=counts)
@@ -127,7 +127,12 @@ def _placed(file: Path, records: list[Record], times: FixTimes, imu: ImuSeries) 
 
 
 def _said(
-    folder: Path, imu: ImuSeries, fixes: GnssFixes, rest: Rest, applied: Applied, seen: Seen | None
+    folder: Path,
+    imu: ImuSeries,
+    fixes: GnssFixes,
+    rest: Rest,
+    applied: AppliedCalibration,
+    seen: CameraTracks | None,
 ) -> list[str]:
     rested = f"noise from {rest.seconds:.0f} s of rest"
     if rest.seconds < LEAST_S:

@@ -9,7 +9,7 @@ from station.files.mcap_files.fix_reader import Record
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Taken:
+class LocatorTick:
     """A tenth of a second: samples in SI, IMU axes; ``marks`` of reading [ns] and their device times [s]."""
 
     imu: ImuSeries

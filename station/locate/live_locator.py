@@ -23,8 +23,8 @@ from station.locate.live_alignment import KEPT, Beginning, Begun, joined
 from station.locate.live_camera import LiveCamera
 from station.locate.live_fixes import BEHIND, LiveFixes
 from station.locate.live_graph import Graph, LiveGraph, NoGraph
-from station.locate.live_inputs import Taken
-from station.locate.live_report import Told
+from station.locate.live_inputs import LocatorTick
+from station.locate.live_report import LocationReport
 from station.locate.live_source import LiveInertial, LiveSource
 from station.locate.live_vision import LiveVision, VisualBeginning
 from station.locate.location import Location
@@ -43,7 +43,7 @@ class LiveLocator:
         self, noise_of: NoiseOf, ahead: FloatArray, lever_arm: FloatArray | None = None,
         camera: LiveCamera | None = None,
     ) -> None:  # fmt: skip
-        self._noise_of, self._arm, self._told, self._camera = noise_of, lever_arm, Told(ahead), camera
+        self._noise_of, self._arm, self._told, self._camera = noise_of, lever_arm, LocationReport(ahead), camera
         self._given = LiveFixes()
         self.begin_anew()
 
@@ -60,7 +60,7 @@ class LiveLocator:
         self._try_at = -np.inf
         self.location = Location(why="no fix yet")
 
-    def take(self, taken: Taken) -> None:
+    def take(self, taken: LocatorTick) -> None:
         """Go on by a tick."""
         now = float(taken.imu.t[-1])
         self._keep(taken.imu, now)
@@ -83,7 +83,7 @@ class LiveLocator:
         while now - self._imu[0].t[-1] > (2 * BEHIND[1] if is_learnt else KEPT):
             self._imu.popleft()
 
-    def _see(self, camera: LiveCamera, taken: Taken, now: float) -> None:
+    def _see(self, camera: LiveCamera, taken: LocatorTick, now: float) -> None:
         camera.mark(taken.marks)
         camera.take(taken.images, now)
         if camera.is_due:

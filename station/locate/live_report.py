@@ -6,17 +6,17 @@ from procedures.arrays import FloatArray
 from procedures.earth.geodesy import LocalLevel
 from procedures.fusion.outer.outer_graph import REJECTED, GlobalPose
 from station.locate.live_fixes import LiveFixes
-from station.locate.live_track import Track
+from station.locate.live_track import LiveTrack
 from station.locate.location import Location
 
 LEVEL = 0.1  # of forward's length across the vertical, below which it has no heading
 
 
-class Told:
+class LocationReport:
     """``ahead`` (3,) is forward in IMU axes."""
 
     def __init__(self, ahead: FloatArray) -> None:
-        self._ahead, self._track = ahead, Track()
+        self._ahead, self._track = ahead, LiveTrack()
         self.begin_anew()
 
     def begin_anew(self) -> None:

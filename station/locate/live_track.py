@@ -10,7 +10,7 @@ FAR = 200  # outliers that are drawn
 Place = tuple[float, float]
 
 
-class Track:
+class LiveTrack:
     """``points`` and outlying fixes ``far``, each East and North [m]; ``outliers`` counts all of them."""
 
     def __init__(self) -> None:

@@ -4,8 +4,8 @@ from typing import Protocol
 
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuSeries
-from station.calibrated.rates_and_forces import Tick
-from station.locate.live_inputs import Taken
+from station.calibrated.rates_and_forces import CalibratedTick
+from station.locate.live_inputs import LocatorTick
 from station.locate.location import Location
 from station.stream.events import Sound
 
@@ -18,7 +18,7 @@ class Locating(Protocol):
         """What is known now."""
         ...
 
-    def take(self, taken: Taken) -> None:
+    def take(self, taken: LocatorTick) -> None:
         """Go on by a tick."""
         ...
 
@@ -27,7 +27,7 @@ class Locating(Protocol):
         ...
 
 
-def in_imu_axes(tick: Tick, C: FloatArray, period: float) -> ImuSeries:
+def in_imu_axes(tick: CalibratedTick, C: FloatArray, period: float) -> ImuSeries:
     """Return a tick's samples in the middle of their intervals; ``C`` (3, 3) takes IMU axes to the body's."""
     return ImuSeries(tick.t - period / 2, tick.calibrated.rate @ C, tick.calibrated.force @ C)
 

@@ -13,7 +13,7 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
 from procedures.attitude.joint_filter import JointFilter
 from procedures.attitude.joint_state import Settings
-from station.calibrated.rates_and_forces import Inputs
+from station.calibrated.rates_and_forces import RatesAndForces
 
 ALIGN_S = 2.0
 NORTH_S = (
@@ -95,7 +95,7 @@ class AttitudeEstimator:
             self._rest.clear()
             self._shift = np.nan
 
-    def take(self, t: FloatArray, inputs: Inputs, aiding: AidValues = NO_AID) -> Attitude | None:
+    def take(self, t: FloatArray, inputs: RatesAndForces, aiding: AidValues = NO_AID) -> Attitude | None:
         """Take ends (n,) [s] and inputs of a tick; None while aligning. The aid stands at its last sample."""
         if np.isnan(self._shift):
             assert self._last is not None
@@ -143,7 +143,7 @@ class AttitudeEstimator:
         self._filter.run(whole)
         return self._filter
 
-    def _log(self, t: FloatArray, inputs: Inputs, aiding: AidValues) -> AttitudeLog:
+    def _log(self, t: FloatArray, inputs: RatesAndForces, aiding: AidValues) -> AttitudeLog:
         n = len(t)
         airspeed, heading, velocity = np.full(n, np.nan), np.full(n, np.nan), np.full((n, 3), np.nan)
         airspeed[-1], velocity[-1] = aiding.airspeed, aiding.velocity
@@ -152,11 +152,11 @@ class AttitudeEstimator:
             heading[0] = self._heading
         return AttitudeLog(t, inputs.rate, inputs.force, airspeed, velocity, heading)
 
-    def _turning(self, inputs: Inputs) -> float:
+    def _turning(self, inputs: RatesAndForces) -> float:
         """Return the rate of the heading [rad/s]; nought while aligning."""
         return 0.0 if self._filter is None else float(self._filter.down @ inputs.rate.mean(axis=0))
 
-    def _found(self, kept: JointFilter, inputs: Inputs) -> Attitude:
+    def _found(self, kept: JointFilter, inputs: RatesAndForces) -> Attitude:
         down, force = kept.down, self._smoothed(inputs.force)
         roll, pitch = roll_pitch_of(down)
         C, knows = kept.state.C_nb, kept.state.memory[0].heading_known > 0
@@ -176,7 +176,7 @@ class AttitudeEstimator:
 def compile_filter() -> None:
     """Have the filter compiled: kept on the disk, so that only a first run of all takes its minute."""
     t: FloatArray = np.arange(10.0)
-    still = Inputs(np.zeros((10, 3)), np.tile([0.0, 0.0, -9.8], (10, 1)))
+    still = RatesAndForces(np.zeros((10, 3)), np.tile([0.0, 0.0, -9.8], (10, 1)))
     track = AttitudeEstimator("none", lambda log, knows: Settings())
     track.take(t, still)
 

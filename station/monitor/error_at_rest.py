@@ -9,7 +9,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
-from station.calibrated.rates_and_forces import Inputs, Tick
+from station.calibrated.rates_and_forces import CalibratedTick, RatesAndForces
 from station.monitor.view import CalibrationGain, RestErrors
 
 MIN_REST_S = 2.0
@@ -37,7 +37,7 @@ class ErrorAtRest:
         """Forget this rest."""
         self._sums, self._n, self._seconds = {}, 0, 0.0
 
-    def take(self, tick: Tick, seconds: float, *, rests: bool) -> None:
+    def take(self, tick: CalibratedTick, seconds: float, *, rests: bool) -> None:
         """Take a tick; where the unit does not rest, or has been moved since, begin anew."""
         if self._n and (not rests or self._has_moved(tick.calibrated)):
             self.begin_anew()
@@ -90,7 +90,7 @@ class ErrorAtRest:
             return "Earth's rate off, its level part by size"
         return "the Earth's rate is taken off"
 
-    def _has_moved(self, inputs: Inputs) -> bool:
+    def _has_moved(self, inputs: RatesAndForces) -> bool:
         rate, force = self._sums["with"] / self._n
         far = np.linalg.norm(inputs.force.mean(axis=0) - force) > self._moved
         return bool(far or np.linalg.norm(inputs.rate.mean(axis=0) - rate) > MOVED_RATE)

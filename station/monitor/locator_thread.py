@@ -9,16 +9,16 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.fusion.visual_alignment.camera_time import CameraOffset
-from station.calibrated.calibration_choice import Applied
+from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.rates_and_forces import Sensors
 from station.files.fusion_folder.tracks import camera_of, lens_of
 from station.locate.imu_noise import NoiseOf
 from station.locate.live_camera import LiveCamera
-from station.locate.live_inputs import Taken
+from station.locate.live_inputs import LocatorTick
 from station.locate.live_locator import LiveLocator
 from station.locate.monitor_interface import Locating
 from station.stream.camera.description import Description
-from station.stream.camera.feature_following import Following
+from station.stream.camera.feature_following import ImageFeatureFollower
 from station.stream.live.live_feed import LiveFeed
 
 LEAVE_S = 2.0
@@ -31,12 +31,12 @@ class LocatorThread:
     def __init__(self, locator: LiveLocator) -> None:
         self._locator = locator
         self.location = locator.location
-        self._given: SimpleQueue[Taken | None] = SimpleQueue()  # None: begin anew
+        self._given: SimpleQueue[LocatorTick | None] = SimpleQueue()  # None: begin anew
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="locator", daemon=True)
         self._thread.start()
 
-    def take(self, taken: Taken) -> None:
+    def take(self, taken: LocatorTick) -> None:
         """Go on by a tick, soon; without images while it is far behind."""
         self._given.put(taken if self._given.qsize() < FAR_BEHIND else replace(taken, images=()))
 
@@ -67,8 +67,8 @@ class LocatorThread:
 
 
 def locating(
-    feed: LiveFeed, applied: Applied, C: FloatArray, lever_arm: tuple[float, ...], stack: ExitStack, *, live: bool,
-    camera: LiveCamera | None = None,
+    feed: LiveFeed, applied: AppliedCalibration, C: FloatArray, lever_arm: tuple[float, ...], stack: ExitStack, *,
+    live: bool, camera: LiveCamera | None = None,
 ) -> Locating:  # fmt: skip
     """Return what locates the unit of a feed; ``C`` (3, 3) takes IMU axes to forward-right-down."""
     counts = feed.wire.output == "increments"
@@ -87,4 +87,4 @@ def live_camera(described: Description) -> LiveCamera:
     table = described.table
     about, std = table.time_offset_s, table.time_offset_std_s
     known = None if about is None and std is None else CameraOffset(about or 0.0, std or 0.0)
-    return LiveCamera(camera_of(table), Following(lens_of(table)), known)
+    return LiveCamera(camera_of(table), ImageFeatureFollower(lens_of(table)), known)

@@ -12,12 +12,12 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.joint_state import Settings
 from procedures.units import DEG_H_PER_RAD_S
-from station.calibrated.calibration_choice import Applied
+from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.filter_settings import gyro_bias_std, settings_of
 from station.calibrated.in_use import InUse
-from station.calibrated.rates_and_forces import Sensors, Tick
+from station.calibrated.rates_and_forces import CalibratedTick, Sensors
 from station.files.mcap_files.fix_reader import Record
-from station.locate.live_inputs import Taken
+from station.locate.live_inputs import LocatorTick
 from station.locate.location import Location
 from station.locate.monitor_interface import in_imu_axes, news_of
 from station.monitor.alarms import AlarmWatch
@@ -44,7 +44,7 @@ class Monitor:
     """Follows one unit; call `round` for ever. ``sinks`` are told each reading."""
 
     def __init__(
-        self, feed: LiveFeed, applied: Applied, options: MonitorOptions = DEFAULT_OPTIONS,
+        self, feed: LiveFeed, applied: AppliedCalibration, options: MonitorOptions = DEFAULT_OPTIONS,
         recording: MonitorRecording | None = None, aid: GnssSource | None = None,
         sinks: tuple[Callable[[MonitorView], None], ...] = (), folder: str = "",
     ) -> None:  # fmt: skip
@@ -190,7 +190,7 @@ class Monitor:
                 marks = [(at, float(tick.t[sample - first])) for at, sample in tape.marks(first, self._at)]
                 images = () if self._options.camera is None else self._options.camera.take(now_ns)
                 imu = in_imu_axes(tick, self._C, self._feed.period)
-                self._options.locating.take(Taken(imu, marks, records, images))
+                self._options.locating.take(LocatorTick(imu, marks, records, images))
             self._go_on(tick, records, now_ns)
         tape.forget_before(self._at)
 
@@ -203,7 +203,7 @@ class Monitor:
         self._held_since = now if self._held_since is None else self._held_since
         return now - self._held_since > MAX_HOLD_S
 
-    def _go_on(self, tick: Tick, records: Sequence[Record], now_ns: int) -> None:
+    def _go_on(self, tick: CalibratedTick, records: Sequence[Record], now_ns: int) -> None:
         aiding = aiding_of(records, self._options.aid, now_ns)
         self._learn_speed(aiding)
         self._health.unhealthy += not tick.is_healthy
@@ -233,7 +233,7 @@ class Monitor:
             self._say(news[0], "location", news[1])
         return found
 
-    def _reading(self, tick: Tick, found: Attitude) -> AttitudeReading:
+    def _reading(self, tick: CalibratedTick, found: Attitude) -> AttitudeReading:
         mode: MotionState = "at rest" if found.at_rest else "moving"
         p, q, r = np.degrees(found.rate).tolist()
         x, y, z = (found.bias * DEG_H_PER_RAD_S).tolist()

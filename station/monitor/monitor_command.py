@@ -18,7 +18,7 @@ from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.fusion.optional_libraries import gtsam, opencv
 from procedures.units import STANDARD_GRAVITY
-from station.calibrated.calibration_choice import UNKNOWN, Applied, find_calibration
+from station.calibrated.calibration_choice import UNKNOWN, AppliedCalibration, find_calibration
 from station.errors import DataRefused
 from station.files.new_folder import new_folder
 from station.locate.monitor_interface import Locating
@@ -36,7 +36,7 @@ from station.stream.camera.description import NAME as CAMERA_FILE
 from station.stream.camera.description import Description, read_description
 from station.stream.camera.replayed_camera import RecordedCamera
 from station.stream.events import EVENTS_FILE
-from station.stream.live.live_feed import LiveFeed, Source, open_feed
+from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed
 from station.stream.live.silent_channels import refuse_partial
 from station.stream.replay.gnss import RecordedGnss, recorded_aid, recorded_gnss
 from station.stream.replay.imu import Replay, is_mcap
@@ -148,7 +148,7 @@ def _folder(wanted: MonitorRequest, stack: ExitStack) -> Path | None:
 
 
 def _aid(
-    wanted: MonitorRequest, source: Source, folder: Path | None, stack: ExitStack
+    wanted: MonitorRequest, source: ChunkSource, folder: Path | None, stack: ExitStack
 ) -> tuple[GnssSource | None, str]:
     """Return the receiver, live or recorded, and by name what it aids with."""
     if isinstance(source, Replay) and not wanted.gnss:
@@ -169,7 +169,7 @@ def _aid(
 def _locating(
     wanted: MonitorRequest,
     feed: LiveFeed,
-    applied: Applied,
+    applied: AppliedCalibration,
     aid: GnssSource | None,
     camera: Description | None,
     stack: ExitStack,
@@ -193,7 +193,7 @@ def _described(wanted: MonitorRequest) -> Description | None:
     return None if file is None or not wanted.locate else read_description(file)
 
 
-def _camera(described: Description, source: Source, folder: Path | None, stack: ExitStack) -> CameraSource:
+def _camera(described: Description, source: ChunkSource, folder: Path | None, stack: ExitStack) -> CameraSource:
     """Return the camera, live or recorded."""
     if isinstance(source, Replay):
         recorded = Path(source.address.path).parent
@@ -206,7 +206,9 @@ def _camera(described: Description, source: Source, folder: Path | None, stack: 
     return stack.enter_context(open_camera(described, beside))
 
 
-def _source(wanted: MonitorRequest, folder: Path, stack: ExitStack) -> tuple[Source, "RestartableReader | None"]:
+def _source(
+    wanted: MonitorRequest, folder: Path, stack: ExitStack
+) -> tuple[ChunkSource, "RestartableReader | None"]:
     address = parse_device_url(wanted.url)
     if address.scheme == "replay" and is_mcap(Path(address.path)):
         return Replay(wanted.url, wanted.speed), None

@@ -14,7 +14,7 @@ from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
 from station.stream.events import EVENTS_FILE
 from station.stream.recorder.row_times import RowTimes, Utc
-from station.stream.recorder.sample_buffer import Tape
+from station.stream.recorder.sample_buffer import SampleBuffer
 
 FLUSH_S = 0.2
 EVENT_COLUMNS = ("utc", "device_s", "sample", "event", "text")
@@ -42,7 +42,7 @@ class MonitorRecording:
         self.name = name
         return name
 
-    def take(self, tape: Tape, first: int, last: int, kind: FrameKind) -> None:
+    def take(self, tape: SampleBuffer, first: int, last: int, kind: FrameKind) -> None:
         """Write the samples from ``first`` up to before ``last``, if a file is open.
 
         Raises

@@ -26,7 +26,7 @@ from station.guide.face_and_stillness import LIMIT_DEG
 from station.guide.guide import Guide
 from station.guide.stage_context import BenchFacts, StageContext
 from station.stream.live import open_feed
-from station.stream.recorder.sample_buffer import Run, Tape
+from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 from tests.station.stream.live.bench_in_memory import Source
 
 KINDS = ("flat", "tilted", "tilted a little", "wrong face", "tapped", "shaken", "creeping")
@@ -40,7 +40,7 @@ class Accepted:
 
     steps: list[tuple[Step, float, float]] = field(default_factory=list)
 
-    def accept(self, step: Step, tape: Tape, runs: Sequence[Run], *_: object, **__: object) -> None:
+    def accept(self, step: Step, tape: SampleBuffer, runs: Sequence[SampleRun], *_: object, **__: object) -> None:
         first, last = tape.block(runs[0][0], runs[0][0] + 1), tape.block(runs[-1][1] - 1, runs[-1][1])
         self.steps.append((step, float(first.device_time[0]), float(last.device_time[0])))
 

@@ -24,10 +24,10 @@ from station.files.fusion_folder import FusionLog, read_fusion
 from station.files.mcap_files.fix_reader import Record
 from station.locate.imu_noise import NoiseOf
 from station.locate.live_camera import LiveCamera
-from station.locate.live_inputs import Taken
+from station.locate.live_inputs import LocatorTick
 from station.locate.live_locator import LiveLocator
 from station.locate.location import Location
-from station.stream.camera.feature_following import Seen
+from station.stream.camera.feature_following import FeaturePositions
 from tests.benchmarks.locate import INERTIAL, OUTAGE
 from tests.benchmarks.locate_vision import seen
 
@@ -45,7 +45,7 @@ class Tracked:
             CameraImage(round((t + SEEN_LATE_S) * 1e9), None, str(i).encode()) for i, t in enumerate(self._t)
         ]
 
-    def __call__(self, image: CameraImage) -> Seen:
+    def __call__(self, image: CameraImage) -> FeaturePositions:
         i = int(image.jpeg)
         rows = slice(int(self._begin[i]), int(self._begin[i + 1]))
         return self._tracks.feature[rows], self._tracks.uv[rows]
@@ -101,7 +101,7 @@ def locate(log: FusionLog, name: str) -> None:
         part = ImuSeries(imu.t[a:b], imu.omega_b[a:b], imu.f_b[a:b])
         come = [image for image in images if image.host_ns <= now * 1e9]
         images = images[len(come) :]
-        locator.take(Taken(part, [(round(now * 1e9), now)], new, come))
+        locator.take(LocatorTick(part, [(round(now * 1e9), now)], new, come))
         if locator.location.is_located:
             found.append((locator.location.t, place(origin, locator.location)))
     cost = (time.process_time() - began) / (imu.t[-1] - imu.t[0]) * 1e3

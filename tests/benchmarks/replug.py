@@ -22,7 +22,7 @@ from station.stream.live import open_feed
 from station.stream.live.accepted_blocks import merged
 from station.stream.live.stillness import Block
 from station.stream.reader import Chunk, GapMark, Reader
-from station.stream.recorder.sample_buffer import Run
+from station.stream.recorder.sample_buffer import SampleRun
 
 SPEED = 20.0  # device seconds a second: 1000 frames a second
 PLUGGED_S = 10.0  # of device time between two unplugs
@@ -102,7 +102,7 @@ def _blocks(source: WatchedReader) -> Iterator[tuple[Block, bool]]:
         feed.tape.forget_before(block.last)
 
 
-def _over_a_gap(runs: Sequence[Run], blocks: Sequence[Block]) -> int:
+def _over_a_gap(runs: Sequence[SampleRun], blocks: Sequence[Block]) -> int:
     """Return how many gaps between blocks are inside a run."""
     begins = {first for first, _ in runs}
     return sum(b.begins - a.ends > EVEN_S and b.first not in begins for a, b in pairwise(blocks))

@@ -22,7 +22,7 @@ from station.stream.gnss import open_gnss
 from station.stream.gnss.summary import summary
 from station.stream.live import LiveFeed
 from station.stream.reader import Reader
-from station.stream.recorder import Piece, SampleStream
+from station.stream.recorder import DecodedChunk, SampleStream
 from station.stream.recorder import plain_recording as recording
 from tests.benchmarks.can_rate import cpu_s
 
@@ -60,7 +60,7 @@ class Timed:
         """What decodes it."""
         return self._feed.stream
 
-    def pieces(self, look: Callable[[], None]) -> Iterator[Piece]:
+    def pieces(self, look: Callable[[], None]) -> Iterator[DecodedChunk]:
         """Yield the feed's pieces, from the next on."""
         self._feed.advance()
         for piece in self._feed.pieces(look):

@@ -34,10 +34,10 @@ from station.files.campaign_folder.one_period import said_of_period, with_one_pe
 from station.files.campaign_folder.overlap import refuse_overlap
 from station.files.campaign_folder.points import rate_tables, soaks
 from station.files.campaign_folder.schema import (
+    CampaignImuTable,
     CampaignTable,
     DwellTable,
     FixtureTable,
-    ImuTable,
     MeasuredTable,
     ProcedureTable,
     RateTable,
@@ -101,14 +101,16 @@ def read_campaign(folder: Path) -> LoadedCampaign:
     return LoadedCampaign(folder, tables, campaign, tuple(steps), files, tuple(warnings), unused)
 
 
-def _read_step(folder: Path, kind: str, table: StepTable, line: int, imu: ImuTable) -> tuple[LoadedStep, str]:
+def _read_step(
+    folder: Path, kind: str, table: StepTable, line: int, imu: CampaignImuTable
+) -> tuple[LoadedStep, str]:
     columns = _read_table(folder, table, line, imu)
     if isinstance(table, RateTable):
         return LoadedStep(kind, table, line, None, columns.columns), columns.sha256
     return LoadedStep(kind, table, line, step_data(columns, imu)), columns.sha256
 
 
-def _read_table(folder: Path, table: StepTable, line: int, imu: ImuTable) -> Table:
+def _read_table(folder: Path, table: StepTable, line: int, imu: CampaignImuTable) -> Table:
     file = folder / table.file
     suffix = Path(table.file).suffix
     if suffix not in {".csv", ".mcap"} or (suffix == ".mcap" and isinstance(table, RateTable)):

@@ -41,7 +41,7 @@ class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
-class ImuTable(_Table):
+class CampaignImuTable(_Table):
     """``[imu]``."""
 
     model: str
@@ -210,7 +210,7 @@ class CampaignTable(_Table):
     """The whole of ``campaign.toml``."""
 
     format: Literal["campaign/1"]
-    imu: ImuTable
+    imu: CampaignImuTable
     site: SiteTable
     procedure: ProcedureTable = ProcedureTable()
     fixture: FixtureTable = FixtureTable()

@@ -8,7 +8,7 @@ from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.counts.sample_times import SampleTimes, sample_times
 from station.errors import DataRefused
-from station.files.campaign_folder.schema import ImuTable
+from station.files.campaign_folder.schema import CampaignImuTable
 from station.files.columns import OUTPUTS, TRIADS, Table
 
 WARN_PERIOD = 1e-3  # relative, docs/campaign-folder.md
@@ -31,7 +31,7 @@ class StepData:
     warnings: tuple[str, ...] = ()
 
 
-def step_data(table: Table, imu: ImuTable) -> StepData:
+def step_data(table: Table, imu: CampaignImuTable) -> StepData:
     """Give a step's columns their meaning.
 
     Raises
@@ -73,7 +73,7 @@ def _refuse_time_backwards(table: Table, step: FloatArray) -> None:
         raise DataRefused(table.file, table.line(row), found, "t_s that increases from row to row", todo)
 
 
-def _outputs(table: Table, names: tuple[str, ...], imu: ImuTable, keep: BoolArray) -> FloatArray | None:
+def _outputs(table: Table, names: tuple[str, ...], imu: CampaignImuTable, keep: BoolArray) -> FloatArray | None:
     if names[0] not in table.columns:
         return None
     values = np.stack([table.columns[name] for name in names], axis=1)
@@ -105,7 +105,7 @@ def _series(
     temperature: FloatArray,
     period: float,
     starts: IntArray,
-    imu: ImuTable,
+    imu: CampaignImuTable,
     extra: dict[str, FloatArray],
 ) -> Series:
     gyro, accel = arrays["gyro"], arrays["accel"]
@@ -136,7 +136,7 @@ def _uneven(table: Table, times: SampleTimes) -> list[str]:
     ]
 
 
-def _other_warnings(table: Table, period: float, imu: ImuTable) -> list[str]:
+def _other_warnings(table: Table, period: float, imu: CampaignImuTable) -> list[str]:
     said = [f"{table.file}: {table.damage}; {table.rows} samples read"] if table.damage else []
     off = period / imu.sample_period_s - 1
     if abs(off) > WARN_PERIOD:

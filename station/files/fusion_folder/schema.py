@@ -37,7 +37,7 @@ class SiteTable(_Table):
     gravity_m_s2: Annotated[float, Field(ge=9.5, le=10.1)] | None = None
 
 
-class ImuTable(_Table):
+class FusionImuTable(_Table):
     """``[imu]``: the file, noise densities as of the station's Allan analysis, 1 sigma of the biases."""
 
     file: str
@@ -96,7 +96,7 @@ class FusionTable(_Table):
 
     format: Literal["fusion/1"]
     site: SiteTable
-    imu: ImuTable | None = None
+    imu: FusionImuTable | None = None
     gnss: GnssTable
     odometry: FileTable | None = None
     tracks: TracksTable | None = None

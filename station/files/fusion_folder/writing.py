@@ -20,7 +20,7 @@ UNKNOWN_STD = 0.1  # s, of a camera's stamps where nothing is told of them
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class CameraTracks:
     """What a camera saw, and the camera; where nothing is told of its time offset that is to be estimated."""
 
     tracks: Tracks
@@ -28,7 +28,7 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recorded:
+class FusionRecording:
     """What is written: ``gravity`` [m/s2]; ``lever_arm`` (3,) [m] in b, empty where not known.
 
     ``time_offset_std`` [s] is how well the fixes' times are known by the IMU's clock.
@@ -41,10 +41,10 @@ class Recorded:
     fixes: GnssFixes
     time_offset_std: float
     lever_arm: tuple[float, ...] = ()
-    seen: Seen | None = None
+    seen: CameraTracks | None = None
 
 
-def write_fusion(folder: Path, recorded: Recorded) -> None:
+def write_fusion(folder: Path, recorded: FusionRecording) -> None:
     """Write a ``fusion/1`` folder, the table last; raise `CannotWrite` where the disk refuses."""
     imu, fixes = recorded.imu, recorded.fixes
     _write(folder / IMU_FILE, ("t_s", *RATE, *FORCE), np.c_[imu.t, imu.omega_b, imu.f_b])
@@ -65,7 +65,7 @@ def _write(path: Path, names: tuple[str, ...], rows: FloatArray) -> None:
     replace_file(path, ("\n".join(text) + "\n").encode())
 
 
-def _table(recorded: Recorded) -> str:
+def _table(recorded: FusionRecording) -> str:
     origin, noise = recorded.origin, recorded.noise
     lines = [
         'format = "fusion/1"',
@@ -94,7 +94,7 @@ def _table(recorded: Recorded) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _tracks_table(seen: Seen) -> list[str]:
+def _tracks_table(seen: CameraTracks) -> list[str]:
     told = seen.lens.model_dump(include=set(LensTable.model_fields), exclude_none=True)
     if "time_offset_s" not in told:
         told |= {"time_offset_s": 0.0, "time_offset_std_s": UNKNOWN_STD}

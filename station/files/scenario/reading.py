@@ -19,7 +19,7 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.gnss_faults import GnssFault, gnss_faults_from
 from drivers.simulated.server import CAN_TRANSPORTS
 from drivers.simulated.truth import Truth, truth_from
-from drivers.simulated.vehicle_track import Track, load_track
+from drivers.simulated.vehicle_track import VehicleTrack, load_track
 from station.errors import DataRefused
 from station.files.faults_file import each_fault, faults_of
 from station.files.scenario.schema import CameraTable, GnssTable, HandsTable, ScenarioTable
@@ -38,9 +38,9 @@ class Scenario:
     moves: tuple[Move, ...]
     faults: tuple[Fault, ...]
     autopilot: AutopilotTruth | None
-    track: Track | None
+    track: VehicleTrack | None
     gnss_faults: tuple[GnssFault, ...]
-    drive: Track | None
+    drive: VehicleTrack | None
     camera: CameraTruth | None
     camera_faults: tuple[CameraFault, ...]
 
@@ -141,7 +141,7 @@ def _autopilot(gnss: GnssTable | None, path: Path, where: _Lines) -> AutopilotTr
     return AutopilotTruth(**given)
 
 
-def _track(name: str, key: Key, path: Path, where: _Lines) -> Track | None:
+def _track(name: str, key: Key, path: Path, where: _Lines) -> VehicleTrack | None:
     if not name:
         return None
     text = read_text_file(path.parent / name).decode("utf-8", "replace")
@@ -149,7 +149,7 @@ def _track(name: str, key: Key, path: Path, where: _Lines) -> Track | None:
         return load_track(text)
 
 
-def _drive(table: ScenarioTable, truth: Truth, path: Path, where: _Lines) -> Track | None:
+def _drive(table: ScenarioTable, truth: Truth, path: Path, where: _Lines) -> VehicleTrack | None:
     track = _track(table.imu.track, ("imu", "track"), path, where)
     if track is None:
         return None

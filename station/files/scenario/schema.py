@@ -16,7 +16,7 @@ class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
-class ImuTable(_Table):
+class SimulatedImuTable(_Table):
     """``[imu]``: how the IMU is connected; ``link`` and ``port`` as those of `station simulate`.
 
     ``track`` is a CSV file along which it is driven, and receiver and camera with it.
@@ -125,7 +125,7 @@ class ScenarioTable(_Table):
     speed: Annotated[float, Field(ge=0)] = 1.0
     example: int | None = None
     truth: dict[str, Any] = Field(default_factory=dict)
-    imu: ImuTable = Field(default_factory=ImuTable)
+    imu: SimulatedImuTable = Field(default_factory=SimulatedImuTable)
     gnss: GnssTable | None = None
     camera: CameraTable | None = None
     hands: list[HandsTable] = Field(default_factory=list)

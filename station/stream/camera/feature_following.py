@@ -10,11 +10,11 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.fusion.optional_libraries import opencv
 from procedures.fusion.vision.feature_tracker import FeatureFollower, Image, Lens
 
-Seen = tuple[IntArray, FloatArray]
-Follow = Callable[[CameraImage], Seen | None]
+FeaturePositions = tuple[IntArray, FloatArray]
+Follow = Callable[[CameraImage], FeaturePositions | None]
 
 
-class Following:
+class ImageFeatureFollower:
     """Call it with each image in turn; ``spoilt`` counts those that are none, or of another size."""
 
     def __init__(self, lens: Lens) -> None:
@@ -23,7 +23,7 @@ class Following:
         self._shape: tuple[int, ...] | None = None
         self.spoilt = 0
 
-    def __call__(self, image: CameraImage) -> Seen | None:
+    def __call__(self, image: CameraImage) -> FeaturePositions | None:
         """Return the features (n,) in an image and where they stand (n, 2) [px]; None where it is no image."""
         grey = self._cv.imdecode(np.frombuffer(image.jpeg, np.uint8), self._cv.IMREAD_GRAYSCALE)
         if grey is None or (self._shape is not None and grey.shape != self._shape):

@@ -8,14 +8,14 @@ import numpy as np
 from procedures.earth.gnss_records import TimeMark
 from procedures.fusion.vision.feature_tracks import Tracks
 from station.files.fusion_folder.tracks import lens_of
-from station.files.fusion_folder.writing import Seen
+from station.files.fusion_folder.writing import CameraTracks
 from station.stream.camera.description import NAME, read_description
-from station.stream.camera.feature_following import Following
+from station.stream.camera.feature_following import ImageFeatureFollower
 from station.stream.camera.replayed_camera import recorded_images
 from station.stream.gnss.fix_times import FixTimes
 
 
-def recorded_tracks(folder: Path, marks: Iterable[tuple[int, float]]) -> Seen | None:
+def recorded_tracks(folder: Path, marks: Iterable[tuple[int, float]]) -> CameraTracks | None:
     """Return what the camera beside a recording saw; None where there was none.
 
     ``marks`` are moments of reading [ns] and the device times [s] of the samples that came then.
@@ -35,10 +35,10 @@ def recorded_tracks(folder: Path, marks: Iterable[tuple[int, float]]) -> Seen | 
     for image in recorded_images(folder):  # all of them, so that one line holds for all of a clock
         if image.device_ns is not None:
             times.mark_sender(TimeMark(image.host_ns, image.device_ns, None))
-    return Seen(_followed(folder, times, Following(lens_of(table))), table)
+    return CameraTracks(_followed(folder, times, ImageFeatureFollower(lens_of(table))), table)
 
 
-def _followed(folder: Path, times: FixTimes, follow: Following) -> Tracks:
+def _followed(folder: Path, times: FixTimes, follow: ImageFeatureFollower) -> Tracks:
     t, feature, uv = [np.zeros(0)], [np.zeros(0, np.int64)], [np.zeros((0, 2))]
     newest = -np.inf
     for image in recorded_images(folder):

@@ -33,7 +33,7 @@ KEPT = 6000  # fixes: 20 minutes at 5 Hz
 EXPECTED = "a GNSS source: mavlink:LINK:WHERE"
 
 
-class Source(Protocol):
+class GnssSource(Protocol):
     """Where chunks come from: a reader process."""
 
     address: DeviceUrl
@@ -52,7 +52,7 @@ class GnssFeed:
     """One receiver, read and decoded; call `advance` often."""
 
     def __init__(
-        self, source: Source, writer: FixWriter | None = None, clock: Callable[[], float] = time.monotonic
+        self, source: GnssSource, writer: FixWriter | None = None, clock: Callable[[], float] = time.monotonic
     ) -> None:
         address = source.address
         if not isinstance(address, MavlinkUrl):

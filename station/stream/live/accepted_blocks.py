@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from procedures.counts.sample_records import CountSeries, block_series
 from station.stream.live.rates_as_counts import counted
 from station.stream.live.stillness import Block
-from station.stream.recorder.sample_buffer import Run, Tape
+from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 
-def merged(blocks: Sequence[Block], samples: int | None) -> list[Run]:
+def merged(blocks: Sequence[Block], samples: int | None) -> list[SampleRun]:
     """Return the runs of consecutive samples that blocks make up, the first ``samples`` of them."""
-    runs, left = list[Run](), samples
+    runs, left = list[SampleRun](), samples
     for block in blocks:
         last = block.last if left is None else min(block.last, block.first + left)
         if left is not None:
@@ -22,6 +22,6 @@ def merged(blocks: Sequence[Block], samples: int | None) -> list[Run]:
     return runs
 
 
-def series(tape: Tape, runs: Sequence[Run], period: float) -> CountSeries:
+def series(tape: SampleBuffer, runs: Sequence[SampleRun], period: float) -> CountSeries:
     """Return the samples of runs as a step's counts; ``period`` [s] where they are too few to tell."""
     return block_series([counted(tape.block(first, last), period) for first, last in runs], period)

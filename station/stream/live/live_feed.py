@@ -15,10 +15,10 @@ from station.errors import DataRefused
 from station.stream.live.power_cycle import PowerWatch
 from station.stream.live.silent_channels import SilentChannels
 from station.stream.live.stillness import TICKS, Block, block_of
-from station.stream.live.stream_trouble import Trouble
+from station.stream.live.stream_trouble import StreamTrouble
 from station.stream.reader import Chunk, GapMark
 from station.stream.reader.messages import LOST
-from station.stream.recorder import Piece, SampleStream, Tape, Unit
+from station.stream.recorder import DecodedChunk, SampleBuffer, SampleStream, Unit
 from station.stream.recorder.connected_unit import refuse_other, unit_of
 
 BLOCK_S = 1.0
@@ -38,7 +38,7 @@ SURE_FRAMES = 3
 TEMPERATURES = 1000  # the newest samples; some devices send a temperature twice a second only
 
 
-class Source(Protocol):
+class ChunkSource(Protocol):
     """Where chunks come from: a reader process."""
 
     address: DeviceUrl
@@ -49,7 +49,7 @@ class Source(Protocol):
 
 
 class LiveFeed:
-    """A device's samples on a `Tape`, and its blocks.
+    """A device's samples on a `SampleBuffer`, and its blocks.
 
     ``unit`` is set by `identify`; from then on another unit's serial number is refused. ``clock`` [s] is the
     station's, by which it waits.
@@ -57,7 +57,7 @@ class LiveFeed:
 
     def __init__(
         self,
-        source: Source,
+        source: ChunkSource,
         wire: WireFormat,
         held: Sequence[Chunk] = (),
         clock: Callable[[], float] = time.monotonic,
@@ -65,7 +65,7 @@ class LiveFeed:
         self._source, self.wire = source, wire
         self.address = source.address
         self.unit: Unit | None = None
-        self.stream, self.tape, self._power = SampleStream(wire), Tape(), PowerWatch(wire)
+        self.stream, self.tape, self._power = SampleStream(wire), SampleBuffer(), PowerWatch(wire)
         self._channels = SilentChannels()
         self._recent = b""
         self._silent_s = self._frameless_s = 0.0
@@ -73,8 +73,8 @@ class LiveFeed:
         self._looked_s = 0.0  # ... after so long without a frame
         self._lost, self._is_anew = "", True
         self.losses = 0  # how often the port went away
-        self._clock, self._trouble = clock, Trouble(clock)
-        self._pieces: list[Piece] = []  # the last ones taken
+        self._clock, self._trouble = clock, StreamTrouble(clock)
+        self._pieces: list[DecodedChunk] = []  # the last ones taken
         self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
         for chunk in held:
             self._take(chunk)
@@ -199,7 +199,7 @@ class LiveFeed:
         samples = self.tape.block(first, last)
         return block_of(samples, first, self.period, is_broken=is_broken, is_anew=is_anew)
 
-    def pieces(self, look: Callable[[], None] = lambda: None) -> Iterator[Piece]:
+    def pieces(self, look: Callable[[], None] = lambda: None) -> Iterator[DecodedChunk]:
         """Yield the stream's pieces, for ever; samples are not kept. ``look`` is called often, whatever comes."""
         while True:
             yield from self._pieces
@@ -243,7 +243,7 @@ class LiveFeed:
             self.stamp = chunk.host_ns, float(piece.block.device_time[-1])
         self.tape.append(self._pieces[-1])
 
-    def replace_source(self, source: Source) -> None:
+    def replace_source(self, source: ChunkSource) -> None:
         """Go on with another reader of the same device; what comes next begins anew."""
         self._source = source
         self.begin_anew()
@@ -287,7 +287,7 @@ class LiveFeed:
         return WrongFormat(address.name, self.wire.name, len(recent), address.baud, likely, seen)
 
 
-def open_feed(source: Source) -> LiveFeed:
+def open_feed(source: ChunkSource) -> LiveFeed:
     """Return the feed of a source in the format its address says, else in the one its first bytes look like.
 
     Raises

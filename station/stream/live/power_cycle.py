@@ -7,7 +7,7 @@ its clock; one that turns sooner than `TURN_S` tells nothing, nor does a clock t
 """
 
 from drivers.wire import WireFormat
-from station.stream.recorder.sample_stream import Piece
+from station.stream.recorder.sample_stream import DecodedChunk
 
 TURN_S = 60.0
 ALLOWED_S, ALLOWED = 5.0, 0.02  # of what two clocks are read apart, and drift by in between
@@ -39,7 +39,7 @@ class PowerWatch:
         self._last: tuple[float, int, int] | None = None  # time [s], counter, station's time [ns]
         self.count = 0
 
-    def take(self, piece: Piece, period: float | None, *, has_time: bool) -> None:
+    def take(self, piece: DecodedChunk, period: float | None, *, has_time: bool) -> None:
         """Look at a piece of the stream, ``period`` [s] a sample."""
         block = piece.block
         if not len(block):

@@ -33,7 +33,7 @@ AMISS = (
 )
 
 
-class Trouble:
+class StreamTrouble:
     """Watches one stream's counters; ``text`` says what is amiss, empty where nothing is."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:

@@ -7,7 +7,7 @@ from datetime import datetime
 NUMBER = re.compile(r"\d[\d.]*")
 
 
-class Told:
+class TroubleLog:
     """One stream's troubles, each said once: other counts in the same words are no other trouble."""
 
     def __init__(self, name: str, say: Callable[[str], None]) -> None:

@@ -3,14 +3,14 @@
 from station.stream.recorder.campaign_recorder import CampaignRecorder, open_campaign
 from station.stream.recorder.connected_unit import Unit, UnitChanged, UnitUnknown
 from station.stream.recorder.raw_check import check_raw_bytes
-from station.stream.recorder.sample_buffer import Tape
-from station.stream.recorder.sample_stream import Piece, SampleStream
+from station.stream.recorder.sample_buffer import SampleBuffer
+from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
 
 __all__ = [
     "CampaignRecorder",
-    "Piece",
+    "DecodedChunk",
+    "SampleBuffer",
     "SampleStream",
-    "Tape",
     "Unit",
     "UnitChanged",
     "UnitUnknown",

@@ -24,10 +24,10 @@ from procedures.frames import TURN_START
 from station.errors import cannot_write
 from station.files.atomic_file import sync_folder
 from station.files.campaign_folder.schema import (
+    CampaignImuTable,
     CampaignTable,
     DwellTable,
     FixtureTable,
-    ImuTable,
     ProcedureTable,
     SiteTable,
     SoakTable,
@@ -39,7 +39,7 @@ from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
 from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.row_times import RowTimes, Utc
-from station.stream.recorder.sample_buffer import Run, Tape
+from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 TOML = "campaign.toml"
 _NUMBERED = re.compile(r"(free|soak)_(\d+)")
@@ -62,7 +62,11 @@ class CampaignRecorder:
         self._key = str(folder.resolve())
 
     def accept(
-        self, step: Step, tape: Tape, runs: Sequence[Run], said: Mapping[str, object] = MappingProxyType({})
+        self,
+        step: Step,
+        tape: SampleBuffer,
+        runs: Sequence[SampleRun],
+        said: Mapping[str, object] = MappingProxyType({}),
     ) -> Path:
         """Record ``step`` as the samples of ``runs``; it is accepted when this returns its file.
 
@@ -122,7 +126,7 @@ def open_campaign(
     """
     tables = CampaignTable(
         format="campaign/1",
-        imu=ImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output=output),
+        imu=CampaignImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output=output),
         site=site,
         procedure=procedure or ProcedureTable(),
         fixture=fixture or FixtureTable(),
@@ -173,7 +177,7 @@ def _site_id(session: Session, site: SiteTable) -> str | None:
     return None if found is None else found.id
 
 
-def _write(path: Path, tape: Tape, runs: Sequence[Run], output: str, utc: Utc | None) -> str:
+def _write(path: Path, tape: SampleBuffer, runs: Sequence[SampleRun], output: str, utc: Utc | None) -> str:
     writer, times = StepWriter(path, output), RowTimes(utc)
     try:
         for chunk, block in tape.recording(runs):

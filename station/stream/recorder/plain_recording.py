@@ -12,7 +12,7 @@ from station.errors import CannotWrite, cannot_write
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
 from station.stream.recorder.row_times import RowTimes
-from station.stream.recorder.sample_stream import Piece, SampleStream
+from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
 
 NAME = "recording.mcap"
 FLUSH_S = 0.2
@@ -23,13 +23,13 @@ class Pieces(Protocol):
 
     stream: SampleStream
 
-    def pieces(self, look: Callable[[], None]) -> Iterator[Piece]:
+    def pieces(self, look: Callable[[], None]) -> Iterator[DecodedChunk]:
         """Yield pieces as they come, calling ``look`` often."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
-class Recorded:
+class FinishedRecording:
     """A finished recording and its length [s of device time]."""
 
     path: Path
@@ -37,7 +37,7 @@ class Recorded:
     seconds: float
 
 
-class Beside(Protocol):
+class UtcSource(Protocol):
     """What is read beside the device: a GNSS receiver."""
 
     def advance(self) -> None:
@@ -53,9 +53,9 @@ def record(
     feed: Pieces,
     folder: Path,
     seconds: float,
-    gnss: Beside | None = None,
+    gnss: UtcSource | None = None,
     look: Callable[[], None] = lambda: None,
-) -> Recorded:
+) -> FinishedRecording:
     """Record ``seconds`` of samples (lost ones not counted) into a folder; what was flushed survives a kill.
 
     With ``gnss``, rows hold reference time too (``utc_s``). ``look`` is called often, also while nothing comes.
@@ -95,7 +95,7 @@ def record(
                 raise
         finally:
             append_hash(folder, NAME, writer.close())
-    return Recorded(writer.path, samples, samples * period)
+    return FinishedRecording(writer.path, samples, samples * period)
 
 
 @contextmanager

@@ -8,13 +8,13 @@ import numpy as np
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import CountBlock, SampleBlock, block_rows, joined_blocks
 from station.stream.reader import Chunk
-from station.stream.recorder.sample_stream import Piece
+from station.stream.recorder.sample_stream import DecodedChunk
 
-Run = tuple[int, int]  # first sample, one beyond the last: consecutive, no break in between
+SampleRun = tuple[int, int]  # first sample, one beyond the last: consecutive, no break in between
 _REACH = 2**16  # bytes: how far before a chunk a sample that it completes may begin
 
 
-class Tape:
+class SampleBuffer:
     """Samples are numbered from 0 at the session's first.
 
     ``begin`` is the first sample of the time that still goes on: what came before has no relation to it.
@@ -33,7 +33,7 @@ class Tape:
         self._byte_ends: list[int] = []  # ... where its bytes end in the stream
         self._sample_ends: list[int] = []  # ... and one beyond the last sample that it completed
 
-    def append(self, piece: Piece) -> None:
+    def append(self, piece: DecodedChunk) -> None:
         """Take a piece."""
         if piece.anew is not None:
             self.begin = self.end + piece.anew
@@ -87,7 +87,7 @@ class Tape:
         """Return the samples from ``first`` up to before ``last``."""
         return block_rows(self._compact()[0], slice(first - self.first, last - self.first))
 
-    def recording(self, runs: Sequence[Run]) -> Iterator[tuple[Chunk, SampleBlock]]:
+    def recording(self, runs: Sequence[SampleRun]) -> Iterator[tuple[Chunk, SampleBlock]]:
         """Yield the bytes of the runs' samples, cut at frames, and the samples that each chunk completed."""
         for first, last in runs:
             edges = self._compact()[1][first - self.first : last - self.first]

@@ -22,7 +22,7 @@ LEARNING = 33  # samples from which the period is taken where the device does no
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Piece:
+class DecodedChunk:
     """A chunk and the samples that it completed.
 
     ``block`` holds the samples, counters and device time unwrapped; ``edges`` (n, 2) says where the bytes of
@@ -89,7 +89,7 @@ class SampleStream:
         """Take the next sample as a new beginning, as after a gap mark."""
         self._is_anew = True
 
-    def take(self, chunk: Chunk) -> Piece:
+    def take(self, chunk: Chunk) -> DecodedChunk:
         """Decode a chunk."""
         before = self.decoder.counters.contradicted
         block = self.decoder.feed(chunk.data)
@@ -98,7 +98,7 @@ class SampleStream:
         n = len(block)
         if not n:
             self._is_doubted |= contradicted > 0
-            return Piece(chunk, block, self.decoder.edges, np.arange(0), None)
+            return DecodedChunk(chunk, block, self.decoder.edges, np.arange(0), None)
         if self._is_anew:
             self._counter, self._time, self._values, self._is_doubted = None, np.nan, None, False
             self._host.begin_anew()
@@ -121,7 +121,7 @@ class SampleStream:
         kept = np.flatnonzero(~repeat)
         breaks, begins = np.flatnonzero((back | missing)[kept]), np.flatnonzero(back[kept])
         anew = int(begins[-1]) if len(begins) else None
-        return Piece(chunk, block_rows(block, kept), self.decoder.edges[kept], breaks, anew)
+        return DecodedChunk(chunk, block_rows(block, kept), self.decoder.edges[kept], breaks, anew)
 
     def _times(self, chunk: Chunk, block: SampleBlock, steps: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return each sample's time [s] and how far it is from the one before."""

@@ -18,7 +18,7 @@ from drivers.simulated.autopilot_truth import EPOCH_UTC, AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.earth.gnss_records import AirData, Ambient, GnssFix, TimeMark, averaged_site
 
 KEY = bytes(range(100, 132))
@@ -101,7 +101,9 @@ def test_a_fix_says_its_moment_in_utc_and_how_late_it_came() -> None:
 
 
 def test_a_track_is_seen_in_speed_and_course() -> None:
-    going = Track(np.array([0.0, 1e4]), np.array([[0.0, 0, 0], [6e4, 8e4, 0]]))  # 10 m/s, 36.87 deg east of north
+    going = VehicleTrack(
+        np.array([0.0, 1e4]), np.array([[0.0, 0, 0], [6e4, 8e4, 0]])
+    )  # 10 m/s, 36.87 deg east of north
     still = AutopilotTruth(velocity_std_m_s=0.0)
     with SimulatedGnss(TRUTH, still, track=going, speed=20.0) as gnss:
         heard = Listener(gnss.url)

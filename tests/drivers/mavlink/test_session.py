@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.mavlink.session import STATION, WANTED, Session
+from drivers.mavlink.session import STATION, WANTED, MavlinkSession
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault
@@ -21,9 +21,9 @@ def straight(data: bytes, _: float) -> bytes:
 
 def talk(
     seconds: float, faults: Iterable[GnssFault] = (), default_hz: float = 0.0, up: Line = straight
-) -> tuple[Session, Autopilot, list[tuple[float, str]]]:
+) -> tuple[MavlinkSession, Autopilot, list[tuple[float, str]]]:
     """Return both sides after some time, and what the station said when; ``up`` is the line to the autopilot."""
-    session, autopilot = Session(5.0), Autopilot(Truth(), AutopilotTruth(default_hz=default_hz), faults)
+    session, autopilot = MavlinkSession(5.0), Autopilot(Truth(), AutopilotTruth(default_hz=default_hz), faults)
     ear = dialect.MAVLink(None)
     said, answer, now = list[tuple[float, str]](), b"", 0.0
     while now < seconds:

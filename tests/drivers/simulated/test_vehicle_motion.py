@@ -7,7 +7,7 @@ from drivers.simulated.errors import TruthRefused
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_motion import SLOWEST
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.frames import rotation
 from tests.drivers.simulated.drives import bends
 
@@ -33,12 +33,12 @@ def test_the_imu_dead_reckons_along_the_track() -> None:
     assert np.degrees(np.arccos(C[:, 0] @ _ahead(track, 39.99))) < 0.1
 
 
-def _ahead(track: Track, t: float) -> np.ndarray:
+def _ahead(track: VehicleTrack, t: float) -> np.ndarray:
     east, north, _ = track.velocity(t)
     return np.array([east, north, 0.0]) / np.hypot(east, north)
 
 
-def _first_attitude(track: Track) -> np.ndarray:
+def _first_attitude(track: VehicleTrack) -> np.ndarray:
     t = np.arange(0.0, 40.0, 0.02)
     first = float(t[np.linalg.norm(track.velocities(t)[:, :2], axis=1) > SLOWEST][0])
     ahead = _ahead(track, first)
@@ -46,7 +46,9 @@ def _first_attitude(track: Track) -> np.ndarray:
 
 
 def test_a_track_stands_between_equal_points_and_after_its_end() -> None:
-    track = Track(np.array([0.0, 10.0, 20.0, 30.0]), np.array([[0, 0, 0], [0, 0, 0], [50, 0, 0], [50, 0, 0.0]]))
+    track = VehicleTrack(
+        np.array([0.0, 10.0, 20.0, 30.0]), np.array([[0, 0, 0], [0, 0, 0], [50, 0, 0], [50, 0, 0.0]])
+    )
     assert np.allclose(track.velocity(5.0), 0)
     assert np.allclose(track.position(40.0), [50, 0, 0])
     assert np.allclose(track.velocity(40.0), 0)
@@ -58,4 +60,4 @@ def test_a_track_that_is_over_is_refused() -> None:
     imu = SimulatedImu(EXACT, None)
     imu.read(100)
     with pytest.raises(TruthRefused, match="ended at 1 s"):
-        imu.drive(Track(np.array([0.0, 1.0]), np.zeros((2, 3))))
+        imu.drive(VehicleTrack(np.array([0.0, 1.0]), np.zeros((2, 3))))

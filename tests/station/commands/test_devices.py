@@ -15,7 +15,7 @@ from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
-from station.devices.port_survey import BAUDS, GROUND_STATION, Found, recognised, survey
+from station.devices.port_survey import BAUDS, GROUND_STATION, SurveyedPort, recognised, survey
 from station.devices.port_survey_lines import fitted, survey_lines
 from tests.station.commands.program import Program
 
@@ -50,12 +50,12 @@ def test_every_port_says_what_it_looks_like_and_nothing_else_is_asked(
 
 def test_a_port_in_use_says_so(simulated_imu: SimulatedDevice) -> None:
     with closing(open_port(simulated_imu.url)):
-        [busy] = survey([Found(f"serial://{simulated_imu.address}")], 0.2)
+        [busy] = survey([SurveyedPort(f"serial://{simulated_imu.address}")], 0.2)
     assert "open in another program" in busy.trouble
 
 
 def test_an_adapter_that_was_left_open_and_noise_are_told_apart() -> None:
-    port = Found("serial:///dev/ttyACM0?baud=115200")
+    port = SurveyedPort("serial:///dev/ttyACM0?baud=115200")
     adapter = recognised(port, b"0\rt1A080102030405060708\rt1A180102030405060708\r", 1.0)
     assert (adapter.looks_like, adapter.trouble) == (
         "slcan", "an open CAN adapter: look at can://slcan/dev/ttyACM0",
@@ -76,7 +76,7 @@ def test_bytes_that_look_like_nothing_are_read_at_every_baud_rate() -> None:
 
     speaker = Thread(target=babble)
     speaker.start()
-    [found] = survey([Found(f"serial://{os.ttyname(near)}")], 0.1)
+    [found] = survey([SurveyedPort(f"serial://{os.ttyname(near)}")], 0.1)
     stop.set()
     speaker.join()
     os.close(far)
@@ -95,12 +95,12 @@ def test_it_looks_again_and_again_until_ctrl_c(simulated_imu: SimulatedDevice) -
 
 def test_the_table_fits_its_terminal_and_says_what_it_leaves_out() -> None:
     messages = {"GPS_RAW_INT": 5.0, "GLOBAL_POSITION_INT": 5.0, "SYSTEM_TIME": 1.0, "HIGHRES_IMU": 50.0}
-    autopilot = Found(
+    autopilot = SurveyedPort(
         "mavlink:udpin:127.0.0.1:14550", "MAVLink, the ground station's port", looks_like="mavlink",
         systems={1: 61.0}, messages=messages, errors={"bad_crc": 2, "lost": 0},
         position="31.170000, 121.400000 deg, 1 sigma 1.5 m, no height",
     )  # fmt: skip
-    lines = survey_lines([autopilot, Found("serial:///dev/ttyNONE", trouble="no such port")])
+    lines = survey_lines([autopilot, SurveyedPort("serial:///dev/ttyNONE", trouble="no such port")])
     whole = fitted(lines, 80, 23)
     assert all(len(line) <= 80 for line in whole)
     assert " ".join(" ".join(whole).split()) == " ".join(" ".join(lines).split())

@@ -9,13 +9,13 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
-from station.stream.live.trouble_lines import Told
+from station.stream.live.trouble_lines import TroubleLog
 from tests.station.commands.program import Program
 
 
 def test_the_same_words_with_other_counts_are_said_once_and_their_end_too() -> None:
     said = list[str]()
-    told = Told("ttyUSB0", said.append)
+    told = TroubleLog("ttyUSB0", said.append)
     for trouble in ("", "lost: 3", "lost: 17", "", "", "ttyUSB0 is away 1", "lost: 1"):
         told.look(trouble)
     assert [line.partition("  ")[2] for line in said] == [

@@ -14,7 +14,7 @@ from fixtures_db.database import Database, open_db
 from procedures.campaign.plan_steps import Dwell, Step
 from station.files.campaign_folder.schema import SiteTable
 from station.stream.reader import Chunk
-from station.stream.recorder import CampaignRecorder, SampleStream, Tape, Unit, open_campaign
+from station.stream.recorder import CampaignRecorder, SampleBuffer, SampleStream, Unit, open_campaign
 
 WIRE = FORMATS["counts"]
 UNIT = Unit("SIM-FOG3", "SIM-7", 0.02)
@@ -22,9 +22,9 @@ SITE = SiteTable(latitude_deg=31.17, gravity_m_s2=Truth().local_gravity)
 SAMPLES = 50
 
 
-def taped(seconds: int = 12) -> Tape:
+def taped(seconds: int = 12) -> SampleBuffer:
     """Return the first seconds of a simulated unit."""
-    device, stream, tape = ByteDevice(Truth.example(7), 1, "counts"), SampleStream(WIRE), Tape()
+    device, stream, tape = ByteDevice(Truth.example(7), 1, "counts"), SampleStream(WIRE), SampleBuffer()
     while tape.end < seconds * SAMPLES:
         for part in device.chunk():
             assert isinstance(part, bytes)

@@ -10,7 +10,7 @@ from procedures.fusion.inner.camera_keyframes import SPACING
 from procedures.fusion.vision.feature_tracks import Tracks
 from procedures.fusion.visual_alignment.camera_time import CameraOffset
 from station.locate.live_camera import LiveCamera
-from station.stream.camera.feature_following import Seen
+from station.stream.camera.feature_following import FeaturePositions
 from tests.procedures.fusion.seen import CAMERA
 from tests.procedures.fusion.visual_alignment.test_camera_time import rocking, seen
 
@@ -29,7 +29,7 @@ class Eye:
         device_ns = round((taken * (1 + 2e-5) + CLOCK_S) * 1e9) if self._stamps else None
         return CameraImage(round((taken + LATE_S) * 1e9), device_ns, str(i).encode())
 
-    def follow(self, image: CameraImage) -> Seen | None:
+    def follow(self, image: CameraImage) -> FeaturePositions | None:
         if image.jpeg == b"spoilt":
             return None
         rows = slice(*self._begin[int(image.jpeg) : int(image.jpeg) + 2].tolist())

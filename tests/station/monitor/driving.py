@@ -12,11 +12,11 @@ from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
 from procedures.fusion.visual_alignment.camera_time import CameraOffset
 from station.calibrated.body_axes import DEFAULT, body_axes
-from station.calibrated.calibration_choice import Applied
+from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.in_use import InUse
 from station.files.mcap_files.fix_reader import Record
 from station.files.mcap_files.fix_writer import FixWriter
@@ -77,7 +77,7 @@ class DriveRig:
     """
 
     def __init__(
-        self, truth: Truth, track: Track, autopilot: AutopilotTruth, faults: Sequence[GnssFault] = (),
+        self, truth: Truth, track: VehicleTrack, autopilot: AutopilotTruth, faults: Sequence[GnssFault] = (),
         lever_arm: tuple[float, ...] = (0.0, 0.0, 0.0), folder: Path | None = None, seed: int = 1,
         sees: tuple[float, tuple[float, float]] | None = None, told: float | None = None,
     ) -> None:  # fmt: skip
@@ -86,7 +86,7 @@ class DriveRig:
         self.feed = open_feed(self.source)
         self.feed.identify()
         self.lines: list[MonitorView] = []
-        applied = Applied(calibration_of(truth), None, InUse("by hand", 1.0))
+        applied = AppliedCalibration(calibration_of(truth), None, InUse("by hand", 1.0))
         C = body_axes(DEFAULT)
         self.sight = sight = None if sees is None else Sight(self.source, track, *sees)
         eye = (
@@ -116,7 +116,9 @@ class DriveRig:
         return self.view
 
 
-def record_drive(folder: Path, truth: Truth, track: Track, autopilot: AutopilotTruth, seconds: float) -> Path:
+def record_drive(
+    folder: Path, truth: Truth, track: VehicleTrack, autopilot: AutopilotTruth, seconds: float
+) -> Path:
     """Record a drive as a monitored run leaves it, at once, and return the IMU's file."""
     folder.mkdir()
     rig = DriveRig(truth, track, autopilot, folder=folder)
@@ -127,7 +129,7 @@ def record_drive(folder: Path, truth: Truth, track: Track, autopilot: AutopilotT
     return folder / "recording.mcap"
 
 
-def stands_on(track: Track, location: Mapping[str, Any]) -> bool:
+def stands_on(track: VehicleTrack, location: Mapping[str, Any]) -> bool:
     """Say whether a location of `monitor/1` is where and which way a track goes: the fixes are good to a metre."""
     east, north, _ = track.velocity(location["t_s"])
     turned = location["heading_deg"] - np.degrees(np.arctan2(east, north))

@@ -6,7 +6,7 @@ from typing import Any
 
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
-from station.calibrated.calibration_choice import Applied
+from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.in_use import InUse
 from station.monitor.monitor import Monitor
 from station.monitor.options import MonitorOptions
@@ -32,7 +32,7 @@ class MonitorRig:
         self.feed.identify()
         recording = None if folder is None else MonitorRecording(folder, self.feed.wire)
         self.lines: list[MonitorView] = []
-        applied = Applied(calibration or calibration_of(self.truth), None, InUse("by hand", 1.0))
+        applied = AppliedCalibration(calibration or calibration_of(self.truth), None, InUse("by hand", 1.0))
         self.monitor = Monitor(
             self.feed, applied, options or MonitorOptions(), recording, None, (self.lines.append,)
         )

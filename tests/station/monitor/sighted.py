@@ -7,10 +7,10 @@ from scipy.spatial.transform import Rotation
 
 from drivers.camera import CameraImage
 from drivers.simulated.vehicle_motion import SLOWEST
-from drivers.simulated.vehicle_track import Track
+from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.fusion.fusion_records import Trajectory
 from procedures.fusion.vision.feature_tracks import Camera, Tracks
-from station.stream.camera.feature_following import Seen
+from station.stream.camera.feature_following import FeaturePositions
 from station.stream.events import StreamState
 from tests.drivers.simulated.camera_tracks import View, simulate_tracks
 from tests.station.stream.live.bench_in_memory import Source
@@ -21,7 +21,7 @@ CAMERA = Camera(230.0, 230.0, 187.5, 119.5, 0.5, C_BC, np.array([0.1, -0.05, 0.0
 VIEW = View(width=376, height=240, features=80, depths=(3.0, 15.0), longest=6.0)
 
 
-def driven(track: Track) -> Trajectory:
+def driven(track: VehicleTrack) -> Trajectory:
     """Return where the IMU is at 20 Hz: x ahead, z up."""
     t = np.arange(track.t[0], track.t[-1], 0.05)
     v = track.velocities(t)
@@ -34,7 +34,7 @@ class Sight:
     """A `CameraSource`, and what follows features through its images; dark where ``is_dark``."""
 
     def __init__(
-        self, source: Source, track: Track, late_s: float, dark: tuple[float, float] = (0.0, 0.0)
+        self, source: Source, track: VehicleTrack, late_s: float, dark: tuple[float, float] = (0.0, 0.0)
     ) -> None:
         self._source, self._late_s, self._count = source, late_s, 0
         self.tracks: Tracks = simulate_tracks(driven(track), CAMERA, VIEW, 1)
@@ -43,7 +43,7 @@ class Sight:
 
     trouble = ""
 
-    def follow(self, image: CameraImage) -> Seen:
+    def follow(self, image: CameraImage) -> FeaturePositions:
         rows = slice(*self._begin[int(image.jpeg) : int(image.jpeg) + 2].tolist())
         return self.tracks.feature[rows], self.tracks.uv[rows]
 

@@ -16,7 +16,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from procedures.fusion.fusion_records import ImuSeries
 from station import cli
-from station.locate.live_inputs import Taken
+from station.locate.live_inputs import LocatorTick
 from station.locate.location import Location
 from station.monitor.locator_thread import FAR_BEHIND, LocatorThread
 from tests.drivers.simulated.drives import bends
@@ -107,7 +107,7 @@ class Slow:
     def __init__(self) -> None:
         self.go, self.images = Event(), list[int]()
 
-    def take(self, taken: Taken) -> None:
+    def take(self, taken: LocatorTick) -> None:
         self.go.wait()
         self.images.append(len(taken.images))
 
@@ -118,7 +118,7 @@ class Slow:
 def test_a_thread_that_is_far_behind_goes_on_without_images() -> None:
     slow, none = Slow(), np.zeros((1, 3))
     thread = LocatorThread(slow)
-    tick = Taken(ImuSeries(np.zeros(1), none, none), (), (), (CameraImage(0, None, b""),))
+    tick = LocatorTick(ImuSeries(np.zeros(1), none, none), (), (), (CameraImage(0, None, b""),))
     for _ in range(2 * FAR_BEHIND):
         thread.take(tick)
     thread.begin_anew()

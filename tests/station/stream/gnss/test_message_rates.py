@@ -5,7 +5,7 @@ import re
 import pytest
 
 from drivers.device_url_parser import parse_device_url
-from drivers.mavlink.session import Session
+from drivers.mavlink.session import MavlinkSession
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_faults import GnssFault
@@ -23,7 +23,7 @@ class Asked:
     def __init__(self, autopilot: AutopilotTruth, faults: tuple[GnssFault, ...] = (), hz: float = 5.0) -> None:
         self.address = parse_device_url(f"{LINK}?rate={hz:g}")
         self.now = 0.0
-        self._session = Session(hz)
+        self._session = MavlinkSession(hz)
         self._autopilot = Autopilot(Truth(), autopilot, faults)
         self._answer = b""
 

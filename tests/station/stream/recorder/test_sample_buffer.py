@@ -10,7 +10,7 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from station.stream.reader import Chunk
-from station.stream.recorder import SampleStream, Tape
+from station.stream.recorder import SampleBuffer, SampleStream
 
 WIRE = FORMATS["counts"]
 FAULTS = [Fault("garbage", 1.06, count=37), Fault("bad_crc", 1.5), Fault("repeated", 2.0), Fault("garbage", 2.9)]
@@ -35,7 +35,7 @@ STREAM = sent(180)
 def test_the_bytes_of_any_runs_decode_to_their_samples(
     cuts: list[int], runs: tuple[int, int, int, int], forget: bool
 ) -> None:
-    tape, stream, at, turn = Tape(), SampleStream(WIRE), 0, 0
+    tape, stream, at, turn = SampleBuffer(), SampleStream(WIRE), 0, 0
     begin, first, pause, second = runs
     wanted = [(begin, begin + first), (begin + first + pause, begin + first + pause + second)]
     while at < len(STREAM):
@@ -55,7 +55,7 @@ def test_the_bytes_of_any_runs_decode_to_their_samples(
 
 
 def test_what_was_forgotten_is_gone_and_the_rest_keeps_its_numbers() -> None:
-    tape, stream = Tape(), SampleStream(WIRE)
+    tape, stream = SampleBuffer(), SampleStream(WIRE)
     for at in range(0, len(STREAM), 100):
         tape.append(stream.take(Chunk(at, STREAM[at : at + 100])))
     before = tape.block(100, 120)

@@ -11,19 +11,23 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.counts.sample_records import block_rows
 from station.stream.reader import Chunk
-from station.stream.recorder import Piece, SampleStream
+from station.stream.recorder import DecodedChunk, SampleStream
 
 WIRE = FORMATS["counts"]
 
 
-def pieces(*faults: Fault, samples: int = 200) -> tuple[SampleStream, list[Piece]]:
-    device, stream, found = ByteDevice(Truth.example(1), 1, "counts", faults), SampleStream(WIRE), list[Piece]()
+def pieces(*faults: Fault, samples: int = 200) -> tuple[SampleStream, list[DecodedChunk]]:
+    device, stream, found = (
+        ByteDevice(Truth.example(1), 1, "counts", faults),
+        SampleStream(WIRE),
+        list[DecodedChunk](),
+    )
     while device.samples < samples:
         found += [stream.take(Chunk(device.samples, part)) for part in device.chunk(10) if isinstance(part, bytes)]
     return stream, found
 
 
-def counters(found: list[Piece]) -> list[int]:
+def counters(found: list[DecodedChunk]) -> list[int]:
     return [int(c) for piece in found for c in piece.block.counter]
 
 

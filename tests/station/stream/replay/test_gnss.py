@@ -11,7 +11,7 @@ from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import AirData, FixType, GnssFix, TimeMark
 from station import cli
-from station.calibrated.calibration_choice import Applied
+from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.in_use import InUse
 from station.errors import DataRefused
 from station.files.mcap_files.fix_reader import read_fixes
@@ -95,7 +95,7 @@ def test_a_tick_waits_for_what_the_receivers_reader_may_still_tell_but_not_for_e
     feed = open_feed(source)
     feed.identify()
     receiver = Lagging(source, Autopilot(TRUTH, AutopilotTruth(default_hz=5.0)))
-    applied = Applied(calibration_of(TRUTH), None, InUse("by hand", 1.0))
+    applied = AppliedCalibration(calibration_of(TRUTH), None, InUse("by hand", 1.0))
     engine = monitor.Monitor(feed, applied, MonitorOptions(aid="gnss"), None, receiver)
     for _ in range(10):
         engine.round()
