@@ -7,8 +7,8 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import SampleBlock
 from procedures.counts.sample_times import GAP_PERIODS
 
-FEW, TURN_S = 1024, 60.0  # a counter or a clock [s] that turns sooner is read as never going back
-LEARNING = 33  # device times from which the sample period is taken
+MIN_MODULUS, MIN_TURN_S = 1024, 60.0  # a counter or a clock [s] that turns sooner is read as never going back
+PERIOD_SAMPLES = 33  # device times from which the sample period is taken
 
 
 def unwrap(counter: IntArray, modulus: int, last: int | None = None) -> IntArray:
@@ -18,7 +18,7 @@ def unwrap(counter: IntArray, modulus: int, last: int | None = None) -> IntArray
     a negative one a restarted device. A counter of few bits is read as going on, in [0, modulus): with 128 half a
     turn is 64 ms at 1 kHz, and a gap that long is likelier than a restart.
     """
-    back = modulus // 2 if modulus >= FEW else 0
+    back = modulus // 2 if modulus >= MIN_MODULUS else 0
     if not len(counter):
         return counter.astype(np.int64)
     base = int(counter[0]) if last is None else last
@@ -30,12 +30,12 @@ def unwrap(counter: IntArray, modulus: int, last: int | None = None) -> IntArray
 def onward(seconds: FloatArray, modulus: float | None) -> FloatArray:
     """Return steps of device time [s], the smallest that fit where it wraps at ``modulus`` [s].
 
-    One that turns within `TURN_S` is read as going on, as a counter of few bits is. Seconds are rounded to 0.1 us
-    before and after: a repeat's step would else come out as just beside 0, or as a whole turn.
+    One that turns within `MIN_TURN_S` is read as going on, as a counter of few bits is. Seconds are rounded to
+    0.1 us before and after: a repeat's step would else come out as just beside 0, or as a whole turn.
     """
     if modulus is None:
         return seconds
-    back = modulus / 2 if modulus >= TURN_S else 0.0
+    back = modulus / 2 if modulus >= MIN_TURN_S else 0.0
     steps = np.round((np.round(seconds, 7) + back) % modulus - back, 7)
     within: FloatArray = np.where(steps < modulus - back, steps, steps - modulus)
     return within
@@ -73,10 +73,10 @@ class TimeWatch:
         times = np.concatenate((self._times, block.device_time))
         steps = onward(np.diff(times), self._modulus)
         if self._period is None:
-            if len(times) < LEARNING:
+            if len(times) < PERIOD_SAMPLES:
                 self._times = times
                 return 0
-            self._period = float(np.nanmedian(steps[: LEARNING - 1])) if np.isfinite(steps).any() else np.inf
+            self._period = float(np.nanmedian(steps[: PERIOD_SAMPLES - 1])) if np.isfinite(steps).any() else np.inf
         self._times = times[-1:]
         return int(np.count_nonzero(~((steps > 0) & (steps <= GAP_PERIODS * self._period))))
 

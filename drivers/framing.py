@@ -18,8 +18,8 @@ from drivers.wire import FORMATS, FrameKind, Identity, Lines, WireFormat
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import SampleBlock, joined_blocks
 
-STRONG_BITS = 16  # a check of fewer also passes in other formats' bytes
-MANY = 2048  # bytes of text that are worth looking at as lines together
+STRONG_CHECK_BITS = 16  # a check of fewer also passes in other formats' bytes
+MIN_BATCH_BYTES = 2048  # bytes of text that are worth looking at as lines together
 
 
 @dataclass(slots=True)
@@ -169,7 +169,7 @@ class Decoder:
     def _together(self, buffer: bytes) -> dict[int, Run]:
         """Return lines of text that can be read together, by where the first begins."""
         kind = self.wire.imu
-        if kind.text is None or kind.text.lines is None or len(buffer) < MANY:
+        if kind.text is None or kind.text.lines is None or len(buffer) < MIN_BATCH_BYTES:
             return {}
         found = [(int(each.edges[0, 0]), int(each.edges[-1, 1]), each) for each in kind.text.lines(buffer)]
         return {begin: Run(kind, begin, end, each) for begin, end, each in found}
@@ -305,6 +305,6 @@ def sniff(data: bytes) -> list[Likeness]:
         decoder = Decoder(wire)
         frames = len(decoder.feed(data)) + len(decoder.finish())
         share = 1 - decoder.counters.skipped_bytes / max(1, len(data))
-        if frames and (wire.check_bits >= STRONG_BITS or share > 0.5):
+        if frames and (wire.check_bits >= STRONG_CHECK_BITS or share > 0.5):
             found.append(Likeness(name, frames, share))
     return sorted(found, key=lambda likeness: -likeness.share_of_bytes)

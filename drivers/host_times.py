@@ -11,11 +11,11 @@ from procedures.arrays import FloatArray, IntArray
 
 LEARN_S, LEARN_SAMPLES, LEARN_WINDOWS = 3.0, 33, 3  # before the period is known
 WINDOW_S = 0.5
-LASTING = 2  # windows
-HINDSIGHT_S = (LASTING + 1) * WINDOW_S  # until a sample lost, or one too many, is certain
-OFF = 0.6  # samples; a step of less is steered out
-PASSES = 4  # of the first fit: all chunks, then those least late by the fit before
-PHASE, PERIOD = 0.3, 0.05  # of a window's error, taken into phase and period: settles in about 5 s
+LASTING_WINDOWS = 2  # windows
+HINDSIGHT_S = (LASTING_WINDOWS + 1) * WINDOW_S  # until a sample lost, or one too many, is certain
+MAX_STEERED_SAMPLES = 0.6  # samples; a step of less is steered out
+FIT_PASSES = 4  # of the first fit: all chunks, then those least late by the fit before
+PHASE_GAIN, PERIOD_GAIN = 0.3, 0.05  # of a window's error, taken into phase and period: settles in about 5 s
 
 
 class HostTimes:
@@ -100,17 +100,19 @@ class HostTimes:
         """Take in by how much a window's least late sample was late [s], negative if all were early."""
         assert self.period is not None
         samples = late / self.period
-        if abs(samples) > OFF:
+        if abs(samples) > MAX_STEERED_SAMPLES:
             self._lasting.append(samples)
-            if len(self._lasting) >= LASTING and (min(self._lasting) > OFF or max(self._lasting) < -OFF):
+            if len(self._lasting) >= LASTING_WINDOWS and (
+                min(self._lasting) > MAX_STEERED_SAMPLES or max(self._lasting) < -MAX_STEERED_SAMPLES
+            ):
                 self._last += round(min(map(abs, self._lasting)) * np.sign(samples)) * self.period
                 self._lasting.clear()
                 self.has_stepped = True
-            self._lasting = self._lasting[-LASTING + 1 :]
+            self._lasting = self._lasting[-LASTING_WINDOWS + 1 :]
             return
         self._lasting.clear()
-        self._last += PHASE * late
-        self.period *= 1 + PERIOD * late / WINDOW_S
+        self._last += PHASE_GAIN * late
+        self.period *= 1 + PERIOD_GAIN * late / WINDOW_S
 
     def _begin_window(self, arrival: float) -> None:
         self._begun, self._least = arrival, np.inf
@@ -124,7 +126,7 @@ def _least_late(index: FloatArray, arrival: FloatArray) -> tuple[float, float]:
     window = ((arrival - arrival[0]) / WINDOW_S).astype(np.int64)
     rows, begun = np.flatnonzero(window < window[-1]), arrival[0]
     slope = offset = 0.0
-    for _ in range(PASSES):
+    for _ in range(FIT_PASSES):
         slope, offset = (float(each) for each in np.polyfit(index[rows], arrival[rows] - begun, 1))
         late = arrival - begun - slope * index
         rows = np.array([np.flatnonzero(window == w)[late[window == w].argmin()] for w in np.unique(window)[:-1]])

@@ -18,8 +18,8 @@ from drivers.host_times import HostTimes
 from drivers.wire import WireFormat, triad
 from procedures.counts.sample_records import CountBlock
 
-NEAR = 0.75  # sample periods
-LATE_S = 0.5
+MAX_OFFSET_PERIODS = 0.75  # sample periods
+MAX_LATE_S = 0.5
 READ_BYTES = 4096
 
 
@@ -108,9 +108,9 @@ class TriadJoiner:
         parts = self._parts[axis]
         while len(parts) > 1 and abs(parts[1].time - at) <= abs(parts[0].time - at):
             parts.popleft()
-        if (not parts or parts[-1].time < at - period / 2) and now - at < LATE_S:  # a nearer one may come
+        if (not parts or parts[-1].time < at - period / 2) and now - at < MAX_LATE_S:  # a nearer one may come
             return "wait"
-        return parts[0] if parts and abs(parts[0].time - at) <= NEAR * period else "missing"
+        return parts[0] if parts and abs(parts[0].time - at) <= MAX_OFFSET_PERIODS * period else "missing"
 
 
 def _encoded(samples: Sequence[tuple[int, tuple[AxisSample, ...]]]) -> bytes:

@@ -9,20 +9,20 @@ from collections import deque
 from drivers.error_reason import reason_of
 from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
 
-LARGEST = 65535
-BUFFER = 2**20  # bytes: a burst of many seconds while the reader is held up
-MOST_PEERS = 8
+MAX_DATAGRAM_BYTES = 65535
+RECEIVE_BUFFER_BYTES = 2**20  # bytes: a burst of many seconds while the reader is held up
+MAX_PEERS = 8
 
 Address = tuple[str, int]
 
 
 class UdpPort:
-    """A bound socket; ``peer`` is whom to write to, None: all who have sent, the last `MOST_PEERS` of them."""
+    """A bound socket; ``peer`` is whom to write to, None: all who have sent, the last `MAX_PEERS` of them."""
 
     def __init__(self, socket_: socket.socket, name: str, timeout_s: float, peer: Address | None) -> None:
         self.name = name
         self._socket, self._timeout_s, self._peer = socket_, timeout_s, peer
-        self._senders: deque[Address] = deque(maxlen=MOST_PEERS)
+        self._senders: deque[Address] = deque(maxlen=MAX_PEERS)
 
     @property
     def address(self) -> Address:
@@ -58,7 +58,7 @@ class UdpPort:
 
     def _receive(self) -> bytes | None:
         try:
-            data, sender = self._socket.recvfrom(LARGEST)
+            data, sender = self._socket.recvfrom(MAX_DATAGRAM_BYTES)
         except BlockingIOError:
             return None
         except ConnectionRefusedError:  # a datagram of ours met a closed port: the peer is not there yet
@@ -85,7 +85,7 @@ def open_udp(host: str, port: int, timeout_s: float, *, listens: bool) -> UdpPor
     try:
         bound.setblocking(False)
         with contextlib.suppress(OSError):
-            bound.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
+            bound.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
         if listens:
             bound.bind(where)
     except OSError as error:

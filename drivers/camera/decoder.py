@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 from drivers.camera.jpeg import BEGIN, Broken, JpegScanner
 
-MOST_BYTES = 8 * 2**20  # of an image: 4K at a high quality
-HEADER_BYTES = 4096  # the longest header that is looked at
-GRAIN = 64  # bytes that share a stamp where reads are shorter: bounds how many are kept
-DISTINCT = 6  # characters of a boundary that an image does not have by chance
-OLDEST_S = 60.0  # an age above is none
+MAX_IMAGE_BYTES = 8 * 2**20  # of an image: 4K at a high quality
+MAX_HEADER_BYTES = 4096  # the longest header that is looked at
+STAMP_BYTES = 64  # bytes that share a stamp where reads are shorter: bounds how many are kept
+MIN_BOUNDARY_CHARS = 6  # characters of a boundary that an image does not have by chance
+MAX_AGE_S = 60.0  # an age above is none
 FIELD = re.compile(rb"([A-Za-z][!-9;-~]{0,63}):[ \t]*([ -~]{0,512})\r?")
 BLANK_OR_BEGIN = re.compile(rb"\n\r?\n|\xff\xd8\xff")
 SECONDS = re.compile(r"(\d{1,10})(?:\.(\d{1,9}))?")
@@ -69,7 +69,7 @@ class CameraDecoder:
         """Return the images whose last byte has come with ``data``, read at ``host_ns`` [ns]."""
         if not self._data:
             self._stamps.clear()
-        if not self._stamps or self._fed - self._stamps[-1][0] >= GRAIN:
+        if not self._stamps or self._fed - self._stamps[-1][0] >= STAMP_BYTES:
             self._stamps.append((self._fed, host_ns))
         self._data += data
         self._fed += len(data)
@@ -91,7 +91,7 @@ class CameraDecoder:
             return True
         found = BLANK_OR_BEGIN.search(self._data)
         if found is None:
-            self._skip(len(self._data) - HEADER_BYTES)
+            self._skip(len(self._data) - MAX_HEADER_BYTES)
             return False
         if found[0] != BEGIN:
             self._read_header(found.end())
@@ -104,7 +104,7 @@ class CameraDecoder:
 
     def _read_header(self, end: int) -> None:
         """Take the header that a blank line ends at ``end``, if there is one."""
-        window = max(0, end - HEADER_BYTES)
+        window = max(0, end - MAX_HEADER_BYTES)
         begin, fields = _fields(bytes(self._data[window:end]))
         junk = window + begin if fields else end
         line = self._data.rfind(b"\n", 0, max(0, junk - 1)) + 1
@@ -125,7 +125,11 @@ class CameraDecoder:
             return self._give_up(broken.at)
         if end is None:
             is_led_astray = scanner.reached > len(self._data) and self._next_part(len(self._data)) is not None
-            if scanner.reached > (header.length or MOST_BYTES) or len(self._data) > MOST_BYTES or is_led_astray:
+            if (
+                scanner.reached > (header.length or MAX_IMAGE_BYTES)
+                or len(self._data) > MAX_IMAGE_BYTES
+                or is_led_astray
+            ):
                 return self._give_up(scanner.last)
             return False
         if header.length is None and self._next_part(end) is not None:  # a segment led into the next image
@@ -152,7 +156,7 @@ class CameraDecoder:
 
     def _next_part(self, end: int) -> int | None:
         """Return where a boundary stands before ``end``, if one does."""
-        if len(self._boundary) < DISTINCT:
+        if len(self._boundary) < MIN_BOUNDARY_CHARS:
             return None
         at = self._data.find(self._boundary, 0, end)
         return None if at < 0 else at
@@ -192,9 +196,9 @@ def _header(fields: dict[bytes, bytes]) -> _Header:
     length = fields.get(b"content-length", b"")
     age = _nanoseconds(fields.get(b"x-age", b""))
     return _Header(
-        int(length) if length.isdigit() and len(length) < 9 and 0 < int(length) <= MOST_BYTES else None,
+        int(length) if length.isdigit() and len(length) < 9 and 0 < int(length) <= MAX_IMAGE_BYTES else None,
         _nanoseconds(fields.get(b"x-timestamp", b"")),
-        age if age is not None and age <= OLDEST_S * 1e9 else 0,
+        age if age is not None and age <= MAX_AGE_S * 1e9 else 0,
     )
 
 

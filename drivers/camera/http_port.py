@@ -13,7 +13,7 @@ from drivers.tcp_port import TcpPort, open_tcp
 
 ANSWER_S = 5.0
 SILENT_S = 10.0  # a camera that lost its power does not hang up; as long as OpenCV waits for a device
-LONGEST_ANSWER = 65536  # bytes before the stream begins
+MAX_ANSWER_BYTES = 65536  # bytes before the stream begins
 STREAM = "multipart/x-mixed-replace"
 PATHS = "check the path: ustreamer has /stream, mjpg-streamer /?action=stream"
 
@@ -81,10 +81,10 @@ def _answer(connection: TcpPort, name: str) -> tuple[str, bytes]:
     """Return the answer's head and what follows it."""
     data, until = b"", time.monotonic() + ANSWER_S
     while b"\r\n\r\n" not in data:
-        if time.monotonic() > until or len(data) > LONGEST_ANSWER:
+        if time.monotonic() > until or len(data) > MAX_ANSWER_BYTES:
             found = f"{len(data)} bytes that are no answer of HTTP within {ANSWER_S:.0f} s"
             raise PortNotFound(name, found, "check the port")
-        data += connection.read(LONGEST_ANSWER)
+        data += connection.read(MAX_ANSWER_BYTES)
     head, _, begun = data.partition(b"\r\n\r\n")
     return head.decode("latin-1"), begun
 

@@ -9,7 +9,7 @@ import re
 SOI, SOS = 0xD8, 0xDA
 BEGIN, END = b"\xff\xd8\xff", b"\xff\xd9"
 FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}  # SOF0 to SOF15; the three others are DHT, JPG, DAC
-LEAST = 0xC0  # markers below are reserved
+FIRST_MARKER = 0xC0  # markers below are reserved
 RESTARTS = range(0xD0, SOI)
 MARKER = re.compile(rb"\xff[^\x00\xd0-\xd7\xff]")
 
@@ -59,7 +59,7 @@ class JpegScanner:
     def _segment(self, data: bytes | bytearray, at: int) -> bool:
         """Pass a segment; False if more of it is needed."""
         code, length = data[at + 1], int.from_bytes(data[at + 2 : at + 4], "big")
-        if data[at] != 0xFF or code < LEAST or code == SOI or code in RESTARTS or length < 2:
+        if data[at] != 0xFF or code < FIRST_MARKER or code == SOI or code in RESTARTS or length < 2:
             raise Broken(self.last)
         if code in FRAMES:
             if len(data) < at + 9:

@@ -20,11 +20,11 @@ from drivers.camera.parts import part
 from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
 from procedures.fusion.optional_libraries import ExtraMissing, opencv
 
-MS = 1e-3  # s
+S_PER_MS = 1e-3  # s
 CLOSE_S = 1.0  # for an image under way; the thread lets go of the device when its wait is over
-QUALITY = 95  # of what the camera does not compress itself
-KEPT = 8  # images that nobody has read; the oldest go
-OLDEST_S = 10.0  # a stamp further off is not of the monotonic clock
+JPEG_QUALITY = 95  # of what the camera does not compress itself
+MAX_WAITING_IMAGES = 8  # images that nobody has read; the oldest go
+MAX_AGE_S = 10.0  # a stamp further off is not of the monotonic clock
 
 
 class Capture(Protocol):
@@ -85,7 +85,7 @@ class V4l2Port:
                 return b""
             stamp, jpeg = self._images.popleft()
         age = self._clock() - stamp
-        return part(jpeg, stamp, age if 0 <= age <= OLDEST_S else None)
+        return part(jpeg, stamp, age if 0 <= age <= MAX_AGE_S else None)
 
     def _run(self) -> None:
         try:
@@ -101,10 +101,10 @@ class V4l2Port:
         if not read:
             self._lose("it gives no more images")
             return
-        stamp = float(self._capture.get(self._cv.CAP_PROP_POS_MSEC)) * MS
+        stamp = float(self._capture.get(self._cv.CAP_PROP_POS_MSEC)) * S_PER_MS
         jpeg = self._jpeg(image)
         with self._came:
-            if len(self._images) == KEPT:
+            if len(self._images) == MAX_WAITING_IMAGES:
                 self._images.popleft()
                 self.dropped += 1
             self._images.append((stamp, jpeg))
@@ -122,7 +122,7 @@ class V4l2Port:
             return buffer
         grey = image if image.ndim == 2 else self._cv.cvtColor(image, self._cv.COLOR_BGR2GRAY)
         _, encoded = self._cv.imencode(
-            ".jpg", np.ascontiguousarray(grey), [self._cv.IMWRITE_JPEG_QUALITY, QUALITY]
+            ".jpg", np.ascontiguousarray(grey), [self._cv.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
         )
         return bytes(encoded)
 

@@ -12,7 +12,7 @@ from drivers.errors import LinkLost, PortNotFound
 from procedures.fusion.optional_libraries import opencv
 from procedures.fusion.vision.feature_tracker import Image
 
-MS = 1e-3  # s
+S_PER_MS = 1e-3  # s
 
 
 def open_camera(path: str | Path) -> "Camera":
@@ -53,7 +53,7 @@ class Camera:
                 raise LinkLost(self.path, "it gives no more images")
             if not read:
                 return
-            t = float(self._capture.get(self._cv.CAP_PROP_POS_MSEC)) * MS
+            t = float(self._capture.get(self._cv.CAP_PROP_POS_MSEC)) * S_PER_MS
             first = t if first is None else first
             if t - first > seconds:
                 return

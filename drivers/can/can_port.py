@@ -21,12 +21,14 @@ from drivers.error_reason import reason_of
 from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound
 
 REMEDY = "check bit rate, wiring and termination"
-NOT_OPTIONS = {"self", "channel", "kwargs", "interface", "can_filters"}
+OWN_ARGUMENTS = {"self", "channel", "kwargs", "interface", "can_filters"}
 # python-can lets errors of what it stands on through
 LINK_ERRORS = (can.CanError, OSError, RuntimeError)
 GATHER_S = 0.003  # frames are handed on in handfuls: a decoder's cost is by the handful
 SILENT_S = 0.5  # without a frame: ask the adapter
-GARBLED = 64  # bytes from an slcan adapter without a frame: more than it answers, so they are no lines of its own
+GARBLED_BYTES = (
+    64  # bytes from an slcan adapter without a frame: more than it answers, so they are no lines of its own
+)
 ANSWER_S = 0.5  # how long it may take to answer
 OPEN_ANSWER_S = 0.3
 BUS_OFF = 0x40  # of an error frame's identifier (linux/can/error.h)
@@ -86,7 +88,7 @@ class CanPort:
 
     def _garbled(self) -> list[bytes]:
         """Return an error where the adapter's bytes hold no line: slcan passes over them and says nothing."""
-        if self._line is None or self._line.received - self._made_out < GARBLED:
+        if self._line is None or self._line.received - self._made_out < GARBLED_BYTES:
             return []
         return [pack(ERROR, time.monotonic_ns(), b"")]
 
@@ -182,7 +184,7 @@ def _options(interface: str, channel: str, options: Mapping[str, str]) -> dict[s
         backend = getattr(import_module(module), name)
     except ImportError as error:
         raise PortNotFound(interface, str(error), "install what this interface needs") from error
-    accepted = [each for each in inspect.signature(backend.__init__).parameters if each not in NOT_OPTIONS]
+    accepted = [each for each in inspect.signature(backend.__init__).parameters if each not in OWN_ARGUMENTS]
     for option in options:
         if option not in accepted:
             raise BadDeviceUrl(url, f"option {option!r}", f"one of {', '.join(accepted)}")

@@ -20,10 +20,12 @@ from drivers.wire import JoinCounters
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock
 
-LATE = 2  # samples: how far the bus may have gone on before a frame is given up
-BACK = 8  # samples: what lies further back, or ahead, is of a device that began anew, or of another one
-ASIDE = 16  # frames that come now and then which may wait for their sample
-NEAR = 64 * RECORD.itemsize  # bytes: a frame that comes now and then is this near to its sample
+MAX_LATE_SAMPLES = 2  # samples: how far the bus may have gone on before a frame is given up
+MAX_JUMP_SAMPLES = (
+    8  # samples: what lies further back, or ahead, is of a device that began anew, or of another one
+)
+MAX_ASIDE_FRAMES = 16  # frames that come now and then which may wait for their sample
+MAX_ASIDE_BYTES = 64 * RECORD.itemsize  # bytes: a frame that comes now and then is this near to its sample
 FRAME = np.dtype(
     [("slot", "i8"), ("u", "i8"), ("at", "i8"), ("host_ns", "i8"), ("little", "u8"), ("big", "u8"), ("raw", "i8")]
 )
@@ -55,7 +57,9 @@ class Joiner:
             None  # counter, sample number, host time of the newest frame
         )
         self._last: int | None = None  # the newest sample given out
-        self._given = deque[tuple[IntArray, NDArray[np.uint64]]](maxlen=BACK + 1)  # the newest, their frames
+        self._given = deque[tuple[IntArray, NDArray[np.uint64]]](
+            maxlen=MAX_JUMP_SAMPLES + 1
+        )  # the newest, their frames
         self._base: tuple[int, int, IntArray] | None = None  # number, begin and running totals of the last sample
         self._time: tuple[int, int] | None = None  # as sent, unwrapped
         self._nothing = self._samples(self._waiting, np.zeros((0, can_map.needed), np.int64), np.arange(0))[0]
@@ -170,7 +174,7 @@ class Joiner:
         for i, (u, slot, at) in enumerate(
             zip(*(waiting[name].tolist() for name in ("u", "slot", "at")), strict=True)
         ):
-            if self._last is not None and u < self._last - BACK:
+            if self._last is not None and u < self._last - MAX_JUMP_SAMPLES:
                 self._last = None  # the device began anew
             if self._last is not None and u <= self._last:
                 self._counters.late += 1
@@ -192,7 +196,7 @@ class Joiner:
                     given[old] = {slot: payloads[k] for slot, k in enumerate(rows[-1])}
                     ends.append(at + RECORD.itemsize)
                     self._last = old
-                elif not u - LATE < old <= u + BACK:
+                elif not u - MAX_LATE_SAMPLES < old <= u + MAX_JUMP_SAMPLES:
                     del pending[old]
                     self._give_up()
         left = sorted(i for row in pending.values() for i in row if i >= 0)
@@ -203,7 +207,7 @@ class Joiner:
 
     def _remember(self, waiting: Frames, rows: IntArray) -> None:
         if len(rows):
-            newest = waiting[rows[-BACK - 1 :]]
+            newest = waiting[rows[-MAX_JUMP_SAMPLES - 1 :]]
             self._given.append((newest["u"][:, 0], newest["little"]))
 
     def _payloads_given(self) -> dict[int, dict[int, int]]:
@@ -255,13 +259,13 @@ class Joiner:
         begins = begins.copy()
         for frame in self._aside:
             row = int(np.searchsorted(numbers, frame["u"]))
-            if row < len(numbers) and numbers[row] == frame["u"] and frame["at"] > begins[row] - NEAR:
+            if row < len(numbers) and numbers[row] == frame["u"] and frame["at"] > begins[row] - MAX_ASIDE_BYTES:
                 begins[row] = min(begins[row], frame["at"])
                 field = self._map.slots[frame["slot"]].temperature
                 if field is not None:
                     temperature[row] = field.value((frame["little"][None], frame["big"][None]))[0]
         newer = self._aside["u"] > (numbers[-1] if len(numbers) else -(2**62))
-        self._aside = self._aside[newer][-ASIDE:]
+        self._aside = self._aside[newer][-MAX_ASIDE_FRAMES:]
         return begins
 
     def _unwrapped(self, field: Field, raw: IntArray) -> IntArray:

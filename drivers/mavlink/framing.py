@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass
 
 from drivers.mavlink.messages import CRC_EXTRA, Frame, crc
-from drivers.mavlink.signing import BLOCK, SIGNED, SignatureCheck
+from drivers.mavlink.signing import SIGNATURE_BYTES, SIGNED, SignatureCheck
 
 _START = re.compile(rb"[\xfd\xfe]")
 _V2 = 0xFD
@@ -94,7 +94,7 @@ class MavlinkFramer:
             if head[2] & ~SIGNED:
                 self.counters.unknown += 1
                 return at
-            size += BLOCK * (head[2] & SIGNED)
+            size += SIGNATURE_BYTES * (head[2] & SIGNED)
         if number not in CRC_EXTRA:
             self.counters.unknown += 1
             return at

@@ -12,7 +12,7 @@ from procedures.earth.gnss_records import TimeMark
 
 EPOCH_US = 10**15  # us; what is beyond is UTC (2001), what is below since boot (32 years)
 REBOOT_NS = 10**9
-WINDOW = 600  # marks: minutes, in which crystals drift apart by less than the link's jitter
+WINDOW_MARKS = 600  # marks: minutes, in which crystals drift apart by less than the link's jitter
 
 
 class SenderClock:
@@ -21,7 +21,7 @@ class SenderClock:
     def __init__(self) -> None:
         self.reboots = 0
         self._utc_less_boot: int | None = None
-        self._host_less_boot: deque[int] = deque(maxlen=WINDOW)
+        self._host_less_boot: deque[int] = deque(maxlen=WINDOW_MARKS)
         self._last_boot = 0
 
     def mark(self, host_ns: int, boot_ns: int, utc_ns: int | None) -> TimeMark:

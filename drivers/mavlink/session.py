@@ -27,7 +27,7 @@ from drivers.mavlink.signing import SignatureCheck, signing_time
 STATION, COMPONENT = 254, 190  # 190: a ground station's program
 HEARTBEAT_S = 1.0
 ANSWER_S = 1.0
-TRIES = 3
+MAX_TRIES = 3
 SILENT_S = 5.0  # without a heartbeat: gone, to be asked anew
 STALE_S = 10.0  # of heartbeats alone: it has forgotten what it was asked
 SET_MESSAGE_INTERVAL = 511
@@ -88,7 +88,7 @@ class MavlinkSession:
             mav = self._mav
             self._say(mav.heartbeat_encode(dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID, 0, 0, 4))
         if self._until is not None and now >= self._until:
-            if self._tries < TRIES:
+            if self._tries < MAX_TRIES:
                 self._ask(now)
             else:
                 self._done("no answer", now)

@@ -14,10 +14,10 @@ from typing import Literal
 from drivers.errors import BadDeviceUrl
 
 SIGNED = 0x01  # incompatibility flag
-BLOCK = 13  # bytes: link, 6 of time, 6 of signature
+SIGNATURE_BYTES = 13  # bytes: link, 6 of time, 6 of signature
 EPOCH_2015 = 1_420_070_400  # s since 1970
-TICKS = 100_000  # per s
-OLD = 60 * TICKS
+TICKS_HZ = 100_000  # per s
+MAX_AGE_TICKS = 60 * TICKS_HZ
 KEY_BYTES = 32
 
 Judgement = Literal["good", "unsigned", "bad_signature", "replayed"]
@@ -40,7 +40,7 @@ class SignatureCheck:
         stamp = int.from_bytes(frame[-12:-6], "little")
         stream = frame[-13], system, component
         last = self._streams.get(stream)
-        if stamp < self._now - OLD if last is None else stamp <= last:
+        if stamp < self._now - MAX_AGE_TICKS if last is None else stamp <= last:
             return "replayed"
         self._streams[stream] = stamp
         self._now = max(self._now, stamp)
@@ -49,7 +49,7 @@ class SignatureCheck:
 
 def signing_time() -> int:
     """Return the time of day in a signature's ticks."""
-    return int((time.time() - EPOCH_2015) * TICKS)
+    return int((time.time() - EPOCH_2015) * TICKS_HZ)
 
 
 def read_key(path: str) -> bytes:

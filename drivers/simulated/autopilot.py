@@ -33,7 +33,7 @@ STREAMS = {
     1: (HIGHRES_IMU,), 2: (GPS_RAW_INT, GPS2_RAW), 6: (GLOBAL_POSITION_INT,), 11: (VFR_HUD,), 12: (SYSTEM_TIME,),
 }  # fmt: skip
 SENDS = tuple(number for numbers in STREAMS.values() for number in numbers)
-MOST_BEHIND_S = 1.0  # messages older than this are not made up for
+MAX_BEHIND_S = 1.0  # messages older than this are not made up for
 NEVER = float("inf")
 
 
@@ -86,7 +86,7 @@ class Autopilot:
         out = list[bytes]()
         for number, at in sorted(self._next.items(), key=lambda item: item[1]):
             interval = self._interval[number]
-            at = max(at, now - MOST_BEHIND_S)
+            at = max(at, now - MAX_BEHIND_S)
             while at <= now:
                 out += self._spoilt(self._message(number, at), at)
                 at += interval

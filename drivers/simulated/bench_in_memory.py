@@ -30,8 +30,8 @@ from procedures.counts.sample_records import CountSeries
 from procedures.frames import AXES, FACES, TURN_START, face_of
 from procedures.rests_and_moves.free_attitudes import LEANS, leaned, way_up
 
-WAIT_S = 5.0  # of every move, the last seconds are a wait for the cube to settle
-MOST_REVOLUTIONS = 100
+SETTLING_S = 5.0  # of every move, the last seconds are a wait for the cube to settle
+MAX_REVOLUTIONS = 100
 ALL_POSITIONS = tuple(range(1, 13))
 
 
@@ -63,7 +63,7 @@ class SimulatedBench:
         entropy = None if seed is None else [seed]
         self.sensor = Sensor(self.truth, self.world, (*planted(truth.effects), *also), entropy)
         self._move = round(move_s / truth.sample_period_s)
-        self._wait = round(min(WAIT_S, move_s) / truth.sample_period_s)
+        self._wait = round(min(SETTLING_S, move_s) / truth.sample_period_s)
         self._index = 0
 
     def perform(self, step: Step) -> CountSeries:
@@ -125,8 +125,8 @@ def turn_segment(
     """
     normal_b = C_bn @ world.slab_normal_n()
     sense = turn_sign(turn.axis, turn.direction)
-    if not 1 <= turn.revolutions <= MOST_REVOLUTIONS:
-        raise ValueError(f"turn of {turn.revolutions} revolutions: expected 1 to {MOST_REVOLUTIONS}")
+    if not 1 <= turn.revolutions <= MAX_REVOLUTIONS:
+        raise ValueError(f"turn of {turn.revolutions} revolutions: expected 1 to {MAX_REVOLUTIONS}")
     along = AXES.index(turn.axis)
     if abs(normal_b[along]) < 0.9:
         raise ValueError(

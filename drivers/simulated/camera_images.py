@@ -17,8 +17,8 @@ from procedures.arrays import FloatArray
 from procedures.fusion.optional_libraries import opencv
 from procedures.fusion.vision.feature_tracker import Image
 
-BLACK = 4.0  # grey of an image in the dark
-NOISE = 2**17  # drawn once: images differ in where they begin among it
+DARK_GREY = 4.0  # grey of an image in the dark
+NOISE_SAMPLES = 2**17  # drawn once: images differ in where they begin among it
 
 
 class CameraImages:
@@ -41,7 +41,7 @@ class CameraImages:
         self._mounted = Mounted(truth, camera, track)
         self._size = camera.height, camera.width
         rng = np.random.default_rng([seed or 0, 0xCA3E])
-        noise = rng.standard_normal(NOISE + camera.height * camera.width, dtype=np.float32)
+        noise = rng.standard_normal(NOISE_SAMPLES + camera.height * camera.width, dtype=np.float32)
         self._noise = noise * np.float32(0 if seed is None else camera.noise)
 
     def pose(self, t: float) -> tuple[FloatArray, FloatArray]:
@@ -51,7 +51,9 @@ class CameraImages:
     def image(self, t: float) -> Image:
         """Return what is seen at true time ``t`` [s], 8 bit grey (h, w)."""
         is_dark = active(self.faults, t, "dark")
-        grey = np.full(self._size, BLACK, np.float32) if is_dark else self.room.image(self.camera, *self.pose(t))
+        grey = (
+            np.full(self._size, DARK_GREY, np.float32) if is_dark else self.room.image(self.camera, *self.pose(t))
+        )
         image: Image = np.clip(np.rint(grey + self._drawn(t)), 0, 255).astype(np.uint8)
         return image
 
@@ -67,5 +69,5 @@ class CameraImages:
         return sent[: len(sent) // 2] if active(self.faults, t, "cut") else sent
 
     def _drawn(self, t: float) -> Floats:
-        begin = int(np.random.default_rng(round(t * 1e6)).integers(NOISE))
+        begin = int(np.random.default_rng(round(t * 1e6)).integers(NOISE_SAMPLES))
         return self._noise[begin:][: self._size[0] * self._size[1]].reshape(self._size)

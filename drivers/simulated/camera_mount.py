@@ -4,7 +4,7 @@ import numpy as np
 
 from drivers.simulated.bench_in_memory import stand
 from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.imu import LYING
+from drivers.simulated.imu import Z_UP_POSITION
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_motion import turned
 from drivers.simulated.vehicle_track import VehicleTrack
@@ -18,7 +18,7 @@ class Mounted:
     def __init__(self, truth: Truth, camera: CameraTruth, track: VehicleTrack | None) -> None:
         world = stand(truth)
         self._camera, self._track, self._C_sb = camera, track, world.C_sb
-        self._C_bn = world.attitude(LYING)
+        self._C_bn = world.attitude(Z_UP_POSITION)
         if track is not None:
             steps = int(np.ceil(track.t[-1] / truth.sample_period_s)) + 2
             self._t: FloatArray = np.float64(truth.sample_period_s) * np.arange(steps)

@@ -12,14 +12,16 @@ from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.arrays import FloatArray
 
-MARGIN = 9.0  # m, from the track to the walls
+WALL_MARGIN_M = 9.0  # m, from the track to the walls
 EYE, CEILING = 1.6, 9.0  # m, from the track down and up
-APART = 10.0  # m, between pillars
-HALF = 0.8, 2.5  # m, of a pillar's width; thin ones are all edges, beside which features go astray
-CLEAR = 4.0  # m, from the track to a pillar at least: what is nearer goes by faster than features are followed
-WITHIN = 18.0  # m, of the track: pillars further off are not needed
-NEAREST = 0.05  # m
-LEAST = 1e-9  # of a ray's parts: all are divided by
+PILLAR_SPACING_M = 10.0  # m, between pillars
+PILLAR_HALF_WIDTHS_M = 0.8, 2.5  # m, of a pillar's width; thin ones are all edges, beside which features go astray
+MIN_PILLAR_DISTANCE_M = (
+    4.0  # m, from the track to a pillar at least: what is nearer goes by faster than features are followed
+)
+MAX_PILLAR_DISTANCE_M = 18.0  # m, of the track: pillars further off are not needed
+MIN_RANGE_M = 0.05  # m
+MIN_DIRECTION = 1e-9  # of a ray's parts: all are divided by
 SEEN_FROM = 45.0  # m: pillars further off are not drawn
 
 
@@ -38,8 +40,8 @@ class Room:
     def __init__(self, track: VehicleTrack | None, seed: int = 1) -> None:
         points = np.zeros((1, 3)) if track is None else track.positions(np.arange(track.t[0], track.t[-1], 0.1))
         rng = np.random.default_rng([seed, 0x5CE6])
-        low: FloatArray = points.min(axis=0) - np.array([MARGIN, MARGIN, EYE])
-        high: FloatArray = points.max(axis=0) + np.array([MARGIN, MARGIN, CEILING])
+        low: FloatArray = points.min(axis=0) - np.array([WALL_MARGIN_M, WALL_MARGIN_M, EYE])
+        high: FloatArray = points.max(axis=0) + np.array([WALL_MARGIN_M, WALL_MARGIN_M, CEILING])
         pillars = _pillars(low, high, points, rng)
         self.low = np.vstack((low, pillars[0])).astype(np.float32)
         self.high = np.vstack((high, pillars[1])).astype(np.float32)
@@ -82,9 +84,9 @@ class Room:
         """Return rows and columns of the image in which a box may stand, None where it is out of sight."""
         corners = np.array(np.meshgrid(*zip(self.low[box], self.high[box], strict=True))).reshape(3, 8).T
         y = (corners - p_c) @ C_nc
-        if (y[:, 2] < NEAREST).all():
+        if (y[:, 2] < MIN_RANGE_M).all():
             return None
-        if (y[:, 2] < NEAREST).any():
+        if (y[:, 2] < MIN_RANGE_M).any():
             return slice(0, camera.height), slice(0, camera.width)
         uv = (y / y[:, 2:]) @ camera.K.T
         low, high = np.floor(uv.min(axis=0)), np.ceil(uv.max(axis=0)) + 1
@@ -97,7 +99,7 @@ class Room:
         one, two = (_up(each[box] - o, d) / d for each in (self.low, self.high))
         enter, leave = np.minimum(one, two), np.maximum(one, two)
         near, far = enter.max(axis=0), leave.min(axis=0)
-        met = (near < far) & (near > NEAREST) & (near < hits.depth)
+        met = (near < far) & (near > MIN_RANGE_M) & (near < hits.depth)
         hits.depth[met], hits.axis[met], hits.box[met] = near[met], enter.argmax(axis=0)[met], box
 
     def _painted(self, o: Floats, d: Floats, hits: Hits, pixel: Floats) -> Floats:
@@ -118,7 +120,7 @@ def _rays(camera: CameraTruth, u: np.ndarray, v: np.ndarray) -> Floats:
 def _turned(rays: Floats, C_nc: FloatArray) -> Floats:
     """Return rays (3, ...) in East-North-Up; none is along a surface for good."""
     d: Floats = np.einsum("ij,j...->i...", C_nc.astype(np.float32), rays)
-    d[np.abs(d) < LEAST] = LEAST
+    d[np.abs(d) < MIN_DIRECTION] = MIN_DIRECTION
     return d
 
 
@@ -131,12 +133,12 @@ def _pillars(
     low: FloatArray, high: FloatArray, points: FloatArray, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray]:
     """Return the corners of pillars that stand beside the track."""
-    east, north = np.meshgrid(*(np.arange(low[i] + 2, high[i] - 2, APART) for i in (0, 1)))
+    east, north = np.meshgrid(*(np.arange(low[i] + 2, high[i] - 2, PILLAR_SPACING_M) for i in (0, 1)))
     grid = np.column_stack((east.ravel(), north.ravel()))
-    middle = grid + rng.uniform(-0.3 * APART, 0.3 * APART, grid.shape)
-    half = rng.uniform(*HALF, grid.shape)
+    middle = grid + rng.uniform(-0.3 * PILLAR_SPACING_M, 0.3 * PILLAR_SPACING_M, grid.shape)
+    half = rng.uniform(*PILLAR_HALF_WIDTHS_M, grid.shape)
     away = np.linalg.norm(middle[:, None] - points[None, :, :2], axis=2).min(axis=1)
-    kept = (away - np.hypot(*half.T) > CLEAR) & (away < WITHIN)
+    kept = (away - np.hypot(*half.T) > MIN_PILLAR_DISTANCE_M) & (away < MAX_PILLAR_DISTANCE_M)
     middle, half = middle[kept], half[kept]
     top = low[2] + rng.uniform(1.5, 8.0, len(middle))
     return np.column_stack((middle - half, np.full(len(middle), low[2]))), np.column_stack((middle + half, top))

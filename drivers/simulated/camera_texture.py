@@ -12,12 +12,12 @@ from scipy.fft import irfft2, rfftfreq
 
 from procedures.arrays import FloatArray
 
-SIZE = 1024  # texels, a power of two
-TEXEL = 0.015  # m, of the finest level
-LEVELS = 9
-SOFT = 0.22  # cycles a texel, above which there is nothing: a texel's edge must not show from near
-FALL = 0.6  # of the amplitude with frequency; with 1, the eye's, features were followed half as well
-SHARP = 0.7  # texels to a pixel's width: with 1 features were followed a tenth worse
+TEXTURE_TEXELS = 1024  # texels, a power of two
+TEXEL_M = 0.015  # m, of the finest level
+MIPMAP_LEVELS = 9
+MAX_FREQUENCY = 0.22  # cycles a texel, above which there is nothing: a texel's edge must not show from near
+SPECTRUM_EXPONENT = 0.6  # of the amplitude with frequency; with 1, the eye's, features were followed half as well
+TEXELS_PER_PIXEL = 0.7  # texels to a pixel's width: with 1 features were followed a tenth worse
 MEAN, CONTRAST = 127.0, 48.0  # grey
 Floats = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
 
@@ -26,16 +26,16 @@ Floats = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
 def pyramid(seed: int = 7) -> tuple[Floats, np.ndarray]:
     """Return all levels one after the other, and where each begins."""
     rng = np.random.default_rng(seed)
-    across, down = rfftfreq(SIZE), np.fft.fftfreq(SIZE)[:, None]
+    across, down = rfftfreq(TEXTURE_TEXELS), np.fft.fftfreq(TEXTURE_TEXELS)[:, None]
     f = np.hypot(across, down)
     f[0, 0] = 1.0
-    size = np.exp(-((f / SOFT) ** 4)) / f**FALL
+    size = np.exp(-((f / MAX_FREQUENCY) ** 4)) / f**SPECTRUM_EXPONENT
     size[0, 0] = 0.0
     spectrum = size * (rng.normal(size=f.shape) + 1j * rng.normal(size=f.shape))
-    level: FloatArray = irfft2(spectrum, (SIZE, SIZE))
+    level: FloatArray = irfft2(spectrum, (TEXTURE_TEXELS, TEXTURE_TEXELS))
     level = np.clip(MEAN + CONTRAST * level / level.std(), 0, 255)
     levels = [level]
-    for _ in range(LEVELS - 1):
+    for _ in range(MIPMAP_LEVELS - 1):
         levels.append(_halved(levels[-1]))
     begin = np.cumsum([0, *(each.size for each in levels[:-1])])
     return np.concatenate([each.ravel() for each in levels]).astype(np.float32), begin.astype(np.int32)
@@ -53,7 +53,9 @@ def _halved(level: FloatArray) -> FloatArray:
 def grey(u: Floats, v: Floats, pixel: Floats) -> Floats:
     """Return the grey at places (u, v) [m] of a wall where a pixel covers ``pixel`` [m]; all of one shape."""
     texels, begin = pyramid()
-    fine = np.clip(np.log2(np.maximum(pixel, 1e-6) * (SHARP / TEXEL)), 0, LEVELS - 1.001, dtype=np.float32)
+    fine = np.clip(
+        np.log2(np.maximum(pixel, 1e-6) * (TEXELS_PER_PIXEL / TEXEL_M)), 0, MIPMAP_LEVELS - 1.001, dtype=np.float32
+    )
     level = fine.astype(np.int32)
     share = fine - level
     near, far = (_between(texels, begin, u, v, level + k) for k in (0, 1))
@@ -63,11 +65,11 @@ def grey(u: Floats, v: Floats, pixel: Floats) -> Floats:
 
 def _between(texels: Floats, begin: np.ndarray, u: Floats, v: Floats, level: np.ndarray) -> Floats:
     """Return a level's grey, linear between the middles of its texels."""
-    scale = np.ldexp(np.float32(1 / TEXEL), -level).astype(np.float32)
+    scale = np.ldexp(np.float32(1 / TEXEL_M), -level).astype(np.float32)
     x, y = u * scale - np.float32(0.5), v * scale - np.float32(0.5)
     x0, y0 = np.floor(x), np.floor(y)
     a, b = x - x0, y - y0
-    size = SIZE >> level
+    size = TEXTURE_TEXELS >> level
     last = size - 1
     i, j = x0.astype(np.int32), y0.astype(np.int32)
     left, right = i & last, (i + 1) & last

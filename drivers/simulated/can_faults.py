@@ -7,8 +7,8 @@ import numpy as np
 
 from drivers.can.record import EXTENDED, RECORD, STANDARD, WIDE, pack, unpack
 
-SIZE = RECORD.itemsize
-FOREIGN = 0x320  # identifiers from here on are another device's
+RECORD_BYTES = RECORD.itemsize
+FIRST_FOREIGN_ID = 0x320  # identifiers from here on are another device's
 
 
 class Counted(Protocol):
@@ -22,12 +22,12 @@ class Counted(Protocol):
 
 def babble(rng: np.random.Generator) -> bytes:
     """Return a frame of another device."""
-    return pack(FOREIGN + int(rng.integers(64)), 0, rng.bytes(int(rng.integers(9))))
+    return pack(FIRST_FOREIGN_ID + int(rng.integers(64)), 0, rng.bytes(int(rng.integers(9))))
 
 
 def without(frames: bytes, faults: Iterable[Counted], rng: np.random.Generator) -> bytes:
     """Return a sample's frames without those that a ``frame_lost`` takes."""
-    records = [frames[at : at + SIZE] for at in range(0, len(frames), SIZE)]
+    records = [frames[at : at + RECORD_BYTES] for at in range(0, len(frames), RECORD_BYTES)]
     for fault in faults:
         if fault.kind == "frame_lost":
             for _ in range(min(fault.count, len(records))):
@@ -37,16 +37,16 @@ def without(frames: bytes, faults: Iterable[Counted], rng: np.random.Generator) 
 
 def parted(frames: bytes) -> tuple[bytes, bytes]:
     """Return a sample's frames but for the first, and that one."""
-    return frames[SIZE:], frames[:SIZE]
+    return frames[RECORD_BYTES:], frames[:RECORD_BYTES]
 
 
 def spoilt(frames: bytes, rng: np.random.Generator) -> bytes:
     """Return a sample's frames with one bit of one payload flipped."""
-    at = SIZE * int(rng.integers(len(frames) // SIZE))
-    [(identifier, data)] = unpack(frames[at : at + SIZE])
+    at = RECORD_BYTES * int(rng.integers(len(frames) // RECORD_BYTES))
+    [(identifier, data)] = unpack(frames[at : at + RECORD_BYTES])
     octet, bit = int(rng.integers(len(data))), 1 << int(rng.integers(8))
     data = data[:octet] + bytes([data[octet] ^ bit]) + data[octet + 1 :]
-    return frames[:at] + pack(identifier, 0, data) + frames[at + SIZE :]
+    return frames[:at] + pack(identifier, 0, data) + frames[at + RECORD_BYTES :]
 
 
 def text_of(identifier: int, data: bytes) -> bytes:

@@ -15,9 +15,9 @@ from threading import Condition, Event, Thread
 
 from drivers.can.record import EXTENDED, IMU, RECORD, WIDE, unpack
 from drivers.simulated.can_faults import text_of_records
-from drivers.simulated.lines import LOOK_S, PtyLine
+from drivers.simulated.lines import STOP_CHECK_S, PtyLine
 
-MOST_WAITING = 4096  # bytes for the station; a bus goes on, but what is simulated waits for its reader
+MAX_WAITING_BYTES = 4096  # bytes for the station; a bus goes on, but what is simulated waits for its reader
 ERROR, OK = b"\a", b"\r"
 BUS_OFF_FLAGS = 0xA4  # error warning, error passive, bus error
 FRAME = re.compile(
@@ -63,23 +63,23 @@ class SlcanAdapter(PtyLine):
         text = data
         if data.startswith(IMU.prefix) and len(data) % RECORD.itemsize == 0:
             text = text_of_records(data)
-        for at in range(0, len(text), MOST_WAITING):
+        for at in range(0, len(text), MAX_WAITING_BYTES):
             with self._room:
                 while not self._has_room() and not stop.is_set() and not self._gone.is_set():
-                    self._room.wait(LOOK_S)
+                    self._room.wait(STOP_CHECK_S)
                 if stop.is_set() or self._gone.is_set():
                     return False
-                self._out += text[at : at + MOST_WAITING]
+                self._out += text[at : at + MAX_WAITING_BYTES]
         return True
 
     def _has_room(self) -> bool:
-        return self._is_open and len(self._out) < MOST_WAITING
+        return self._is_open and len(self._out) < MAX_WAITING_BYTES
 
     def _serve(self) -> None:
         asked = b""
         while not self._gone.is_set():
             wants = [self._near] if self._out else []
-            readable, writable, _ = select.select([self._near], wants, [], LOOK_S / 5)
+            readable, writable, _ = select.select([self._near], wants, [], STOP_CHECK_S / 5)
             with self._room, contextlib.suppress(BlockingIOError):
                 if readable:
                     *lines, asked = (asked + os.read(self._near, 4096)).split(b"\r")

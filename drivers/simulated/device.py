@@ -13,7 +13,7 @@ import numpy as np
 
 from drivers.simulated.faults import Fault, FaultyLine, Sent
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.pace import MOST_SAMPLES
+from drivers.simulated.pace import MAX_CHUNK_SAMPLES
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from drivers.wire import FORMATS, Identity, WireFormat
@@ -62,7 +62,7 @@ class ByteDevice:
         """Samples taken since power-on."""
         return self.imu.index
 
-    def chunk(self, most: int = MOST_SAMPLES) -> list[Sent]:
+    def chunk(self, most: int = MAX_CHUNK_SAMPLES) -> list[Sent]:
         """Take up to ``most`` samples and return what goes over the line for them."""
         with self._lock:
             self._move()

@@ -4,20 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivers.simulated.can_faults import SIZE, text_of_records
+from drivers.simulated.can_faults import RECORD_BYTES, text_of_records
 from drivers.wire import WireFormat
 from procedures.counts.sample_records import CountBlock, SampleBlock
 
-TIMES = 2  # as fast as it is sent, the receiver believes
-ANOTHER = 7  # counts or units by which the other unit differs, beside the sign
+BAUD_RATIO = 2  # as fast as it is sent, the receiver believes
+OTHER_UNIT_OFFSET = 7  # counts or units by which the other unit differs, beside the sign
 
 
 def half_of(frame: bytes, wire: WireFormat) -> list[bytes]:
     """Return the first half of a frame; on CAN of a sample's frames, the last one cut on the adapter's line."""
     if wire.joiner is None:
         return [frame[: len(frame) // 2]]
-    middle = len(frame) // 2 // SIZE * SIZE
-    return [frame[:middle], text_of_records(frame[middle : middle + SIZE])[:-7]]
+    middle = len(frame) // 2 // RECORD_BYTES * RECORD_BYTES
+    return [frame[:middle], text_of_records(frame[middle : middle + RECORD_BYTES])[:-7]]
 
 
 def misread(frame: bytes, wire: WireFormat) -> bytes:
@@ -30,7 +30,7 @@ def misread(frame: bytes, wire: WireFormat) -> bytes:
     octets = np.frombuffer(text, np.uint8)
     ones = np.ones((len(octets), 1), np.uint8)
     line = np.hstack((0 * ones, np.unpackbits(octets[:, None], axis=1, bitorder="little"), ones)).ravel()
-    seen, at, got = np.repeat(line, TIMES).tolist() + [1] * 10, 0, bytearray()
+    seen, at, got = np.repeat(line, BAUD_RATIO).tolist() + [1] * 10, 0, bytearray()
     while 0 in seen[at:] and (at := seen.index(0, at)) + 10 <= len(seen):
         got.append(sum(bit << k for k, bit in enumerate(seen[at + 1 : at + 9])))
         at += 10
@@ -41,7 +41,7 @@ def mingled(frame: bytes, other: bytes, wire: WireFormat, rng: np.random.Generat
     """Return two devices' frames of the same moment in any order; on CAN those of a sample between each other."""
     if wire.joiner is None:
         return [frame, other] if rng.integers(2) else [other, frame]
-    parts = [[each[at : at + SIZE] for at in range(0, len(each), SIZE)] for each in (frame, other)]
+    parts = [[each[at : at + RECORD_BYTES] for at in range(0, len(each), RECORD_BYTES)] for each in (frame, other)]
     turns = rng.permutation(np.repeat((0, 1), [len(part) for part in parts]))
     return [b"".join(parts[turn].pop(0) for turn in turns)]
 
@@ -50,5 +50,9 @@ def other_unit(block: SampleBlock, ahead: int) -> SampleBlock:
     """Return what another unit says at the same moment; its counter is ``ahead`` by so many."""
     counter = block.counter + ahead
     if isinstance(block, CountBlock):
-        return replace(block, counter=counter, gyro=ANOTHER - block.gyro, accel=ANOTHER - block.accel)
-    return replace(block, counter=counter, gyro=ANOTHER - block.gyro, accel=ANOTHER - block.accel)
+        return replace(
+            block, counter=counter, gyro=OTHER_UNIT_OFFSET - block.gyro, accel=OTHER_UNIT_OFFSET - block.accel
+        )
+    return replace(
+        block, counter=counter, gyro=OTHER_UNIT_OFFSET - block.gyro, accel=OTHER_UNIT_OFFSET - block.accel
+    )

@@ -23,7 +23,7 @@ from procedures.counts.sample_records import CountBlock, RateBlock
 from procedures.frames import rotation
 from procedures.rests_and_moves.free_attitudes import leaned
 
-LYING = 9  # the position with z up, as which it is carried
+Z_UP_POSITION = 9  # the position with z up, as which it is carried
 LEAN_STD_DEG = 3.0  # how far off a free attitude is set by hand
 COUNT_PER_RAD, COUNT_PER_G_S = np.degrees(36000.0), 1000.0  # usual scale factors, see `SimulatedImu.read_rates`
 A = TypeVar("A", IntArray, FloatArray)
@@ -119,7 +119,9 @@ class SimulatedImu:
 
     def drive(self, track: VehicleTrack) -> None:
         """Carry the cube along a track, x ahead and z up, from now on; the track's time is the device's."""
-        carried = drive(track, self.world.attitude(LYING), self.index + self._queued(), self.truth.sample_period_s)
+        carried = drive(
+            track, self.world.attitude(Z_UP_POSITION), self.index + self._queued(), self.truth.sample_period_s
+        )
         self._append(carried, rest(carried.end_C_bn(), None, 0))
         self.position = 0
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from threading import Event
 from typing import Protocol
 
-LOOK_S = 0.05  # how often a blocked write looks whether it should stop
+STOP_CHECK_S = 0.05  # how often a blocked write looks whether it should stop
 
 
 class Line(Protocol):
@@ -76,7 +76,7 @@ class PtyLine:
     def write(self, data: bytes, stop: Event) -> bool:
         """Send ``data`` whole; what a reader sends is read and dropped."""
         while data and not stop.is_set():
-            readable, writable, _ = select.select([self._near], [self._near], [], LOOK_S)
+            readable, writable, _ = select.select([self._near], [self._near], [], STOP_CHECK_S)
             if readable:
                 os.read(self._near, 4096)
             if writable:
@@ -115,7 +115,7 @@ class TcpLine:
             reader = self._reader or self._accepted()
             if reader is None:
                 continue
-            readable, writable, _ = select.select([reader], [reader], [], LOOK_S)
+            readable, writable, _ = select.select([reader], [reader], [], STOP_CHECK_S)
             try:
                 if readable and not reader.recv(4096):
                     raise ConnectionResetError
@@ -129,7 +129,7 @@ class TcpLine:
         return not data
 
     def _accepted(self) -> socket.socket | None:
-        if self._listener is not None and select.select([self._listener], [], [], LOOK_S)[0]:
+        if self._listener is not None and select.select([self._listener], [], [], STOP_CHECK_S)[0]:
             self._reader, _ = self._listener.accept()
             self._reader.setblocking(False)
             with contextlib.suppress(OSError):  # a caller who has gone already; the first write finds out

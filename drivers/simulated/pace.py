@@ -3,9 +3,9 @@
 import time
 from collections.abc import Callable
 
-MOST_SAMPLES = 50  # of a chunk: bounds how late a command acts
+MAX_CHUNK_SAMPLES = 50  # of a chunk: bounds how late a command acts
 CHUNK_S = 0.01  # wall time a paced chunk aims at
-BEHIND_S = 0.25  # a device later than this starts its pace anew instead of hurrying after it
+MAX_BEHIND_S = 0.25  # a device later than this starts its pace anew instead of hurrying after it
 
 
 class Pace:
@@ -15,16 +15,20 @@ class Pace:
         self._per_sample = period / speed if speed else 0.0
         self._clock = clock
         self._anchor, self._anchored = clock(), 0
-        self._allowed = BEHIND_S
+        self._allowed = MAX_BEHIND_S
 
     def excuse(self, seconds: float) -> None:
         """Take it that the device was held up on purpose: what became due meanwhile is not waited for again."""
-        self._allowed = BEHIND_S + seconds
+        self._allowed = MAX_BEHIND_S + seconds
 
     @property
     def samples(self) -> int:
         """Samples to take at a time."""
-        return min(MOST_SAMPLES, max(1, round(CHUNK_S / self._per_sample))) if self._per_sample else MOST_SAMPLES
+        return (
+            min(MAX_CHUNK_SAMPLES, max(1, round(CHUNK_S / self._per_sample)))
+            if self._per_sample
+            else MAX_CHUNK_SAMPLES
+        )
 
     def delay(self, sample: int) -> float:
         """Return how long [s] to wait until ``sample`` is due."""
@@ -32,8 +36,8 @@ class Pace:
             return 0.0
         now = self._clock()
         early = self._anchor + (sample - self._anchored) * self._per_sample - now
-        if early > -BEHIND_S:
-            self._allowed = BEHIND_S
+        if early > -MAX_BEHIND_S:
+            self._allowed = MAX_BEHIND_S
         elif early < -self._allowed:
             self._anchor, self._anchored = now, sample
         return max(0.0, early)

@@ -30,7 +30,7 @@ from drivers.wire import WireFormat
 
 CAN_TRANSPORTS = ("slcan", "udp_multicast")
 TRANSPORTS = ("pty", "tcp", *CAN_TRANSPORTS)
-LONGEST_COMMAND = 256  # bytes
+MAX_COMMAND_BYTES = 256  # bytes
 POLL_S = 0.05  # how long the control port takes to close
 
 
@@ -263,6 +263,6 @@ class _Conversation(socketserver.StreamRequestHandler):
 
     def handle(self) -> None:
         with contextlib.suppress(ConnectionError):
-            while line := self.rfile.readline(LONGEST_COMMAND):
+            while line := self.rfile.readline(MAX_COMMAND_BYTES):
                 answer = self.server.obey(line.decode("utf-8", "replace").strip())
                 self.wfile.write(answer.encode() + b"\n")

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from drivers.simulated.lines import PtyLine
 
-MOST = 65535
+MAX_READ_BYTES = 65535
 
 
 class Talk(Protocol):
@@ -46,7 +46,7 @@ class PtyTalk(PtyLine):
         with contextlib.suppress(BlockingIOError):
             os.write(self._near, out)
         if select.select([self._near], [], [], wait_s)[0]:
-            return os.read(self._near, MOST)
+            return os.read(self._near, MAX_READ_BYTES)
         return b""
 
 
@@ -86,7 +86,7 @@ class UdpTalk:
         if not select.select([self._socket], [], [], wait_s)[0]:
             return b""
         try:
-            data, sender = self._socket.recvfrom(MOST)
+            data, sender = self._socket.recvfrom(MAX_READ_BYTES)
         except OSError:
             return b""
         self._peer = self._to or sender
@@ -131,7 +131,7 @@ class TcpTalk:
                 with contextlib.suppress(BlockingIOError):
                     self._caller.send(out)
             if select.select([self._caller], [], [], wait_s)[0]:
-                if data := self._caller.recv(MOST):
+                if data := self._caller.recv(MAX_READ_BYTES):
                     return data
                 raise ConnectionResetError
         except OSError:

@@ -8,7 +8,7 @@ from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.arrays import FloatArray
 from procedures.units import STANDARD_GRAVITY
 
-SLOWEST = 0.2  # m/s, below which the vehicle keeps its heading
+MIN_SPEED_M_S = 0.2  # m/s, below which the vehicle keeps its heading
 
 
 def drive(track: VehicleTrack, C_bn: FloatArray, first: int, period: float) -> Segment:
@@ -32,7 +32,7 @@ def drive(track: VehicleTrack, C_bn: FloatArray, first: int, period: float) -> S
 
 def turned(t: FloatArray, v: FloatArray, C_bn: FloatArray) -> FloatArray:
     """Return by how much (n,) [rad] the cube has turned about its up, ``v`` (n, 3) [m/s] being its velocities."""
-    moves = np.hypot(v[:, 0], v[:, 1]) > SLOWEST
+    moves = np.hypot(v[:, 0], v[:, 1]) > MIN_SPEED_M_S
     if not moves.any():
         return np.zeros(len(t))
     course: FloatArray = np.unwrap(np.arctan2(v[moves, 1], v[moves, 0]))

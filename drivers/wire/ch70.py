@@ -16,7 +16,7 @@ from procedures.counts.sample_records import CountBlock
 from procedures.units import RAD_PER_DEG
 
 HEADER = 0x80
-GROUP = 7  # bits
+GROUP_BITS = 7  # bits
 INT32 = 2**31
 TEMPERATURE_COUNTS = 16  # counts per degC
 RATE_HZ = 400.0
@@ -69,14 +69,14 @@ def encode(block: CountBlock) -> bytes:
     for name, value in (("count", fits(block.gyro[:, 0], -INT32, INT32 - 1, "gyro")), ("temperature", warmth)):
         groups = frames[name].shape[1]
         bits = 32 if groups == 5 else 14
-        shifts = GROUP * np.arange(groups)
+        shifts = GROUP_BITS * np.arange(groups)
         frames[name] = (value & 2**bits - 1)[:, None] >> shifts & 0x7F
         frames[f"{name}_xor"] = np.bitwise_xor.reduce(frames[name], axis=1)
     return frames.tobytes()
 
 
 def _joined(groups: np.ndarray[tuple[int, int], np.dtype[np.uint8]]) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    shifts = GROUP * np.arange(groups.shape[1])
+    shifts = GROUP_BITS * np.arange(groups.shape[1])
     joined: np.ndarray[tuple[int], np.dtype[np.int64]] = (groups.astype(np.int64) << shifts).sum(axis=1)
     return joined
 

@@ -18,9 +18,9 @@ from procedures.counts.sample_records import RateBlock
 
 HEADER = b"\xfe\x81\xff"
 VALID = 0x77  # status: bits 0-2 gyros x y z, 4-6 accelerometers x y z; 3 and 7 are always 0
-SEQUENCE = 128
-MICROSECONDS = 2**32
-MULTIPLEXED = 4  # format C: 0 temperature, 1 2 3 magnetic x y z
+SEQUENCE_MODULUS = 128
+TIME_MODULUS_US = 2**32
+SLOTS = 4  # format C: 0 temperature, 1 2 3 magnetic x y z
 
 _HEAD = [("header", "u1", 4), ("gyro", ">f4", 3), ("accel", ">f4", 3)]
 _STATE = [("status", "u1"), ("sequence", "u1")]
@@ -40,7 +40,7 @@ def decode(frames: Frames) -> RateBlock:
     status = frames["status"].astype(np.int64)
     finite = np.isfinite(gyro).all(axis=1) & np.isfinite(accel).all(axis=1)
     return RateBlock(
-        counter=frames["sequence"].astype(np.int64) % SEQUENCE,
+        counter=frames["sequence"].astype(np.int64) % SEQUENCE_MODULUS,
         device_time=_time(frames),
         gyro=np.nan_to_num(gyro, posinf=0.0, neginf=0.0),
         accel=np.nan_to_num(accel, posinf=0.0, neginf=0.0),
@@ -59,14 +59,14 @@ def _time(frames: Frames) -> FloatArray:
 def _temperature(frames: Frames) -> FloatArray:
     if "slot" not in (frames.dtype.names or ()):
         return frames["temperature"].astype(np.float64)
-    return np.where(frames["sequence"] % MULTIPLEXED == 0, frames["slot"].astype(np.float64), np.nan)
+    return np.where(frames["sequence"] % SLOTS == 0, frames["slot"].astype(np.float64), np.nan)
 
 
 def magnetic(frames: Frames) -> FloatArray:
     """Return (n, 3) of format C's frames: the magnetic field's component that each holds, nan for the others."""
     field = np.full((len(frames), 3), np.nan)
     for axis in range(3):
-        rows = frames["sequence"] % MULTIPLEXED == axis + 1
+        rows = frames["sequence"] % SLOTS == axis + 1
         field[rows, axis] = frames["slot"][rows]
     return field
 
@@ -79,9 +79,9 @@ def encode(block: RateBlock) -> bytes:
     frames = np.zeros(len(block), FRAME_B)
     frames["header"] = np.frombuffer(B.prefix, np.uint8)
     frames["gyro"], frames["accel"] = block.gyro, block.accel
-    frames["time_us"] = fits(np.rint(block.device_time * 1e6), 0, 2**62, "device_time in us") % MICROSECONDS
+    frames["time_us"] = fits(np.rint(block.device_time * 1e6), 0, 2**62, "device_time in us") % TIME_MODULUS_US
     frames["status"] = np.where(block.healthy, VALID, 0)
-    frames["sequence"] = fits(block.counter, 0, 2**63 - 1, "counter") % SEQUENCE
+    frames["sequence"] = fits(block.counter, 0, 2**63 - 1, "counter") % SEQUENCE_MODULUS
     frames["temperature"] = fits(np.rint(block.temperature), -(2**15), 2**15 - 1, "temperature")
     return seal(frames, mpeg2.crc)
 
@@ -102,8 +102,8 @@ FORMAT = WireFormat(
     carries=frozenset({"counter", "device_time", "temperature", "healthy"}),
     output="rate",
     temperature_step=1.0,
-    counter_modulus=SEQUENCE,
-    time_modulus=MICROSECONDS / 1e6,
+    counter_modulus=SEQUENCE_MODULUS,
+    time_modulus=TIME_MODULUS_US / 1e6,
     baud=921600,
     # the values of a real frame of format A (tests/drivers/wire/test_kvh1750.py) at 1 s, made by `encode`
     example=bytes.fromhex(

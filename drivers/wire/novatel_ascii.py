@@ -14,7 +14,7 @@ import numpy as np
 
 from drivers.wire import novatel, novatel_log
 from drivers.wire._format import UNDECIDED, FrameKind, Identity, Octets, TextForm, WireFormat
-from drivers.wire.novatel_lines import DIGITS, LONGEST, layout_of, lines
+from drivers.wire.novatel_lines import CRC_DIGITS, MAX_LINE_CHARS, layout_of, lines
 from procedures.counts.sample_records import CountBlock
 
 _PLAIN = struct.Struct("<12xIdI6i4x")
@@ -23,22 +23,22 @@ _TYPED = struct.Struct("<12xBBHdI6i4x")
 
 def end(buffer: bytes, at: int) -> int:
     """Return where the line from ``at`` on ends, its line break left out; see `TextForm`."""
-    star = buffer.find(b"*", at, at + LONGEST - DIGITS)
+    star = buffer.find(b"*", at, at + MAX_LINE_CHARS - CRC_DIGITS)
     if star >= 0:
-        return star + 1 + DIGITS
-    return UNDECIDED if len(buffer) - at < LONGEST - DIGITS else at
+        return star + 1 + CRC_DIGITS
+    return UNDECIDED if len(buffer) - at < MAX_LINE_CHARS - CRC_DIGITS else at
 
 
 def is_intact(line: Octets) -> bool:
     """Say whether a line passes its CRC."""
     text = bytes(line)
-    body, star, check = text[1 : -DIGITS - 1], text[-DIGITS - 1 : -DIGITS], text[-DIGITS:]
+    body, star, check = text[1 : -CRC_DIGITS - 1], text[-CRC_DIGITS - 1 : -CRC_DIGITS], text[-CRC_DIGITS:]
     return text[:1] in (b"%", b"#") and star == b"*" and check == b"%08x" % novatel.crc(body)
 
 
 def row(line: bytes) -> bytes:
     """Return a line's fields as a row of the short binary table; raise ValueError where they are others."""
-    fields = line[: -DIGITS - 1].partition(b";")[2].split(b",")
+    fields = line[: -CRC_DIGITS - 1].partition(b";")[2].split(b",")
     try:
         if len(fields) == 11:
             info, imu_type, week, seconds, status, *counts = fields
@@ -69,7 +69,7 @@ def ascii_log(
     mark = b"#" if is_long else b"%"
     prefix = mark + name.encode() + b"A,"
     many = partial(lines, layout=layout_of(prefix, b",,,.,,,.,,," if is_long else b",,.", dtype))
-    imu = FrameKind(prefix, dtype, text=TextForm(end, row, LONGEST, many))
+    imu = FrameKind(prefix, dtype, text=TextForm(end, row, MAX_LINE_CHARS, many))
     typed: Callable[[bytes], Identity] | None = None
     if binary.identify is not None:
         typed = partial(novatel_log.identify, dtype=dtype)

@@ -14,12 +14,12 @@ from drivers.wire._format import Frames, Lines
 from drivers.wire.numerals import decimal, hexadecimal, words_of
 from procedures.arrays import BoolArray, FloatArray, IntArray
 
-LONGEST = 256  # characters; the longest line that numbers at their limits give has 226
-DIGITS = 8  # of the CRC
-COUNTS = 6  # the last numbers of a line; no others may be negative
+MAX_LINE_CHARS = 256  # characters; the longest line that numbers at their limits give has 226
+CRC_DIGITS = 8  # of the CRC
+COUNT_FIELDS = 6  # the last numbers of a line; no others may be negative
 DECIMALS = "decimals"  # of the seconds
 ORDER = ("info", "type", "week", "seconds", DECIMALS, "status")  # of the other numbers
-LESS_SECONDS, MOST_DECIMALS = 10**6, 9  # together below 2^53
+SECONDS_LIMIT, MAX_DECIMALS = 10**6, 9  # together below 2^53
 IN_HEXADECIMAL = ("info", "status")
 Text = NDArray[np.uint8]
 _COMMA, _SEMICOLON, _POINT, _STAR, _MINUS, _CR, _LF = b",;.*-\r\n"
@@ -43,12 +43,12 @@ class Layout:
 def layout_of(prefix: bytes, header: bytes, dtype: np.dtype[np.void]) -> Layout:
     """Return the layout of a log whose header has these marks before the semicolon."""
     limits = {name: np.iinfo(dtype[name].base).max for name in dtype.names or () if name != "seconds"}
-    limits |= {"seconds": LESS_SECONDS - 1, DECIMALS: 10**MOST_DECIMALS - 1}
+    limits |= {"seconds": SECONDS_LIMIT - 1, DECIMALS: 10**MAX_DECIMALS - 1}
     names = tuple(name for name in ORDER if name in limits)
-    most = [limits[name] for name in names] + [limits["gyro"]] * COUNTS
+    most = [limits[name] for name in names] + [limits["gyro"]] * COUNT_FIELDS
     marks = b"".join(b"." if name == "seconds" else b"," for name in names)
     return Layout(
-        prefix, header + b";" + marks + b"," * (COUNTS - 1) + b"*\n", dtype, names, np.array(most)[:, None],
+        prefix, header + b";" + marks + b"," * (COUNT_FIELDS - 1) + b"*\n", dtype, names, np.array(most)[:, None],
         [names.index(name) for name in IN_HEXADECIMAL if name in names],
     )  # fmt: skip
 
@@ -59,7 +59,7 @@ def lines(buffer: bytes, layout: Layout) -> list[Lines]:
     begins, places = _written(text, layout.prefix, layout.marks)
     rows, is_good = _rows(text, words, places[layout.marks.index(b";") : -1], layout)
     is_good &= _is_intact(buffer, words, begins, places[-2])
-    edges = np.stack((begins, places[-2] + 1 + DIGITS), axis=1)
+    edges = np.stack((begins, places[-2] + 1 + CRC_DIGITS), axis=1)
     return _runs(rows, edges, is_good)
 
 
@@ -75,7 +75,7 @@ def _written(text: Text, prefix: bytes, marks: bytes) -> tuple[IntArray, IntArra
     begins, mine = np.concatenate(([0], at[last] + 1))[:-1][has_all], first[has_all] + _down(marks)
     places = at[mine]
     ends = places[-1] - 1
-    is_written = (text[ends] == _CR) & (places[-2] + 1 + DIGITS == ends) & (ends - begins <= LONGEST)
+    is_written = (text[ends] == _CR) & (places[-2] + 1 + CRC_DIGITS == ends) & (ends - begins <= MAX_LINE_CHARS)
     is_written &= _reads(found, mine, marks) & _reads(text, begins + _down(prefix), prefix)
     return begins[is_written], places[:, is_written]
 
@@ -93,7 +93,7 @@ def _is_intact(buffer: bytes, words: IntArray, begins: IntArray, stars: IntArray
     """Say which lines pass their CRC."""
     bodies = zip((begins + 1).tolist(), stars.tolist(), strict=True)
     sums = np.array([zlib.crc32(buffer[begin:star], 0xFFFFFFFF) for begin, star in bodies], np.uint32)
-    sent, is_number = hexadecimal(words, stars + 1, stars + 1 + DIGITS)
+    sent, is_number = hexadecimal(words, stars + 1, stars + 1 + CRC_DIGITS)
     is_intact: BoolArray = is_number & (sent == ~sums)
     return is_intact
 
@@ -101,13 +101,13 @@ def _is_intact(buffer: bytes, words: IntArray, begins: IntArray, stars: IntArray
 def _rows(text: Text, words: IntArray, places: IntArray, layout: Layout) -> tuple[Frames, BoolArray]:
     """Return what stands between the marks as rows of a table, and which rows hold it truly."""
     begins, ends = places[:-1] + 1, places[1:]
-    is_negative = text[begins[-COUNTS:]] == _MINUS
-    begins[-COUNTS:] += is_negative
+    is_negative = text[begins[-COUNT_FIELDS:]] == _MINUS
+    begins[-COUNT_FIELDS:] += is_negative
     values, is_true = decimal(words, begins, ends)
     for row in layout.in_hexadecimal:
         values[row], is_true[row] = hexadecimal(words, begins[row], ends[row])
     is_good = (is_true & (values <= layout.most)).all(axis=0)
-    counts = np.where(is_negative, -values[-COUNTS:], values[-COUNTS:])
+    counts = np.where(is_negative, -values[-COUNT_FIELDS:], values[-COUNT_FIELDS:])
     numbers = dict(zip(layout.names, values, strict=False))
     rows = np.zeros(places.shape[1], layout.dtype)
     rows["accel"], rows["gyro"] = counts[:3].T, counts[3:].T
@@ -115,7 +115,7 @@ def _rows(text: Text, words: IntArray, places: IntArray, layout: Layout) -> tupl
     rows["seconds"] = _seconds(numbers.pop("seconds"), numbers.pop(DECIMALS), size)
     for name, value in numbers.items():
         rows[name] = value
-    return rows, is_good & (size <= MOST_DECIMALS)
+    return rows, is_good & (size <= MAX_DECIMALS)
 
 
 def _seconds(whole: IntArray, decimals: IntArray, size: IntArray) -> FloatArray:
@@ -123,7 +123,7 @@ def _seconds(whole: IntArray, decimals: IntArray, size: IntArray) -> FloatArray:
 
     Below 2^53 both are float64 exactly, so that their quotient is rounded once, as by `float`.
     """
-    tens = 10 ** np.minimum(size, MOST_DECIMALS)
+    tens = 10 ** np.minimum(size, MAX_DECIMALS)
     seconds: FloatArray = (whole * tens + decimals) / tens
     return seconds
 

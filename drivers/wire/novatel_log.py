@@ -16,7 +16,7 @@ from procedures.counts.sample_records import CountBlock
 
 KVH_1750 = 33  # what `encode` says it is: a FOG IMU
 ERROR, ENCRYPTED = 0x01, 0x02  # IMU info bits; the rest are reserved
-BODY = 40  # bytes, of every one of these logs
+BODY_BYTES = 40  # bytes, of every one of these logs
 LONG_SYNC, LONG_HEADER = b"\xaa\x44\x12", 28
 FINE_STEERING = 180  # OEM7 manual, GPS reference time status
 
@@ -101,7 +101,7 @@ def identify(frame: bytes, dtype: np.dtype[np.void]) -> Identity:
 def binary_log(name: str, message: int, dtype: np.dtype[np.void], page: str, example: bytes) -> WireFormat:
     """Return the wire format of one log, asked for with ``log NAMEb onnew``."""
     is_long, is_typed = "header" in (dtype.names or ()), "type" in (dtype.names or ())
-    sync, size = (LONG_SYNC, LONG_HEADER) if is_long else (novatel.SYNC, BODY)
+    sync, size = (LONG_SYNC, LONG_HEADER) if is_long else (novatel.SYNC, BODY_BYTES)
     imu = FrameKind(prefix=sync + bytes((size,)) + message.to_bytes(2, "little"), dtype=dtype)
     return WireFormat(
         name=name,
@@ -128,7 +128,7 @@ def _fill_header(frames: Frames, message: int, week: IntArray, seconds: FloatArr
     """Fill in the header: week and millisecond of the log."""
     is_long = "header" in (frames.dtype.names or ())
     frames["sync"] = np.frombuffer(LONG_SYNC if is_long else novatel.SYNC, np.uint8)
-    frames["length"], frames["id"], frames["log_week"] = BODY, message, week
+    frames["length"], frames["id"], frames["log_week"] = BODY_BYTES, message, week
     frames["log_ms"] = (seconds * 1000).astype(np.uint32)
     if is_long:
         frames["header"], frames["time_status"] = LONG_HEADER, FINE_STEERING

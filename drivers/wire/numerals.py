@@ -8,7 +8,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, IntArray
 
-EIGHT, MOST = 8, 16  # characters of a word, of a number
+WORD_CHARS, MAX_DIGITS = 8, 16  # characters of a word, of a number
 _ONES = 0x0101010101010101
 _ZEROS, _NIBBLE, _TO_HIGH = (
     ord("0") * _ONES,
@@ -18,26 +18,28 @@ _ZEROS, _NIBBLE, _TO_HIGH = (
 _HIGH = 0x80 * _ONES - 2**64
 _TO_LETTER = ord("a") - ord("0") - 10
 _LANES, _TENS_AND_MILLIONS, _ONE_AND_TEN_THOUSAND = 0x000000FF000000FF, 0x000F424000000064, 0x0000271000000001
-_SIZES = range(MOST + 2)  # of a number; the last stands for all above it
-_KEPT = np.array([-(2 ** (64 - 8 * size)) if 0 < size < EIGHT else -bool(size) for size in _SIZES])  # of a word
-_WRONG = np.array([0 if 0 < size <= MOST else _HIGH for size in _SIZES])
+_SIZES = range(MAX_DIGITS + 2)  # of a number; the last stands for all above it
+_KEPT = np.array(
+    [-(2 ** (64 - 8 * size)) if 0 < size < WORD_CHARS else -bool(size) for size in _SIZES]
+)  # of a word
+_WRONG = np.array([0 if 0 < size <= MAX_DIGITS else _HIGH for size in _SIZES])
 
 
 def words_of(text: bytes) -> IntArray:
     """Return the word that begins at each character; the last seven begin none."""
-    return np.ndarray((max(0, len(text) - EIGHT + 1),), "<i8", text, strides=(1,))
+    return np.ndarray((max(0, len(text) - WORD_CHARS + 1),), "<i8", text, strides=(1,))
 
 
 def decimal(words: IntArray, begins: IntArray, ends: IntArray) -> tuple[IntArray, BoolArray]:
     """Return the numbers without sign between these places, and which are 1 to 16 digits and nothing else."""
     size = ends - begins
     values, is_number = _eight_digits(words, ends, size)
-    long = np.flatnonzero(size > EIGHT)
+    long = np.flatnonzero(size > WORD_CHARS)
     if len(long):
         sizes = size.take(long)
-        more, is_more = _eight_digits(words, ends.take(long) - EIGHT, sizes - EIGHT)
-        values.reshape(-1)[long] += more * 10**EIGHT
-        is_number.reshape(-1)[long] &= is_more & (sizes <= MOST)
+        more, is_more = _eight_digits(words, ends.take(long) - WORD_CHARS, sizes - WORD_CHARS)
+        values.reshape(-1)[long] += more * 10**WORD_CHARS
+        is_number.reshape(-1)[long] &= is_more & (sizes <= MAX_DIGITS)
     return values, is_number
 
 
@@ -47,15 +49,15 @@ def hexadecimal(words: IntArray, begins: IntArray, ends: IntArray) -> tuple[IntA
     letters = _digits(words, ends, size) ^ _ZEROS
     nibbles = (letters & _NIBBLE) + 9 * (letters >> 6 & _ONES)
     again = nibbles + _ZEROS + _TO_LETTER * ((nibbles + _TO_HIGH) >> 7 & _ONES)
-    octets = (nibbles << 4 | nibbles >> 8).astype("<i8").view(np.uint8).reshape(*size.shape, EIGHT)[..., ::2]
+    octets = (nibbles << 4 | nibbles >> 8).astype("<i8").view(np.uint8).reshape(*size.shape, WORD_CHARS)[..., ::2]
     values = np.ascontiguousarray(octets).view(">u4")[..., 0]
-    is_number = (again == letters) & (nibbles & ~_NIBBLE == 0) & (size > 0) & (size <= EIGHT)
+    is_number = (again == letters) & (nibbles & ~_NIBBLE == 0) & (size > 0) & (size <= WORD_CHARS)
     return values.astype(np.int64), is_number
 
 
 def _digits(words: IntArray, ends: IntArray, size: IntArray) -> IntArray:
     """Return the last eight characters less the character 0; none before the number."""
-    digits: IntArray = (words[ends - EIGHT] ^ _ZEROS) & _KEPT.take(size, mode="clip")
+    digits: IntArray = (words[ends - WORD_CHARS] ^ _ZEROS) & _KEPT.take(size, mode="clip")
     return digits
 
 

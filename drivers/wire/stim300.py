@@ -22,8 +22,8 @@ from procedures.counts.sample_records import CountBlock
 from procedures.units import RAD_PER_DEG
 
 TICKS_HZ = 2000.0
-TURN = 256  # ticks
-INTEGRITY = 0x80
+COUNTER_MODULUS = 256  # ticks
+INTEGRITY_BIT = 0x80
 INT24 = 2**23
 _TRIADS = {"g": "gyro", "a": "accel", "i": "incl"}
 _WARM = {"G": "gyro", "A": "accel", "I": "incl"}
@@ -118,12 +118,17 @@ def encode(block: CountBlock) -> bytes:
     for name, counts in (("gyro", block.gyro), ("accel", block.accel)):
         counts = fits(counts, -INT24, INT24 - 1, name)
         frames[name] = np.stack([counts >> shift & 0xFF for shift in (16, 8, 0)], axis=-1)
-    frames["gyro_status"] = np.where(block.healthy, 0, INTEGRITY)
+    frames["gyro_status"] = np.where(block.healthy, 0, INTEGRITY_BIT)
     unknown = np.isnan(block.temperature)
     warmth = fits(np.rint(np.where(unknown, 0.0, block.temperature) * 256), -(2**15), 2**15 - 1, "temperature")
     for name in _WARM.values():
-        frames[f"{name}_temp"], frames[f"{name}_temp_status"] = warmth[:, None], np.where(unknown, INTEGRITY, 0)
-    frames["counter"] = fits(np.rint(block.device_time * TICKS_HZ), 0, 2**53, "device_time in ticks") % TURN
+        frames[f"{name}_temp"], frames[f"{name}_temp_status"] = (
+            warmth[:, None],
+            np.where(unknown, INTEGRITY_BIT, 0),
+        )
+    frames["counter"] = (
+        fits(np.rint(block.device_time * TICKS_HZ), 0, 2**53, "device_time in ticks") % COUNTER_MODULUS
+    )
     return seal(frames, lambda body: mpeg2.crc(bytes(body) + bytes(-len(body) % 4)))
 
 
@@ -145,7 +150,7 @@ FORMAT = WireFormat(
     carries=frozenset({"device_time", "temperature", "healthy"}),
     count_bits=24,
     temperature_step=2.0**-8,
-    time_modulus=TURN / TICKS_HZ,
+    time_modulus=COUNTER_MODULUS / TICKS_HZ,
     baud=921600,
     scales=MappingProxyType(
         {

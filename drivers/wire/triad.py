@@ -19,7 +19,7 @@ RESIDUE = 0x2144DF1C  # CRC-32/ISO-HDLC of any message followed by its own CRC
 INT32 = 2**31
 NO_TEMPERATURE = -32768
 FAULTS = 0x0007  # status bits 0, 1, 2: x, y, z not healthy
-MOST = 18  # bytes of an axis in a frame
+MAX_READ_BYTES = 18  # bytes of an axis in a frame
 
 SAMPLE = np.dtype(
     [
@@ -42,7 +42,7 @@ READ = np.dtype(
         ("host_ns", "<i8"),  # when they were read
         ("axis", "u1"),  # 0, 1, 2
         ("size", "u1"),  # of these bytes
-        ("data", "u1", MOST),
+        ("data", "u1", MAX_READ_BYTES),
         ("crc", "<u4"),
     ]
 )
@@ -85,13 +85,13 @@ def encode(block: CountBlock) -> bytes:
 
 def encode_read(host_ns: int, axis: int, data: bytes) -> bytes:
     """Return bytes as they were read from an axis, in as many frames as it takes."""
-    pieces = [data[at : at + MOST] for at in range(0, len(data), MOST)]
+    pieces = [data[at : at + MAX_READ_BYTES] for at in range(0, len(data), MAX_READ_BYTES)]
     frames = np.zeros(len(pieces), READ)
     frames["sync"] = np.frombuffer(SYNC, np.uint8)
     frames["kind"], frames["length"] = BYTES.prefix[2:4]
     frames["host_ns"], frames["axis"] = host_ns, axis
     frames["size"] = [len(piece) for piece in pieces]
-    frames["data"] = [list(piece.ljust(MOST, b"\0")) for piece in pieces]
+    frames["data"] = [list(piece.ljust(MAX_READ_BYTES, b"\0")) for piece in pieces]
     return seal(frames, zlib.crc32)
 
 

@@ -18,9 +18,9 @@ from procedures.effects.effect import Effect, Seen, SeenStep
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S
 
-ROUNDS = 100
-STILL = 1e-13  # relative
-TRANSIENT = ("accelerometer.bias_drift", "gyroscope.bias_drift", "accelerometer.relaxation")
+MAX_ITERATIONS = 100
+CONVERGENCE_RTOL = 1e-13  # relative
+TRANSIENT_EFFECTS = ("accelerometer.bias_drift", "gyroscope.bias_drift", "accelerometer.relaxation")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +68,7 @@ def calibrated_inputs(
     u = {name: triad.invert(output[name]) for name, triad in triads.items()}
     n = len(next(iter(output.values()), np.zeros((0, 3))))
     effects, left = _applicable(calibration["effects"], triads, around, n)
-    for _ in range(ROUNDS if effects else 0):
+    for _ in range(MAX_ITERATIONS if effects else 0):
         seen = _seen(triads, u, around, n)
         off = {name: np.zeros((n, 3)) for name in triads}
         for effect, entry in effects:
@@ -76,7 +76,7 @@ def calibrated_inputs(
                 if name in off:
                     off[name] += added
         before, u = u, {name: triad.invert(output[name] - off[name]) for name, triad in triads.items()}
-        if all(np.allclose(u[name], before[name], rtol=STILL, atol=STILL) for name in u):
+        if all(np.allclose(u[name], before[name], rtol=CONVERGENCE_RTOL, atol=CONVERGENCE_RTOL) for name in u):
             break
     return CalibratedInputs(u.get("accelerometer"), u.get("gyroscope"), left)
 
@@ -109,7 +109,7 @@ def _applicable(
     seen = _seen(triads, {name: np.ones((n, 3)) for name in triads}, around, n)
     for entry in entries:
         name = str(entry["name"])
-        if name in TRANSIENT:
+        if name in TRANSIENT_EFFECTS:
             left.append(f"{name}: of the campaign, not of the instrument for good")
         elif name not in known:
             left.append(f"{name}: not in this program's catalogue")

@@ -17,12 +17,12 @@ from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.statistics.white_noise import white_noise
 from procedures.units import DEG_H_PER_DEG_S, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 
-LEAST_NOISE = 1e-7  # rad/sqrt(s)
+MIN_GYRO_NOISE = 1e-7  # rad/sqrt(s)
 TURN_ON = RAD_S_PER_DEG_H  # what a FOG's bias differs by from its calibration, 1 sigma
-WALK = 1e-6  # rad/s/sqrt(s), of a FOG's bias
+GYRO_BIAS_WALK = 1e-6  # rad/s/sqrt(s), of a FOG's bias
 FORCE_WALK = 1e-6  # m/s2/sqrt(s)
 RESTING_VELOCITY = 1e-3  # m/s*sqrt(s)
-STEP = 12**-0.5  # sqrt(s): evenly within a count's worth of velocity, for about a second
+QUANTISATION_STD = 12**-0.5  # sqrt(s): evenly within a count's worth of velocity, for about a second
 RESTING_FORCE = 2e-4  # m/s/sqrt(s): a bench is never quite quiet
 
 
@@ -37,7 +37,7 @@ def settings_of(
     """
     knows_earth = latitude is not None and knows_heading
     earth = np.zeros(3) if latitude is None else earth_rate_ned(latitude)
-    noise = max(gyro_noise(log), LEAST_NOISE)
+    noise = max(gyro_noise(log), MIN_GYRO_NOISE)
     base = (FREE if aid == "none" else DEFAULT)._replace(
         gravity=gravity, nominal_s=log.nominal, gyro_noise=noise,
         earth_north=float(earth[0]), earth_down=float(earth[2]),
@@ -49,11 +49,12 @@ def settings_of(
     bias = gyro_bias_std(calibration)
     return base._replace(
         gyro_bias_std=float(np.hypot(bias, 0.0 if knows_earth else EARTH_RATE)),
-        gyro_bias_walk=WALK, rest_bias_walk=WALK, unseen_rate=0.0 if knows_earth else EARTH_RATE,
+        gyro_bias_walk=GYRO_BIAS_WALK, rest_bias_walk=GYRO_BIAS_WALK,
+        unseen_rate=0.0 if knows_earth else EARTH_RATE,
         gyro_scale_std=max(scale, 1e-5), gyro_noise_per_rate=max(scale, 1e-4),
         force_bias_std=max(force_bias_std(calibration), 1e-5), force_bias_walk=FORCE_WALK,
         rest_force_noise=max(white_noise(log.force, log.nominal, window_s=np.inf, quantum=quantum), RESTING_FORCE),
-        rest_velocity_noise=max(RESTING_VELOCITY, STEP * quantum * log.nominal),
+        rest_velocity_noise=max(RESTING_VELOCITY, QUANTISATION_STD * quantum * log.nominal),
     )  # fmt: skip
 
 

@@ -16,9 +16,9 @@ from procedures.counts.sample_records import CountBlock, SampleBlock
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
 
-DIGITS = 3  # of a nominal scale factor nobody gave
+NOMINAL_SCALE_DIGITS = 3  # of a nominal scale factor nobody gave
 SLOPE_S = 60.0  # over which the temperature's rate is taken
-LEAST_SLOPE_S = 10.0
+MIN_SLOPE_S = 10.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +107,7 @@ class Sensors:
         if not seen:
             return float("nan")
         seconds = seen[-1][0] - seen[0][0]
-        return 60.0 * (seen[-1][1] - seen[0][1]) / seconds if seconds >= LEAST_SLOPE_S else 0.0
+        return 60.0 * (seen[-1][1] - seen[0][1]) / seconds if seconds >= MIN_SLOPE_S else 0.0
 
 
 def _scales_of(calibration: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
@@ -115,7 +115,7 @@ def _scales_of(calibration: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
     found = list[FloatArray]()
     for name in ("gyroscope", "accelerometer"):
         k = np.array(calibration[name]["scale_factor"]["value"], dtype=np.float64)
-        found.append(np.sign(k) * float(f"{np.abs(k).mean():.{DIGITS}g}"))
+        found.append(np.sign(k) * float(f"{np.abs(k).mean():.{NOMINAL_SCALE_DIGITS}g}"))
     return found[0], found[1]
 
 

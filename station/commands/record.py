@@ -85,7 +85,7 @@ def record(
 
     described = None if camera is None else read_description(camera)
     with ExitStack() as after, ExitStack() as stack:
-        folder = stack.enter_context(new_folder(out, recording.NAME))
+        folder = stack.enter_context(new_folder(out, recording.RECORDING_FILE))
         reader = stack.enter_context(Reader(url, journal_path(folder)))
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
         view = stack.enter_context(open_camera(described, folder)) if described else None
@@ -104,16 +104,16 @@ def record(
                 sight.look(view.trouble)
 
         # also of what Ctrl-C or a fault has ended, once its files are closed
-        after.callback(made, f"replay:{folder / recording.NAME}?format={feed.wire.name}")
+        after.callback(made, f"replay:{folder / recording.RECORDING_FILE}?format={feed.wire.name}")
         try:
             done = recording.record(feed, folder, seconds, timed, look)
         except ReplayEnded as error:
             after.pop_all()
-            (folder / recording.NAME).unlink()  # so that nothing is left of the folder
+            (folder / recording.RECORDING_FILE).unlink()  # so that nothing is left of the folder
             raise no_recording(error, feed.wire.name) from error
         finally:
-            if (folder / recording.NAME).exists():
-                _say(out / recording.NAME, feed, receiver, timed)
+            if (folder / recording.RECORDING_FILE).exists():
+                _say(out / recording.RECORDING_FILE, feed, receiver, timed)
                 if view is not None:
                     typer.echo(view.summary)
         typer.echo(f"{done.seconds:.3f} s of device time, {plural(done.samples, 'sample')}")

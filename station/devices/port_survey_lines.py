@@ -5,7 +5,7 @@ from textwrap import wrap
 
 from station.devices.port_survey import SurveyedPort
 
-INDENT = 4
+INDENT_CHARS = 4
 
 
 def survey_lines(found: Sequence[SurveyedPort]) -> list[str]:
@@ -18,7 +18,7 @@ def fitted(lines: Sequence[str], width: int, height: int) -> list[str]:
     broken = [
         part
         for line in lines
-        for part in wrap(line, width, subsequent_indent=" " * 2 * INDENT, break_on_hyphens=False)
+        for part in wrap(line, width, subsequent_indent=" " * 2 * INDENT_CHARS, break_on_hyphens=False)
     ]
     if len(broken) <= height:
         return broken
@@ -28,7 +28,7 @@ def fitted(lines: Sequence[str], width: int, height: int) -> list[str]:
 def _lines(found: SurveyedPort) -> list[str]:
     lines = [f"{found.url}  {found.about}".rstrip()]
     if not found.looks_like or found.trouble:
-        return [*lines, f"{'':{INDENT}}{found.trouble}"]
+        return [*lines, f"{'':{INDENT_CHARS}}{found.trouble}"]
     named = [found.looks_like, found.model or "", f"serial number {found.serial}" if found.serial else ""]
     rates = [f"{found.frames_s:.1f} frames/s", f"{found.bytes_s:.0f} bytes/s"]
     if found.rate_hz is not None:
@@ -40,4 +40,4 @@ def _lines(found: SurveyedPort) -> list[str]:
         said.append(f"receiver: {found.position}")
     if found.messages:
         said.append(", ".join(f"{name} {rate:.1f} Hz" for name, rate in found.messages.items()))
-    return [*lines, *(f"{'':{INDENT}}{text}" for text in [*said, f"errors: {', '.join(bad) or 'none'}"])]
+    return [*lines, *(f"{'':{INDENT_CHARS}}{text}" for text in [*said, f"errors: {', '.join(bad) or 'none'}"])]

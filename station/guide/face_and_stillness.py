@@ -14,7 +14,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.frames import FACES, face_normal
-from station.stream.live.stillness import LEAST, TICKS, Block, Stillness
+from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, Block, Stillness
 
 LIMIT_DEG = 3.0
 ALLOWANCE_DEG = 0.5  # biases of 8.7 mg
@@ -93,7 +93,7 @@ class FaceAndStillnessGate:
             hindrance = f"tilted by {off:.1f} deg, limit {self.limit_deg:.1f} deg"
         calm = np.maximum(CALM_SHARE**2 * self.stillness.limit, COUNTING_VARIANCE)
         is_calm = is_still and bool(np.all(block.variance <= calm))
-        sigma = np.sqrt(np.maximum(self.stillness.noise, LEAST) * TICKS)
+        sigma = np.sqrt(np.maximum(self.stillness.noise, MIN_VARIANCE) * TICKS_PER_BLOCK)
         return BlockLook(
             face, off, float(ratio[worst]), CHANNELS[worst], is_upright, is_still, is_calm, sigma, hindrance
         )
@@ -120,7 +120,7 @@ class FaceAndStillnessGate:
         """Say whether a gyro shows far more than it did at rest: an even rotation makes nothing tremble."""
         if self._rest is None:
             return False
-        sigma = np.sqrt(np.maximum(self.stillness.noise[:3], LEAST) * TICKS)
+        sigma = np.sqrt(np.maximum(self.stillness.noise[:3], MIN_VARIANCE) * TICKS_PER_BLOCK)
         return bool(
             np.any(np.abs(block.rate[:3]) > TURNING_RATE_RATIO * self._rest.max() + TURNING_COUNTS * sigma)
         )

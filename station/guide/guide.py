@@ -31,7 +31,7 @@ from station.guide.unit_recognition import UnitRecognitionStage
 from station.guide.view import CalibrationView, GatesView, LinkView, PoseView
 from station.guide.warm_up_stage import WarmUpStage
 from station.guide.wording import step_title
-from station.stream.live.stillness import TIMES_NOISE, Block
+from station.stream.live.stillness import STILL_NOISE_RATIO, Block
 
 KEPT_BLOCKS = 8  # of the past, besides those of the step
 
@@ -176,7 +176,7 @@ class Guide:
     def _gates(self, extras: dict[str, object]) -> GatesView | None:
         if (look := self._look) is None or (isinstance(self._stage, TurnStage) and self._stage.is_moving):
             return None
-        limit = TIMES_NOISE**0.5
+        limit = STILL_NOISE_RATIO**0.5
         gates = GatesView(
             face=look.face, off_deg=look.off_deg, limit_deg=self.context.gate.limit_deg,
             is_right_face=look.is_upright and self._has_work(look.face),

@@ -10,7 +10,7 @@ from procedures.counts.sample_records import RateBlock, SampleBlock, block_rows
 from procedures.frames import AXES
 from station.guide.setup_view import PortCheck
 from station.stream.live.rates_as_counts import RATE_UNIT
-from station.stream.live.stillness import TICKS, Block, block_of
+from station.stream.live.stillness import TICKS_PER_BLOCK, Block, block_of
 
 if TYPE_CHECKING:
     from station.devices.imu_probe import ImuProbe
@@ -50,7 +50,7 @@ def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
 def noise_in_words(samples: SampleBlock, rate_hz: float | None) -> str:
     """Say how much the counts of tenths of a second scatter within a second, by triad the greatest channel."""
     size = round(rate_hz) if rate_hz else 0
-    seconds = len(samples) // size if size >= TICKS else 0
+    seconds = len(samples) // size if size >= TICKS_PER_BLOCK else 0
     if not seconds:
         return "less than a second came: too short to say the noise"
     variance = np.mean([_second(samples, i * size, size).variance for i in range(seconds)], axis=0)

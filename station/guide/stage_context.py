@@ -23,7 +23,7 @@ from station.guide.turn_pairs import TurnClosures, turns_again, what_now
 from station.guide.wording import step_title
 from station.stream.live.accepted_blocks import series
 from station.stream.live.live_feed import LiveFeed
-from station.stream.live.stillness import LEAST, TICKS
+from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 NO_ACCEPTED_STEPS = AcceptedSteps()
@@ -264,7 +264,7 @@ class StageContext:
 
     def gyro_std(self, seconds: float) -> FloatArray:
         """Return 1 sigma (3,) of a mean gyro count rate over ``seconds``: noise and the counter's step."""
-        noise = np.maximum(self.gate.stillness.noise[:3], LEAST) * TICKS
+        noise = np.maximum(self.gate.stillness.noise[:3], MIN_VARIANCE) * TICKS_PER_BLOCK
         std: FloatArray = np.sqrt(noise / seconds + 1 / (6 * seconds**2))
         return std
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from procedures.frames import AXES
 from station.files.campaign_folder.notes import UnitRecord
-from station.stream.live.stillness import LEAST, TICKS
+from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK
 
 MAX_ACCELEROMETER_CHANGE = 1e-3  # of g: turn-on repeatability of bias and scale factor together
 MAX_GYROSCOPE_CHANGE = 0.3  # of the greatest gyro rate at rest
@@ -48,7 +48,7 @@ def same_unit(before: UnitRecord, now: UnitRecord) -> Sameness:
     if (here := _face(rate)) != (there := _face(other)):
         text = f"it rests with {here}; put it down with {there}, as in the campaign's first dwell, to compare"
         return Sameness("unsure", text)
-    noise, other_noise = (np.maximum(np.array(each), LEAST) for each in (now.noise, before.noise))
+    noise, other_noise = (np.maximum(np.array(each), MIN_VARIANCE) for each in (now.noise, before.noise))
     if unlike := _differences(rate, other, noise, other_noise):
         return Sameness("unsure", f"unlike the campaign's first dwell: {', '.join(unlike)}")
     return Sameness("yes", "it says no serial number, but its rates and noise are those of the first dwell")
@@ -69,7 +69,9 @@ def _differences(*arrays: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[
         for i in range(3)
         if abs(shift[i]) > MAX_ACCELEROMETER_CHANGE
     ]
-    turn_on = MAX_GYROSCOPE_CHANGE * np.abs(other[:3]).max() + 5 * np.sqrt(TICKS * (noise + other_noise)[upright])
+    turn_on = MAX_GYROSCOPE_CHANGE * np.abs(other[:3]).max() + 5 * np.sqrt(
+        TICKS_PER_BLOCK * (noise + other_noise)[upright]
+    )
     if abs(rate[upright] - other[upright]) > turn_on:
         said.append(f"gyro {AXES[upright]} {rate[upright]:.4g} instead of {other[upright]:.4g} counts/s")
     ratio = np.sqrt(noise / other_noise)

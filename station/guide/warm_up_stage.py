@@ -18,7 +18,7 @@ from station.guide.stage_context import StageContext
 from station.guide.view import WarmUpView
 from station.guide.wording import rounded
 from station.stream.live.accepted_blocks import merged, series
-from station.stream.live.stillness import LEAST, TICKS, Block
+from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, Block
 
 MEAN_BLOCKS = 10
 NOISE_ROWS = 6
@@ -118,7 +118,7 @@ class WarmUpStage:
         return max((s.seconds for s in self._context.checklist.steps if isinstance(s, Dwell)), default=100.0)
 
     def _history(self) -> Means:
-        noise = np.maximum(self._context.gate.stillness.noise, LEAST) * TICKS
+        noise = np.maximum(self._context.gate.stillness.noise, MIN_VARIANCE) * TICKS_PER_BLOCK
         std = np.sqrt(noise / MEAN_BLOCKS + 1 / (6 * MEAN_BLOCKS**2))
         rates = np.array([np.mean([b.rate for b in row], axis=0) for row in self._rows]).reshape(-1, 6)
         stds = np.tile(std, (len(rates), 1))

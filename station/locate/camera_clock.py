@@ -11,14 +11,14 @@ from procedures.fusion.vision.feature_tracks import Tracks
 from procedures.fusion.visual_alignment.camera_time import CameraOffset, camera_offset
 from station.files.fusion_folder import FusionLog
 
-FIRST = 5.0  # s of tracks after which it is worth a try
-STEP = 1.0  # s between attempts
-FINEST = 0.001  # s, 1 sigma with which the window goes on
-UNTOLD = 0.01  # s, 1 sigma of a clock of which nothing was said
-SPAN = 20.0  # s that are looked at
-SUSPECTED = 0.1  # s, 1 sigma about 0, within which such a clock is looked for
-SURE = 5.0  # sigmas from which an offset is one
-HARMLESS = 0.005  # s, that a window hardly feels: docs/locate-vision.md
+FIRST_ATTEMPT_S = 5.0  # s of tracks after which it is worth a try
+ATTEMPT_INTERVAL_S = 1.0  # s between attempts
+MIN_OFFSET_STD_S = 0.001  # s, 1 sigma with which the window goes on
+UNKNOWN_OFFSET_STD_S = 0.01  # s, 1 sigma of a clock of which nothing was said
+WINDOW_S = 20.0  # s that are looked at
+SUSPECTED_OFFSET_STD_S = 0.1  # s, 1 sigma about 0, within which such a clock is looked for
+SIGNIFICANT_SIGMAS = 5.0  # sigmas from which an offset is one
+HARMLESS_OFFSET_S = 0.005  # s, that a window hardly feels: docs/locate-vision.md
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,13 +39,15 @@ def on_imu_clock(log: FusionLog) -> ClockedTracks | Waiting:
     assert log.imu is not None and log.tracks is not None  # noqa: PT018
     told, std = _told(log)
     if std is None:
-        return ClockedTracks(log.tracks.shifted(told or 0.0), told or 0.0, UNTOLD if told is None else 0.0)
-    why = Waiting(f"IMU and camera overlap for less than {FIRST:g} s")
+        return ClockedTracks(
+            log.tracks.shifted(told or 0.0), told or 0.0, UNKNOWN_OFFSET_STD_S if told is None else 0.0
+        )
+    why = Waiting(f"IMU and camera overlap for less than {FIRST_ATTEMPT_S:g} s")
     start, end = (pick(log.imu.t[at], log.tracks.t[at]) for pick, at in ((max, 0), (min, -1)))
-    for now in np.arange(start + FIRST, end, STEP):
+    for now in np.arange(start + FIRST_ATTEMPT_S, end, ATTEMPT_INTERVAL_S):
         found = _attempt(log, log.imu, log.tracks, float(now), told or 0.0, std)
         if isinstance(found, CameraOffset):
-            found_std = max(found.std, FINEST)
+            found_std = max(found.std, MIN_OFFSET_STD_S)
             return ClockedTracks(log.tracks.shifted(found.offset), found.offset, found_std, float(now))
         why = found
     return why
@@ -56,10 +58,10 @@ def suspicion(log: FusionLog) -> str:
     assert log.imu is not None and log.tracks is not None  # noqa: PT018
     if _told(log) != (None, None):
         return ""
-    for now in np.arange(log.tracks.t[0] + SPAN, log.tracks.t[-1] + SPAN, SPAN):
-        found = _attempt(log, log.imu, log.tracks, float(now), 0.0, SUSPECTED)
+    for now in np.arange(log.tracks.t[0] + WINDOW_S, log.tracks.t[-1] + WINDOW_S, WINDOW_S):
+        found = _attempt(log, log.imu, log.tracks, float(now), 0.0, SUSPECTED_OFFSET_STD_S)
         if isinstance(found, CameraOffset):
-            if abs(found.offset) < max(SURE * found.std, HARMLESS):
+            if abs(found.offset) < max(SIGNIFICANT_SIGMAS * found.std, HARMLESS_OFFSET_S):
                 return ""
             said = f"{found.offset * 1e3:.1f} +- {found.std * 1e3:.1f} ms"
             return f"the camera's stamps seem to be off by {said}: say time_offset_s in [tracks]"
@@ -77,6 +79,6 @@ def _attempt(
 ) -> CameraOffset | Waiting:
     """Try with the last data before ``now`` [s]."""
     assert log.camera is not None
-    rows = slice(*np.searchsorted(tracks.t, (now - SPAN, now)).tolist())
+    rows = slice(*np.searchsorted(tracks.t, (now - WINDOW_S, now)).tolist())
     part = Tracks(tracks.t[rows], tracks.feature[rows], tracks.uv[rows])
-    return camera_offset(between(imu, now - SPAN - abs(about) - 1.0, now), part, log.camera, about, std)
+    return camera_offset(between(imu, now - WINDOW_S - abs(about) - 1.0, now), part, log.camera, about, std)

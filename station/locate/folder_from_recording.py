@@ -16,7 +16,7 @@ from station.calibrated.rates_and_forces import Sensors
 from station.errors import DataRefused
 from station.files.fusion_folder.writing import CameraTracks, FusionRecording, write_fusion
 from station.files.mcap_files.fix_reader import Record
-from station.locate.imu_noise import LEAST_S, Rest, densities, longest_rest
+from station.locate.imu_noise import MIN_REST_S, Rest, densities, longest_rest
 from station.stream.camera.recorded_tracks import recorded_tracks
 from station.stream.gnss.fix_times import FixTimes
 from station.stream.live.live_feed import LiveFeed, open_feed
@@ -25,7 +25,7 @@ from station.stream.replay.gnss import read_recorded
 from station.stream.replay.imu import Replay
 from station.text.plural import plural
 
-TICK_S = 0.1
+BLOCK_S = 0.1
 KNOWN_STD, UNKNOWN_STD = 0.02, 0.1  # s: of fixes placed by their sender's clock, and by when they were read
 
 
@@ -93,7 +93,7 @@ def _calibrated(feed: LiveFeed, applied: AppliedCalibration) -> tuple[ImuSeries,
     """Return all samples in SI, stamped in the middle of their intervals, IMU axes."""
     counts = feed.wire.output == "increments"
     sensors = Sensors(applied.document, applied.nominal, np.eye(3), feed.period, counts=counts)
-    tape, size = feed.tape, max(1, round(TICK_S / feed.period))
+    tape, size = feed.tape, max(1, round(BLOCK_S / feed.period))
     ticks = [sensors.take(tape.block(at, min(at + size, tape.end))) for at in range(tape.begin, tape.end, size)]
     t, rate, force = (
         np.concatenate(parts)
@@ -135,8 +135,8 @@ def _said(
     seen: CameraTracks | None,
 ) -> list[str]:
     rested = f"noise from {rest.seconds:.0f} s of rest"
-    if rest.seconds < LEAST_S:
-        rested = f"warning: no rest of {LEAST_S:g} s, the noise is that of the quietest seconds"
+    if rest.seconds < MIN_REST_S:
+        rested = f"warning: no rest of {MIN_REST_S:g} s, the noise is that of the quietest seconds"
     what = [f"{imu.t[-1] - imu.t[0]:.1f} s of IMU", plural(len(fixes.t), "fix")]
     what += [] if seen is None else [f"{plural(len(seen.tracks.frames()[0]), 'frame')} of the camera"]
     return [

@@ -15,16 +15,16 @@ from procedures.fusion.fusion_records import ImuNoise, ImuSeries
 from procedures.rests_and_moves.rest_detection import second_means, whole_seconds
 from procedures.statistics.allan_deviation import noise_terms, overlapping_deviation
 from procedures.statistics.white_noise import white_noise
-from station.calibrated.filter_settings import FORCE_WALK, WALK, force_bias_std, gyro_bias_std
+from station.calibrated.filter_settings import FORCE_WALK, GYRO_BIAS_WALK, force_bias_std, gyro_bias_std
 
-LEAST_S = 10.0  # of rest, for an Allan deviation
+MIN_REST_S = 10.0  # of rest, for an Allan deviation
 PATIENCE_S = 30.0
 SAME_FORCE = 0.03  # m/s2 between the means of two seconds
 SAME_RATE = np.radians(0.2)  # rad/s
 MINUTE_S = 60.0
 COUNTED_S = 1.0  # within which the counting's error is taken for white
-LEAST_GYRO, LEAST_FORCE = 1e-7, 1e-4  # rad/s, m/s2 per root of a Hz: nothing is quieter on a vehicle
-LEAST_WALK = 1e-10  # in either unit, below which the estimator's arithmetic ends
+MIN_GYRO_NOISE, MIN_FORCE_NOISE = 1e-7, 1e-4  # rad/s, m/s2 per root of a Hz: nothing is quieter on a vehicle
+MIN_BIAS_WALK = 1e-10  # in either unit, below which the estimator's arithmetic ends
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class Rest:
 
 
 class NoiseOf:
-    """A unit's densities, once it has rested for `LEAST_S`, or for want of a rest after `PATIENCE_S`."""
+    """A unit's densities, once it has rested for `MIN_REST_S`, or for want of a rest after `PATIENCE_S`."""
 
     def __init__(
         self, period: float, calibration: Mapping[str, Any] | None, quantum: tuple[float, float] = (0.0, 0.0)
@@ -47,7 +47,7 @@ class NoiseOf:
     def __call__(self, imu: ImuSeries) -> ImuNoise | None:
         """Return the densities, None as long as it is too early to tell."""
         rest, seconds = longest_rest(imu, self._quantum[1]), float(imu.t[-1] - imu.t[0])
-        if rest.seconds < LEAST_S and seconds < PATIENCE_S:
+        if rest.seconds < MIN_REST_S and seconds < PATIENCE_S:
             return None
         return densities(imu, rest, self._period, self._calibration, self._quantum)
 
@@ -78,17 +78,17 @@ def densities(
     ``quantum`` is a count's worth of angle [rad] and of velocity [m/s]. Without a ``calibration`` the biases are
     those of any IMU.
     """
-    terms = _terms if rest.seconds >= LEAST_S else _quietest
-    part = slice(rest.first, rest.last) if rest.seconds >= LEAST_S else slice(None)
+    terms = _terms if rest.seconds >= MIN_REST_S else _quietest
+    part = slice(rest.first, rest.last) if rest.seconds >= MIN_REST_S else slice(None)
     gyro, gyro_walk = terms(imu.omega_b[part], period, quantum[0])
     accel, accel_walk = terms(imu.f_b[part], period, quantum[1])
     biases: dict[str, float] = {}
     if calibration is not None:
-        gyro_walk, accel_walk = min(gyro_walk, WALK), min(accel_walk, FORCE_WALK)
+        gyro_walk, accel_walk = min(gyro_walk, GYRO_BIAS_WALK), min(accel_walk, FORCE_WALK)
         biases = {"gyro_bias": gyro_bias_std(calibration), "accel_bias": force_bias_std(calibration)}
     return ImuNoise(
-        max(gyro, LEAST_GYRO), max(gyro_walk, LEAST_WALK), max(accel, LEAST_FORCE), max(accel_walk, LEAST_WALK),
-        **biases,
+        max(gyro, MIN_GYRO_NOISE), max(gyro_walk, MIN_BIAS_WALK),
+        max(accel, MIN_FORCE_NOISE), max(accel_walk, MIN_BIAS_WALK), **biases,
     )  # fmt: skip
 
 

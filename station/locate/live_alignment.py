@@ -10,8 +10,8 @@ from procedures.fusion.alignment.moving_aligner import MovingAligner
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 
 LONGEST_REST = 60.0  # s of a rest that the window goes through again: its data are what the heading is known by
-KEPT = 300.0  # s of samples
-SPARSER = 0.05  # of the time so far, between two attempts
+MAX_BUFFER_S = 300.0  # s of samples
+ATTEMPT_SPACING = 0.05  # of the time so far, between two attempts
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +40,7 @@ class Beginning:
             self._next = self._start + FIRST
         if now < self._next:
             return None
-        self._next = now + max(STEP, SPARSER * (now - self._start))
+        self._next = now + max(STEP, ATTEMPT_SPACING * (now - self._start))
         found = attempt(self._aligner, imu, fixes, self._start, now)
         if isinstance(found, Waiting):
             self.why = found.why

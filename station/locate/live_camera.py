@@ -22,16 +22,16 @@ from station.text.plural import plural
 
 MARKS_NS = 60 * 10**9  # of the lines between the clocks
 KEPT_S = 60.0  # of frames: by them the delay is found
-SPARSER = 1.2  # attempts are as much farther apart each time, up to
-MOST_S = 5.0
-AGES = 20  # frames, whose lateness is looked at
-LATEST_S = 1.0  # that is waited for a frame
+ATTEMPT_SPACING_GROWTH = 1.2  # attempts are as much farther apart each time, up to
+MAX_ATTEMPT_SPACING_S = 5.0
+AGE_FRAMES = 20  # frames, whose lateness is looked at
+MAX_FRAME_WAIT_S = 1.0  # that is waited for a frame
 EARLY_S = 0.06  # by which a frame is to be known before a keyframe comes near it
 SILENT_S = 2.0
-SOONEST_S = 0.03  # between images that are followed
-TURN = "its delay is not known: turn it unevenly"
-AMISS = "its turns are not the gyro's: check its file"
-UNTOLD = CameraOffset(0.0, 0.1)
+MIN_IMAGE_SPACING_S = 0.03  # between images that are followed
+TURN_ADVICE = "its delay is not known: turn it unevenly"
+MISFIT_ADVICE = "its turns are not the gyro's: check its file"
+UNKNOWN_OFFSET = CameraOffset(0.0, 0.1)
 GENTLE_S = 0.015  # 1 sigma of the delay that does where all turns are gentle: the window goes on fitting it
 
 
@@ -48,10 +48,10 @@ class LiveCamera:
     def begin_anew(self) -> None:
         """Let all go that hangs on the unit's time."""
         self.offset = self._told if self._told is not None and not self._told.std else None
-        self.why, self._hint = "no image yet", TURN
+        self.why, self._hint = "no image yet", TURN_ADVICE
         self._times = FixTimes(MARKS_NS, in_order=True)
         self._frames: deque[Frame] = deque()  # by the camera's stamps, without the offset
-        self._ages: deque[float] = deque(maxlen=AGES)
+        self._ages: deque[float] = deque(maxlen=AGE_FRAMES)
         self._now, self._try_at, self._pause = -np.inf, -np.inf, 1.0
         self._spoilt_at = -np.inf
         self._followed_at = -np.inf
@@ -69,7 +69,7 @@ class LiveCamera:
             if image.device_ns is not None:
                 self._times.mark_sender(TimeMark(image.host_ns, image.device_ns, None))
             t = self._times.of(image)
-            if t is not None and self._followed_at < t < self._followed_at + SOONEST_S:
+            if t is not None and self._followed_at < t < self._followed_at + MIN_IMAGE_SPACING_S:
                 continue  # more often than it is worth: a machine that cannot keep up falls behind
             seen, self._followed_at = self._follow(image), t if t is not None else -np.inf
             self._spoilt_at = now if seen is None else self._spoilt_at
@@ -86,15 +86,15 @@ class LiveCamera:
 
     def learn(self, imu: ImuSeries) -> None:
         """Find out what the stamps are late by."""
-        self._pause = min(self._pause * SPARSER, MOST_S)
+        self._pause = min(self._pause * ATTEMPT_SPACING_GROWTH, MAX_ATTEMPT_SPACING_S)
         self._try_at = self._now + self._pause
-        known = self._told or UNTOLD
+        known = self._told or UNKNOWN_OFFSET
         found = camera_offset(imu, self._tracks(-np.inf, 0.0), self.camera, known.offset, known.std, GENTLE_S)
         if isinstance(found, CameraOffset):
             self.offset = found
         else:
             self.why = f"its delay is not known: {found.why}"
-            self._hint = AMISS if MISPLACED in found.why else TURN
+            self._hint = MISFIT_ADVICE if MISPLACED in found.why else TURN_ADVICE
 
     @property
     def offset_std(self) -> float:
@@ -105,7 +105,7 @@ class LiveCamera:
     def lateness(self) -> float:
         """How far behind the newest sample [s] keyframes are to stand."""
         late = max(self._ages, default=0.0) - (self.offset.offset if self.offset is not None else 0.0)
-        return float(np.clip(late + EARLY_S, 0.0, LATEST_S))
+        return float(np.clip(late + EARLY_S, 0.0, MAX_FRAME_WAIT_S))
 
     @property
     def _newest(self) -> float:
@@ -154,7 +154,7 @@ class LiveCamera:
             return self.why
         if self.offset is None:
             return self._hint
-        if (age := min(self._ages) - self.offset.offset) > LATEST_S:
-            return f"images are {age:.1f} s late, of use up to {LATEST_S:g} s"
+        if (age := min(self._ages) - self.offset.offset) > MAX_FRAME_WAIT_S:
+            return f"images are {age:.1f} s late, of use up to {MAX_FRAME_WAIT_S:g} s"
         features, late = plural(len(self._frames[-1].feature), "feature"), -self.offset.offset - self.fitted
         return f"{features}, stamps {late * 1e3:.0f} ms late"

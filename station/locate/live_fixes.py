@@ -14,11 +14,11 @@ from station.files.mcap_files.fix_reader import Record
 from station.stream.gnss.fix_times import FixTimes
 
 MARKS_NS = 60 * 10**9  # of the lines between the clocks
-BEHIND = (0.1, 1.0)  # s: how far behind the newest sample keyframes may stand
+KEYFRAME_DELAY_S = (0.1, 1.0)  # s: how far behind the newest sample keyframes may stand
 EARLY_S = 0.06  # by which a fix is to be known before a keyframe comes near it
-AGES = 20  # fixes, whose lateness is looked at
+AGE_FIXES = 20  # fixes, whose lateness is looked at
 STRANGE_S = 5.0  # from the newest sample, beyond which a fix's time is none
-MOST, HALF = 2000, 1000  # fixes that are kept once they are taken
+MAX_TAKEN_FIXES, KEPT_TAKEN_FIXES = 2000, 1000  # fixes that are kept once they are taken
 
 
 class LiveFixes:
@@ -30,7 +30,7 @@ class LiveFixes:
         self.taken = self.count = 0
         self._times = FixTimes(MARKS_NS)
         self._source = ""
-        self._ages: deque[float] = deque(maxlen=AGES)
+        self._ages: deque[float] = deque(maxlen=AGE_FIXES)
 
     def mark(self, marks: Iterable[tuple[int, float]]) -> None:
         """Take moments of reading [ns] and the device times [s] of the samples that came then."""
@@ -60,7 +60,7 @@ class LiveFixes:
     @property
     def lateness(self) -> float:
         """How far behind the newest sample [s] keyframes are to stand."""
-        return float(np.clip(max(self._ages, default=0.0) + EARLY_S, *BEHIND))
+        return float(np.clip(max(self._ages, default=0.0) + EARLY_S, *KEYFRAME_DELAY_S))
 
     @property
     def newest_taken(self) -> float:
@@ -76,8 +76,8 @@ class LiveFixes:
 
     def forget(self) -> None:
         """Let old fixes go that have their keyframes."""
-        if self.fixes is not None and self.taken > MOST:
-            self.fixes, self.taken = self.fixes.part(slice(HALF, None)), self.taken - HALF
+        if self.fixes is not None and self.taken > MAX_TAKEN_FIXES:
+            self.fixes, self.taken = self.fixes.part(slice(KEPT_TAKEN_FIXES, None)), self.taken - KEPT_TAKEN_FIXES
 
     def next_keyframe(self, last: float, until: float) -> tuple[float, int] | None:
         """Return time and fix (-1: none) of the keyframe after ``last`` [s]; None if it is after ``until``.

@@ -8,7 +8,7 @@ from procedures.fusion.inner.inertial_window import InertialWindow
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.outer.outer_graph import GlobalPose, OuterGraph, OuterSettings
 
-RENEWED = 36_000  # poses: half an hour
+MAX_POSES = 36_000  # poses: half an hour
 RUN_IN = 1_200  # poses that a new graph goes along before it takes over: a minute, six of its windows
 
 
@@ -61,7 +61,7 @@ class NoGraph:
 class LiveGraph:
     """Like `OuterGraph`, but fixes are added as they come."""
 
-    def __init__(self, settings: OuterSettings, renewed: int = RENEWED, run_in: int = RUN_IN) -> None:
+    def __init__(self, settings: OuterSettings, renewed: int = MAX_POSES, run_in: int = RUN_IN) -> None:
         self._settings, self._renewed, self._run_in = settings, renewed, run_in
         self._graph = OuterGraph(settings)
         self._heir: OuterGraph | None = None

@@ -19,9 +19,9 @@ from procedures.fusion.outer.outer_graph import GlobalPose, OuterSettings
 from station.locate.camera_source import with_lever
 from station.locate.imu_noise import NoiseOf
 from station.locate.imu_source import with_constants
-from station.locate.live_alignment import KEPT, Beginning, Begun, joined
+from station.locate.live_alignment import MAX_BUFFER_S, Beginning, Begun, joined
 from station.locate.live_camera import LiveCamera
-from station.locate.live_fixes import BEHIND, LiveFixes
+from station.locate.live_fixes import KEYFRAME_DELAY_S, LiveFixes
 from station.locate.live_graph import Graph, LiveGraph, NoGraph
 from station.locate.live_inputs import LocatorTick
 from station.locate.live_report import LocationReport
@@ -80,7 +80,7 @@ class LiveLocator:
         """Keep the samples that an alignment needs, or a camera's delay, or else the next keyframes."""
         self._imu.append(imu)
         is_learnt = self._source is not None and (self._camera is None or self._camera.offset is not None)
-        while now - self._imu[0].t[-1] > (2 * BEHIND[1] if is_learnt else KEPT):
+        while now - self._imu[0].t[-1] > (2 * KEYFRAME_DELAY_S[1] if is_learnt else MAX_BUFFER_S):
             self._imu.popleft()
 
     def _see(self, camera: LiveCamera, taken: LocatorTick, now: float) -> None:

@@ -9,7 +9,7 @@ from station.locate.live_fixes import LiveFixes
 from station.locate.live_track import LiveTrack
 from station.locate.location import Location
 
-LEVEL = 0.1  # of forward's length across the vertical, below which it has no heading
+MIN_LEVEL_PART = 0.1  # of forward's length across the vertical, below which it has no heading
 
 
 class LocationReport:
@@ -37,7 +37,7 @@ class LocationReport:
         std = np.sqrt(np.diag(pose.covariance))
         self._std = std[:3]
         ahead = pose.C_nb @ self._ahead
-        is_level = bool(np.hypot(*ahead[:2]) > LEVEL)
+        is_level = bool(np.hypot(*ahead[:2]) > MIN_LEVEL_PART)
         latitude, longitude, height = origin.geodetic(pose.p)
         return Location(
             is_located=True, t=pose.t, enu=_three(pose.p), enu_std=_three(np.hypot(std[:3], fixes.std)),

@@ -4,9 +4,9 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-MOST = 2000  # points
-STEP = 0.2  # m between two points, at first; twice as much each time it is thinned
-FAR = 200  # outliers that are drawn
+MAX_POINTS = 2000  # points
+INITIAL_SPACING_M = 0.2  # m between two points, at first; twice as much each time it is thinned
+MAX_DRAWN_OUTLIERS = 200  # outliers that are drawn
 Place = tuple[float, float]
 
 
@@ -15,7 +15,7 @@ class LiveTrack:
 
     def __init__(self) -> None:
         self._points: list[Place] = []
-        self._step, self.outliers = STEP, 0
+        self._step, self.outliers = INITIAL_SPACING_M, 0
         self.points: tuple[Place, ...] = ()
         self.far: tuple[Place, ...] = ()
 
@@ -25,7 +25,7 @@ class LiveTrack:
         if self._points and np.hypot(here[0] - self._points[-1][0], here[1] - self._points[-1][1]) < self._step:
             return
         self._points.append(here)
-        if len(self._points) > MOST:
+        if len(self._points) > MAX_POINTS:
             del self._points[1::2]
             self._step *= 2
         self.points = tuple(self._points)
@@ -33,4 +33,4 @@ class LiveTrack:
     def add_outlier(self, p: FloatArray) -> None:
         """Count a fix at a place (3,) [m] that is none of the unit's."""
         self.outliers += 1
-        self.far = (*self.far, (float(p[0]), float(p[1])))[-FAR:]
+        self.far = (*self.far, (float(p[0]), float(p[1])))[-MAX_DRAWN_OUTLIERS:]

@@ -19,7 +19,7 @@ from station.locate.live_alignment import Beginning, Begun
 from station.locate.live_camera import LiveCamera
 from station.locate.live_fixes import LiveFixes
 
-BEFORE = 1.0  # s of samples before the first keyframe
+LEAD_S = 1.0  # s of samples before the first keyframe
 
 
 class VisualBeginning:
@@ -56,7 +56,7 @@ class VisualBeginning:
             self.why = found.why
             return None
         aligned = found.aligned
-        return Begun(aligned, between(imu, aligned.t0 - BEFORE, float(tracks.t[-1])), fixes)
+        return Begun(aligned, between(imu, aligned.t0 - LEAD_S, float(tracks.t[-1])), fixes)
 
 
 class LiveVision:

@@ -8,7 +8,7 @@ from station.locate.imu_source import by_imu
 from station.locate.odometry_source import by_odometry
 from station.locate.result import Located
 
-MANY = 0.3  # of the fixes: more than any receiver's outliers
+MAX_OUTLIER_SHARE = 0.3  # of the fixes: more than any receiver's outliers
 DOUBT = "{} of {} fixes stand off by more than 5 sigma: look at their sigmas, units, clock and lever arm"
 SOURCES = {"inertial": by_imu, "odometry": by_odometry, "vision": by_vision}
 
@@ -25,7 +25,7 @@ def locate(log: FusionLog, source: str, layers: int = 2) -> Located:
     """
     located = SOURCES[source](log, layers)
     total = len(log.fixes.t)
-    doubts = (DOUBT.format(located.rejected, total),) if located.rejected > MANY * total else ()
+    doubts = (DOUBT.format(located.rejected, total),) if located.rejected > MAX_OUTLIER_SHARE * total else ()
     return replace(located, fixes=total, warnings=(*located.warnings, *doubts))
 
 

@@ -31,9 +31,8 @@ from station.monitor.session import MonitorSession
 from station.monitor.text_lines import PlainMonitor, json_line, listen
 from station.monitor.thread import MonitorThread
 from station.monitor.view import MonitorView
-from station.stream.camera.camera_feed import SESSION, open_camera
-from station.stream.camera.description import NAME as CAMERA_FILE
-from station.stream.camera.description import Description, read_description
+from station.stream.camera.camera_feed import CAMERA_SESSION, open_camera
+from station.stream.camera.description import CAMERA_FILE, Description, read_description
 from station.stream.camera.replayed_camera import RecordedCamera
 from station.stream.events import EVENTS_FILE
 from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed
@@ -197,9 +196,9 @@ def _camera(described: Description, source: ChunkSource, folder: Path | None, st
     """Return the camera, live or recorded."""
     if isinstance(source, Replay):
         recorded = Path(source.address.path).parent
-        if not any(recorded.glob(f"{SESSION}_*.mcap")):
+        if not any(recorded.glob(f"{CAMERA_SESSION}_*.mcap")):
             raise DataRefused(
-                recorded, None, f"no {SESSION}_*.mcap", "the images of a camera", "name another recording"
+                recorded, None, f"no {CAMERA_SESSION}_*.mcap", "the images of a camera", "name another recording"
             )
         return RecordedCamera(recorded)
     beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))

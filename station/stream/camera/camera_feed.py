@@ -9,17 +9,17 @@ from pathlib import Path
 from drivers.camera import CameraDecoder, CameraImage
 from drivers.errors import DriverError
 from station.files.atomic_file import replace_file
-from station.stream.camera.description import NAME, Description
+from station.stream.camera.description import CAMERA_FILE, Description
 from station.stream.events import StreamState
 from station.stream.reader import GapMark
 from station.stream.reader.messages import LOST
 from station.stream.reader.restarting_reader import FOR_EVER, LastingReader
 from station.text.plural import plural
 
-SESSION = "camera_session"
-RATE_S = 5.0
+CAMERA_SESSION = "camera_session"
+RATE_WINDOW_S = 5.0
 SILENT_S = 1.8  # it is to be said within 2 s
-KEPT = 300  # images that are not taken
+MAX_WAITING_IMAGES = 300  # images that are not taken
 
 
 class CameraFeed:
@@ -28,7 +28,7 @@ class CameraFeed:
     def __init__(self, reader: LastingReader, clock: Callable[[], float] = time.monotonic) -> None:
         self._reader, self._clock, self.address = reader, clock, reader.address
         self.decoder = CameraDecoder()
-        self._images: deque[CameraImage] = deque(maxlen=KEPT)
+        self._images: deque[CameraImage] = deque(maxlen=MAX_WAITING_IMAGES)
         self._seen: deque[float] = deque()
         self._bytes_at = self._image_at = clock()
         self._away = self._ended = ""
@@ -87,10 +87,10 @@ class CameraFeed:
     def stream(self) -> StreamState:
         """Return its health."""
         now, counters = self._clock(), self.decoder.counters
-        while self._seen and self._seen[0] < now - RATE_S:
+        while self._seen and self._seen[0] < now - RATE_WINDOW_S:
             self._seen.popleft()
         return StreamState(
-            name=f"camera {self.address.name}", rate_hz=len(self._seen) / RATE_S,
+            name=f"camera {self.address.name}", rate_hz=len(self._seen) / RATE_WINDOW_S,
             age_s=now - self._image_at, samples=counters.images, gaps=0, lost=counters.cut, bad=counters.not_jpeg,
             trouble=self.trouble,
         )  # fmt: skip
@@ -115,6 +115,6 @@ def open_camera(
     DriverError, CannotWrite
         What address, port or disk refuse.
     """
-    replace_file(folder / NAME, described.content)
-    with LastingReader(described.address.text, folder, SESSION) as reader:
+    replace_file(folder / CAMERA_FILE, described.content)
+    with LastingReader(described.address.text, folder, CAMERA_SESSION) as reader:
         yield CameraFeed(reader, clock)

@@ -11,7 +11,7 @@ from station.errors import DataRefused
 from station.files.fusion_folder.schema import LensTable
 from station.files.toml_text import line_of, read_tables, read_text_file
 
-NAME = "camera.toml"  # in a folder that is recorded
+CAMERA_FILE = "camera.toml"  # in a folder that is recorded
 SCHEME = "camera"
 
 

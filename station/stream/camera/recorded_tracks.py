@@ -9,7 +9,7 @@ from procedures.earth.gnss_records import TimeMark
 from procedures.fusion.vision.feature_tracks import Tracks
 from station.files.fusion_folder.tracks import lens_of
 from station.files.fusion_folder.writing import CameraTracks
-from station.stream.camera.description import NAME, read_description
+from station.stream.camera.description import CAMERA_FILE, read_description
 from station.stream.camera.feature_following import ImageFeatureFollower
 from station.stream.camera.replayed_camera import recorded_images
 from station.stream.gnss.fix_times import FixTimes
@@ -27,9 +27,9 @@ def recorded_tracks(folder: Path, marks: Iterable[tuple[int, float]]) -> CameraT
     ExtraMissing
         If OpenCV is not installed.
     """
-    if not (folder / NAME).exists():
+    if not (folder / CAMERA_FILE).exists():
         return None
-    table, times = read_description(folder / NAME).table, FixTimes(in_order=True)
+    table, times = read_description(folder / CAMERA_FILE).table, FixTimes(in_order=True)
     for host_ns, device_s in marks:
         times.mark_imu(host_ns, device_s)
     for image in recorded_images(folder):  # all of them, so that one line holds for all of a clock

@@ -6,7 +6,7 @@ from pathlib import Path
 from drivers.camera import CameraDecoder, CameraImage
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, MESSAGES, RAW
 from station.files.mcap_files.topics import topic_messages
-from station.stream.camera.camera_feed import SESSION
+from station.stream.camera.camera_feed import CAMERA_SESSION
 from station.stream.events import StreamState
 from station.stream.reader.restarting_reader import FOR_EVER
 
@@ -51,7 +51,7 @@ def recorded_images(folder: Path) -> Iterator[CameraImage]:
     DataRefused
         If a file is damaged; one cut short is read as far as it goes.
     """
-    for path in sorted(folder.glob(f"{SESSION}_*.mcap")):
+    for path in sorted(folder.glob(f"{CAMERA_SESSION}_*.mcap")):
         decoder = CameraDecoder()
         for host_ns, data in topic_messages(path, {CAMERA_RAW_TOPIC: _chunk}):
             yield from decoder.feed(data, host_ns)

@@ -16,8 +16,8 @@ from procedures.statistics.robust_clock_line import TimeLine, fit_time_line
 
 REFIT_NS = 10**9
 REBOOT_NS = 10**9
-AHEAD_NS = 10**8  # nothing is read before it was sent: a sender's clock that is ahead by more was set
-RECENT = 20  # marks of a sender with which a new one is compared
+MAX_AHEAD_NS = 10**8  # nothing is read before it was sent: a sender's clock that is ahead by more was set
+RECENT_MARKS = 20  # marks of a sender with which a new one is compared
 Marks = deque[tuple[int, int]]
 
 
@@ -60,8 +60,8 @@ class FixTimes:
         self._sender.append((mark.host_ns, mark.device_ns))
 
     def _is_new(self, mark: TimeMark) -> bool:
-        soonest = max(device_ns - host_ns for host_ns, device_ns in islice(reversed(self._sender), RECENT))
-        leaps = mark.device_ns - mark.host_ns > soonest + AHEAD_NS
+        soonest = max(device_ns - host_ns for host_ns, device_ns in islice(reversed(self._sender), RECENT_MARKS))
+        leaps = mark.device_ns - mark.host_ns > soonest + MAX_AHEAD_NS
         return leaps or mark.device_ns < self._sender[-1][1] - self._back_ns
 
     def of(self, fix: Stamped) -> float | None:

@@ -28,7 +28,7 @@ from station.stream.gnss.utc_line import UtcLine
 from station.stream.reader import Chunk, GapMark
 from station.stream.reader.restarting_reader import FOR_EVER, LastingReader
 
-KEPT = 6000  # fixes: 20 minutes at 5 Hz
+MAX_FIXES = 6000  # fixes: 20 minutes at 5 Hz
 
 EXPECTED = "a GNSS source: mavlink:LINK:WHERE"
 
@@ -60,14 +60,14 @@ class GnssFeed:
         check = SignatureCheck(read_key(address.key_file)) if address.key_file else None
         self.address = address
         self.decoder = MavlinkDecoder(address.system, check)
-        self.fixes: deque[GnssFix] = deque(maxlen=KEPT)
-        self.filtered: deque[GnssFix] = deque(maxlen=KEPT)
+        self.fixes: deque[GnssFix] = deque(maxlen=MAX_FIXES)
+        self.filtered: deque[GnssFix] = deque(maxlen=MAX_FIXES)
         self.latest: GnssFix | None = None
         self.air: AirData | None = None
         self._source, self._writer = source, writer
         self._taken = 0  # of the fixes since the beginning, what `take` has returned
         self._came = 0
-        self._records: deque[Record] = deque(maxlen=KEPT)
+        self._records: deque[Record] = deque(maxlen=MAX_FIXES)
         self._is_lost = False
         self._utc = UtcLine()
         self._stamps_are_marks = True  # of fixes, until the sender states its time

@@ -8,11 +8,11 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-KEPT = 6000  # messages
+MAX_MESSAGES = 6000  # messages
 RATE_S = 5.0
-LEAST = 5  # messages expected of a rate that is judged
+MIN_EXPECTED_MESSAGES = 5  # messages expected of a rate that is judged
 SETTLING_S = 8.0  # until all was asked for, three times and the old way
-SLOW, WELL = 0.6, 0.7  # of the rate asked for: below and above
+SLOW_SHARE, WELL_SHARE = 0.6, 0.7  # of the rate asked for: below and above
 WATCHED = ("GPS_RAW_INT", "SYSTEM_TIME")  # position and time; a sender may have no more than these
 
 
@@ -21,11 +21,11 @@ class Rates:
 
     def __init__(self, name: str, asked_hz: float, clock: Callable[[], float] = time.monotonic) -> None:
         self._name, self._asked_hz, self._clock = name, asked_hz, clock
-        self._seen: deque[tuple[float, str]] = deque(maxlen=KEPT)
+        self._seen: deque[tuple[float, str]] = deque(maxlen=MAX_MESSAGES)
         self._names: set[str] = set()
         self._well_since = clock()
         self._slow: dict[str, str] = {}
-        self._window_s = max(RATE_S, LEAST / asked_hz)
+        self._window_s = max(RATE_S, MIN_EXPECTED_MESSAGES / asked_hz)
 
     @property
     def trouble(self) -> str:
@@ -57,9 +57,9 @@ class Rates:
         rates = self.hz(self._window_s)
         for name in WATCHED:
             rate = rates.get(name, 0.0)
-            if rate > WELL * self._asked_hz:
+            if rate > WELL_SHARE * self._asked_hz:
                 self._slow.pop(name, None)
-            elif rate < SLOW * self._asked_hz and name in self._names:
+            elif rate < SLOW_SHARE * self._asked_hz and name in self._names:
                 self._take(name, rate)
 
     def _take(self, name: str, rate: float) -> None:

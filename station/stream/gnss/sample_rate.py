@@ -20,13 +20,13 @@ from station.stream.gnss.gnss_feed import GnssFeed
 from station.stream.live.live_feed import LiveFeed
 from station.stream.recorder.row_times import RowTimes, Utc
 
-KEPT = 4000  # stamps, 200 s
-LEAST = 100
+MAX_STAMPS = 4000  # stamps, 200 s
+MIN_STAMPS = 100
 EVERY_S = 2.0
-SIGMAS = 4.0
+SIGNIFICANT_SIGMAS = 4.0
 SPAN_S = 30.0  # of this machine's clock: one that is held up for a moment is no wrong rate
 PACE_S = 5.0  # the same for quite another pace
-LINE = 2.0  # scatters of a mark by which UTC at the two ends of the stamps may be off, each end as a whole
+END_SCATTERS = 2.0  # scatters of a mark by which UTC at the two ends of the stamps may be off, each end as a whole
 
 
 class SampleRate:
@@ -50,7 +50,7 @@ class SampleRate:
         self._feed, self._times, self._scatter = feed, RowTimes(utc), scatter
         self._by, self._span_s = by, span_s
         self._anew = 0
-        self._stamps: deque[tuple[float, float]] = deque(maxlen=KEPT)
+        self._stamps: deque[tuple[float, float]] = deque(maxlen=MAX_STAMPS)
         self._next = 0.0
         self.clock: Callable[[], float] = time.monotonic
         self.rate: ClockRate | None = None
@@ -67,7 +67,7 @@ class SampleRate:
         """
         self._take()
         now = self.clock()
-        if len(self._stamps) >= LEAST and now >= self._next:
+        if len(self._stamps) >= MIN_STAMPS and now >= self._next:
             self._next = now + EVERY_S
             self._fit()
         if self._refused is not None:
@@ -79,7 +79,7 @@ class SampleRate:
         t, utc = np.array(self._stamps).T
         self.rate = fit_clock([(t, utc)]) if span >= self._span_s else None
         if self.rate is not None and not (self._span_s and abs(self.rate.ppm) > PLAUSIBLE):
-            self._judge(self.rate, LINE * self._scatter() / span)
+            self._judge(self.rate, END_SCATTERS * self._scatter() / span)
 
     def _pace_said(self, ratio: float) -> str:
         if not self._span_s or abs(ratio - 1.0) * 1e6 <= PLAUSIBLE:
@@ -90,7 +90,7 @@ class SampleRate:
         )
 
     def _judge(self, rate: ClockRate, line_std: float) -> None:
-        off, surely = off_period(rate), SIGMAS * math.hypot(rate.std * 1e-6, line_std)
+        off, surely = off_period(rate), SIGNIFICANT_SIGMAS * math.hypot(rate.std * 1e-6, line_std)
         sentence = clock_sentence(self._feed.period, off, self._by)
         self.warning = sentence if abs(off) - surely > WARN_PERIOD else ""
         self._refused = None

@@ -14,7 +14,7 @@ from drivers.wire import FORMATS, WireFormat
 from station.errors import DataRefused
 from station.stream.live.power_cycle import PowerWatch
 from station.stream.live.silent_channels import SilentChannels
-from station.stream.live.stillness import TICKS, Block, block_of
+from station.stream.live.stillness import TICKS_PER_BLOCK, Block, block_of
 from station.stream.live.stream_trouble import StreamTrouble
 from station.stream.reader import Chunk, GapMark
 from station.stream.reader.messages import LOST
@@ -22,20 +22,20 @@ from station.stream.recorder import DecodedChunk, SampleBuffer, SampleStream, Un
 from station.stream.recorder.connected_unit import refuse_other, unit_of
 
 BLOCK_S = 1.0
-HELD = 10  # samples at least that a block waits for what would show that it is not the device's
+MIN_HELD_SAMPLES = 10  # samples at least that a block waits for what would show that it is not the device's
 POLL_S = 0.1
-OTHERS = {  # what is no IMU, by scheme, and where it belongs
+OTHER_SCHEMES = {  # what is no IMU, by scheme, and where it belongs
     "mavlink": ("a MAVLink link", "--gnss takes a receiver's"),
     "camera": ("a camera", "--camera takes a camera's file"),
 }
 SILENT_S = 1.8  # of the station's time, without a byte or without a frame: it is to be said within 2 s
-LOOK_AGAIN_S = 1.0  # at what comes instead of frames: that takes time
+RESNIFF_S = 1.0  # at what comes instead of frames: that takes time
 JOINING_S = 6.0  # the same until the first sample of what must learn its period to join samples
 REPLUG_S = 30.0  # how long a lost port may stay away
 IDENTITY_S = 3.0  # how long to wait for the device to say who it is
-SNIFFED = 16384  # bytes
-SURE_FRAMES = 3
-TEMPERATURES = 1000  # the newest samples; some devices send a temperature twice a second only
+SNIFFED_BYTES = 16384  # bytes
+MIN_FRAMES = 3
+TEMPERATURE_SAMPLES = 1000  # the newest samples; some devices send a temperature twice a second only
 
 
 class ChunkSource(Protocol):
@@ -131,7 +131,7 @@ class LiveFeed:
         end = self.tape.end
         if end <= self.tape.first:
             return None
-        values = self.tape.block(max(self.tape.first, end - TEMPERATURES), end).temperature
+        values = self.tape.block(max(self.tape.first, end - TEMPERATURE_SAMPLES), end).temperature
         known = values[np.isfinite(values)]
         return float(known[-1]) if len(known) else None
 
@@ -171,8 +171,8 @@ class LiveFeed:
         block waits a moment, and what stands shortly before a break is not used.
         """
         while True:
-            size = max(TICKS, round(BLOCK_S / self.period))
-            held = max(HELD, round(self.wire.hindsight_s / self.period))
+            size = max(TICKS_PER_BLOCK, round(BLOCK_S / self.period))
+            held = max(MIN_HELD_SAMPLES, round(self.wire.hindsight_s / self.period))
             if self._begin != self.tape.begin:
                 self._at = self._begin = self.tape.begin
                 self._is_anew = True
@@ -189,7 +189,7 @@ class LiveFeed:
 
     def newest(self) -> Block | None:
         """Return the last second as a block of its own, for a look in between; None if it is not whole."""
-        size = max(TICKS, round(BLOCK_S / self.period))
+        size = max(TICKS_PER_BLOCK, round(BLOCK_S / self.period))
         first = self.tape.end - size
         if first < max(self.tape.begin, self.tape.first) or self.tape.last_break(first, self.tape.end) is not None:
             return None
@@ -228,7 +228,7 @@ class LiveFeed:
                 waited = 0.0  # it was not for this port
             else:
                 self._silent_s = 0.0
-                self._recent = (self._recent + item.data)[-SNIFFED:]
+                self._recent = (self._recent + item.data)[-SNIFFED_BYTES:]
                 self._take(item)
         self._trouble.look(self.stream)
         if self.unit is not None:
@@ -276,7 +276,7 @@ class LiveFeed:
         elif self._silent_s >= SILENT_S:
             raise LinkSilent(name, SILENT_S, baud)
         elif self._frameless_s >= self._patience_s:
-            if self._wrong is None or self._frameless_s >= self._looked_s + LOOK_AGAIN_S:
+            if self._wrong is None or self._frameless_s >= self._looked_s + RESNIFF_S:
                 self._wrong, self._looked_s = self._what_comes_instead(), self._frameless_s
             raise self._wrong
 
@@ -300,8 +300,8 @@ def open_feed(source: ChunkSource) -> LiveFeed:
         If it must be found and a replayed file ends before.
     """
     address = source.address
-    if address.scheme in OTHERS:
-        what, option = OTHERS[address.scheme]
+    if address.scheme in OTHER_SCHEMES:
+        what, option = OTHER_SCHEMES[address.scheme]
         raise BadDeviceUrl(
             address.public_text, f"the address of {what}", f"an IMU's, such as /dev/ttyUSB0; {option}"
         )
@@ -313,9 +313,9 @@ def open_feed(source: ChunkSource) -> LiveFeed:
             held += [item for item in source.poll(POLL_S) if isinstance(item, Chunk)]
         except ReplayEnded as error:
             raise no_recording(error, "any known format") from error
-        data = b"".join(chunk.data for chunk in held)[:SNIFFED]
+        data = b"".join(chunk.data for chunk in held)[:SNIFFED_BYTES]
         found = sniff(data) if data else []
-        if found and found[0].frames >= SURE_FRAMES:
+        if found and found[0].frames >= MIN_FRAMES:
             return LiveFeed(source, FORMATS[found[0].format], held)
     if not held:
         raise LinkSilent(address.name, SILENT_S, address.baud)

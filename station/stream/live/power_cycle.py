@@ -3,30 +3,30 @@
 A port that was away and came back finds the device's clock as much later as the station's. A device that was
 switched on meanwhile says a time since then: earlier than before, or less later than time has passed. A clock that
 stood still is a stream that was not read, as of a simulated device. Where the device sends no time its counter is
-its clock; one that turns sooner than `TURN_S` tells nothing, nor does a clock that is set from outside.
+its clock; one that turns sooner than `MIN_TURN_S` tells nothing, nor does a clock that is set from outside.
 """
 
 from drivers.wire import WireFormat
 from station.stream.recorder.sample_stream import DecodedChunk
 
-TURN_S = 60.0
-ALLOWED_S, ALLOWED = 5.0, 0.02  # of what two clocks are read apart, and drift by in between
+MIN_TURN_S = 60.0
+ALLOWED_OFFSET_S, ALLOWED_DRIFT = 5.0, 0.02  # of what two clocks are read apart, and drift by in between
 
 
 def switched_on_again(before_s: float, now_s: float, elapsed_s: float) -> bool:
     """Say whether a clock that does not turn began again in ``elapsed_s`` of the station's time."""
-    went, allowed = now_s - before_s, ALLOWED_S + ALLOWED * elapsed_s
+    went, allowed = now_s - before_s, ALLOWED_OFFSET_S + ALLOWED_DRIFT * elapsed_s
     if went < 0:
         return True
-    is_short = went < elapsed_s - allowed and went > ALLOWED_S
+    is_short = went < elapsed_s - allowed and went > ALLOWED_OFFSET_S
     return is_short and now_s <= elapsed_s + allowed
 
 
 def switched_on_again_within(before_s: float, now_s: float, elapsed_s: float, turn_s: float) -> bool:
     """Say the same of a clock that begins again every ``turn_s`` as well."""
-    allowed = ALLOWED_S + ALLOWED * elapsed_s
+    allowed = ALLOWED_OFFSET_S + ALLOWED_DRIFT * elapsed_s
     late = (now_s - before_s - elapsed_s) % turn_s
-    if turn_s < TURN_S or min(late, turn_s - late) <= allowed:
+    if turn_s < MIN_TURN_S or min(late, turn_s - late) <= allowed:
         return False
     return now_s % turn_s <= elapsed_s + allowed
 
@@ -65,6 +65,6 @@ class PowerWatch:
             return by_counter
         if turn is not None:
             return switched_on_again_within(before[0], now[0], elapsed, turn)
-        is_told_apart = frames is not None and frames * period > TURN_S
+        is_told_apart = frames is not None and frames * period > MIN_TURN_S
         goes_on = is_told_apart and not by_counter  # a clock that was set: the frames go on counting
         return switched_on_again(before[0], now[0], elapsed) and not goes_on

@@ -13,8 +13,8 @@ from station.errors import DataRefused
 
 COLUMNS = ("gx", "gy", "gz", "ax", "ay", "az")
 TRIADS = {"g": "gyroscope", "a": "accelerometer"}
-AFTER_S = 10.0  # without a change, after which it is looked at
-KEPT = 2000  # samples, by which the neighbours are judged
+SILENT_AFTER_S = 10.0  # without a change, after which it is looked at
+NEIGHBOUR_SAMPLES = 2000  # samples, by which the neighbours are judged
 
 
 class SilentChannels:
@@ -41,10 +41,10 @@ class SilentChannels:
         self._same = np.where(changed.any(axis=0), since, len(values) + self._same)
         self._counts = isinstance(block, CountBlock)
         self._kept.append(values)
-        while sum(map(len, self._kept)) - len(self._kept[0]) >= KEPT:
+        while sum(map(len, self._kept)) - len(self._kept[0]) >= NEIGHBOUR_SAMPLES:
             self._kept.popleft()
 
-    def text(self, period: float, channels: frozenset[str], after_s: float = AFTER_S) -> str:
+    def text(self, period: float, channels: frozenset[str], after_s: float = SILENT_AFTER_S) -> str:
         """Return what is wrong with ``channels``, those measured, empty if nothing; ``period`` [s]."""
         silent = (self._same >= max(after_s / period, TAIL)) & [name in channels for name in COLUMNS]
         if not silent.any():

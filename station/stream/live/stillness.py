@@ -14,10 +14,12 @@ from procedures.arrays import FloatArray
 from procedures.counts.sample_records import SampleBlock
 from station.stream.live.rates_as_counts import counted
 
-TICKS = 10
-TIMES_NOISE = 16.0
+TICKS_PER_BLOCK = 10
+STILL_NOISE_RATIO = 16.0
 NOISE_BLOCKS = 5
-LEAST = 1 / TIMES_NOISE  # count^2: a counter at constant rate varies by up to 0.25 count^2 without any noise
+MIN_VARIANCE = (
+    1 / STILL_NOISE_RATIO
+)  # count^2: a counter at constant rate varies by up to 0.25 count^2 without any noise
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,8 +49,8 @@ def block_of(samples: SampleBlock, first: int, period: float, *, is_broken: bool
     block = counted(samples, period)
     counts = np.hstack((block.gyro, block.accel)).astype(float)
     n = len(counts)
-    per_tick = n // TICKS
-    ticks = counts[: per_tick * TICKS].reshape(TICKS, per_tick, 6).sum(axis=1)
+    per_tick = n // TICKS_PER_BLOCK
+    ticks = counts[: per_tick * TICKS_PER_BLOCK].reshape(TICKS_PER_BLOCK, per_tick, 6).sum(axis=1)
     return Block(
         first=first,
         last=first + n,
@@ -91,7 +93,7 @@ class Stillness:
     @property
     def limit(self) -> FloatArray:
         """The variance (6,) [count^2] up to which a block is still."""
-        limit: FloatArray = TIMES_NOISE * np.maximum(self.noise, LEAST)
+        limit: FloatArray = STILL_NOISE_RATIO * np.maximum(self.noise, MIN_VARIANCE)
         return limit
 
     def is_still(self, block: Block) -> bool:

@@ -8,8 +8,8 @@ from dataclasses import asdict
 from station.stream.recorder import SampleStream
 
 WITHIN_S = 2.0
-OFTEN = 0.2  # of the samples: so many breaks are no accident
-LEAST = 5  # samples, to say so
+MAX_BREAK_SHARE = 0.2  # of the samples: so many breaks are no accident
+MIN_SAMPLES = 5  # samples, to say so
 
 LINE = "check cable, shield and baud rate"
 ALONE = "check that one device alone sends there"
@@ -55,9 +55,9 @@ class StreamTrouble:
 
 def _said(new: dict[str, int]) -> str:
     breaks = min(new["samples"], new["breaks"] + new["restarts"])
-    if new["samples"] >= LEAST and breaks > OFTEN * new["samples"]:
+    if new["samples"] >= MIN_SAMPLES and breaks > MAX_BREAK_SHARE * new["samples"]:
         return f"samples do not follow each other: {breaks} breaks in {new['samples']} samples; {ALONE}"
-    if new["incomplete"] >= LEAST and new["incomplete"] > new["samples"]:
+    if new["incomplete"] >= MIN_SAMPLES and new["incomplete"] > new["samples"]:
         return f"{new['incomplete']} samples miss frames, {new['samples']} are whole; {ALONE}"
     found = [(f"{words}: {new[name]}", remedy) for name, words, remedy in AMISS if new[name]]
     if not found:

@@ -9,12 +9,16 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Turn
 from procedures.frames import AXES
-from station.stream.live.stillness import LEAST, TICKS, Block
+from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, Block
 
-ALIKE = 0.1  # relative: gyros of one unit agree to some per cent, one revolution more or less is 33 % off
-FAR = 20.0  # times the noise of a second's counts
-EARTHS = 3.0  # times what the gyros show at rest
-STRAY = 0.2  # of the turn's counts on the axis, what another axis may show: they are 0.1 deg to 1 deg off square
+MAX_SCALE_DIFFERENCE = (
+    0.1  # relative: gyros of one unit agree to some per cent, one revolution more or less is 33 % off
+)
+MOTION_SIGMAS = 20.0  # times the noise of a second's counts
+MOTION_EARTH_RATES = 3.0  # times what the gyros show at rest
+MAX_OFF_AXIS = (
+    0.2  # of the turn's counts on the axis, what another axis may show: they are 0.1 deg to 1 deg off square
+)
 
 
 class TurnWatch:
@@ -117,7 +121,7 @@ class TurnWatch:
             sense = "counter-clockwise" if self._step.direction == "+" else "clockwise"
             return f"it was the other way round, expected {sense} seen from above"
         usual = float(np.median(self._earlier)) if self._earlier else self.counts_per_revolution
-        if abs(self.counts_per_revolution / usual - 1) > ALIKE:
+        if abs(self.counts_per_revolution / usual - 1) > MAX_SCALE_DIFFERENCE:
             return (
                 f"it was {self.counts_per_revolution / usual * self._step.revolutions:.2f} revolutions, "
                 f"by the turns before it, expected {self._step.revolutions}"
@@ -129,7 +133,7 @@ class TurnWatch:
         """Whether what moved so far was a turn about the axis asked for, and not the cube being tipped."""
         turned, up = self._turned(), self._up()
         along = float(turned @ up)
-        return bool(np.linalg.norm(turned - along * up) <= STRAY * abs(along))
+        return bool(np.linalg.norm(turned - along * up) <= MAX_OFF_AXIS * abs(along))
 
     def _is_turning(self, block: Block) -> bool:
         """Say whether a gyro's rate is far off the one at rest: a motor turns so evenly that nothing trembles.
@@ -137,8 +141,10 @@ class TurnWatch:
         In another heading the Earth's rate is another one, by up to twice of it.
         """
         rest = self._rest()
-        sigma = np.sqrt(TICKS * np.maximum(block.variance[:3], LEAST))
-        return bool(np.any(np.abs(block.rate[:3] - rest) > FAR * sigma + EARTHS * np.abs(rest).max()))
+        sigma = np.sqrt(TICKS_PER_BLOCK * np.maximum(block.variance[:3], MIN_VARIANCE))
+        return bool(
+            np.any(np.abs(block.rate[:3] - rest) > MOTION_SIGMAS * sigma + MOTION_EARTH_RATES * np.abs(rest).max())
+        )
 
     def _up(self) -> FloatArray:
         up: FloatArray = self._C_sb[:, AXES.index(self._step.axis)]

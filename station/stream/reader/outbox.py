@@ -4,13 +4,13 @@ import os
 import threading
 from collections import deque
 
-LIMIT = 64 * 2**20  # bytes: an hour of 17 kB/s; the journal has it all
+MAX_WAITING_BYTES = 64 * 2**20  # bytes: an hour of 17 kB/s; the journal has it all
 
 
 class Outbox:
-    """Sends messages in order over a pipe on its own thread; beyond `LIMIT` it refuses, and says so."""
+    """Sends messages in order over a pipe on its own thread; beyond `MAX_WAITING_BYTES` it refuses."""
 
-    def __init__(self, descriptor: int, limit: int = LIMIT) -> None:
+    def __init__(self, descriptor: int, limit: int = MAX_WAITING_BYTES) -> None:
         self._descriptor, self._limit = descriptor, limit
         self._messages: deque[bytes] = deque()
         self._waiting = 0

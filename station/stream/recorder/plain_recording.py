@@ -14,7 +14,7 @@ from station.files.sha256sums import append_hash
 from station.stream.recorder.row_times import RowTimes
 from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
 
-NAME = "recording.mcap"
+RECORDING_FILE = "recording.mcap"
 FLUSH_S = 0.2
 
 
@@ -68,7 +68,7 @@ def record(
         If the disk refuses; what it took stays.
     """
     decoder, times = feed.stream.decoder, RowTimes(gnss.utc if gnss else None)
-    writer, flushed = StepWriter(folder / NAME, BY_OUTPUT[decoder.wire.output]), time.monotonic()
+    writer, flushed = StepWriter(folder / RECORDING_FILE, BY_OUTPUT[decoder.wire.output]), time.monotonic()
     period, samples = 0.0, 0
 
     def beside() -> None:
@@ -94,7 +94,7 @@ def record(
             if not samples:
                 raise
         finally:
-            append_hash(folder, NAME, writer.close())
+            append_hash(folder, RECORDING_FILE, writer.close())
     return FinishedRecording(writer.path, samples, samples * period)
 
 

@@ -7,7 +7,7 @@ them (`procedures.diagnosis.clock_rate`) sees how well they tell; a smooth line 
 from collections.abc import Callable
 
 Utc = Callable[[int], float | None]
-EVERY_NS = 50_000_000  # at most 20 rows a second
+MIN_INTERVAL_NS = 50_000_000  # at most 20 rows a second
 
 
 class RowTimes:
@@ -21,5 +21,5 @@ class RowTimes:
         """Return UTC of a chunk's last row; None where it is not known or the one before was just now."""
         if self._utc is None or host_ns < self._next_ns:
             return None
-        self._next_ns = host_ns + EVERY_NS
+        self._next_ns = host_ns + MIN_INTERVAL_NS
         return self._utc(host_ns)

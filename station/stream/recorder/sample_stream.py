@@ -18,7 +18,7 @@ from procedures.counts.sample_records import SampleBlock, block_rows
 from procedures.counts.sample_times import GAP_PERIODS
 from station.stream.reader import Chunk
 
-LEARNING = 33  # samples from which the period is taken where the device does not state it
+PERIOD_SAMPLES = 33  # samples from which the period is taken where the device does not state it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +83,7 @@ class SampleStream:
         stated = self.decoder.identity.period if self.decoder.identity and self._modulus else 0.0
         if stated > 0:
             return stated
-        return float(np.median(self._learnt)) if len(self._learnt) >= LEARNING else None
+        return float(np.median(self._learnt)) if len(self._learnt) >= PERIOD_SAMPLES else None
 
     def begin_anew(self) -> None:
         """Take the next sample as a new beginning, as after a gap mark."""
@@ -161,7 +161,7 @@ class SampleStream:
         return amiss
 
     def _learn(self, seconds: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
-        if len(self._learnt) < LEARNING:
+        if len(self._learnt) < PERIOD_SAMPLES:
             self._learnt += seconds[np.isfinite(seconds) & (seconds > 0)].tolist()
 
     def _count(self, *what: np.ndarray[tuple[int], np.dtype[np.bool_]] | IntArray) -> None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from drivers.simulated.bench_in_memory import WAIT_S
+from drivers.simulated.bench_in_memory import SETTLING_S
 from drivers.simulated.truth import Truth
 from procedures.diagnosis.result import Finding
 from procedures.frames import AXES, FACES, cross_axes
@@ -35,7 +35,7 @@ def _expected(finding: Finding, sizes: Sizes, truth: Truth, key: str) -> float:
     if effect == "accelerometer.cross_product":
         return {catalogued(k): size for k, size in sizes.items()}.get(key, 0.0)
     if effect == "accelerometer.relaxation":  # planted from the flip on, found from where the step begins
-        return sizes.get(key, 0.0) * float(np.exp(-WAIT_S / sizes["tau_s"]))
+        return sizes.get(key, 0.0) * float(np.exp(-SETTLING_S / sizes["tau_s"]))
     if effect == "slab.tilt":
         return float(truth.slab_tilt_rad["east north".split().index(key)]) + sizes.get(key, 0.0)
     if effect == "fixture.parallelism":

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.simulated.bench_in_memory import WAIT_S
+from drivers.simulated.bench_in_memory import SETTLING_S
 from procedures.frames import cross_axes, face_of
 from tests.benchmarks.diagnosing.sigmas import Sigmas
 
@@ -117,7 +117,7 @@ def drawn_sizes(
     if plant.effect == "gyroscope.sagnac_sine":  # fitted is its square, and a sine has no sign
         sizes = {k: float(np.sqrt(rng.uniform(least, most) * sigmas.of(k))) for k in sizes}
     if plant.effect == "accelerometer.relaxation":  # the cube has rested for a while before the step begins
-        return {k: size * float(np.exp(WAIT_S / tau)) for k, size in sizes.items()} | {"tau_s": tau}
+        return {k: size * float(np.exp(SETTLING_S / tau)) for k, size in sizes.items()} | {"tau_s": tau}
     return sizes | ({"position": float(position)} if position else {})
 
 

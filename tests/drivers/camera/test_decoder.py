@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivers.camera import CameraDecoder, CameraImage
-from drivers.camera.decoder import HEADER_BYTES, MOST_BYTES
+from drivers.camera.decoder import MAX_HEADER_BYTES, MAX_IMAGE_BYTES
 from drivers.camera.jpeg import Broken, jpeg_size
 from drivers.camera.parts import part
 from tests.benchmarks.hostile_camera import ROWS, attack
@@ -157,14 +157,14 @@ def test_a_stamp_that_is_none_is_none(stamp: str) -> None:
 
 
 def test_memory_is_bounded_whatever_comes() -> None:
-    endless = b"--b\r\nContent-Type: image/jpeg\r\n\r\n" + IMAGES[0][:-2] + bytes(MOST_BYTES + 2**16)
+    endless = b"--b\r\nContent-Type: image/jpeg\r\n\r\n" + IMAGES[0][:-2] + bytes(MAX_IMAGE_BYTES + 2**16)
     decoder = CameraDecoder()
     for at in range(0, len(endless), 2**16):
         decoder.feed(endless[at : at + 2**16], 0)
     assert decoder.counters.cut == 1
-    assert len(decoder._data) <= HEADER_BYTES  # noqa: SLF001
+    assert len(decoder._data) <= MAX_HEADER_BYTES  # noqa: SLF001
     decoder.feed(b"\n\n" + b"a:b\n" * 10**5, 0)
-    assert len(decoder._data) <= HEADER_BYTES  # noqa: SLF001
+    assert len(decoder._data) <= MAX_HEADER_BYTES  # noqa: SLF001
     assert len(decoder.feed(STREAM, 0)) == 4
 
 

@@ -14,7 +14,7 @@ import pytest
 from drivers.camera import CameraDecoder, CameraImage
 from drivers.camera.address import CameraUrl
 from drivers.camera.jpeg import jpeg_size
-from drivers.camera.v4l2_port import KEPT, V4l2Port, set_up
+from drivers.camera.v4l2_port import MAX_WAITING_IMAGES, V4l2Port, set_up
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import LinkLost, PortNotFound
 from drivers.ports import open_port
@@ -96,11 +96,11 @@ def test_what_opencv_raises_is_a_loss_that_says_why() -> None:
 
 
 def test_nothing_is_nothing_and_old_images_make_room() -> None:
-    device = Device([np.frombuffer(jpegs()[i % 4], np.uint8)[None] for i in range(KEPT + 5)])
+    device = Device([np.frombuffer(jpegs()[i % 4], np.uint8)[None] for i in range(MAX_WAITING_IMAGES + 5)])
     port = V4l2Port("/dev/video9", device, 0.01)
     while port.dropped < 5:  # nobody reads
         pass
-    assert len(list(images_of(port, KEPT))) == KEPT
+    assert len(list(images_of(port, MAX_WAITING_IMAGES))) == MAX_WAITING_IMAGES
     assert port.read(1000) == b""
     device.over.set()
     port.close()

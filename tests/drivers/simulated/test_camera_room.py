@@ -12,7 +12,7 @@ from drivers.simulated.camera_mount import Mounted
 from drivers.simulated.camera_room import Room
 from drivers.simulated.camera_truth import CameraTruth, camera_toml
 from drivers.simulated.errors import TruthRefused
-from drivers.simulated.imu import LYING
+from drivers.simulated.imu import Z_UP_POSITION
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_motion import drive
 from procedures.frames import rotation
@@ -71,7 +71,7 @@ def test_the_camera_turns_and_goes_with_the_imu() -> None:
     """As the segment has it by which the IMU feels the drive; and by its lever arm and mounting beside it."""
     fixed = CameraTruth(C_bc=np.eye(3), t_bc=np.array([0.3, -0.2, 0.1]))
     mounted, period = Mounted(TRUTH, fixed, TRACK), TRUTH.sample_period_s
-    driven = drive(TRACK, stand(TRUTH).attitude(LYING), 0, period)
+    driven = drive(TRACK, stand(TRUTH).attitude(Z_UP_POSITION), 0, period)
     assert driven.angle is not None
     assert driven.axis_b is not None
     for k in (0, 100, 731, 2500):

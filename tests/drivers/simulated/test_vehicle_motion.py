@@ -6,7 +6,7 @@ import pytest
 from drivers.simulated.errors import TruthRefused
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_motion import SLOWEST
+from drivers.simulated.vehicle_motion import MIN_SPEED_M_S
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.frames import rotation
 from tests.drivers.simulated.drives import bends
@@ -40,7 +40,7 @@ def _ahead(track: VehicleTrack, t: float) -> np.ndarray:
 
 def _first_attitude(track: VehicleTrack) -> np.ndarray:
     t = np.arange(0.0, 40.0, 0.02)
-    first = float(t[np.linalg.norm(track.velocities(t)[:, :2], axis=1) > SLOWEST][0])
+    first = float(t[np.linalg.norm(track.velocities(t)[:, :2], axis=1) > MIN_SPEED_M_S][0])
     ahead = _ahead(track, first)
     return np.stack([ahead, np.cross([0, 0, 1.0], ahead), [0, 0, 1.0]], axis=1)
 

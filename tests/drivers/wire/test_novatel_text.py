@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers.framing import MANY, Decoder
+from drivers.framing import MIN_BATCH_BYTES, Decoder
 from drivers.wire import FORMATS, WireFormat, novatel
 from procedures.counts.sample_records import BLOCK_FIELDS, joined_blocks
 from tests.benchmarks.damage import DAMAGES, Shape, damaged
@@ -61,7 +61,7 @@ def test_regular_lines_are_read_together(wire: WireFormat) -> None:
 
 @of_text
 @settings(max_examples=40, deadline=None)
-@given(seed=st.integers(0, 2**32), cut=st.integers(MANY, 3 * MANY))
+@given(seed=st.integers(0, 2**32), cut=st.integers(MIN_BATCH_BYTES, 3 * MIN_BATCH_BYTES))
 def test_damaged_lines_give_the_same_either_way(wire: WireFormat, seed: int, cut: int) -> None:
     shape = Shape((wire.imu.prefix, b"\r\n"), len(wire.imu.prefix), 120)
     rng = random.Random(seed)

@@ -11,7 +11,7 @@ from procedures.campaign.plan_steps import Dwell
 from station.errors import DataRefused
 from station.files.campaign_folder.notes import UnitRecord, read_unit, write_unit
 from station.guide.unit_identity import same_unit
-from station.stream.live.stillness import TICKS
+from station.stream.live.stillness import TICKS_PER_BLOCK
 
 SECONDS = 20
 
@@ -22,7 +22,7 @@ def record(truth: Truth, position: int = 1, seed: int = 1, *, wire: bool = False
     assert series.gyro is not None
     assert series.accel is not None
     counts = np.hstack((series.gyro, series.accel))
-    ticks = counts.reshape(SECONDS, TICKS, -1, 6).sum(axis=2)
+    ticks = counts.reshape(SECONDS, TICKS_PER_BLOCK, -1, 6).sum(axis=2)
     return UnitRecord(
         model="M",
         serial=truth.serial if wire else "as said",

@@ -15,7 +15,7 @@ from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
 from procedures.fusion.visual_alignment.camera_time import CameraOffset
-from station.calibrated.body_axes import DEFAULT, body_axes
+from station.calibrated.body_axes import DEFAULT_AXES, body_axes
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.in_use import InUse
 from station.files.mcap_files.fix_reader import Record
@@ -87,7 +87,7 @@ class DriveRig:
         self.feed.identify()
         self.lines: list[MonitorView] = []
         applied = AppliedCalibration(calibration_of(truth), None, InUse("by hand", 1.0))
-        C = body_axes(DEFAULT)
+        C = body_axes(DEFAULT_AXES)
         self.sight = sight = None if sees is None else Sight(self.source, track, *sees)
         eye = (
             None

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drivers.camera import CameraImage
-from drivers.simulated.vehicle_motion import SLOWEST
+from drivers.simulated.vehicle_motion import MIN_SPEED_M_S
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.fusion.fusion_records import Trajectory
 from procedures.fusion.vision.feature_tracks import Camera, Tracks
@@ -25,7 +25,7 @@ def driven(track: VehicleTrack) -> Trajectory:
     """Return where the IMU is at 20 Hz: x ahead, z up."""
     t = np.arange(track.t[0], track.t[-1], 0.05)
     v = track.velocities(t)
-    moves = np.hypot(v[:, 0], v[:, 1]) > SLOWEST
+    moves = np.hypot(v[:, 0], v[:, 1]) > MIN_SPEED_M_S
     course = np.interp(t, t[moves], np.unwrap(np.arctan2(v[moves, 1], v[moves, 0])))
     return Trajectory(t, track.positions(t), Rotation.from_euler("z", course[:, None]).as_quat())
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from station.stream.live.live_feed import HELD
+from station.stream.live.live_feed import MIN_HELD_SAMPLES
 from tests.station.stream.reader.faulty import (
     CASES,
     PERIOD,
@@ -49,7 +49,7 @@ def test_what_is_missing_is_marked_and_nothing_else_is(transport: str, runs: dic
     gaps = set(ours[1:][np.diff(run.index[ours]) != 1].tolist())
     assert gaps <= marked
     for other in np.flatnonzero(run.index < 0).tolist():  # it may be told by what came after it only
-        assert marked & set(range(other, other + HELD + 1))
+        assert marked & set(range(other, other + MIN_HELD_SAMPLES + 1))
     for case in CASES:
         gone = case.gone.get(transport, case.gone.get("*", -1))
         if gone >= 0:
