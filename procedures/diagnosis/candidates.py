@@ -6,6 +6,7 @@ model would lose without them, so their columns are taken out of it and put to t
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.dwells_and_turns.bench_parameters import Bench, tilt_names
 from procedures.effects.effect import Columns, Effect
+from procedures.errors import DoesNotFit, ProcedureError
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
 TIED = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")
@@ -133,3 +135,21 @@ def usable(candidate: Candidate, evidence: Evidence, others: Sequence[Term] = ()
     fit = candidate.fit(evidence, others, np.ones(len(evidence.residual)))
     _, C = fit.coefficients()
     return bool(np.any(np.sqrt(np.diag(C)) < 0.5 * candidate.term.plausible))
+
+
+@contextmanager
+def trial(has_effects: bool = True) -> Iterator[None]:
+    """Turn what a refit or a test with effects in it runs into to `DoesNotFit`: it says nothing of the data.
+
+    The data were held to their labels, and the model without effects was fitted to them, before any was tried.
+    """
+    if not has_effects:
+        yield
+        return
+    try:
+        with np.errstate(divide="raise", invalid="raise", over="raise"):
+            yield
+    except DoesNotFit:
+        raise
+    except (ProcedureError, np.linalg.LinAlgError, FloatingPointError) as error:
+        raise DoesNotFit(f"the model with the effect in it cannot be fitted: {error}") from error

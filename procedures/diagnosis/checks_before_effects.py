@@ -5,15 +5,18 @@ the positions where they stood, without disturbed stretches, in true seconds.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from procedures.campaign.campaign import Campaign
+from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.diagnosis.clock_rate import find_clock, is_timed, with_true_clock
 from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
 from procedures.diagnosis.result import Finding, Test
 from procedures.diagnosis.wrong_positions import find_labels, mislabelled, with_true_labels
 from procedures.diagnosis.wrong_turn_directions import with_true_directions
+from procedures.frames import face_of
 from procedures.units import PPM_PER_ONE
+
+FIRST_POSITION = {face_of(position): position for position in range(12, 0, -1)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,7 +35,7 @@ class Preliminary:
 
 def preliminary(campaigns: Sequence[Campaign]) -> Preliminary:
     """Put one unit's campaigns right; a clock that may as well be a wrongly stated period is left alone."""
-    campaigns, directions = with_true_directions(campaigns)
+    campaigns, directions = with_true_directions([_faces_as_positions(campaign) for campaign in campaigns])
     wrong = mislabelled(campaigns)
     labels = find_labels(campaigns, wrong)
     campaigns = with_true_labels(campaigns, wrong)
@@ -48,3 +51,21 @@ def preliminary(campaigns: Sequence[Campaign]) -> Preliminary:
     findings = (*directions, *labels[0], *(knock.finding for knock in knocks), *clock)
     tests = (*labels[1], *knock_tests, *clock_tests)
     return Preliminary(tuple(campaigns), findings, tests, frozenset(settled), clock_std)
+
+
+def _faces_as_positions(campaign: Campaign) -> Campaign:
+    """Return a campaign whose rests on known faces stand in positions, if it has no positions of its own.
+
+    To accelerometers a heading matters only through the slab's tilt, which the model holds within its range
+    anyway: each rest is taken at its face's first position. The gyroscopes' horizontal Earth rate does hang on
+    the heading: their outputs are left out.
+    """
+    on_face = [rest for rest in campaign.rests if rest.up is not None and rest.series.accel is not None]
+    if campaign.dwells or not on_face:
+        return campaign
+    dwells = tuple(
+        DwellRecord(rest.name, FIRST_POSITION[rest.up], replace(rest.series, gyro=None))
+        for rest in on_face
+        if rest.up is not None
+    )
+    return replace(campaign, dwells=dwells, rests=tuple(rest for rest in campaign.rests if rest.up is None))

@@ -17,10 +17,9 @@ from procedures.calibration.solution import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.ambiguous_solution import either
-from procedures.diagnosis.base_model import Bench, Subject
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.checks_before_effects import Preliminary, preliminary
-from procedures.diagnosis.effect_naming import named, other_seatings, settled
+from procedures.diagnosis.effect_naming import named, other_seatings, settled, with_fixture_channels
 from procedures.diagnosis.effect_selection import (
     CLAIMED,
     MOST,
@@ -29,17 +28,12 @@ from procedures.diagnosis.effect_selection import (
     next_effect,
     try_all,
 )
-from procedures.diagnosis.error_before_after import errors_made
-from procedures.diagnosis.fixture_or_sensor import with_channels
-from procedures.diagnosis.left_out_groups import groups
+from procedures.diagnosis.held_out_errors import errors_made, groups
 from procedures.diagnosis.linear_model import LinearFit, fit_linear, significance
-from procedures.diagnosis.loop_state import State, stand
+from procedures.diagnosis.model_with_effects import Bench, State, Subject, stand
 from procedures.diagnosis.rate_tables import RateTables
-from procedures.diagnosis.rate_tables_and_dwells import combined, with_files
-from procedures.diagnosis.rests_on_faces import faces_as_positions
-from procedures.diagnosis.result import Diagnosis, Finding, Test, Verdict
-from procedures.diagnosis.unexplained_residual import excess, log_p_of
-from procedures.diagnosis.within_dwells import within_dwells
+from procedures.diagnosis.result import Diagnosis, Finding, Test, Verdict, combined, with_files
+from procedures.diagnosis.unexplained_residual import excess, log_p_of, within_dwells
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit, NotObservable, ProcedureError
@@ -75,7 +69,7 @@ def _of_steps(campaigns: Sequence[Campaign], effects: Sequence[Effect]) -> Diagn
     found_before, bench = _put_right(campaigns)
     effects = [effect for effect in effects if effect.name not in found_before.settled]
     found = _with_clock(_closed(bench, effects), found_before.clock)
-    findings = with_channels((*found_before.findings, *found.findings), found.solution_before)
+    findings = with_fixture_channels((*found_before.findings, *found.findings), found.solution_before)
     verdict = _verdict(findings, found.log_p)
     return replace(
         found, verdict=verdict, findings=findings,
@@ -95,7 +89,7 @@ def _put_right(campaigns: Sequence[Campaign]) -> tuple[Preliminary, Bench]:
     """Return what was put right, and the base model; campaigns that can only be solved as they are stay so."""
     alive, left_out = without_dead(campaigns)
     try:
-        before = preliminary([faces_as_positions(campaign) for campaign in alive])
+        before = preliminary(alive)
         steps = replace(reduce_steps(before.campaigns), left_out=left_out)
         return before, Bench(steps, fit_reduced(steps))
     except ProcedureError:

@@ -6,19 +6,22 @@ from dataclasses import replace
 
 import numpy as np
 
+from procedures.calibration.solution import Solution
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import CLAIMED, GAIN, Adopted, gain_of
 from procedures.diagnosis.equivalent_effects import takes_its_place
-from procedures.diagnosis.left_out_groups import groups
+from procedures.diagnosis.held_out_errors import groups
 from procedures.diagnosis.linear_model import fit_linear, held_out, significance
-from procedures.diagnosis.loop_state import State, stand
+from procedures.diagnosis.model_with_effects import State, stand
 from procedures.diagnosis.result import Confidence, Finding
 from procedures.diagnosis.sign_flip_test import TOLD, sign_flip_p
 from procedures.diagnosis.sweep_repeatability import std_of_repeats
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
-from procedures.frames import FACES
+from procedures.frames import AXES, FACES
 
+PARALLELISM, QUADRATIC = "fixture.parallelism", "accelerometer.quadratic"
+PURE_FIXTURE_SIGMAS = 3.0  # by which two sums of faces' tilts along one axis must differ
 RANK = {"bench": 0, "procedure": 1, "instrument": 2}
 
 
@@ -149,3 +152,38 @@ def other_seatings(state: State, finding: Candidate) -> list[Candidate]:
     fit = finding.fit(evidence, state.beside(finding))
     ways = state.pool.get(finding.effect.name, ())
     return [way for way in ways if way is not finding and takes_its_place(evidence, fit, way.term)]
+
+
+def with_fixture_channels(findings: tuple[Finding, ...], base: Solution) -> tuple[Finding, ...]:
+    """Return findings, parallelism that may be the sensor's with the channels in which part of it is not."""
+    found = _pure_fixture(base)
+    return tuple(
+        replace(each, where={**each.where, "channel": list(found)})
+        if each.effect == PARALLELISM and QUADRATIC in each.aliases and found
+        else each
+        for each in findings
+    )
+
+
+def _pure_fixture(solution: Solution) -> tuple[str, ...]:
+    """Return the accelerometer channels along which the cube's own faces differ for certain, in cube axes.
+
+    Along an axis q lie two sums of opposite faces' tilts, those of the pairs of the two other axes. K2, a scale
+    asymmetry and the bias move both alike; their difference is the fixture's, or a seating's, alone.
+    """
+    if solution.parallelism is None:
+        return ()
+    at = {
+        name.removeprefix(f"{PARALLELISM}."): i
+        for i, name in enumerate(solution.names)
+        if name.startswith(PARALLELISM)
+    }
+    value = dict(zip(at, solution.parallelism.value.ravel(), strict=True))
+    found = list[str]()
+    for q in AXES:
+        one, other = (name for name in at if name.endswith(f".{q}"))
+        i = [at[one], at[other]]
+        std = np.sqrt(np.array([1, -1]) @ solution.covariance[np.ix_(i, i)] @ np.array([1, -1]))
+        if abs(value[one] - value[other]) > PURE_FIXTURE_SIGMAS * std:
+            found.append(f"a{q}")
+    return tuple(found)

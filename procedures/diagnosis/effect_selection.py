@@ -14,9 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import IntArray
-from procedures.diagnosis.candidates import Candidate, usable
-from procedures.diagnosis.effect_trial import trial
-from procedures.diagnosis.left_out_groups import campaign_groups
+from procedures.diagnosis.candidates import Candidate, trial, usable
+from procedures.diagnosis.held_out_errors import campaign_groups
 from procedures.diagnosis.linear_model import (
     SCARCE,
     Significance,

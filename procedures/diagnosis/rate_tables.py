@@ -6,7 +6,6 @@ blocks are left out in turn.
 """
 
 from collections.abc import Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -16,11 +15,10 @@ from procedures.arrays import FloatArray
 from procedures.calibration.calibration import Fits
 from procedures.calibration.solution import FitQuality, Solution
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.effect_trial import trial
-from procedures.diagnosis.linear_model import LinearFit, fit_linear
+from procedures.diagnosis.candidates import Candidate, trial
+from procedures.diagnosis.linear_model import LinearFit
 from procedures.diagnosis.rate_points import Points, noise_of, read_points
-from procedures.diagnosis.refit import ROUNDS, SMALL, Refit, beyond_linear, part_of, terms_at
+from procedures.diagnosis.refit import Refit, iterate, part_of
 from procedures.diagnosis.residual_rows import KINDS, TRIADS, Evidence, Weights
 from procedures.diagnosis.result import TableSensor
 from procedures.effects.effect import Seen, SeenStep
@@ -106,24 +104,13 @@ class RateTables:
         DoesNotFit
             If the line with the effects in it cannot be fitted.
         """
-        with trial() if added else nullcontext():
-            return self._refit(added)
 
-    def _refit(self, added: Sequence[Candidate]) -> Refit:
-        values, at = [np.zeros(len(each.columns.coefficients)) for each in added], self
-        for _ in range(ROUNDS):
-            evidence = at.evidence()
-            terms, offsets = terms_at(evidence, added, values)
-            evidence = beyond_linear(evidence, terms, values, offsets)
-            linear = fit_linear(evidence, terms)
-            found = [linear.coefficients(i) for i in range(len(terms))]
-            moved = [np.max(abs(c - o) / np.sqrt(np.diag(C))) for (c, C), o in zip(found, values, strict=True)]
-            values = [c for c, _ in found]
-            if max(moved, default=0.0) < SMALL:
-                break
-            at = at._with(added, values, evidence)
-        fits = Fits(self.campaigns, None, None, None, None)
-        return Refit(fits, evidence, linear, tuple(values), tuple(C for _, C in found))
+        def without(tables: Self, evidence: Evidence, values: Sequence[FloatArray]) -> Self:
+            return tables._with(added, values, evidence)
+
+        with trial(bool(added)):
+            fits = Fits(self.campaigns, None, None, None, None)
+            return iterate(self, type(self).evidence, without, lambda *_: fits, added)
 
     def _with(self, added: Sequence[Candidate], values: Sequence[FloatArray], evidence: Evidence) -> Self:
         total, inside = np.zeros_like(self.added), np.zeros_like(self.added)

@@ -5,16 +5,15 @@ coefficients are solved anew where that fit stands (Gauss-Newton). The parameter
 model: it holds what the coefficients leave open.
 """
 
-from collections.abc import Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.calibration.calibration import Fits, Reduced, fit_reduced
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.effect_trial import trial
+from procedures.diagnosis.candidates import Candidate, trial
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.dwells_and_turns.twelve_position import JointFit
@@ -25,6 +24,8 @@ from procedures.statistics.least_squares import Fit
 ROUNDS = 6
 GIVEN_ROUNDS = 3  # what an effect adds hangs on the fit by its misalignment alone
 SMALL = 1e-3  # sigma by which the last round still moved a coefficient
+
+Model = TypeVar("Model")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,15 +51,29 @@ def refit(steps: Reduced, base: Fits, added: Sequence[Candidate]) -> Refit:
         If the model with them in it cannot be fitted. Without any it is the base's own.
     """
     added = [each for each in added if not each.is_of_model]
-    with trial() if added else nullcontext():
-        return _refit(steps, base, added)
+
+    def without(fits: Fits, evidence: Evidence, values: Sequence[FloatArray]) -> Fits:
+        return _fit_without(steps, fits, evidence, added, values)
+
+    with trial(bool(added)):
+        return iterate(base, evidence_of, without, _with_covariance, added)
 
 
-def _refit(steps: Reduced, base: Fits, added: Sequence[Candidate]) -> Refit:
+def iterate(
+    model: Model,
+    evidence_of: Callable[[Model], Evidence],
+    without: Callable[[Model, Evidence, Sequence[FloatArray]], Model],
+    fits_of: Callable[[Model, Evidence, LinearFit], Fits],
+    added: Sequence[Candidate],
+) -> Refit:
+    """Find the coefficients of effects and the base model beside them in turn, until they stay (Gauss-Newton).
+
+    ``evidence_of`` gives a base model's evidence; ``without`` fits it again to what effects with given
+    coefficients leave; ``fits_of`` gives the fits in the end.
+    """
     values = [np.zeros(len(each.columns.coefficients)) for each in added]
-    fits = base
     for _ in range(ROUNDS):
-        evidence = evidence_of(fits)
+        evidence = evidence_of(model)
         terms, offsets = terms_at(evidence, added, values)
         evidence = beyond_linear(evidence, terms, values, offsets)
         linear = fit_linear(evidence, terms)
@@ -70,14 +85,14 @@ def _refit(steps: Reduced, base: Fits, added: Sequence[Candidate]) -> Refit:
         values = [c for c, _ in found]
         if max(moved, default=0.0) < SMALL:
             break
-        fits = _fit_without(steps, fits, evidence, added, values)
-    covariances = tuple(C for _, C in found)
-    return Refit(_with_covariance(fits, evidence, linear), evidence, linear, tuple(values), covariances)
+        model = without(model, evidence, values)
+    fits = fits_of(model, evidence, linear)
+    return Refit(fits, evidence, linear, tuple(values), tuple(C for _, C in found))
 
 
 def refit_with(steps: Reduced, base: Fits, added: Sequence[Candidate], values: Sequence[FloatArray]) -> Refit:
     """Solve everything but the coefficients, which are ``values``, found elsewhere; raises as `refit`."""
-    with trial() if added else nullcontext():
+    with trial(bool(added)):
         return _refit_with(steps, base, added, values)
 
 

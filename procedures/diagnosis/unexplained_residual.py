@@ -4,22 +4,17 @@ A single chi-square over some hundred rows would not see one dwell that is six s
 few, so each is tested and the least p counts as one of so many.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
-from procedures.diagnosis.linear_model import LinearFit, Term, classes, fit_linear
-from procedures.diagnosis.residual_rows import KINDS, Evidence
+from procedures.diagnosis.linear_model import LinearFit, classes
+from procedures.diagnosis.residual_rows import KINDS, TRIADS, Evidence
 from procedures.statistics.tail_probabilities import log_f_sf
 
 ABSORBED = 0.02  # a row of which the fit leaves less is the fit's, not the data's
+SHAPES = ("slope", "curvature")
 LEAST = 2.0  # degrees of freedom of a class worth testing
-
-
-def log_global_p(evidence: Evidence, terms: Sequence[Term]) -> float:
-    """Return ln p of the residual under counting noise, with the terms in the model."""
-    fit = fit_linear(evidence, terms, factor=np.ones(len(evidence.residual)))
-    return log_p_of(evidence, fit)
 
 
 def log_p_of(evidence: Evidence, fit: LinearFit) -> float:
@@ -44,3 +39,20 @@ def excess(evidence: Evidence, fit: LinearFit) -> float:
     """Return by how much the data's sum of squares exceeds what noise leaves; at least nought."""
     rows = evidence.is_data
     return max(float(np.sum(fit.white[rows] ** 2) - np.sum((1 - fit.leverage)[rows])), 0.0)
+
+
+def within_dwells(evidence: Evidence, fit: LinearFit) -> Mapping[str, float]:
+    """Return by triad the variance that wanders within its dwells, in squares of the mean's counting noise.
+
+    ``fit`` is the last, with unwidened sigmas. Scatter of means, turns and norms widens its sigmas; slope and
+    curvature within a dwell are no rows of a calibration's fit. White noise gives a slope as much as it gives the
+    mean (a ramp's rms over a dwell, in sigmas of the mean, is its slope in sigmas of the slope), so by as many
+    squares of its sigma as the shapes have too many, the mean is off as well.
+    """
+    found = dict[str, float]()
+    for triad in TRIADS:
+        rows = evidence.rows(*SHAPES, triad=triad)
+        free = float(np.sum((1 - fit.leverage)[rows]))
+        if free > 0:
+            found[triad] = max(float(np.sum(fit.white[rows] ** 2)) / free - 1, 0.0)
+    return found

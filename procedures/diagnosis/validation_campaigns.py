@@ -16,11 +16,9 @@ from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.checks_before_effects import preliminary
-from procedures.diagnosis.error_before_after import errors_made
-from procedures.diagnosis.left_out_groups import groups
+from procedures.diagnosis.held_out_errors import errors_made, groups
 from procedures.diagnosis.refit import refit_with, same_way
 from procedures.diagnosis.residual_rows import Evidence, evidence_of
-from procedures.diagnosis.rests_on_faces import faces_as_positions
 from procedures.diagnosis.result import Diagnosis, Errors
 from procedures.errors import DoesNotFit
 
@@ -41,7 +39,7 @@ def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Error
         If neither triad can be solved on these campaigns.
     """
     alive, _ = without_dead(campaigns)
-    steps = reduce_steps(preliminary([faces_as_positions(campaign) for campaign in alive]).campaigns)
+    steps = reduce_steps(preliminary(alive).campaigns)
     base = fit_reduced(steps)
     evidence = evidence_of(base)
     carried = [

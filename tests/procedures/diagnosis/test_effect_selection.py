@@ -8,7 +8,7 @@ from procedures.diagnosis.effect_selection import (
     stands_without_any,
     try_all,
 )
-from procedures.diagnosis.left_out_groups import campaign_groups, groups
+from procedures.diagnosis.held_out_errors import campaign_groups, groups
 from procedures.diagnosis.linear_model import significance
 from procedures.diagnosis.residual_rows import Evidence
 from tests.procedures.diagnosis.redrawn import made_up, redrawn, seen_by, small

@@ -3,7 +3,7 @@ import pytest
 from scipy import stats
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.diagnosis.left_out_groups import groups
+from procedures.diagnosis.held_out_errors import groups
 from procedures.diagnosis.linear_model import (
     Significance,
     Term,

@@ -1,4 +1,8 @@
-"""The error before and after the effects: the residual's rms in the campaign, and on what was left out."""
+"""What is left out in turn, and the residual's rms before and after the effects, there and in the campaign.
+
+Left out are every position of a campaign with all its repeats, every turn and rest, and everything that was
+stated: each face's certificate, gravity, headings and closures are foretold by the rest like a measurement.
+"""
 
 from collections.abc import Sequence
 
@@ -18,6 +22,27 @@ SHOWN = (
     ("soak", "soaks", "g", 1.0, "deg/h", DEG_H_PER_DEG_S),
     ("rate", "rate points", "", 0.0, "deg/s", 1.0),
 )
+
+
+def groups(evidence: Evidence) -> list[IntArray]:
+    """Return the rows of each position, turn, rest and statement."""
+    keys = dict[tuple[object, ...], list[int]]()
+    for row, number in enumerate(evidence.step.tolist()):
+        if number >= 0:
+            step = evidence.seen.steps[number]
+            name = step.position if step.kind == "dwell" else step.name
+            keys.setdefault((step.campaign, step.kind, name), []).append(row)
+        elif not evidence.is_range[row]:
+            keys[row,] = [row]
+    return [np.array(rows) for rows in keys.values()]
+
+
+def campaign_groups(evidence: Evidence) -> list[IntArray]:
+    """Return the measured rows of each campaign, where there are several."""
+    of_step = np.array([step.campaign for step in evidence.seen.steps])
+    of_row = np.where(evidence.is_data, of_step[evidence.step], -1)
+    found = [np.flatnonzero(of_row == number) for number in np.unique(of_step)]
+    return found if len(found) > 1 else []
 
 
 def errors_made(before: Evidence, after: Refit, left_out: Sequence[IntArray]) -> tuple[Errors, ...]:

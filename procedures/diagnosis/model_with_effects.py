@@ -1,16 +1,55 @@
-"""Where the loop stands: what was adopted, the model solved with it, and every candidate seen from there."""
+"""A base model of some steps, which can be solved again with effects in it, and where that loop stands."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
-from procedures.diagnosis.base_model import Subject
+from procedures.calibration.calibration import Fits, Reduced, report
+from procedures.calibration.solution import Solution
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.effect_selection import Adopted
 from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.refit import Refit, terms_at
+from procedures.diagnosis.refit import Refit, refit, terms_at
+from procedures.diagnosis.result import TableSensor
 from procedures.effects.effect import Effect
 
 Pool = Mapping[str, Sequence[Candidate]]
+
+
+class Subject(Protocol):
+    """A base model with the data it is fitted to."""
+
+    def refit(self, added: Sequence[Candidate]) -> Refit:
+        """Solve again with effects in the model."""
+        ...
+
+    def report(self, found: Refit) -> Solution:
+        """Return what was solved."""
+        ...
+
+    def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
+        """Return the gyroscopes that rate tables turned."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bench:
+    """Dwells, turns and rests, reduced to rates and totals, and the fits to them without effects."""
+
+    steps: Reduced
+    base: Fits
+
+    def refit(self, added: Sequence[Candidate]) -> Refit:
+        """Solve both triads again."""
+        return refit(self.steps, self.base, added)
+
+    def report(self, found: Refit) -> Solution:
+        """Return both triads' solution."""
+        return report(found.fits)
+
+    def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
+        """Return none: the bench is no table."""
+        return ()
 
 
 @dataclass(frozen=True, eq=False)
