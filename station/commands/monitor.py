@@ -100,7 +100,7 @@ def monitor(
     from station.commands._lengths import lengths
     from station.monitor.alarms import parse_alarm
     from station.monitor.monitor_command import MonitorRequest, run
-    from station.tui.monitor.run import run_monitor
+    from station.tui.run import run_monitor
 
     url = whole_url(url)
     if json and plain:

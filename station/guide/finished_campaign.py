@@ -9,12 +9,11 @@ from station.files.setup import Setup
 from station.guide.checklist import Checklist
 from station.guide.command import OperatorCommand
 from station.guide.disk_space import DiskSpace, disk_for
-from station.guide.event_log import EventLog
 from station.guide.folder_lock import FolderLock
 from station.guide.interrupted_campaigns import reopen
 from station.guide.live_campaign import usual_steps
 from station.guide.view import CalibrationView
-from station.stream.events import Sound
+from station.stream.events import EventLog, Sound
 from station.stream.recorder import CampaignRecorder
 
 

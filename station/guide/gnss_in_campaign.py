@@ -13,7 +13,7 @@ from drivers.errors import DriverError
 from procedures.earth.gnss_records import AveragedSite
 from station.files.atomic_file import replace_file
 from station.files.setup import Setup
-from station.guide.event_log import EventLog
+from station.stream.events import EventLog
 from station.stream.gnss import GnssFeed, open_gnss
 from station.stream.gnss.sample_rate import SampleRate
 from station.stream.gnss.summary import site_in_words

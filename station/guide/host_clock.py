@@ -4,7 +4,7 @@ A machine's clock is right to about 1e-4, so that it can tell 0.1 %. What is mor
 simulated or replayed device at another pace than time's and is left alone.
 """
 
-from station.guide.event_log import EventLog
+from station.stream.events import EventLog
 from station.stream.gnss.sample_rate import by_this_machine
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import words_of

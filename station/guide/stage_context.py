@@ -17,10 +17,10 @@ from station.errors import DataRefused
 from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell
 from station.guide.accepted_steps import AcceptedSteps
 from station.guide.checklist import Checklist
-from station.guide.event_log import EventLog
 from station.guide.face_and_stillness import FaceAndStillnessGate
 from station.guide.turn_pairs import TurnClosures, turns_again, what_now
 from station.guide.wording import step_title
+from station.stream.events import EventLog
 from station.stream.live.accepted_blocks import series
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK

@@ -3,6 +3,7 @@
 Nothing is ever overwritten: each line says one thing once. Where somebody listens, a line of input is a key.
 """
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable
 from textwrap import wrap
 
@@ -12,7 +13,7 @@ from station.guide.setup_view import Readiness
 from station.guide.soak_progress import soak_in_words
 from station.guide.step_words import files_as_steps, step_typed
 from station.guide.view import CalibrationView, StageName, Verdict
-from station.stream.events import Event, Sound
+from station.stream.events import Event, NewEvents, Sound
 
 ENDED_STAGES = frozenset({"cancelled", "left", "failed"})
 BELL_STROKES: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}
@@ -48,21 +49,8 @@ class PlainScreen:
 
     def __init__(self, say: Callable[[str], None], *, rings: bool, asks: bool = False) -> None:
         self._say, self._rings, self._asks = say, rings, asks
-        self._told = {
-            "task": "",
-            "hint": "",
-            "unit": "",
-            "ready": "",
-            "question": "",
-            "verdict": "",
-            "stored": "",
-            "seconds": "",
-            "prompt": "",
-            "ends": "",
-            "refused": "",
-            "keys": "",
-        }
-        self._event = 0
+        self._told = defaultdict[str, str](str)  # what was written last, by kind
+        self._new_events = NewEvents()
 
     def show(self, view: CalibrationView) -> None:
         """Write what is new."""
@@ -73,7 +61,7 @@ class PlainScreen:
         if view.readiness:
             self._once("ready", "\n".join(ready_lines(view.readiness)))
             self._told["ends"] = ", ".join(view.readiness.said)
-        for event in view.events:
+        for event in self._new_events.of(view.events):
             self._hear(event)
         is_said = view.stage in SAID_STAGES or (view.turn is not None and view.turn.is_to_rest)
         task = view.line if is_said or not view.link.is_live else ""
@@ -109,11 +97,9 @@ class PlainScreen:
             self._once("stored", f"stored as {verdict.stored_sha256}")
 
     def _hear(self, event: Event) -> None:
-        if event.number > self._event:
-            self._event = event.number
-            if (ends := self._told["ends"]) and event.text.endswith(ends):
-                return  # it stands below what is ready
-            self._say(f"{event.text}{chr(7) * BELL_STROKES[event.sound] if self._rings else ''}")
+        if (ends := self._told["ends"]) and event.text.endswith(ends):
+            return  # it stands below what is ready
+        self._say(f"{event.text}{chr(7) * BELL_STROKES[event.sound] if self._rings else ''}")
 
     def _hint(self, view: CalibrationView) -> None:
         spoken = any(view.hint in event.text for event in view.events)

@@ -30,13 +30,12 @@ from station.monitor.sample_times import SampleTimes
 from station.monitor.session import MonitorVerb
 from station.monitor.stream_health import StreamHealth
 from station.monitor.view import AttitudeReading, ChartPoint, MonitorView, MotionState
-from station.stream.events import Event, Sound, StreamState
+from station.stream.events import EventLog, Sound, StreamState
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import words_of
 
 TICK_S = 0.1
 HISTORY = 600  # points: a minute
-EVENTS_KEPT = 8
 MAX_HOLD_S = 0.5  # that a tick waits for other readers, so that what was read before it counts in it
 
 
@@ -65,8 +64,7 @@ class Monitor:
         self._size = max(1, round(TICK_S / feed.period))
         self._at = self._begin = self._noted = feed.tape.first
         self._history: deque[ChartPoint] = deque(maxlen=HISTORY)
-        self._events: deque[Event] = deque(maxlen=EVENTS_KEPT)
-        self._numbers = self._marks = 0
+        self._event_log, self._marks = EventLog(), 0
         self._speed: float | None = None
         self._held_since: float | None = None
         self._moments = SampleTimes()
@@ -281,8 +279,7 @@ class Monitor:
             self._say("rejected" if words else "accepted", "stream", stream.trouble or well)
 
     def _say(self, sound: Sound, event: str, text: str) -> None:
-        self._numbers += 1
-        self._events.append(Event(number=self._numbers, sound=sound, text=text))
+        self._event_log.say(sound, text)
         if self._recording is not None:
             reading = self.view.reading
             self._recording.note(event, text, reading.t if reading else float("nan"), self._at - 1)
@@ -293,7 +290,7 @@ class Monitor:
             self._hear_of(each)
         recording = self._recording.name if self._recording is not None else ""
         self._change(
-            streams=streams, bought=self._rest.bought, history=tuple(self._history), events=tuple(self._events),
+            streams=streams, bought=self._rest.bought, history=tuple(self._history), events=self._event_log.events,
             recording=recording, in_use=self._in_use,
         )  # fmt: skip
 

@@ -8,6 +8,7 @@ from typing import Any
 from station.locate.location import Location
 from station.monitor.session import MonitorSession, MonitorVerb
 from station.monitor.view import LATE_S, CalibrationGain, MonitorView, RestErrors
+from station.stream.events import NewEvents
 from station.text.plural import plural
 
 MONITOR_FORMAT = "monitor/1"
@@ -76,7 +77,8 @@ class PlainMonitor:
 
     def __init__(self, say: Callable[[str], None], *, rings: bool = False) -> None:
         self._say, self._rings = say, rings
-        self._event, self._next, self._told = 0, -math.inf, ""
+        self._next, self._told = -math.inf, ""
+        self._new_events = NewEvents()
 
     def show(self, view: MonitorView) -> None:
         """Write what is new."""
@@ -84,10 +86,8 @@ class PlainMonitor:
         if view.unit and head != self._told:
             self._told = head
             self._say(head)
-        for event in view.events:
-            if event.number > self._event:
-                self._event = event.number
-                self._say(event.text + (chr(7) if self._rings and event.sound == "rejected" else ""))
+        for event in self._new_events.of(view.events):
+            self._say(event.text + (chr(7) if self._rings and event.sound == "rejected" else ""))
         reading = view.reading
         if reading is None or view.shown is None:
             return

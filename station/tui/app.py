@@ -24,16 +24,11 @@ class StationApp(CommonApp):
     """
 
     def __init__(self, session: CalibrationSession, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
-        super().__init__(is_quiet=is_quiet)
-        self._session, self._refresh_hz = session, refresh_hz
+        super().__init__(refresh_hz=refresh_hz, is_quiet=is_quiet)
+        self._session = session
         self._view: CalibrationView | None = None
         self._base: StageScreen | None = None
         self._postponed: object = None  # the question that was put off
-
-    def on_mount(self) -> None:
-        """Begin to look at the session."""
-        self.pull()
-        self.set_interval(1 / self._refresh_hz, self.pull)
 
     def pull(self) -> None:
         """Show the session's view if it is another."""
@@ -84,13 +79,3 @@ class StationApp(CommonApp):
     def _answer(self, key: str | None) -> None:
         if key not in (None, ANSWER_LATER):
             self._session.send(OperatorCommand(verb="answer", key=key))
-
-    async def action_quit(self) -> None:
-        """Ask before leaving a campaign."""
-        if self._base is not None and self.screen is self._base:
-            self._base.action_leave()
-
-    def action_help_quit(self) -> None:
-        """Take ctrl+c for a wish to leave."""
-        if self._base is not None and self.screen is self._base:
-            self._base.action_leave()

@@ -7,13 +7,13 @@ from textual.app import App, SystemCommand
 from textual.binding import Binding
 from textual.screen import Screen
 
-from station.stream.events import Event
+from station.stream.events import Event, NewEvents
 from station.tui.bells import Bells
 from station.tui.themes import HIGH_CONTRAST, OURS, STATION
 
 
 class CommonApp(App[None]):
-    """An application in our colours; ``is_quiet`` keeps the bell silent."""
+    """An application in our colours; ``is_quiet`` keeps the bell silent, ``refresh_hz`` is how often it pulls."""
 
     TITLE = "FOG station"
     BINDINGS = [
@@ -22,15 +22,33 @@ class CommonApp(App[None]):
         )
     ]
 
-    def __init__(self, *, is_quiet: bool = False) -> None:
+    def __init__(self, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
         super().__init__()
-        self._heard = -1  # the newest event that was heard
-        self.is_quiet = is_quiet
+        self._refresh_hz, self.is_quiet = refresh_hz, is_quiet
+        self._new_events = NewEvents()
         self.bells = Bells(lambda: self.bell(), self.set_timer)
         self.animation_level = "none"
         for theme in (STATION, HIGH_CONTRAST):
             self.register_theme(theme)
         self.theme = STATION.name
+
+    async def on_mount(self) -> None:
+        """Begin to look at the session."""
+        self.pull()
+        self.set_interval(1 / self._refresh_hz, self.pull)
+
+    def pull(self) -> None:
+        """Show the session's view if it is another."""
+        raise NotImplementedError
+
+    async def action_quit(self) -> None:
+        """Take ctrl+q for a wish to leave."""
+        self.action_help_quit()
+
+    def action_help_quit(self) -> None:
+        """Take ctrl+c for a wish to leave: as the screen in front does, what lies over it is answered first."""
+        if leave := getattr(self.screen, "action_leave", None):
+            leave()
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
         """Give every theme the colours that are ours."""
@@ -38,8 +56,7 @@ class CommonApp(App[None]):
 
     def ring(self, events: Sequence[Event], *, is_first: bool) -> None:
         """Ring for the events that are new; those of the first view are old."""
-        new = [event for event in events if event.number > self._heard]
-        self._heard = max([self._heard, *(event.number for event in new)])
+        new = self._new_events.of(events)
         if not is_first and not self.is_quiet:
             for event in new:
                 self.bells.ring(event.sound)

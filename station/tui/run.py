@@ -1,23 +1,31 @@
-"""Run the screens in this terminal."""
+"""Run the screens in this terminal; Textual is imported only where there is a screen."""
 
 from station.guide.session import CalibrationSession
+from station.monitor.session import MonitorSession
 
 REFRESH_HZ = 10.0
 SLOW_HZ = 2.0  # a serial console at 115 200 baud carries no more
 
 
 def run_screens(session: CalibrationSession, *, slow: bool = False, quiet: bool = False) -> None:
-    """Show a session until its campaign has ended or the operator has left.
+    """Show a calibration until its campaign has ended or the operator has left.
 
     Parameters
     ----------
-    session : Session
+    session : CalibrationSession
         The engine's side.
     slow
         Look at the view twice a second only, for a slow terminal.
     quiet
         Ring no bell.
     """
-    from station.tui.app import StationApp  # Textual is imported only where there is a screen
+    from station.tui.app import StationApp
 
     StationApp(session, refresh_hz=SLOW_HZ if slow else REFRESH_HZ, is_quiet=quiet).run()
+
+
+def run_monitor(session: MonitorSession, *, slow: bool = False, quiet: bool = False) -> None:
+    """Show a monitor until it is over or the operator has left; parameters as of `run_screens`."""
+    from station.tui.monitor.app import MonitorApp
+
+    MonitorApp(session, refresh_hz=SLOW_HZ if slow else REFRESH_HZ, is_quiet=quiet).run()

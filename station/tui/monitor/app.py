@@ -10,16 +10,15 @@ class MonitorApp(CommonApp):
     """The screen of one monitor; parameters as of `station.tui.app.StationApp`."""
 
     def __init__(self, session: MonitorSession, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
-        super().__init__(is_quiet=is_quiet)
-        self._session, self._refresh_hz = session, refresh_hz
+        super().__init__(refresh_hz=refresh_hz, is_quiet=is_quiet)
+        self._session = session
         self._view: MonitorView | None = None
         self.monitor = MonitorScreen(session.send)
 
     async def on_mount(self) -> None:
         """Begin to look at the session."""
         await self.push_screen(self.monitor)
-        self.pull()
-        self.set_interval(1 / self._refresh_hz, self.pull)
+        await super().on_mount()
 
     def pull(self) -> None:
         """Show the session's view if it is another; close when it is over."""
@@ -31,13 +30,3 @@ class MonitorApp(CommonApp):
         self.monitor.show(view)
         if view.is_over:
             self.exit()
-
-    async def action_quit(self) -> None:
-        """Leave, asking first while something is being recorded."""
-        if self.screen is self.monitor:
-            self.monitor.action_leave()
-
-    def action_help_quit(self) -> None:
-        """Take ctrl+c for a wish to leave."""
-        if self.screen is self.monitor:
-            self.monitor.action_leave()

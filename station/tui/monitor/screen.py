@@ -14,7 +14,6 @@ from station.tui.monitor.location_widgets import LocationReadings, TrackMap
 from station.tui.monitor.widgets import (
     CalibrationLine,
     Horizon,
-    MonitorTitle,
     Readings,
     RestComparison,
     StateLine,
@@ -22,9 +21,10 @@ from station.tui.monitor.widgets import (
     StripChart,
 )
 from station.tui.screens.confirm import ConfirmScreen
-from station.tui.screens.help import HelpScreen
+from station.tui.screens.help import HelpScreen, keys_of
 from station.tui.widgets.event_lines import EventLines
 from station.tui.widgets.key_line import KeyLine
+from station.tui.widgets.title_bar import TitleBar
 
 HELP = (
     "Roll and pitch of forward-right-down axes. Residual is the angle between what the accelerometers say is down "
@@ -75,7 +75,7 @@ class MonitorScreen(Screen[None]):
         super().__init__()
         self._send = send
         self.view = MonitorView()
-        self.title_line, self.state = MonitorTitle(("", "")), StateLine(("…", "$muted", ""))
+        self.title_line, self.state = TitleBar(), StateLine(("…", "$muted", ""))
         self.horizon, self.readings, self.comparison = Horizon(None), Readings(MonitorView()), RestComparison(None)
         self.map, self.where = TrackMap(Location()), LocationReadings(MonitorView())
         self.charts = (
@@ -159,15 +159,8 @@ class MonitorScreen(Screen[None]):
 
     def action_help(self) -> None:
         """Explain what is shown and the keys."""
-        keys = {
-            active.tooltip or active.binding.tooltip or active.binding.description: self.app.get_key_display(
-                active.binding
-            )
-            for active in self.active_bindings.values()
-            if active.binding.show
-        }
         text = HELP if self.view.location is None else HELP_LOCATED
-        self.app.push_screen(HelpScreen("monitor", text, keys))
+        self.app.push_screen(HelpScreen("monitor", text, keys_of(self)))
 
 
 def _at(view: MonitorView) -> str:

@@ -21,20 +21,6 @@ STEEP_PITCH_DEG = 89.0  # deg of pitch, beyond which roll and heading are one
 LABEL_COLUMNS = 13
 
 
-class MonitorTitle(ValueWidget[tuple[str, str]]):
-    """The unit on the left, time and aid on the right."""
-
-    DEFAULT_CSS = """
-    MonitorTitle { height: 1; padding: 0 1; background: $panel; color: $foreground; }
-    """
-
-    def render(self) -> Content:
-        """Draw the line; where it is short, the right side stays."""
-        left, right = self.value
-        room = self.size.width - len(right) - 2
-        return Content.assemble((left[:room].ljust(room) + "  ", "bold"), right)
-
-
 class StateLine(ValueWidget[tuple[str, str, str]]):
     """A chip and a sentence: what is wrong, else whether it is recorded."""
 

@@ -12,14 +12,11 @@ from station.guide.enough_to_solve import lacking
 from station.guide.view import CalibrationView, StageName
 from station.tui.orientation import is_counter_clockwise
 from station.tui.screens.framed import FramedScreen
-from station.tui.widgets.accepted_bar import AcceptedBar
 from station.tui.widgets.banner import BannerText
 from station.tui.widgets.cube import CubePair, CubePairValue
 from station.tui.widgets.gates_panel import GatesPanel
-from station.tui.widgets.seating import SeatingLines
-from station.tui.widgets.soak_lines import SoakLines
 from station.tui.widgets.step_grid import GridCursor, StepGrid
-from station.tui.widgets.step_words import StepWords
+from station.tui.widgets.step_panels import AcceptedBar, SeatingLines, SoakLines, StepWords
 from station.tui.widgets.turn_gauge import TurnGauge
 
 STAGES: tuple[StageName, ...] = ("place", "settle", "dwell", "turn", "paused")

@@ -3,6 +3,7 @@
 from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
+from textual.screen import Screen
 from textual.widgets import Static
 
 from station.guide.view import CalibrationView
@@ -39,3 +40,14 @@ class HelpScreen(Modal[None]):
     def fits(self, view: CalibrationView) -> bool:
         """Return whether it is still the stage explained."""
         return view.stage == self._stage
+
+
+def keys_of(screen: Screen[None]) -> dict[str, str]:
+    """Return the keys that work on a screen, by what they do."""
+    keys: dict[str, str] = {}
+    for active in screen.active_bindings.values():
+        is_told = active.binding.show or (active.node is screen and active.binding.tooltip)
+        if is_told and active.enabled:
+            what = active.tooltip or active.binding.description
+            keys[what] = ", ".join(filter(None, (keys.get(what), screen.app.get_key_display(active.binding))))
+    return keys

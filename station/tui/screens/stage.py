@@ -3,17 +3,19 @@
 from collections.abc import Callable
 from typing import ClassVar
 
-from textual.app import ComposeResult
+from textual.app import ComposeResult, RenderResult
 from textual.binding import ActiveBinding, Binding
+from textual.content import Content
 from textual.screen import Screen
 
 from station.guide.command import CommandVerb, OperatorCommand
 from station.guide.view import CalibrationView, StageName
+from station.tui.durations_in_words import duration_in_words
 from station.tui.screens.confirm import ConfirmScreen
-from station.tui.screens.help import HelpScreen
+from station.tui.screens.help import HelpScreen, keys_of
+from station.tui.widgets.drawn import ValueWidget
 from station.tui.widgets.key_line import KeyLine
 from station.tui.widgets.title_bar import TitleBar
-from station.tui.widgets.too_small import LEAST, TooSmall
 
 RUNNING: tuple[StageName, ...] = (
     "start", "connecting", "warm_up", "place", "settle", "dwell", "turn", "paused", "solving", "verdict",
@@ -25,9 +27,46 @@ CANCEL = (
 LEAVE_TEXT = (
     "All accepted steps are safe. The step in progress is not kept. The start screen offers to go on from here."
 )
-
-
 COMMON_KEYS = ("app.ask", "leave", "cancel", "help", "command_palette")  # the keys of every screen
+MIN_SIZE = (80, 24)  # columns, rows
+CAMPAIGN_GOES_ON = "The campaign goes on meanwhile, and keys work"
+
+
+def progress(view: CalibrationView) -> str:
+    """Return how far the campaign is: ``step 8 of 18, 21 min left``."""
+    total = len(view.steps)
+    if not total:
+        return ""
+    if view.stage in ("cancelled", "left", "failed"):
+        return f"{view.done} of {total} steps done"
+    step = f"step {view.done + 1} of {total}" if view.done < total else f"{total} of {total} steps done"
+    return f"{step}, {duration_in_words(view.remaining_s)} left" if view.remaining_s > 0 else step
+
+
+class TooSmall(ValueWidget[bool]):
+    """Says what is needed and what there is; the screen comes back by itself once there is room.
+
+    ``value``: whether a campaign goes on meanwhile.
+    """
+
+    DEFAULT_CSS = """
+    TooSmall {
+        layer: above; display: none; width: 100%; height: 100%; padding: 1 2; text-wrap: wrap;
+        background: $background;
+    }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(False)
+
+    def render(self) -> RenderResult:
+        """Draw the sentence."""
+        columns, rows = self.app.size
+        return Content.assemble(
+            (f"needs {MIN_SIZE[0]}x{MIN_SIZE[1]}", "bold $warning"),
+            f"; this terminal has {columns}x{rows}: make it larger, or its letters smaller. "
+            f"{CAMPAIGN_GOES_ON if self.value else 'Keys work'}. --plain does with any terminal.",
+        )
 
 
 class StageScreen(Screen[None]):
@@ -47,8 +86,8 @@ class StageScreen(Screen[None]):
     StageScreen { layers: default above; }
     StageScreen.-cramped > TooSmall, StageScreen.-low > TooSmall { display: block; }
     """
-    HORIZONTAL_BREAKPOINTS = [(0, "-cramped"), (LEAST[0], "-narrow"), (112, "-wide")]
-    VERTICAL_BREAKPOINTS = [(0, "-low"), (LEAST[1], "-short"), (34, "-tall")]
+    HORIZONTAL_BREAKPOINTS = [(0, "-cramped"), (MIN_SIZE[0], "-narrow"), (112, "-wide")]
+    VERTICAL_BREAKPOINTS = [(0, "-low"), (MIN_SIZE[1], "-short"), (34, "-tall")]
     HELPS: ClassVar[dict[StageName, str]] = {}
 
     def __init__(self, send: Callable[[OperatorCommand], None]) -> None:
@@ -95,7 +134,9 @@ class StageScreen(Screen[None]):
         self.view = view
         if not self._is_ready:
             return
-        self.title_bar.show_view(view)
+        campaign = view.folder.rstrip("/").rpartition("/")[2]
+        title = f"{view.unit or 'FOG station'}  {campaign or 'guided calibration'}"
+        self.title_bar.show((title, progress(view)))
         self.too_small.show(bool(view.steps) and view.verdict is None and view.stage in RUNNING)
         self.draw(view)
         if (keys := (view.question is None, self.keys_depend_on(view))) != self._keys:
@@ -125,10 +166,6 @@ class StageScreen(Screen[None]):
 
     def action_help(self) -> None:
         """Explain the stage and its keys."""
-        keys: dict[str, str] = {}  # by what they do
-        for active in self.active_bindings.values():
-            is_told = active.binding.show or (active.node is self and active.binding.tooltip)
-            if is_told and active.enabled:
-                what = active.tooltip or active.binding.description
-                keys[what] = ", ".join(filter(None, (keys.get(what), self.app.get_key_display(active.binding))))
-        self.app.push_screen(HelpScreen(self.view.stage, self.HELPS.get(self.view.stage, self.view.line), keys))
+        self.app.push_screen(
+            HelpScreen(self.view.stage, self.HELPS.get(self.view.stage, self.view.line), keys_of(self))
+        )

@@ -5,11 +5,13 @@ from collections.abc import Callable
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Horizontal
+from textual.content import Content
 from textual.widgets import Button, OptionList, Static
+from textual.widgets.option_list import Option
 
 from station.files.setup import Setup
 from station.guide.command import CommandVerb, OperatorCommand
-from station.guide.setup_view import StartView
+from station.guide.setup_view import StartView, UnfinishedCampaign
 from station.guide.view import CalibrationView
 from station.tui.durations_in_words import duration_in_words
 from station.tui.screens.ready import ReadyScreen
@@ -17,7 +19,6 @@ from station.tui.screens.stage import StageScreen
 from station.tui.setup_entries import seconds_needed
 from station.tui.widgets.ready_lines import ReadyLines
 from station.tui.widgets.setup_form import SetupForm
-from station.tui.widgets.unfinished_list import UnfinishedList
 
 START_HELP = (
     "Go on with an unfinished campaign by Enter, or fill in the form and begin. Tab and shift+Tab go from field "
@@ -27,6 +28,44 @@ START_HELP = (
 )
 CONSIDER_S = 0.2  # after the last letter
 LOOK_VERBS: dict[str, CommandVerb] = {"url": "check", "gnss": "listen"}  # what looks at the address in a field
+
+
+UNFINISHED_STATES = {
+    "free": "▶ go on: Enter",
+    "in use": "✗ in use elsewhere",
+    "not here": "✗ its folder is not here",
+}
+
+
+class UnfinishedList(OptionList):
+    """A line each; those that cannot be gone on with are shown and cannot be chosen."""
+
+    DEFAULT_CSS = """
+    UnfinishedList { height: auto; max-height: 3; margin: 0 2; border: none; }
+    UnfinishedList:focus { border: none; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(compact=True, id="unfinished", markup=False)
+        self.campaigns: tuple[UnfinishedCampaign, ...] = ()
+
+    def offer(self, campaigns: tuple[UnfinishedCampaign, ...]) -> None:
+        """Offer other campaigns."""
+        if campaigns == self.campaigns:
+            return
+        self.campaigns = campaigns
+        self.display = bool(campaigns)
+        self.set_options(Option(_campaign_line(c), disabled=c.state != "free") for c in campaigns)
+        self.highlighted = next((i for i, c in enumerate(campaigns) if c.state == "free"), None)
+
+    @property
+    def is_of_use(self) -> bool:
+        """Whether there is one to go on with."""
+        return any(campaign.state == "free" for campaign in self.campaigns)
+
+
+def _campaign_line(campaign: UnfinishedCampaign) -> Content:
+    return Content.assemble(f"{campaign.title:50} ", UNFINISHED_STATES[campaign.state])
 
 
 class StartScreen(StageScreen):

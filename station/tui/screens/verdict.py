@@ -7,17 +7,44 @@ from pathlib import Path
 
 from textual.app import ComposeResult
 from textual.binding import Binding
-from textual.containers import ScrollableContainer, Vertical
+from textual.containers import Horizontal, ScrollableContainer, Vertical
+from textual.widgets import Static
 
 from station.guide.command import OperatorCommand
 from station.guide.view import CalibrationView
 from station.tui.screens.diagnosis import DiagnosisScreen
 from station.tui.screens.stage import StageScreen
-from station.tui.widgets.fact import FactLine
 from station.tui.widgets.number_table import NumberTable
 from station.tui.widgets.verdict_sentence import VerdictSentence
 
 REPORT = "report"  # where a page finds it: `station.tui.web.guard.Guard.report`
+
+
+class FactLine(Horizontal):
+    """A name on the left, the text beside it however long."""
+
+    DEFAULT_CSS = """
+    FactLine { height: auto; padding: 0 2; display: none; }
+    FactLine.said { display: block; }
+    FactLine .name { width: 11; color: $muted; }
+    FactLine .text { width: 1fr; height: auto; }
+    FactLine.warning .text { color: $warning; text-style: bold; }
+    FactLine.good .text { color: $success; text-style: bold; }
+    """
+
+    def __init__(self, name: str, classes: str = "") -> None:
+        super().__init__(classes=classes)
+        self._label, self._text = name, Static("", classes="text", markup=False)
+
+    def compose(self) -> ComposeResult:
+        """Lay out name and text."""
+        yield Static(self._label, classes="name", markup=False)
+        yield self._text
+
+    def say(self, text: str) -> None:
+        """Say something, or nothing."""
+        self._text.update(text)
+        self.set_class(bool(text), "said")
 
 
 class VerdictScreen(StageScreen):

@@ -8,10 +8,8 @@ from textual.widgets import Input, Select, Static
 from station.files.setup import Setup
 from station.guide.setup_view import PortCheck, StartView
 from station.tui.setup_entries import ENTRIES, problems, setup_of, texts_of
-from station.tui.widgets.check_line import CheckLine
-from station.tui.widgets.field import SetupField
-from station.tui.widgets.pick import PickList
-from station.tui.widgets.receiver_line import ReceiverLine
+from station.tui.widgets.look_lines import CheckLine, ReceiverLine
+from station.tui.widgets.setup_fields import PickList, SetupField
 
 FIELD_PAIRS = (
     ("latitude_deg", "longitude_deg"),

@@ -4,7 +4,7 @@ import re
 
 from station.guide.stream_trouble import trouble_of
 from station.tui.screens.campaign import STAGE_LOOKS
-from station.tui.widgets.link_line import NO_DATA
+from station.tui.screens.framed import NO_DATA
 from station.tui.widgets.step_grid import STEP_LOOKS
 from tests.paths import ROOT
 from tests.station.tui import views

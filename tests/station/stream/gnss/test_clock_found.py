@@ -23,9 +23,9 @@ from procedures.campaign.plan_steps import Dwell
 from station import cli
 from station.errors import DataRefused
 from station.files.campaign_folder.reading import read_campaign
-from station.guide.event_log import EventLog
 from station.guide.gnss_in_campaign import GnssBeside
 from station.guide.host_clock import HostClock
+from station.stream.events import EventLog
 from station.stream.gnss import GnssFeed
 from station.stream.gnss.sample_rate import by_this_machine, said_of
 from station.stream.live import open_feed

@@ -1,0 +1,101 @@
+"""What is said of one step: accepted seconds, how the cube stands, a soak's temperature, what became of it."""
+
+from textwrap import fill
+
+from textual.content import Content
+
+from station.guide.view import GatesView, SoakView, StepView
+from station.tui.bars import bar
+from station.tui.orientation import short_step_title
+from station.tui.widgets.drawn import ValueWidget
+
+
+class AcceptedBar(ValueWidget[tuple[float, float]]):
+    """Value: seconds accepted, seconds wanted; wanted 0 while nothing is counted."""
+
+    DEFAULT_CSS = """
+    AcceptedBar { height: 1; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__((0.0, 0.0), id="accepted")
+
+    def render(self) -> Content:
+        """Draw the bar over the whole width."""
+        accepted, wanted = self.value
+        if not wanted:
+            return Content.assemble((" ACCEPTED ", "bold"), ("no seconds are counted in this step yet", "$muted"))
+        numbers = f" {accepted:.0f} of {wanted:.0f} s  {100 * accepted / wanted:3.0f} % "
+        filled, empty = bar(accepted / wanted, max(self.size.width - 10 - len(numbers), 4))
+        return Content.assemble(
+            (" ACCEPTED ", "bold"), (filled, "$success"), (empty, "on $foreground 12%"), (numbers, "bold")
+        )
+
+
+class SeatingLines(ValueWidget[GatesView | None]):
+    """Heading, then seating."""
+
+    DEFAULT_CSS = """
+    SeatingLines { height: 1fr; min-height: 3; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(None, id="seating")
+
+    def render(self) -> Content:
+        """Draw what is known."""
+        gates = self.value
+        if gates is None:
+            return Content("")
+        lines = []
+        if gates.heading:
+            where = f"position {gates.position}, " if gates.position else ""
+            said = fill(f"{where}{gates.heading}", max(self.size.width - 8, 20)).replace("\n", "\n       ")
+            lines.append(Content.assemble((" NORTH ", "bold"), said))
+        if gates.seating:
+            symbol, colour = ("✓", "$success") if gates.is_seated else ("✗", "$error")
+            said = fill(f"{symbol} {gates.seating}", max(self.size.width - 9, 20)).replace("\n", "\n         ")
+            lines.append(Content.assemble((" SEAT  ", "bold"), (said, f"bold {colour}")))
+        return Content("\n").join(lines)
+
+
+class SoakLines(ValueWidget[SoakView | None]):
+    """A line for the temperature, one for the time."""
+
+    DEFAULT_CSS = """
+    SoakLines { height: 3; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(None, id="soak")
+
+    def render(self) -> Content:
+        """Draw what is known."""
+        soak = self.value
+        if soak is None:
+            return Content("")
+        minutes, seconds = divmod(round(soak.left_s), 60)
+        said = "the device does not say it"
+        if soak.temperature_c is not None:
+            said = f"{soak.temperature_c:.1f} degC, so far {soak.low_c:.1f} to {soak.high_c:.1f}"
+        return Content.assemble((" TEMP  ", "bold"), said, ("\n LEFT  ", "bold"), f"{minutes} min {seconds:02d} s")
+
+
+class StepWords(ValueWidget[StepView | None]):
+    """Name, state, seconds, how many recordings are superseded, and what was noted."""
+
+    DEFAULT_CSS = """
+    StepWords { height: 1fr; min-height: 3; padding: 0 1; text-wrap: wrap; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(None, id="words")
+
+    def render(self) -> Content:
+        """Draw the words."""
+        step = self.value
+        if step is None:
+            return Content("")
+        said = [step.state, f"{step.seconds:.0f} s" if step.attempts else ""]
+        said += [f"{step.superseded} superseded" if step.superseded else "", step.note]
+        return Content.assemble((f"{short_step_title(step)}: ", "bold"), ", ".join(word for word in said if word))
