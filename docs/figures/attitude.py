@@ -1,4 +1,4 @@
-"""The figures of P2 drawn again: errors on its flight by gyros alone, forward speed and velocity filter."""
+"""You and Lee's figures drawn again: errors on their flight by gyros alone, forward speed, velocity filter."""
 
 from collections.abc import Callable
 
@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude import estimate
+from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.complementary_filter import mix
+from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.forward_right_down import roll_pitch_of
-from procedures.attitude.mixer import mix
-from procedures.attitude.mixer_gains import Gains
 from tests.drivers.simulated.flight import LEVEL_S, paper_flight
 
 SEED, RUNS = 1, 6
@@ -71,7 +71,7 @@ def draw_forward_speed() -> Figure:
 
 
 def draw_filter() -> Figure:
-    """Draw the paper's figure 5, and the joint filter."""
+    """Draw the paper's figure 5, and the Kalman filter."""
     return draw_errors(
         f"velocity filter, {RUNS} flights; shaded: the turn", ("paper-filter: eq. 11-14", by("paper-filter")),
         ("airspeed-filter: attitude, velocity and biases in one", by("airspeed-filter")),

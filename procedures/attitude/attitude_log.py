@@ -13,15 +13,15 @@ from procedures.counts.sample_times import GAP_PERIODS
 class AttitudeLog:
     """Consecutive samples; means over the interval that ends at ``t``.
 
-    ``t`` (n,) [s], increasing; ``rate`` (n, 3) [rad/s]; ``force`` (n, 3) [m/s2], specific force. Aids are None
-    where there is none, nan where there is no value at a row: ``airspeed`` (n,) [m/s] along body x, ``velocity``
-    (n, 3) [m/s] north-east-down, ``heading`` (n,) [rad] true. Truth: ``roll``, ``pitch`` (n,) [rad], ``scored``
-    (n,).
+    ``t`` (n,) [s], increasing; ``omega_b`` (n, 3) [rad/s], angular rate; ``f_b`` (n, 3) [m/s2], specific force.
+    Aids are None where there is none, nan where there is no value at a row: ``airspeed`` (n,) [m/s] along body x,
+    ``velocity`` (n, 3) [m/s] north-east-down, ``heading`` (n,) [rad] true. Truth: ``roll``, ``pitch`` (n,) [rad],
+    ``scored`` (n,).
     """
 
     t: FloatArray
-    rate: FloatArray
-    force: FloatArray
+    omega_b: FloatArray
+    f_b: FloatArray
     airspeed: FloatArray | None = None
     velocity: FloatArray | None = None
     heading: FloatArray | None = None
@@ -31,8 +31,8 @@ class AttitudeLog:
 
     def __post_init__(self) -> None:
         n = len(self.t)
-        shapes = {"rate": (n, 3), "force": (n, 3), "velocity": (n, 3)}
-        for name in ("rate", "force", "airspeed", "velocity", "heading", "roll", "pitch", "scored"):
+        shapes = {"omega_b": (n, 3), "f_b": (n, 3), "velocity": (n, 3)}
+        for name in ("omega_b", "f_b", "airspeed", "velocity", "heading", "roll", "pitch", "scored"):
             value, expected = getattr(self, name), shapes.get(name, (n,))
             if value is not None and value.shape != expected:
                 raise ValueError(f"AttitudeLog.{name} has shape {value.shape}, expected {expected}")

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from procedures.attitude.attitude import AIDS, estimate
+from procedures.attitude.attitude_estimate import AIDS, estimate
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.joint_filter import AID_CODE, JointFilter
-from procedures.attitude.mixer import Mixer, PaperMixer
-from procedures.attitude.mixer_gains import PAPER
+from procedures.attitude.complementary_filter import ComplementaryFilter, PrintedComplementaryFilter
+from procedures.attitude.complementary_gains import PAPER_GAINS
+from procedures.attitude.kalman_filter import AID_CODE, AttitudeKalmanFilter
 
 
 def compile_all() -> None:
@@ -15,8 +15,13 @@ def compile_all() -> None:
     log = AttitudeLog(np.asarray(t, np.float64), still, still - [0.0, 0.0, 9.8], still[:, 0].copy(), still.copy())
     for aid in AIDS:
         estimate(log, aid)
-    estimate(log, "none", PAPER)
-    steps = [JointFilter(aid).step for aid in AID_CODE]
-    for step in (*steps, Mixer().step, Mixer(aid="airspeed").step, PaperMixer().step):
-        step(0.0, log.rate[0], log.force[0])
-        step(0.01, log.rate[1], log.force[1])
+    estimate(log, "none", PAPER_GAINS)
+    steps = [AttitudeKalmanFilter(aid).step for aid in AID_CODE]
+    others = (
+        ComplementaryFilter().step,
+        ComplementaryFilter(aid="airspeed").step,
+        PrintedComplementaryFilter().step,
+    )
+    for step in (*steps, *others):
+        step(0.0, log.omega_b[0], log.f_b[0])
+        step(0.01, log.omega_b[1], log.f_b[1])

@@ -1,6 +1,6 @@
-"""Forward-right-down body axes against north-east-down: the attitude mixer's frames, and their conversions.
+"""Forward-right-down body axes against north-east-down: the frames of roll and pitch, and their conversions.
 
-The mixer works as P2 and MAVLink do; the rest of the station in East-North-Up (`procedures.frames`). At rest and
+As in You and Lee and in MAVLink; the rest of the station works in East-North-Up (`procedures.frames`). At rest and
 level the specific force is (0, 0, -g). ``C_nb`` takes forward-right-down to north-east-down; its last row is the
 down vector.
 """

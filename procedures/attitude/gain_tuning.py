@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude import estimate
+from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.forward_right_down import inclination
-from procedures.attitude.mixer_gains import Gains
 from procedures.errors import NotObservable
 from procedures.units import STANDARD_GRAVITY
 
@@ -18,7 +18,7 @@ FOLDS = 5  # stretches of equal numbers of rows: neighbours in time are not inde
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Tuning:
+class GainTuning:
     """Errors over a grid of gains.
 
     ``rms`` (m,) [rad] is the inclination error of each of ``candidates`` over all rows, ``by_fold`` (m, FOLDS) in
@@ -44,7 +44,7 @@ class Tuning:
 
 
 def grid_of_taus(taus: Sequence[float] = TAUS) -> tuple[Gains, ...]:
-    """Return critically damped gains (P2 eq. 15) over time constants [s]."""
+    """Return critically damped gains (You and Lee eq. 15) over time constants [s]."""
     return tuple(Gains.of_time_constant(tau) for tau in taus)
 
 
@@ -57,7 +57,7 @@ def grid_of_gains() -> tuple[Gains, ...]:
 
 def tune(
     log: AttitudeLog, aid: str, candidates: Sequence[Gains], gravity: float = STANDARD_GRAVITY
-) -> Tuning:  # fmt: skip
+) -> GainTuning:  # fmt: skip
     """Run the law with each of ``candidates`` and compare with the log's truth.
 
     Raises
@@ -85,6 +85,6 @@ def tune(
     picked = tuple(int(np.argmin(np.delete(in_fold, i, 1) @ np.delete(weight, i))) for i in range(FOLDS))
     held_out = np.sqrt(sum(weight[i] * in_fold[best, i] for i, best in enumerate(picked)))
     rms = np.sqrt(square.mean(axis=1))
-    return Tuning(
+    return GainTuning(
         tuple(candidates), rms, np.sqrt(in_fold), int(np.argmin(rms)), picked, float(held_out), int(rows.sum())
     )

@@ -7,15 +7,15 @@ what the gyros' biases may add to it, over its size, is the sigma of the heading
 import numpy as np
 
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.mixer import start_down
+from procedures.attitude.complementary_filter import start_down
 from procedures.attitude.sensor_noise import gyro_noise
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import attitude_at_rest
 from procedures.rests_and_moves.rest_detection import second_means
 
-LEAST_S = 30.0
+MIN_REST_S = 30.0
 STILL_RATE, STILL_FORCE = np.radians(0.05), 0.05  # rad/s, m/s2: by which a second's mean may stray
-SURE = np.radians(10.0)  # 1 sigma of a heading that is good for the Earth's rate: a sixth of it is left
+MAX_HEADING_STD = np.radians(10.0)  # 1 sigma of a heading that is good for the Earth's rate: a sixth of it is left
 
 
 def resting_rows(log: AttitudeLog) -> int:
@@ -25,7 +25,7 @@ def resting_rows(log: AttitudeLog) -> int:
     if m < 2:
         return 0
     second, moved = np.arange(m * rows) // rows, np.zeros(m, bool)
-    for values, limit in ((log.rate, STILL_RATE), (log.force, STILL_FORCE)):
+    for values, limit in ((log.omega_b, STILL_RATE), (log.f_b, STILL_FORCE)):
         means = second_means(second, values[: m * rows])
         moved |= (np.abs(means - means[0]) > limit).any(axis=1)
     first = int(np.argmax(moved)) if moved.any() else m
@@ -42,12 +42,12 @@ def heading_at_rest(log: AttitudeLog, latitude: float, gyro_bias_std: float) -> 
         1 sigma of each gyro's bias, after calibration.
     """
     n = resting_rows(log)
-    if n * log.nominal < LEAST_S:
+    if n * log.nominal < MIN_REST_S:
         return None
-    down = start_down(log.force[:n].mean(axis=0))
-    C_nb = attitude_at_rest(-down, log.rate[:n].mean(axis=0))
+    down = start_down(log.f_b[:n].mean(axis=0))
+    C_nb = attitude_at_rest(-down, log.omega_b[:n].mean(axis=0))
     noise = gyro_noise(log) / np.sqrt(n * log.nominal)
     std = float(np.hypot(gyro_bias_std, noise) / (EARTH_RATE * np.cos(latitude)))
-    if std > SURE or abs(down[0]) > 0.98 or C_nb is None:  # body x upright has no heading
+    if std > MAX_HEADING_STD or abs(down[0]) > 0.98 or C_nb is None:  # body x upright has no heading
         return None
     return float(np.arctan2(C_nb[0, 0], C_nb[1, 0])), std

@@ -1,7 +1,7 @@
 """How the attitude kernels are compiled, and when compiled code is still good.
 
 They allocate nothing, so that numba may leave out the counting of references (``_nrt``), which would take four
-fifths of their time; and those of the joint filter are compiled into each other, since a call would copy the
+fifths of their time; and those of the Kalman filter are compiled into each other, since a call would copy the
 settings. numba's own cache looks at a kernel's source file alone; here also at all that it calls.
 """
 

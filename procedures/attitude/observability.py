@@ -1,4 +1,4 @@
-"""Observability of the velocity filter along a log: P2 (13), evaluated instead of assumed."""
+"""Observability of the velocity filter along a log: You and Lee (13), evaluated instead of assumed."""
 
 from dataclasses import dataclass
 
@@ -46,7 +46,7 @@ def observability(log: AttitudeLog, gate: float) -> Observability:
     """Evaluate (13) along a log, on rates averaged over a second, where they exceed the gate [rad/s]."""
     rows = max(round(SMOOTH_S / log.nominal), 1)
     kernel = np.ones(rows) / rows
-    rate = np.stack([np.convolve(log.rate[:, i], kernel, "same") for i in range(3)], axis=1)
+    rate = np.stack([np.convolve(log.omega_b[:, i], kernel, "same") for i in range(3)], axis=1)
     slope = np.gradient(rate, log.t, axis=0) if len(log.t) > 2 else np.zeros_like(rate)
     is_open = np.linalg.norm(rate, axis=1) > gate
     found = determinant(rate, slope)[is_open]

@@ -4,45 +4,46 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.joint_state import Settings
-from procedures.attitude.mixer import GATE
-from procedures.attitude.velocity_aid_kernels import SMOOTH_S
+from procedures.attitude.complementary_filter import RATE_GATE
+from procedures.attitude.complementary_velocity_aids import SMOOTH_S
+from procedures.attitude.kalman_state import KalmanSettings
 from procedures.statistics.white_noise import white_noise
 
 GATE_SIGMA = 4.0
-LEAST_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: no unit clips below
+MIN_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: no unit clips below
 CLIPPED_ROWS = 3
-LEAST_NOISE = 1e-7  # rad/sqrt(s)
-LEAST_WALK = 3e-6  # rad/s/sqrt(s), of a FOG's bias: three times what it does
+MIN_GYRO_NOISE = 1e-7  # rad/sqrt(s)
+MIN_BIAS_WALK = 3e-6  # rad/s/sqrt(s), of a FOG's bias: three times what it does
 WALK_PER_NOISE = 1.0  # 1/s
-RESTING_FORCE = 2e-4  # m/s/sqrt(s): a bench is never quite quiet
+MIN_REST_FORCE_NOISE = 2e-4  # m/s/sqrt(s): a bench is never quite quiet
 
 
 def gyro_noise(log: AttitudeLog) -> float:
     """Return the gyros' white noise [rad/sqrt(s)]."""
-    return white_noise(log.rate, log.nominal)
+    return white_noise(log.omega_b, log.nominal)
 
 
 def force_noise(log: AttitudeLog) -> float:
     """Return the accelerometers' white noise [m/s/sqrt(s)]."""
-    return white_noise(log.force, log.nominal)
+    return white_noise(log.f_b, log.nominal)
 
 
-def at_rest(settings: Settings, log: AttitudeLog) -> Settings:
-    """Return the joint filter's settings with what this unit does at rest: its own noise, and a walk beside it.
+def at_rest(settings: KalmanSettings, log: AttitudeLog) -> KalmanSettings:
+    """Return the Kalman filter's settings with what this unit does at rest: its own noise, and a walk beside it.
 
     The walk of a bias is far less by the Allan deviation of any gyro; but a rest is never quite one.
     """
-    gyro = max(gyro_noise(log), LEAST_NOISE)
+    gyro = max(gyro_noise(log), MIN_GYRO_NOISE)
     return settings._replace(
-        rest_gyro_noise=gyro, rest_bias_walk=min(max(WALK_PER_NOISE * gyro, LEAST_WALK), settings.rest_bias_walk),
-        rest_force_noise=max(force_noise(log), RESTING_FORCE),
+        rest_gyro_noise=gyro,
+        rest_bias_walk=min(max(WALK_PER_NOISE * gyro, MIN_BIAS_WALK), settings.rest_bias_walk),
+        rest_force_noise=max(force_noise(log), MIN_REST_FORCE_NOISE),
     )  # fmt: skip
 
 
 def gate_of(noise: float) -> float:
-    """Return the rate [rad/s] above which a unit of this noise [rad/sqrt(s)] turns: never below P2's."""
-    return max(GATE, float(GATE_SIGMA * noise / np.sqrt(2 * SMOOTH_S)))
+    """Return the rate [rad/s] above which a unit of this noise [rad/sqrt(s)] turns: never below `RATE_GATE`."""
+    return max(RATE_GATE, float(GATE_SIGMA * noise / np.sqrt(2 * SMOOTH_S)))
 
 
 def range_limit(samples: FloatArray, least: float) -> float:
@@ -58,6 +59,6 @@ def range_limit(samples: FloatArray, least: float) -> float:
 
 def clipped_rows(log: AttitudeLog) -> tuple[float, float, int]:
     """Return the ranges of gyros [rad/s] and accelerometers [m/s2], infinity where unseen, and the rows at one."""
-    rate, force = range_limit(log.rate, LEAST_RANGE[0]), range_limit(log.force, LEAST_RANGE[1])
-    at_limit = (np.abs(log.rate) >= rate).any(axis=1) | (np.abs(log.force) >= force).any(axis=1)
+    rate, force = range_limit(log.omega_b, MIN_RANGE[0]), range_limit(log.f_b, MIN_RANGE[1])
+    at_limit = (np.abs(log.omega_b) >= rate).any(axis=1) | (np.abs(log.f_b) >= force).any(axis=1)
     return rate, force, int(at_limit.sum())

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude import Track
+from procedures.attitude.attitude_estimate import AttitudeEstimate
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
 from procedures.units import DEG_H_PER_DEG_S
@@ -17,7 +17,7 @@ FORMAT = "attitude/1"
 AXES_UNIT = "rad/s"
 
 
-def attitude_document(log: AttitudeLog, track: Track) -> dict[str, Any]:
+def attitude_document(log: AttitudeLog, track: AttitudeEstimate) -> dict[str, Any]:
     """Return a track as `attitude/1`: JSON-ready, what was not estimated left out."""
     bias: dict[str, Any] = {"value": track.gyro_bias.tolist(), "unit": AXES_UNIT}
     if track.gyro_bias_std is not None:
@@ -57,7 +57,7 @@ def rms_deg(log: AttitudeLog, down: FloatArray) -> dict[str, float] | None:
     return {name: float(np.degrees(np.sqrt(np.mean(error**2)))) for name, error in errors.items()}
 
 
-def write_track(path: Path, log: AttitudeLog, track: Track) -> None:
+def write_track(path: Path, log: AttitudeLog, track: AttitudeEstimate) -> None:
     """Write a row per input row: ``t_s,roll_rad,pitch_rad,down_x,down_y,down_z``.
 
     Raises

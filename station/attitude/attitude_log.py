@@ -84,8 +84,8 @@ def _log(table: Table) -> AttitudeLog:
     velocity = np.stack([columns[name] for name in VELOCITY], axis=1) if VELOCITY[0] in columns else None
     return AttitudeLog(
         t=columns["t_s"],
-        rate=np.stack([columns[name] for name in RATES], axis=1),
-        force=np.stack([columns[name] for name in FORCES], axis=1),
+        omega_b=np.stack([columns[name] for name in RATES], axis=1),
+        f_b=np.stack([columns[name] for name in FORCES], axis=1),
         airspeed=of("airspeed_m_s"), velocity=velocity, heading=of("heading_rad"),
         roll=of("roll_rad"), pitch=of("pitch_rad"), scored=_scored(table),
     )  # fmt: skip

@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from procedures.attitude.gain_tuning import Tuning
+from procedures.attitude.gain_tuning import GainTuning
 
 FORMAT = "tuning/1"
 BAR = 40  # characters
 
 
-def tuning_document(tuning: Tuning, aid: str, by_tau: bool) -> dict[str, Any]:
+def tuning_document(tuning: GainTuning, aid: str, by_tau: bool) -> dict[str, Any]:
     """Return a tuning as `tuning/1`, JSON-ready."""
     curve = []
     for gains, rms, folds in zip(tuning.candidates, tuning.rms, tuning.by_fold, strict=True):

@@ -1,4 +1,4 @@
-"""What the joint filter assumes of the unit at hand: from its own noise, its calibration's sigma, and the Earth.
+"""What the Kalman filter assumes of the unit at hand: from its own noise, its calibration's sigma, and the Earth.
 
 The filter's own settings are for any IMU, MEMS ones too. A calibrated FOG's biases hardly wander and its scale
 factors are known, so that its gyros may be believed for much longer; measured in docs/measured.md.
@@ -11,7 +11,7 @@ import numpy as np
 
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import earth_rate_ned
-from procedures.attitude.joint_state import DEFAULT, FREE, Settings
+from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.sensor_noise import gyro_noise
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.statistics.white_noise import white_noise
@@ -29,7 +29,7 @@ RESTING_FORCE = 2e-4  # m/s/sqrt(s): a bench is never quite quiet
 def settings_of(
     calibration: Mapping[str, Any] | None, aid: str, log: AttitudeLog, gravity: float, latitude: float | None,
     knows_heading: bool, quantum: float = 0.0,
-) -> Settings:  # fmt: skip
+) -> KalmanSettings:  # fmt: skip
     """Return the filter's settings.
 
     ``log`` are the first seconds, ``latitude`` [rad] or None if not known, ``quantum`` [m/s2] a count's worth of a
@@ -38,7 +38,7 @@ def settings_of(
     knows_earth = latitude is not None and knows_heading
     earth = np.zeros(3) if latitude is None else earth_rate_ned(latitude)
     noise = max(gyro_noise(log), MIN_GYRO_NOISE)
-    base = (FREE if aid == "none" else DEFAULT)._replace(
+    base = (UNAIDED_SETTINGS if aid == "none" else AIDED_SETTINGS)._replace(
         gravity=gravity, nominal_s=log.nominal, gyro_noise=noise,
         earth_north=float(earth[0]), earth_down=float(earth[2]),
     )  # fmt: skip
@@ -53,7 +53,7 @@ def settings_of(
         unseen_rate=0.0 if knows_earth else EARTH_RATE,
         gyro_scale_std=max(scale, 1e-5), gyro_noise_per_rate=max(scale, 1e-4),
         force_bias_std=max(force_bias_std(calibration), 1e-5), force_bias_walk=FORCE_WALK,
-        rest_force_noise=max(white_noise(log.force, log.nominal, window_s=np.inf, quantum=quantum), RESTING_FORCE),
+        rest_force_noise=max(white_noise(log.f_b, log.nominal, window_s=np.inf, quantum=quantum), RESTING_FORCE),
         rest_velocity_noise=max(RESTING_VELOCITY, QUANTISATION_STD * quantum * log.nominal),
     )  # fmt: skip
 

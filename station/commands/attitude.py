@@ -10,7 +10,7 @@ from station.commands import Database
 from station.commands._earth import Heading, Latitude
 
 if TYPE_CHECKING:
-    from procedures.attitude.mixer_gains import Gains
+    from procedures.attitude.complementary_gains import Gains
 
 
 def attitude(
@@ -88,7 +88,7 @@ def attitude(
 
     import numpy as np
 
-    from procedures.attitude.attitude import AIDS, NEEDS, default_aid, estimate, takes_gains
+    from procedures.attitude.attitude_estimate import AID_COLUMN, AIDS, default_aid, estimate, takes_gains
     from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
     from station.attitude.attitude_json import attitude_document, attitude_text, write_track
     from station.results.solution_json import write_solution
@@ -96,9 +96,9 @@ def attitude(
     chosen = aid or default_aid(read)
     if chosen not in AIDS:
         raise typer.BadParameter(f"found {chosen!r}, expected one of {', '.join(AIDS)}", param_hint="--aid")
-    needed = getattr(read, NEEDS[chosen]) if chosen in NEEDS else read.rate
+    needed = getattr(read, AID_COLUMN[chosen]) if chosen in AID_COLUMN else read.omega_b
     if needed is None or not np.isfinite(needed).any():
-        raise typer.BadParameter(f"{chosen} needs {NEEDS[chosen]}, which {log} has not", param_hint="--aid")
+        raise typer.BadParameter(f"{chosen} needs {AID_COLUMN[chosen]}, which {log} has not", param_hint="--aid")
     if gains is not None and not takes_gains(chosen):
         raise typer.BadParameter(f"{chosen} has no gains; they belong to the mixing law", param_hint="--tau")
     if gains is not None and gains.k1 * read.nominal > 1:
@@ -109,15 +109,16 @@ def attitude(
         given[0] = np.radians(heading)
         read = replace(read, heading=given)
     if diagnose:
-        from procedures.attitude.tracing.trace import trace
-        from station.attitude.tracing_json import trace_document, trace_text
+        from procedures.attitude.diagnosis.attitude_diagnosis import diagnose_attitude
+        from station.attitude.diagnosis_json import attitude_diagnosis_document, attitude_diagnosis_text
 
-        traced = trace(read, chosen, gains, gravity)
+        traced = diagnose_attitude(read, chosen, gains, gravity)
         track = traced.track
-        document = attitude_document(read, track) | {"diagnosis": trace_document(traced)}
+        document = attitude_document(read, track) | {"diagnosis": attitude_diagnosis_document(traced)}
         is_whole = not traced.findings or traced.corrected is read
         which = "the log as it is" if is_whole else "the log with that taken off"
-        text = f"{trace_text(document['diagnosis'])}\n\nattitude of {which}:\n{attitude_text(read, document)}"
+        found = attitude_diagnosis_text(document["diagnosis"])
+        text = f"{found}\n\nattitude of {which}:\n{attitude_text(read, document)}"
     else:
         here = None if latitude is None else float(np.radians(latitude))
         known = None if gyro_bias_std is None else gyro_bias_std * RAD_S_PER_DEG_H
@@ -142,7 +143,7 @@ def _gains(tau: float | None, k1: float | None, k2: float | None) -> "Gains | No
         raise typer.BadParameter("give --tau, or --k1 and --k2, not both", param_hint="--tau")
     if (k1 is None) != (k2 is None):
         raise typer.BadParameter("give both --k1 and --k2", param_hint="--k1")
-    from procedures.attitude.mixer_gains import Gains
+    from procedures.attitude.complementary_gains import Gains
 
     try:
         if tau is not None:

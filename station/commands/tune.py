@@ -32,7 +32,7 @@ def tune(
 
     Example: station tune drive.csv --aid airspeed
     """
-    from procedures.attitude.attitude import AIDS, NEEDS, takes_gains
+    from procedures.attitude.attitude_estimate import AID_COLUMN, AIDS, takes_gains
     from station.attitude.attitude_log import read_log
     from station.files.overwrite_guard import refuse_own
 
@@ -41,8 +41,8 @@ def tune(
     if aid not in lawful:
         raise typer.BadParameter(f"found {aid!r}, expected one of {', '.join(lawful)}", param_hint="--aid")
     read = read_log(log)
-    if aid in NEEDS and getattr(read, NEEDS[aid]) is None:
-        raise typer.BadParameter(f"{aid} needs {NEEDS[aid]}, which {log} has not", param_hint="--aid")
+    if aid in AID_COLUMN and getattr(read, AID_COLUMN[aid]) is None:
+        raise typer.BadParameter(f"{aid} needs {AID_COLUMN[aid]}, which {log} has not", param_hint="--aid")
     from procedures.attitude.gain_tuning import grid_of_gains, grid_of_taus
     from procedures.attitude.gain_tuning import tune as search
     from station.attitude.tuning_json import tuning_document, tuning_text

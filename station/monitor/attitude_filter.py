@@ -1,4 +1,4 @@
-"""Attitude tick by tick: first seconds kept to learn the noise from, then the joint filter.
+"""Attitude tick by tick: first seconds kept to learn the noise from, then the Kalman filter.
 
 The result depends on the samples and not on how they came, so that a replay gives the same to the last bit.
 """
@@ -11,8 +11,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
-from procedures.attitude.joint_filter import JointFilter
-from procedures.attitude.joint_state import Settings
+from procedures.attitude.kalman_filter import AttitudeKalmanFilter
+from procedures.attitude.kalman_state import KalmanSettings
 from station.calibrated.rates_and_forces import RatesAndForces
 
 ALIGN_S = 2.0
@@ -69,14 +69,14 @@ class AttitudeEstimator:
     """
 
     def __init__(
-        self, aid: str, settings: Callable[[AttitudeLog, bool], Settings], heading: float = np.nan,
+        self, aid: str, settings: Callable[[AttitudeLog, bool], KalmanSettings], heading: float = np.nan,
         compass: Compass | None = None,
     ) -> None:  # fmt: skip
         self._aid, self._settings, self._heading, self._compass = aid, settings, heading, compass
         self.north: tuple[float, float] | None = None
         self._rest: list[AttitudeLog] = []
         self._first: list[AttitudeLog] = []  # seconds to learn the noise from
-        self._filter: JointFilter | None = None
+        self._filter: AttitudeKalmanFilter | None = None
         self._shift = 0.0  # of the device's time, so that it goes on
         self._last: float | None = None
         self._force: FloatArray | None = None  # smoothed over a second
@@ -107,14 +107,14 @@ class AttitudeEstimator:
             if self._last - self._first[0].t[0] < ALIGN_S:
                 return None
             log = _joined(self._first)
-            self._filter = JointFilter(self._aid, self._settings(log, bool(np.isfinite(self._heading))))
+            self._filter = AttitudeKalmanFilter(self._aid, self._settings(log, bool(np.isfinite(self._heading))))
             self._first.clear()
         self._filter.settings = self._filter.settings._replace(fix_latency=aiding.age)
         self._filter.run(log)
         self._learn_noise(self._filter, log)
         return self._found(self._find_north(self._filter, log), inputs)
 
-    def _learn_noise(self, kept: JointFilter, log: AttitudeLog) -> None:
+    def _learn_noise(self, kept: AttitudeKalmanFilter, log: AttitudeLog) -> None:
         """Take the noise of a rest if it is less than what was seen so far: the first seconds may have moved."""
         if not kept.at_rest:
             self._first.clear()
@@ -127,7 +127,7 @@ class AttitudeEstimator:
         names = ("gyro_noise", "rest_force_noise")
         kept.settings = now._replace(**{name: min(getattr(now, name), getattr(seen, name)) for name in names})
 
-    def _find_north(self, kept: JointFilter, log: AttitudeLog) -> JointFilter:
+    def _find_north(self, kept: AttitudeKalmanFilter, log: AttitudeLog) -> AttitudeKalmanFilter:
         """Return the filter to go on with: one that knows north where this rest has told it."""
         if self._compass is None or kept.state.memory[0].heading_known > 0:
             return kept
@@ -139,7 +139,7 @@ class AttitudeEstimator:
             return kept
         assert whole.heading is not None
         whole.heading[0], std = self.north = found
-        self._filter = JointFilter(self._aid, self._settings(whole, True)._replace(heading_std=std))
+        self._filter = AttitudeKalmanFilter(self._aid, self._settings(whole, True)._replace(heading_std=std))
         self._filter.run(whole)
         return self._filter
 
@@ -156,7 +156,7 @@ class AttitudeEstimator:
         """Return the rate of the heading [rad/s]; nought while aligning."""
         return 0.0 if self._filter is None else float(self._filter.down @ inputs.rate.mean(axis=0))
 
-    def _found(self, kept: JointFilter, inputs: RatesAndForces) -> Attitude:
+    def _found(self, kept: AttitudeKalmanFilter, inputs: RatesAndForces) -> Attitude:
         down, force = kept.down, self._smoothed(inputs.force)
         roll, pitch = roll_pitch_of(down)
         C, knows = kept.state.C_nb, kept.state.memory[0].heading_known > 0
@@ -177,7 +177,7 @@ def compile_filter() -> None:
     """Have the filter compiled: kept on the disk, so that only a first run of all takes its minute."""
     t: FloatArray = np.arange(10.0)
     still = RatesAndForces(np.zeros((10, 3)), np.tile([0.0, 0.0, -9.8], (10, 1)))
-    track = AttitudeEstimator("none", lambda log, knows: Settings())
+    track = AttitudeEstimator("none", lambda log, knows: KalmanSettings())
     track.take(t, still)
 
 

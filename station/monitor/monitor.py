@@ -10,7 +10,7 @@ import numpy as np
 from drivers.errors import DriverError, LinkLost, ReplayEnded
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.heading_at_rest import heading_at_rest
-from procedures.attitude.joint_state import Settings
+from procedures.attitude.kalman_state import KalmanSettings
 from procedures.units import DEG_H_PER_RAD_S
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.filter_settings import gyro_bias_std, settings_of
@@ -127,7 +127,7 @@ class Monitor:
             self._recording.end()
         self._change(is_over=True, recording="", line="ended")
 
-    def _settings(self, log: AttitudeLog, knows_heading: bool) -> Settings:
+    def _settings(self, log: AttitudeLog, knows_heading: bool) -> KalmanSettings:
         options, document = self._options, self._applied.document
         quantum = self._sensors.quantum(self._feed.period)
         return settings_of(document, options.aid, log, options.gravity, options.latitude, knows_heading, quantum)

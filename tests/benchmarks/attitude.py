@@ -18,16 +18,16 @@ from ahrs.filters import Madgwick, Mahony
 from vqf import VQF
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.attitude.attitude import Track, estimate
+from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.complementary_filter import ComplementaryFilter, mix
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
-from procedures.attitude.joint_filter import JointFilter
-from procedures.attitude.joint_state import DEFAULT, FREE, Settings
-from procedures.attitude.mixer import Mixer, mix
-from procedures.attitude.smoothing import smooth
+from procedures.attitude.kalman_filter import AttitudeKalmanFilter
+from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.units import STANDARD_GRAVITY
 from station.attitude.attitude_log import read_log
 from tests.drivers.simulated.flight import FORCE_UG, LEVEL_S, paper_bench, paper_flight
+from tests.procedures.attitude.smoothing import smooth
 
 AFTER_S = 60.0  # aided logs count from here
 TABLE_1_FORCE = FORCE_UG * 1e-6 * STANDARD_GRAVITY
@@ -41,12 +41,12 @@ def up_to_down(quaternion: FloatArray) -> FloatArray:
 
 
 def by_vqf(log: AttitudeLog) -> FloatArray:
-    return up_to_down(VQF(log.nominal).updateBatch(log.rate, log.force)["quat6D"])
+    return up_to_down(VQF(log.nominal).updateBatch(log.omega_b, log.f_b)["quat6D"])
 
 
 def by_imufusion(log: AttitudeLog) -> FloatArray:
     filter_ = imufusion.Ahrs()
-    rate, force = np.degrees(log.rate), log.force / STANDARD_GRAVITY
+    rate, force = np.degrees(log.omega_b), log.f_b / STANDARD_GRAVITY
     out = np.empty((len(log.t), 4))
     for i, dt in enumerate(log.intervals):
         filter_.set_sample_period(dt)
@@ -57,10 +57,10 @@ def by_imufusion(log: AttitudeLog) -> FloatArray:
 
 def by_ahrs(kind: type) -> Callable[[AttitudeLog], FloatArray]:
     def run(log: AttitudeLog) -> FloatArray:
-        down = -log.force[0] / np.linalg.norm(log.force[0])
+        down = -log.f_b[0] / np.linalg.norm(log.f_b[0])
         start = np.array([1 - down[2], -down[1], down[0], 0.0])  # the shortest turn that puts -down on z
         start = start / np.linalg.norm(start) if down[2] < 0.999999 else np.array([0.0, 1.0, 0.0, 0.0])
-        return up_to_down(kind(gyr=log.rate, acc=log.force, frequency=1 / log.nominal, q0=start).Q)
+        return up_to_down(kind(gyr=log.omega_b, acc=log.f_b, frequency=1 / log.nominal, q0=start).Q)
 
     return run
 
@@ -85,7 +85,7 @@ def rms_deg(log: AttitudeLog, down: FloatArray, after: float = -np.inf) -> float
     return float(np.degrees(np.sqrt(np.mean(inclination(down[rows], truth[rows]) ** 2))))
 
 
-def honesty(log: AttitudeLog, track: Track, rows: BoolArray) -> tuple[float, float]:
+def honesty(log: AttitudeLog, track: AttitudeEstimate, rows: BoolArray) -> tuple[float, float]:
     """Return the rms of error over sigma (its square is the NEES per axis), and the share within 95 %."""
     truth = log.true_down
     assert truth is not None
@@ -120,10 +120,12 @@ VARIED = (
 
 def print_held(logs: dict[str, AttitudeLog]) -> None:
     """Print what a choice of settings is worth on a trial that had no say: each is halved and doubled."""
-    variants: dict[str, Settings] = {"as it is": FREE}
+    variants: dict[str, KalmanSettings] = {"as it is": UNAIDED_SETTINGS}
     for name in VARIED:
         for factor in (0.5, 2.0):
-            variants[f"{name} x {factor:g}"] = FREE._replace(**{name: factor * getattr(FREE, name)})
+            variants[f"{name} x {factor:g}"] = UNAIDED_SETTINGS._replace(
+                **{name: factor * getattr(UNAIDED_SETTINGS, name)}
+            )
     errors = np.array([
         [[rms_deg(log, run(log, s)) for log in logs.values()] for s in variants.values()]
         for run in (lambda log, s: estimate(log, "none", settings=s).down, lambda log, s: smooth(log, "none", s))
@@ -193,8 +195,8 @@ def turn_maximum(log: AttitudeLog, down: FloatArray) -> tuple[float, float]:
 
 def print_bench(seeds: int) -> None:
     """Print rest in the twelve positions: figure 5."""
-    print(f"\nat rest in each position, errors of P2 table 1, {seeds} seeds: deg rms after 60 s (asked 0.02)")
-    ways: dict[str, Callable[[AttitudeLog], Track]] = {
+    print(f"\nat rest in each position, errors of table 1, {seeds} seeds: deg rms after 60 s (asked 0.02)")
+    ways: dict[str, Callable[[AttitudeLog], AttitudeEstimate]] = {
         "accelerometers unknown": lambda log: estimate(log, "none"),
         "140 ug told": lambda log: estimate(log, "none", force_bias_std=TABLE_1_FORCE),
     }
@@ -218,7 +220,7 @@ def print_bench(seeds: int) -> None:
     print("  140 ug of bias on each of two level axes are 0.0113 deg: no filter can see them")
 
 
-def _rest(log: AttitudeLog, run: Callable[[AttitudeLog], Track]) -> tuple[float, float, float]:
+def _rest(log: AttitudeLog, run: Callable[[AttitudeLog], AttitudeEstimate]) -> tuple[float, float, float]:
     track = run(log)
     return (rms_deg(log, track.down), *honesty(log, track, counted(log)))
 
@@ -230,9 +232,9 @@ def print_speed() -> None:
     print(f"\nns a sample, best of 7, {n} samples at 100 Hz (asked: law 100, filter 250 and 1.2 x vqf)")
     runs: dict[str, Callable[[], object]] = {
         "mixing law": lambda: mix(log),
-        "joint, none": lambda: JointFilter("none", FREE).run(log),
-        "joint, airspeed": lambda: JointFilter("airspeed-filter", DEFAULT).run(log),
-        "vqf": lambda: VQF(log.nominal).updateBatch(log.rate, log.force),
+        "joint, none": lambda: AttitudeKalmanFilter("none", UNAIDED_SETTINGS).run(log),
+        "joint, airspeed": lambda: AttitudeKalmanFilter("airspeed-filter", AIDED_SETTINGS).run(log),
+        "vqf": lambda: VQF(log.nominal).updateBatch(log.omega_b, log.f_b),
     }
     for run in runs.values():
         run()
@@ -250,13 +252,18 @@ def print_speed() -> None:
 def print_online(log: AttitudeLog) -> None:
     """Print what one sample costs from Python (asked: 20 us)."""
     assert log.airspeed is not None
-    joint, mixer, vqf, fusion = JointFilter("airspeed-filter"), Mixer(), VQF(log.nominal), imufusion.Ahrs()
-    rate, force = np.degrees(log.rate), log.force / STANDARD_GRAVITY
+    joint, mixer, vqf, fusion = (
+        AttitudeKalmanFilter("airspeed-filter"),
+        ComplementaryFilter(),
+        VQF(log.nominal),
+        imufusion.Ahrs(),
+    )
+    rate, force = np.degrees(log.omega_b), log.f_b / STANDARD_GRAVITY
     air = log.airspeed
     steps: dict[str, Callable[[int], object]] = {
-        "joint, airspeed": lambda i: joint.step(float(log.t[i]), log.rate[i], log.force[i], float(air[i])),
-        "mixing law": lambda i: mixer.step(float(log.t[i]), log.rate[i], log.force[i]),
-        "vqf": lambda i: vqf.update(log.rate[i], log.force[i]),
+        "joint, airspeed": lambda i: joint.step(float(log.t[i]), log.omega_b[i], log.f_b[i], float(air[i])),
+        "mixing law": lambda i: mixer.step(float(log.t[i]), log.omega_b[i], log.f_b[i]),
+        "vqf": lambda i: vqf.update(log.omega_b[i], log.f_b[i]),
         "imufusion": lambda i: fusion.update_no_magnetometer(rate[i], force[i]),
     }
     print("us a sample online")

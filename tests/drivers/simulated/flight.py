@@ -1,4 +1,4 @@
-"""The flight of P2, section 4, and a rest on the bench, with the sensor errors of its table 1.
+"""The flight of You and Lee, section 4, and a rest on the bench, with the sensor errors of its table 1.
 
 250 s level, then a bank turn at 1.8 deg/s (90 deg of heading in 50 s), 100 Hz. The paper gives neither speed nor
 angle of attack: both are arguments. The air is still, the flight path level, there is no sideslip; the angle of

@@ -39,4 +39,4 @@ def with_truth(seconds: float = 200.0) -> AttitudeLog:
     """A drive of sensors without bias, with truth."""
     log, down = driving(seconds=seconds, bias=np.zeros(3))
     roll, pitch = roll_pitch_of(down)
-    return AttitudeLog(log.t, log.rate, log.force, log.airspeed, log.velocity, roll=roll, pitch=pitch)
+    return AttitudeLog(log.t, log.omega_b, log.f_b, log.airspeed, log.velocity, roll=roll, pitch=pitch)

@@ -29,7 +29,7 @@ def tumbling(seconds: float = 20.0, size: float = 1.0, seed: int = 5) -> Attitud
 @pytest.mark.parametrize("signs", list(itertools.product((1.0, -1.0), repeat=3)))
 def test_wrong_signs_are_named(signs: tuple[float, float, float]) -> None:
     log = tumbling()
-    found = disagreement(replace(log, rate=log.rate * np.array(signs)))
+    found = disagreement(replace(log, omega_b=log.omega_b * np.array(signs)))
     if min(signs) > 0:
         assert found is None
     else:
@@ -40,22 +40,22 @@ def test_wrong_signs_are_named(signs: tuple[float, float, float]) -> None:
 
 def test_exchanged_axes_and_degrees_are_named() -> None:
     log = tumbling()
-    swapped = disagreement(replace(log, rate=log.rate[:, [1, 0, 2]]))
+    swapped = disagreement(replace(log, omega_b=log.omega_b[:, [1, 0, 2]]))
     assert swapped is not None
     assert swapped.reading == "q,p,r"
-    degrees = disagreement(replace(log, rate=np.degrees(log.rate)))
+    degrees = disagreement(replace(log, omega_b=np.degrees(log.omega_b)))
     assert degrees is not None
     assert degrees.in_degrees
 
 
 def test_a_left_handed_accelerometer_is_noticed() -> None:
     log = tumbling()
-    assert disagreement(replace(log, force=log.force * np.array([1.0, -1.0, 1.0]))) is not None
+    assert disagreement(replace(log, f_b=log.f_b * np.array([1.0, -1.0, 1.0]))) is not None
 
 
 def test_less_than_20_deg_of_rotation_says_nothing() -> None:
     log = tumbling(size=0.02)
-    assert disagreement(replace(log, rate=-log.rate)) is None
+    assert disagreement(replace(log, omega_b=-log.omega_b)) is None
 
 
 def test_a_coordinated_turn_is_no_disagreement() -> None:

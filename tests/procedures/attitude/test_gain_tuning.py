@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.gain_tuning import FOLDS, grid_of_taus, tune
-from procedures.attitude.mixer_gains import Gains
 from procedures.errors import NotObservable
 from tests.drivers.simulated.flight import paper_bench
 
@@ -11,8 +11,8 @@ from tests.drivers.simulated.flight import paper_bench
 def shaken(size: float) -> AttitudeLog:
     """A rest whose gyros are noisy and whose accelerometers are shaken by white noise of ``size`` [m/s2]."""
     log, rng = paper_bench(4, 9, seconds=300.0), np.random.default_rng(1)
-    force = log.force + size * rng.standard_normal(log.force.shape)
-    rate = log.rate + 0.02 * rng.standard_normal(log.rate.shape)
+    force = log.f_b + size * rng.standard_normal(log.f_b.shape)
+    rate = log.omega_b + 0.02 * rng.standard_normal(log.omega_b.shape)
     return AttitudeLog(log.t, rate, force, roll=log.roll, pitch=log.pitch, scored=log.scored)
 
 
@@ -33,13 +33,13 @@ def test_the_held_out_error_is_no_smaller_than_the_best_could_be() -> None:
 def test_without_truth_nothing_is_chosen() -> None:
     log = paper_bench(1, 1, seconds=5.0)
     with pytest.raises(NotObservable, match="roll_rad"):
-        tune(AttitudeLog(log.t, log.rate, log.force), "none", [Gains(0.1, 0.1)])
+        tune(AttitudeLog(log.t, log.omega_b, log.f_b), "none", [Gains(0.1, 0.1)])
 
 
 def test_a_log_whose_truth_is_not_scored_is_told_so() -> None:
     log = paper_bench(1, 1, seconds=5.0)
     none = np.zeros(len(log.t), bool)
-    unscored = AttitudeLog(log.t, log.rate, log.force, roll=log.roll, pitch=log.pitch, scored=none)
+    unscored = AttitudeLog(log.t, log.omega_b, log.f_b, roll=log.roll, pitch=log.pitch, scored=none)
     with pytest.raises(
         NotObservable, match="missing 50 scored rows with roll_rad and pitch_rad, of which it has 0"
     ):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from procedures.attitude.attitude import estimate
+from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import earth_rate_ned
 from procedures.attitude.heading_at_rest import heading_at_rest
@@ -37,7 +37,7 @@ def test_gyros_too_poor_or_a_rest_too_short_say_nothing() -> None:
     assert heading_at_rest(rest(1.0, 50.0, 1), LATITUDE, 50 * RAD_S_PER_DEG_H) is None
     assert heading_at_rest(rest(1.0, 0.1, 1, 20.0), LATITUDE, 0.1 * RAD_S_PER_DEG_H) is None
     turning = rest(1.0, 0.1, 1)
-    turning.rate[1000:] += [0.0, 0.0, 0.1]
+    turning.omega_b[1000:] += [0.0, 0.0, 0.1]
     assert heading_at_rest(turning, LATITUDE, 0.1 * RAD_S_PER_DEG_H) is None
 
 

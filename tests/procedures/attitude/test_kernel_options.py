@@ -7,13 +7,13 @@ import sys
 from pathlib import Path
 
 import procedures
-from procedures.attitude.joint_kernels import filter_log
+from procedures.attitude.kalman_kernels import filter_log
 from procedures.attitude.kernel_options import sources
 
 RUN = """
 import numpy as np
-from procedures.attitude.mixer_kernels import VECTOR
-from procedures.attitude.velocity_aid_kernels import AIDING, MixingLaw, mix_speed
+from procedures.attitude.complementary_kernels import VECTOR
+from procedures.attitude.complementary_velocity_aids import AIDING, MixingLaw, mix_speed
 states = np.zeros(1, VECTOR)
 states[0].down[2] = 1.0
 mix_speed(states, np.zeros(1, AIDING), MixingLaw(0.1, 0.1, 1.0), 0.1, np.zeros(3), np.array([1e-3, 0.0, 0.0]), 9.0)
@@ -26,16 +26,20 @@ def test_a_changed_kernel_makes_its_callers_compile_again(tmp_path: Path) -> Non
     shutil.copytree(here, tmp_path / "procedures", ignore=shutil.ignore_patterns("__pycache__"))
     assert _run(tmp_path) == "0 True"
     assert _run(tmp_path) == "1 True"
-    callee = tmp_path / "procedures" / "attitude" / "mixer_kernels.py"
+    callee = tmp_path / "procedures" / "attitude" / "complementary_kernels.py"
     text = callee.read_text()
-    assert "SMALL = 1e-9" in text
-    callee.write_text(text.replace("SMALL = 1e-9", "SMALL = 1e-1"))  # of |f|, which is less here
+    assert "MIN_FORCE_NORM = 1e-9" in text
+    callee.write_text(text.replace("MIN_FORCE_NORM = 1e-9", "MIN_FORCE_NORM = 1e-1"))  # of |f|, which is less here
     assert _run(tmp_path) == "0 False"
 
 
 def test_a_kernel_knows_all_that_is_compiled_into_it() -> None:
     found = {name.removeprefix("procedures.attitude.") for name in sources(filter_log.__wrapped__)}
-    assert {"joint_kernels.filter_log", "joint_update.measure", "joint_aids.REST_NORM"} <= found
+    assert {
+        "kalman_kernels.filter_log",
+        "kalman_update.measure",
+        "kalman_measurements.REST_NORM_TOLERANCE",
+    } <= found
 
 
 def _run(folder: Path) -> str:

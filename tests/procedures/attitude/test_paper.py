@@ -1,4 +1,4 @@
-"""P2, section 4, run again: what comes out as printed, and what does not (docs/attitude-paper.md)."""
+"""You and Lee, section 4, run again: what comes out as printed, and what does not (docs/attitude-paper.md)."""
 
 from collections.abc import Callable
 from functools import cache
@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude import estimate
+from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.complementary_filter import mix
+from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.forward_right_down import roll_pitch_of
-from procedures.attitude.mixer import mix
-from procedures.attitude.mixer_gains import Gains
 from tests.drivers.simulated.flight import LEVEL_S, paper_flight
 
 SEEDS = range(6)

@@ -109,7 +109,7 @@ def test_where_nothing_is_found_the_attitude_is_called_that_of_the_log_as_it_is(
     assert log.airspeed is not None
     assert log.roll is not None
     assert log.pitch is not None
-    table = np.column_stack([log.t, log.rate, log.force, log.airspeed, log.roll, log.pitch])
+    table = np.column_stack([log.t, log.omega_b, log.f_b, log.airspeed, log.roll, log.pitch])
     header = "t_s,p_rad_s,q_rad_s,r_rad_s,fx_m_s2,fy_m_s2,fz_m_s2,airspeed_m_s,roll_rad,pitch_rad"
     np.savetxt(tmp_path / "drive.csv", table, "%.9g", ",", header=header, comments="")
     assert run(["attitude", str(tmp_path / "drive.csv"), "--diagnose"]) == 0
@@ -169,7 +169,7 @@ def test_diagnose_names_what_the_model_lacks_in_the_words_of_the_calibrations_lo
     assert log.pitch is not None
     path, said = tmp_path / "drive.csv", tmp_path / "out.json"
     table = np.column_stack(
-        [log.t, log.rate, log.force + np.array([0.05, 0, 0]), log.airspeed, log.roll, log.pitch]
+        [log.t, log.omega_b, log.f_b + np.array([0.05, 0, 0]), log.airspeed, log.roll, log.pitch]
     )
     header = "t_s,p_rad_s,q_rad_s,r_rad_s,fx_m_s2,fy_m_s2,fz_m_s2,airspeed_m_s,roll_rad,pitch_rad"
     np.savetxt(path, table, "%.9g", ",", header=header, comments="")

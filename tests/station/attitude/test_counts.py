@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from procedures.attitude.attitude import estimate
+from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.forward_right_down import inclination
 from tests.station.attitude.counts import FORWARD_LEFT_UP, log_of_counts
 
@@ -34,7 +34,7 @@ def test_stored_calibration_and_its_effects_level_the_horizon() -> None:
     }  # fmt: skip
     log, left = log_of_counts(calibration(effect), t, gyro, accel)
     assert left == ()
-    assert log.rate == pytest.approx(0, abs=1e-9)
+    assert log.omega_b == pytest.approx(0, abs=1e-9)
     assert np.degrees(inclination(estimate(log, "none").down[-1], down)) < 1e-3
     for poorer in (calibration(), calibration(effect, bias=False)):
         known, _ = log_of_counts(poorer, t, gyro, accel)

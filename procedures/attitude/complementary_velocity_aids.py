@@ -1,4 +1,4 @@
-"""Velocity aids of the mixing law, a sample at a time: forward speed, and the velocity filter of P2 (11)-(14)."""
+"""Velocity aids of the mixing law: forward speed, and the velocity filter (11)-(14) of You and Lee."""
 
 import math
 from typing import NamedTuple
@@ -6,19 +6,23 @@ from typing import NamedTuple
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.attitude.complementary_kernels import mix_euler, mix_vector
 from procedures.attitude.kernel_options import Record, kernel
-from procedures.attitude.mixer_kernels import mix_euler, mix_vector
 
 SMOOTH_S = 0.5  # of the rates that open the gate
 LEARN_S = 20.0  # over which the angle of attack is remembered
-Q, R, P0 = 2.0e-9, 100.0, 100.0  # P2, section 4: variances per sample; P0 is not printed, 100 does best
+VELOCITY_PROCESS_VARIANCE, AIRSPEED_VARIANCE, INITIAL_VELOCITY_VARIANCE = (
+    2.0e-9,
+    100.0,
+    100.0,
+)  # You and Lee, section 4: variances per sample; INITIAL_VELOCITY_VARIANCE is not printed, 100 does best
 
 
 AIDING = np.dtype((np.record, [
     ("velocity", "f8", 3),  # u, v, w [m/s], body axes
     ("covariance", "f8", (3, 3)),  # of it [m2/s2]
     ("airspeed", "f8"),  # the last one [m/s]
-    ("rate", "f8", 3),  # smoothed over `SMOOTH_S` [rad/s]
+    ("smooth_rate", "f8", 3),  # smoothed over `SMOOTH_S` [rad/s]
     ("attack", "f8"),  # the remembered angle of attack [rad]
     ("learned_s", "f8"),  # for how long
     ("elapsed_s", "f8"),  # since the start
@@ -37,13 +41,13 @@ class MixingLaw(NamedTuple):
 
 
 @kernel
-def open_gate(aids: Record, law: MixingLaw, dt: float, rate: FloatArray, speed: float) -> bool:
+def open_gate(aids: Record, law: MixingLaw, dt: float, omega_b: FloatArray, speed: float) -> bool:
     """Take in a sample's rates (3,) [rad/s] and speed [m/s]; return whether it turns faster than the gate."""
     aid = aids[0]
     share = min(dt / SMOOTH_S, 1.0)
-    smooth = aid.rate
+    smooth = aid.smooth_rate
     for i in range(3):
-        smooth[i] += share * (rate[i] - smooth[i])
+        smooth[i] += share * (omega_b[i] - smooth[i])
     if speed == speed:
         aid.airspeed = speed
     aid.elapsed_s += dt
@@ -52,7 +56,7 @@ def open_gate(aids: Record, law: MixingLaw, dt: float, rate: FloatArray, speed: 
 
 @kernel
 def mix_speed(
-    states: Record, aids: Record, law: MixingLaw, dt: float, rate: FloatArray, force: FloatArray, speed: float
+    states: Record, aids: Record, law: MixingLaw, dt: float, omega_b: FloatArray, f_b: FloatArray, speed: float
 ) -> None:
     """Advance the law on the gravity vector, aided by forward speed and the remembered angle of attack.
 
@@ -60,9 +64,9 @@ def mix_speed(
     since V times a yaw rate's bias would tilt a level flight; there the pitch is the angle of attack.
     """
     aid = aids[0]
-    p, q, r = rate[0], rate[1], rate[2]
-    x, y, z = force[0], force[1], force[2]
-    if open_gate(aids, law, dt, rate, speed):
+    p, q, r = omega_b[0], omega_b[1], omega_b[2]
+    x, y, z = f_b[0], f_b[1], f_b[2]
+    if open_gate(aids, law, dt, omega_b, speed):
         u, w = aid.airspeed * math.cos(aid.attack), aid.airspeed * math.sin(aid.attack)
         aid.velocity[0], aid.velocity[2] = u, w
         x, y, z = x - q * w, y - r * u + p * w, z + q * u
@@ -72,31 +76,31 @@ def mix_speed(
         aid.attack += min(dt / aid.learned_s, 1.0) * (pitch - aid.attack)
     aid.gravity[0], aid.gravity[1], aid.gravity[2] = x, y, z
     start = 1.0 / (aid.elapsed_s + 0.1)  # a running mean first, the gain once that is the faster
-    mix_vector(states, dt, rate, aid.gravity, max(law.k1, start), law.k2)
+    mix_vector(states, dt, omega_b, aid.gravity, max(law.k1, start), law.k2)
 
 
 @kernel
-def paper_angles(force: FloatArray, velocity: FloatArray, rate: FloatArray, g: float) -> tuple[float, float]:
-    """Return phi_a and theta_a [rad] of the specific force and body velocity: P2 (14), and (10) with v = w = 0."""
+def paper_angles(f_b: FloatArray, velocity: FloatArray, omega_b: FloatArray, g: float) -> tuple[float, float]:
+    """Return phi_a and theta_a [rad] of specific force and velocity: You and Lee (14), with v = w = 0 (10)."""
     u, v, w = velocity[0], velocity[1], velocity[2]
-    p, q, r = rate[0], rate[1], rate[2]
-    theta = math.asin(max(-1.0, min(1.0, (force[0] + r * v - q * w) / g)))
-    phi = math.asin(max(-1.0, min(1.0, (-force[1] + r * u - p * w) / (g * max(math.cos(theta), 1e-3)))))
+    p, q, r = omega_b[0], omega_b[1], omega_b[2]
+    theta = math.asin(max(-1.0, min(1.0, (f_b[0] + r * v - q * w) / g)))
+    phi = math.asin(max(-1.0, min(1.0, (-f_b[1] + r * u - p * w) / (g * max(math.cos(theta), 1e-3)))))
     return phi, theta
 
 
 @kernel
 def filter_velocity(
-    aids: Record, dt: float, rate: FloatArray, force: FloatArray, speed: float, phi: float, theta: float, g: float
+    aids: Record, dt: float, omega_b: FloatArray, f_b: FloatArray, speed: float, phi: float, theta: float, g: float
 ) -> None:
-    """Advance the velocity filter by one sample: P2 (11), (12), with the attitude of the sample before."""
+    """Advance the velocity filter by one sample: You and Lee (11), (12), with the attitude before it."""
     aid = aids[0]
-    p, q, r = rate[0], rate[1], rate[2]
+    p, q, r = omega_b[0], omega_b[1], omega_b[2]
     velocity, P = aid.velocity, aid.covariance
     u, v, w = velocity[0], velocity[1], velocity[2]
-    velocity[0] = u + (r * v - q * w + force[0] - g * math.sin(theta)) * dt
-    velocity[1] = v + (-r * u + p * w + force[1] + g * math.sin(phi) * math.cos(theta)) * dt
-    velocity[2] = w + (q * u - p * v + force[2] + g * math.cos(phi) * math.cos(theta)) * dt
+    velocity[0] = u + (r * v - q * w + f_b[0] - g * math.sin(theta)) * dt
+    velocity[1] = v + (-r * u + p * w + f_b[1] + g * math.sin(phi) * math.cos(theta)) * dt
+    velocity[2] = w + (q * u - p * v + f_b[2] + g * math.cos(phi) * math.cos(theta)) * dt
     for _ in range(2):  # P <- F (F P)': twice the same product of rows
         for j in range(3):
             a, b, c = P[0, j], P[1, j], P[2, j]
@@ -107,9 +111,13 @@ def filter_velocity(
             for j in range(i):
                 P[i, j], P[j, i] = P[j, i], P[i, j]
     for i in range(3):
-        P[i, i] += Q
+        P[i, i] += VELOCITY_PROCESS_VARIANCE
     if speed == speed:
-        k0, k1, k2 = P[0, 0] / (P[0, 0] + R), P[1, 0] / (P[0, 0] + R), P[2, 0] / (P[0, 0] + R)
+        k0, k1, k2 = (
+            P[0, 0] / (P[0, 0] + AIRSPEED_VARIANCE),
+            P[1, 0] / (P[0, 0] + AIRSPEED_VARIANCE),
+            P[2, 0] / (P[0, 0] + AIRSPEED_VARIANCE),
+        )
         error = speed - velocity[0]
         velocity[0] += k0 * error
         velocity[1] += k1 * error
@@ -123,41 +131,41 @@ def filter_velocity(
 
 @kernel
 def mix_paper(
-    states: Record, aids: Record, law: MixingLaw, dt: float, rate: FloatArray, force: FloatArray, speed: float
+    states: Record, aids: Record, law: MixingLaw, dt: float, omega_b: FloatArray, f_b: FloatArray, speed: float
 ) -> None:
     """Advance the Euler form as printed, aided by forward speed alone (10) or by the velocity filter (11)-(14).
 
     While the gate is closed the filter's v and w are held and u follows the airspeed.
     """
     state, aid = states[0], aids[0]
-    is_open = open_gate(aids, law, dt, rate, speed)
+    is_open = open_gate(aids, law, dt, omega_b, speed)
     if law.filtered and is_open:
-        filter_velocity(aids, dt, rate, force, speed, state.roll, state.pitch, law.g)
+        filter_velocity(aids, dt, omega_b, f_b, speed, state.roll, state.pitch, law.g)
     else:
         aid.velocity[0] = aid.airspeed
-    phi_a, theta_a = paper_angles(force, aid.velocity, rate, law.g)
-    mix_euler(states, dt, rate, phi_a, theta_a, law.k1, law.k2)
+    phi_a, theta_a = paper_angles(f_b, aid.velocity, omega_b, law.g)
+    mix_euler(states, dt, omega_b, phi_a, theta_a, law.k1, law.k2)
 
 
 @kernel
 def mix_speed_log(
-    states: Record, aids: Record, law: MixingLaw, dt: FloatArray, rate: FloatArray, force: FloatArray,
+    states: Record, aids: Record, law: MixingLaw, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray,
     speed: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip
     """Run `mix_speed` over a log: the down vector of every row into ``out`` (n, 3)."""
     state = states[0]
     for i in range(len(dt)):
-        mix_speed(states, aids, law, dt[i], rate[i], force[i], speed[i])
+        mix_speed(states, aids, law, dt[i], omega_b[i], f_b[i], speed[i])
         out[i, 0], out[i, 1], out[i, 2] = state.down[0], state.down[1], state.down[2]
 
 
 @kernel
 def mix_paper_log(
-    states: Record, aids: Record, law: MixingLaw, dt: FloatArray, rate: FloatArray, force: FloatArray,
+    states: Record, aids: Record, law: MixingLaw, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray,
     speed: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip
     """Run `mix_paper` over a log: roll and pitch [rad] of every row into ``out`` (n, 2)."""
     state = states[0]
     for i in range(len(dt)):
-        mix_paper(states, aids, law, dt[i], rate[i], force[i], speed[i])
+        mix_paper(states, aids, law, dt[i], omega_b[i], f_b[i], speed[i])
         out[i, 0], out[i, 1] = state.roll, state.pitch

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from procedures.attitude.tracing.trace import Trace
+from procedures.attitude.diagnosis.attitude_diagnosis import AttitudeDiagnosis
 from station.results.diagnosis.diagnosis_json import FORMAT, error_document, finding_document, tried_document
 from station.results.diagnosis.diagnosis_text import coefficient_rows, tried_rows
 from station.results.diagnosis.wording import SURE, both
@@ -19,7 +19,7 @@ SAID = {
 }
 
 
-def trace_document(trace: Trace) -> dict[str, Any]:
+def attitude_diagnosis_document(trace: AttitudeDiagnosis) -> dict[str, Any]:
     """Return a trace as the parts of `diagnosis/1` that it has."""
     doubtful = [each.separate_by for each in trace.findings if each.confidence == "ambiguous"]
     return {
@@ -31,7 +31,7 @@ def trace_document(trace: Trace) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def trace_text(document: Mapping[str, Any]) -> str:
+def attitude_diagnosis_text(document: Mapping[str, Any]) -> str:
     """Return the verdict, the findings with 1 sigma, the error before and after, and what was tried."""
     names = both([finding["effect"] for finding in document["findings"]]) if document["findings"] else ""
     lines = [f"{document['verdict'].upper()}. {SAID[document['verdict']].format(names=names)}"]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.attitude.tracing.effects import ATTITUDE_EFFECTS, AttitudeEffect, Motion
+from procedures.attitude.diagnosis.attitude_effects import ATTITUDE_EFFECTS, AttitudeEffect, AttitudeMotion
 from procedures.counts.sample_times import GAP_PERIODS
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import Term
@@ -18,13 +18,13 @@ from procedures.diagnosis.residual_rows import KINDS, TRIADS, Evidence
 from procedures.effects.effect import Columns, Effect, Seen, SeenStep
 from procedures.frames import rotation
 
-WINDOW_S, BLIND_WINDOW_S, MOST_WINDOWS = 1.0, 4.0, 600  # without truth drift must outgrow the accelerometers
+WINDOW_S, BLIND_WINDOW_S, MAX_WINDOWS = 1.0, 4.0, 600  # without truth drift must outgrow the accelerometers
 STRETCHES = 10  # left out in turn: what neighbours share, a whole stretch does not repeat
 SIGMA = 1e-6  # rad: nothing is known of the noise, which is found from the scatter
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Windows:
+class ResidualWindows:
     """Row numbers (m, k) of the windows that are used, and the reference's down vector (n, 3) along the log."""
 
     rows: IntArray
@@ -32,7 +32,7 @@ class Windows:
     has_truth: bool
 
 
-def windows(motion: Motion, base: FloatArray, gravity: float, use: BoolArray) -> Windows:
+def windows(motion: AttitudeMotion, base: FloatArray, gravity: float, use: BoolArray) -> ResidualWindows:
     """Cut the rows to ``use`` (n,) into windows without gap or unknown reference.
 
     ``base`` (n, 3) [m/s2] is what the model adds to gravity in the specific force.
@@ -40,8 +40,8 @@ def windows(motion: Motion, base: FloatArray, gravity: float, use: BoolArray) ->
     log = motion.log
     truth = log.true_down
     has_truth = truth is not None and bool(np.isfinite(truth).any())
-    reference = truth if truth is not None and has_truth else (base - log.force) / gravity
-    span = max(WINDOW_S if has_truth else BLIND_WINDOW_S, float(use.sum()) * log.nominal / MOST_WINDOWS)
+    reference = truth if truth is not None and has_truth else (base - log.f_b) / gravity
+    span = max(WINDOW_S if has_truth else BLIND_WINDOW_S, float(use.sum()) * log.nominal / MAX_WINDOWS)
     k = max(round(span / log.nominal), 2)
     m = len(log.t) // k
     rows = np.arange(m * k).reshape(m, k)
@@ -51,36 +51,42 @@ def windows(motion: Motion, base: FloatArray, gravity: float, use: BoolArray) ->
         kernel = np.ones(average) / average
         reference = np.stack([np.convolve(column, kernel, "same") for column in reference.T], axis=1)
         reference /= np.linalg.norm(reference, axis=1)[:, None]
-    return Windows(rows[fine[rows].all(axis=1)], reference, has_truth)
+    return ResidualWindows(rows[fine[rows].all(axis=1)], reference, has_truth)
 
 
-def carried(motion: Motion, cut: Windows, columns: FloatArray) -> tuple[FloatArray, FloatArray]:
+def propagated_residual(
+    motion: AttitudeMotion, cut: ResidualWindows, columns: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return residual (m, 3) and columns (m, 3, k) of the gyroscope rows; ``columns`` (n, 3, k) are of rates."""
     log, first = motion.log, cut.rows[:, 0]
     down = cut.reference[first]
     H = np.zeros((len(first), 3, columns.shape[2]))
     dt = log.intervals
     for at in cut.rows.T[1:]:
-        R = np.swapaxes(rotation(log.rate[at] * dt[at, None]), 1, 2)  # the body turns, so what it sees turns back
+        R = np.swapaxes(
+            rotation(log.omega_b[at] * dt[at, None]), 1, 2
+        )  # the body turns, so what it sees turns back
         down = np.einsum("mij,mj->mi", R, down)
         H = R @ H + np.cross(columns[at] * dt[at, None, None], down[:, :, None], axis=1)
     return cut.reference[cut.rows[:, -1]] - down, H
 
 
-def tilted(motion: Motion, cut: Windows, columns: FloatArray, gravity: float) -> FloatArray:
+def reference_columns(
+    motion: AttitudeMotion, cut: ResidualWindows, columns: FloatArray, gravity: float
+) -> FloatArray:
     """Return columns (m, 3, k) of the gyroscope rows by effects on the specific force, the reference's own."""
     d = cut.reference
     across = -(columns - d[:, :, None] * np.einsum("ni,nik->nk", d, columns)[:, None, :]) / gravity
     start = across[cut.rows[:, 0]]
     for at in cut.rows.T[1:]:
-        R = np.swapaxes(rotation(motion.log.rate[at] * motion.log.intervals[at, None]), 1, 2)
+        R = np.swapaxes(rotation(motion.log.omega_b[at] * motion.log.intervals[at, None]), 1, 2)
         start = R @ start
     found: FloatArray = across[cut.rows[:, -1]] - start
     return found
 
 
 def evidence_of(
-    motion: Motion, base: FloatArray, cut: Windows, effects: tuple[AttitudeEffect, ...],
+    motion: AttitudeMotion, base: FloatArray, cut: ResidualWindows, effects: tuple[AttitudeEffect, ...],
     held: tuple[AttitudeEffect, ...], gravity: float, at_speed: bool,
 ) -> tuple[Evidence, dict[str, list[Candidate]]]:  # fmt: skip
     """Return the evidence and a candidate per effect; ``held`` are those that the model estimates anyway.
@@ -96,13 +102,13 @@ def evidence_of(
         forces[:, :, at] = 0.0 if each.force is None else each.force(motion)
     if at_speed:
         forces -= np.cross(rates, (motion.speed[:, None] * [1.0, 0.0, 0.0])[:, :, None], axis=1)
-    left, H = carried(motion, cut, rates)
+    left, H = propagated_residual(motion, cut, rates)
     blocks = [(left, H, 1)]
     if cut.has_truth:
-        off = (motion.log.force - base + gravity * cut.reference) / gravity
+        off = (motion.log.f_b - base + gravity * cut.reference) / gravity
         blocks.append((off[cut.rows].mean(axis=1), forces[cut.rows].mean(axis=1) / gravity, 0))
     else:
-        blocks[0] = (left, H + tilted(motion, cut, forces, gravity), 1)
+        blocks[0] = (left, H + reference_columns(motion, cut, forces, gravity), 1)
     residual = np.concatenate([block[0].ravel() for block in blocks])
     columns = np.concatenate([block[1].reshape(-1, ends[-1]) for block in blocks])
     triad = np.concatenate([np.full(block[0].size, block[2]) for block in blocks])

@@ -3,17 +3,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.attitude import joint_strapdown, joint_update
-from procedures.attitude.attitude import estimate
+from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import earth_rate_ned, inclination
-from procedures.attitude.joint_filter import JointFilter
-from procedures.attitude.joint_state import DEFAULT, FREE
-from procedures.attitude.smoothing import smooth
+from procedures.attitude.kalman_filter import AttitudeKalmanFilter
+from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS
+from procedures.attitude.kalman_update import measure, propagate
+from procedures.attitude.strapdown_integration import align, integrate_sample
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.frames import nominal_C_lb, rotation
 from tests.drivers.simulated.flight import FRD_OF_CUBE, paper_bench, paper_flight
 from tests.procedures.attitude.driving import driving
+from tests.procedures.attitude.smoothing import smooth
 
 G = 9.80665
 
@@ -48,7 +49,7 @@ def test_on_the_bench_every_position_reads_to_the_accelerometers_bias(position: 
     truth = log.true_down
     assert truth is not None
     error = inclination(estimate(log, "none").down, truth)[log.t > 60]
-    bias = np.linalg.norm(np.cross(log.force.mean(axis=0) / G, truth[0]))
+    bias = np.linalg.norm(np.cross(log.f_b.mean(axis=0) / G, truth[0]))
     assert np.sqrt(np.mean(error**2)) < bias + np.radians(0.002)
 
 
@@ -70,7 +71,9 @@ def test_rest_teaches_nothing_of_a_tilt_however_long_it_lasts() -> None:
     log = paper_bench(0, 1, seconds=300.0)
     sigma = estimate(log, "none").sigma
     assert sigma is not None
-    assert sigma[-1] > FREE.force_bias_std / G  # two axes of it, less what could be an error of the start
+    assert (
+        sigma[-1] > UNAIDED_SETTINGS.force_bias_std / G
+    )  # two axes of it, less what could be an error of the start
 
 
 @pytest.mark.parametrize("late_s", [0.1, 0.2])
@@ -94,9 +97,9 @@ def test_one_sample_at_a_time_gives_what_a_log_gives() -> None:
     assert log.airspeed is not None
     assert log.velocity is not None
     for aid in ("none", "airspeed-filter", "gnss"):
-        online, whole = JointFilter(aid), JointFilter(aid)
+        online, whole = AttitudeKalmanFilter(aid), AttitudeKalmanFilter(aid)
         out = whole.run(log)
-        for row in zip(log.t, log.rate, log.force, log.airspeed, log.velocity, strict=True):
+        for row in zip(log.t, log.omega_b, log.f_b, log.airspeed, log.velocity, strict=True):
             online.step(*row)
         assert online.down == pytest.approx(out[-1, :3], abs=1e-9)
         assert online.sigma == pytest.approx(out[-1, 3], rel=1e-6)
@@ -104,23 +107,23 @@ def test_one_sample_at_a_time_gives_what_a_log_gives() -> None:
 
 def test_a_log_in_pieces_gives_what_it_gives_whole() -> None:
     log, _ = driving(seconds=20.0)
-    whole, pieces = JointFilter(), JointFilter()
+    whole, pieces = AttitudeKalmanFilter(), AttitudeKalmanFilter()
     whole.run(log)
     for part in (slice(0, 700), slice(700, None)):
-        pieces.run(AttitudeLog(log.t[part], log.rate[part], log.force[part]))
+        pieces.run(AttitudeLog(log.t[part], log.omega_b[part], log.f_b[part]))
     assert pieces.down == pytest.approx(whole.down, abs=1e-9)
 
 
 def test_the_covariance_measures_a_scalar_as_the_textbook_does() -> None:
     rng = np.random.default_rng(4)
-    kept = JointFilter("airspeed-filter")
+    kept = AttitudeKalmanFilter("airspeed-filter")
     root = rng.standard_normal((17, 17))
     kept.state.P[:] = root @ root.T
     before = kept.state.P.copy()
     h = np.zeros(17)
     h[[0, 3, 15]] = kept.state.H[:3] = [0.3, -1.0, 0.7]
     kept.state.at[:3] = [0, 3, 15]
-    joint_update.measure(kept.state, 3, 0.2, 0.5, 100.0)
+    measure(kept.state, 3, 0.2, 0.5, 100.0)
     gain = before @ h / (h @ before @ h + 0.5)
     assert kept.state.dx == pytest.approx(gain * 0.2)
     assert kept.state.P == pytest.approx(before - np.outer(gain, h @ before))
@@ -131,7 +134,7 @@ def test_rest_is_denied_by_a_speed_and_teaches_the_bias_of_yaw() -> None:
     rate = np.tile([0.0, 0.0, 0.004], (n, 1)) + 1e-4 * np.random.default_rng(1).standard_normal((n, 3))
     force = np.tile([0.0, 0.0, -G], (n, 1))
     for speed, at_rest in ((0.0, True), (30.0, False)):
-        kept = JointFilter("airspeed-filter")
+        kept = AttitudeKalmanFilter("airspeed-filter")
         kept.run(AttitudeLog(np.arange(n) * 0.01, rate, force, np.full(n, speed)))
         assert kept.at_rest == at_rest
         bias, std = kept.gyro_bias
@@ -157,9 +160,9 @@ def at_rest_in_coarse_counts(fix_hz: int | None) -> AttitudeLog:
 def test_fixes_that_cut_the_updates_of_coarse_counts_deny_no_rest(fix_hz: int | None) -> None:
     log = at_rest_in_coarse_counts(fix_hz)
     assert log.velocity is not None
-    kept = JointFilter("gnss", DEFAULT._replace(nominal_s=0.02))
+    kept = AttitudeKalmanFilter("gnss", AIDED_SETTINGS._replace(nominal_s=0.02))
     resting = list[bool]()
-    for t, rate, force, velocity in zip(log.t, log.rate, log.force, log.velocity, strict=True):
+    for t, rate, force, velocity in zip(log.t, log.omega_b, log.f_b, log.velocity, strict=True):
         kept.step(t, rate, force, velocity=velocity)
         resting.append(kept.at_rest)
     assert np.mean(resting) > 0.95
@@ -168,12 +171,12 @@ def test_fixes_that_cut_the_updates_of_coarse_counts_deny_no_rest(fix_hz: int | 
 def test_a_push_between_fixes_ends_a_rest_within_a_tenth_of_a_second() -> None:
     log = at_rest_in_coarse_counts(5)
     assert log.velocity is not None
-    kept = JointFilter("gnss", DEFAULT._replace(nominal_s=0.02))
+    kept = AttitudeKalmanFilter("gnss", AIDED_SETTINGS._replace(nominal_s=0.02))
     for row in range(3000):
-        kept.step(log.t[row], log.rate[row], log.force[row], velocity=log.velocity[row])
+        kept.step(log.t[row], log.omega_b[row], log.f_b[row], velocity=log.velocity[row])
     assert kept.at_rest
     for row in range(3000, 3006):
-        kept.step(log.t[row], log.rate[row] + np.array([0.1, 0, 0]), log.force[row], velocity=log.velocity[row])
+        kept.step(log.t[row], log.omega_b[row] + np.array([0.1, 0, 0]), log.f_b[row], velocity=log.velocity[row])
     assert not kept.at_rest
 
 
@@ -190,9 +193,9 @@ def test_a_gap_widens_sigma_and_a_long_one_begins_anew() -> None:
 
 def test_saturated_rates_are_hardly_believed() -> None:
     log, down = driving()
-    rate = log.rate.copy()
+    rate = log.omega_b.copy()
     rate[6000:6100] = np.clip(rate[6000:6100] + np.array([4.0, 0, 0]), -2.0, 2.0)  # a knock beyond the range
-    track = estimate(replace(log, rate=rate), "airspeed-filter")
+    track = estimate(replace(log, omega_b=rate), "airspeed-filter")
     assert any("range" in said for said in track.warnings)
     assert track.sigma is not None
     assert track.sigma[6110] > 5 * track.sigma[5990]
@@ -223,7 +226,7 @@ def test_a_reversed_log_smooths() -> None:
 
 
 def test_settings_are_plain_numbers() -> None:
-    assert all(isinstance(value, float) for value in (*DEFAULT, *FREE))
+    assert all(isinstance(value, float) for value in (*AIDED_SETTINGS, *UNAIDED_SETTINGS))
     assert FRD_OF_CUBE @ nominal_C_lb(9)[2] == pytest.approx([0, 0, -1])
 
 
@@ -243,16 +246,16 @@ def test_an_aid_that_begins_under_way_is_no_outlier(aid: str, from_row: int) -> 
 
 def test_kernels_equal_their_plain_form() -> None:
     log, _ = driving(seconds=2.0)
-    plain, compiled = JointFilter(), JointFilter()
-    for kept, take, propagate in (
-        (plain, joint_strapdown.take.py_func, joint_update.propagate.py_func),  # type: ignore[attr-defined]
-        (compiled, joint_strapdown.take, joint_update.propagate),
+    plain, compiled = AttitudeKalmanFilter(), AttitudeKalmanFilter()
+    for kept, take, carry in (
+        (plain, integrate_sample.py_func, propagate.py_func),  # type: ignore[attr-defined]
+        (compiled, integrate_sample, propagate),
     ):
         s, c = kept.state, kept.settings
-        joint_strapdown.start(s, c, np.array([0.1, 0.2, -9.8]), 3.0)
-        for w, f in zip(log.rate[:20], log.force[:20], strict=True):
+        align(s, c, np.array([0.1, 0.2, -9.8]), 3.0)
+        for w, f in zip(log.omega_b[:20], log.f_b[:20], strict=True):
             take(s, c, 0.01, w, f, 3.0)
-        propagate(s, c)
+        carry(s, c)
     assert plain.state.C_nb == pytest.approx(compiled.state.C_nb, abs=1e-13)
     assert plain.state.P == pytest.approx(compiled.state.P, abs=1e-13)
     assert np.linalg.eigvalsh(plain.state.P).min() > -1e-12

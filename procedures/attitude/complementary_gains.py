@@ -7,8 +7,8 @@ from dataclasses import dataclass
 class Gains:
     """K1 [1/s] pulls the attitude towards the accelerometer's, K2 [1/s] learns the gyro bias from the rest.
 
-    The loop is ``s^2 + K1 s + K1 K2`` (P2 eq. 1): natural frequency ``sqrt(K1 K2)``, damping ``sqrt(K1 / K2) /
-    2``.
+    The loop is ``s^2 + K1 s + K1 K2`` (You and Lee eq. 1): natural frequency ``sqrt(K1 K2)``, damping
+    ``sqrt(K1 / K2) / 2``.
     """
 
     k1: float
@@ -20,15 +20,15 @@ class Gains:
 
     @classmethod
     def of_time_constant(cls, tau: float) -> "Gains":
-        """Return the critically damped gains of a time constant [s]: P2 eq. 15."""
+        """Return the critically damped gains of a time constant [s]: You and Lee eq. 15."""
         if not tau > 0:
             raise ValueError(f"the time constant is {tau:g} s, expected more than 0")
         return cls(2 / tau, 1 / (2 * tau))
 
     @property
     def damping(self) -> float:
-        """The loop's damping; 1 for gains of the form of (15), 1.26 for those that P2 prints."""
+        """The loop's damping; 1 for gains of the form of (15), 1.26 for those that You and Lee prints."""
         return 0.5 * (self.k1 / self.k2) ** 0.5 if self.k2 > 0 else float("inf")
 
 
-PAPER = Gains(0.08, 0.0125)  # P2, section 4: printed beside (15), but not of its form
+PAPER_GAINS = Gains(0.08, 0.0125)  # You and Lee, section 4: printed beside (15), but not of its form

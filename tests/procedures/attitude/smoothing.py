@@ -1,6 +1,6 @@
 """A log looked at from both ends: for records, not online.
 
-The joint filter runs forwards, and backwards from the end with the rates turned round; the mean of the two down
+The Kalman filter runs forwards, and backwards from the end with the rates turned round; the mean of the two down
 vectors, each weighted by its own variance, is the smoothed one. Errors of the two have little in common but the
 sensors' biases.
 """
@@ -8,9 +8,9 @@ sensors' biases.
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude import estimate
+from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.joint_state import Settings
+from procedures.attitude.kalman_state import KalmanSettings
 
 
 def reversed_log(log: AttitudeLog) -> AttitudeLog:
@@ -20,15 +20,15 @@ def reversed_log(log: AttitudeLog) -> AttitudeLog:
     """
     begins = np.concatenate(([log.t[0] - log.nominal], log.t[:-1]))
     return AttitudeLog(
-        t=-begins[::-1], rate=-log.rate[::-1], force=log.force[::-1].copy(),
+        t=-begins[::-1], omega_b=-log.omega_b[::-1], f_b=log.f_b[::-1].copy(),
         airspeed=None if log.airspeed is None else -log.airspeed[::-1],
         velocity=None if log.velocity is None else -log.velocity[::-1],
         heading=None if log.heading is None else log.heading[::-1].copy(),
     )  # fmt: skip
 
 
-def smooth(log: AttitudeLog, aid: str = "none", settings: Settings | None = None) -> FloatArray:
-    """Return the smoothed down vector (n, 3) of every row of a log by one of the joint filter's aids."""
+def smooth(log: AttitudeLog, aid: str = "none", settings: KalmanSettings | None = None) -> FloatArray:
+    """Return the smoothed down vector (n, 3) of every row of a log by one of the Kalman filter's aids."""
     forward, back = (estimate(each, aid, settings=settings) for each in (log, reversed_log(log)))
     assert forward.sigma is not None
     assert back.sigma is not None

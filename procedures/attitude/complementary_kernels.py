@@ -1,4 +1,4 @@
-"""The mixing law of P2 (eq. 1), one sample at a time: on the gravity vector, and in Euler angles as printed.
+"""The mixing law of You and Lee (eq. 1), a sample at a time: on the gravity vector, and in Euler angles.
 
 On the gravity vector the law reads, with d the down vector and d_a the accelerometer's,
 
@@ -16,7 +16,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.kernel_options import Record, kernel
 
-SMALL = 1e-9  # of |f| over g: nothing to see
+MIN_FORCE_NORM = 1e-9  # of |f| over g: nothing to see
 VECTOR = np.dtype(
     (np.record, [("down", "f8", 3), ("correction", "f8", 3)])
 )  # d, and b [rad/s], added to the rates
@@ -47,17 +47,17 @@ def turn(d: FloatArray, x: float, y: float, z: float) -> None:
 
 
 @kernel
-def mix_vector(states: Record, dt: float, rate: FloatArray, force: FloatArray, k1: float, k2: float) -> None:
+def mix_vector(states: Record, dt: float, omega_b: FloatArray, f_b: FloatArray, k1: float, k2: float) -> None:
     """Advance the law on the gravity vector by one sample.
 
-    ``states`` (1,) of `VECTOR`, ``rate`` (3,) [rad/s]; ``force`` (3,) [m/s2] is the specific force with motion
+    ``states`` (1,) of `VECTOR`, ``omega_b`` (3,) [rad/s]; ``f_b`` (3,) [m/s2] is the specific force with motion
     acceleration taken off; a force of nought leaves the gyro alone.
     """
     d, b = states[0].down, states[0].correction
-    x, y, z = force[0], force[1], force[2]
+    x, y, z = f_b[0], f_b[1], f_b[2]
     norm = math.sqrt(x * x + y * y + z * z)
     e0 = e1 = e2 = 0.0
-    if norm > SMALL:
+    if norm > MIN_FORCE_NORM:
         a0, a1, a2 = -x / norm, -y / norm, -z / norm
         e0, e1, e2 = a1 * d[2] - a2 * d[1], a2 * d[0] - a0 * d[2], a0 * d[1] - a1 * d[0]
         if a0 * d[0] + a1 * d[1] + a2 * d[2] < 0:  # beyond 90 deg the pull stays full
@@ -69,20 +69,25 @@ def mix_vector(states: Record, dt: float, rate: FloatArray, force: FloatArray, k
     b[0] += k1 * k2 * e0 * dt
     b[1] += k1 * k2 * e1 * dt
     b[2] += k1 * k2 * e2 * dt
-    turn(d, (rate[0] + b[0] + k1 * e0) * dt, (rate[1] + b[1] + k1 * e1) * dt, (rate[2] + b[2] + k1 * e2) * dt)
+    turn(
+        d,
+        (omega_b[0] + b[0] + k1 * e0) * dt,
+        (omega_b[1] + b[1] + k1 * e1) * dt,
+        (omega_b[2] + b[2] + k1 * e2) * dt,
+    )
 
 
 @kernel
 def mix_euler(
-    states: Record, dt: float, rate: FloatArray, phi_a: float, theta_a: float, k1: float, k2: float
+    states: Record, dt: float, omega_b: FloatArray, phi_a: float, theta_a: float, k1: float, k2: float
 ) -> None:  # fmt: skip
     """Advance roll and pitch by one sample as printed: eq. 1 per angle, rates by eq. 2.
 
-    ``states`` (1,) of `EULER`, ``rate`` (3,) [rad/s]; the accelerometer's angles are in rad. The rates are
+    ``states`` (1,) of `EULER`, ``omega_b`` (3,) [rad/s]; the accelerometer's angles are in rad. The rates are
     singular at pitch 90 deg; there tan and 1/cos are held at those of 89.9 deg.
     """
     state = states[0]
-    p, q, r = rate[0], rate[1], rate[2]
+    p, q, r = omega_b[0], omega_b[1], omega_b[2]
     phi, theta = state.roll, state.pitch
     tangent = max(min(math.tan(theta), 573.0), -573.0)
     across = q * math.sin(phi) + r * math.cos(phi)
@@ -96,10 +101,10 @@ def mix_euler(
 
 @kernel
 def mix_log(
-    states: Record, dt: FloatArray, rate: FloatArray, force: FloatArray, k1: float, k2: float, out: FloatArray
+    states: Record, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray, k1: float, k2: float, out: FloatArray
 ) -> None:
     """Mix a whole log without aid: the down vector of every row into ``out`` (n, 3)."""
     state = states[0]
     for i in range(len(dt)):
-        mix_vector(states, dt[i], rate[i], force[i], k1, k2)
+        mix_vector(states, dt[i], omega_b[i], f_b[i], k1, k2)
         out[i, 0], out[i, 1], out[i, 2] = state.down[0], state.down[1], state.down[2]

@@ -1,17 +1,17 @@
-"""The joint filter's covariance: what the errors do between updates, and what one scalar measurement says.
+"""The Kalman filter's covariance: what the errors do between updates, and what one scalar measurement says.
 
 With the attitude error in the level frame, ``psi' = -C b``, ``v' = psi x f_n - C b_f``: the transition over an
-update is the unit matrix and six sparse rows, made of the sums of `joint_strapdown.take`.
+update is the unit matrix and six sparse rows, made of the sums of `integrate_sample`.
 """
 
 import math
 
-from procedures.attitude.joint_state import Settings, State
+from procedures.attitude.kalman_state import KalmanSettings, KalmanState
 from procedures.attitude.kernel_options import inlined
 
 
 @inlined
-def propagate(s: State, c: Settings) -> None:
+def propagate(s: KalmanState, c: KalmanSettings) -> None:
     """Carry the covariance over the time since the last update."""
     P, A, AP, sums, memory = s.P, s.A, s.AP, s.sums, s.memory[0]
     n = len(s.dx)
@@ -55,7 +55,7 @@ def propagate(s: State, c: Settings) -> None:
 
 
 @inlined
-def _grow(s: State, c: Settings) -> None:
+def _grow(s: KalmanState, c: KalmanSettings) -> None:
     """Add what went on unseen, and let the angle of attack and the sideslip go back to nought."""
     P, memory = s.P, s.memory[0]
     T = memory.time
@@ -83,7 +83,7 @@ def _grow(s: State, c: Settings) -> None:
 
 
 @inlined
-def _fade(s: State, i: int, left: float, std: float) -> None:
+def _fade(s: KalmanState, i: int, left: float, std: float) -> None:
     """Carry the covariance of first-order Gauss-Markov state ``i``; ``left`` is what remains of it."""
     for j in range(len(s.dx)):
         s.P[i, j] *= left
@@ -92,7 +92,7 @@ def _fade(s: State, i: int, left: float, std: float) -> None:
 
 
 @inlined
-def measure(s: State, terms: int, error: float, variance: float, believed: float) -> None:
+def measure(s: KalmanState, terms: int, error: float, variance: float, believed: float) -> None:
     """Take in a scalar: ``error`` = what the state says minus what was measured.
 
     Its derivative by the states ``s.at[:terms]`` is ``s.H[:terms]``. Beyond ``believed`` sigma the measurement is

@@ -1,4 +1,4 @@
-"""What the joint filter carries from sample to sample, and its settings.
+"""What the Kalman filter carries from sample to sample, and its settings.
 
 Errors are those of north-east-down, in this order: attitude 0-2, velocity 3-5 [m/s], gyro bias 6-8 [rad/s], gyro
 scale 9-11, accelerometer bias 12-14 [m/s2]; with airspeed also angle of attack 15 and sideslip 16 [rad].
@@ -30,11 +30,11 @@ MEMORY = np.dtype((np.record, [
     ("span_time", "f8"), ("span_rate", "f8", 3), ("span_force", "f8", 3),
 ]))  # fmt: skip
 SINCE_UPDATE = 15
-PAST = 64  # updates that are remembered: three seconds, for fixes that come late
+REMEMBERED_UPDATES = 64  # updates that are remembered: three seconds, for fixes that come late
 
 
-class Settings(NamedTuple):
-    """What the joint filter assumes; SI and radians. Each is explained in ``docs/attitude.md``.
+class KalmanSettings(NamedTuple):
+    """What the Kalman filter assumes; SI and radians. Each is explained in ``docs/attitude.md``.
 
     Densities are 1 sigma per root of a second: of angle for gyros, of velocity for accelerometers; a measurement's
     times the root of the seconds that it is averaged over is its sigma.
@@ -85,18 +85,18 @@ class Settings(NamedTuple):
     believed_sigma: float = 3.0  # a measurement further off counts as if it stood there
 
 
-DEFAULT = Settings()
+AIDED_SETTINGS = KalmanSettings()
 
 # Without aid the tilt is what the last seconds of specific force say: a bias may wander, as MEMS ones do in
 # motion, at no cost, and the scale factor's share of fast motion counts more than anything slow. All noises by one
 # factor leave the attitude as it is: that factor makes sigma what the error is.
-FREE = Settings(
+UNAIDED_SETTINGS = KalmanSettings(
     gyro_noise=5e-5, gyro_noise_per_rate=7.5e-4, gyro_bias_walk=2.5e-4, gyro_scale_std=2.5e-3, force_noise=0.025,
     force_bias_std=0.02, force_bias_walk=2e-5, velocity_std=0.5, speed_noise=0.22, rest_velocity_noise=3e-3,
 )  # fmt: skip
 
 
-class State(NamedTuple):
+class KalmanState(NamedTuple):
     """The filter's memory; arrays are changed in place.
 
     ``C_nb`` (3, 3); ``v_n`` (3,) [m/s]; ``slow`` (1,) of `SLOW`; ``P`` (n, n); ``sums`` (3, 6), the integrals of
@@ -123,13 +123,13 @@ class State(NamedTuple):
     at: IntArray
 
 
-def new_state(with_air: bool) -> State:
+def new_state(with_air: bool) -> KalmanState:
     """Return a state before its first sample."""
     n = WITH_AIR if with_air else WITHOUT_AIR
     memory = np.zeros(1, MEMORY)
-    return State(
+    return KalmanState(
         C_nb=np.eye(3), v_n=np.zeros(3), slow=np.zeros(1, SLOW), P=np.zeros((n, n)), sums=np.zeros((3, 6)),
-        memory=memory, flat=memory.view(np.float64), past=np.zeros((PAST, 5)), gained=np.zeros(5),
+        memory=memory, flat=memory.view(np.float64), past=np.zeros((REMEMBERED_UPDATES, 5)), gained=np.zeros(5),
         held=np.zeros((4, 3)), dx=np.zeros(n),
         A=np.zeros((6, n)), AP=np.zeros((6, n)), H=np.zeros(7), PH=np.zeros(n), at=np.arange(7, dtype=np.int64),
     )  # fmt: skip

@@ -12,12 +12,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.attitude.attitude import Track, estimate
+from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.complementary_gains import Gains
+from procedures.attitude.diagnosis.attitude_effects import ATTITUDE_EFFECTS, AttitudeEffect, AttitudeMotion
+from procedures.attitude.diagnosis.attitude_evidence import (
+    NAMED,
+    ResidualWindows,
+    evidence_of,
+    propagated_residual,
+    stretches,
+    windows,
+)
 from procedures.attitude.forward_right_down import inclination
-from procedures.attitude.mixer_gains import Gains
-from procedures.attitude.tracing.effects import ATTITUDE_EFFECTS, AttitudeEffect, Motion
-from procedures.attitude.tracing.evidence import NAMED, Windows, carried, evidence_of, stretches, windows
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import (
     CLAIMED,
@@ -36,15 +43,15 @@ from procedures.diagnosis.result import Confidence, Errors, Finding, Test, Verdi
 from procedures.diagnosis.sweep_repeatability import std_of_repeats
 from procedures.errors import NotObservable
 
-USED = 0.6  # of the rows, in time; the rest judges
-LEAST_WINDOWS = 30
-WORSE = 1.1  # times the error before, on rows that had no say
-REMEMBERED = ("airspeed", "velocity.attack")  # held by that law itself
-ORDER: tuple[Confidence, ...] = ("ambiguous", "likely", "established")
+FITTED_SHARE = 0.6  # of the rows, in time; the rest judges
+MIN_WINDOWS = 30
+MAX_ERROR_GROWTH = 1.1  # times the error before, on rows that had no say
+HELD_BY_AIRSPEED_AID = ("airspeed", "velocity.attack")  # held by that law itself
+CONFIDENCE_ORDER: tuple[Confidence, ...] = ("ambiguous", "likely", "established")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Trace:
+class AttitudeDiagnosis:
     """What was found; ``corrected`` is the log with it taken off, ``track`` the attitude on that."""
 
     verdict: Verdict
@@ -52,10 +59,10 @@ class Trace:
     errors: tuple[Errors, ...]
     tried: tuple[Test, ...]
     corrected: AttitudeLog
-    track: Track
+    track: AttitudeEstimate
 
 
-def trace(log: AttitudeLog, aid: str, gains: Gains | None, gravity: float) -> Trace:
+def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: float) -> AttitudeDiagnosis:
     """Find what the residual between mixer and truth, or gyros and accelerometers, says the model lacks.
 
     Raises
@@ -67,21 +74,21 @@ def trace(log: AttitudeLog, aid: str, gains: Gains | None, gravity: float) -> Tr
     motion = _motion(log, aid)
     has_filter = gains is None and aid in ("airspeed-filter", "gnss")
     base = base_of(motion, aid, has_filter)
-    used = np.arange(len(log.t)) < USED * len(log.t)
+    used = np.arange(len(log.t)) < FITTED_SHARE * len(log.t)
     cut = windows(motion, base, gravity, used & _counts(log))
-    if len(cut.rows) < LEAST_WINDOWS:
+    if len(cut.rows) < MIN_WINDOWS:
         scored = ", scored" if log.scored is not None else ""
         span = f"{cut.rows.shape[1] * log.nominal:g} s without gap"
         what = f"{span}, with roll_rad and pitch_rad{scored}" if cut.has_truth else span
-        where = f"in the log's first {USED:.0%}, which has {len(cut.rows)}"
-        raise NotObservable("what the model lacks", [f"{LEAST_WINDOWS} stretches of {what}, {where}"])
+        where = f"in the log's first {FITTED_SHARE:.0%}, which has {len(cut.rows)}"
+        raise NotObservable("what the model lacks", [f"{MIN_WINDOWS} stretches of {what}, {where}"])
     free, held = _split(aid, speed is not None, cut.has_truth, has_filter)
     evidence, pool = evidence_of(motion, base, cut, free, held, gravity, aid != "none")
     adopted, tried = _adopt(evidence, pool)
 
-    def judged(adopted: Sequence[Adopted]) -> tuple[tuple[Finding, ...], AttitudeLog, Track, Errors]:
+    def judged(adopted: Sequence[Adopted]) -> tuple[tuple[Finding, ...], AttitudeLog, AttitudeEstimate, Errors]:
         findings = tuple(_finding(evidence, each, adopted, pool) for each in adopted)
-        corrected = without(motion, findings)
+        corrected = without_effects(motion, findings)
         track = estimate(corrected, aid, gains, gravity)
         errors = _errors(log, first, track, used, cut)
         if errors is None:
@@ -96,27 +103,29 @@ def trace(log: AttitudeLog, aid: str, gains: Gains | None, gravity: float) -> Tr
         if new[3].after < best[3].after:
             kept, best = [*kept, each], new
     findings, corrected, after, errors = best
-    verdict: Verdict = min((f.confidence for f in findings), key=ORDER.index) if findings else "consistent"
-    if (errors.held_out_after or 0.0) > WORSE * (errors.held_out_before or 0.0):
+    verdict: Verdict = (
+        min((f.confidence for f in findings), key=CONFIDENCE_ORDER.index) if findings else "consistent"
+    )
+    if (errors.held_out_after or 0.0) > MAX_ERROR_GROWTH * (errors.held_out_before or 0.0):
         verdict = "unexplained"  # it does not foretell the rows that had no say: nothing is taken off
         corrected, after = log, first
     tests = tuple(Test(t.candidate.effect.name, t.test.statistic, t.log_p, t.log_p_adjusted) for t in tried)
-    return Trace(verdict, findings, (errors,), tests, corrected, after)
+    return AttitudeDiagnosis(verdict, findings, (errors,), tests, corrected, after)
 
 
-def base_of(motion: Motion, aid: str, has_filter: bool) -> FloatArray:
+def base_of(motion: AttitudeMotion, aid: str, has_filter: bool) -> FloatArray:
     """Return what a mixer's model adds to gravity (n, 3) [m/s2]: turning at speed, and in a filter braking too."""
-    base = np.zeros_like(motion.log.force)
+    base = np.zeros_like(motion.log.f_b)
     if aid != "none":
-        base += np.cross(motion.log.rate, motion.speed[:, None] * [1.0, 0.0, 0.0])
+        base += np.cross(motion.log.omega_b, motion.speed[:, None] * [1.0, 0.0, 0.0])
     if has_filter:
         base[:, 0] += motion.speed_slope
     return base
 
 
-def without(motion: Motion, findings: Sequence[Finding]) -> AttitudeLog:
+def without_effects(motion: AttitudeMotion, findings: Sequence[Finding]) -> AttitudeLog:
     """Return the log with effects taken off: rates and forces, or the speed where it is the aid's."""
-    log, rate, force = motion.log, motion.log.rate.copy(), motion.log.force.copy()
+    log, rate, force = motion.log, motion.log.omega_b.copy(), motion.log.f_b.copy()
     airspeed = None if log.airspeed is None else log.airspeed.copy()
     for found in findings:
         effect = NAMED[found.effect]
@@ -126,7 +135,7 @@ def without(motion: Motion, findings: Sequence[Finding]) -> AttitudeLog:
             continue
         rate -= 0.0 if effect.rate is None else effect.rate(motion) @ found.value
         force -= 0.0 if effect.force is None else effect.force(motion) @ found.value
-    return replace(log, rate=rate, force=force, airspeed=airspeed)
+    return replace(log, omega_b=rate, f_b=force, airspeed=airspeed)
 
 
 def _speed(log: AttitudeLog, aid: str) -> FloatArray | None:
@@ -141,9 +150,9 @@ def _speed(log: AttitudeLog, aid: str) -> FloatArray | None:
     return np.interp(log.t, log.t[known], values[known])
 
 
-def _motion(log: AttitudeLog, aid: str) -> Motion:
+def _motion(log: AttitudeLog, aid: str) -> AttitudeMotion:
     speed = _speed(log, aid)
-    return Motion.of(log, np.zeros(len(log.t)) if speed is None else speed)
+    return AttitudeMotion.of(log, np.zeros(len(log.t)) if speed is None else speed)
 
 
 def _counts(log: AttitudeLog) -> BoolArray:
@@ -157,7 +166,7 @@ def _split(
     fit = [e for e in ATTITUDE_EFFECTS if (has_speed or not e.needs_speed) and (has_truth or not e.needs_truth)]
     fit = [e for e in fit if not (has_filter and e.name == "velocity.rate")]
     fit = [e for e in fit if (not e.is_of_aid and e.name != "velocity.forward") or e.is_of_aid == (aid != "none")]
-    held = tuple(e for e in fit if (has_filter and e.of_velocity) or (aid, e.name) == REMEMBERED)
+    held = tuple(e for e in fit if (has_filter and e.of_velocity) or (aid, e.name) == HELD_BY_AIRSPEED_AID)
     return tuple(e for e in fit if e not in held), held
 
 
@@ -196,7 +205,9 @@ def _finding(
     )  # fmt: skip
 
 
-def _errors(log: AttitudeLog, before: Track, after: Track, used: BoolArray, cut: Windows) -> Errors | None:
+def _errors(
+    log: AttitudeLog, before: AttitudeEstimate, after: AttitudeEstimate, used: BoolArray, cut: ResidualWindows
+) -> Errors | None:
     truth = log.true_down
     if truth is None or not cut.has_truth:
         return None
@@ -212,9 +223,9 @@ def _apart(seen: Sequence[tuple[AttitudeLog, FloatArray]], used: BoolArray, grav
     parts = list[float | None]()
     for part in (used, ~used):
         for log, base in seen:
-            motion = Motion.of(log, np.zeros(len(log.t)))
+            motion = AttitudeMotion.of(log, np.zeros(len(log.t)))
             cut = windows(motion, base, gravity, part)
-            left, _ = carried(motion, cut, np.zeros((len(log.t), 3, 0)))
+            left, _ = propagated_residual(motion, cut, np.zeros((len(log.t), 3, 0)))
             parts.append(_rms_deg(np.linalg.norm(left, axis=1)) if len(left) else None)
     name = "gyro-propagated against accelerometer attitude, over a window"
     return Errors(name, "deg", parts[0] or 0.0, parts[1] or 0.0, *parts[2:])

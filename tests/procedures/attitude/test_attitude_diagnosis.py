@@ -8,9 +8,9 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.tracing.effects import ATTITUDE_EFFECTS, Motion
-from procedures.attitude.tracing.evidence import NAMED
-from procedures.attitude.tracing.trace import trace
+from procedures.attitude.diagnosis.attitude_diagnosis import diagnose_attitude
+from procedures.attitude.diagnosis.attitude_effects import ATTITUDE_EFFECTS, AttitudeMotion
+from procedures.attitude.diagnosis.attitude_evidence import NAMED
 from procedures.errors import NotObservable
 from tests.procedures.attitude.driving import G, with_truth
 
@@ -33,18 +33,18 @@ def planted(name: str) -> AttitudeLog:
         return replace(log, airspeed=log.airspeed / (1 + c[0]))
     if name == "aid.time_offset":
         return replace(log, airspeed=np.interp(log.t - c[0], log.t, log.airspeed))
-    motion = Motion.of(log, log.airspeed)
+    motion = AttitudeMotion.of(log, log.airspeed)
 
     def added(columns: FloatArray | None) -> FloatArray | float:
         return 0.0 if columns is None else columns @ c
 
-    rate = log.rate + added(effect.rate and effect.rate(motion))
-    return replace(log, rate=rate, force=log.force + added(effect.force and effect.force(motion)))
+    rate = log.omega_b + added(effect.rate and effect.rate(motion))
+    return replace(log, omega_b=rate, f_b=log.f_b + added(effect.force and effect.force(motion)))
 
 
 @pytest.mark.parametrize("name", PLANTED)
 def test_what_is_planted_is_found_and_taken_off(name: str) -> None:
-    found = trace(planted(name), "airspeed-filter", None, G)
+    found = diagnose_attitude(planted(name), "airspeed-filter", None, G)
     assert [each.effect for each in found.findings] == [name]
     (each,) = found.findings
     assert np.all(np.abs(each.value - PLANTED[name]) < 4.5 * each.std)
@@ -57,14 +57,14 @@ def test_what_is_planted_is_found_and_taken_off(name: str) -> None:
 
 @pytest.mark.parametrize("aid", ["airspeed-filter", "gnss"])
 def test_a_clean_drive_is_consistent(aid: str) -> None:
-    found = trace(drive(), aid, None, G)
+    found = diagnose_attitude(drive(), aid, None, G)
     assert found.verdict == "consistent"
     assert found.findings == ()
     assert len(found.tried) >= 5
 
 
 def test_a_law_without_speed_lacks_it_and_its_rate() -> None:
-    found = trace(drive(), "none", None, G)
+    found = diagnose_attitude(drive(), "none", None, G)
     assert [each.effect for each in found.findings] == ["velocity.forward", "velocity.rate"]
     assert [each.value[0] for each in found.findings] == pytest.approx([1, 1], abs=0.02)
     (error,) = found.errors
@@ -75,7 +75,7 @@ def test_a_law_without_speed_lacks_it_and_its_rate() -> None:
 
 def test_without_truth_gyros_and_accelerometers_show_the_bias_between_them() -> None:
     log = replace(planted("gyroscope.bias"), roll=None, pitch=None)
-    found = trace(log, "airspeed-filter", None, G)
+    found = diagnose_attitude(log, "airspeed-filter", None, G)
     assert [each.effect for each in found.findings] == ["gyroscope.bias"]
     assert np.all(np.abs(found.findings[0].value - PLANTED["gyroscope.bias"]) < 4.5 * found.findings[0].std)
     (error,) = found.errors
@@ -88,14 +88,14 @@ def test_a_short_log_is_refused() -> None:
     log = drive()
     few = slice(0, 2000)
     with pytest.raises(NotObservable, match="30 s"):
-        trace(AttitudeLog(log.t[few], log.rate[few], log.force[few]), "none", None, G)
+        diagnose_attitude(AttitudeLog(log.t[few], log.omega_b[few], log.f_b[few]), "none", None, G)
 
 
 def test_a_log_with_truth_that_is_not_scored_is_told_so() -> None:
     log = with_truth(40.0)
     unscored = replace(log, scored=np.zeros(len(log.t), bool))
     with pytest.raises(NotObservable, match=r"with roll_rad and pitch_rad, scored, .* which has 0"):
-        trace(unscored, "none", None, G)
+        diagnose_attitude(unscored, "none", None, G)
 
 
 def test_no_advice_for_a_vehicle_asks_for_a_cube() -> None:

@@ -1,45 +1,45 @@
-"""The joint attitude-velocity-bias filter: the default of every aid.
+"""The Kalman filter of attitude, velocity and biases: the default of every aid.
 
 One error-state filter; only the velocity measurement changes with the aid. Attitude error and velocity share one
-covariance, which is what P2's velocity filter lacks: there the attitude's error is taken for velocity, and in a
-turn beyond a minute the two feed each other.
+covariance, which is what You and Lee's velocity filter lacks: there the error of attitude is taken for velocity,
+and in a turn beyond a minute the two feed each other.
 """
 
 import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.joint_kernels import AIRSPEED, GNSS, NO_AID, advance, filter_log
-from procedures.attitude.joint_state import DEFAULT, Settings, new_state
+from procedures.attitude.kalman_kernels import AIRSPEED, GNSS, NO_AID, advance, filter_log
+from procedures.attitude.kalman_state import AIDED_SETTINGS, KalmanSettings, new_state
 
 AID_CODE = {"none": NO_AID, "airspeed-filter": AIRSPEED, "gnss": GNSS}
 NO_VELOCITY = np.full(3, np.nan)
 
 
-class JointFilter:
+class AttitudeKalmanFilter:
     """Attitude of one sample after another; nothing is kept but the state.
 
     ``aid`` is one of `AID_CODE`. The first sample's specific force is taken for the vertical, within
     ``settings.tilt_std``; a gap of more than 5 s begins anew with the biases that were learned.
     """
 
-    def __init__(self, aid: str = "none", settings: Settings = DEFAULT) -> None:
+    def __init__(self, aid: str = "none", settings: KalmanSettings = AIDED_SETTINGS) -> None:
         self.aid, self.settings = AID_CODE[aid], settings
         self.state = new_state(self.aid == AIRSPEED)
         self._t: float | None = None
 
     def step(
-        self, t: float, rate: FloatArray, force: FloatArray, airspeed: float = np.nan,
+        self, t: float, omega_b: FloatArray, f_b: FloatArray, airspeed: float = np.nan,
         velocity: FloatArray = NO_VELOCITY, heading: float = np.nan,
     ) -> FloatArray:  # fmt: skip
         """Take the sample that ends at ``t`` [s] and return the down vector (3,) there.
 
-        ``rate`` (3,) [rad/s], ``force`` (3,) [m/s2]; aids are nan where there is none: ``airspeed`` [m/s],
+        ``omega_b`` (3,) [rad/s], ``f_b`` (3,) [m/s2]; aids are nan where there is none: ``airspeed`` [m/s],
         ``velocity`` (3,) north-east-down [m/s], ``heading`` [rad] true.
         """
         dt = self.settings.nominal_s if self._t is None else t - self._t
         self._t = t
-        advance(self.state, self.settings, self.aid, dt, rate, force, airspeed, velocity, heading)
+        advance(self.state, self.settings, self.aid, dt, omega_b, f_b, airspeed, velocity, heading)
         return self.down
 
     def run(self, log: AttitudeLog) -> FloatArray:
@@ -50,7 +50,7 @@ class JointFilter:
         if self._t is not None:
             dt[0] = log.t[0] - self._t
         filter_log(
-            self.state, self.settings, self.aid, dt, log.rate, log.force,
+            self.state, self.settings, self.aid, dt, log.omega_b, log.f_b,
             none if log.airspeed is None else log.airspeed,
             np.broadcast_to(NO_VELOCITY, (n, 3)).copy() if log.velocity is None else log.velocity,
             none if log.heading is None else log.heading, out,

@@ -1,9 +1,9 @@
-"""The joint filter between updates: start-up alignment, strapdown integration, gaps, saturation."""
+"""The Kalman filter between updates: start-up alignment, strapdown integration, gaps, saturation."""
 
 import math
 
 from procedures.arrays import FloatArray
-from procedures.attitude.joint_state import Settings, State
+from procedures.attitude.kalman_state import KalmanSettings, KalmanState
 from procedures.attitude.kernel_options import inlined
 
 GAP = 1.5  # nominal intervals: above it a gap, in which motion went on unseen
@@ -12,9 +12,9 @@ LONG_GAP_S = 5.0  # after which attitude and velocity begin anew; the biases are
 
 
 @inlined
-def start(s: State, c: Settings, force: FloatArray, air: float) -> None:
+def align(s: KalmanState, c: KalmanSettings, f_b: FloatArray, air: float) -> None:
     """Align to the first specific force (3,) [m/s2]; the heading is body x's, called north."""
-    x, y, z = force[0], force[1], force[2]
+    x, y, z = f_b[0], f_b[1], f_b[2]
     norm = math.sqrt(x * x + y * y + z * z)
     d0, d1, d2 = (-x / norm, -y / norm, -z / norm) if norm > 1e-6 else (0.0, 0.0, 1.0)
     i = 0 if abs(d0) < 0.9 else 1  # the body axis that is called north: one that is not vertical
@@ -54,14 +54,16 @@ def start(s: State, c: Settings, force: FloatArray, air: float) -> None:
 
 
 @inlined
-def take(s: State, c: Settings, dt: float, rate: FloatArray, force: FloatArray, air: float) -> None:
+def integrate_sample(
+    s: KalmanState, c: KalmanSettings, dt: float, omega_b: FloatArray, f_b: FloatArray, air: float
+) -> None:
     """Integrate attitude and velocity over one sample and add up what the update needs.
 
-    ``rate`` (3,) [rad/s] and ``force`` (3,) [m/s2] are means over ``dt`` [s]; the force acts at half of the turn.
+    ``omega_b`` (3,) [rad/s] and ``f_b`` (3,) [m/s2] are means over ``dt`` [s]; the force acts at half of the turn.
     """
     C, v, slow, sums, memory = s.C_nb, s.v_n, s.slow[0], s.sums, s.memory[0]
-    p, q, r = rate[0], rate[1], rate[2]
-    x, y, z = force[0], force[1], force[2]
+    p, q, r = omega_b[0], omega_b[1], omega_b[2]
+    x, y, z = f_b[0], f_b[1], f_b[2]
     if dt > GAP * c.nominal_s:
         memory.unseen_angle += (GAP_RATE + 0.5 * math.sqrt(p * p + q * q + r * r)) * (dt - c.nominal_s)
         memory.unseen_velocity += GAP_FORCE * (dt - c.nominal_s)
@@ -121,7 +123,7 @@ def take(s: State, c: Settings, dt: float, rate: FloatArray, force: FloatArray, 
 
 
 @inlined
-def correct(s: State) -> None:
+def apply_correction(s: KalmanState) -> None:
     """Take the errors ``dx`` (n,) off the state, and square C_nb up."""
     C, dx, slow = s.C_nb, s.dx, s.slow[0]
     a0, a1, a2 = -dx[0], -dx[1], -dx[2]

@@ -7,27 +7,27 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.complementary_filter import STEEP_PITCH, mix, mix_as_printed
+from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
 from procedures.attitude.forward_right_down import down_of, earth_rate_ned
 from procedures.attitude.heading_at_rest import heading_at_rest
-from procedures.attitude.joint_filter import AID_CODE, JointFilter
-from procedures.attitude.joint_state import DEFAULT, FREE, Settings
-from procedures.attitude.mixer import NEAR_VERTICAL, mix, mix_as_printed
-from procedures.attitude.mixer_gains import PAPER, Gains
+from procedures.attitude.kalman_filter import AID_CODE, AttitudeKalmanFilter
+from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.observability import Observability, observability
 from procedures.attitude.sensor_noise import at_rest, clipped_rows, gate_of, gyro_noise
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.units import STANDARD_GRAVITY
 
 AIDS = ("none", "airspeed", "airspeed-filter", "gnss", "paper-airspeed", "paper-filter")
-NEEDS = {"airspeed": "airspeed", "airspeed-filter": "airspeed", "gnss": "velocity",
-         "paper-airspeed": "airspeed", "paper-filter": "airspeed"}  # fmt: skip
-LONG_TURN_S = 60.0  # the printed velocity filter is not believed beyond
-UPSIDE_DOWN = 0.5  # cosine
-WALK_OF_FORCE = 5e-3  # 1/sqrt(s): an accelerometer's bias wanders by a third of its 1 sigma in an hour
+AID_COLUMN = {"airspeed": "airspeed", "airspeed-filter": "airspeed", "gnss": "velocity",
+              "paper-airspeed": "airspeed", "paper-filter": "airspeed"}  # fmt: skip
+MAX_FILTERED_TURN_S = 60.0  # the printed velocity filter is not believed beyond
+UPSIDE_DOWN_COSINE = 0.5
+FORCE_BIAS_WALK_RATIO = 5e-3  # 1/sqrt(s): an accelerometer's bias wanders by a third of its 1 sigma in an hour
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Track:
+class AttitudeEstimate:
     """Attitude along a log: the down vector (n, 3), its 1 sigma (n,) [rad] where the method has one.
 
     ``gyro_bias`` (3,) [rad/s] at the end with 1 sigma (None where the method has none); ``parameters`` as used.
@@ -57,15 +57,15 @@ def takes_gains(aid: str) -> bool:
 
 def estimate(
     log: AttitudeLog, aid: str, gains: Gains | None = None, gravity: float = STANDARD_GRAVITY,
-    latitude: float | None = None, settings: Settings | None = None, gyro_bias_std: float | None = None,
+    latitude: float | None = None, settings: KalmanSettings | None = None, gyro_bias_std: float | None = None,
     force_bias_std: float | None = None, fix_latency: float = 0.0,
-) -> Track:  # fmt: skip
+) -> AttitudeEstimate:  # fmt: skip
     """Return roll and pitch along a log.
 
     Parameters
     ----------
     aid
-        One of `AIDS`. "none" is the joint filter, or with ``gains`` the mixing law.
+        One of `AIDS`. "none" is the Kalman filter, or with ``gains`` the mixing law.
     gravity
         m/s2.
     latitude
@@ -79,25 +79,27 @@ def estimate(
     fix_latency
         s by which GNSS velocities are older than the rows that they stand at.
     settings
-        Of the joint filter; what depends on the log (interval, noise, ranges) is filled in.
+        Of the Kalman filter; what depends on the log (interval, noise, ranges) is filled in.
     """
     if aid in AID_CODE and gains is None:
-        settings = settings or (FREE if aid == "none" else DEFAULT)
+        settings = settings or (UNAIDED_SETTINGS if aid == "none" else AIDED_SETTINGS)
         if gyro_bias_std is not None:
             settings = settings._replace(gyro_bias_std=gyro_bias_std)
         if force_bias_std is not None:
-            walk = force_bias_std * WALK_OF_FORCE
+            walk = force_bias_std * FORCE_BIAS_WALK_RATIO
             settings = settings._replace(force_bias_std=force_bias_std, force_bias_walk=walk)
         settings = settings._replace(fix_latency=fix_latency)
         if latitude is not None and log.heading is None:
-            log, settings = _compassed(log, settings, latitude)
-        track = _joint(log, aid, settings, gravity, latitude)
+            log, settings = _with_heading(log, settings, latitude)
+        track = _kalman_filtered(log, aid, settings, gravity, latitude)
     else:
-        track = _mixed(log, aid, gains or PAPER, gravity, gate_of(gyro_noise(log)))
+        track = _complementary(log, aid, gains or PAPER_GAINS, gravity, gate_of(gyro_noise(log)))
     return replace(track, warnings=(*_said_of(log), *track.warnings))
 
 
-def _joint(log: AttitudeLog, aid: str, settings: Settings, gravity: float, latitude: float | None) -> Track:
+def _kalman_filtered(
+    log: AttitudeLog, aid: str, settings: KalmanSettings, gravity: float, latitude: float | None
+) -> AttitudeEstimate:
     earth = np.zeros(3) if latitude is None else earth_rate_ned(latitude)
     rate_limit, force_limit, _ = clipped_rows(log)
     unknown = EARTH_RATE if latitude is None else 0.0
@@ -108,14 +110,16 @@ def _joint(log: AttitudeLog, aid: str, settings: Settings, gravity: float, latit
         earth_north=float(earth[0]), earth_down=float(earth[2]), rate_limit=rate_limit, force_limit=force_limit,
         gyro_bias_std=float(np.hypot(settings.gyro_bias_std, unknown)),
     )  # fmt: skip
-    kept = JointFilter(aid, settings)
+    kept = AttitudeKalmanFilter(aid, settings)
     out = kept.run(log)
     bias, std = kept.gyro_bias
     finite = {name: value for name, value in settings._asdict().items() if np.isfinite(value)}
-    return Track(aid, out[:, :3].copy(), out[:, 3].copy(), bias, std, finite)
+    return AttitudeEstimate(aid, out[:, :3].copy(), out[:, 3].copy(), bias, std, finite)
 
 
-def _compassed(log: AttitudeLog, settings: Settings, latitude: float) -> tuple[AttitudeLog, Settings]:
+def _with_heading(
+    log: AttitudeLog, settings: KalmanSettings, latitude: float
+) -> tuple[AttitudeLog, KalmanSettings]:
     """Give a log the heading of the rest that it begins with, if its gyros are good enough to see it."""
     found = heading_at_rest(log, latitude, settings.gyro_bias_std)
     if found is None:
@@ -125,34 +129,36 @@ def _compassed(log: AttitudeLog, settings: Settings, latitude: float) -> tuple[A
     return replace(log, heading=heading), settings._replace(heading_std=std)
 
 
-def _mixed(log: AttitudeLog, aid: str, gains: Gains, gravity: float, gate: float) -> Track:
+def _complementary(log: AttitudeLog, aid: str, gains: Gains, gravity: float, gate: float) -> AttitudeEstimate:
     parameters = {"k1": gains.k1, "k2": gains.k2, "gravity": gravity}
     if aid in ("none", "airspeed"):
         down, mixer = mix(log, gains, aid, gate)
-        return Track(
+        return AttitudeEstimate(
             aid, down, None, mixer.gyro_bias, None, parameters | ({"gate": gate} if aid != "none" else {})
         )
     filtered = aid == "paper-filter"
     angles, printed = mix_as_printed(log, gains, filtered, gate, gravity)
     warnings = list[str]()
-    if steep := int(np.sum(np.abs(angles[:, 1]) > NEAR_VERTICAL)):
+    if steep := int(np.sum(np.abs(angles[:, 1]) > STEEP_PITCH)):
         warnings.append(
             f"{steep} rows beyond 80 deg of pitch, where the printed Euler form fails; use another aid"
         )
     seen = observability(log, gate) if filtered else None
-    if seen is not None and seen.open_s > LONG_TURN_S:
+    if seen is not None and seen.open_s > MAX_FILTERED_TURN_S:
         warnings.append(
-            f"turning for {seen.open_s:.0f} s: beyond {LONG_TURN_S:.0f} s the printed velocity filter diverges; "
-            f"use airspeed-filter"
+            f"turning for {seen.open_s:.0f} s: beyond {MAX_FILTERED_TURN_S:.0f} s the printed velocity filter "
+            f"diverges; use airspeed-filter"
         )
     down = down_of(angles[:, 0], angles[:, 1])
-    return Track(aid, down, None, printed.gyro_bias, None, parameters | {"gate": gate}, tuple(warnings), seen)
+    return AttitudeEstimate(
+        aid, down, None, printed.gyro_bias, None, parameters | {"gate": gate}, tuple(warnings), seen
+    )
 
 
 def _said_of(log: AttitudeLog) -> list[str]:
     said = list[str]()
-    first = log.force[log.t <= log.t[0] + 1.0].mean(axis=0)
-    if first[2] > UPSIDE_DOWN * np.linalg.norm(first):
+    first = log.f_b[log.t <= log.t[0] + 1.0].mean(axis=0)
+    if first[2] > UPSIDE_DOWN_COSINE * np.linalg.norm(first):
         said.append("starts upside down; if it stood level, these axes are not forward-right-down")
     if rows := clipped_rows(log)[2]:
         said.append(f"{rows} rows stand at the end of the sensors' range; they count as nearly unknown")

@@ -1,16 +1,22 @@
-"""A GNSS velocity in the joint filter: at its own moment, which may be some tenths of a second ago."""
+"""A GNSS velocity in the Kalman filter: at its own moment, which may be some tenths of a second ago."""
 
 import math
 
 from procedures.arrays import FloatArray
-from procedures.attitude.joint_aids import doubt, heading_of, level_velocity, set_velocity, turn_level_frame
-from procedures.attitude.joint_state import Settings, State
-from procedures.attitude.joint_update import measure
+from procedures.attitude.kalman_measurements import (
+    heading_of,
+    measure_level_velocity,
+    reset_covariance,
+    set_velocity,
+    turn_level_frame,
+)
+from procedures.attitude.kalman_state import KalmanSettings, KalmanState
+from procedures.attitude.kalman_update import measure
 from procedures.attitude.kernel_options import inlined
 
 
 @inlined
-def remember(s: State, c: Settings) -> None:
+def remember_update(s: KalmanState, c: KalmanSettings) -> None:
     """Keep what velocity and heading gained since the last update, without its corrections."""
     memory, n = s.memory[0], len(s.past)
     at = (int(memory.newest) + 1) % n
@@ -24,7 +30,7 @@ def remember(s: State, c: Settings) -> None:
 
 
 @inlined
-def look_back(s: State, seconds: float) -> None:
+def sum_since(s: KalmanState, seconds: float) -> None:
     """Sum the ring over the last ``seconds`` [s], as far as it reaches, into ``s.gained`` (5,)."""
     n, at, gained = len(s.past), int(s.memory[0].newest), s.gained
     gained[:] = 0.0
@@ -40,22 +46,22 @@ def look_back(s: State, seconds: float) -> None:
 
 
 @inlined
-def velocity_fix(s: State, c: Settings, vel: FloatArray) -> None:
+def measure_gnss_velocity(s: KalmanState, c: KalmanSettings, vel: FloatArray) -> None:
     """Take in a GNSS velocity (3,) [m/s]; the first fast enough gives the heading where none was given.
 
     The filter's own velocity carries the motion over the fix interval, so that what is compared are velocity
     increments, not accelerations at a point; and likewise from the moment of the fix to now.
     """
-    look_back(s, c.fix_latency)
+    sum_since(s, c.fix_latency)
     speed = math.hypot(vel[0], vel[1])
     if math.isnan(s.memory[0].speed) and speed > c.rest_speed:
-        doubt(s, c)
+        reset_covariance(s, c)
     s.memory[0].speed = speed
     knows_heading = s.memory[0].heading_known > 0.0
     anew = s.memory[0].velocity_known == 0.0
     if not knows_heading and speed > c.course_speed:
         turn_level_frame(s, math.atan2(vel[1], vel[0]) + s.gained[4] - heading_of(s), c.course_std)
-        look_back(s, c.fix_latency)
+        sum_since(s, c.fix_latency)
         knows_heading = anew = True
     if knows_heading and anew:
         north, east, down = vel[0] + s.gained[1], vel[1] + s.gained[2], vel[2] + s.gained[3]
@@ -63,13 +69,13 @@ def velocity_fix(s: State, c: Settings, vel: FloatArray) -> None:
         return
     for i in range(3):
         if knows_heading or i == 2:
-            late_velocity(s, c, i, vel[i])
+            measure_delayed_velocity(s, c, i, vel[i])
         else:  # as far as the speed goes in some direction
-            level_velocity(s, c, i, 0.0, c.velocity_fix_std**2 + speed * speed)
+            measure_level_velocity(s, c, i, 0.0, c.velocity_fix_std**2 + speed * speed)
 
 
 @inlined
-def late_velocity(s: State, c: Settings, i: int, measured: float) -> None:
+def measure_delayed_velocity(s: KalmanState, c: KalmanSettings, i: int, measured: float) -> None:
     """Measure component ``i`` [m/s] of the velocity as it was at the fix.
 
     It is v less what was gained since, and that is wrong by psi x (what specific force gained).

@@ -1,25 +1,25 @@
-"""What the joint filter measures: velocity without aid, by airspeed, by GNSS; a heading; rest."""
+"""What the Kalman filter measures: velocity without aid, by airspeed, by GNSS; a heading; rest."""
 
 import math
 
-from procedures.attitude.joint_state import Settings, State
-from procedures.attitude.joint_update import measure
+from procedures.attitude.kalman_state import KalmanSettings, KalmanState
+from procedures.attitude.kalman_update import measure
 from procedures.attitude.kernel_options import inlined
 
 REST_MEAN_S = 0.5  # over which rest's means are taken
 MEAN_SPEED_S = 1.0
-REST_NORM = 0.05  # of gravity: accelerometers are no better, and braking at a steady 0.4 g is no rest
+REST_NORM_TOLERANCE = 0.05  # of gravity: accelerometers are no better, and braking at a steady 0.4 g is no rest
 
 
 @inlined
-def level_velocity(s: State, c: Settings, i: int, measured: float, variance: float) -> None:
+def measure_level_velocity(s: KalmanState, c: KalmanSettings, i: int, measured: float, variance: float) -> None:
     """Measure component ``i`` of the velocity in north-east-down."""
     s.at[0], s.H[0] = 3 + i, 1.0
     measure(s, 1, s.v_n[i] - measured, variance, c.believed_sigma)
 
 
 @inlined
-def rest_velocity(s: State, c: Settings, variance: float) -> None:
+def measure_rest_velocity(s: KalmanState, c: KalmanSettings, variance: float) -> None:
     """Measure that the velocity is nought, and learn nothing of accelerometer biases across gravity from it.
 
     At rest these cannot be told from a tilt. A gyro's bias in yaw turns the body in the filter's eyes, and in such
@@ -29,17 +29,19 @@ def rest_velocity(s: State, c: Settings, variance: float) -> None:
         s.held[3, i] = s.dx[12 + i]
         for j in range(3):
             s.held[i, j] = s.P[12 + i, 12 + j]
-    level_velocity(s, c, 0, 0.0, variance)
-    level_velocity(s, c, 1, 0.0, variance)
+    measure_level_velocity(s, c, 0, 0.0, variance)
+    measure_level_velocity(s, c, 1, 0.0, variance)
     for i in range(3):
         s.dx[12 + i] = s.held[3, i]
         for j in range(3):
             s.P[12 + i, 12 + j] = s.held[i, j]
-    level_velocity(s, c, 2, 0.0, variance)
+    measure_level_velocity(s, c, 2, 0.0, variance)
 
 
 @inlined
-def body_velocity(s: State, c: Settings, axis: int, along: float, angle: float, noise: float) -> None:
+def measure_body_velocity(
+    s: KalmanState, c: KalmanSettings, axis: int, along: float, angle: float, noise: float
+) -> None:
     """Measure a body component of the velocity: ``along`` [m/s], or it times an ``angle`` [rad] of the airflow."""
     C, v, H, at = s.C_nb, s.v_n, s.H, s.at
     c0, c1, c2 = C[0, axis], C[1, axis], C[2, axis]
@@ -57,7 +59,7 @@ def body_velocity(s: State, c: Settings, axis: int, along: float, angle: float, 
 
 
 @inlined
-def doubt(s: State, c: Settings) -> None:
+def reset_covariance(s: KalmanState, c: KalmanSettings) -> None:
     """Believe vertical and biases no more than at the start: without its aid the filter took motion for none."""
     for i in range(3):
         s.slow[0].gyro_bias[i] = 0.0
@@ -69,7 +71,7 @@ def doubt(s: State, c: Settings) -> None:
 
 
 @inlined
-def set_velocity(s: State, north: float, east: float, down: float, std: float) -> None:
+def set_velocity(s: KalmanState, north: float, east: float, down: float, std: float) -> None:
     """Begin the velocity anew [m/s], the same 1 sigma each way: what an aid first says is no outlier."""
     for i in range(3):
         for j in range(len(s.dx)):
@@ -80,30 +82,30 @@ def set_velocity(s: State, north: float, east: float, down: float, std: float) -
 
 
 @inlined
-def airspeed(s: State, c: Settings) -> None:
+def measure_airspeed(s: KalmanState, c: KalmanSettings) -> None:
     """Take in the airspeed since the last update, angle of attack, sideslip, and a weak word on climbing."""
     V = s.memory[0].airspeed_sum / s.memory[0].airspeed_rows
     if s.memory[0].velocity_known == 0.0:
         C, std = s.C_nb, c.velocity_std + c.velocity_std_per_speed * abs(V)
         if abs(V) > c.rest_speed:
-            doubt(s, c)
+            reset_covariance(s, c)
         set_velocity(s, C[0, 0] * V, C[1, 0] * V, C[2, 0] * V, std)
         return
-    body_velocity(s, c, 0, V, 0.0, c.airspeed_noise)
-    body_velocity(s, c, 1, V, s.slow[0].slip, c.gust_noise)
-    body_velocity(s, c, 2, V, s.slow[0].attack, c.gust_noise)
+    measure_body_velocity(s, c, 0, V, 0.0, c.airspeed_noise)
+    measure_body_velocity(s, c, 1, V, s.slow[0].slip, c.gust_noise)
+    measure_body_velocity(s, c, 2, V, s.slow[0].attack, c.gust_noise)
     climb = c.climb_noise + c.climb_noise_per_speed * abs(V)
-    level_velocity(s, c, 2, 0.0, climb * climb / s.memory[0].time)
+    measure_level_velocity(s, c, 2, 0.0, climb * climb / s.memory[0].time)
 
 
 @inlined
-def heading_of(s: State) -> float:
+def heading_of(s: KalmanState) -> float:
     """Return the heading [rad] of body x in the filter's level frame."""
     return math.atan2(s.C_nb[1, 0], s.C_nb[0, 0])
 
 
 @inlined
-def turn_level_frame(s: State, angle: float, std: float) -> None:
+def turn_level_frame(s: KalmanState, angle: float, std: float) -> None:
     """Turn north by ``angle`` [rad], so that it is true within ``std``: attitude, velocity, covariance."""
     cos, sin = math.cos(angle), math.sin(angle)
     n = len(s.dx)
@@ -129,7 +131,7 @@ def turn_level_frame(s: State, angle: float, std: float) -> None:
 
 
 @inlined
-def true_heading(s: State, c: Settings, heading: float) -> None:
+def measure_heading(s: KalmanState, c: KalmanSettings, heading: float) -> None:
     """Take in a true heading [rad]; where body x stands near the vertical it says nothing."""
     if abs(s.C_nb[2, 0]) > 0.98:
         return
@@ -147,7 +149,7 @@ def true_heading(s: State, c: Settings, heading: float) -> None:
 
 
 @inlined
-def judge_stillness(s: State, c: Settings) -> None:
+def judge_stillness(s: KalmanState, c: KalmanSettings) -> None:
     """Say whether the unit stood still over a span of at least ``c.update_s``, whatever cut the update.
 
     A fix or a heading cuts an update short, at worst to one sample. In that a count of a coarse unit is 0.05 g, as
@@ -175,7 +177,7 @@ def judge_stillness(s: State, c: Settings) -> None:
         limit = c.rest_rate + 3.0 * math.sqrt(s.P[6 + i, 6 + i])
         turns = turns or abs(memory.mean_rate[i] - s.slow[0].gyro_bias[i]) > limit
     still = off_rate < c.rest_rate**2 and off_force < c.rest_force**2 and not turns
-    still = still and abs(math.sqrt(norm2) - c.gravity) < REST_NORM * c.gravity
+    still = still and abs(math.sqrt(norm2) - c.gravity) < REST_NORM_TOLERANCE * c.gravity
     memory.still_time = memory.still_time + T if still else 0.0
     memory.span_time = 0.0
     memory.span_rate[:] = 0.0
@@ -183,7 +185,7 @@ def judge_stillness(s: State, c: Settings) -> None:
 
 
 @inlined
-def rest(s: State, c: Settings, aided: bool) -> bool:
+def measure_rest(s: KalmanState, c: KalmanSettings, aided: bool) -> bool:
     """Say whether the unit rests, and if so measure it: no velocity and, where an aid says so too, no rate.
 
     Rest is rates and specific force that stand still for a while, and no speed by the aid. Without aid a slow
@@ -198,7 +200,7 @@ def rest(s: State, c: Settings, aided: bool) -> bool:
     resting = memory.still_time >= c.rest_s and not abs(memory.speed) > c.rest_speed
     memory.at_rest = 1.0 if resting else 0.0
     if resting:
-        rest_velocity(s, c, c.rest_velocity_noise**2 / T)
+        measure_rest_velocity(s, c, c.rest_velocity_noise**2 / T)
         if aided and memory.speed == memory.speed:
             for i in range(3):
                 rate = memory.rate_integral[i] / T

@@ -17,7 +17,7 @@ SMOOTH_S = 0.2  # of what is differentiated
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motion:
+class AttitudeMotion:
     """A log as effects see it: rates and forces as measured, speed V (n,) [m/s] (nought where none is known)."""
 
     log: AttitudeLog
@@ -26,10 +26,10 @@ class Motion:
     rate_slope: FloatArray
 
     @classmethod
-    def of(cls, log: AttitudeLog, speed: FloatArray) -> "Motion":
+    def of(cls, log: AttitudeLog, speed: FloatArray) -> "AttitudeMotion":
         """Differentiate what needs it, smoothed over `SMOOTH_S`."""
         rows = max(round(SMOOTH_S / log.nominal), 1)
-        return cls(log, speed, slope(speed[:, None], log.t, rows)[:, 0], slope(log.rate, log.t, rows))
+        return cls(log, speed, slope(speed[:, None], log.t, rows)[:, 0], slope(log.omega_b, log.t, rows))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,8 +47,8 @@ class AttitudeEffect:
     unit: str
     plausible: float
     separate_by: str
-    rate: Callable[[Motion], FloatArray] | None = None
-    force: Callable[[Motion], FloatArray] | None = None
+    rate: Callable[[AttitudeMotion], FloatArray] | None = None
+    force: Callable[[AttitudeMotion], FloatArray] | None = None
     needs_truth: bool = False
     needs_speed: bool = False
     of_velocity: bool = False
@@ -64,7 +64,7 @@ def slope(values: FloatArray, t: FloatArray, rows: int) -> FloatArray:
     return found
 
 
-def _unit(motion: Motion) -> FloatArray:
+def _unit(motion: AttitudeMotion) -> FloatArray:
     return np.broadcast_to(np.eye(3), (len(motion.log.t), 3, 3))
 
 
@@ -77,18 +77,18 @@ def _crossed(values: FloatArray) -> FloatArray:
     return np.cross(np.eye(3)[None], values[:, None, :]).transpose(0, 2, 1)
 
 
-def _turning(motion: Motion, axis: int, speed: FloatArray) -> FloatArray:
+def _turning(motion: AttitudeMotion, axis: int, speed: FloatArray) -> FloatArray:
     """Return ``omega x V e_axis`` as one column (n, 3, 1)."""
-    return np.cross(motion.log.rate, speed[:, None] * np.eye(3)[axis])[:, :, None]
+    return np.cross(motion.log.omega_b, speed[:, None] * np.eye(3)[axis])[:, :, None]
 
 
-def _lever(motion: Motion) -> FloatArray:
-    w, axes = motion.log.rate[:, None, :], np.eye(3)[None]
+def _lever(motion: AttitudeMotion) -> FloatArray:
+    w, axes = motion.log.omega_b[:, None, :], np.eye(3)[None]
     found = np.cross(motion.rate_slope[:, None, :], axes) + np.cross(w, np.cross(w, axes))
     return found.transpose(0, 2, 1)
 
 
-def _along_x(motion: Motion) -> FloatArray:
+def _along_x(motion: AttitudeMotion) -> FloatArray:
     column = np.zeros((len(motion.log.t), 3, 1))
     column[:, 0, 0] = motion.speed_slope
     return column
@@ -109,10 +109,10 @@ ATTITUDE_EFFECTS = (
     AttitudeEffect("aid.time_offset", ("value",), "s", 0.5, "turns while the speed changes", needs_speed=True,
                    is_of_aid=True, force=lambda m: _turning(m, 0, m.speed_slope)),
     AttitudeEffect("mounting.angle", AXES, "rad", 0.02, "rests far apart in roll and pitch", needs_truth=True,
-                   rate=lambda m: _crossed(m.log.rate), force=lambda m: _crossed(m.log.force)),
+                   rate=lambda m: _crossed(m.log.omega_b), force=lambda m: _crossed(m.log.f_b)),
     AttitudeEffect("mounting.lever_arm", AXES, "m", 1.0, "fast turning on the spot", force=_lever),
     AttitudeEffect("gyroscope.bias", AXES, "rad/s", 0.02, "a minute of rest", rate=_unit),
     AttitudeEffect("gyroscope.scale", AXES, "1", 0.01, "closed turns about each axis",
-                   rate=lambda m: _per_axis(m.log.rate)),
+                   rate=lambda m: _per_axis(m.log.omega_b)),
     AttitudeEffect("accelerometer.bias", AXES, "m/s2", 0.1, "rests in opposite positions", force=_unit),
 )  # fmt: skip

@@ -4,25 +4,25 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.forward_right_down import down_of
-from procedures.attitude.mixer_gains import PAPER, Gains
-from procedures.attitude.mixer_kernels import EULER, VECTOR, mix_log, mix_vector
-from procedures.attitude.velocity_aid_kernels import (
+from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
+from procedures.attitude.complementary_kernels import EULER, VECTOR, mix_log, mix_vector
+from procedures.attitude.complementary_velocity_aids import (
     AIDING,
-    P0,
+    INITIAL_VELOCITY_VARIANCE,
     MixingLaw,
     mix_paper,
     mix_paper_log,
     mix_speed,
     mix_speed_log,
-)
+)  # fmt: skip
+from procedures.attitude.forward_right_down import down_of
 from procedures.units import STANDARD_GRAVITY
 
-GATE = 2.5e-3  # rad/s: P2, section 4
-NEAR_VERTICAL = np.radians(80.0)  # pitch beyond which the Euler form says so
+RATE_GATE = 2.5e-3  # rad/s: You and Lee, section 4
+STEEP_PITCH = np.radians(80.0)  # pitch beyond which the Euler form says so
 
 
-class Mixer:
+class ComplementaryFilter:
     """The mixing law on the gravity vector: one sample in, the down vector out, no history kept.
 
     ``aid`` is "none" or "airspeed" (forward speed with remembered angle of attack, while turning faster than
@@ -30,7 +30,7 @@ class Mixer:
     the sample after it are taken for what went on.
     """
 
-    def __init__(self, gains: Gains = PAPER, aid: str = "none", gate: float = GATE) -> None:
+    def __init__(self, gains: Gains = PAPER_GAINS, aid: str = "none", gate: float = RATE_GATE) -> None:
         self.aid, self._law = aid, MixingLaw(gains.k1, gains.k2, gate)
         self._states, self._aids = np.zeros(1, VECTOR), np.zeros(1, AIDING)
         self._t: float | None = None
@@ -45,33 +45,37 @@ class Mixer:
         """The gyro bias (3,) [rad/s] learned so far."""
         return np.asarray(-self._states["correction"][0], np.float64)
 
-    def step(self, t: float, rate: FloatArray, force: FloatArray, airspeed: float = np.nan) -> FloatArray:
+    def step(self, t: float, omega_b: FloatArray, f_b: FloatArray, airspeed: float = np.nan) -> FloatArray:
         """Take the sample that ends at ``t`` [s] and return the down vector (3,) there."""
         if self._t is None:
-            self._states[0].down = start_down(force)
+            self._states[0].down = start_down(f_b)
             self._t = t
             return self.down
         dt, self._t = t - self._t, t
         if self.aid == "airspeed":
-            mix_speed(self._states, self._aids, self._law, dt, rate, force, airspeed)
+            mix_speed(self._states, self._aids, self._law, dt, omega_b, f_b, airspeed)
         else:
-            mix_vector(self._states, dt, rate, force, self._law.k1, self._law.k2)
+            mix_vector(self._states, dt, omega_b, f_b, self._law.k1, self._law.k2)
         return self.down
 
 
-class PaperMixer:
-    """The law in Euler angles as P2 prints it, for reproduction: it fails where pitch nears 90 deg.
+class PrintedComplementaryFilter:
+    """The law in Euler angles as You and Lee print it, for reproduction: it fails where pitch nears 90 deg.
 
     ``filtered`` asks for the velocity filter (11)-(14) instead of forward speed alone (10); in turns of more than
     a minute it diverges, since it takes the attitude for known (docs/attitude.md).
     """
 
     def __init__(
-        self, gains: Gains = PAPER, filtered: bool = False, gate: float = GATE, g: float = STANDARD_GRAVITY
+        self,
+        gains: Gains = PAPER_GAINS,
+        filtered: bool = False,
+        gate: float = RATE_GATE,
+        g: float = STANDARD_GRAVITY,
     ) -> None:
         self._law = MixingLaw(gains.k1, gains.k2, gate, g, filtered)
         self._states, self._aids = np.zeros(1, EULER), np.zeros(1, AIDING)
-        self._aids[0].covariance = P0 * np.eye(3)
+        self._aids[0].covariance = INITIAL_VELOCITY_VARIANCE * np.eye(3)
         self._t: float | None = None
 
     @property
@@ -89,25 +93,27 @@ class PaperMixer:
         """What the integrals hold (3,) [rad/s], of roll and pitch: a bias of the body only while level."""
         return np.array([-self._states[0].roll_correction, -self._states[0].pitch_correction, 0.0])
 
-    def step(self, t: float, rate: FloatArray, force: FloatArray, airspeed: float = np.nan) -> FloatArray:
+    def step(self, t: float, omega_b: FloatArray, f_b: FloatArray, airspeed: float = np.nan) -> FloatArray:
         """Take the sample that ends at ``t`` [s] and return the down vector (3,) there."""
         if self._t is None:
-            self._states[0].roll, self._states[0].pitch = _start_angles(force)
+            self._states[0].roll, self._states[0].pitch = _start_angles(f_b)
             self._aids[0].airspeed = self._aids[0].velocity[0] = 0.0 if np.isnan(airspeed) else airspeed
             self._t = t
         else:
             dt, self._t = t - self._t, t
-            mix_paper(self._states, self._aids, self._law, dt, rate, force, airspeed)
+            mix_paper(self._states, self._aids, self._law, dt, omega_b, f_b, airspeed)
         return down_of(*np.array(self.roll_pitch))
 
 
-def mix(log: AttitudeLog, gains: Gains = PAPER, aid: str = "none", gate: float = GATE) -> tuple[FloatArray, Mixer]:
+def mix(
+    log: AttitudeLog, gains: Gains = PAPER_GAINS, aid: str = "none", gate: float = RATE_GATE
+) -> tuple[FloatArray, ComplementaryFilter]:
     """Run the law over a log: the down vector (n, 3) of every row, and the mixer as it ends."""
-    mixer = Mixer(gains, aid, gate)
+    mixer = ComplementaryFilter(gains, aid, gate)
     out, dt = np.empty((len(log.t), 3)), log.intervals
-    out[0] = mixer.step(float(log.t[0]), log.rate[0], log.force[0])
+    out[0] = mixer.step(float(log.t[0]), log.omega_b[0], log.f_b[0])
     states, aids, law = mixer._states, mixer._aids, mixer._law  # noqa: SLF001  (its own module)
-    samples = (dt[1:], log.rate[1:], log.force[1:])
+    samples = (dt[1:], log.omega_b[1:], log.f_b[1:])
     if aid == "airspeed":
         mix_speed_log(states, aids, law, *samples, _speed(log)[1:], out[1:])
     else:
@@ -116,27 +122,28 @@ def mix(log: AttitudeLog, gains: Gains = PAPER, aid: str = "none", gate: float =
 
 
 def mix_as_printed(
-    log: AttitudeLog, gains: Gains = PAPER, filtered: bool = False, gate: float = GATE, g: float = STANDARD_GRAVITY
-) -> tuple[FloatArray, PaperMixer]:
+    log: AttitudeLog, gains: Gains = PAPER_GAINS, filtered: bool = False, gate: float = RATE_GATE,
+    g: float = STANDARD_GRAVITY,
+) -> tuple[FloatArray, PrintedComplementaryFilter]:  # fmt: skip
     """Run the law in Euler angles over a log: roll and pitch (n, 2) [rad], and the mixer as it ends."""
-    mixer = PaperMixer(gains, filtered, gate, g)
+    mixer = PrintedComplementaryFilter(gains, filtered, gate, g)
     speed = _speed(log)
-    mixer.step(float(log.t[0]), log.rate[0], log.force[0], float(speed[0]))
+    mixer.step(float(log.t[0]), log.omega_b[0], log.f_b[0], float(speed[0]))
     out = np.empty((len(log.t), 2))
     out[0] = mixer.roll_pitch
     states, aids, law = mixer._states, mixer._aids, mixer._law  # noqa: SLF001
-    mix_paper_log(states, aids, law, log.intervals[1:], log.rate[1:], log.force[1:], speed[1:], out[1:])
+    mix_paper_log(states, aids, law, log.intervals[1:], log.omega_b[1:], log.f_b[1:], speed[1:], out[1:])
     return out, mixer
 
 
-def start_down(force: FloatArray) -> FloatArray:
+def start_down(f_b: FloatArray) -> FloatArray:
     """Return the down vector (3,) of a specific force (3,) [m/s2] at rest; level where there is none."""
-    norm = float(np.linalg.norm(force))
-    return -force / norm if norm > 1e-6 else np.array([0.0, 0.0, 1.0])
+    norm = float(np.linalg.norm(f_b))
+    return -f_b / norm if norm > 1e-6 else np.array([0.0, 0.0, 1.0])
 
 
-def _start_angles(force: FloatArray) -> tuple[float, float]:
-    down = start_down(force)
+def _start_angles(f_b: FloatArray) -> tuple[float, float]:
+    down = start_down(f_b)
     return float(np.arctan2(down[1], down[2])), float(np.arcsin(-down[0]))
 
 

@@ -3,11 +3,16 @@ import pytest
 from scipy.signal import lsim
 
 from procedures.arrays import FloatArray
-from procedures.attitude import mixer_kernels as mixing_kernels
+from procedures.attitude import complementary_kernels as mixing_kernels
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.complementary_filter import (
+    ComplementaryFilter,
+    PrintedComplementaryFilter,
+    mix,
+    mix_as_printed,
+)
+from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
 from procedures.attitude.forward_right_down import down_of, inclination, roll_pitch_of
-from procedures.attitude.mixer import Mixer, PaperMixer, mix, mix_as_printed
-from procedures.attitude.mixer_gains import PAPER, Gains
 from procedures.frames import nominal_C_lb
 
 G = 9.80665
@@ -31,7 +36,7 @@ def test_gains_of_a_time_constant_are_those_of_equation_15() -> None:
     assert gains.k1 == pytest.approx(2 / 12.5)
     assert gains.k1 * gains.k2 == pytest.approx(1 / 12.5**2)
     assert gains.damping == pytest.approx(1.0)
-    assert PAPER.damping == pytest.approx(1.265, abs=1e-3)
+    assert PAPER_GAINS.damping == pytest.approx(1.265, abs=1e-3)
     with pytest.raises(ValueError, match="expected more than 0"):
         Gains.of_time_constant(0.0)
 
@@ -46,7 +51,7 @@ def test_small_angles_follow_the_transfer_function_of_equation_1(printed: bool) 
     rate[1:, 0] = bias
     log = AttitudeLog(t, rate, force)
     roll = mix_as_printed(log)[0][:, 0] if printed else roll_pitch_of(mix(log)[0])[0]
-    k1, k2 = PAPER.k1, PAPER.k2
+    k1, k2 = PAPER_GAINS.k1, PAPER_GAINS.k2
     by_angle = lsim(([k1, k1 * k2], [1, k1, k1 * k2]), np.full(n, step), t)[1]
     by_rate = lsim(([1, 0], [1, k1, k1 * k2]), np.full(n, bias), t)[1]
     assert np.abs(roll - by_angle - by_rate).max() < 2e-3 * step + dt * bias
@@ -64,19 +69,19 @@ def test_every_cube_position_reads_as_well_as_any(position: int) -> None:
 def test_it_comes_back_from_upside_down() -> None:
     down = np.array([0.0, 0.0, 1.0])
     log = still(down, n=20000)
-    log.force[0] *= -1  # the first sample says upside down, exactly
+    log.f_b[0] *= -1  # the first sample says upside down, exactly
     assert np.degrees(inclination(mix(log, Gains.of_time_constant(5.0))[0][-1], down)) < 0.1
 
 
 def test_time_stamps_count_not_samples() -> None:
     log = wavy()
     fine, _ = mix(log, Gains.of_time_constant(3.0))
-    pairs = {"rate": log.rate[1:].reshape(-1, 3)[: len(log.t) // 2 * 2 - 2], "force": log.force[1:]}
+    pairs = {"rate": log.omega_b[1:].reshape(-1, 3)[: len(log.t) // 2 * 2 - 2], "force": log.f_b[1:]}
     rate = pairs["rate"].reshape(-1, 2, 3).mean(axis=1)
     force = pairs["force"][: 2 * len(rate)].reshape(-1, 2, 3).mean(axis=1)
     half = AttitudeLog(
         np.concatenate(([log.t[0]], log.t[2 : 2 * len(rate) + 1 : 2])),
-        np.vstack([log.rate[:1], rate]), np.vstack([log.force[:1], force]),
+        np.vstack([log.omega_b[:1], rate]), np.vstack([log.f_b[:1], force]),
     )  # fmt: skip
     coarse, _ = mix(half, Gains.of_time_constant(3.0))
     assert np.degrees(inclination(coarse[-1], fine[2 * len(rate)])) < 0.02
@@ -86,16 +91,16 @@ def test_time_stamps_count_not_samples() -> None:
 def test_one_sample_at_a_time_gives_what_a_log_gives(aid: str) -> None:
     log = wavy(n=500)
     assert log.airspeed is not None
-    mixer = Mixer(PAPER, aid, gate=1e-3)
-    steps = [mixer.step(*row) for row in zip(log.t, log.rate, log.force, log.airspeed, strict=True)]
-    assert np.array(steps) == pytest.approx(mix(log, PAPER, aid, gate=1e-3)[0], abs=1e-12)
+    mixer = ComplementaryFilter(PAPER_GAINS, aid, gate=1e-3)
+    steps = [mixer.step(*row) for row in zip(log.t, log.omega_b, log.f_b, log.airspeed, strict=True)]
+    assert np.array(steps) == pytest.approx(mix(log, PAPER_GAINS, aid, gate=1e-3)[0], abs=1e-12)
 
 
 def test_the_printed_form_one_sample_at_a_time_gives_what_a_log_gives() -> None:
     log = wavy(n=500)
     assert log.airspeed is not None
-    mixer = PaperMixer(filtered=True)
-    for row in zip(log.t, log.rate, log.force, log.airspeed, strict=True):
+    mixer = PrintedComplementaryFilter(filtered=True)
+    for row in zip(log.t, log.omega_b, log.f_b, log.airspeed, strict=True):
         mixer.step(*row)
     assert mixer.roll_pitch == pytest.approx(mix_as_printed(log, filtered=True)[0][-1], abs=1e-12)
 
@@ -104,7 +109,7 @@ def test_kernels_equal_their_plain_form() -> None:
     log = wavy(n=300)
     plain, compiled = np.zeros((2, 1), mixing_kernels.VECTOR)
     plain[0].down[2] = compiled[0].down[2] = 1.0
-    for w, f in zip(log.rate, log.force, strict=True):
+    for w, f in zip(log.omega_b, log.f_b, strict=True):
         mixing_kernels.mix_vector.py_func(plain, 0.01, w, f, 0.1, 0.05)  # type: ignore[attr-defined]
         mixing_kernels.mix_vector(compiled, 0.01, w, f, 0.1, 0.05)
     for name in ("down", "correction"):
@@ -119,4 +124,4 @@ def test_a_forward_speed_takes_the_turn_off() -> None:
     log = AttitudeLog(np.arange(n) * 0.01, np.tile([0.0, 0.0, rate], (n, 1)), force, np.full(n, speed))
     level = np.array([0.0, 0.0, 1.0])
     assert np.degrees(inclination(mix(log)[0][-1], level)) > 15
-    assert np.degrees(inclination(mix(log, PAPER, "airspeed")[0][-1], level)) < 0.2
+    assert np.degrees(inclination(mix(log, PAPER_GAINS, "airspeed")[0][-1], level)) < 0.2

@@ -1,0 +1,71 @@
+"""One sample of the Kalman filter, and a whole log: the same code."""
+
+import math
+
+from procedures.arrays import FloatArray
+from procedures.attitude.gnss_velocity_measurement import measure_gnss_velocity, remember_update
+from procedures.attitude.kalman_measurements import (
+    measure_airspeed,
+    measure_heading,
+    measure_level_velocity,
+    measure_rest,
+)
+from procedures.attitude.kalman_state import SINCE_UPDATE, KalmanSettings, KalmanState
+from procedures.attitude.kalman_update import propagate
+from procedures.attitude.kernel_options import inlined, kernel
+from procedures.attitude.strapdown_integration import LONG_GAP_S, align, apply_correction, integrate_sample
+
+NO_AID, AIRSPEED, GNSS = 0, 1, 2
+
+
+@inlined
+def advance(
+    s: KalmanState, c: KalmanSettings, aid: int, dt: float, omega_b: FloatArray, f_b: FloatArray, air: float,
+    vel: FloatArray, heading: float,
+) -> None:  # fmt: skip
+    """Advance by one sample: rates [rad/s], specific force [m/s2], and the aids, nan where there is none."""
+    if aid != AIRSPEED:
+        air = math.nan  # an aid that was not asked for is not used at all
+    if s.memory[0].started == 0.0 or dt > LONG_GAP_S:
+        align(s, c, f_b, air)
+        if heading == heading:
+            measure_heading(s, c, heading)
+        return
+    integrate_sample(s, c, dt, omega_b, f_b, air)
+    fixed = aid == GNSS and vel[0] == vel[0] and vel[1] == vel[1] and vel[2] == vel[2]
+    if s.memory[0].time >= c.update_s - 1e-9 or fixed or heading == heading:
+        update(s, c, aid, fixed, vel, heading)
+
+
+@inlined
+def update(s: KalmanState, c: KalmanSettings, aid: int, fixed: bool, vel: FloatArray, heading: float) -> None:
+    """Carry the covariance to now, take in what is measured, and correct the state."""
+    propagate(s, c)
+    s.dx[:] = 0.0
+    if aid == GNSS:
+        remember_update(s, c)
+    if heading == heading:
+        measure_heading(s, c, heading)
+    resting = measure_rest(s, c, aid != NO_AID)
+    if aid == AIRSPEED and s.memory[0].airspeed_rows > 0:
+        measure_airspeed(s, c)
+    elif fixed:
+        measure_gnss_velocity(s, c, vel)
+    elif (aid == NO_AID or (s.memory[0].velocity_known == 0.0 and math.isnan(s.memory[0].speed))) and not resting:
+        for i in range(3):
+            measure_level_velocity(s, c, i, 0.0, c.speed_noise**2 / s.memory[0].time)
+    apply_correction(s)
+    s.sums[:] = 0.0
+    s.flat[:SINCE_UPDATE] = 0.0
+
+
+@kernel
+def filter_log(
+    s: KalmanState, c: KalmanSettings, aid: int, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray,
+    air: FloatArray, vel: FloatArray, heading: FloatArray, out: FloatArray,
+) -> None:  # fmt: skip
+    """Run `advance` over a log: the down vector and its sigma [rad] of every row into ``out`` (n, 4)."""
+    for i in range(len(dt)):
+        advance(s, c, aid, dt[i], omega_b[i], f_b[i], air[i], vel[i], heading[i])
+        out[i, 0], out[i, 1], out[i, 2] = s.C_nb[2, 0], s.C_nb[2, 1], s.C_nb[2, 2]
+        out[i, 3] = math.sqrt(s.P[0, 0] + s.P[1, 1])
