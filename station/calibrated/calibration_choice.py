@@ -12,7 +12,7 @@ from fixtures_db.database import open_db
 from fixtures_db.history import last_calibration
 from station.calibrated.in_use import InUse
 from station.errors import DataRefused
-from station.files.toml_text import read_text_file
+from station.files.toml_reading import read_text_file
 from station.stream.recorder.connected_unit import Unit
 
 FORMAT = "calibration/1"

@@ -155,8 +155,8 @@ def _rows(database: "OpenDatabase", folder: Path) -> str:
     from fixtures_db.campaigns import known_campaign, verify_steps
     from fixtures_db.history import calibrated_inputs
     from station.errors import Altered
+    from station.files.campaign_folder.schema import CAMPAIGN_TOML
     from station.files.sha256sums import read_hashes, sha256_of
-    from station.files.toml_text import NAME as TOML
 
     key, hashes = str(folder.resolve()), read_hashes(folder)
     with database.read() as session:
@@ -168,8 +168,8 @@ def _rows(database: "OpenDatabase", folder: Path) -> str:
                 raise Altered(folder / step.file, f"sha256 {found}", f"{step.sha256} in the database")
         _refuse(verify_steps(session, key))
         inputs = calibrated_inputs(session, key)
-        if (kept := inputs.get(TOML)) is not None and (now := sha256_of(folder / TOML)) != kept:
-            raise Altered(folder / TOML, f"sha256 {now}", f"{kept} in the calibration")
+        if (kept := inputs.get(CAMPAIGN_TOML)) is not None and (now := sha256_of(folder / CAMPAIGN_TOML)) != kept:
+            raise Altered(folder / CAMPAIGN_TOML, f"sha256 {now}", f"{kept} in the calibration")
         return f"{database.url}: {plural(len(row.steps), 'accepted step')} as stored"
 
 

@@ -24,10 +24,10 @@ from pydantic import BaseModel, ConfigDict, StringConstraints
 
 from fixtures_db.anchor import Anchor
 from fixtures_db.chain import GENESIS
-from fixtures_db.transfer import Value
 from station.files.atomic_file import replace_file
-from station.files.fixture_files.toml_file import seal_of, sealed, table_lines, toml_value
-from station.files.toml_text import read_tables
+from station.files.fixture_files.toml_file import seal_of, sealed
+from station.files.toml_reading import read_tables
+from station.files.toml_writing import toml_text
 
 Sha256 = Annotated[str, StringConstraints(pattern="^[0-9a-f]{64}$")]
 
@@ -59,7 +59,10 @@ class AnchorTable(_Table):
 
 def write_anchor(path: Path, anchor: Anchor) -> None:
     """Write an anchor; raise `CannotWrite` if the place cannot be written."""
-    heads: dict[str, Value] = {
+    manifests = [
+        {"folder": folder, "steps": steps, "sha256": head} for folder, (steps, head) in anchor.manifests.items()
+    ]
+    tables = {
         "format": "anchor/1",
         "written_utc": datetime.now(UTC),
         "calibration": anchor.calibration,
@@ -67,12 +70,9 @@ def write_anchor(path: Path, anchor: Anchor) -> None:
         "level": anchor.level,
         "measurement": anchor.measurement,
         "issued": anchor.issued,
+        "manifest": manifests,
     }
-    manifests: list[dict[str, Value]] = [
-        {"folder": folder, "steps": steps, "sha256": head} for folder, (steps, head) in anchor.manifests.items()
-    ]
-    lines = [*(f"{key} = {toml_value(value)}" for key, value in heads.items())]
-    replace_file(path, sealed("\n".join([*lines, *table_lines({"manifest": manifests})]) + "\n").encode())
+    replace_file(path, sealed(toml_text(tables)).encode())
 
 
 def read_anchor(path: Path) -> Anchor:

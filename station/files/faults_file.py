@@ -10,7 +10,7 @@ from drivers.simulated.errors import TruthRefused
 from drivers.simulated.faults import KINDS, Fault, faults_from
 from drivers.simulated.gnss_faults import GnssFault, gnss_faults_from
 from station.errors import DataRefused
-from station.files.toml_text import Key, line_of, read_tables, read_text_file
+from station.files.toml_reading import Key, line_of, read_tables, read_text_file
 
 F = TypeVar("F")
 

@@ -24,7 +24,7 @@ unit = "1"
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from fixtures_db.limits import UNITS, Limit, covered, each_axis
 from procedures.units import (
@@ -36,7 +36,7 @@ from procedures.units import (
     STANDARD_GRAVITY,
 )
 from station.errors import DataRefused
-from station.files.toml_text import line_of, read_tables, read_text_file
+from station.files.toml_reading import TomlTable, line_of, read_tables, read_text_file
 
 _ANGLES = {"rad": 1.0, "mrad": 1e-3, "urad": RAD_PER_URAD, "deg": RAD_PER_DEG, "arcsec": RAD_PER_ARCSEC}
 UNITS_OF: dict[str, dict[str, float]] = {  # by the unit of files: what a limit may be given in, and how much it is
@@ -48,11 +48,7 @@ SMALL_ANGLE = {**_ANGLES, "ppm": 1e-6}  # of a misalignment, which has no unit i
 PPM = "ppm"
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-
-
-class LimitTable(_Table):
+class LimitTable(TomlTable):
     """``[[limit]]``."""
 
     parameter: str
@@ -94,7 +90,7 @@ class LimitTable(_Table):
         return self
 
 
-class LimitsTable(_Table):
+class LimitsTable(TomlTable):
     """The whole of a ``limits.toml``."""
 
     model: str

@@ -6,11 +6,11 @@ import re
 from pathlib import Path
 
 from station.errors import Altered, DataRefused
-from station.files import toml_text
 from station.files.atomic_file import replace_file
+from station.files.campaign_folder.schema import CAMPAIGN_TOML, read_campaign_toml
 from station.files.opening import MAX_LINE, open_inside
 
-NAME = "SHA256SUMS"
+SHA256SUMS = "SHA256SUMS"
 _LINE = re.compile(r"([0-9a-f]{64}) [ *]([^\\\n]+)")
 
 
@@ -26,10 +26,10 @@ def append_hash(folder: Path, name: str, sha256: str) -> None:
     """
     line = f"{sha256}  {name}\n"
     if not _LINE.fullmatch(line[:-1]):
-        raise ValueError(f"{name!r} with {sha256!r} does not fit a line of {NAME}")
-    hashes = read_hashes(folder) if (folder / NAME).exists() else {}
+        raise ValueError(f"{name!r} with {sha256!r} does not fit a line of {SHA256SUMS}")
+    hashes = read_hashes(folder) if (folder / SHA256SUMS).exists() else {}
     others = "".join(f"{sha}  {other}\n" for other, (sha, _) in hashes.items() if other != name)
-    replace_file(folder / NAME, (others + line).encode())  # whole: a full disk must not leave half a line
+    replace_file(folder / SHA256SUMS, (others + line).encode())  # whole: a full disk must not leave half a line
 
 
 def read_hashes(folder: Path) -> dict[str, tuple[str, int]]:
@@ -40,14 +40,16 @@ def read_hashes(folder: Path) -> dict[str, tuple[str, int]]:
     DataRefused
         If there is no readable ``SHA256SUMS``.
     """
-    if not (folder / NAME).exists():
-        raise DataRefused(folder, None, f"no {NAME}", "a folder that the station recorded", "name one")
-    with open_inside(folder, NAME, folder, None) as stream:
+    if not (folder / SHA256SUMS).exists():
+        raise DataRefused(folder, None, f"no {SHA256SUMS}", "a folder that the station recorded", "name one")
+    with open_inside(folder, SHA256SUMS, folder, None) as stream:
         content = stream.read(64 * MAX_LINE)
     hashes = dict[str, tuple[str, int]]()
     for number, line in enumerate(content.decode("utf-8", "backslashreplace").splitlines(), start=1):
         if not (found := _LINE.fullmatch(line)):
-            raise DataRefused(folder / NAME, number, ascii(line[:40]), "a sha256, two blanks and a file name")
+            raise DataRefused(
+                folder / SHA256SUMS, number, ascii(line[:40]), "a sha256, two blanks and a file name"
+            )
         hashes[found[2]] = (found[1], number)
     return hashes
 
@@ -75,13 +77,13 @@ def verify_folder(folder: Path) -> list[str]:
     for name, (recorded, line) in hashes.items():
         if not os.path.lexists(folder / name):
             raise Altered(folder / name, "no such file", f"sha256 {recorded}")
-        with open_inside(folder, name, folder / NAME, line) as stream:
+        with open_inside(folder, name, folder / SHA256SUMS, line) as stream:
             found = hashlib.file_digest(stream, "sha256").hexdigest()
         if found != recorded:
             raise Altered(folder / name, f"sha256 {found}", recorded)
-    if (folder / toml_text.NAME).exists():
-        tables, _, _ = toml_text.read_toml(folder)
+    if (folder / CAMPAIGN_TOML).exists():
+        tables, _, _ = read_campaign_toml(folder)
         for step in tables.steps():
             if step.file not in hashes:
-                raise Altered(folder / step.file, "a step without a hash", f"a line in {NAME}")
+                raise Altered(folder / step.file, "a step without a hash", f"a line in {SHA256SUMS}")
     return list(hashes)

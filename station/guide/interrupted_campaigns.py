@@ -16,12 +16,9 @@ from fixtures_db.database import Database
 from fixtures_db.errors import CampaignInUse
 from fixtures_db.schema import StepRow
 from station.errors import DataRefused
-from station.files.campaign_folder.schema import CampaignTable
+from station.files.campaign_folder.schema import CAMPAIGN_TOML, CampaignTable, read_campaign_toml
 from station.files.opening import open_inside
-from station.files.sha256sums import NAME as SUMS
-from station.files.sha256sums import read_hashes
-from station.files.toml_text import NAME as TOML
-from station.files.toml_text import read_toml
+from station.files.sha256sums import SHA256SUMS, read_hashes
 from station.guide.folder_lock import FolderInUse, FolderLock
 from station.stream.recorder.campaign_recorder import CampaignRecorder, step_of
 
@@ -42,7 +39,7 @@ def reopen(folder: Path, database: Database) -> CampaignRecorder:
         If the database does not know the folder, or a calibration was stored from it.
     """
     key = str(folder.resolve())
-    tables, _, _ = read_toml(folder)
+    tables, _, _ = read_campaign_toml(folder)
     named = _named(tables)
     with database.read() as session:
         row = campaign(session, key)
@@ -69,7 +66,7 @@ def _reconciled(folder: Path, steps: Sequence[StepRow], named: Mapping[str, str]
         _check(folder, step.file, step.sha256, hashes)
         file = named.get(step.name, "")
         if not step.superseded and file != step.file and (file in known or not file):
-            raise _refusal(folder / TOML, f"file = {file!r}", f"{step.file!r}, which was accepted")
+            raise _refusal(folder / CAMPAIGN_TOML, f"file = {file!r}", f"{step.file!r}, which was accepted")
     adopted = {name: hashes.get(file, "") for name, file in named.items() if file not in known}
     for name, sha256 in adopted.items():
         _check(folder, named[name], sha256, hashes)
@@ -94,17 +91,17 @@ def _named(tables: CampaignTable) -> dict[str, str]:
 
 
 def _hashes(folder: Path) -> dict[str, str]:
-    if not (folder / SUMS).exists():  # before the first step
+    if not (folder / SHA256SUMS).exists():  # before the first step
         return {}
     return {name: sha256 for name, (sha256, _) in read_hashes(folder).items()}
 
 
 def _check(folder: Path, file: str, sha256: str, hashes: Mapping[str, str]) -> None:
     if hashes.get(file) != sha256 or not sha256:
-        raise _refusal(folder / SUMS, f"{hashes.get(file, 'no hash')} for {file}", sha256 or "its hash")
+        raise _refusal(folder / SHA256SUMS, f"{hashes.get(file, 'no hash')} for {file}", sha256 or "its hash")
     if not (folder / file).exists():
         raise _refusal(folder / file, "no such file", "the one that was accepted")
-    with open_inside(folder, file, folder / SUMS, None) as stream:
+    with open_inside(folder, file, folder / SHA256SUMS, None) as stream:
         found = hashlib.file_digest(stream, "sha256").hexdigest()
     if found != sha256:
         raise _refusal(folder / file, f"sha256 {found}", f"{sha256} as accepted")

@@ -10,7 +10,7 @@ from procedures.fusion.optional_libraries import opencv
 from procedures.fusion.vision.feature_tracker import FeatureFollower, FollowerSettings, Image, Lens
 from procedures.fusion.vision.feature_tracks import Tracks
 from station.errors import DataRefused
-from station.files.fusion_folder.reading import NAME, files_of, read_toml
+from station.files.fusion_folder.reading import FUSION_TOML, files_of, read_fusion_toml
 from station.files.fusion_folder.tracks import lens_of, write_tracks
 from station.files.opening import open_inside
 from station.files.overwrite_guard import refuse_own
@@ -29,11 +29,13 @@ def make_tracks(folder: Path, images: Path, seconds: float) -> Path:
     CannotWrite
         If the tracks would be written over an image or another file of the folder.
     """
-    table = read_toml(folder)[0].tracks
+    table = read_fusion_toml(folder)[0].tracks
     if table is None:
-        raise DataRefused(folder / NAME, None, "no [tracks]", "one, with file and intrinsics", "add it")
+        raise DataRefused(folder / FUSION_TOML, None, "no [tracks]", "one, with file and intrinsics", "add it")
     if Path(table.file).name != table.file:
-        raise DataRefused(folder / NAME, None, f"file {table.file!r}", "the name of a file in the folder itself")
+        raise DataRefused(
+            folder / FUSION_TOML, None, f"file {table.file!r}", "the name of a file in the folder itself"
+        )
     made = folder / table.file
     refuse_own((made,), [*files_of(folder, but="tracks"), *images_of(images)])
     pairs = listed_images(images, seconds) if images.is_dir() else camera_images(images, seconds)

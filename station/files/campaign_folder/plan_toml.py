@@ -11,15 +11,15 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
 from procedures.frames import TURN_START, face_of
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.schema import Axis, Face, ImuAxes, Position
-from station.files.campaign_folder.writing import toml_text
-from station.files.toml_text import line_of, read_tables, read_text_file
+from station.files.toml_reading import TomlTable, line_of, read_tables, read_text_file
+from station.files.toml_writing import toml_text
 
 FORMAT = "plan/1"
 REST_S = 5.0
@@ -28,11 +28,7 @@ _REMEDY = "leave it out: such a step cannot be guided yet"
 Seconds = Annotated[float, Field(gt=0, le=1e6)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-
-
-class PlannedDwell(_Table):
+class PlannedDwell(TomlTable):
     """``[[dwell]]`` of a plan; of the three attitudes ``up`` cannot be guided yet."""
 
     seconds: Seconds
@@ -45,7 +41,7 @@ class PlannedSoak(PlannedDwell):
     """``[[soak]]`` of a plan, in any of the three attitudes."""
 
 
-class PlannedTurn(_Table):
+class PlannedTurn(TomlTable):
     """``[[turn]]`` of a plan."""
 
     axis: Axis
@@ -56,13 +52,13 @@ class PlannedTurn(_Table):
     speed_deg_s: Annotated[float, Field(gt=0, le=1000)] | None = None
 
 
-class PlannedFixture(_Table):
+class PlannedFixture(TomlTable):
     """``[fixture]`` of a plan: how the IMU is to be mounted."""
 
     imu_axes: ImuAxes
 
 
-class PlanTable(_Table):
+class PlanTable(TomlTable):
     """The whole of a plan; sequences and rate tables cannot be guided yet."""
 
     format: Literal["plan/1"]

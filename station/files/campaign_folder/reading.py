@@ -34,6 +34,7 @@ from station.files.campaign_folder.one_period import said_of_period, with_one_pe
 from station.files.campaign_folder.overlap import refuse_overlap
 from station.files.campaign_folder.points import rate_tables, soaks
 from station.files.campaign_folder.schema import (
+    CAMPAIGN_TOML,
     CampaignImuTable,
     CampaignTable,
     DwellTable,
@@ -46,13 +47,14 @@ from station.files.campaign_folder.schema import (
     StepTable,
     TurnTable,
     axes_matrix,
+    read_campaign_toml,
 )
 from station.files.campaign_folder.series import step_data
 from station.files.columns import Table
 from station.files.csv_header import TableKind
 from station.files.csv_table import read_csv
 from station.files.opening import open_inside
-from station.files.toml_text import NAME, line_of, read_toml
+from station.files.toml_reading import line_of
 
 ANOMALY = 5e-3  # m/s2; within it gravity at the ground is normal almost everywhere on Earth (EGM2008)
 _KINDS = ("dwell", "turn", "sequence", "rate", "soak")
@@ -67,9 +69,11 @@ def read_campaign(folder: Path) -> LoadedCampaign:
         If the folder breaks a rule of docs/campaign-folder.md: with file, line, found and expected.
     """
     if not folder.is_dir():
-        raise DataRefused(folder, None, "no such folder", f"a folder with a {NAME}", "name a campaign folder")
-    tables, lines, content = read_toml(folder)
-    files = {NAME: hashlib.sha256(content).hexdigest()}
+        raise DataRefused(
+            folder, None, "no such folder", f"a folder with a {CAMPAIGN_TOML}", "name a campaign folder"
+        )
+    tables, lines, content = read_campaign_toml(folder)
+    files = {CAMPAIGN_TOML: hashlib.sha256(content).hexdigest()}
     steps = list[LoadedStep]()
     for kind in _KINDS:
         for index, table in enumerate(getattr(tables, kind)):
@@ -77,7 +81,7 @@ def read_campaign(folder: Path) -> LoadedCampaign:
             step, files[table.file] = _read_step(folder, kind, table, line, tables.imu)
             steps.append(step)
     if not steps:
-        raise DataRefused(folder / NAME, None, "no step", f"at least one of {', '.join(_KINDS)}")
+        raise DataRefused(folder / CAMPAIGN_TOML, None, "no step", f"at least one of {', '.join(_KINDS)}")
     remarks = refuse_overlap(folder, steps)
     warnings = [
         *remarks,
@@ -115,8 +119,8 @@ def _read_table(folder: Path, table: StepTable, line: int, imu: CampaignImuTable
     suffix = Path(table.file).suffix
     if suffix not in {".csv", ".mcap"} or (suffix == ".mcap" and isinstance(table, RateTable)):
         wanted = "a .csv file" if isinstance(table, RateTable) else "a .csv or .mcap file"
-        raise DataRefused(folder / NAME, line, f"file = {ascii(table.file)[:80]}", wanted)
-    with open_inside(folder, table.file, folder / NAME, line) as stream:
+        raise DataRefused(folder / CAMPAIGN_TOML, line, f"file = {ascii(table.file)[:80]}", wanted)
+    with open_inside(folder, table.file, folder / CAMPAIGN_TOML, line) as stream:
         if suffix == ".csv":
             kind = TableKind(counts=imu.output != "rate", rate_table=isinstance(table, RateTable))
             return read_csv(stream, file, kind)
@@ -202,8 +206,8 @@ def _measured_by_itself(tables: CampaignTable) -> list[str]:
     if measured is None or unit not in measured.units:
         return []
     return [
-        f"{NAME}: fixture.measured comes from campaigns of {unit} itself; its K2 is in both, and the two agree "
-        f"better than either is right"
+        f"{CAMPAIGN_TOML}: fixture.measured comes from campaigns of {unit} itself; its K2 is in both, and the two "
+        f"agree better than either is right"
     ]
 
 
@@ -223,8 +227,9 @@ def _widened(tables: CampaignTable) -> list[str]:
     if procedure.closure_widened_from_deg is None:
         return []
     return [
-        f"{NAME}: closure_std_deg was widened by the operator from {procedure.closure_widened_from_deg:.3g} to "
-        f"{procedure.closure_std_deg:.3g}, as hand turns did not close to it"
+        f"{CAMPAIGN_TOML}: closure_std_deg was widened by the operator from "
+        f"{procedure.closure_widened_from_deg:.3g} to {procedure.closure_std_deg:.3g}, "
+        "as hand turns did not close to it"
     ]
 
 
@@ -237,9 +242,9 @@ def _gravity_of_another_place(site: SiteTable) -> list[str]:
     if abs(off) <= ANOMALY:
         return []
     return [
-        f"{NAME}: gravity_m_s2 = {site.gravity_m_s2:.9g} is {off:+.2g} m/s2 off the {normal:.4f} of latitude "
-        f"{site.latitude_deg:.6g} deg and height {site.height_m:.6g} m, expected within {ANOMALY:g}: if it is "
-        f"wrong, the accelerometers' scale factors are {-1e6 * off / site.gravity_m_s2:+.0f} ppm off; "
+        f"{CAMPAIGN_TOML}: gravity_m_s2 = {site.gravity_m_s2:.9g} is {off:+.2g} m/s2 off the {normal:.4f} of "
+        f"latitude {site.latitude_deg:.6g} deg and height {site.height_m:.6g} m, expected within {ANOMALY:g}: if "
+        f"it is wrong, the accelerometers' scale factors are {-1e6 * off / site.gravity_m_s2:+.0f} ppm off; "
         f"check gravity, latitude and height"
     ]
 

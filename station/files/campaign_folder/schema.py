@@ -1,15 +1,18 @@
 """The tables of ``campaign.toml`` (`campaign/1`): names with units, types, ranges, defaults."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from procedures.arrays import FloatArray
 from procedures.campaign.measured_cube import NAMES
 from procedures.frames import AXES, POSITIONS, face_of
+from station.files.toml_reading import Key, TomlTable, read_folder_toml
 
+CAMPAIGN_TOML = "campaign.toml"
 Axis = Literal["x", "y", "z"]
 Face = Literal["x_up", "x_down", "y_up", "y_down", "z_up", "z_down"]
 Position = Annotated[int, Field(ge=1, le=len(POSITIONS))]
@@ -37,11 +40,7 @@ def axes_matrix(imu_axes: Sequence[str]) -> FloatArray:
     return rows
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-
-
-class CampaignImuTable(_Table):
+class CampaignImuTable(TomlTable):
     """``[imu]``."""
 
     model: str
@@ -60,7 +59,7 @@ class CampaignImuTable(_Table):
 GRAVITY_STD, NORMAL_GRAVITY_STD = 1e-5, 5e-4  # m/s2, 1 sigma where none is given: of a survey, of the formula
 
 
-class SiteTable(_Table):
+class SiteTable(TomlTable):
     """``[site]``."""
 
     latitude_deg: Annotated[float, Field(ge=-90, le=90)]
@@ -76,7 +75,7 @@ class SiteTable(_Table):
         return self.gravity_std_m_s2 or (NORMAL_GRAVITY_STD if self.gravity_m_s2 is None else GRAVITY_STD)
 
 
-class ProcedureTable(_Table):
+class ProcedureTable(TomlTable):
     """``[procedure]``, 1 sigma. ``closure_widened_from_deg``: what was stated before turns did not close to it."""
 
     heading_std_deg: Sigma = 0.1
@@ -86,7 +85,7 @@ class ProcedureTable(_Table):
     unsettled_accelerometer_g: Annotated[float, Field(ge=0, le=1)] | None = None
 
 
-class FaceTable(_Table):
+class FaceTable(TomlTable):
     """``[[fixture.face]]``: the certificate of one resting face."""
 
     resting: Face
@@ -105,7 +104,7 @@ class FaceTable(_Table):
         return self
 
 
-class MeasuredTable(_Table):
+class MeasuredTable(TomlTable):
     """``[fixture.measured]``: the cube as IMUs measured it; ``units`` are their models and serial numbers."""
 
     names: Annotated[list[str], Field(min_length=1)]
@@ -129,7 +128,7 @@ class MeasuredTable(_Table):
         return self
 
 
-class FixtureTable(_Table):
+class FixtureTable(TomlTable):
     """``[fixture]``."""
 
     id: str | None = None
@@ -148,7 +147,7 @@ class FixtureTable(_Table):
         return self
 
 
-class _Step(_Table):
+class _Step(TomlTable):
     """``turn_on``: for which time, from 1, the unit was switched on in this campaign."""
 
     turn_on: Annotated[int, Field(ge=1, le=99)] | None = None
@@ -193,20 +192,20 @@ class TurnTable(_Step):
         return self
 
 
-class SequenceTable(_Table):
+class SequenceTable(TomlTable):
     """``[[sequence]]``: rests in unknown attitudes and moves between them."""
 
     file: str
 
 
-class RateTable(_Table):
+class RateTable(TomlTable):
     """``[[rate]]``: a turntable's points."""
 
     axis: Axis
     file: str
 
 
-class CampaignTable(_Table):
+class CampaignTable(TomlTable):
     """The whole of ``campaign.toml``."""
 
     format: Literal["campaign/1"]
@@ -226,3 +225,8 @@ class CampaignTable(_Table):
 
 
 StepTable = DwellTable | TurnTable | SequenceTable | RateTable | SoakTable
+
+
+def read_campaign_toml(folder: Path) -> tuple[CampaignTable, dict[Key, int], bytes]:
+    """Return a folder's ``campaign.toml`` as `read_folder_toml` does."""
+    return read_folder_toml(folder, CAMPAIGN_TOML, CampaignTable)

@@ -1,7 +1,5 @@
 """A campaign to a folder: ``campaign.toml`` and a data file per step."""
 
-import json
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +10,9 @@ from procedures.counts.sample_records import Series
 from procedures.frames import AXES
 from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.files.atomic_file import replace_file
-from station.files.campaign_folder.schema import CampaignTable
+from station.files.campaign_folder.schema import CAMPAIGN_TOML, CampaignTable
 from station.files.columns import TRIADS
-from station.files.toml_text import NAME
+from station.files.toml_writing import toml_text
 
 
 def write_campaign(folder: Path, campaign: Campaign, sample_period_s: float, suffix: str = ".csv") -> None:
@@ -92,7 +90,7 @@ def _turn_on(number: int) -> dict[str, int]:
 
 def write_tables(folder: Path, tables: CampaignTable) -> None:
     """Write ``campaign.toml``: there whole or, after a kill, as it was before."""
-    replace_file(folder / NAME, toml_text(tables.model_dump(exclude_none=True)).encode())
+    replace_file(folder / CAMPAIGN_TOML, toml_text(tables.model_dump(exclude_none=True)).encode())
 
 
 def write_series(path: Path, series: Series) -> None:
@@ -122,41 +120,6 @@ def _csv_text(series: Series) -> str:
 
 def _cells(values: FloatArray) -> list[str]:
     return ["" if v != v else repr(v) for v in values.tolist()]
-
-
-def toml_text(tables: Mapping[str, object]) -> str:
-    """Return nested tables as TOML: strings, numbers, arrays of them, tables and arrays of tables."""
-    lines = list[str]()
-    _write_table((), tables, lines)
-    return "\n".join(lines).strip("\n") + "\n"
-
-
-def _write_table(path: tuple[str, ...], table: Mapping[str, object], lines: list[str]) -> None:
-    tables = {k: v for k, v in table.items() if isinstance(v, Mapping) or _is_tables(v)}
-    lines += [f"{key} = {_value(value)}" for key, value in table.items() if key not in tables]
-    for key, value in tables.items():
-        name = ".".join((*path, key))
-        if isinstance(value, Mapping):
-            lines += ["", f"[{name}]"]
-            _write_table((*path, key), value, lines)
-        elif isinstance(value, list):
-            for item in value:
-                lines += ["", f"[[{name}]]"]
-                _write_table((*path, key), item, lines)
-
-
-def _is_tables(value: object) -> bool:
-    return isinstance(value, list) and all(isinstance(item, Mapping) for item in value)
-
-
-def _value(value: object) -> str:
-    if isinstance(value, str):  # JSON's escapes are TOML's, but for DEL
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, list):
-        return f"[{', '.join(_value(item) for item in value)}]"
-    if isinstance(value, int | float):
-        return repr(value)
-    raise TypeError(f"{value!r} has no place in a campaign.toml")
 
 
 def _fixture(fixture: Fixture) -> dict[str, object]:

@@ -16,7 +16,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.errors import DataRefused
-from station.files.toml_text import read_text_file
+from station.files.toml_reading import read_text_file
 
 FORMAT = "calibration/1"
 DIGITS = 3  # of a nominal scale factor nobody gave

@@ -15,9 +15,8 @@ from station.errors import Altered, CannotWrite, DataRefused, cannot_write
 from station.files.atomic_file import replace_file
 from station.files.fixture_files.tables import FIXTURES_FILE, TABLES, FixturesFile
 from station.files.fixture_files.toml_file import MAX_BYTES
-from station.files.sha256sums import NAME as HASHES
-from station.files.sha256sums import append_hash, verify_folder
-from station.files.toml_text import read_text_file
+from station.files.sha256sums import SHA256SUMS, append_hash, verify_folder
+from station.files.toml_reading import read_text_file
 
 
 def write_csv(folder: Path, rows: Rows) -> None:
@@ -53,7 +52,7 @@ def read_csv(path: Path) -> FixturesFile:
     """
     if path.is_file():
         return FIXTURES_FILE.model_validate({path.stem: _rows(path)})
-    if (path / HASHES).exists():
+    if (path / SHA256SUMS).exists():
         verify_csv(path)
     files = {name: path / f"{name}.csv" for name in TABLES}
     found = {name: _rows(file) for name, file in files.items() if file.exists()}
@@ -67,7 +66,7 @@ def verify_csv(folder: Path) -> list[str]:
     names = verify_folder(folder)
     for name in (f"{table}.csv" for table in TABLES):
         if name not in names and (folder / name).exists():
-            raise Altered(folder / name, "a table without a hash", f"a line in {HASHES}", "export it again")
+            raise Altered(folder / name, "a table without a hash", f"a line in {SHA256SUMS}", "export it again")
     return names
 
 

@@ -17,18 +17,15 @@ due_date = 2027-03-04
 """
 
 import hashlib
-import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from datetime import date, datetime
 from pathlib import Path
 
-from fixtures_db.calibration import utc_text
 from fixtures_db.chain import digest
-from fixtures_db.transfer import Rows, Value
+from fixtures_db.transfer import Rows
 from station.errors import Altered, DataRefused
 from station.files.fixture_files.tables import FIXTURES_FILE, FixturesFile
-from station.files.toml_text import read_tables, read_text_file
+from station.files.toml_reading import read_tables, read_text_file
+from station.files.toml_writing import toml_text
 
 FORMAT = "fixtures/1"
 MAX_BYTES = 1 << 26
@@ -39,7 +36,7 @@ _SEALED = re.compile(rb"(?s)(.*\n)# sha256 ([0-9a-f]{64})\n")
 
 def to_toml(rows: Rows) -> str:
     """Return rows as TOML text with its hash."""
-    return sealed("\n".join([f"format = {toml_value(FORMAT)}", *table_lines(rows)]) + "\n")
+    return sealed(toml_text({"format": FORMAT, **rows}))
 
 
 def read_toml_file(path: Path) -> FixturesFile:
@@ -84,23 +81,3 @@ def seal_of(path: Path) -> tuple[bytes, str]:
     if (actual := hashlib.sha256(found[1]).hexdigest()) != found[2].decode():
         raise Altered(path, f"text with sha256 {actual}", found[2].decode(), RESTORE)
     return content, actual
-
-
-def table_lines(rows: Mapping[str, Sequence[Mapping[str, Value]]]) -> Iterator[str]:
-    """Yield the lines of arrays of tables; a key without a value is left out."""
-    for name, table in rows.items():
-        for row in table:
-            yield f"\n[[{name}]]"
-            yield from (f"{key} = {toml_value(value)}" for key, value in row.items() if value is not None)
-
-
-def toml_value(value: Value) -> str:
-    """Return a value as TOML."""
-    if isinstance(value, datetime):
-        return utc_text(value)
-    if isinstance(value, date):
-        return value.isoformat()
-    if isinstance(value, str):
-        # JSON's escapes are TOML's, but for DEL, which TOML wants escaped
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    return repr(value)

@@ -25,10 +25,9 @@ from station.files.fusion_folder.plausible import refuse_apart, refuse_far, refu
 from station.files.fusion_folder.schema import FusionTable, GnssTable
 from station.files.fusion_folder.tracks import camera_of, read_tracks
 from station.files.fusion_folder.tum import read_tum
-from station.files.opening import MAX_LINE, open_inside
-from station.files.toml_text import Key, line_of, read_tables
+from station.files.toml_reading import Key, line_of, read_folder_toml
 
-NAME = "fusion.toml"
+FUSION_TOML = "fusion.toml"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +55,7 @@ def read_fusion(folder: Path) -> FusionLog:
     DataRefused
         If the folder breaks a rule of docs/locate.md: with file, line, found and expected.
     """
-    table, lines = read_toml(folder)
+    table, lines = read_fusion_toml(folder)
     fixes = _fixes(folder, table.gnss, lines)
     imu = _imu(folder, table, lines)
     odometry = _trajectory(folder, table, "odometry", lines)
@@ -71,22 +70,19 @@ def read_fusion(folder: Path) -> FusionLog:
     return FusionLog(folder, table, latitude, gravity, fixes, imu, _noise(table), odometry, truth, tracks, camera)
 
 
-def read_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
+def read_fusion_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
     """Return the tables of a folder, and the line of each key; refuse what breaks a rule."""
     if not folder.is_dir():
-        raise DataRefused(folder, None, "no such folder", f"a folder with a {NAME}", "name a fusion folder")
-    with open_inside(folder, NAME, folder, None) as stream:
-        content = stream.read(MAX_LINE + 1)
-    if len(content) > MAX_LINE:
-        raise DataRefused(folder / NAME, None, "more than 1 MiB", f"a {NAME} of at most 1 MiB")
-    return read_tables(content, folder / NAME, FusionTable)
+        raise DataRefused(folder, None, "no such folder", f"a folder with a {FUSION_TOML}", "name a fusion folder")
+    tables, lines, _ = read_folder_toml(folder, FUSION_TOML, FusionTable)
+    return tables, lines
 
 
 def files_of(folder: Path, but: str = "") -> list[Path]:
     """Return the files that a folder consists of, there or not, without that of the table ``but``."""
-    table, _ = read_toml(folder)
+    table, _ = read_fusion_toml(folder)
     parts = (getattr(table, name) for name in ("imu", "gnss", "odometry", "tracks", "truth") if name != but)
-    return [folder / NAME, *(folder / part.file for part in parts if part is not None)]
+    return [folder / FUSION_TOML, *(folder / part.file for part in parts if part is not None)]
 
 
 def _imu(folder: Path, table: FusionTable, lines: dict[Key, int]) -> ImuSeries | None:

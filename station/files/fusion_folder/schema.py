@@ -3,7 +3,9 @@
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
+
+from station.files.toml_reading import TomlTable
 
 Positive = Annotated[float, Field(gt=0)]
 Density = Annotated[float, Field(gt=0, le=10)]
@@ -24,11 +26,7 @@ def _rigid(rows: list[Row]) -> list[Row]:
 Rigid = Annotated[list[Row], Field(min_length=4, max_length=4), AfterValidator(_rigid)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-
-
-class SiteTable(_Table):
+class SiteTable(TomlTable):
     """``[site]``."""
 
     latitude_deg: Annotated[float, Field(ge=-90, le=90)]
@@ -37,7 +35,7 @@ class SiteTable(_Table):
     gravity_m_s2: Annotated[float, Field(ge=9.5, le=10.1)] | None = None
 
 
-class FusionImuTable(_Table):
+class FusionImuTable(TomlTable):
     """``[imu]``: the file, noise densities as of the station's Allan analysis, 1 sigma of the biases."""
 
     file: str
@@ -49,7 +47,7 @@ class FusionImuTable(_Table):
     accel_bias_std_m_s2: Annotated[float, Field(gt=0, le=5)] = 0.15
 
 
-class GnssTable(_Table):
+class GnssTable(TomlTable):
     """``[gnss]``; a column of the same name in the file wins over ``position_std_m`` and ``velocity_std_m_s``."""
 
     file: str
@@ -61,13 +59,13 @@ class GnssTable(_Table):
     time_offset_std_s: Annotated[float, Field(gt=0, le=1)] | None = None
 
 
-class FileTable(_Table):
+class FileTable(TomlTable):
     """``[odometry]`` and ``[truth]``: a TUM file."""
 
     file: str
 
 
-class LensTable(_Table):
+class LensTable(TomlTable):
     """A camera: pinhole intrinsics, 1 sigma of an image point, the lens's distortion, where it sits on the IMU.
 
     ``distortion`` is k1, k2, p1, p2[, k3], as OpenCV has them. ``time_offset_s`` is added to the camera's stamps,
@@ -91,7 +89,7 @@ class TracksTable(LensTable):
     file: str
 
 
-class FusionTable(_Table):
+class FusionTable(TomlTable):
     """The whole of ``fusion.toml``."""
 
     format: Literal["fusion/1"]

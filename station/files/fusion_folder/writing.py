@@ -11,7 +11,7 @@ from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.vision.feature_tracks import Tracks
 from station.files.atomic_file import replace_file
 from station.files.fusion_folder.columns import FORCE, GNSS, POSITION, RATE, VELOCITY
-from station.files.fusion_folder.reading import NAME
+from station.files.fusion_folder.reading import FUSION_TOML
 from station.files.fusion_folder.schema import LensTable
 from station.files.fusion_folder.tracks import write_tracks
 
@@ -54,7 +54,7 @@ def write_fusion(folder: Path, recorded: FusionRecording) -> None:
     _write(folder / GNSS_FILE, columns, rows)
     if recorded.seen is not None:
         write_tracks(folder / TRACKS_FILE, recorded.seen.tracks)
-    replace_file(folder / NAME, _table(recorded).encode())
+    replace_file(folder / FUSION_TOML, _table(recorded).encode())
 
 
 def _write(path: Path, names: tuple[str, ...], rows: FloatArray) -> None:

@@ -23,7 +23,7 @@ from drivers.simulated.vehicle_track import VehicleTrack, load_track
 from station.errors import DataRefused
 from station.files.faults_file import each_fault, faults_of
 from station.files.scenario.schema import CameraTable, GnssTable, HandsTable, ScenarioTable
-from station.files.toml_text import Key, line_of, read_tables, read_text_file
+from station.files.toml_reading import Key, line_of, read_tables, read_text_file
 
 EARLIEST = 1e-6  # s: a move may begin so much before the one before is over
 

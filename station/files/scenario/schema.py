@@ -2,21 +2,18 @@
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from drivers.simulated.server import CAN_TRANSPORTS
 from drivers.wire import FORMATS
 from station.files.fusion_folder.schema import Rigid
+from station.files.toml_reading import TomlTable
 
 Port = Annotated[int, Field(ge=0, le=65535)]
 Seconds = Annotated[float, Field(ge=0, lt=1e9)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-
-
-class SimulatedImuTable(_Table):
+class SimulatedImuTable(TomlTable):
     """``[imu]``: how the IMU is connected; ``link`` and ``port`` as those of `station simulate`.
 
     ``track`` is a CSV file along which it is driven, and receiver and camera with it.
@@ -44,7 +41,7 @@ class SimulatedImuTable(_Table):
         return self
 
 
-class AutopilotTable(_Table):
+class AutopilotTable(TomlTable):
     """``[gnss.autopilot]``: see `AutopilotTruth`; ``key`` is a file, ``denies`` are messages."""
 
     system: Annotated[int, Field(ge=1, le=255)] = 1
@@ -60,7 +57,7 @@ class AutopilotTable(_Table):
     key: str = ""
 
 
-class GnssTable(_Table):
+class GnssTable(TomlTable):
     """``[gnss]``: an autopilot with a receiver; ``to`` is where UDP is sent to.
 
     ``track`` is a CSV file along which the receiver goes alone; without it, where the IMU goes.
@@ -90,7 +87,7 @@ class GnssTable(_Table):
         return (host, int(port)) if host and port.isascii() and port.isdigit() and int(port) < 65536 else None
 
 
-class CameraTable(_Table):
+class CameraTable(TomlTable):
     """``[camera]``: see `CameraTruth`; names as in ``camera/1``. What is not given is as it is there."""
 
     port: Port = 0
@@ -109,14 +106,14 @@ class CameraTable(_Table):
     noise: Annotated[float, Field(ge=0, le=100)] = 1.5
 
 
-class HandsTable(_Table):
+class HandsTable(TomlTable):
     """``[[hands]]``: a command of the hands, at a device time; without ``at_s`` when the one before is over."""
 
     do: str
     at_s: Seconds | None = None
 
 
-class ScenarioTable(_Table):
+class ScenarioTable(TomlTable):
     """All of it. ``truth``, ``fault``, ``gnss_fault`` and ``camera_fault`` are read by `drivers.simulated`."""
 
     format: Literal["scenario/1"]

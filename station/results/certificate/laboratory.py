@@ -5,20 +5,16 @@ from datetime import date
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
+from pydantic import Field, StringConstraints, model_validator
 
-from station.files.toml_text import read_tables, read_text_file
+from station.files.toml_reading import TomlTable, read_tables, read_text_file
 
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
 Prefix = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9._-]{0,20}$")]  # it becomes a file's name
 Span = Annotated[list[float], Field(min_length=2, max_length=2)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-
-
-class LaboratoryTable(_Table):
+class LaboratoryTable(TomlTable):
     """``[laboratory]``; ``location`` is where it was measured, if that is elsewhere."""
 
     name: Text | None = None
@@ -28,35 +24,35 @@ class LaboratoryTable(_Table):
     number_prefix: Prefix = "CAL-"
 
 
-class AuthorisedTable(_Table):
+class AuthorisedTable(TomlTable):
     """``[authorised]``: who answers for the certificate."""
 
     name: Text | None = None
     function: Text | None = None
 
 
-class CustomerTable(_Table):
+class CustomerTable(TomlTable):
     """``[customer]``."""
 
     name: Text | None = None
     address: Text | None = None
 
 
-class ItemTable(_Table):
+class ItemTable(TomlTable):
     """``[item]``: the unit as it came."""
 
     received: date | None = None
     condition: Text | None = None
 
 
-class TraceabilityTable(_Table):
+class TraceabilityTable(TomlTable):
     """``[traceability]``: what second the counts refer to; whose gravity, if the database does not say."""
 
     time_base: Text | None = None
     gravity_source: Text | None = None
 
 
-class EnvironmentTable(_Table):
+class EnvironmentTable(TomlTable):
     """``[environment]`` of the slab: least and greatest."""
 
     temperature_c: Span | None = None
@@ -70,13 +66,13 @@ class EnvironmentTable(_Table):
         return self
 
 
-class DecisionTable(_Table):
+class DecisionTable(TomlTable):
     """``[decision]``: what was agreed with the customer, put before the rule itself."""
 
     agreed: Text | None = None
 
 
-class Laboratory(_Table):
+class Laboratory(TomlTable):
     """The whole of a ``laboratory.toml``; what is left out may be given on the command line, or is missing."""
 
     format: Literal["laboratory/1"]

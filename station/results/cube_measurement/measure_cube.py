@@ -14,7 +14,7 @@ from procedures.frames import face_of
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded import LoadedCampaign, check_for_solve, check_one_unit
 from station.files.campaign_folder.reading import read_campaign
-from station.files.toml_text import NAME
+from station.files.campaign_folder.schema import CAMPAIGN_TOML
 from station.results.cube_measurement.known_faces import Study, known_of
 
 
@@ -31,7 +31,7 @@ def read_campaigns(cube_id: str, folders: Sequence[Path]) -> list[LoadedCampaign
         check_for_solve(one)
         if (found := one.tables.fixture.id) != cube_id:
             raise DataRefused(
-                one.folder / NAME, None, f"fixture.id {found!r}", f"{cube_id!r}", "name its campaigns"
+                one.folder / CAMPAIGN_TOML, None, f"fixture.id {found!r}", f"{cube_id!r}", "name its campaigns"
             )
     for unit in dict.fromkeys(unit_of(one) for one in loaded):
         check_one_unit([one for one in loaded if unit_of(one) == unit])

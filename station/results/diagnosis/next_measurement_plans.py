@@ -7,7 +7,7 @@ from typing import Any
 
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.plan_toml import FORMAT
-from station.files.campaign_folder.writing import toml_text
+from station.files.toml_writing import toml_text
 from station.results.diagnosis.next_measurements import (
     CERTIFICATE,
     MEASUREMENTS,

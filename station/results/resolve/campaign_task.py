@@ -13,11 +13,9 @@ from typing import TYPE_CHECKING, Any
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded import LoadedCampaign
 from station.files.campaign_folder.reading import read_for_solve
+from station.files.campaign_folder.schema import CAMPAIGN_TOML, read_campaign_toml
 from station.files.opening import open_inside
-from station.files.sha256sums import NAME as SUMS
-from station.files.sha256sums import read_hashes
-from station.files.toml_text import NAME as TOML
-from station.files.toml_text import read_toml
+from station.files.sha256sums import SHA256SUMS, read_hashes
 
 if TYPE_CHECKING:
     from station.results.diagnosis.closed_loop import ClosedLoop
@@ -82,7 +80,7 @@ def look(item: Look) -> dict[str, Any]:
     try:
         sums = {name: sha256 for name, (sha256, _) in read_hashes(folder).items()}
     except DataRefused as error:
-        fault = str(error) if (folder / SUMS).exists() else ""
+        fault = str(error) if (folder / SHA256SUMS).exists() else ""
     names = dict.fromkeys([*inputs, *(sums or {}), *item.recorded])
     found = {name: sha256 for name in names if (sha256 := _sha256(folder, name)) is not None}
     return {"inputs": inputs, "found": found, "sums": sums, "fault": fault}
@@ -111,9 +109,9 @@ def resolve_one(task: Task) -> dict[str, Any]:
 
 def _inputs(folder: Path) -> list[str]:
     try:
-        return [TOML, *(step.file for step in read_toml(folder)[0].steps())]
+        return [CAMPAIGN_TOML, *(step.file for step in read_campaign_toml(folder)[0].steps())]
     except DataRefused:  # the solve will say it again, and whether the file was altered shows in its hash
-        return [TOML]
+        return [CAMPAIGN_TOML]
 
 
 def _sha256(folder: Path, name: str) -> str | None:

@@ -27,7 +27,7 @@ from procedures.arrays import FloatArray
 from procedures.tolerance.estimators import Unit
 from procedures.tolerance.items import ITEMS, angles
 from station.errors import DataRefused
-from station.files.toml_text import read_tables, read_text_file
+from station.files.toml_reading import read_tables, read_text_file
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,7 +9,7 @@ from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl
 from station.errors import DataRefused
 from station.files.fusion_folder.schema import LensTable
-from station.files.toml_text import line_of, read_tables, read_text_file
+from station.files.toml_reading import line_of, read_tables, read_text_file
 
 CAMERA_FILE = "camera.toml"  # in a folder that is recorded
 SCHEME = "camera"

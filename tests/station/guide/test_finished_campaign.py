@@ -13,8 +13,8 @@ from procedures.campaign.plan_steps import Dwell, steps_of
 from procedures.dwells_and_turns import hand_turns
 from station import cli
 from station.files.campaign_folder.notes import keep_plan, write_setup
+from station.files.campaign_folder.schema import read_campaign_toml
 from station.files.setup import Setup
-from station.files.toml_text import read_toml
 from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.last_setup import save_setup
@@ -83,7 +83,7 @@ def test_a_seat_that_spoils_the_calibration_is_the_first_thing_a_verdict_says(
     folder: Path, database: Database
 ) -> None:
     kept_tilted(folder, 8, 0.0, -5e-4)  # as a cube's own face may be
-    assert doubt_of(read_toml(folder)[0]) == ""
+    assert doubt_of(read_campaign_toml(folder)[0]) == ""
     kept_tilted(folder, 4, 5.2e-3, 0.0)
     engine = resumed(folder, database)
     verdict = engine.view.verdict

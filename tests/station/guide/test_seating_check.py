@@ -8,7 +8,7 @@ import pytest
 
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.reading import read_campaign
-from station.files.toml_text import read_toml
+from station.files.campaign_folder.schema import read_campaign_toml
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
@@ -66,7 +66,7 @@ def test_a_kept_tilted_seat_condemns_no_good_seat_after_it_also_after_a_resume(
     assert "tilted by 0.30 deg" in view.question.text
     guided.obey("answer", key="y")
     guided.run(guided.done(4))
-    [kept] = [d.kept_seat_rad for d in read_toml(guided.folder)[0].dwell if d.position == 4]
+    [kept] = [d.kept_seat_rad for d in read_campaign_toml(guided.folder)[0].dwell if d.position == 4]
     assert np.degrees(np.hypot(*kept)) == pytest.approx(0.3, abs=0.01)
     if is_resumed:
         guided.resume()
@@ -88,7 +88,7 @@ def test_a_kept_seat_that_is_done_again_well_judges_again(rig: Make) -> None:
     guided.hands("place 4 8")
     guided.run(lambda v: v.step("dwell_04").attempts == 2)
     assert guided.context.badly_seated == set()
-    assert all(d.kept_seat_rad is None for d in read_toml(guided.folder)[0].dwell)
+    assert all(d.kept_seat_rad is None for d in read_campaign_toml(guided.folder)[0].dwell)
 
 
 def test_a_tilt_that_no_face_has_is_kept_only_with_a_yes(rig: Make) -> None:

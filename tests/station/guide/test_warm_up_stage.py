@@ -8,7 +8,7 @@ import pytest
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.notes import kept_plan
 from station.files.campaign_folder.reading import read_campaign
-from station.files.toml_text import read_toml
+from station.files.campaign_folder.schema import read_campaign_toml
 from station.guide.view import WarmUpView
 from station.guide.warm_up_stage import waits_for
 from station.guide.wording import rounded
@@ -45,7 +45,7 @@ def test_a_skipped_warm_up_is_recorded_and_widens_the_sigma(rig: Make) -> None:
     guided.rest(100)
     guided.obey("skip_warm_up")
     guided.run(guided.done(1))
-    procedure = read_toml(guided.folder)[0].procedure
+    procedure = read_campaign_toml(guided.folder)[0].procedure
     assert procedure.unsettled_gyro_deg_h > 0.01
     assert read_campaign(guided.folder).campaign.sigma.unsettled_gyro > 0
     assert any("warm-up skipped" in text for text in guided.texts)

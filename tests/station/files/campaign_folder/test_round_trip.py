@@ -24,7 +24,8 @@ from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.frames import FACES, TURN_START
 from station.files.campaign_folder.loaded import LoadedCampaign
 from station.files.campaign_folder.reading import read_campaign
-from station.files.campaign_folder.writing import toml_text, write_campaign
+from station.files.campaign_folder.writing import write_campaign
+from station.files.toml_writing import toml_text
 
 PERIOD = 0.02
 names = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)

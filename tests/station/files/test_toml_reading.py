@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from station.errors import DataRefused
-from station.files.toml_text import line_of, line_of_keys, read_toml
+from station.files.campaign_folder.schema import read_campaign_toml
+from station.files.toml_reading import line_of, line_of_keys
 
 TEXT = b"""format = "campaign/1"
 [imu]
@@ -61,7 +62,7 @@ def test_a_mutated_file_is_read_or_refused(cuts: list[tuple[int, int, bytes]]) -
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "campaign.toml").write_bytes(content)
         with contextlib.suppress(DataRefused):
-            tables, _, _ = read_toml(Path(folder))
+            tables, _, _ = read_campaign_toml(Path(folder))
             assert tables.format == "campaign/1"
 
 

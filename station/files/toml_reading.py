@@ -6,26 +6,30 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
 from station.errors import DataRefused
-from station.files.campaign_folder.schema import CampaignTable
 from station.files.opening import MAX_LINE, open_inside
 
-NAME = "campaign.toml"
 Key = tuple[str | int, ...]
 T = TypeVar("T", bound=BaseModel)
 
 _HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_.\"\s]+?)\s*\]")
 _PART = re.compile(r"\"[^\"]*\"|[^.\"]+")
 _ENTRY = re.compile(r"\s*([A-Za-z0-9_]+)\s*=")
-MOST = 60  # characters of a value in a message
+MAX_SHOWN = 60  # characters of a value in a message
 _AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
 
 
-def read_toml(folder: Path) -> tuple[CampaignTable, dict[Key, int], bytes]:
-    """Read a folder's ``campaign.toml``.
+class TomlTable(BaseModel):
+    """A table of a file: types as they are written, no key that is not known, finite numbers."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+def read_folder_toml(folder: Path, name: str, kind: type[T]) -> tuple[T, dict[Key, int], bytes]:
+    """Read the TOML file ``name`` of a folder.
 
     Returns
     -------
@@ -37,17 +41,16 @@ def read_toml(folder: Path) -> tuple[CampaignTable, dict[Key, int], bytes]:
     DataRefused
         With the line of the first key that is wrong, unknown or missing.
     """
-    path = folder / NAME
-    with open_inside(folder, NAME, folder, None) as stream:
+    path = folder / name
+    with open_inside(folder, name, folder, None) as stream:
         content = stream.read(MAX_LINE + 1)
     if len(content) > MAX_LINE:
-        raise DataRefused(path, None, "more than 1 MiB", f"a {NAME} of at most 1 MiB")
-    tables, lines = read_tables(content, path, CampaignTable)
-    return tables, lines, content
+        raise DataRefused(path, None, "more than 1 MiB", f"a {name} of at most 1 MiB")
+    return *read_tables(content, path, kind), content
 
 
 def read_tables(content: bytes, path: Path, kind: type[T]) -> tuple[T, dict[Key, int]]:
-    """Return TOML text as the tables of ``kind``, and the line of each key; `DataRefused` as in `read_toml`."""
+    """Return TOML text as the tables of ``kind``, and each key's line; refuse as `read_folder_toml` does."""
     raw = _parse(content, path)
     lines = line_of_keys(content.decode())
     try:
@@ -118,7 +121,7 @@ def _refusal(error: ErrorDetails, path: Path, lines: dict[Key, int], kind: type[
             return DataRefused(path, line, f"no {name}", f"{name} to be given")
         case "extra_forbidden":
             return DataRefused(
-                path, line, f"unknown key {ascii(name)[:60]}", f"one of {', '.join(_accepted(key, kind))}"
+                path, line, f"unknown key {ascii(name)[:MAX_SHOWN]}", f"one of {', '.join(_accepted(key, kind))}"
             )
         case "value_error":
             return DataRefused(path, line, f"{name} {_short(error['input'])}", str(error["ctx"]["error"]))
@@ -145,6 +148,6 @@ def _short(value: object) -> str:
     """Return a value of a file for a message; of a table the plain values."""
     if isinstance(value, dict):
         plain = [f"{key} = {_short(part)}" for key, part in value.items() if not isinstance(part, dict | list)]
-        return f"with {', '.join(plain)[:MOST]}" if plain else "as it stands"
+        return f"with {', '.join(plain)[:MAX_SHOWN]}" if plain else "as it stands"
     text = ascii(value)
-    return text if len(text) <= MOST else text[: MOST - 3] + "..."
+    return text if len(text) <= MAX_SHOWN else text[: MAX_SHOWN - 3] + "..."
