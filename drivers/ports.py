@@ -1,11 +1,11 @@
 """Open a device's URL as a port of bytes: serial line, TCP, CAN bus, replayed file, MAVLink link or camera."""
 
 from contextlib import ExitStack
-from typing import Protocol
+from typing import BinaryIO, Protocol
 
 from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
-from drivers.replay_port import open_replay
+from drivers.errors import LinkLost, PortNotFound, ReplayEnded
 from drivers.serial_port import PortInfo, SerialPort, list_ports, open_serial
 from drivers.tcp_port import TcpPort, open_tcp
 from drivers.wire import FORMATS
@@ -30,6 +30,42 @@ class Port(Protocol):
     def close(self) -> None:
         """Give the port back."""
         ...
+
+
+class ReplayPort:
+    """An open file of bytes as a device sent them."""
+
+    def __init__(self, file: BinaryIO, path: str) -> None:
+        self.path = path
+        self._file, self._size = file, 0
+
+    def read(self, max_bytes: int) -> bytes:
+        """Return the next bytes; raise `ReplayEnded` when there are none."""
+        try:
+            data = self._file.read(max_bytes)
+        except OSError as error:
+            raise LinkLost(self.path, error.strerror or str(error)) from error
+        if not data:
+            raise ReplayEnded(self.path, self._size)
+        self._size += len(data)
+        return data
+
+    def write(self, data: bytes) -> None:
+        """Take ``data`` and drop it: a recording does not listen."""
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+def _open_replay(path: str) -> ReplayPort:
+    """Open a file of raw bytes; raise `PortNotFound` where it cannot be read."""
+    try:
+        file = open(path, "rb")
+    except OSError as error:
+        reason = f"cannot be replayed ({error.strerror})"
+        raise PortNotFound(path, reason, "check the file's name and permissions") from error
+    return ReplayPort(file, path)
 
 
 def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
@@ -58,7 +94,7 @@ def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
 
         return open_can(address.interface, address.path, dict(address.options), timeout_s)
     if address.scheme == "replay":
-        return open_replay(address.path)
+        return _open_replay(address.path)
     return open_serial(address.path, address.baud or 0, address.parity, timeout_s)
 
 

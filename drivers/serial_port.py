@@ -5,16 +5,21 @@ import errno
 import os
 import termios
 from dataclasses import dataclass
+from pathlib import Path
 
 import serial
 from serial.tools import list_ports as serial_list_ports
 
 from drivers.error_reason import reason_of
 from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound
-from drivers.latency_timer import latency_ms, shorten_latency
 
 WRITE_TIMEOUT_S = 1.0
 PTYS = "/dev/pts/"
+TTYS = Path("/sys/class/tty")
+# A USB adapter holds bytes back for 16 ms before it sends a packet that is not full: at 100 Hz frames come up to
+# 30 ms late, in clumps (pyserial issue 287; a KVH 1750 driver sets the same file). The serial line's low-latency
+# flag asks the kernel for the same, but not every kernel's driver heeds it.
+WANTED_LATENCY_MS = 1
 # pyserial lets some of the operating system's own errors through: EIO of an unplugged port, termios.error.
 LINK_ERRORS = (serial.SerialException, OSError, termios.error)
 
@@ -51,6 +56,27 @@ class SerialPort:
         """Give the line back."""
         with contextlib.suppress(*LINK_ERRORS):
             self._serial.close()
+
+
+def latency_ms(device: str, ttys: Path = TTYS) -> int | None:
+    """Return the adapter's latency timer [ms]; None where the port has none."""
+    try:
+        return int(_latency_file(device, ttys).read_text(encoding="ascii"))
+    except (OSError, ValueError):
+        return None
+
+
+def shorten_latency(device: str, ttys: Path = TTYS) -> int | None:
+    """Set the latency timer to 1 ms, where the port has one and it may be set; return what holds now [ms]."""
+    before = latency_ms(device, ttys)
+    if before is not None and before > WANTED_LATENCY_MS:
+        with contextlib.suppress(OSError):  # root alone may, unless a udev rule says otherwise
+            _latency_file(device, ttys).write_text(f"{WANTED_LATENCY_MS}", encoding="ascii")
+    return latency_ms(device, ttys)
+
+
+def _latency_file(device: str, ttys: Path) -> Path:
+    return ttys / Path(os.path.realpath(device)).name / "device/latency_timer"
 
 
 def open_serial(device: str, baud: int, parity: str, timeout_s: float) -> SerialPort:

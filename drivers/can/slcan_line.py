@@ -13,7 +13,6 @@ from typing import Protocol
 
 ASCII = bytes(octet if octet < 0x80 else 0x3F for octet in range(256))
 FLAGS = re.compile(rb"(?:^|[\r\a])F([0-9A-Fa-f]{2})\r")
-OVERRUN = 0x08  # of the adapter's status: frames were lost in it
 PASSIVE, BUS_ERROR = 0x20, 0x80  # too many errors to take part in the bus
 
 

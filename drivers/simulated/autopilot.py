@@ -21,9 +21,8 @@ from drivers.mavlink.messages import (
 )
 from drivers.mavlink.signing import signing_time
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.gnss_receiver import SimulatedFix, SimulatedReceiver
-from drivers.simulated.timed_faults import active
+from drivers.simulated.timed_faults import TimedFault, active
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 
@@ -44,7 +43,7 @@ class Autopilot:
         self,
         truth: Truth,
         autopilot: AutopilotTruth | None = None,
-        faults: Iterable[GnssFault] = (),
+        faults: Iterable[TimedFault] = (),
         track: VehicleTrack | None = None,
         seed: int | None = 1,
     ) -> None:
@@ -121,7 +120,7 @@ class Autopilot:
         self._interval[number] = seconds
         self._next[number] = now + seconds if seconds < NEVER else NEVER
 
-    def _active(self, now: float, kind: str) -> list[GnssFault]:
+    def _active(self, now: float, kind: str) -> list[TimedFault]:
         return active(self.faults, now, kind)
 
     def _message(self, number: int, now: float) -> "dialect.MAVLink_message":

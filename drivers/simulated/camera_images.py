@@ -5,20 +5,44 @@ from collections.abc import Iterable
 import numpy as np
 
 from drivers.camera.parts import part
-from drivers.simulated.camera_faults import CameraFault
-from drivers.simulated.camera_mount import Mounted
+from drivers.simulated.bench_in_memory import stand
 from drivers.simulated.camera_room import Room
 from drivers.simulated.camera_texture import Floats, pyramid
 from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.timed_faults import active
+from drivers.simulated.imu import Z_UP_POSITION
+from drivers.simulated.timed_faults import TimedFault, active
 from drivers.simulated.truth import Truth
+from drivers.simulated.vehicle_motion import turned
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.arrays import FloatArray
+from procedures.frames import rotation
 from procedures.fusion.optional_libraries import opencv
 from procedures.fusion.vision.feature_tracker import Image
 
 DARK_GREY = 4.0  # grey of an image in the dark
 NOISE_SAMPLES = 2**17  # drawn once: images differ in where they begin among it
+
+
+class Mounted:
+    """The pose of a camera at true times [s]; without a track it stands at the origin, the cube on its bottom."""
+
+    def __init__(self, truth: Truth, camera: CameraTruth, track: VehicleTrack | None) -> None:
+        world = stand(truth)
+        self._camera, self._track, self._C_sb = camera, track, world.C_sb
+        self._C_bn = world.attitude(Z_UP_POSITION)
+        if track is not None:
+            steps = int(np.ceil(track.t[-1] / truth.sample_period_s)) + 2
+            self._t: FloatArray = np.float64(truth.sample_period_s) * np.arange(steps)
+            self._angle = turned(self._t, track.velocities(self._t), self._C_bn)
+
+    def pose(self, t: float) -> tuple[FloatArray, FloatArray]:
+        """Return ``C_nc`` (3, 3), camera to East-North-Up, and where the camera is (3,) [m]."""
+        C_bn, p = self._C_bn, np.zeros(3)
+        if self._track is not None:
+            C_bn = rotation(-float(np.interp(t, self._t, self._angle)) * self._C_bn[:, 2]) @ self._C_bn
+            p = self._track.position(t)
+        C_ns = C_bn.T @ self._C_sb.T
+        return C_ns @ self._camera.C_bc, p + C_ns @ self._camera.t_bc
 
 
 class CameraImages:
@@ -31,7 +55,7 @@ class CameraImages:
         self,
         truth: Truth,
         camera: CameraTruth,
-        faults: Iterable[CameraFault] = (),
+        faults: Iterable[TimedFault] = (),
         track: VehicleTrack | None = None,
         seed: int | None = 1,
     ) -> None:

@@ -11,11 +11,10 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Condition, Thread
 
 from drivers.camera.parts import CONTENT_TYPE
-from drivers.simulated.camera_faults import CameraFault
 from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.companion_devices import CompanionDevice, TrueTime
-from drivers.simulated.timed_faults import active
+from drivers.simulated.timed_faults import TimedFault, active
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 
@@ -23,7 +22,7 @@ POLL_S = 0.002
 PATH = "/stream"
 
 
-class SimulatedCamera(CompanionDevice[CameraFault]):
+class SimulatedCamera(CompanionDevice):
     """A camera on a TCP port of the loopback while the ``with`` block lasts.
 
     Parameters
@@ -40,7 +39,7 @@ class SimulatedCamera(CompanionDevice[CameraFault]):
         self,
         truth: Truth,
         camera: CameraTruth | None = None,
-        faults: Iterable[CameraFault] = (),
+        faults: Iterable[TimedFault] = (),
         track: VehicleTrack | None = None,
         seed: int | None = 1,
         *,
@@ -62,8 +61,8 @@ class SimulatedCamera(CompanionDevice[CameraFault]):
         return f"camera:http://127.0.0.1:{self._port}{PATH}"
 
     def plant(self, kind: str, seconds: float) -> None:
-        """Have a fault act from now on, see `drivers.simulated.camera_faults.KINDS`."""
-        self.faults = self.images.faults = (*self.faults, CameraFault(kind, self.now, seconds))
+        """Have a fault act from now on, see `drivers.simulated.timed_faults.CAMERA_KINDS`."""
+        self.faults = self.images.faults = (*self.faults, TimedFault(kind, self.now, seconds))
 
     def _plug(self) -> None:
         self._server = _Server(self._port)

@@ -4,11 +4,9 @@ import time
 from collections.abc import Iterable
 from threading import Event, Thread
 from types import TracebackType
-from typing import Generic, Protocol, Self, TypeVar
+from typing import Protocol, Self
 
 from drivers.simulated.timed_faults import TimedFault, active
-
-F = TypeVar("F", bound=TimedFault)
 
 
 class TrueTime(Protocol):
@@ -20,14 +18,14 @@ class TrueTime(Protocol):
         ...
 
 
-class CompanionDevice(Generic[F]):
+class CompanionDevice:
     """Served by a thread while the ``with`` block lasts; what is to be said is a subclass's.
 
     ``beside`` is the device whose time it shares; without one time is the host's, ``speed`` times as fast. Of its
     ``faults``, which a subclass may read, ``unplug`` is acted on here.
     """
 
-    def __init__(self, name: str, faults: Iterable[F], beside: TrueTime | None, speed: float) -> None:
+    def __init__(self, name: str, faults: Iterable[TimedFault], beside: TrueTime | None, speed: float) -> None:
         self.faults = tuple(faults)
         self._beside, self._speed = beside, speed
         self._stop = Event()

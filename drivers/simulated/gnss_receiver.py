@@ -16,7 +16,6 @@ from procedures.arrays import FloatArray
 
 CORRELATION_S = 60.0
 UP_TO_LEVEL = 1.6  # vertical over horizontal sigma
-RADIUS = 6_371_000.0
 AXIS, FLATTENING2 = 6_378_137.0, 6.69437999014e-3  # WGS 84, and its eccentricity squared
 UNKNOWN = 65535
 

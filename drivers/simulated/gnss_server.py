@@ -6,15 +6,15 @@ from pathlib import Path
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.companion_devices import CompanionDevice, TrueTime
-from drivers.simulated.gnss_faults import GnssFault
+from drivers.simulated.lines import two_way_line
+from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
-from drivers.simulated.two_way_lines import talk_on
 from drivers.simulated.vehicle_track import VehicleTrack
 
 POLL_S = 0.002
 
 
-class SimulatedGnss(CompanionDevice[GnssFault]):
+class SimulatedGnss(CompanionDevice):
     """An autopilot on a real transport while the ``with`` block lasts.
 
     Parameters
@@ -31,7 +31,7 @@ class SimulatedGnss(CompanionDevice[GnssFault]):
         self,
         truth: Truth,
         autopilot: AutopilotTruth | None = None,
-        faults: Iterable[GnssFault] = (),
+        faults: Iterable[TimedFault] = (),
         track: VehicleTrack | None = None,
         seed: int | None = 1,
         *,
@@ -44,7 +44,7 @@ class SimulatedGnss(CompanionDevice[GnssFault]):
     ) -> None:
         super().__init__("simulated autopilot", faults, beside, speed)
         self.autopilot = Autopilot(truth, autopilot, self.faults, track, seed)
-        self._line = talk_on(transport, link, port, to)
+        self._line = two_way_line(transport, link, port, to)
         self._answer = b""
 
     @property
@@ -53,8 +53,8 @@ class SimulatedGnss(CompanionDevice[GnssFault]):
         return f"mavlink:{self._line.address}"
 
     def plant(self, kind: str, seconds: float, size: float = 0.0) -> None:
-        """Have a fault act from now on, see `drivers.simulated.gnss_faults.KINDS`."""
-        self.faults = self.autopilot.faults = (*self.faults, GnssFault(kind, self.now, seconds, size))
+        """Have a fault act from now on, see `drivers.simulated.timed_faults.GNSS_KINDS`."""
+        self.faults = self.autopilot.faults = (*self.faults, TimedFault(kind, self.now, seconds, size))
 
     def _plug(self) -> None:
         self._line.plug()

@@ -1,4 +1,6 @@
-"""The lines a simulated device sends on: a pty and a TCP port. Writing waits for room until told to stop.
+"""The lines of simulated devices: a pty and a TCP port to send on, and pty, TCP and UDP on which they also listen.
+
+Writing on the former waits for room until told to stop. Nothing blocks on the latter; what finds no room is lost.
 
 Facts of Linux ptys, measured: without a reader the kernel takes 17408 bytes; the server keeps the far end open
 itself, so that a reader may come and go; closing the near end is what a reader sees as unplugged.
@@ -14,6 +16,7 @@ from pathlib import Path
 from threading import Event
 from typing import Protocol
 
+MAX_READ_BYTES = 65535
 STOP_CHECK_S = 0.05  # how often a blocked write looks whether it should stop
 
 
@@ -128,8 +131,8 @@ class TcpLine:
                 return False
         return not data
 
-    def _accepted(self) -> socket.socket | None:
-        if self._listener is not None and select.select([self._listener], [], [], STOP_CHECK_S)[0]:
+    def _accepted(self, wait_s: float = STOP_CHECK_S) -> socket.socket | None:
+        if self._listener is not None and select.select([self._listener], [], [], wait_s)[0]:
             self._reader, _ = self._listener.accept()
             self._reader.setblocking(False)
             with contextlib.suppress(OSError):  # a caller who has gone already; the first write finds out
@@ -140,3 +143,121 @@ class TcpLine:
         if self._reader is not None:
             self._reader.close()
             self._reader = None
+
+
+class TwoWayLine(Protocol):
+    """Bytes both ways."""
+
+    @property
+    def address(self) -> str:
+        """What follows ``mavlink:`` in the URL by which it is opened."""
+        ...
+
+    def plug(self) -> None:
+        """Make the port be there."""
+        ...
+
+    def unplug(self) -> None:
+        """Make the port be gone; may be called twice."""
+        ...
+
+    def exchange(self, out: bytes, wait_s: float) -> bytes:
+        """Send ``out``, wait at most ``wait_s`` for what comes, and return it."""
+        ...
+
+
+class TwoWayPty(PtyLine):
+    """A pseudo terminal."""
+
+    @property
+    def address(self) -> str:
+        """The link, or the terminal itself."""
+        return f"serial:{self._link.absolute() if self._link else self._name}"
+
+    def exchange(self, out: bytes, wait_s: float) -> bytes:
+        """Send and listen."""
+        with contextlib.suppress(BlockingIOError):
+            os.write(self._near, out)
+        if select.select([self._near], [], [], wait_s)[0]:
+            return os.read(self._near, MAX_READ_BYTES)
+        return b""
+
+
+class TwoWayUdp:
+    """A bound UDP socket; it sends to ``to``, else to whoever has written last."""
+
+    def __init__(self, host: str = "127.0.0.1", port: int = 0, to: tuple[str, int] | None = None) -> None:
+        self._host, self._port, self._to = host, port, to
+        self._peer = to
+        self._socket: socket.socket | None = None
+
+    @property
+    def address(self) -> str:
+        """How the station reaches it: it listens where this sends, or calls where this listens."""
+        return f"udpin:{self._to[0]}:{self._to[1]}" if self._to else f"udpout:{self._host}:{self._port}"
+
+    def plug(self) -> None:
+        """Bind; the same port again after an unplug."""
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        self._socket.bind((self._host, 0 if self._to else self._port))
+        if not self._to:
+            self._port = self._socket.getsockname()[1]
+
+    def unplug(self) -> None:
+        """Close the socket."""
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+
+    def exchange(self, out: bytes, wait_s: float) -> bytes:
+        """Send and listen."""
+        assert self._socket is not None
+        if out and self._peer is not None:
+            with contextlib.suppress(OSError):  # nobody there
+                self._socket.sendto(out, self._peer)
+        if not select.select([self._socket], [], [], wait_s)[0]:
+            return b""
+        try:
+            data, sender = self._socket.recvfrom(MAX_READ_BYTES)
+        except OSError:
+            return b""
+        self._peer = self._to or sender
+        return data
+
+
+class TwoWayTcp(TcpLine):
+    """A listening TCP port; one caller at a time."""
+
+    @property
+    def address(self) -> str:
+        """Where it listens."""
+        return f"tcp:{self._host}:{self._port}"
+
+    def exchange(self, out: bytes, wait_s: float) -> bytes:
+        """Send and listen; a caller who leaves makes room for the next."""
+        if self._reader is None:
+            self._accepted(wait_s)
+            return b""
+        try:
+            if out:
+                with contextlib.suppress(BlockingIOError):
+                    self._reader.send(out)
+            if select.select([self._reader], [], [], wait_s)[0]:
+                if data := self._reader.recv(MAX_READ_BYTES):
+                    return data
+                raise ConnectionResetError
+        except OSError:
+            self._hang_up()
+        return b""
+
+
+def two_way_line(transport: str, link: Path | None, port: int, to: tuple[str, int] | None) -> TwoWayLine:
+    """Return the line of a transport: ``udp``, ``tcp`` or ``pty``."""
+    if transport == "pty":
+        return TwoWayPty(link)
+    if transport == "tcp":
+        return TwoWayTcp(port=port)
+    if transport == "udp":
+        return TwoWayUdp(port=port, to=to)
+    raise ValueError(f"transport {transport!r}: expected udp, tcp or pty")

@@ -51,15 +51,15 @@ def simulated_can_imu(request: pytest.FixtureRequest) -> Iterator[SimulatedDevic
 def simulated_gnss(request: pytest.FixtureRequest) -> Iterator[SimulatedGnss]:
     """Serve an autopilot with a GNSS receiver; beside the test's simulated IMU, on its truth and clock."""
     from drivers.simulated.autopilot_truth import AutopilotTruth
-    from drivers.simulated.gnss_faults import GnssFault, gnss_faults_from
     from drivers.simulated.gnss_server import SimulatedGnss
+    from drivers.simulated.timed_faults import TimedFault, gnss_faults_from
 
     settings = _settings(request, "simulated_gnss")
     beside = _imu_of(request)
     truth = _truth(settings, beside.truth if beside else None)
     if isinstance(autopilot := settings.pop("autopilot", None), Mapping):
         autopilot = AutopilotTruth(**autopilot)
-    faults = _faults(settings, GnssFault, gnss_faults_from)
+    faults = _faults(settings, TimedFault, gnss_faults_from)
     settings.setdefault("speed", ALONE_SPEED)
     yield from _until_over(SimulatedGnss(truth, autopilot, faults, beside=beside, **settings))
 
@@ -67,16 +67,16 @@ def simulated_gnss(request: pytest.FixtureRequest) -> Iterator[SimulatedGnss]:
 @pytest.fixture
 def simulated_camera(request: pytest.FixtureRequest) -> Iterator[SimulatedCamera]:
     """Serve a camera over HTTP; beside the test's simulated IMU, on its truth and clock."""
-    from drivers.simulated.camera_faults import CameraFault, camera_faults_from
     from drivers.simulated.camera_server import SimulatedCamera
     from drivers.simulated.camera_truth import CameraTruth
+    from drivers.simulated.timed_faults import TimedFault, camera_faults_from
 
     settings = _settings(request, "simulated_camera")
     beside = _imu_of(request)
     truth = _truth(settings, beside.truth if beside else None)
     if isinstance(camera := settings.pop("camera", None), Mapping):
         camera = CameraTruth(**camera)
-    faults = _faults(settings, CameraFault, camera_faults_from)
+    faults = _faults(settings, TimedFault, camera_faults_from)
     yield from _until_over(SimulatedCamera(truth, camera, faults, beside=beside, **settings))
 
 

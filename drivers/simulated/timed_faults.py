@@ -1,15 +1,46 @@
-"""Faults that last: from a true time on, for some seconds."""
+"""Faults of what stands beside a simulated IMU, receiver or camera: from a true time on, for some seconds.
+
+A fault file is TOML with one ``[[gnss_fault]]`` or ``[[camera_fault]]`` table each: ``kind``, ``at_s`` (true
+time), ``seconds`` and, where the kind has one, ``size``.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
-from typing import Any, TypeVar
+from typing import Any
 
 from drivers.simulated.errors import TruthRefused
+
+GNSS_KINDS = {
+    "no_fix": "the receiver sees too few satellites and loses UTC",
+    "jump": "fixes stand `size` m east of the truth",
+    "latency": "fixes come `size` s later than they do anyway",
+    "time_jump": "UTC is `size` s ahead of the truth",
+    "outage": "nothing is sent",
+    "unplug": "the port is gone",
+    "reboot": "the time since boot begins at 0 again and all intervals are forgotten",
+    "wrong_system": "frames come from system `size`",
+    "unsigned": "frames of a signing autopilot come without signature",
+    "wrong_key": "frames are signed with another key",
+    "replay": "every frame is followed by one sent 20 frames before",
+    "bad_crc": "every frame has one bit flipped",
+    "noise": "random bytes instead of frames",
+    "half": "every frame breaks off halfway",
+    "repeated": "every frame is sent twice",
+    "backlog": "nothing is sent, then all of it at once",
+    "deaf": "no command is obeyed or answered",
+}
+CAMERA_KINDS = {
+    "stall": "nothing is sent, and nothing taken",
+    "unplug": "the port is gone",
+    "cut": "every image breaks off halfway, then the next part begins",
+    "no_stamp": "parts come without X-Timestamp",
+    "dark": "images are black",
+}
 
 
 @dataclass(frozen=True, slots=True)
 class TimedFault:
-    """One fault, from true time ``at_s`` on for ``seconds``; what ``size`` is depends on the kind."""
+    """One fault, from true time ``at_s`` on for ``seconds``; see `GNSS_KINDS` and `CAMERA_KINDS`."""
 
     kind: str
     at_s: float
@@ -17,19 +48,25 @@ class TimedFault:
     size: float = 0.0
 
 
-F = TypeVar("F", bound=TimedFault)
-
-
-def active(faults: Iterable[F], now: float, kind: str) -> list[F]:
+def active(faults: Iterable[TimedFault], now: float, kind: str) -> list[TimedFault]:
     """Return the faults of a kind that act at true time ``now`` [s]."""
     return [fault for fault in faults if fault.kind == kind and fault.at_s <= now < fault.at_s + fault.seconds]
 
 
-def timed_faults_from(
-    tables: Iterable[Mapping[str, Any]], fault: type[F], name: str, kinds: Mapping[str, str]
-) -> tuple[F, ...]:
-    """Return the faults of parsed tables ``[[name]]``; raise `TruthRefused` naming what is accepted."""
-    accepted = {f.name for f in fields(fault)}
+def gnss_faults_from(tables: Iterable[Mapping[str, Any]]) -> tuple[TimedFault, ...]:
+    """Return the faults of parsed tables; raise `TruthRefused` naming what is accepted."""
+    return _faults_from(tables, "gnss_fault", GNSS_KINDS)
+
+
+def camera_faults_from(tables: Iterable[Mapping[str, Any]]) -> tuple[TimedFault, ...]:
+    """Return the faults of parsed tables; raise `TruthRefused` naming what is accepted."""
+    return _faults_from(tables, "camera_fault", CAMERA_KINDS)
+
+
+def _faults_from(
+    tables: Iterable[Mapping[str, Any]], name: str, kinds: Mapping[str, str]
+) -> tuple[TimedFault, ...]:
+    accepted = {f.name for f in fields(TimedFault)}
     found = []
     for table in tables:
         if unknown := sorted(set(table) - accepted):
@@ -39,5 +76,5 @@ def timed_faults_from(
         for key, value in {"at_s": None, **table}.items():
             if key != "kind" and (isinstance(value, bool) or not isinstance(value, (int, float))):
                 raise TruthRefused(f"{name} {key} = {value!r}", "a number")
-        found.append(fault(**table))
+        found.append(TimedFault(**table))
     return tuple(found)

@@ -62,7 +62,7 @@ def _show(found: "Sequence[SurveyedPort]", *, json: bool, clear: bool) -> None:
     from json import dumps
     from shutil import get_terminal_size
 
-    from station.devices.port_survey_lines import fitted, survey_lines
+    from station.devices.port_survey import fitted, survey_lines
 
     if json:
         typer.echo(dumps({"format": "devices/1", "devices": [asdict(each) for each in found]}))

@@ -14,9 +14,9 @@ from station.commands import Database
 
 if TYPE_CHECKING:
     from drivers.simulated.camera_server import SimulatedCamera
-    from drivers.simulated.gnss_faults import GnssFault
     from drivers.simulated.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
+    from drivers.simulated.timed_faults import TimedFault
     from drivers.simulated.truth import Truth
     from drivers.simulated.vehicle_track import VehicleTrack
 
@@ -192,7 +192,7 @@ def _end_on_signals() -> None:
 
 
 def _autopilot(
-    where: str | None, path: "VehicleTrack | None", planted: "tuple[GnssFault, ...]"
+    where: str | None, path: "VehicleTrack | None", planted: "tuple[TimedFault, ...]"
 ) -> "Callable[[SimulatedDevice], SimulatedGnss] | None":
     """Return what makes the autopilot once the IMU is served, None where none is wanted."""
     from drivers.simulated.gnss_server import SimulatedGnss

@@ -5,10 +5,11 @@ A serial port is read at the usual baud rate; where bytes come and look like not
 
 import re
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from textwrap import wrap
 
 from drivers.device_url import DEFAULT_BAUD
 from drivers.device_url_parser import parse_device_url
@@ -27,6 +28,7 @@ BAUDS = tuple(dict.fromkeys((DEFAULT_BAUD, *(wire.baud for wire in FORMATS.value
 ARPHRD_CAN = "280"  # linux/if_arp.h
 SLCAN = re.compile(rb"\r[tT][0-9A-Fa-f]{4,9}[0-9A-Fa-f]*(?=\r)")
 TIMEOUT_S = 0.05
+INDENT_CHARS = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,3 +155,38 @@ def _mavlink(port: SurveyedPort, data: bytes, seconds: float) -> SurveyedPort | 
         systems={system: count / seconds for system, count in sorted(decoder.systems.items())},
         messages={name: count / seconds for name, count in sorted(decoder.messages.items())},
     )  # fmt: skip
+
+
+def survey_lines(found: Sequence[SurveyedPort]) -> list[str]:
+    """Return two lines or more for each port: its address, then what comes out of it."""
+    return [line for each in found for line in _lines(each)]
+
+
+def fitted(lines: Sequence[str], width: int, height: int) -> list[str]:
+    """Return lines broken between words to a terminal's width; what is too much for its height is counted."""
+    broken = [
+        part
+        for line in lines
+        for part in wrap(line, width, subsequent_indent=" " * 2 * INDENT_CHARS, break_on_hyphens=False)
+    ]
+    if len(broken) <= height:
+        return broken
+    return [*broken[: height - 1], f"... {len(broken) - height + 1} more lines: --url URL looks at one alone"]
+
+
+def _lines(found: SurveyedPort) -> list[str]:
+    lines = [f"{found.url}  {found.about}".rstrip()]
+    if not found.looks_like or found.trouble:
+        return [*lines, f"{'':{INDENT_CHARS}}{found.trouble}"]
+    named = [found.looks_like, found.model or "", f"serial number {found.serial}" if found.serial else ""]
+    rates = [f"{found.frames_s:.1f} frames/s", f"{found.bytes_s:.0f} bytes/s"]
+    if found.rate_hz is not None:
+        rates.append(f"{found.rate_hz:.6g} Hz by its own time")
+    bad = [f"{count} {name.replace('_', ' ')}" for name, count in found.errors.items() if count]
+    said = [", ".join(part for part in [*named, *rates] if part)]
+    said += [f"system {system}: {rate:.1f} frames/s" for system, rate in found.systems.items()]
+    if found.position:
+        said.append(f"receiver: {found.position}")
+    if found.messages:
+        said.append(", ".join(f"{name} {rate:.1f} Hz" for name, rate in found.messages.items()))
+    return [*lines, *(f"{'':{INDENT_CHARS}}{text}" for text in [*said, f"errors: {', '.join(bad) or 'none'}"])]

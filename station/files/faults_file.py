@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from drivers.simulated.errors import TruthRefused
 from drivers.simulated.faults import KINDS, Fault, faults_from
-from drivers.simulated.gnss_faults import GnssFault, gnss_faults_from
+from drivers.simulated.timed_faults import TimedFault, gnss_faults_from
 from station.errors import DataRefused
 from station.files.toml_reading import Key, line_of, read_tables, read_text_file
 
@@ -24,7 +24,7 @@ class FaultsTable(BaseModel):
     gnss_fault: list[dict[str, Any]] = Field(default_factory=list)
 
 
-def read_faults(path: Path, *, is_on_can: bool) -> tuple[tuple[Fault, ...], tuple[GnssFault, ...]]:
+def read_faults(path: Path, *, is_on_can: bool) -> tuple[tuple[Fault, ...], tuple[TimedFault, ...]]:
     """Return the faults of the line and those of the receiver.
 
     Raises

@@ -1,12 +1,13 @@
 """A location as `location/1` (docs/formats.md): JSON-ready, without NaN, what is not estimated left out."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import Trajectory
 from station.locate.result import Alignment, Located
-from station.locate.trajectory_error import errors
 
 FORMAT = "location/1"
 
@@ -52,9 +53,31 @@ def _times(located: Located) -> dict[str, float]:
 
 
 def _errors(located: Located, truth: Trajectory) -> dict[str, Any]:
-    online, batch = errors(located.online, truth), errors(located.smoothed, truth)
+    online, batch = position_errors(located.online, truth), position_errors(located.smoothed, truth)
     parts = {
         "online": online and {"mean": online.mean, "max": online.worst},
         "batch": batch and {"mean": batch.mean, "max": batch.worst},
     }
     return {name: part for name, part in parts.items() if part is not None}
+
+
+@dataclass(frozen=True, slots=True)
+class PositionErrors:
+    """How far poses are from the truth [m], as they are, without any alignment; of those that it spans."""
+
+    mean: float
+    worst: float
+
+
+def position_errors(trajectory: Trajectory, truth: Trajectory, after: float = -np.inf) -> PositionErrors | None:
+    """Return the errors of the poses later than ``after`` [s]; None where the truth spans none."""
+    distance = distances(trajectory, truth)[trajectory.t > after]
+    distance = distance[np.isfinite(distance)]
+    return PositionErrors(float(distance.mean()), float(distance.max())) if len(distance) else None
+
+
+def distances(trajectory: Trajectory, truth: Trajectory) -> FloatArray:
+    """Return the distance (n,) [m] of each pose from the truth, nan where that does not reach."""
+    at = np.stack([np.interp(trajectory.t, truth.t, truth.p[:, i], np.nan, np.nan) for i in range(3)], axis=1)
+    distance: FloatArray = np.linalg.norm(trajectory.p - at, axis=1)
+    return distance

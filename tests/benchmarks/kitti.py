@@ -17,7 +17,7 @@ from procedures.fusion.fusion_records import Trajectory
 from procedures.fusion.optional_libraries import gtsam
 from station import cli
 from station.files.fusion_folder import read_tum
-from station.locate.trajectory_error import distances
+from station.locate.location_json import distances
 
 IMU_FILE, GNSS_FILE = "KittiEquivBiasedImu.txt", "KittiGps_converted.txt"
 STRAIGHT, MANY = 2e-3, 8  # rad/s or m/s2 of bend, and rows in a line, that no car makes

@@ -27,9 +27,9 @@ from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettin
 from procedures.units import RAD_S_PER_DEG_H
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.locate.imu_source import by_imu
+from station.locate.location_json import position_errors
 from station.locate.odometry_source import by_odometry
 from station.locate.result import Located
-from station.locate.trajectory_error import errors
 from tests.benchmarks.truth_level import levelling, righted
 from tests.procedures.fusion.alignment.printed_alignment import align_as_printed
 
@@ -93,7 +93,7 @@ def said(name: str, rows: Iterable[Iterable[float]], heads: str) -> list[float]:
 def row(log: FusionLog, located: Located) -> list[float]:
     """Return online mean and worst, smoothed mean, tilt and yaw of one run, and how honest its covariance is."""
     assert log.truth is not None
-    online, smoothed = (errors(part, log.truth, WARM_UP) for part in (located.online, located.smoothed))
+    online, smoothed = (position_errors(part, log.truth, WARM_UP) for part in (located.online, located.smoothed))
     assert online is not None
     assert smoothed is not None
     right = log.truth if log.imu is None else righted(log.imu, log.truth)

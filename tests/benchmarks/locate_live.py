@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_faults import GnssFault
+from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from station.locate.location import Location
@@ -36,7 +36,7 @@ class Run:
     cost: float
 
 
-def drive(seed: int, hz: float, faults: list[GnssFault], arm: tuple[float, ...]) -> Run:
+def drive(seed: int, hz: float, faults: list[TimedFault], arm: tuple[float, ...]) -> Run:
     truth = replace(
         Truth.example(seed), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0, gyro_turn_on_dph=1.0
     )
@@ -63,18 +63,18 @@ def off(where: Location) -> float:
     return float(np.linalg.norm(np.array(where.enu)[:2] - gone[:2]))
 
 
-def jumps(seed: int) -> list[GnssFault]:
+def jumps(seed: int) -> list[TimedFault]:
     """Return a tenth of the fixes off by 5 m, after setting off."""
     at = np.random.default_rng(seed).choice(np.arange(STILL + 15, SECONDS, 0.2), round((SECONDS - STILL - 15) / 2))
-    return [GnssFault("jump", float(t), 0.2, 5.0) for t in sorted(at)]
+    return [TimedFault("jump", float(t), 0.2, 5.0) for t in sorted(at)]
 
 
-CASES: dict[str, tuple[float, Callable[[int], list[GnssFault]], tuple[float, ...]]] = {
+CASES: dict[str, tuple[float, Callable[[int], list[TimedFault]], tuple[float, ...]]] = {
     "5 Hz": (5.0, lambda seed: [], (0.0, 0.0, 0.0)),
     "5 Hz, lever arm not given": (5.0, lambda seed: [], ()),
     "1 Hz": (1.0, lambda seed: [], (0.0, 0.0, 0.0)),
     "10 % of the fixes off by 5 m": (5.0, jumps, (0.0, 0.0, 0.0)),
-    "20 s outage": (5.0, lambda seed: [GnssFault("no_fix", *OUTAGE)], (0.0, 0.0, 0.0)),
+    "20 s outage": (5.0, lambda seed: [TimedFault("no_fix", *OUTAGE)], (0.0, 0.0, 0.0)),
 }
 
 

@@ -10,14 +10,13 @@ import numpy as np
 from drivers.errors import DriverError
 from drivers.mavlink.signing import read_key
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.camera_faults import CameraFault, camera_faults_from
 from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.device import ByteDevice, Move
 from drivers.simulated.effects import planted
 from drivers.simulated.errors import TruthRefused, UnknownEffect
 from drivers.simulated.faults import Fault
-from drivers.simulated.gnss_faults import GnssFault, gnss_faults_from
 from drivers.simulated.server import CAN_TRANSPORTS
+from drivers.simulated.timed_faults import TimedFault, camera_faults_from, gnss_faults_from
 from drivers.simulated.truth import Truth, truth_from
 from drivers.simulated.vehicle_track import VehicleTrack, load_track
 from station.errors import DataRefused
@@ -39,10 +38,10 @@ class Scenario:
     faults: tuple[Fault, ...]
     autopilot: AutopilotTruth | None
     track: VehicleTrack | None
-    gnss_faults: tuple[GnssFault, ...]
+    gnss_faults: tuple[TimedFault, ...]
     drive: VehicleTrack | None
     camera: CameraTruth | None
-    camera_faults: tuple[CameraFault, ...]
+    camera_faults: tuple[TimedFault, ...]
 
     def beside(self, name: str) -> str:
         """Return the path of a file that is named in the scenario, from the folder it stands in."""

@@ -12,19 +12,18 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Protocol
 
-from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl, DriverError
 from drivers.mavlink.address import MavlinkUrl
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.signing import SignatureCheck, read_key
 from procedures.earth.gnss_records import AirData, AveragedSite, GnssFix, TimeMark, averaged_site
-from procedures.statistics.robust_clock_line import TimeLine
 from station.files.mcap_files.fix_reader import Record
 from station.files.mcap_files.fix_writer import FixWriter
 from station.stream.gnss.gnss_trouble import Health
 from station.stream.gnss.message_rates import Rates
 from station.stream.gnss.utc_line import UtcLine
+from station.stream.live.live_feed import ChunkSource
 from station.stream.reader import Chunk, GapMark
 from station.stream.reader.restarting_reader import FOR_EVER, LastingReader
 
@@ -33,18 +32,12 @@ MAX_FIXES = 6000  # fixes: 20 minutes at 5 Hz
 EXPECTED = "a GNSS source: mavlink:LINK:WHERE"
 
 
-class GnssSource(Protocol):
+class GnssSource(ChunkSource, Protocol):
     """Where chunks come from: a reader process."""
-
-    address: DeviceUrl
 
     @property
     def up_to_ns(self) -> int:
         """The moment up to which all that came was polled [ns]."""
-        ...
-
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
-        """Return what has come, within ``timeout_s``."""
         ...
 
 
@@ -123,10 +116,6 @@ class GnssFeed:
     def utc(self, host_ns: int) -> float | None:
         """Return UTC [s since 1970] at a moment of the station's clock [ns]; None where the marks do not tell."""
         return self._utc.utc(host_ns)
-
-    def time_line(self, host_ns: int) -> TimeLine | None:
-        """Return the line between the station's clock and UTC around a moment [ns]."""
-        return self._utc.around(host_ns)
 
     def utc_scatter(self) -> float:
         """Return the 1 sigma [s, UTC] of one mark about the line that `utc` read last; 0 before there is one."""

@@ -15,8 +15,8 @@ from drivers.mavlink.port import MavlinkPort
 from drivers.mavlink.signing import SignatureCheck, read_key
 from drivers.ports import open_port
 from drivers.simulated.autopilot_truth import EPOCH_UTC, AutopilotTruth
-from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.earth.gnss_records import AirData, Ambient, GnssFix, TimeMark, averaged_site
@@ -145,7 +145,7 @@ def test_another_system_is_counted_and_not_read() -> None:
 
 def test_with_a_key_both_sides_sign_and_only_good_frames_are_read(tmp_path: Path) -> None:
     (tmp_path / "key").write_text(KEY.hex())
-    faults = [GnssFault("unsigned", 4.0, 2.0), GnssFault("wrong_key", 6.0, 2.0), GnssFault("replay", 8.0, 2.0)]
+    faults = [TimedFault("unsigned", 4.0, 2.0), TimedFault("wrong_key", 6.0, 2.0), TimedFault("replay", 8.0, 2.0)]
     with SimulatedGnss(TRUTH, AutopilotTruth(key=KEY), faults, speed=8.0) as gnss:
         heard = Listener(f"{gnss.url}?key={tmp_path / 'key'}")
         heard.until(lambda: gnss.now > 10.5 and len(heard.fixes()) > 10)

@@ -9,7 +9,7 @@ from pymavlink.dialects.v20 import all as dialect
 from drivers.mavlink.session import STATION, WANTED, MavlinkSession
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_faults import GnssFault
+from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 
 Line = Callable[[bytes, float], bytes]
@@ -20,7 +20,7 @@ def straight(data: bytes, _: float) -> bytes:
 
 
 def talk(
-    seconds: float, faults: Iterable[GnssFault] = (), default_hz: float = 0.0, up: Line = straight
+    seconds: float, faults: Iterable[TimedFault] = (), default_hz: float = 0.0, up: Line = straight
 ) -> tuple[MavlinkSession, Autopilot, list[tuple[float, str]]]:
     """Return both sides after some time, and what the station said when; ``up`` is the line to the autopilot."""
     session, autopilot = MavlinkSession(5.0), Autopilot(Truth(), AutopilotTruth(default_hz=default_hz), faults)
@@ -78,12 +78,12 @@ def test_a_lost_answer_is_asked_for_again() -> None:
 
 @pytest.mark.parametrize("default_hz", [0.0, 1.0])
 def test_an_autopilot_that_restarted_is_asked_again(default_hz: float) -> None:
-    _, autopilot, _ = talk(40.0, [GnssFault("reboot", 15.0, 1.0)], default_hz)
+    _, autopilot, _ = talk(40.0, [TimedFault("reboot", 15.0, 1.0)], default_hz)
     asked = [number for number, _, _ in autopilot.commands]
     assert asked[len(WANTED) :][: len(WANTED)] == list(WANTED)
     assert len(asked) <= 3 * len(WANTED)  # silent of all but heartbeats, then its clock is seen to have gone back
 
 
 def test_an_autopilot_that_was_away_is_asked_again() -> None:
-    _, autopilot, _ = talk(40.0, [GnssFault("outage", 10.0, 8.0)])
+    _, autopilot, _ = talk(40.0, [TimedFault("outage", 10.0, 8.0)])
     assert [number for number, _, _ in autopilot.commands] == 2 * list(WANTED)

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from drivers.simulated.bench_in_memory import stand
-from drivers.simulated.camera_faults import CameraFault
-from drivers.simulated.camera_images import CameraImages
-from drivers.simulated.camera_mount import Mounted
+from drivers.simulated.camera_images import CameraImages, Mounted
 from drivers.simulated.camera_room import Room
 from drivers.simulated.camera_truth import CameraTruth, camera_toml
 from drivers.simulated.errors import TruthRefused
 from drivers.simulated.imu import Z_UP_POSITION
+from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_motion import drive
 from procedures.frames import rotation
@@ -97,7 +96,7 @@ def test_images_are_had_again_and_differ_by_their_seed() -> None:
 
 
 def test_every_image_fault_shows() -> None:
-    faults = [CameraFault(kind, at_s=at) for at, kind in enumerate(("dark", "no_stamp", "cut"))]
+    faults = [TimedFault(kind, at_s=at) for at, kind in enumerate(("dark", "no_stamp", "cut"))]
     images = CameraImages(TRUTH, CAMERA, faults, TRACK)
     assert images.image(0.5).mean() < 10 < images.image(1.5).mean()
     assert b"X-Timestamp" not in images.part(1.5)

@@ -5,9 +5,9 @@ import re
 import pytest
 
 from drivers.simulated.bench_in_memory import SimulatedBench
-from drivers.simulated.camera_faults import KINDS as CAMERA_KINDS
 from drivers.simulated.effects import EFFECTS
 from drivers.simulated.faults import CAN_KINDS, KINDS, load_faults
+from drivers.simulated.timed_faults import CAMERA_KINDS
 from drivers.simulated.truth import load_truth
 from tests.paths import ROOT
 

@@ -15,8 +15,15 @@ from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
-from station.devices.port_survey import BAUDS, GROUND_STATION, SurveyedPort, recognised, survey
-from station.devices.port_survey_lines import fitted, survey_lines
+from station.devices.port_survey import (
+    BAUDS,
+    GROUND_STATION,
+    SurveyedPort,
+    fitted,
+    recognised,
+    survey,
+    survey_lines,
+)
 from tests.station.commands.program import Program
 
 

@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from drivers.simulated.camera_faults import CameraFault
 from drivers.simulated.camera_server import SimulatedCamera
 from drivers.simulated.camera_truth import CameraTruth
+from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from station import cli
 
@@ -37,7 +37,7 @@ def test_a_camera_says_images_size_bytes_and_rate(capsys: pytest.CaptureFixture[
 
 
 def test_a_camera_of_which_no_image_comes_is_exit_4(capsys: pytest.CaptureFixture[str]) -> None:
-    faults = [CameraFault("cut", at_s=0.0, seconds=1000.0)]
+    faults = [TimedFault("cut", at_s=0.0, seconds=1000.0)]
     with SimulatedCamera(Truth(), SMALL, faults) as camera:
         code, _, err = run(capsys, "--url", camera.url, "--seconds", "0.5")
     assert code == 4
@@ -46,7 +46,7 @@ def test_a_camera_of_which_no_image_comes_is_exit_4(capsys: pytest.CaptureFixtur
 
 
 def test_silence_and_a_wrong_path_are_exit_4(capsys: pytest.CaptureFixture[str]) -> None:
-    faults = [CameraFault("stall", at_s=0.0, seconds=1000.0)]
+    faults = [TimedFault("stall", at_s=0.0, seconds=1000.0)]
     with SimulatedCamera(Truth(), SMALL, faults) as camera:
         code, _, err = run(capsys, "--url", camera.url, "--seconds", "0.2")
         wrong, out, _ = run(capsys, "--url", camera.url, "--url", camera.url[:-1], "--seconds", "0.2")

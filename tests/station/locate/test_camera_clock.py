@@ -13,7 +13,7 @@ from station import cli
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.files.fusion_folder.tracks import write_tracks
 from station.locate.camera_clock import ClockedTracks, on_imu_clock, suspicion
-from station.locate.location_text import location_text
+from station.locate.locate_folder import location_text
 from tests.procedures.fusion.motions import Eight
 from tests.procedures.fusion.seen import tracks_of
 from tests.station.locate.test_camera_source import table_of

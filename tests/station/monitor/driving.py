@@ -10,7 +10,7 @@ import numpy as np
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_faults import GnssFault
+from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
@@ -77,7 +77,7 @@ class DriveRig:
     """
 
     def __init__(
-        self, truth: Truth, track: VehicleTrack, autopilot: AutopilotTruth, faults: Sequence[GnssFault] = (),
+        self, truth: Truth, track: VehicleTrack, autopilot: AutopilotTruth, faults: Sequence[TimedFault] = (),
         lever_arm: tuple[float, ...] = (0.0, 0.0, 0.0), folder: Path | None = None, seed: int = 1,
         sees: tuple[float, tuple[float, float]] | None = None, told: float | None = None,
     ) -> None:  # fmt: skip

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_faults import GnssFault
+from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from station.locate.location import Location
 from station.monitor.text_lines import json_line, reading_line
@@ -18,7 +18,7 @@ pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
 TRACK = bends(60.0, still=16.0)
 AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0)
-JUMP = GnssFault("jump", 40.0, 1.0, 30.0)  # 30 m east for five fixes
+JUMP = TimedFault("jump", 40.0, 1.0, 30.0)  # 30 m east for five fixes
 
 
 def off(location: Location) -> float:

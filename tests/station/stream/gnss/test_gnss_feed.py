@@ -12,8 +12,8 @@ from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import EPOCH_UTC, AutopilotTruth
-from drivers.simulated.gnss_faults import GnssFault
 from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from station.files.mcap_files.fix_schemas import FIX, FIX_MESSAGES
 from station.stream.gnss import GnssFeed, open_gnss
@@ -61,7 +61,7 @@ def test_site_time_rate_and_files_come_from_one_receiver(tmp_path: Path) -> None
 class InMemory:
     """An autopilot heard without a port, in its own time: each poll is a tenth of a second."""
 
-    def __init__(self, fault: GnssFault) -> None:
+    def __init__(self, fault: TimedFault) -> None:
         self.address = parse_device_url("mavlink:udpin:127.0.0.1:14550")
         self.now = 0.0
         self._autopilot = Autopilot(TRUTH, AutopilotTruth(default_hz=10.0), [fault])
@@ -78,16 +78,16 @@ class InMemory:
 @pytest.mark.parametrize(
     ("fault", "said"),
     [
-        (GnssFault("outage", 5.0, 5.0), "no bytes for 1.8 s"),
-        (GnssFault("no_fix", 5.0, 5.0), "no fix (3 satellites)"),
-        (GnssFault("wrong_system", 5.0, 5.0, 9), "system 1, 9 is there"),
-        (GnssFault("bad_crc", 5.0, 5.0), "no MAVLink frame"),
-        (GnssFault("noise", 5.0, 5.0), "no MAVLink frame"),
-        (GnssFault("half", 5.0, 5.0), "no MAVLink frame"),
-        (GnssFault("backlog", 5.0, 5.0), "no bytes for 1.8 s"),
+        (TimedFault("outage", 5.0, 5.0), "no bytes for 1.8 s"),
+        (TimedFault("no_fix", 5.0, 5.0), "no fix (3 satellites)"),
+        (TimedFault("wrong_system", 5.0, 5.0, 9), "system 1, 9 is there"),
+        (TimedFault("bad_crc", 5.0, 5.0), "no MAVLink frame"),
+        (TimedFault("noise", 5.0, 5.0), "no MAVLink frame"),
+        (TimedFault("half", 5.0, 5.0), "no MAVLink frame"),
+        (TimedFault("backlog", 5.0, 5.0), "no bytes for 1.8 s"),
     ],
 )
-def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(fault: GnssFault, said: str) -> None:
+def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(fault: TimedFault, said: str) -> None:
     source = InMemory(fault)
     feed, heard = GnssFeed(source, clock=source.clock), dict[str, float]()
     while source.now < 15.0:
@@ -101,7 +101,7 @@ def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(fault
 
 @pytest.mark.parametrize("kind", ["repeated", "deaf", "backlog", "noise", "half"])
 def test_no_fault_of_the_line_makes_a_fix_that_was_not_sent(kind: str) -> None:
-    source, clean = InMemory(GnssFault(kind, 5.0, 5.0)), InMemory(GnssFault(kind, 500.0, 5.0))
+    source, clean = InMemory(TimedFault(kind, 5.0, 5.0)), InMemory(TimedFault(kind, 500.0, 5.0))
     feed, true = GnssFeed(source, clock=source.clock), GnssFeed(clean, clock=clean.clock)
     while source.now < 15.0:
         feed.advance()
@@ -129,7 +129,7 @@ def test_a_jump_of_the_senders_time_does_not_bend_the_line(tmp_path: Path) -> No
         gnss.plant("time_jump", 2.0, 30.0)
         over = gnss.now + 12.0
         wait(feed, lambda: gnss.now > over)
-        line = feed.time_line(time.time_ns())
+        line = feed._utc.around(time.time_ns())  # noqa: SLF001
         assert line is not None
         assert line.rate == pytest.approx(10.0, rel=0.02)
         assert line.at(time.time_ns()) == pytest.approx(gnss.now + EPOCH_UTC, abs=1.0)

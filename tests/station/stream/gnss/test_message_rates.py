@@ -8,7 +8,7 @@ from drivers.device_url_parser import parse_device_url
 from drivers.mavlink.session import MavlinkSession
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_faults import GnssFault
+from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from station.stream.gnss import GnssFeed
 from station.stream.reader import Chunk, GapMark
@@ -20,7 +20,7 @@ LINK = "mavlink:udpin:127.0.0.1:14550"
 class Asked:
     """An autopilot that the station's session talks to, both in memory; each poll is a twentieth of a second."""
 
-    def __init__(self, autopilot: AutopilotTruth, faults: tuple[GnssFault, ...] = (), hz: float = 5.0) -> None:
+    def __init__(self, autopilot: AutopilotTruth, faults: tuple[TimedFault, ...] = (), hz: float = 5.0) -> None:
         self.address = parse_device_url(f"{LINK}?rate={hz:g}")
         self.now = 0.0
         self._session = MavlinkSession(hz)
@@ -47,7 +47,7 @@ def heard(source: Asked, until_s: float) -> dict[str, float]:
     return said
 
 
-DEAF = (GnssFault("deaf", 0.0, 1e6),)
+DEAF = (TimedFault("deaf", 0.0, 1e6),)
 
 
 @pytest.mark.parametrize(
@@ -61,7 +61,7 @@ DEAF = (GnssFault("deaf", 0.0, 1e6),)
     ids=["ignored", "unsupported", "denied", "no answer"],
 )
 def test_a_rate_that_was_not_granted_is_named_with_what_to_do(
-    autopilot: AutopilotTruth, faults: tuple[GnssFault, ...]
+    autopilot: AutopilotTruth, faults: tuple[TimedFault, ...]
 ) -> None:
     said = heard(Asked(autopilot, faults), 40.0)
     said.pop("")

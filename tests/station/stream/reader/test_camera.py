@@ -9,8 +9,8 @@ from mcap_protobuf.decoder import DecoderFactory
 
 from drivers.camera import CameraDecoder, CameraImage
 from drivers.errors import PortNotFound
-from drivers.simulated.camera_faults import CameraFault
 from drivers.simulated.camera_server import SimulatedCamera
+from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.stream.reader import Chunk, GapMark, Reader
@@ -83,7 +83,7 @@ def test_a_reader_that_hears_nothing_says_until_when(tmp_path: Path) -> None:
 
 
 def test_images_cut_short_are_left_out(tmp_path: Path) -> None:
-    faults = [CameraFault("cut", at_s=0.0, seconds=0.4), CameraFault("no_stamp", at_s=0.4, seconds=1000.0)]
+    faults = [TimedFault("cut", at_s=0.0, seconds=0.4), TimedFault("no_stamp", at_s=0.4, seconds=1000.0)]
     camera = SimulatedCamera(Truth(), faults=faults)
     with camera, Reader(camera.url, tmp_path / "camera_session.mcap") as reader:
         *_, images = collect(reader, 3)

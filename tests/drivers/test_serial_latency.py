@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from drivers import serial_port
-from drivers.latency_timer import latency_ms, shorten_latency
 from drivers.ports import open_port
+from drivers.serial_port import latency_ms, shorten_latency
 
 
 @pytest.fixture
