@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from drivers.wire import novatel, novatel_log
+from drivers.wire import novatel_log
 from drivers.wire._format import UNDECIDED, FrameKind, Identity, Octets, TextForm, WireFormat
 from drivers.wire.novatel_lines import CRC_DIGITS, MAX_LINE_CHARS, layout_of, lines
 from procedures.counts.sample_records import CountBlock
@@ -33,7 +33,7 @@ def is_intact(line: Octets) -> bool:
     """Say whether a line passes its CRC."""
     text = bytes(line)
     body, star, check = text[1 : -CRC_DIGITS - 1], text[-CRC_DIGITS - 1 : -CRC_DIGITS], text[-CRC_DIGITS:]
-    return text[:1] in (b"%", b"#") and star == b"*" and check == b"%08x" % novatel.crc(body)
+    return text[:1] in (b"%", b"#") and star == b"*" and check == b"%08x" % novatel_log.crc(body)
 
 
 def row(line: bytes) -> bytes:
@@ -57,7 +57,7 @@ def encode(block: CountBlock, dtype: np.dtype[np.void], message: int, name: str,
     for frame in novatel_log.rows(block, dtype, message):
         start = ",".join((f"{name}A", *_header(frame, is_long=is_long)))
         body = f"{start};{','.join(_fields(frame))}".encode("ascii")
-        lines.append(b"%s%s*%08x\r\n" % (b"#" if is_long else b"%", body, novatel.crc(body)))
+        lines.append(b"%s%s*%08x\r\n" % (b"#" if is_long else b"%", body, novatel_log.crc(body)))
     return b"".join(lines)
 
 

@@ -1,24 +1,35 @@
-"""The four raw IMU logs of NovAtel's receivers, binary: two headers, two bodies, one way to read them.
+"""The four raw IMU logs of NovAtel's receivers: headers, bodies, CRC, axis order, GPS time and scale factors.
 
 Short header (12 bytes, ``AA 44 13``): RAWIMUS, RAWIMUSX. Long header (28 bytes, ``AA 44 12``): RAWIMU, RAWIMUX.
 The X logs name the IMU type and have an error bit; the others are read as healthy whenever their time is one.
-Source: OEM7 manual, "Binary", "Description of ASCII and Binary Logs with Short Headers" and the logs' own pages.
+Sources: OEM7 manual (docs.novatel.com/OEM7), "Binary", "Description of ASCII and Binary Logs with Short Headers",
+"32-Bit CRC" and the logs' own pages; IMU type ids: novatel_oem7_driver, oem7_imu.hpp.
 """
 
+import zlib
+from collections.abc import Mapping
 from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 
-from drivers.wire import novatel
-from drivers.wire._format import FrameKind, Frames, Identity, WireFormat, fits, seal
+from drivers.wire._format import FrameKind, Frames, Identity, NominalScale, Octets, WireFormat, fits, seal
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock
+from procedures.units import M_PER_FT, RAD_PER_ARCSEC, RAD_PER_DEG, STANDARD_GRAVITY
 
 KVH_1750 = 33  # what `encode` says it is: a FOG IMU
 ERROR, ENCRYPTED = 0x01, 0x02  # IMU info bits; the rest are reserved
 BODY_BYTES = 40  # bytes, of every one of these logs
 LONG_SYNC, LONG_HEADER = b"\xaa\x44\x12", 28
 FINE_STEERING = 180  # OEM7 manual, GPS reference time status
+SHORT_SYNC = b"\xaa\x44\x13"
+LENGTH_AT = 3  # of the short header: the body's; of the long one: the header's own
+CHECK = "CRC-32, reflected polynomial EDB88320, initial 0, no final XOR, over everything before it"
+WEEK = 604800  # s
+INT32 = 2**31
+BAUD = 230400  # 56 bytes x 200 Hz x 10 bits = 112 kbit/s
+CARRIES = frozenset({"device_time", "status"})
 
 _SHORT = [("sync", "u1", 3), ("length", "u1"), ("id", "<u2"), ("log_week", "<u2"), ("log_ms", "<u4")]
 _LONG = [
@@ -53,18 +64,57 @@ def table(*, is_long: bool, is_typed: bool) -> np.dtype[np.void]:
     return np.dtype([*(_LONG if is_long else _SHORT), *(_TYPED if is_typed else _PLAIN), *_REST])
 
 
+def crc(data: Octets) -> int:
+    """Return NovAtel's CRC-32: zlib's register started at 0 and not inverted at the end."""
+    return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def is_intact(frame: Octets) -> bool:
+    """Say whether a frame passes: the CRC over a message and its own little-endian CRC is 0."""
+    return zlib.crc32(frame, 0xFFFFFFFF) == 0xFFFFFFFF
+
+
+def xyz(frames: Frames, name: str) -> IntArray:
+    """Return (n, 3) int64 x, y, z from the wire's Z, -Y, X; in 32 bits -(-2^31) would overflow."""
+    counts: IntArray = frames[name][:, ::-1] * np.array([1, -1, 1])
+    return counts
+
+
+def z_minus_y_x(counts: IntArray, name: str) -> IntArray:
+    """Return (n, 3) in the wire's order Z, -Y, X; raise ValueError where one does not fit 32 bits."""
+    return fits((counts * np.array([1, -1, 1]))[:, ::-1], -INT32, INT32 - 1, f"{name} (as Z, -Y, X)")
+
+
+def gps_time(week: IntArray, seconds: FloatArray) -> FloatArray:
+    """Return seconds since 1980-01-06; nan where the seconds are not within a week.
+
+    Weeks are counted in so that time rises over the change of week; double precision keeps 0.24 us of it.
+    """
+    with np.errstate(invalid="ignore", over="ignore"):
+        time: FloatArray = np.where((seconds >= 0) & (seconds < WEEK), week * float(WEEK) + seconds, np.nan)
+    return time
+
+
+def week_and_seconds(block: CountBlock) -> tuple[IntArray, FloatArray]:
+    """Return GPS week and seconds into it; raise ValueError for a time that they cannot hold."""
+    if not np.isfinite(block.device_time).all():
+        raise ValueError("device_time is not finite; this format sends a time with every frame")
+    week = fits(np.floor_divide(block.device_time, WEEK), 0, 2**16 - 1, "GPS week")
+    return week, block.device_time - week * float(WEEK)
+
+
 def decode(frames: Frames) -> CountBlock:
     """Return the counts; unhealthy where the IMU error or encrypted bit is set or the time is no time of week."""
-    time = novatel.gps_time(frames["week"].astype(np.int64), frames["seconds"])
+    time = gps_time(frames["week"].astype(np.int64), frames["seconds"])
     healthy = ~np.isnan(time)
     if "info" in (frames.dtype.names or ()):
         healthy &= (frames["info"] & (ERROR | ENCRYPTED)) == 0
     return CountBlock(
-        counter=novatel.no_counter(frames),
+        counter=np.full(len(frames), -1, dtype=np.int64),
         device_time=time,
-        gyro=novatel.xyz(frames, "gyro"),
-        accel=novatel.xyz(frames, "accel"),
-        temperature=novatel.unknown_temperature(frames),
+        gyro=xyz(frames, "gyro"),
+        accel=xyz(frames, "accel"),
+        temperature=np.full(len(frames), np.nan),
         status=frames["status"].astype(np.int64),
         healthy=healthy,
     )
@@ -73,26 +123,26 @@ def decode(frames: Frames) -> CountBlock:
 def rows(block: CountBlock, dtype: np.dtype[np.void], message: int) -> Frames:
     """Return a block as rows of a log's table, CRC still 0, as a KVH 1750 (type 33) gives them."""
     frames = np.zeros(len(block), dtype)
-    week, seconds = novatel.week_and_seconds(block)
+    week, seconds = week_and_seconds(block)
     _fill_header(frames, message, week, seconds)
     frames["week"], frames["seconds"] = week, seconds
     if "info" in (dtype.names or ()):
         frames["info"], frames["type"] = np.where(block.healthy, 0, ERROR), KVH_1750
     frames["status"] = fits(block.status, 0, 2**32 - 1, "status")
     for name, counts in (("accel", block.accel), ("gyro", block.gyro)):
-        frames[name] = novatel.z_minus_y_x(counts, name)
+        frames[name] = z_minus_y_x(counts, name)
     return frames
 
 
 def encode(block: CountBlock, dtype: np.dtype[np.void], message: int) -> bytes:
     """Return the frames of a block; counter and temperature are not sent, nor health where there is no type."""
-    return seal(rows(block, dtype, message), novatel.crc)
+    return seal(rows(block, dtype, message), crc)
 
 
 def identify(frame: bytes, dtype: np.dtype[np.void]) -> Identity:
     """Return the IMU model that the type byte names; the log has no serial number."""
     imu_type = int(np.frombuffer(frame, dtype)["type"][0])
-    scale = novatel.MODELS.get(imu_type)
+    scale = MODELS.get(imu_type)
     if scale is None:
         return Identity(model=f"NovAtel IMU type {imu_type}")
     return Identity(model=scale.model, period=1 / scale.rate_hz)
@@ -101,25 +151,25 @@ def identify(frame: bytes, dtype: np.dtype[np.void]) -> Identity:
 def binary_log(name: str, message: int, dtype: np.dtype[np.void], page: str, example: bytes) -> WireFormat:
     """Return the wire format of one log, asked for with ``log NAMEb onnew``."""
     is_long, is_typed = "header" in (dtype.names or ()), "type" in (dtype.names or ())
-    sync, size = (LONG_SYNC, LONG_HEADER) if is_long else (novatel.SYNC, BODY_BYTES)
+    sync, size = (LONG_SYNC, LONG_HEADER) if is_long else (SHORT_SYNC, BODY_BYTES)
     imu = FrameKind(prefix=sync + bytes((size,)) + message.to_bytes(2, "little"), dtype=dtype)
     return WireFormat(
         name=name,
         title=f"NovAtel {name.upper()} {'long' if is_long else 'short'} binary",
         source=f"docs.novatel.com/OEM7, log {page} (message {message})",
         sync=sync,
-        length_at=novatel.LENGTH_AT,
+        length_at=LENGTH_AT,
         imu=imu,
-        check=novatel.CHECK,
+        check=CHECK,
         check_bits=32,
-        is_intact=novatel.is_intact,
+        is_intact=is_intact,
         decode=decode,
         encode=partial(encode, dtype=dtype, message=message),
-        carries=novatel.CARRIES | ({"healthy"} if is_typed else set()),
-        baud=novatel.BAUD,
+        carries=CARRIES | ({"healthy"} if is_typed else set()),
+        baud=BAUD,
         identity=imu if is_typed else None,
         identify=partial(identify, dtype=dtype) if is_typed else None,
-        scales=novatel.SCALES,
+        scales=SCALES,
         example=example,
     )
 
@@ -127,8 +177,49 @@ def binary_log(name: str, message: int, dtype: np.dtype[np.void], page: str, exa
 def _fill_header(frames: Frames, message: int, week: IntArray, seconds: FloatArray) -> None:
     """Fill in the header: week and millisecond of the log."""
     is_long = "header" in (frames.dtype.names or ())
-    frames["sync"] = np.frombuffer(LONG_SYNC if is_long else novatel.SYNC, np.uint8)
+    frames["sync"] = np.frombuffer(LONG_SYNC if is_long else SHORT_SYNC, np.uint8)
     frames["length"], frames["id"], frames["log_week"] = BODY_BYTES, message, week
     frames["log_ms"] = (seconds * 1000).astype(np.uint32)
     if is_long:
         frames["header"], frames["time_status"] = LONG_HEADER, FINE_STEERING
+
+
+def _models() -> Mapping[int, NominalScale]:
+    page = "OEM7 manual, RAWIMUSX, raw IMU scale factors"
+    # The driver's 1/3.2808 is 12 ppm off the exact foot.
+    foot27, foot26 = M_PER_FT * 2.0**-27, M_PER_FT * 2.0**-26
+    # oem7_imu.cpp returns the KVH value in degrees where all others are radians: 57.3 times too large.
+    fsas = (0.1 * 2.0**-8 * RAD_PER_ARCSEC, 0.05 * 2.0**-15)
+    # Per second: these send rates.
+    epson320 = (0.008 * 2.0**-16 * RAD_PER_DEG, 0.2e-3 * 2.0**-16 * STANDARD_GRAVITY)
+    epson370 = (0.0151515 * 2.0**-16 * RAD_PER_DEG, 0.4e-3 * 2.0**-16 * STANDARD_GRAVITY)
+    table: tuple[tuple[int, str, float, float, float], ...] = (  # type, model, rad, m/s per count, Hz
+        (1, "HG1700 AG11", 2.0**-33, foot27, 100),
+        (4, "HG1700 AG17", 2.0**-33, foot26, 100),
+        (5, "HG1900 CA29", 2.0**-33, foot27, 100),
+        (8, "LN-200", 2.0**-19, 2.0**-14, 200),
+        (11, "HG1700 AG58", 2.0**-33, foot27, 100),
+        (12, "HG1700 AG62", 2.0**-33, foot26, 100),
+        (13, "iMAR FSAS", *fsas, 200),
+        (16, "KVH COTS", *fsas, 200),
+        (20, "HG1930 AA99", 2.0**-33, foot27, 100),
+        (26, "ISA-100C", 1e-9, 2e-8, 200),  # listed at 100 Hz once: novatel_oem7_driver issue 79
+        (27, "HG1900 CA50", 2.0**-33, foot27, 100),
+        (28, "HG1930 CA50", 2.0**-33, foot27, 100),
+        (31, "ADIS16488", 720 * 2.0**-31 * RAD_PER_DEG, 200 * 2.0**-31, 200),
+        (32, "STIM300", 2.0**-21 * RAD_PER_DEG, 2.0**-22, 125),
+        (33, "KVH 1750", *fsas, 200),
+        (41, "Epson EG320N", epson320[0] / 125, epson320[1] / 125, 125),
+        (52, "LITEF uIMU-IC", 1e-9, 2e-8, 200),
+        (56, "STIM300D", 2.0**-21 * RAD_PER_DEG, 2.0**-22, 125),
+        (58, "HG4930 AN01", 2.0**-33, 2.0**-29, 100),
+        (61, "Epson EG370N", epson370[0] / 200, epson370[1] / 200, 200),
+        (62, "Epson EG320N 200 Hz", epson320[0] / 200, epson320[1] / 200, 200),
+        (68, "HG4930 AN04", 2.0**-33, 2.0**-29, 100),
+        (69, "HG4930 AN04 400 Hz", 2.0**-33, 2.0**-29, 400),
+    )
+    return MappingProxyType({row[0]: NominalScale(*row[1:], source=page) for row in table})
+
+
+MODELS = _models()  # by IMU type
+SCALES: Mapping[str, NominalScale] = MappingProxyType({scale.model: scale for scale in MODELS.values()})

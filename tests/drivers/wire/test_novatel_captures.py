@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drivers.framing import Decoder, sniff
-from drivers.wire import FORMATS, WireFormat, novatel, rawimus, rawimusx
+from drivers.wire import FORMATS, WireFormat, novatel_log, rawimus, rawimusx
 from procedures.counts.sample_records import CountBlock
 from tests.drivers.wire.captures import CAPTURES, needs_captures
 
@@ -84,19 +84,19 @@ def test_a_line_with_other_fields_is_counted_and_refused() -> None:
     for fields in (b"1,2,3", b"00,11,1692,x,00801503,1,2,3,4,5,6", b"00,11,99999999,1.0,0,1,2,3,4,5,6"):
         body = b"RAWIMUSXA,1692,484620.664;" + fields
         decoder = Decoder(FORMATS["rawimusxa"])
-        assert len(decoder.feed(b"%%%s*%08x\r\n" % (body, novatel.crc(body)))) == 0
+        assert len(decoder.feed(b"%%%s*%08x\r\n" % (body, novatel_log.crc(body)))) == 0
         assert decoder.counters.bad_length == 1
 
 
 def test_the_crc_is_novatels_and_not_zlibs() -> None:
     # The published frame's own CRC, and the bitwise definition in the manual on a short message.
-    assert novatel.crc(rawimusx.FORMAT.example[:-4]) == 0xBAAF5F47
+    assert novatel_log.crc(rawimusx.FORMAT.example[:-4]) == 0xBAAF5F47
     register = 0
     for octet in b"123456789":
         register ^= octet
         for _ in range(8):
             register = register >> 1 ^ (0xEDB88320 if register & 1 else 0)
-    assert novatel.crc(b"123456789") == register != zlib.crc32(b"123456789")
+    assert novatel_log.crc(b"123456789") == register != zlib.crc32(b"123456789")
 
 
 @pytest.mark.parametrize("wire", [rawimusx.FORMAT, rawimus.FORMAT], ids=lambda wire: wire.name)
@@ -134,15 +134,15 @@ def test_the_imu_error_and_encrypted_bits_are_read(info: int, healthy: bool) -> 
 
 
 def test_scales_are_in_radians_and_metres_for_every_model() -> None:
-    assert novatel.SCALES["KVH 1750"].gyro == pytest.approx(0.1 / 256 / 3600 * np.pi / 180, rel=1e-12)
-    assert novatel.SCALES["KVH 1750"].gyro == novatel.SCALES["iMAR FSAS"].gyro
-    assert novatel.SCALES["HG1700 AG58"].accel == pytest.approx(0.3048 * 2.0**-27, rel=1e-12)
-    assert novatel.SCALES["ISA-100C"].rate_hz == 200  # 100 Hz here once halved every output
-    assert len(novatel.SCALES) == len(novatel.MODELS)
+    assert novatel_log.SCALES["KVH 1750"].gyro == pytest.approx(0.1 / 256 / 3600 * np.pi / 180, rel=1e-12)
+    assert novatel_log.SCALES["KVH 1750"].gyro == novatel_log.SCALES["iMAR FSAS"].gyro
+    assert novatel_log.SCALES["HG1700 AG58"].accel == pytest.approx(0.3048 * 2.0**-27, rel=1e-12)
+    assert novatel_log.SCALES["ISA-100C"].rate_hz == 200  # 100 Hz here once halved every output
+    assert len(novatel_log.SCALES) == len(novatel_log.MODELS)
 
 
 @needs_captures
 def test_gravity_comes_out_of_a_real_frame_at_the_models_scale() -> None:
-    scale = novatel.SCALES["HG1700 AG58"]  # type 11: the first frame, level and at rest
+    scale = novatel_log.SCALES["HG1700 AG58"]  # type 11: the first frame, level and at rest
     block = FORMATS["rawimusx"].decode(np.frombuffer(FORMATS["rawimusx"].example, rawimusx.FRAME))
     assert np.linalg.norm(block.accel) * scale.accel * scale.rate_hz == pytest.approx(9.8, abs=0.05)
