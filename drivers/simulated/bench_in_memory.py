@@ -28,7 +28,7 @@ from procedures.campaign.campaign import (
 from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import AXES, FACES, TURN_START, face_of
-from procedures.rests_and_moves.free_attitudes import LEANS, leaned, way_up
+from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, C_bn_of_up, up_vector
 
 SETTLING_S = 5.0  # of every move, the last seconds are a wait for the cube to settle
 MAX_REVOLUTIONS = 100
@@ -76,8 +76,8 @@ class SimulatedBench:
                 return self._dwell(step.position, step.seconds)
             case Soak(up=up) if up:
                 return self._dwell(next(p for p in ALL_POSITIONS if face_of(p) == up), step.seconds)
-        up_b = way_up(LEANS[(step.number - 1) % len(LEANS)])
-        return self._rest(leaned(up_b, self._hands.uniform(0, 2 * np.pi)), step.seconds)
+        up_b = up_vector(UP_DIRECTIONS[(step.number - 1) % len(UP_DIRECTIONS)])
+        return self._rest(C_bn_of_up(up_b, self._hands.uniform(0, 2 * np.pi)), step.seconds)
 
     def free(self, C_bn: FloatArray, seconds: float) -> CountSeries:
         """Rest in an attitude (3, 3), East-North-Up to the cube, that is none of the twelve positions."""

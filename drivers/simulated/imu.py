@@ -21,7 +21,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.plan_steps import Turn
 from procedures.counts.sample_records import CountBlock, RateBlock
 from procedures.frames import rotation
-from procedures.rests_and_moves.free_attitudes import leaned
+from procedures.rests_and_moves.free_attitudes import C_bn_of_up
 
 Z_UP_POSITION = 9  # the position with z up, as which it is carried
 LEAN_STD_DEG = 3.0  # how far off a free attitude is set by hand
@@ -87,7 +87,7 @@ class SimulatedImu:
             raise ValueError(f"lean {up_b}: expected a way that can point up")
         missed = np.radians(LEAN_STD_DEG) * self._scatter * self._hands.standard_normal(3)
         heading = self._hands.uniform(0, 2 * np.pi)
-        C_bn = rotation(missed) @ leaned(up_b, heading)
+        C_bn = rotation(missed) @ C_bn_of_up(up_b, heading)
         move = flip(self._last_C_bn(), C_bn, self._samples(move_s), self.truth.sample_period_s, self._hands)
         self._append(move, rest(C_bn, None, 0, 0))
         self.position = 0

@@ -2,13 +2,13 @@
 
 ``C_lb`` takes the cube's axes to the slab's East, North, Up. A small angle theta (3,) that the gyros saw, cube
 axes, makes it ``C_lb exp([theta x])``. Gravity says the two tilts, by a rotation about a level axis, which leaves
-the heading alone. The heading is known only from what told it last, and less well with what came since:
+the heading alone. The heading is known only from its last fix, and less well with what came since:
 
-    std^2 = told^2 + (k_std turned)^2 + (MISALIGNED path)^2 + lost^2
+    std^2 = fix^2 + (k_std turned)^2 + (GYRO_MISALIGNMENT_RAD path)^2 + gap^2
 
 with ``turned`` the angle about the vertical, whose scale is known to ``k_std``, ``path`` that about level axes,
-of which a gyro that is off square shows that part about the vertical, ``lost`` what a gap may hide. Where nothing
-has told it, std is infinite: it is not known, and no value of it means anything.
+of which a misaligned gyro shows that part about the vertical, ``gap`` what a gap in the data may hide. Without a
+fix std is infinite: the heading is not known, and no value of it means anything.
 
 Rotation vectors: Rodrigues, `procedures.frames.rotation`. The bookkeeping of the sigma is this project's own.
 """
@@ -19,22 +19,22 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.frames import face_normal, face_of, nominal_C_lb, rotation, vertical_rotation
-from procedures.rests_and_moves.free_attitudes import leaned
+from procedures.rests_and_moves.free_attitudes import C_bn_of_up
 
-MISALIGNED = 0.01  # rad: gyros are 0.1 deg to 1 deg off square
-HAND_RATE = np.pi / 2  # rad/s: as fast as hands turn a cube that nobody watches
-AGREES = 4.0  # sigma
+GYRO_MISALIGNMENT_RAD = 0.01  # rad: gyros are 0.1 deg to 1 deg off square
+HAND_RATE_RAD_S = np.pi / 2  # rad/s: as fast as hands turn a cube that nobody watches
+MAX_HEADING_SIGMAS = 4.0  # sigma
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Standing:
-    """``C_lb`` (3, 3); ``told_std`` [rad] of the heading when it was told last, infinite if never.
+class CubeAttitude:
+    """``C_lb`` (3, 3); ``heading_fix_std`` [rad] of the heading's last fix, infinite without one.
 
     ``turned`` and ``path`` [rad] since then.
     """
 
     C_lb: FloatArray
-    told_std: float = np.inf
+    heading_fix_std: float = np.inf
     turned: float = 0.0
     path: float = 0.0
 
@@ -46,16 +46,16 @@ class Standing:
 
     def heading_std(self, k_std: float) -> float:
         """Return 1 sigma of the heading [rad]; ``k_std`` is that of the gyros' scale factor, relative."""
-        parts = np.array([self.told_std, k_std * self.turned, MISALIGNED * self.path])
+        parts = np.array([self.heading_fix_std, k_std * self.turned, GYRO_MISALIGNMENT_RAD * self.path])
         return float(np.sqrt(parts @ parts)) if np.isfinite(parts).all() else np.inf
 
 
-def standing(up: FloatArray) -> Standing:
+def attitude_of_up(up: FloatArray) -> CubeAttitude:
     """Return a cube of which no more is known than which way ``up`` (3,), cube axes, is up."""
-    return Standing(leaned(up).T)
+    return CubeAttitude(C_bn_of_up(up).T)
 
 
-def carried(before: Standing, angles: FloatArray) -> Standing:
+def propagated(before: CubeAttitude, angles: FloatArray) -> CubeAttitude:
     """Return the cube after the small rotations ``angles`` (n, 3) [rad], cube axes, one after the other."""
     C, turned, path = before.C_lb, before.turned, before.path
     for angle, step in zip(angles, rotation(angles), strict=True):
@@ -66,50 +66,53 @@ def carried(before: Standing, angles: FloatArray) -> Standing:
     return replace(before, C_lb=C, turned=turned, path=path)
 
 
-def levelled(before: Standing, up: FloatArray, gain: float) -> Standing:
+def tilt_corrected(before: CubeAttitude, up: FloatArray, gain: float) -> CubeAttitude:
     """Return the cube tilted by ``gain`` of the way to where ``up`` (3,), a unit vector in cube axes, is up."""
     seen = before.C_lb @ up
     axis = np.array([seen[1], -seen[0], 0.0])  # seen x vertical: level
     sine = float(np.linalg.norm(axis))
     if sine < 1e-9:  # upright, or upside down: which way over, nothing says
-        return before if seen[2] > 0 else replace(standing(up), path=before.path)
+        return before if seen[2] > 0 else replace(attitude_of_up(up), path=before.path)
     angle = float(np.arctan2(sine, seen[2]))
     return replace(before, C_lb=_square(rotation(axis / sine * angle * gain) @ before.C_lb))
 
 
-def lost_sight(before: Standing, seconds: float, k_std: float) -> Standing:
-    """Return the cube after a gap in which nobody saw it: hands turn it by `HAND_RATE` at most."""
+def after_gap(before: CubeAttitude, seconds: float, k_std: float) -> CubeAttitude:
+    """Return the cube after a gap in which nobody saw it: hands turn it by `HAND_RATE_RAD_S` at most."""
     return replace(
-        before, told_std=float(np.hypot(before.heading_std(k_std), HAND_RATE * seconds)), turned=0, path=0
+        before,
+        heading_fix_std=float(np.hypot(before.heading_std(k_std), HAND_RATE_RAD_S * seconds)),
+        turned=0,
+        path=0,
     )
 
 
-def forgotten(before: Standing) -> Standing:
+def without_heading(before: CubeAttitude) -> CubeAttitude:
     """Return the cube with its heading unknown."""
-    return replace(before, told_std=np.inf, turned=0.0, path=0.0)
+    return replace(before, heading_fix_std=np.inf, turned=0.0, path=0.0)
 
 
-def told(before: Standing, off: float, std: float, k_std: float) -> Standing:
-    """Return the cube once its heading was told: ``off`` [rad], 1 sigma ``std``, farther counter-clockwise.
+def heading_corrected(before: CubeAttitude, off: float, std: float, k_std: float) -> CubeAttitude:
+    """Return the cube once its heading is fixed: ``off`` [rad], 1 sigma ``std``, farther counter-clockwise.
 
-    The mean by both sigmas; where they contradict each other what was told counts, as it does not drift.
+    The mean by both sigmas; where they contradict each other the fix counts, as it does not drift.
     """
     known = before.heading_std(k_std)
     if not np.isfinite(std):
         return before
-    agrees = abs(off) <= AGREES * np.hypot(known, std)
+    agrees = abs(off) <= MAX_HEADING_SIGMAS * np.hypot(known, std)
     share = known**2 / (known**2 + std**2) if agrees and np.isfinite(known) else 1.0
     C = vertical_rotation(share * off) @ before.C_lb
-    return Standing(C, float(np.sqrt(share)) * std)
+    return CubeAttitude(C, float(np.sqrt(share)) * std)
 
 
-def heading_off(now: Standing, position: int) -> float:
+def heading_to_position(now: CubeAttitude, position: int) -> float:
     """Return how far to turn the cube [rad], counter-clockwise seen from above, to stand as in ``position``.
 
     Between -pi and pi; it must rest on the face of that position, near enough.
     """
     up = face_normal(face_of(position))
-    C = levelled(now, up, 1.0).C_lb
+    C = tilt_corrected(now, up, 1.0).C_lb
     turn = nominal_C_lb(position) @ C.T  # about the vertical
     return float(np.arctan2(turn[1, 0], turn[0, 0]))
 

@@ -17,7 +17,7 @@ from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import CubeMeasurement, common_and_difference
 from procedures.statistics.multiple_testing import holm
 
-CHANGED = 0.01  # p-value, by Holm over all values, below which a cube is said to have changed
+CHANGED_P_VALUE = 0.01  # p-value, by Holm over all values, below which a cube is said to have changed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,11 +41,11 @@ class CubeDrift:
     @property
     def changed(self) -> tuple[str, ...]:
         """The values that moved beyond chance."""
-        return tuple(name for name, p in zip(self.names, self.p_adjusted, strict=True) if p < CHANGED)
+        return tuple(name for name, p in zip(self.names, self.p_adjusted, strict=True) if p < CHANGED_P_VALUE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Comparison:
+class CubeComparison:
     """Two statements of one cube: ``difference`` (n,) [rad], second less first, 1 sigma, chi-square over all."""
 
     names: tuple[str, ...]
@@ -73,7 +73,7 @@ def drift(measurements: Sequence[CubeMeasurement], months: Sequence[float]) -> C
     return CubeDrift(quantities, shift, shift_std, trend, trend_std, chi2, of_trend, dof, p_adjusted)
 
 
-def compare(first: MeasuredCube, second: MeasuredCube) -> Comparison | None:
+def compare(first: MeasuredCube, second: MeasuredCube) -> CubeComparison | None:
     """Compare two independent statements, as of a laboratory and of IMUs; None if no value is in both."""
     names = [name for name in first.names if name in second.names]
     if not names:
@@ -85,7 +85,7 @@ def compare(first: MeasuredCube, second: MeasuredCube) -> Comparison | None:
     difference: FloatArray = value[1] - value[0]
     chi2 = float(difference @ np.linalg.solve(covariance, difference))
     std = np.sqrt(np.diag(covariance))
-    return Comparison(quantities, difference, std, chi2, float(stats.chi2.sf(chi2, len(quantities))))
+    return CubeComparison(quantities, difference, std, chi2, float(stats.chi2.sf(chi2, len(quantities))))
 
 
 def _stacked(

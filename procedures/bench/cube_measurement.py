@@ -27,25 +27,34 @@ from procedures.campaign.campaign import Campaign, MeasuredCube
 from procedures.campaign.dead_channels import without_dead
 from procedures.campaign.measured_cube import NAMES, SKEW, CubeMeasurement, UnitShare, from_tilts, turning
 from procedures.campaign.observations import TriadDwells, TriadRests, dwell_rates, rest_rates
-from procedures.dwells_and_turns.bench_parameters import FACE_RANGE, SLAB_RANGE, Bench, Placement
-from procedures.dwells_and_turns.twelve_position import ALIVE, is_determined
+from procedures.dwells_and_turns.bench_parameters import (
+    FACE_TILT_RANGE_RAD,
+    SLAB_TILT_RANGE_RAD,
+    BenchParameters,
+    Placement,
+)
+from procedures.dwells_and_turns.twelve_position import MIN_RESPONSE_SIGMAS, is_determined
 from procedures.errors import NotObservable
 from procedures.frames import rotation
 from procedures.statistics.least_squares import Fit, minimise
 from procedures.units import STANDARD_GRAVITY
 
-QUADRATIC = 5e-5  # g/g^2, 1 sigma: a servo accelerometer's K2 is some 10 to 100 ug/g^2
-DOUBTFUL = 0.01  # p-value of a test below which what it tests is said to be in doubt
-OPEN = 1.0  # rad: no range is assumed of parallelism, which would pull two measurements of a cube alike
-TURN_RANGE = 1e-4  # rad, 1 sigma: how far the cube's mean normals turn as a whole from the axes of its drawing
-WEAK = 0.1  # of a plausible range: what a unit knows no better is left to the range
-SEEN = FACE_RANGE / 3  # rad: a skew known no better than this comes from its plausible range
-KNOWN = FACE_RANGE * np.sqrt(2)  # rad: a parallelism known no better than this says nothing: a pair has two faces
-CUBE, T, K2, OWN = slice(0, 12), slice(12, 15), slice(15, 18), 18  # where a unit's parameters stand
-EACH = 11  # per campaign beside headings: k (relative), R, D, 3 each, slab 2
+K2_STD_G_PER_G2 = 5e-5  # g/g^2, 1 sigma: a servo accelerometer's K2 is some 10 to 100 ug/g^2
+DOUBTFUL_P_VALUE = 0.01  # p-value of a test below which what it tests is said to be in doubt
+# rad: no range is assumed of parallelism, which would pull two measurements of a cube alike
+PARALLELISM_RANGE_RAD = 1.0
+# rad, 1 sigma: how far the cube's mean normals turn as a whole from the axes of its drawing
+CUBE_TURN_STD_RAD = 1e-4
+WEAK_SHARE_OF_RANGE = 0.1  # of a plausible range: what a unit knows no better is left to the range
+MAX_SKEW_STD_RAD = FACE_TILT_RANGE_RAD / 3  # rad: a skew known no better than this comes from its plausible range
+MAX_PARALLELISM_STD_RAD = FACE_TILT_RANGE_RAD * np.sqrt(
+    2
+)  # rad: a parallelism known no better than this says nothing: a pair has two faces
+CUBE, T, K2, CAMPAIGNS_FROM = slice(0, 12), slice(12, 15), slice(15, 18), 18  # where a unit's parameters stand
+PER_CAMPAIGN = 11  # per campaign beside headings: k (relative), R, D, 3 each, slab 2
 
 
-def measure_cube(campaigns: Sequence[Campaign], quadratic_std: float = QUADRATIC) -> CubeMeasurement:
+def measure_cube(campaigns: Sequence[Campaign], quadratic_std: float = K2_STD_G_PER_G2) -> CubeMeasurement:
     """Measure the cube that all ``campaigns``, of one unit or several, were recorded with.
 
     Raises
@@ -72,7 +81,7 @@ def _measured(campaigns: Sequence[Campaign], quadratic_std: float, dead: Sequenc
     for name, unit in units.items():
         fit, p_value, factor = unit.solve(quadratic_std)
         roots.append(unit.root(fit, quadratic_std))
-        if p_value < DOUBTFUL:
+        if p_value < DOUBTFUL_P_VALUE:
             warnings.append(
                 f"{name}: the residual is larger than counting noise explains (p {p_value:.2g}); its sigmas were "
                 f"taken {factor:.2g} times as large"
@@ -112,7 +121,7 @@ def _joined(
     found = MeasuredCube(tuple(np.array(NAMES)[kept].tolist()), G @ x, total, tuple(names))
     p_value = float(stats.chi2.sf(chi2, dof)) if dof > 0 else 1.0
     measurement = CubeMeasurement(found, noise, shares, chi2, dof, p_value, tuple(warnings))
-    if p_value >= DOUBTFUL:
+    if p_value >= DOUBTFUL_P_VALUE:
         return measurement
     said = f"the units, or K2 and its range, disagree: chi-square {chi2:.4g} at {dof} degrees of freedom"
     return replace(measurement, warnings=(*warnings, f"{said}, p {p_value:.2g}"))
@@ -122,9 +131,12 @@ def _plausible(units: int, quadratic_std: float) -> FloatArray:
     """Return (n, n), n = 12 + 3 units: rows that whiten parallelism, skew, turning, and each unit's K2."""
     rows = np.zeros((12 + 3 * units, 12 + 3 * units))
     rows[:9, :12] = (
-        from_tilts() / np.where([name in SKEW for name in NAMES], FACE_RANGE * np.sqrt(2), OPEN)[:, None]
+        from_tilts()
+        / np.where([name in SKEW for name in NAMES], FACE_TILT_RANGE_RAD * np.sqrt(2), PARALLELISM_RANGE_RAD)[
+            :, None
+        ]
     )
-    rows[9:12, :12] = turning() / (TURN_RANGE * np.sqrt(2))
+    rows[9:12, :12] = turning() / (CUBE_TURN_STD_RAD * np.sqrt(2))
     rows[12:, 12:] = np.eye(3 * units) / quadratic_std
     return rows
 
@@ -132,7 +144,7 @@ def _plausible(units: int, quadratic_std: float) -> FloatArray:
 def _seen(covariance: FloatArray) -> FloatArray:
     """Mark the values (9,) that are measured: those known better than is plausible."""
     std = np.sqrt(np.diag(covariance))
-    most = np.array([SEEN if name in SKEW else KNOWN for name in NAMES])
+    most = np.array([MAX_SKEW_STD_RAD if name in SKEW else MAX_PARALLELISM_STD_RAD for name in NAMES])
     return np.asarray(std < most)
 
 
@@ -150,25 +162,27 @@ def _consistency(A: FloatArray, z: FloatArray, x: FloatArray, covariance: FloatA
 
 
 class _Unit:
-    """One unit's campaigns; parameters are cube (12), T (3), K2 (3), then per campaign `EACH` and headings."""
+    """One unit's campaigns; parameters: cube (12), T (3), K2 (3), per campaign `PER_CAMPAIGN` and headings."""
 
     def __init__(self, campaigns: tuple[Campaign, ...]) -> None:
         seen = [dwell_rates([campaign], "accelerometer") for campaign in campaigns]
         if any(each is None for each in seen):
             raise NotObservable("the cube", ["dwells of the accelerometers in face positions"])
-        self.stands = [_Stand(campaign, each) for campaign, each in zip(campaigns, seen, strict=True) if each]
+        self.stands = [
+            _CampaignOnCube(campaign, each) for campaign, each in zip(campaigns, seen, strict=True) if each
+        ]
         self.T = self.stands[0].T
 
     def solve(self, quadratic_std: float) -> tuple[Fit, float, float]:
         """Return the fit, its p-value, and the factor that every sigma was then multiplied by."""
-        size = OWN + sum(stand.size for stand in self.stands)
+        size = CAMPAIGNS_FROM + sum(stand.size for stand in self.stands)
         start = np.zeros(size)
         start[T] = self.T
         scale = np.full(size, 0.1)
         fit = minimise(lambda x: self._residual(x, quadratic_std), start, scale)
         chi2, dof = self._fit_quality(fit)
         p_value = float(stats.chi2.sf(chi2, dof)) if dof > 0 else 1.0
-        if p_value >= DOUBTFUL:
+        if p_value >= DOUBTFUL_P_VALUE:
             return fit, p_value, 1.0
         factor = float(np.sqrt(chi2 / dof))
         for stand in self.stands:
@@ -181,19 +195,19 @@ class _Unit:
         Everything else is eliminated; the rows of what is plausible are left out. So is what the unit hardly
         knows: to second order it depends on where the unit's own fit stands.
         """
-        columns = np.r_[np.arange(12, 15), np.arange(OWN, len(fit.x)), np.arange(15, 18), np.arange(12)]
+        columns = np.r_[np.arange(12, 15), np.arange(CAMPAIGNS_FROM, len(fit.x)), np.arange(15, 18), np.arange(12)]
         J = fit.jacobian[15:]
         rows = np.column_stack((J[:, columns], J @ fit.x - fit.residual[15:]))
         whole = np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
         R = whole[len(columns) - 15 : len(columns), len(columns) - 15 :]
-        ranges = np.concatenate((np.full(3, quadratic_std), np.full(12, FACE_RANGE)))
+        ranges = np.concatenate((np.full(3, quadratic_std), np.full(12, FACE_TILT_RANGE_RAD)))
         U, known, _ = np.linalg.svd(R[:, :-1] * ranges)
-        R = U[:, known > 1 / WEAK].T @ R
+        R = U[:, known > 1 / WEAK_SHARE_OF_RANGE].T @ R
         return R[:, :-1], R[:, -1]
 
     def _residual(self, x: FloatArray, quadratic_std: float) -> FloatArray:
         """Return priors of cube and K2 (15 rows), then each campaign's dwells, rests and priors, whitened."""
-        parts, at = [_plausible(1, quadratic_std) @ x[np.r_[CUBE, K2]]], OWN
+        parts, at = [_plausible(1, quadratic_std) @ x[np.r_[CUBE, K2]]], CAMPAIGNS_FROM
         for stand in self.stands:
             parts.append(stand.residual(x[CUBE], x[T], x[K2], x[at : at + stand.size]))
             at += stand.size
@@ -205,16 +219,16 @@ class _Unit:
         return float(np.sum(fit.residual[rows] ** 2)), round(float(np.sum((1 - fit.leverage)[rows])))
 
 
-class _Stand:
+class _CampaignOnCube:
     """One campaign on the cube: its dwells, its rests outside the positions, and what belongs to it alone."""
 
     def __init__(self, campaign: Campaign, seen: TriadDwells) -> None:
         refuse_wrong_faces(seen, [campaign.fixture.C_sb])
         at = tuple(Placement(0, 0, dwell.position, campaign.sigma.heading) for _, dwell in seen.dwells)
-        self.bench = Bench(at, (campaign,), 1)
+        self.bench = BenchParameters(at, (campaign,), 1)
         self.campaign, self.seen, self.factor = campaign, seen, 1.0
         self.gravity = campaign.site.gravity / STANDARD_GRAVITY
-        self.size = EACH + len(at)
+        self.size = PER_CAMPAIGN + len(at)
         self.C_sb = campaign.fixture.C_sb
         K, b = self._affine()
         self.k = np.linalg.norm(K, axis=1)
@@ -237,7 +251,7 @@ class _Stand:
         if not is_determined(u):
             raise NotObservable("the cube", ["dwells in the twelve positions"])
         linear = np.asarray(np.linalg.lstsq(np.hstack((u, np.ones((len(u), 1)))), self.seen.rate, rcond=None)[0])
-        if np.any(np.linalg.norm(linear[:3], axis=0) < ALIVE * np.median(self.seen.std, axis=0)):
+        if np.any(np.linalg.norm(linear[:3], axis=0) < MIN_RESPONSE_SIGMAS * np.median(self.seen.std, axis=0)):
             raise NotObservable("the cube", ["accelerometers that respond to gravity on every axis"])
         return linear[:3].T, linear[3]
 
@@ -245,13 +259,13 @@ class _Stand:
         """Return dwells, norms of rests, then slab and headings against their priors, whitened."""
         gain, turn, bias, tilt = 1 + own[:3], rotation(own[3:6]) @ self.Q, self.D + own[6:9], own[9:11]
         E = _lower(t) @ turn
-        x = np.concatenate((tilt, [0.0], cube, own[EACH:]))
+        x = np.concatenate((tilt, [0.0], cube, own[PER_CAMPAIGN:]))
         u = self.bench.seen(x, [np.array([0.0, 0.0, self.gravity])]) @ self.C_sb.T
         model = gain * (u @ E.T + bias + K2 * u**2)
         parts = [((self.seen.rate / self.k - model) / (self.factor * self.std)).ravel()]
         if self.rests is not None:
             parts.append(self._norms(self.rests, gain, E, bias, K2))
-        parts += [tilt / SLAB_RANGE, own[EACH:] / self.campaign.sigma.heading]
+        parts += [tilt / SLAB_TILT_RANGE_RAD, own[PER_CAMPAIGN:] / self.campaign.sigma.heading]
         return np.concatenate(parts)
 
     def _norms(

@@ -5,7 +5,7 @@ noise n [count/sqrt(s)] leaves ``n / (2 k sqrt(T))`` of it after dwells of T sec
 (docs/count-rate.md): an estimate is a few per cent above that bound, and some thousandths of a count per dwell
 remain where the noise is too small to carry the output across the counts:
 
-    std^2 = (EFFICIENCY n / (2 k))^2 / T + (REMAINDER / (k T))^2
+    std^2 = (WHITE_NOISE_FACTOR n / (2 k))^2 / T + (REMAINDER_COUNTS / (k T))^2
 
 Both numbers are measured on simulated campaigns (docs/guiding.md).
 """
@@ -16,8 +16,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-EFFICIENCY = 1.03
-REMAINDER = 2e-3  # count
+WHITE_NOISE_FACTOR = 1.03
+REMAINDER_COUNTS = 2e-3  # count
 STEP_S, SHORTEST_S, LONGEST_S = 5.0, 10.0, 3600.0
 
 
@@ -53,4 +53,4 @@ def dwell_seconds(noise_per_rt_s: FloatArray, k: FloatArray, bias_std_g: float) 
 
 def _parts(noise_per_rt_s: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the parts (3,) of the variance that fall with the time and with its square."""
-    return (EFFICIENCY * noise_per_rt_s / (2 * k)) ** 2, (REMAINDER / k) ** 2
+    return (WHITE_NOISE_FACTOR * noise_per_rt_s / (2 * k)) ** 2, (REMAINDER_COUNTS / k) ** 2

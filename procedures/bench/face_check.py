@@ -16,7 +16,7 @@ from procedures.errors import FitsNoFace, WrongFace, WrongMounting
 from procedures.frames import AXES, FACES, face_normal, face_of
 
 T = TypeVar("T")
-LIMIT = 0.2  # g, or unit vector: far above any tilt, far below a wrong face (1 g)
+MAX_MISFIT_G = 0.2  # g, or unit vector: far above any tilt, far below a wrong face (1 g)
 
 
 def refuse_wrong_faces(seen: TriadDwells, C_sb: Sequence[FloatArray]) -> None:
@@ -31,7 +31,7 @@ def refuse_wrong_faces(seen: TriadDwells, C_sb: Sequence[FloatArray]) -> None:
         return
     residual, E = _affine(seen.rate, mounting, faces)
     nearest = E.round()
-    if max(residual, float(np.abs(E - nearest).max())) < LIMIT and abs(np.linalg.det(nearest)) == 1:
+    if max(residual, float(np.abs(E - nearest).max())) < MAX_MISFIT_G and abs(np.linalg.det(nearest)) == 1:
         if np.linalg.det(nearest) < 0 or np.array_equal(nearest, np.eye(3)):
             return  # one sensor that counts backwards is no mounting
         named, found = ([_axis_name(row) for row in C] for C in (mounting[0], nearest @ mounting[0]))
@@ -46,7 +46,7 @@ def refuse_wrong_faces(seen: TriadDwells, C_sb: Sequence[FloatArray]) -> None:
     without = [
         _misfit(np.delete(seen.rate, k, axis=0), _but(mounting, k), _but(faces, k)) for k in range(len(faces))
     ]
-    if best >= LIMIT > min(without):  # no face would mend the one dwell that spoils the rest
+    if best >= MAX_MISFIT_G > min(without):  # no face would mend the one dwell that spoils the rest
         odd = seen.dwells[int(np.argmin(without))][1]
         raise FitsNoFace(odd.name, odd.position)
     dwell = seen.dwells[i][1]
@@ -79,7 +79,7 @@ def _affine(rate: FloatArray, mounting: Sequence[FloatArray], faces: Sequence[st
     A = np.hstack((u, np.ones((len(u), 1))))
     solution, *_ = np.linalg.lstsq(A, rate, rcond=None)
     swing = np.ptp(rate, axis=0)
-    alive = swing > LIMIT * swing.max()
+    alive = swing > MAX_MISFIT_G * swing.max()
     k = np.maximum(np.linalg.norm(solution[:3], axis=0), 1e-9 * swing.max())
     E = np.where(alive, solution[:3] / k, np.eye(3)).T
     return float((np.abs(rate - A @ solution)[:, alive] / k[alive]).max(initial=0.0)), E

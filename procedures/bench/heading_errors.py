@@ -5,8 +5,8 @@ At rest in position p, turned by ``delta`` counter-clockwise from above, a triad
 ``alpha`` what the slab's marks are off North, common to all. K, b, alpha and every delta are parameters of one
 Bayesian fit to the dwells' rates. What a dwell's heading is without its prior follows from that prior's residual
 and leverage h (deletion, as in Cook and Weisberg 1982, 2.2): ``delta / (1 - h)``, with the variance
-``h std^2 / (1 - h)``. It is off where that is beyond `SIGMAS` of both together. The two dwells of a face alone
-show the sum of their headings: both are named until other faces have shown the bias.
+``h std^2 / (1 - h)``. It is off where that is beyond `MIN_ERROR_SIGMAS` of both together. The two dwells of a face
+alone show the sum of their headings: both are named until other faces have shown the bias.
 """
 
 from collections.abc import Sequence
@@ -17,19 +17,19 @@ from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.earth.gyrocompass import Known
+from procedures.earth.gyrocompass import CertainDwell
 from procedures.frames import nominal_C_lb
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.units import RAD_S_PER_DEG_H
 
-SIGMAS = 4.0
-AS_WELL = 9.0  # of chi2: a dwell whose heading explains nearly as much may be the one
-WIDE = 0.3  # rad, 1 sigma of a heading of which nothing is said
-BIAS_RANGE = 30 * RAD_S_PER_DEG_H  # rad/s, 1 sigma
-SCALE_RANGE, MISALIGNMENT_RANGE = 0.1, 1e-2  # 1 sigma, where only a rough scale factor is known
-STRANGE = 1e-4  # probability of a chi2 above which sigma is widened to what the dwells scatter by
-MOST = 3  # dwells named at most: more of them are another matter than a slip
-FAR = 0.5  # rad: a dwell that stood further off was taken for another position
+MIN_ERROR_SIGMAS = 4.0
+AMBIGUOUS_CHI2 = 9.0  # of chi2: a dwell whose heading explains nearly as much may be the one
+UNKNOWN_HEADING_STD_RAD = 0.3  # rad, 1 sigma of a heading of which nothing is said
+BIAS_STD_RAD_S = 30 * RAD_S_PER_DEG_H  # rad/s, 1 sigma
+SCALE_STD, MISALIGNMENT_STD_RAD = 0.1, 1e-2  # 1 sigma, where only a rough scale factor is known
+CONTRADICTION_P_VALUE = 1e-4  # probability of a chi2 above which sigma is widened to what the dwells scatter by
+MAX_NAMED_DWELLS = 3  # dwells named at most: more of them are another matter than a slip
+MAX_HEADING_ERROR_RAD = 0.5  # rad: a dwell that stood further off was taken for another position
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +45,8 @@ class HeadingError:
 
 
 def heading_errors(
-    dwells: Sequence[Known], latitude: float, C_sb: FloatArray, K: FloatArray, heading_std: float,
-    ranges: tuple[float, float] = (SCALE_RANGE, MISALIGNMENT_RANGE),
+    dwells: Sequence[CertainDwell], latitude: float, C_sb: FloatArray, K: FloatArray, heading_std: float,
+    ranges: tuple[float, float] = (SCALE_STD, MISALIGNMENT_STD_RAD),
 ) -> list[HeadingError]:  # fmt: skip
     """Name the dwells that stood turned, the clearest first; none where the gyros cannot tell.
 
@@ -55,27 +55,30 @@ def heading_errors(
     """
     stds, found = np.full(len(dwells), heading_std), list[tuple[int, ...]]()
     fit, ratio = None, 1.0
-    while len(found) <= MOST and (fit := _fit(dwells, latitude, C_sb, K, stds, ranges)) is not None:
+    while len(found) <= MAX_NAMED_DWELLS and (fit := _fit(dwells, latitude, C_sb, K, stds, ranges)) is not None:
         gain = _gain(fit, len(dwells))
         gain[[each[0] for each in found]] = 0.0
         order = np.argsort(-gain)
         best = gain[order[0]]
-        if len(found) == MOST or not best > (SIGMAS * _birge_ratio(fit, 3 * len(dwells), best)) ** 2:
+        if (
+            len(found) == MAX_NAMED_DWELLS
+            or not best > (MIN_ERROR_SIGMAS * _birge_ratio(fit, 3 * len(dwells), best)) ** 2
+        ):
             ratio = _birge_ratio(fit, 3 * len(dwells))
             break
-        found.append(tuple(int(i) for i in order if gain[i] > best - AS_WELL and gain[i] > 0))
-        stds[found[-1][0]] = WIDE
+        found.append(tuple(int(i) for i in order if gain[i] > best - AMBIGUOUS_CHI2 and gain[i] > 0))
+        stds[found[-1][0]] = UNKNOWN_HEADING_STD_RAD
     if fit is None:
         return []
     angles = fit.x[-len(dwells) :]
     own = ratio * np.sqrt(np.diag(fit.covariance)[-len(dwells) :])
-    if any(abs(angles[each[0]]) > FAR for each in found):
+    if any(abs(angles[each[0]]) > MAX_HEADING_ERROR_RAD for each in found):
         return []
     errors = [HeadingError(each, float(angles[each[0]]), float(own[each[0]])) for each in found]
-    return [one for one in errors if abs(one.angle) > SIGMAS * np.hypot(one.std, heading_std)]
+    return [one for one in errors if abs(one.angle) > MIN_ERROR_SIGMAS * np.hypot(one.std, heading_std)]
 
 
-def stood(error: HeadingError) -> str:
+def heading_error_text(error: HeadingError) -> str:
     """Say how a dwell stood."""
     way = "counter-clockwise" if error.angle > 0 else "clockwise"
     angle, std = np.degrees(abs(error.angle)), np.degrees(error.std)
@@ -92,14 +95,14 @@ def _gain(fit: Fit, n: int) -> FloatArray:
 def _birge_ratio(fit: Fit, rows: int, explained: float = 0.0) -> float:
     """Return by how much wider sigma is than the dwells' rows say, ``explained`` of chi2 aside (Birge 1932)."""
     chi2 = fit.chi2 - explained
-    if chi2 <= chdtri(fit.dof, STRANGE):
+    if chi2 <= chdtri(fit.dof, CONTRADICTION_P_VALUE):
         return 1.0
     free = float(np.sum(1 - fit.leverage[:rows])) - bool(explained)
     return float(np.sqrt(max(chi2 / max(free, 1.0), 1.0)))
 
 
 def _fit(
-    dwells: Sequence[Known], latitude: float, C_sb: FloatArray, K: FloatArray, stds: FloatArray,
+    dwells: Sequence[CertainDwell], latitude: float, C_sb: FloatArray, K: FloatArray, stds: FloatArray,
     ranges: tuple[float, float],
 ) -> Fit | None:  # fmt: skip
     """Fit K (9), b (3), alpha and the headings, in units of the scale factors and the Earth's rate."""
@@ -120,8 +123,8 @@ def _fit(
             (
                 ((rate - model) / std).ravel(),
                 (x[:9] - start_K.ravel()) / width.ravel(),
-                x[9:12] / (BIAS_RANGE / unit),
-                x[12:13] / WIDE,
+                x[9:12] / (BIAS_STD_RAD_S / unit),
+                x[12:13] / UNKNOWN_HEADING_STD_RAD,
                 x[13:] / stds,
             )
         )

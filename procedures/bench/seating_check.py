@@ -24,26 +24,27 @@ from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.dwells_and_turns.bench_parameters import Bench, Placement
+from procedures.dwells_and_turns.bench_parameters import BenchParameters, Placement
 from procedures.dwells_and_turns.twelve_position import mountings, specific_force
 from procedures.frames import AXES, cross_axes, face_normal, face_of
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.units import RAD_PER_ARCSEC, STANDARD_GRAVITY
 
-SCALE_RANGE = 0.1  # 1 sigma of k about what a vertical accelerometer counts, or the others do
-MISALIGNMENT_RANGE = 1e-2  # 1 sigma
-BIAS_RANGE = 2e-2  # g, 1 sigma
-GRAVITY_STD = 1e-6  # m/s2: g and k are one factor here
-BLIND = 1e3  # g, 1 sigma of the dwell in question
+SCALE_STD = 0.1  # 1 sigma of k about what a vertical accelerometer counts, or the others do
+MISALIGNMENT_STD_RAD = 1e-2  # 1 sigma
+BIAS_STD_G = 2e-2  # g, 1 sigma
+GRAVITY_STD_M_S2 = 1e-6  # m/s2: g and k are one factor here
+JUDGED_DWELL_STD_G = 1e3  # g, 1 sigma of the dwell in question
 
-SURE = 5.0  # sigma
-FLOOR = 3 * RAD_PER_ARCSEC  # as well as a clean cube comes back to a clean slab
-GROSS, FINE = 60 * RAD_PER_ARCSEC, 15 * RAD_PER_ARCSEC
-STRANGE = 1e-4  # probability of a chi2 above which the dwells before contradict each other
-MOST_OFF = 0.1  # rad: a cube whose face passed for upright is not tilted by more; such a fit has failed
-PLAUSIBLE = 1e-3  # rad: what a cube's own faces may be tilted by, as `bench_parameters.FACE_RANGE`
+MIN_TILT_SIGMAS = 5.0  # sigma
+MIN_TILT_RAD = 3 * RAD_PER_ARCSEC  # as well as a clean cube comes back to a clean slab
+GROSS_TILT_RAD, GROSS_TILT_MAX_STD_RAD = 60 * RAD_PER_ARCSEC, 15 * RAD_PER_ARCSEC
+CONTRADICTION_P_VALUE = 1e-4  # probability of a chi2 above which the dwells before contradict each other
+MAX_TILT_RAD = 0.1  # rad: a cube whose face passed for upright is not tilted by more; such a fit has failed
+# rad: what a cube's own faces may be tilted by, as `bench_parameters.FACE_TILT_RANGE_RAD`
+PLAUSIBLE_FACE_TILT_RAD = 1e-3
 
-Rates = tuple[int, FloatArray, FloatArray]
+PositionRates = tuple[int, FloatArray, FloatArray]
 """Position 1..12, accelerometer rates (3,) and 1 sigma (3,) [count/s], IMU axes, raw."""
 
 
@@ -67,7 +68,9 @@ class Seating:
         return both
 
 
-def seating(accepted: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: float) -> Seating | None:
+def seating(
+    accepted: Sequence[PositionRates], now: PositionRates, fixture: Fixture, heading_std: float
+) -> Seating | None:
     """Compare a dwell, while it is being recorded, with what the accepted ones predict of it.
 
     None while no other dwell has this face up, or where the dwells before contradict each other so much that they
@@ -85,10 +88,10 @@ def seating(accepted: Sequence[Rates], now: Rates, fixture: Fixture, heading_std
         return None
     row = slice(3 * len(before), 3 * len(before) + 3)
     to_tilt = (fixture.C_sb.T @ np.linalg.inv(fit.x[:9].reshape(3, 3)))[list(cross_axes(face))]
-    J = BLIND * to_tilt @ (k[:, None] * fit.jacobian[row])
+    J = JUDGED_DWELL_STD_G * to_tilt @ (k[:, None] * fit.jacobian[row])
     predicted: FloatArray = np.sqrt(np.einsum("ip,pq,iq->i", J, fit.covariance, J))
-    off: FloatArray = BLIND * to_tilt @ (k * fit.residual[row])
-    if not np.all(np.abs(off) < MOST_OFF):
+    off: FloatArray = JUDGED_DWELL_STD_G * to_tilt @ (k * fit.residual[row])
+    if not np.all(np.abs(off) < MAX_TILT_RAD):
         return None
     return Seating(
         off=off,
@@ -107,8 +110,8 @@ def judge(seating: Seating) -> str:
     Chance passes five sigma once in 1.7e6 looks and that second rule's four once in 16000; the latter applies in
     the few seconds only in which sigma falls from 15 to 12 arcsec.
     """
-    limit = np.maximum(SURE * seating.std, FLOOR)
-    limit = np.where(seating.std <= FINE, np.minimum(limit, GROSS), limit)
+    limit = np.maximum(MIN_TILT_SIGMAS * seating.std, MIN_TILT_RAD)
+    limit = np.where(seating.std <= GROSS_TILT_MAX_STD_RAD, np.minimum(limit, GROSS_TILT_RAD), limit)
     worst = int(np.argmax(np.abs(seating.off) / limit))
     if abs(seating.off[worst]) <= limit[worst]:
         return ""
@@ -120,27 +123,29 @@ def judge(seating: Seating) -> str:
 def _is_plausible(K: FloatArray, k: FloatArray) -> bool:
     """Say whether K is the scale factors ``k`` but for what units differ by; five sigma are granted."""
     off = np.abs(K / k[:, None] - np.eye(3))
-    return bool(np.all(off < 5 * np.where(np.eye(3), SCALE_RANGE, MISALIGNMENT_RANGE)))
+    return bool(np.all(off < 5 * np.where(np.eye(3), SCALE_STD, MISALIGNMENT_STD_RAD)))
 
 
 def _birge_ratio(fit: Fit, rows: int) -> float:
     """Return by how much wider sigma is than the first ``rows`` rows say, which are those of the dwells before."""
-    if fit.chi2 <= chdtri(fit.dof, STRANGE):
+    if fit.chi2 <= chdtri(fit.dof, CONTRADICTION_P_VALUE):
         return 1.0
     free = float(np.sum(1 - fit.leverage[:rows]))
     return float(np.sqrt(fit.chi2 / max(free, 1.0)))
 
 
-def _fit(before: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: float) -> Fit | None:
+def _fit(before: Sequence[PositionRates], now: PositionRates, fixture: Fixture, heading_std: float) -> Fit | None:
     """Fit K (9), b (3) and the bench's parameters; the last dwell's three rows carry no weight."""
-    site = Site(0.0, STANDARD_GRAVITY, GRAVITY_STD)
+    site = Site(0.0, STANDARD_GRAVITY, GRAVITY_STD_M_S2)
     campaign = Campaign("", "", True, site, (), (), ProcedureSigma(heading_std), fixture)
-    bench = Bench(tuple(Placement(0, 0, each[0], heading_std) for each in (*before, now)), (campaign,), 1)
+    bench = BenchParameters(
+        tuple(Placement(0, 0, each[0], heading_std) for each in (*before, now)), (campaign,), 1
+    )
     C_sb, prior, k = mountings([campaign], bench), bench.priors(), _scale(before, fixture.C_sb)
     rate = np.array([*(each[1] for each in before), now[1]])
-    sigma = np.array([*(each[2] for each in before), BLIND * k])
+    sigma = np.array([*(each[2] for each in before), JUDGED_DWELL_STD_G * k])
     centre = np.diag(k)
-    ranges = np.abs(k)[:, None] * np.where(np.eye(3), SCALE_RANGE, MISALIGNMENT_RANGE)
+    ranges = np.abs(k)[:, None] * np.where(np.eye(3), SCALE_STD, MISALIGNMENT_STD_RAD)
 
     def residual(x: FloatArray) -> FloatArray:
         K, b = x[:9].reshape(3, 3), x[9:12]
@@ -149,7 +154,7 @@ def _fit(before: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: flo
             (
                 ((rate - model) / sigma).ravel(),
                 ((K - centre) / ranges).ravel(),
-                b / (BIAS_RANGE * k),
+                b / (BIAS_STD_G * k),
                 prior.matrix @ x[12:] - prior.mean,
             )
         )
@@ -159,7 +164,7 @@ def _fit(before: Sequence[Rates], now: Rates, fixture: Fixture, heading_std: flo
     return minimise_if_determined(residual, start, scale)
 
 
-def _scale(dwells: Sequence[Rates], C_sb: FloatArray) -> FloatArray:
+def _scale(dwells: Sequence[PositionRates], C_sb: FloatArray) -> FloatArray:
     """Return what 1 g counts (3,) per second, from the dwells that have a sensor upright.
 
     A sensor that was never upright is taken to be like the others, and to count forwards.

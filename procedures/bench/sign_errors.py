@@ -17,14 +17,14 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
-from procedures.dwells_and_turns.twelve_position import JointFit
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import AXES, nominal_C_lb
 
-ALONG = 0.8  # of a row of E that must lie along the sensor's own axis for its sign to mean anything
-SURE = 6.0  # sigmas of a from nought
-NEAR = 0.3  # of a from +-1, beside four of its sigmas
-LEAST = 6  # dwells
+MIN_OWN_AXIS_SHARE = 0.8  # of a row of E that must lie along the sensor's own axis for its sign to mean anything
+MIN_SIGN_SIGMAS = 6.0  # sigmas of a from nought
+MAX_OFF_UNIT = 0.3  # of a from +-1, beside four of its sigmas
+MIN_SIGN_DWELLS = 6  # dwells
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +60,7 @@ def _sign(a: FloatArray, std: FloatArray, sensors: Sequence[int]) -> int:
     weight = std[use] ** -2.0
     mean, sigma = float(weight @ a[use] / weight.sum()), float(weight.sum() ** -0.5)
     sign = 1 if mean > 0 else -1
-    return sign if abs(mean) > SURE * sigma and abs(mean - sign) < max(NEAR, 4 * sigma) else 0
+    return sign if abs(mean) > MIN_SIGN_SIGMAS * sigma and abs(mean - sign) < max(MAX_OFF_UNIT, 4 * sigma) else 0
 
 
 def earth_signs(
@@ -94,7 +94,7 @@ def _ratio(parts: FloatArray, bias: FloatArray, rate: FloatArray, std: FloatArra
     A = np.hstack((parts, bias))
     unknown = np.tile([0.0, np.inf], (2, 1))
     size = np.linalg.norm(A, axis=0)
-    if len(A) < max(LEAST, A.shape[1] + 2) or np.any(size[2:] == 0):
+    if len(A) < max(MIN_SIGN_DWELLS, A.shape[1] + 2) or np.any(size[2:] == 0):
         return unknown
     use = np.concatenate((size[:2] > 0, np.ones(bias.shape[1], dtype=bool)))
     scaled = A[:, use] / size[use]
@@ -114,12 +114,12 @@ def backwards(K: FloatArray) -> list[int]:
     """Return the sensors whose own input is inverted; none where a sensor lies along another's axis."""
     E = K / np.linalg.norm(K, axis=1)[:, None]
     own = np.diag(E)
-    return np.flatnonzero(own < 0).tolist() if np.all(np.abs(own) > ALONG) else []
+    return np.flatnonzero(own < 0).tolist() if np.all(np.abs(own) > MIN_OWN_AXIS_SHARE) else []
 
 
 def sign_warnings(
     campaigns: Sequence[Campaign],
-    accelerometer: JointFit | None,
+    accelerometer: TriadFit | None,
     gyroscope: GyroscopeFit | None,
     gyro: TriadDwells | None,
 ) -> list[str]:

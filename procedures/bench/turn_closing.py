@@ -14,12 +14,12 @@ from enum import Enum, auto
 
 import numpy as np
 
-SIGMAS = 3.0  # chance passes it in 0.27 % of honest pairs
-MOST = 6  # turns about an axis after which more of them decide nothing
+MAX_PAIR_SIGMAS = 3.0  # chance passes it in 0.27 % of honest pairs
+MAX_TURNS_PER_AXIS = 6  # turns about an axis after which more of them decide nothing
 
 
 @dataclass(frozen=True, slots=True)
-class TurnSeen:
+class TurnCounts:
     """A turn in ``direction`` + or -: counts per revolution, angle [rad], 1 sigma of its noise [rad]."""
 
     direction: str
@@ -39,18 +39,18 @@ class Closing(Enum):
     APART = auto()  # nothing agrees with anything
 
 
-def apart(one: TurnSeen, other: TurnSeen) -> float:
+def pair_difference(one: TurnCounts, other: TurnCounts) -> float:
     """Return by how much more ``one`` turned than ``other`` [rad], as shares of its own angle."""
     return (one.counts / other.counts - 1) * one.angle
 
 
-def limit(one: TurnSeen, other: TurnSeen, closure_std: float) -> float:
+def pair_limit(one: TurnCounts, other: TurnCounts, closure_std: float) -> float:
     """Return how far apart [rad] two turns may be whose closures are ``closure_std`` [rad], 1 sigma."""
     share = [np.hypot(closure_std, each.std) / each.angle for each in (one, other)]
-    return float(SIGMAS * np.hypot(*share) * one.angle)
+    return float(MAX_PAIR_SIGMAS * np.hypot(*share) * one.angle)
 
 
-def closing(turns: Sequence[TurnSeen], closure_std: float) -> Closing:
+def judge_closing(turns: Sequence[TurnCounts], closure_std: float) -> Closing:
     """Judge the turns about one axis in the order in which they were done; the last of each direction stand."""
     last = turns[-1]
     partners = [turn for turn in turns if turn.direction != last.direction]
@@ -58,8 +58,8 @@ def closing(turns: Sequence[TurnSeen], closure_std: float) -> Closing:
         return Closing.ALONE
     partner = partners[-1]
 
-    def agree(one: TurnSeen, other: TurnSeen) -> bool:
-        return abs(apart(one, other)) <= limit(one, other, closure_std)
+    def agree(one: TurnCounts, other: TurnCounts) -> bool:
+        return abs(pair_difference(one, other)) <= pair_limit(one, other, closure_std)
 
     if agree(last, partner):
         return Closing.CLOSED
@@ -67,12 +67,12 @@ def closing(turns: Sequence[TurnSeen], closure_std: float) -> Closing:
     is_partner_sure = any(agree(partner, turn) for turn in partners[:-1])
     if is_sure and is_partner_sure:
         return Closing.REPEATS
-    if len(turns) >= MOST or (len(turns) > 2 and not is_sure and not is_partner_sure):
+    if len(turns) >= MAX_TURNS_PER_AXIS or (len(turns) > 2 and not is_sure and not is_partner_sure):
         return Closing.APART
     return Closing.OTHER if is_sure else Closing.ONCE_MORE
 
 
-def scatter(turns: Sequence[TurnSeen]) -> float:
+def closure_scatter(turns: Sequence[TurnCounts]) -> float:
     """Return the closure's 1 sigma [rad] that two or more turns show by how they scatter."""
     counts = np.array([turn.counts for turn in turns])
     angle = float(np.mean([turn.angle for turn in turns]))

@@ -20,18 +20,19 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-LEAST, MUTE = 6, 8  # means; while the thermometer shows always the same
+MIN_MEANS, MIN_MEANS_CONSTANT_TEMPERATURE = 6, 8  # means; while the thermometer shows always the same
 RATE_MEANS, COARSE_MEANS = 12, 60  # the last ones, which the temperature's rate is taken from
-BOUND = 2.0  # sigmas by which a sensitivity may be larger than it was found to be
-CLEAR = 3.0  # sigmas
-GYRO_PER_K = 0.1 / 15  # of the rate at rest, 1 sigma: 0.1 deg/h/K, where the Earth's 15 deg/h are at rest
-ACCEL_PER_K = 5e-5  # of gravity, 1 sigma
+SENSITIVITY_BOUND_SIGMAS = 2.0  # sigmas by which a sensitivity may be larger than it was found to be
+CLEAR_DRIFT_SIGMAS = 3.0  # sigmas
+# Of the rate at rest, 1 sigma: 0.1 deg/h/K, where the Earth's 15 deg/h are at rest
+GYRO_SENSITIVITY_STD_PER_K = 0.1 / 15
+ACCEL_SENSITIVITY_STD_PER_K = 5e-5  # of gravity, 1 sigma
 WARM_UP_K = 10.0  # a whole warm-up
-TAUS = np.geomspace(0.1, 3.0, 40)  # of the time seen, for the exponential
+TAU_SHARES_TRIED = np.geomspace(0.1, 3.0, 40)  # of the time seen, for the exponential
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Means:
+class IntervalMeans:
     """Means over equal intervals that end at ``t`` (n,) [s].
 
     Rates (n, 3) and their 1 sigma (n, 3) in count/s, ``accel`` None where not recorded; ``temperature`` (n,) degC,
@@ -55,11 +56,11 @@ class Means:
         """Whether a thermometer was read all the time."""
         return bool(np.isfinite(self.temperature).all())
 
-    def since(self, mark: float) -> "Means":
+    def since(self, mark: float) -> "IntervalMeans":
         """Return the means over intervals that begin after ``mark`` [s]."""
         at = self.t - self.interval >= mark - 1e-6
         accel, accel_std = (None if a is None else a[at] for a in (self.accel, self.accel_std))
-        return Means(self.t[at], self.gyro[at], self.gyro_std[at], self.temperature[at], accel, accel_std)
+        return IntervalMeans(self.t[at], self.gyro[at], self.gyro_std[at], self.temperature[at], accel, accel_std)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +79,7 @@ class WarmUpState:
     gyro_limit: FloatArray
 
 
-def warm_up(means: Means, dwell_s: float, pair_s: float, marks: Sequence[float] = ()) -> WarmUpState:
+def warm_up(means: IntervalMeans, dwell_s: float, pair_s: float, marks: Sequence[float] = ()) -> WarmUpState:
     """Judge whether the unit has settled, from all means since it was switched on.
 
     ``pair_s``: from the begin of a face's first dwell to the end of its second. ``marks`` [s]: when the cube was
@@ -86,8 +87,8 @@ def warm_up(means: Means, dwell_s: float, pair_s: float, marks: Sequence[float] 
     """
     rest = means.since(max(marks, default=-np.inf))
     n = len(rest.t)
-    if n < LEAST:
-        missing = (LEAST - n) * means.interval
+    if n < MIN_MEANS:
+        missing = (MIN_MEANS - n) * means.interval
         unknown = np.full(3, np.nan)
         return WarmUpState(False, missing if np.isfinite(missing) else None, None, None, unknown, unknown)
     noise = np.median(rest.gyro_std, axis=0)
@@ -98,7 +99,7 @@ def warm_up(means: Means, dwell_s: float, pair_s: float, marks: Sequence[float] 
     drift, missing = np.abs(slope) * pair_s, enough - n * rest.interval
     is_steady = bool(missing <= 0 and np.all(drift < limit))
     if means.has_temperature:
-        is_hot = bool(np.any(drift > limit + CLEAR * slope_std * pair_s))
+        is_hot = bool(np.any(drift > limit + CLEAR_DRIFT_SIGMAS * slope_std * pair_s))
         return _by_temperature(means, rest, limit, pair_s, is_hot=is_hot, is_steady=is_steady)
     worst = int(np.argmax(drift / limit))
     tau = time_constant(rest.t, rest.gyro[:, worst], float(noise[worst]))
@@ -107,15 +108,19 @@ def warm_up(means: Means, dwell_s: float, pair_s: float, marks: Sequence[float] 
 
 
 def _by_temperature(
-    means: Means, rest: Means, limit: FloatArray, pair_s: float, *, is_hot: bool, is_steady: bool
+    means: IntervalMeans, rest: IntervalMeans, limit: FloatArray, pair_s: float, *, is_hot: bool, is_steady: bool
 ) -> WarmUpState:
     """Judge by the thermometer; ``is_hot``, ``is_steady``: the means show a drift, or for long enough none."""
-    c, c_std = sensitivity(rest.temperature, rest.gyro, np.median(rest.gyro_std, axis=0), GYRO_PER_K)
-    most = np.abs(c) + BOUND * c_std
+    c, c_std = sensitivity(
+        rest.temperature, rest.gyro, np.median(rest.gyro_std, axis=0), GYRO_SENSITIVITY_STD_PER_K
+    )
+    most = np.abs(c) + SENSITIVITY_BOUND_SIGMAS * c_std
     allowed = float(np.min(limit / most) / pair_s)
     rate, rate_std = temperature_rate(means.t, means.temperature)
     fast = abs(rate) + rate_std
-    is_mute = len(means.t) < MUTE and bool(np.ptp(means.temperature) == 0)  # it may not have stepped yet
+    is_mute = len(means.t) < MIN_MEANS_CONSTANT_TEMPERATURE and bool(
+        np.ptp(means.temperature) == 0
+    )  # it may not have stepped yet
     is_slow = fast < allowed and not is_hot and not is_mute
     is_likely = bool(np.all(np.abs(c * rate) * pair_s < limit))
     left = _left(time_constant(means.t, means.temperature, scatter(means.temperature)), fast / allowed)
@@ -124,14 +129,14 @@ def _by_temperature(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Unsettled:
+class UnsettledBias:
     """1 sigma (3,) of the biases from dwell to dwell [count/s]; ``accel`` None where it was not recorded."""
 
     gyro: FloatArray
     accel: FloatArray | None
 
 
-def unsettled(means: Means, remaining_s: float, marks: Sequence[float] = ()) -> Unsettled:
+def unsettled_bias(means: IntervalMeans, remaining_s: float, marks: Sequence[float] = ()) -> UnsettledBias:
     """Return what the drift seen last implies for the biases if the campaign begins now and lasts ``remaining_s``.
 
     A drift d leaves ``d tau exp(-t / tau)`` to go, or, where tau is not known, ``d (remaining_s - t)``. Returned
@@ -140,21 +145,23 @@ def unsettled(means: Means, remaining_s: float, marks: Sequence[float] = ()) -> 
     Raises
     ------
     ValueError
-        With fewer than `LEAST` means since the last mark.
+        With fewer than `MIN_MEANS` means since the last mark.
     """
     rest = means.since(max(marks, default=-np.inf))
-    if len(rest.t) < LEAST:
-        raise ValueError(f"{len(rest.t)} means at rest, expected at least {LEAST}: wait a minute")
+    if len(rest.t) < MIN_MEANS:
+        raise ValueError(f"{len(rest.t)} means at rest, expected at least {MIN_MEANS}: wait a minute")
     tau = time_constant(means.t, means.temperature, scatter(means.temperature)) if means.has_temperature else None
     spread = _spread(remaining_s, tau)
-    gyro = _drift(means, rest, rest.gyro, rest.gyro_std, GYRO_PER_K, spread)
+    gyro = _drift(means, rest, rest.gyro, rest.gyro_std, GYRO_SENSITIVITY_STD_PER_K, spread)
     if rest.accel is None or rest.accel_std is None:
-        return Unsettled(gyro, None)
-    return Unsettled(gyro, _drift(means, rest, rest.accel, rest.accel_std, ACCEL_PER_K, spread))
+        return UnsettledBias(gyro, None)
+    return UnsettledBias(
+        gyro, _drift(means, rest, rest.accel, rest.accel_std, ACCEL_SENSITIVITY_STD_PER_K, spread)
+    )
 
 
 def _drift(
-    means: Means, rest: Means, rate: FloatArray, std: FloatArray, per_kelvin: float, spread: float
+    means: IntervalMeans, rest: IntervalMeans, rate: FloatArray, std: FloatArray, per_kelvin: float, spread: float
 ) -> FloatArray:
     """Return the rms drift (3,) [count/s^2] times ``spread`` [s], within a whole warm-up."""
     noise = np.median(std, axis=0)
@@ -211,7 +218,7 @@ def scatter(value: FloatArray) -> float:
 def time_constant(t: FloatArray, value: FloatArray, noise: float) -> float | None:
     """Return tau [s] of ``a + b exp(-t / tau)`` through ``value`` (n,); None where a straight line does as well.
 
-    The best of `TAUS`; it must be none of the longest and beat the line by three sigma.
+    The best of `TAU_SHARES_TRIED`; it must be none of the longest and beat the line by three sigma.
     """
     t = t - t[0]
 
@@ -220,10 +227,10 @@ def time_constant(t: FloatArray, value: FloatArray, noise: float) -> float | Non
         left = value - A @ np.linalg.lstsq(A, value, rcond=None)[0]
         return float(left @ left)
 
-    taus = TAUS * t[-1]
+    taus = TAU_SHARES_TRIED * t[-1]
     found = [squares(np.exp(-t / tau)) for tau in taus]
     best = int(np.argmin(found))
-    if best == len(taus) - 1 or squares(t) - found[best] <= (CLEAR * noise) ** 2:
+    if best == len(taus) - 1 or squares(t) - found[best] <= (CLEAR_DRIFT_SIGMAS * noise) ** 2:
         return None
     return float(taus[best])
 

@@ -32,26 +32,26 @@ from procedures.campaign.observations import (
 from procedures.dwells_and_turns.bench_parameters import tilt_names
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit, solve_gyroscope
 from procedures.dwells_and_turns.latitude_and_time_base import clock_on_accelerometer, clock_on_moves
-from procedures.dwells_and_turns.twelve_position import JointFit, missing_positions, solve_accelerometer
+from procedures.dwells_and_turns.twelve_position import TriadFit, missing_positions, solve_accelerometer
 from procedures.errors import NotObservable
 from procedures.frames import AXES
 from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests, with_known_faces
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit, solve_moves
-from procedures.rests_and_moves.norm_fit import LEAST_RESTS
-from procedures.rests_and_moves.sequences import Segmented, all_rests, segment
+from procedures.rests_and_moves.norm_fit import MIN_RESTS
+from procedures.rests_and_moves.sequences import SegmentedSequence, all_rests, segment
 
 NEVER_EXCITED = ("accelerometer.cross_product", "accelerometer.cubic (with accelerometer.scale_factor)")
 FREE_FRAME = (
     "rotation of the frame (no face known; E of the accelerometers is lower triangular: x along sensor x, "
     "y in the plane of sensors x and y)"
 )
-ROOM = (1.0, 0.999, 0.99, 0.97, 0.9, 0.7, 0.0)  # of what the triads have in common, tried in turn
-ROUNDING = 1e-9  # of a correlation matrix's least eigenvalue
-DOUBTFUL = 0.01  # p-value of the global test below which the sigmas are said to be in doubt
+COMMON_SHARES_TRIED = (1.0, 0.999, 0.99, 0.97, 0.9, 0.7, 0.0)  # of what the triads have in common, tried in turn
+EIGENVALUE_ROUNDING = 1e-9  # of a correlation matrix's least eigenvalue
+DOUBTFUL_P_VALUE = 0.01  # p-value of the global test below which the sigmas are said to be in doubt
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fits:
+class CampaignFits:
     """What was seen and fitted of both triads; None where a triad is absent or not determined.
 
     ``left_out`` says which channels were dead, and where.
@@ -62,10 +62,10 @@ class Fits:
     campaigns: tuple[Campaign, ...]
     accel: TriadDwells | None
     gyro: TriadDwells | None
-    accelerometer: JointFit | None
+    accelerometer: TriadFit | None
     gyroscope: GyroscopeFit | None
     rests: tuple[tuple[int, RestRecord], ...] = ()
-    segmented: tuple[Segmented, ...] = ()
+    segmented: tuple[SegmentedSequence, ...] = ()
     moves: MovesFit | None = None
     left_out: tuple[str, ...] = ()
 
@@ -84,25 +84,25 @@ def solve(campaigns: Sequence[Campaign]) -> Solution:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reduced:
+class ReducedSteps:
     """What the steps of campaigns say, before anything is fitted; ``rests`` are those of ``others`` with rates."""
 
     campaigns: tuple[Campaign, ...]
     accel: TriadDwells | None
     gyro: TriadDwells | None
-    segmented: tuple[Segmented, ...]
+    segmented: tuple[SegmentedSequence, ...]
     others: tuple[tuple[int, RestRecord], ...]
     rests: TriadRests | None
     turns: tuple[TurnTotal, ...]
     left_out: tuple[str, ...] = ()
 
 
-def fit(campaigns: Sequence[Campaign]) -> Fits:
+def fit(campaigns: Sequence[Campaign]) -> CampaignFits:
     """Reduce the steps and fit both triads; raises as `solve`."""
     return fit_reduced(reduce_steps(campaigns))
 
 
-def reduce_steps(campaigns: Sequence[Campaign]) -> Reduced:
+def reduce_steps(campaigns: Sequence[Campaign]) -> ReducedSteps:
     """Reduce dwells, rests and turns to rates and totals, those of dead channels left out."""
     campaigns, left_out = without_dead(campaigns)
     accel, gyro = (dwell_rates(campaigns, triad) for triad in ("accelerometer", "gyroscope"))
@@ -110,10 +110,10 @@ def reduce_steps(campaigns: Sequence[Campaign]) -> Reduced:
     others = all_rests(campaigns, segmented)
     turns = turn_totals(campaigns, gyro.noise) if gyro is not None else []
     rests = rest_rates(others, "accelerometer")
-    return Reduced(campaigns, accel, gyro, segmented, tuple(others), rests, tuple(turns), left_out)
+    return ReducedSteps(campaigns, accel, gyro, segmented, tuple(others), rests, tuple(turns), left_out)
 
 
-def fit_reduced(steps: Reduced) -> Fits:
+def fit_reduced(steps: ReducedSteps) -> CampaignFits:
     """Fit both triads to what the steps say; raises as `solve`."""
     campaigns, accel, gyro, rests = steps.campaigns, steps.accel, steps.gyro, steps.rests
     if labelled := with_known_faces(accel, rests):
@@ -131,19 +131,17 @@ def fit_reduced(steps: Reduced) -> Fits:
     if accelerometer is None and gyroscope is None:
         missing = missing_positions(accel or gyro) or ["turns about x, y and z, or a channel that responds"]
         if steps.others:
-            missing = [
-                f"{LEAST_RESTS} rests that differ in attitude ({len(steps.others)} found), or all six faces"
-            ]
+            missing = [f"{MIN_RESTS} rests that differ in attitude ({len(steps.others)} found), or all six faces"]
         if steps.left_out:
             dead = f"a channel that responds ({'; '.join(steps.left_out)})"
             missing = [dead] if accel is None and gyro is None else [*missing, dead]
         raise NotObservable("the scale factor and bias of either triad", missing)
-    return Fits(
+    return CampaignFits(
         campaigns, accel, gyro, accelerometer, gyroscope, steps.others, steps.segmented, moves, steps.left_out
     )  # fmt: skip
 
 
-def report(fits: Fits) -> Solution:
+def report(fits: CampaignFits) -> Solution:
     """Put the fits into one solution."""
     counts = fits.campaigns[0].counts
     quality = fit_quality(fits.accelerometer, fits.gyroscope.joint if fits.gyroscope else None, fits.moves)
@@ -170,7 +168,7 @@ def report(fits: Fits) -> Solution:
 
 
 def joint_covariance(
-    fits: Fits, accel: TriadVector | None, gyro: TriadVector | None
+    fits: CampaignFits, accel: TriadVector | None, gyro: TriadVector | None
 ) -> tuple[tuple[str, ...], FloatArray]:
     """Return names and covariance of accelerometer, slab and faces, gyroscope, in this order.
 
@@ -213,15 +211,15 @@ def _joined(first: FloatArray, common: FloatArray, second: FloatArray) -> FloatA
     through them: taken as it is, a correlation could come out a thousandth beyond one.
     """
     size = np.sqrt(np.concatenate((np.diag(first), np.diag(second))))
-    for share in ROOM:
+    for share in COMMON_SHARES_TRIED:
         whole: FloatArray = np.block([[first, share * common.T], [share * common, second]])
         correlation = whole / np.where(size > 0, size, 1.0) / np.where(size > 0, size, 1.0)[:, None]
-        if np.linalg.eigvalsh(correlation)[0] > -ROUNDING:
+        if np.linalg.eigvalsh(correlation)[0] > -EIGENVALUE_ROUNDING:
             break
     return whole
 
 
-def _bench_index(joint: JointFit) -> tuple[IntArray, tuple[str, ...]]:
+def _bench_index(joint: TriadFit) -> tuple[IntArray, tuple[str, ...]]:
     """Where slab tilt (2) and parallelism (6) of the first campaign stand in the fit, and their names."""
     if joint.is_turned_freely:
         return np.zeros(0, dtype=np.int64), ()
@@ -231,7 +229,7 @@ def _bench_index(joint: JointFit) -> tuple[IntArray, tuple[str, ...]]:
     return np.array([12, 13, *range(cube, cube + 6)]), names
 
 
-def _bench(joint: JointFit) -> tuple[Estimate, Estimate]:
+def _bench(joint: TriadFit) -> tuple[Estimate, Estimate]:
     """Slab tilt of the first campaign and parallelism of its cube, as the accelerometers found them."""
     index, _ = _bench_index(joint)
     value, std = joint.fit.x[index], np.sqrt(np.diag(joint.fit.covariance)[index])
@@ -239,21 +237,21 @@ def _bench(joint: JointFit) -> tuple[Estimate, Estimate]:
     return Estimate(value[:2], std[:2], "rad"), parallelism
 
 
-def _accelerometer(vector: TriadVector, fits: Fits) -> TriadCalibration:
+def _accelerometer(vector: TriadVector, fits: CampaignFits) -> TriadCalibration:
     assert fits.accelerometer is not None
     twelve, two = paper_biases(fits.accelerometer)
     calibration = vector.calibration("count/(g s)" if fits.campaigns[0].counts else "output/g")
     return replace(calibration, bias_12_position=twelve, bias_two_direction=two)
 
 
-def _mean_temperature(fits: Fits) -> float | None:
+def _mean_temperature(fits: CampaignFits) -> float | None:
     dwells = [d.series.temperature for c in fits.campaigns for d in c.dwells]
     values = np.concatenate([*dwells, *(rest.series.temperature for _, rest in fits.rests), np.zeros(0)])
     values = values[np.isfinite(values)]
     return float(values.mean()) if len(values) else None
 
 
-def _not_observable(fits: Fits) -> tuple[str, ...]:
+def _not_observable(fits: CampaignFits) -> tuple[str, ...]:
     found = []
     for triad, solved in (("accelerometer", fits.accelerometer), ("gyroscope", fits.gyroscope or fits.moves)):
         if solved is None:
@@ -263,7 +261,7 @@ def _not_observable(fits: Fits) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _left_open(accelerometer: JointFit) -> list[str]:
+def _left_open(accelerometer: TriadFit) -> list[str]:
     """Name what the accelerometers' steps do not show, beside parameters of a triad that was left out."""
     bench = accelerometer.bench
     if accelerometer.is_turned_freely:
@@ -280,9 +278,9 @@ def _left_open(accelerometer: JointFit) -> list[str]:
     return [*found, *NEVER_EXCITED]
 
 
-def _warnings(fits: Fits, quality: FitQuality) -> tuple[str, ...]:
+def _warnings(fits: CampaignFits, quality: FitQuality) -> tuple[str, ...]:
     found = list(fits.left_out)
-    if quality.p_value < DOUBTFUL:
+    if quality.p_value < DOUBTFUL_P_VALUE:
         found.append(
             f"the residual is larger than counting noise explains (chi-square {quality.chi2:.4g} at {quality.dof} "
             f"degrees of freedom): the sigmas are too small; run `station diagnose`"
@@ -316,7 +314,7 @@ def _turn_warnings(gyroscope: GyroscopeFit) -> list[str]:
     return found
 
 
-def _few_counts(fits: Fits) -> list[str]:
+def _few_counts(fits: CampaignFits) -> list[str]:
     found = []
     for triad, seen in (("accelerometer", fits.accel), ("gyroscope", fits.gyro)):
         for (_, dwell), row in zip(seen.dwells, seen.estimates, strict=True) if seen else ():
@@ -330,7 +328,7 @@ def _few_counts(fits: Fits) -> list[str]:
     return found
 
 
-def _unused(fits: Fits) -> tuple[str, ...]:
+def _unused(fits: CampaignFits) -> tuple[str, ...]:
     rests = [rest.name for c in fits.campaigns for rest in c.rests] if fits.accelerometer is None else []
     rests += [each.record.name for each in fits.segmented if fits.accelerometer is None or not each.rests]
     if fits.gyroscope is None:

@@ -8,30 +8,29 @@ from scipy.special import gammaincc
 from procedures.arrays import FloatArray
 from procedures.calibration.solution import FitQuality, StepResidual
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
-from procedures.dwells_and_turns.twelve_position import JointFit, RestFit
+from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit
 from procedures.units import DEG_H_PER_DEG_S
 
-ABSORBED = (
-    1e-6  # a residual whose sigma is less than a thousandth of the observation's is the fit's, not the data's
-)
+# A residual whose sigma is less than a thousandth of the observation's is the fit's, not the data's
+MIN_FREE_VARIANCE = 1e-6
 
 
-def dwell_residuals(joint: JointFit) -> tuple[FloatArray, FloatArray]:
+def dwell_residuals(joint: TriadFit) -> tuple[FloatArray, FloatArray]:
     """Return residual (n, 3) and its 1 sigma, in input units (g, deg/s), of every dwell."""
     n = len(joint.seen.dwells)
     sigma = joint.sigma / scale_factor(joint)
-    free = np.sqrt(np.maximum(1 - joint.fit.leverage[: 3 * n].reshape(n, 3), ABSORBED))
+    free = np.sqrt(np.maximum(1 - joint.fit.leverage[: 3 * n].reshape(n, 3), MIN_FREE_VARIANCE))
     return joint.fit.residual[: 3 * n].reshape(n, 3) * sigma, sigma * free
 
 
-def scale_factor(joint: JointFit) -> FloatArray:
+def scale_factor(joint: TriadFit) -> FloatArray:
     """Return k (3,)."""
     k: FloatArray = np.linalg.norm(joint.K, axis=1)
     return k
 
 
-def step_residuals(accelerometer: JointFit | None, gyroscope: GyroscopeFit | None) -> tuple[StepResidual, ...]:
+def step_residuals(accelerometer: TriadFit | None, gyroscope: GyroscopeFit | None) -> tuple[StepResidual, ...]:
     """Return every dwell's and turn's residual, accelerometers first."""
     found: list[StepResidual] = []
     gyro = gyroscope.joint if gyroscope else None
@@ -50,7 +49,7 @@ def _turn_residuals(gyroscope: GyroscopeFit) -> list[StepResidual]:
         first = 3 * (len(joint.seen.dwells) + i)
         rows = slice(first, first + 3)
         sigma = gyroscope.turn_sigma[i] / scale_factor(joint)
-        free = np.sqrt(np.maximum(1 - joint.fit.leverage[rows], ABSORBED))
+        free = np.sqrt(np.maximum(1 - joint.fit.leverage[rows], MIN_FREE_VARIANCE))
         residual, std = joint.fit.residual[rows] * sigma, sigma * free
         start = turn.record.start_position
         found.append(StepResidual(turn.record.name, "turn", "gyroscope", start, residual, std, "deg"))
@@ -58,13 +57,13 @@ def _turn_residuals(gyroscope: GyroscopeFit) -> list[StepResidual]:
 
 
 def fit_quality(
-    accelerometer: JointFit | None, gyroscope: JointFit | None, moves: MovesFit | None = None
+    accelerometer: TriadFit | None, gyroscope: TriadFit | None, moves: MovesFit | None = None
 ) -> FitQuality:
     """Return the global test over counting noise alone: what scatters more than it does not pass unseen.
 
     What the campaign itself states of an unsettled unit is expected.
     """
-    fits: Sequence[JointFit] = [fit for fit in (accelerometer, gyroscope) if fit is not None]
+    fits: Sequence[TriadFit] = [fit for fit in (accelerometer, gyroscope) if fit is not None]
     chi2 = sum(_chi2(fit) for fit in fits) + (moves.chi2 if moves else 0.0)
     dof = sum(fit.dof for fit in fits) + (moves.dof if moves else 0)
     gyroscope_rms = _rms(gyroscope) if gyroscope else None
@@ -79,7 +78,7 @@ def fit_quality(
     )
 
 
-def _chi2(joint: JointFit) -> float:
+def _chi2(joint: TriadFit) -> float:
     rows = joint.fit.residual.copy()
     rows[: joint.seen.std.size] *= np.sqrt(1 + (joint.excess / joint.expected) ** 2).ravel()
     if joint.rests is not None:
@@ -87,7 +86,7 @@ def _chi2(joint: JointFit) -> float:
     return float(rows @ rows)
 
 
-def _rms(joint: JointFit) -> float:
+def _rms(joint: TriadFit) -> float:
     rows = [dwell_residuals(joint)[0].ravel()]
     if joint.rests is not None:
         rows.append(norm_residuals(joint.rests, joint.fit.residual))

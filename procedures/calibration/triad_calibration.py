@@ -7,14 +7,15 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.calibration.solution import Estimate, TriadCalibration
 from procedures.dwells_and_turns.bench_parameters import mean_axes, mean_cube, skew_jacobian, skew_variance
-from procedures.dwells_and_turns.twelve_position import JointFit, by_position, closed_form
+from procedures.dwells_and_turns.twelve_position import TriadFit, by_position, closed_form
 from procedures.frames import AXES
 from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit
 from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY
 
-SHARED_DWELLS = 3  # neighbours that have a bias's instability in common: minutes, as the correlation of a FOG's
-STEP = 1e-5  # rad, for central differences of the axes that E refers to
-SKEWED = np.array([0, 1, 2, 12, 13, 14])  # k and D of the vector k (3), E (9), D (3)
+# Neighbours that have a bias's instability in common: minutes, as the correlation of a FOG's
+CORRELATED_DWELLS = 3
+TILT_STEP_RAD = 1e-5  # rad, for central differences of the axes that E refers to
+SCALE_AND_BIAS_ROWS = np.array([0, 1, 2, 12, 13, 14])  # k and D of the vector k (3), E (9), D (3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +42,7 @@ class TriadVector:
         )
 
 
-def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) -> TriadVector:
+def triad_vector(joint: TriadFit, triad: str, accelerometer: TriadFit | None) -> TriadVector:
     """Refer a fit to the mean cube and turn it into k, E and D.
 
     Scatter from dwell to dwell beyond counting noise is taken as bias instability, which wanders slowly: the
@@ -53,14 +54,14 @@ def triad_vector(joint: JointFit, triad: str, accelerometer: JointFit | None) ->
     C_sb = joint.bench.campaigns[0].fixture.C_sb
     skew_seen = (accelerometer or joint).bench.skew_known()
     value, J = scale_misalignment_bias(joint.K @ reference_axes(joint, skew_seen), joint.b, per)
-    J = J @ _referred(joint, skew_seen)
+    J = J @ _jacobian_in_reference_axes(joint, skew_seen)
     covariance = J @ joint.fit.covariance @ J.T
     if accelerometer is not None and not skew_seen:
         p = accelerometer.bench.parallelism(accelerometer.fit.x[12:])
         variance = skew_variance(p, accelerometer.bench.held_pairs(0))
         scale, bias = skew_jacobian(p, C_sb.T @ value[3:12].reshape(3, 3) @ C_sb)
         rows = np.vstack((value[:3, None] * (np.abs(C_sb) @ scale), C_sb @ bias * (triad == "accelerometer")))
-        covariance[np.ix_(SKEWED, SKEWED)] += rows * variance @ rows.T
+        covariance[np.ix_(SCALE_AND_BIAS_ROWS, SCALE_AND_BIAS_ROWS)] += rows * variance @ rows.T
     covariance[12:, 12:] += np.diag(sum(common_variance(joint, value[:3] / per)))
     return TriadVector(value, J, covariance, vector_names(triad), unit)
 
@@ -70,7 +71,7 @@ def with_clock(vector: TriadVector, change: FloatArray, std: float) -> TriadVect
     return replace(vector, covariance=vector.covariance + np.outer(change, change) * std**2)
 
 
-def common_variance(joint: JointFit, k: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def common_variance(joint: TriadFit, k: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return what dwells have in common, as variances (3,) of D.
 
     Bias instability, a drift that is stated, and how far apart turn-ons were of which D is the mean.
@@ -80,11 +81,11 @@ def common_variance(joint: JointFit, k: FloatArray) -> tuple[FloatArray, FloatAr
     n = len(joint.seen.dwells)
     if not n:
         return np.zeros(3), np.zeros(3), np.zeros(3)
-    shared = (joint.excess / k) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
+    shared = (joint.excess / k) ** 2 * (min(CORRELATED_DWELLS, n) - 1) / n
     return shared, np.mean((joint.unsettled / k) ** 2, axis=0), (joint.spread / k) ** 2
 
 
-def moves_vector(moves: MovesFit, accelerometer: JointFit) -> TriadVector:
+def moves_vector(moves: MovesFit, accelerometer: TriadFit) -> TriadVector:
     """Turn the moves' fit into k, E and D, in the axes that the accelerometers' E refers to.
 
     The covariance holds the accelerometers' share, and bias instability as `triad_vector` does.
@@ -94,11 +95,13 @@ def moves_vector(moves: MovesFit, accelerometer: JointFit) -> TriadVector:
     G = moves.by_accelerometer
     covariance = J @ (moves.fit.covariance[:12, :12] + G @ accelerometer.fit.covariance[:12, :12] @ G.T) @ J.T
     n = len(moves.rate_error)
-    covariance[12:, 12:] += np.eye(3) * (moves.scatter[1] * DEG_H_PER_DEG_S) ** 2 * (min(SHARED_DWELLS, n) - 1) / n
+    covariance[12:, 12:] += (
+        np.eye(3) * (moves.scatter[1] * DEG_H_PER_DEG_S) ** 2 * (min(CORRELATED_DWELLS, n) - 1) / n
+    )
     return TriadVector(value, J, covariance, vector_names("gyroscope"), "deg/h")
 
 
-def reference_axes(joint: JointFit, skew_seen: bool) -> FloatArray:
+def reference_axes(joint: TriadFit, skew_seen: bool) -> FloatArray:
     """Return (3, 3), IMU axes: columns what E refers to: the mean cube, or the orthogonal axes nearest to it."""
     bench = joint.bench
     if not bench.cubes or not any(bench.held_pairs(0)):
@@ -109,7 +112,7 @@ def reference_axes(joint: JointFit, skew_seen: bool) -> FloatArray:
     return axes
 
 
-def _referred(joint: JointFit, skew_seen: bool) -> FloatArray:
+def _jacobian_in_reference_axes(joint: TriadFit, skew_seen: bool) -> FloatArray:
     """Return the Jacobian (12, p) of K and b, K in the axes that E refers to, by the fit's parameters.
 
     The axes follow the face pairs' q, which follows p: what p leaves open moves K and its axes alike.
@@ -122,12 +125,12 @@ def _referred(joint: JointFit, skew_seen: bool) -> FloatArray:
     begin = 12 + joint.bench.cube_slice(0).start + 6
     for column in range(begin, begin + 6):
         d = np.zeros(len(joint.fit.x))
-        d[column] = STEP
+        d[column] = TILT_STEP_RAD
         up, down = (
             reference_axes(replace(joint, fit=replace(joint.fit, x=joint.fit.x + sign * d)), skew_seen)
             for sign in (1, -1)
         )
-        T[:9, column] = (joint.K @ (up - down) / (2 * STEP)).ravel()
+        T[:9, column] = (joint.K @ (up - down) / (2 * TILT_STEP_RAD)).ravel()
     return T
 
 
@@ -152,7 +155,7 @@ def scale_misalignment_bias(K: FloatArray, b: FloatArray, per: float) -> tuple[F
     return np.concatenate((k, E.ravel(), D * per)), J
 
 
-def paper_biases(joint: JointFit) -> tuple[Estimate | None, Estimate | None]:
+def paper_biases(joint: TriadFit) -> tuple[Estimate | None, Estimate | None]:
     """Return P1's 12-position and two-direction biases [g] with counting noise; None without all positions."""
     C_sb = joint.bench.campaigns[0].fixture.C_sb
     table = by_position(joint.bench.campaigns, joint.seen, C_sb)

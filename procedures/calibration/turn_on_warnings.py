@@ -6,12 +6,12 @@ import numpy as np
 
 from procedures.campaign.campaign import Campaign
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
-from procedures.dwells_and_turns.twelve_position import JointFit
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
 
 def turn_on_warnings(
-    campaigns: Sequence[Campaign], accelerometer: JointFit | None, gyroscope: GyroscopeFit | None
+    campaigns: Sequence[Campaign], accelerometer: TriadFit | None, gyroscope: GyroscopeFit | None
 ) -> list[str]:
     """Say which bias the solution has, and by how much turn-ons differed; nothing of campaigns with one."""
     times = max(_turn_ons(each) for each in campaigns)

@@ -6,7 +6,7 @@ else says so:
 
 - the cube was turned about its own axis, or a sequence moved it, or its axis was up and down all alike;
 - a rate output with noise of several steps of its converter never holds still;
-- by the channel's other dwells and their attitudes it should have moved by more than `LEAST` counts;
+- by the channel's other dwells and their attitudes it should have moved by more than `MIN_MISSED_COUNTS` counts;
 - or it stopped within the step itself (`procedures.campaign.stopped_channels`).
 
 The whole triad is left out of such a step; of a soak the channel alone (`procedures.diagnosis.thermal_soaks`).
@@ -29,10 +29,10 @@ from procedures.campaign.campaign import (
     TurnRecord,
 )
 from procedures.campaign.stopped_channels import (
-    LEAST,
-    LEVELS,
-    TAIL,
-    Constant,
+    MIN_CONSTANT_SAMPLES,
+    MIN_MISSED_COUNTS,
+    MIN_NOISE_LEVELS,
+    ConstantEnd,
     constant_end,
     stopped,
     stopped_in_sequence,
@@ -44,9 +44,9 @@ from procedures.frames import AXES, face_normal, face_of, nominal_C_lb
 
 TRIADS = ("accelerometer", "gyroscope")
 FIELDS = {"accelerometer": "accel", "gyroscope": "gyro"}
-OWN = 0.5  # of a turn's axis along the sensor, or of an attitude beyond those of the other dwells
-FEWEST = 5  # other dwells that foretell one
-STOOD_OFF = 0.02  # rad by which a position may be off and its channels are still right
+MIN_OWN_AXIS_SHARE = 0.5  # of a turn's axis along the sensor, or of an attitude beyond those of the other dwells
+MIN_OTHER_DWELLS = 5  # other dwells that foretell one
+POSITION_ERROR_RAD = 0.02  # rad by which a position may be off and its channels are still right
 
 Record = DwellRecord | RestRecord | TurnRecord | SequenceRecord
 R = TypeVar("R", DwellRecord, RestRecord, TurnRecord, SequenceRecord)
@@ -61,7 +61,7 @@ class _Channel:
     axis: int
     steps: Sequence[Record]
     values: Sequence[FloatArray]
-    ends: Sequence[Constant | None]
+    ends: Sequence[ConstantEnd | None]
 
     @property
     def name(self) -> str:
@@ -92,17 +92,17 @@ class _Channel:
         counts = isinstance(step.series, CountSeries)
         if end.begin and isinstance(step, TurnRecord):
             along = self._along(step) if self.triad == "gyroscope" else 0.0
-            return stopped_in_turn(step, self.values[i], end, abs(along) > OWN)
+            return stopped_in_turn(step, self.values[i], end, abs(along) > MIN_OWN_AXIS_SHARE)
         if end.begin and isinstance(step, SequenceRecord):
             return stopped_in_sequence(step, self.values[i], end)
         if end.begin:
             return stopped(self.values[i], end, counts)
         if isinstance(step, TurnRecord):
             if self.triad == "gyroscope":
-                return bool(abs(self._along(step)) > OWN or self._should_swing(len(self.values[i])))
+                return bool(abs(self._along(step)) > MIN_OWN_AXIS_SHARE or self._should_swing(len(self.values[i])))
         if isinstance(step, SequenceRecord):
             return True
-        if not counts and self._levels() >= LEVELS:
+        if not counts and self._levels() >= MIN_NOISE_LEVELS:
             return True
         return self._is_off(i, end.value) if isinstance(step, DwellRecord) else False
 
@@ -119,17 +119,17 @@ class _Channel:
         others = self._other_dwells(value)
         if not others and self.triad == "accelerometer":
             return self._was_up_and_down()
-        if len(others) < FEWEST:
+        if len(others) < MIN_OTHER_DWELLS:
             return False
         A, own = np.array([self._input(j) for j in others]), self._input(i)
         mean = np.array([self.values[j].mean() for j in others])
         x, _, rank, _ = np.linalg.lstsq(A, mean, rcond=0.1)
         like_them, *_ = np.linalg.lstsq(A.T, own, rcond=0.1)
-        if np.linalg.norm(A.T @ like_them - own) > OWN:
+        if np.linalg.norm(A.T @ like_them - own) > MIN_OWN_AXIS_SHARE:
             return False  # none of them says what it should put out in this attitude
         scatter = float(np.sqrt(np.sum((mean - A @ x) ** 2) / max(len(mean) - rank, 1)))
-        stood = STOOD_OFF * float(np.linalg.norm(x[:3]))
-        return abs(float(own @ x) - value) > LEAST / len(self.values[i]) + 6 * scatter + stood
+        stood = POSITION_ERROR_RAD * float(np.linalg.norm(x[:3]))
+        return abs(float(own @ x) - value) > MIN_MISSED_COUNTS / len(self.values[i]) + 6 * scatter + stood
 
     def _other_dwells(self, value: float) -> list[int]:
         """Return the dwells that put out something else than one constant ``value``, and did not stop."""
@@ -141,7 +141,7 @@ class _Channel:
         """Say whether a turn's headings should show, by the Earth's rate that spreads the dwells."""
         means = [v.mean() for s, v in zip(self.steps, self.values, strict=True) if isinstance(s, DwellRecord)]
         swing = float(np.ptp(means)) / 2 * np.cos(self.campaign.site.latitude) if means else 0.0
-        return bool(swing * samples / 4 > LEAST)
+        return bool(swing * samples / 4 > MIN_MISSED_COUNTS)
 
     def _was_up_and_down(self) -> bool:
         faces = {face_of(s.position) for s in self.steps if isinstance(s, DwellRecord)}
@@ -179,13 +179,13 @@ def without_dead(campaigns: Sequence[Campaign]) -> tuple[tuple[Campaign, ...], t
     return tuple(kept), tuple(said)
 
 
-def dead_in_soak(soak: SoakRecord, triad: str) -> list[Constant | None]:
+def dead_in_soak(soak: SoakRecord, triad: str) -> list[ConstantEnd | None]:
     """Return for each channel (3,) of a soak where it is constant to the end, or stopped; None if alive."""
     samples = getattr(soak.series, FIELDS[triad])
     if samples is None:
         return [None] * 3
     counts = isinstance(soak.series, CountSeries)
-    found = list[Constant | None]()
+    found = list[ConstantEnd | None]()
     for values in np.asarray(samples, dtype=np.float64).T:
         end = constant_end(values)
         is_dead = end is not None and (end.begin == 0 or stopped(values, end, counts))
@@ -222,7 +222,7 @@ def _sentence(channel: _Channel, dead: Sequence[int]) -> str:
     return f"{channel.name} puts out a constant {value} in {said}: the {triad} are left out there"
 
 
-def _where(step: Record | SoakRecord, end: Constant | None) -> str:
+def _where(step: Record | SoakRecord, end: ConstantEnd | None) -> str:
     if end is None or end.begin == 0:
         return f"all of {step.name}"
     return f"{step.name} from {float(step.series.t[end.begin]):.6g} s on"
@@ -241,11 +241,11 @@ def _tables(campaign: Campaign) -> tuple[tuple[RateTable, ...], list[str]]:
     """Return the rate tables without the gyroscopes that put out a constant while turned about their own axis."""
     kept, said = list[RateTable](), list[str]()
     for table in campaign.rate_tables:
-        along = np.abs(campaign.fixture.C_sb[:, AXES.index(table.axis)]) > OWN
+        along = np.abs(campaign.fixture.C_sb[:, AXES.index(table.axis)]) > MIN_OWN_AXIS_SHARE
         output = np.array(table.output)
         for axis in np.flatnonzero(along & (np.ptp(np.abs(table.reference)) > 0)):
             read = output[np.isfinite(output[:, axis]), axis]
-            if len(read) >= TAIL and np.ptp(read) == 0:
+            if len(read) >= MIN_CONSTANT_SAMPLES and np.ptp(read) == 0:
                 name, value = f"gyroscope {AXES[axis]}", f"{read[0]:.6g}"
                 said.append(f"{name} puts out a constant {value} in all of {table.name}: left out")
                 output[:, axis] = np.nan

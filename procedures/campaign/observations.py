@@ -7,7 +7,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, TurnRecord
-from procedures.counts.count_rate import LEAST_SAMPLES, RateEstimate, estimate_counts
+from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_counts
 from procedures.counts.rate_mean import estimate_rates
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.errors import TooShort
@@ -81,8 +81,8 @@ def rest_rates(rests: Sequence[tuple[int, RestRecord]], triad: str) -> TriadRest
 
 def _axis_rates(dwells: Sequence[DwellRecord | RestRecord], triad: str, axis: int) -> list[RateEstimate]:
     for dwell in dwells:
-        if len(dwell.series) < LEAST_SAMPLES:
-            raise TooShort(dwell.name, len(dwell.series), LEAST_SAMPLES)
+        if len(dwell.series) < MIN_DWELL_SAMPLES:
+            raise TooShort(dwell.name, len(dwell.series), MIN_DWELL_SAMPLES)
     samples = [np.asarray(channel(d.series, triad))[:, axis] for d in dwells]
     starts = [d.series.starts for d in dwells]
     period = float(np.median([d.series.period for d in dwells]))

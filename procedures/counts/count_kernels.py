@@ -17,14 +17,18 @@ from numba import njit
 
 from procedures.arrays import FloatArray
 
-FEW = 30.0
+INITIAL_STATEMENTS = 30.0
 SQRT_HALF = math.sqrt(0.5)
-FAR = 30.0  # sigmas outside its interval at which a node's statement cannot be met (e^-450; erfc nears underflow)
+# Sigmas outside its interval at which a node's statement cannot be met (e^-450; erfc nears underflow)
+MAX_INTERVAL_SIGMAS = 30.0
 
 
 @njit(cache=True)
 def interval_moments(a: float, b: float) -> tuple[float, float, float]:
-    """Return log probability, mean and variance of a unit normal held to ``a <= x < b``, a < `FAR`, b > -`FAR`."""
+    """Return log probability, mean and variance of a unit normal held to ``a <= x < b``.
+
+    ``a`` is below `MAX_INTERVAL_SIGMAS`, ``b`` above its negative.
+    """
     side = 1.0
     if a + b < 0:  # mirror: the tail that matters is the upper one, where erfc keeps its digits
         a, b, side = -b, -a, -1.0
@@ -145,14 +149,14 @@ def propagate(
 ) -> tuple[float, float, float, int]:  # fmt: skip
     """Refine the sites ``tau``, ``nu`` (m,) in place until theta[0] moves by less than ``tolerance`` of its sigma.
 
-    The sites start as those of a uniform remainder, but all together they say no more than `FEW` of them would:
-    where the output hardly moves, neighbours repeat each other. Returns theta[0], its variance, the log
-    evidence and the sweeps taken; the evidence is -inf where the noise is too small for any path through the
+    The sites start as those of a uniform remainder, but all together they say no more than `INITIAL_STATEMENTS` of
+    them would: where the output hardly moves, neighbours repeat each other. Returns theta[0], its variance, the
+    log evidence and the sweeps taken; the evidence is -inf where the noise is too small for any path through the
     intervals.
     """
     m = len(t)
     for i in range(m):
-        tau[i] = 12.0 * min(1.0, FEW / m)
+        tau[i] = 12.0 * min(1.0, INITIAL_STATEMENTS / m)
         nu[i] = tau[i] * (low[i] + 0.5)
     mean, variance, theta, covariance, log_norm = smooth(t, linked, tau, nu, basis, noise)
     evidence = 0.0
@@ -166,7 +170,7 @@ def propagate(
             v = 1.0 / precision
             c = v * (mean[i] / variance[i] - nu[i])
             s = math.sqrt(v)
-            if not (low[i] - c < FAR * s and c - low[i] - 1.0 < FAR * s):
+            if not (low[i] - c < MAX_INTERVAL_SIGMAS * s and c - low[i] - 1.0 < MAX_INTERVAL_SIGMAS * s):
                 return theta[0], covariance[0, 0], -math.inf, sweep
             log_p, x, w = interval_moments((low[i] - c) / s, (low[i] + 1.0 - c) / s)
             evidence += log_p + 0.5 * math.log(1 + tau[i] * v)

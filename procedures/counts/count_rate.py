@@ -8,7 +8,7 @@ noise integrates to; `procedures.counts.count_kernels.propagate` combines the st
 started from the least-squares slope). The noise is the one that makes the counts most likely, averaged over what
 the counts leave open. With few edges this matters most: see ``docs/count-rate.md`` for the figures.
 
-Only nodes that can bind are used: in each of `WINDOWS` stretches the few that come closest to either end of
+Only nodes that can bind are used: in each of `NODE_WINDOWS` stretches the few that come closest to either end of
 their interval. Dropping a true statement costs information, never truth; measured, it costs none.
 """
 
@@ -21,19 +21,21 @@ from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.count_kernels import propagate, smooth
 from procedures.errors import TooShort
 
-WINDOWS, CLOSEST = 64, 3
-DOUBT = 3.5  # sigmas from either end of its interval within which a node is admitted
-ROUNDS = 4
-WHITE = 0.35  # counts per sqrt(sample) above which the remainder is white: its harmonic is e^-2(pi s)^2
-LAG = 16  # samples
-STEPS = 4  # noises tried per factor e
-NOISE_RANGE = (-42, 0)  # steps of the logarithm of counts per sqrt(sample): 2.8e-5 to 1
-DROP = 5.0  # nats below the best at which a noise is given up
-REPEATED = 1.5  # by which the evidence is divided: neighbouring nodes say in part the same, which it counts twice
-FALLING = 0.25  # the prior of a noise s is s^-FALLING ds / s; it matters below about four counts a dwell
-FEW_EDGES = 2  # below which a dwell gives an interval, no point
-LEAST_SAMPLES = 8
-SWEEPS, TOLERANCE = 60, 1e-3
+NODE_WINDOWS, NODES_PER_WINDOW_END = 64, 3
+ADMIT_SIGMAS = 3.5  # sigmas from either end of its interval within which a node is admitted
+MAX_ADMISSIONS = 4
+MIN_WHITE_NOISE = 0.35  # counts per sqrt(sample) above which the remainder is white: its harmonic is e^-2(pi s)^2
+WHITE_LAG_SAMPLES = 16  # samples
+NOISE_STEPS_PER_E = 4  # noises tried per factor e
+NOISE_STEP_RANGE = (-42, 0)  # steps of the logarithm of counts per sqrt(sample): 2.8e-5 to 1
+MAX_EVIDENCE_DROP_NATS = 5.0  # nats below the best at which a noise is given up
+# By which the evidence is divided: neighbouring nodes say in part the same, which it counts twice
+EVIDENCE_REPEATED = 1.5
+# The prior of a noise s is s^-NOISE_PRIOR_EXPONENT ds / s; it matters below about four counts a dwell
+NOISE_PRIOR_EXPONENT = 0.25
+MIN_POINT_EDGES = 2  # below which a dwell gives an interval, no point
+MIN_DWELL_SAMPLES = 8
+MAX_SWEEPS, SWEEP_TOLERANCE = 60, 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,7 +94,7 @@ class _Path:
         """Find the sites at a noise; return the log evidence."""
         t, linked, low, basis = self.arrays(1)
         self.tau, self.nu = np.empty_like(t), np.empty_like(t)
-        return propagate(t, linked, low, self.tau, self.nu, basis, noise, SWEEPS, TOLERANCE)[2]
+        return propagate(t, linked, low, self.tau, self.nu, basis, noise, MAX_SWEEPS, SWEEP_TOLERANCE)[2]
 
     def terms(self, noise: float) -> tuple[FloatArray, FloatArray]:
         """Mean rate of the line, slope and curvature of the cubic, and their variances, in counts per span."""
@@ -128,7 +130,7 @@ class _Path:
         share = (self.t - t[before]) / (t[before + 1] - t[before])
         at = mean[before] + share * (mean[before + 1] - mean[before])
         bridge = noise**2 * share * (1 - share) * (t[before + 1] - t[before])
-        margin = DOUBT * np.sqrt(np.maximum(variance[before], variance[before + 1]) + np.maximum(bridge, 0))
+        margin = ADMIT_SIGMAS * np.sqrt(np.maximum(variance[before], variance[before + 1]) + np.maximum(bridge, 0))
         doubtful = (at - self.low < margin) | (self.low + 1 - at < margin)
         fresh = bool(np.any(doubtful & ~self.keep))
         self.keep |= doubtful
@@ -153,14 +155,14 @@ def estimate_counts(
     Raises
     ------
     TooShort
-        If a dwell has fewer than `LEAST_SAMPLES` samples.
+        If a dwell has fewer than `MIN_DWELL_SAMPLES` samples.
 
     Source: the interval likelihood and its figures are this project's own (docs/count-rate.md); expectation
     propagation is Minka, UAI 2001.
     """
     for dwell in dwells:
-        if len(dwell) < LEAST_SAMPLES:
-            raise TooShort("a dwell", len(dwell), LEAST_SAMPLES)
+        if len(dwell) < MIN_DWELL_SAMPLES:
+            raise TooShort("a dwell", len(dwell), MIN_DWELL_SAMPLES)
     starts = starts or [np.zeros(1, dtype=np.int64)] * len(dwells)
     samples = [np.arange(1.0, len(d) + 1) if times is None else times[i] / period for i, d in enumerate(dwells)]
     paths = [_path(*each) for each in zip(dwells, samples, starts, strict=True)]
@@ -169,31 +171,36 @@ def estimate_counts(
         for path in paths:
             path.keep[:] = True
             path.tau, path.nu = np.full(len(path.t), 12.0), 12.0 * (path.low + 0.5)
-        return [_finish(path, [(white, 1.0)], period, refit=False) for path in paths]
+        return [_averaged_over_noise(path, [(white, 1.0)], period, refit=False) for path in paths]
     weights = _noise_posterior(paths)
-    return [_finish(path, weights, period, refit=True) for path in paths]
+    return [_averaged_over_noise(path, weights, period, refit=True) for path in paths]
 
 
 def _white_noise(dwells: Sequence[IntArray]) -> float:
     """Return the noise [counts/sqrt(sample)] if it is large enough to make the remainder white, else 0.
 
     An increment is r + w + q' - q with q uniform of variance 1/12: half the mean square of the increments'
-    differences is s^2 + 3/12. A rate near a simple fraction imitates that, but not over `LAG` samples, where
-    a remainder that only repeats cannot pass `WHITE`; nor does it ever change an increment by more than 2.
+    differences is s^2 + 3/12. A rate near a simple fraction imitates that, but not over `WHITE_LAG_SAMPLES`
+    samples, where a remainder that only repeats cannot pass `MIN_WHITE_NOISE`; nor does it ever change an
+    increment by more than 2.
     """
     fast = _mean_square([np.diff(d) for d in dwells]) / 2 - 0.25
-    long = [np.diff(_lag_sums(d)) for d in dwells if len(d) > 2 * LAG]
+    long = [np.diff(_lag_sums(d)) for d in dwells if len(d) > 2 * WHITE_LAG_SAMPLES]
     if not long:
         beyond = max(int(np.abs(np.diff(d)).max(initial=0)) for d in dwells) > 2
         return float(np.sqrt(fast)) if beyond else 0.0
-    slow = (_mean_square(long) - 0.5) / (2 * LAG)
-    if slow < WHITE**2:
+    slow = (_mean_square(long) - 0.5) / (2 * WHITE_LAG_SAMPLES)
+    if slow < MIN_WHITE_NOISE**2:
         return 0.0
-    return float(np.sqrt(fast if fast > WHITE**2 else slow))  # slow alone: a step, as from a knock
+    return float(np.sqrt(fast if fast > MIN_WHITE_NOISE**2 else slow))  # slow alone: a step, as from a knock
 
 
 def _lag_sums(increments: IntArray) -> IntArray:
-    sums: IntArray = increments[: len(increments) // LAG * LAG].reshape(-1, LAG).sum(axis=1)
+    sums: IntArray = (
+        increments[: len(increments) // WHITE_LAG_SAMPLES * WHITE_LAG_SAMPLES]
+        .reshape(-1, WHITE_LAG_SAMPLES)
+        .sum(axis=1)
+    )
     return sums
 
 
@@ -231,13 +238,13 @@ def _common_slope(at: FloatArray, count: FloatArray, segment: IntArray) -> float
 def _binding(low: FloatArray, segment: IntArray) -> BoolArray:
     """Mark the nodes nearest to either end of their interval in every window, and each segment's ends."""
     n = len(low)
-    width = max(n // WINDOWS, 1)
+    width = max(n // NODE_WINDOWS, 1)
     keep = np.ones(n, dtype=bool)
-    if width <= 2 * CLOSEST:
+    if width <= 2 * NODES_PER_WINDOW_END:
         return keep
     rows = n // width
     order = np.argsort(low[: rows * width].reshape(rows, width), axis=1) + width * np.arange(rows)[:, None]
-    keep[order[:, CLOSEST:-CLOSEST].ravel()] = False
+    keep[order[:, NODES_PER_WINDOW_END:-NODES_PER_WINDOW_END].ravel()] = False
     change = np.flatnonzero(np.diff(segment))
     keep[[0, n - 1, *change, *(change + 1)]] = True
     return keep
@@ -246,29 +253,29 @@ def _binding(low: FloatArray, segment: IntArray) -> BoolArray:
 def _noise_posterior(paths: Sequence[_Path]) -> list[tuple[float, float]]:
     """Return (noise, weight) around the most likely noise of all paths."""
     telling = max(paths, key=lambda path: path.edges)  # where one path leads, all need few steps
-    best = _climb([telling], sum(NOISE_RANGE) // 2, STEPS, {})
-    for _ in range(ROUNDS):
+    best = _most_likely_noise([telling], sum(NOISE_STEP_RANGE) // 2, NOISE_STEPS_PER_E, {})
+    for _ in range(MAX_ADMISSIONS):
         found: dict[int, float] = {}
-        best = _climb(paths, best, 1, found)
-        noise = float(np.exp(best / STEPS))
+        best = _most_likely_noise(paths, best, 1, found)
+        noise = float(np.exp(best / NOISE_STEPS_PER_E))
         _evidence(paths, best, found, again=True)
         fresh = [path.admit(noise) for path in paths]
         if not any(fresh):
             break
-    return _grid(paths, best, found)
+    return _noise_grid(paths, best, found)
 
 
 def _evidence(paths: Sequence[_Path], step: int, found: dict[int, float], again: bool = False) -> float:
     """Log probability of all the counts at a noise of ``step``, up to a constant, computed once."""
     if step not in found or again:
-        noise = float(np.exp(step / STEPS))
+        noise = float(np.exp(step / NOISE_STEPS_PER_E))
         found[step] = sum(path.fit(noise) for path in paths)
     return found[step]
 
 
-def _climb(paths: Sequence[_Path], best: int, stride: int, found: dict[int, float]) -> int:
+def _most_likely_noise(paths: Sequence[_Path], best: int, stride: int, found: dict[int, float]) -> int:
     """Walk to the most likely noise in ever smaller strides; where none is possible, to a larger one."""
-    low, high = NOISE_RANGE
+    low, high = NOISE_STEP_RANGE
     while stride:
         near = [k for k in (best - stride, best, best + stride) if low <= k <= high]
         leader = max(near, key=lambda k: (_evidence(paths, k, found), k))
@@ -277,25 +284,33 @@ def _climb(paths: Sequence[_Path], best: int, stride: int, found: dict[int, floa
     return best
 
 
-def _grid(paths: Sequence[_Path], best: int, found: dict[int, float]) -> list[tuple[float, float]]:
-    """Weigh every noise within `DROP` of the best; where that is hardly one step, put one noise for all."""
-    low, high = NOISE_RANGE
+def _noise_grid(paths: Sequence[_Path], best: int, found: dict[int, float]) -> list[tuple[float, float]]:
+    """Weigh every noise within `MAX_EVIDENCE_DROP_NATS` of the best, or put one for all if that is hardly one."""
+    low, high = NOISE_STEP_RANGE
     fall = {best: 0.0}
     for direction in (-1, 1):
         k = best + direction
-        while low <= k <= high and (drop := (found[best] - _evidence(paths, k, found)) / REPEATED) < DROP:
+        while (
+            low <= k <= high
+            and (drop := (found[best] - _evidence(paths, k, found)) / EVIDENCE_REPEATED) < MAX_EVIDENCE_DROP_NATS
+        ):
             fall[k] = drop
             k += direction
     if len(fall) <= 3 and low < best < high:
-        below, above = ((found[best] - found[best + k]) / REPEATED for k in (-1, 1))
+        below, above = ((found[best] - found[best + k]) / EVIDENCE_REPEATED for k in (-1, 1))
         if np.isfinite(below + above):
-            mode = (best + (below - above) / (2 * (below + above))) / STEPS
-            return [(float(np.exp(mode + 1 / ((below + above) * STEPS**2))), 1.0)]
-    weight = {k: float(np.exp(-drop - FALLING * (k - best) / STEPS)) for k, drop in sorted(fall.items())}
-    return [(float(np.exp(k / STEPS)), w / sum(weight.values())) for k, w in weight.items()]
+            mode = (best + (below - above) / (2 * (below + above))) / NOISE_STEPS_PER_E
+            return [(float(np.exp(mode + 1 / ((below + above) * NOISE_STEPS_PER_E**2))), 1.0)]
+    weight = {
+        k: float(np.exp(-drop - NOISE_PRIOR_EXPONENT * (k - best) / NOISE_STEPS_PER_E))
+        for k, drop in sorted(fall.items())
+    }
+    return [(float(np.exp(k / NOISE_STEPS_PER_E)), w / sum(weight.values())) for k, w in weight.items()]
 
 
-def _finish(path: _Path, weights: Sequence[tuple[float, float]], period: float, refit: bool) -> RateEstimate:
+def _averaged_over_noise(
+    path: _Path, weights: Sequence[tuple[float, float]], period: float, refit: bool
+) -> RateEstimate:
     """Average a dwell's rate, slope and curvature over what is open of the noise."""
     mean, square = np.zeros(3), np.zeros(3)
     for noise, weight in weights:
@@ -310,7 +325,7 @@ def _finish(path: _Path, weights: Sequence[tuple[float, float]], period: float, 
     rate = path.rate / period + value[0]
     noise_mean = float(np.sqrt(sum(w * s * s for s, w in weights)))
     interval = None
-    if path.edges < FEW_EDGES:
+    if path.edges < MIN_POINT_EDGES:
         low, high = (path.rate + bound for bound in path.allowed(noise_mean))
         interval = (low / period, high / period)
         rate, sigma[0] = sum(interval) / 2, (interval[1] - interval[0]) / np.sqrt(24)

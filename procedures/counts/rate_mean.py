@@ -7,7 +7,8 @@ import numpy as np
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.count_rate import RateEstimate
 
-BLOCKS = 128  # of a dwell: their scatter is known to 7 %, and they are long enough to average a filter out
+# Of a dwell: their scatter is known to 7 %, and they are long enough to average a filter out
+MIN_DWELL_BLOCKS = 128
 
 
 def estimate_rates(
@@ -16,12 +17,12 @@ def estimate_rates(
     """Estimate the mean of one channel in each of several dwells; ``starts`` is of no matter to a mean.
 
     The white noise, shared by all dwells, is taken from the Allan variance of blocks, the longest of which every
-    dwell still holds `BLOCKS`: the samples of a filtered or drifting output are not independent, and those of a
-    quantised integral cancel, so the scatter of single samples would promise too much or too little
+    dwell still holds `MIN_DWELL_BLOCKS`: the samples of a filtered or drifting output are not independent, and
+    those of a quantised integral cancel, so the scatter of single samples would promise too much or too little
     (NIST SP 1065, 5.2). It is at least what rounding to the output's own step leaves.
     """
     values = [np.asarray(dwell, dtype=np.float64) for dwell in dwells]
-    scatter = np.sqrt(np.mean([_white(each, max(len(each) // BLOCKS, 1)) ** 2 for each in values]))
+    scatter = np.sqrt(np.mean([_white(each, max(len(each) // MIN_DWELL_BLOCKS, 1)) ** 2 for each in values]))
     white = float(max(scatter, _step(values) / np.sqrt(12 * min(len(each) for each in values))))
     return [_estimate(each, white, period) for each in values]
 

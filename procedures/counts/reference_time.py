@@ -21,13 +21,14 @@ from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line
 from procedures.units import PPM_PER_ONE
 
-BLOCKS, LEAST = 24, 6  # stretches of all rows, and as few as that are a line
-OUTLIER = 5.0  # robust sigmas
-STEPS = 4  # of the delay at the most: a logger that was started again has another one
-PASSES = 4  # of taking the least late rows by the rate before
-BETTER = 0.7  # of the envelope's sigma: from there on another one counts instead
-COARSE = 0.5  # of rows whose reference is another than that of the row before: with fewer it is cut
-LEAP, DRIFT = 2.0, 0.05  # s, relative: by more, one clock was set or began anew between two records
+LINE_BLOCKS, MIN_LINE_BLOCKS = 24, 6  # stretches of all rows, and as few as that are a line
+OUTLIER_SIGMAS = 5.0  # robust sigmas
+MAX_DELAY_STEPS = 4  # of the delay at the most: a logger that was started again has another one
+ENVELOPE_PASSES = 4  # of taking the least late rows by the rate before
+MAX_SIGMA_RATIO = 0.7  # of the envelope's sigma: from there on another one counts instead
+COARSE_TICK_SHARE = 0.5  # of rows whose reference is another than that of the row before: with fewer it is cut
+# s, relative: by more, one clock was set or began anew between two records
+MAX_CLOCK_LEAP_S, MAX_CLOCK_DRIFT = 2.0, 0.05
 
 Piece = tuple[FloatArray, FloatArray]
 
@@ -58,7 +59,7 @@ def fit_clock(pieces: Sequence[Piece]) -> ClockRate | None:
     if not tried:
         return None
     best = min(tried, key=lambda line: line.std)
-    line = tried[0] if tried[0].std * BETTER <= best.std else best
+    line = tried[0] if tried[0].std * MAX_SIGMA_RATIO <= best.std else best
     std = float(np.hypot(line.std, points.grain / np.sqrt(6) / np.ptp(points.t)))  # both ends uniform within it
     late = points.behind - line.slope * points.t
     delay = max(float(np.quantile(late[b], 0.9) - late[b].min()) for b in points.blocks)
@@ -86,13 +87,13 @@ class _Points:
         known = [(t[keep], u[keep]) for t, u in pieces if (keep := np.isfinite(u) & np.isfinite(t)).any()]
         known.sort(key=lambda piece: float(np.median(piece[1])))
         known, grain = _ticks(known) if known else (known, 0.0)
-        if sum(len(t) for t, _ in known) < 2 * LEAST:
+        if sum(len(t) for t, _ in known) < 2 * MIN_LINE_BLOCKS:
             return None
         t0, u0 = known[0][0][0], known[0][1][0]  # a float holds a quarter microsecond of seconds since 1970
         known = [(t - t0, (u - u0) - (t - t0)) for t, u in known]
         t, behind = (np.concatenate(each) for each in zip(*known, strict=True))
         blocks, session = _blocks([piece[0] for piece in known], _sessions(known))
-        if len(blocks) < LEAST:
+        if len(blocks) < MIN_LINE_BLOCKS:
             return None
         return cls(t, behind, blocks, session, 4 * float(np.spacing(max(np.abs(t).max(), abs(u0)))), grain)
 
@@ -101,7 +102,7 @@ def _ticks(known: list[Piece]) -> tuple[list[Piece], float]:
     """Return the rows at which a coarse reference goes on, and how far [s] the row before is; else all rows."""
     is_tick = [np.diff(u, prepend=u[0]) != 0 for _, u in known]
     steps = np.concatenate([np.diff(t) for t, _ in known])
-    if not len(steps) or sum(map(np.count_nonzero, is_tick)) >= COARSE * len(steps):
+    if not len(steps) or sum(map(np.count_nonzero, is_tick)) >= COARSE_TICK_SHARE * len(steps):
         return known, 0.0
     grain = float(np.median(steps))
     near = [np.diff(t, prepend=-np.inf) < 1.5 * grain for t, _ in known]
@@ -114,18 +115,18 @@ def _sessions(known: Sequence[Piece]) -> list[int]:
     found = [0]
     for (t, behind), (later, after) in pairwise(known):
         leap = abs(float(np.median(after) - np.median(behind)))
-        is_anew = later[0] <= t[-1] or leap > LEAP + DRIFT * (later[-1] - t[0])
+        is_anew = later[0] <= t[-1] or leap > MAX_CLOCK_LEAP_S + MAX_CLOCK_DRIFT * (later[-1] - t[0])
         found.append(found[-1] + is_anew)
     return found
 
 
 def _blocks(times: Sequence[FloatArray], sessions: Sequence[int]) -> tuple[list[IntArray], IntArray]:
-    """Cut the records to about `BLOCKS` blocks of equal length that reach over no pause between two."""
+    """Cut the records to about `LINE_BLOCKS` blocks of equal length that reach over no pause between two."""
     rows = np.split(np.arange(sum(map(len, times))), np.cumsum([len(t) for t in times])[:-1])
     spans = np.array([t[-1] - t[0] for t in times])
     blocks, session = list[IntArray](), list[int]()
     for i, one in enumerate(rows):
-        share = BLOCKS * spans[i] / spans.sum() if spans.sum() > 0 else 1.0
+        share = LINE_BLOCKS * spans[i] / spans.sum() if spans.sum() > 0 else 1.0
         parts = np.array_split(one, max(1, min(round(share), len(one) // 2)))
         blocks += parts
         session += [sessions[i]] * len(parts)
@@ -135,7 +136,7 @@ def _blocks(times: Sequence[FloatArray], sessions: Sequence[int]) -> tuple[list[
 def _line(points: _Points, pick: Callable[[FloatArray], float]) -> CorrelatedLine | None:
     """Fit a line through what is picked of each block; where its offset surely steps, a session begins anew."""
     session, line = points.session, None
-    for _ in range(STEPS + 1):
+    for _ in range(MAX_DELAY_STEPS + 1):
         found, index = _line_in(points, session, pick)
         if found is None:
             return line
@@ -154,14 +155,14 @@ def _line_in(
     """Fit a line through what is picked of each block about the line before; tell the blocks it goes through."""
     slope = 0.0
     middle = np.array([points.t[b].mean() for b in points.blocks])
-    for _ in range(PASSES):
+    for _ in range(ENVELOPE_PASSES):
         off = points.behind - slope * points.t
         picked = np.array([pick(off[b]) for b in points.blocks])
         slope += _usual_slope(middle, picked, session)
     off = points.behind - slope * points.t
     picked = np.array([pick(off[b]) for b in points.blocks])
     keep = np.flatnonzero(_inliers(picked, session))
-    if len(keep) < LEAST:
+    if len(keep) < MIN_LINE_BLOCKS:
         return None, keep
     line = fit_correlated_line(middle[keep], picked[keep], session[keep], points.least)
     return None if line is None else replace(line, slope=line.slope + slope), keep
@@ -182,4 +183,4 @@ def _inliers(off: FloatArray, session: IntArray) -> BoolArray:
     for each in np.unique(session):
         off[session == each] -= np.median(off[session == each])
     far = np.abs(off)
-    return np.asarray(far <= OUTLIER * max(1.4826 * float(np.median(far)), np.finfo(float).tiny))
+    return np.asarray(far <= OUTLIER_SIGMAS * max(1.4826 * float(np.median(far)), np.finfo(float).tiny))

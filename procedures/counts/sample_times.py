@@ -15,14 +15,17 @@ import numpy as np
 from procedures.arrays import FloatArray, IntArray
 
 GAP_PERIODS = 1.5  # a step longer than so many sample periods is a gap
-CLOSE, NEAR = 1e-3, 1e-2  # relative: of a stated period that is right, and of one that is not wrong
-LASTING = 0.6  # sample periods
-RUNS, ROWS = 8, 200  # looked at before and after a long step: so many runs, of no more rows together
-USUAL, ALIKE = 0.1, 0.95  # relative, of steps that are alike; and the part of them that are
-OUTLIER = 4.0  # robust sigmas
-BEYOND = 1.25  # times the largest other step between runs
-NEARLY_ALL = 0.45  # above one half: of the pairs of runs that rank alike where all but a few do
-ROUNDS = 4
+# Relative: of a stated period that is right, and of one that is not wrong
+RIGHT_PERIOD_TOLERANCE, NEAR_PERIOD_TOLERANCE = 1e-3, 1e-2
+LASTING_DELAY_PERIODS = 0.6  # sample periods
+# Looked at before and after a long step: so many runs, of no more rows together
+MAX_COMPARED_RUNS, MAX_COMPARED_ROWS = 8, 200
+# Relative, of steps that are alike; and the part of them that are
+USUAL_STEP_TOLERANCE, MIN_USUAL_SHARE = 0.1, 0.95
+OUTLIER_SIGMAS = 4.0  # robust sigmas
+MIN_STEP_RATIO = 1.25  # times the largest other step between runs
+RANK_EXCESS_OF_NEARLY_ALL = 0.45  # above one half: of the pairs of runs that rank alike where all but a few do
+MAX_PERIOD_ITERATIONS = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +49,10 @@ def sample_times(stamps: FloatArray, nominal: float) -> SampleTimes:
 
     Where no period within 1 % of the nominal goes with them, the nominal is wrong, and one is found without.
     """
-    for bound, guesses in ((CLOSE, [nominal]), (NEAR, [*_near(stamps, nominal), nominal])):
+    for bound, guesses in (
+        (RIGHT_PERIOD_TOLERANCE, [nominal]),
+        (NEAR_PERIOD_TOLERANCE, [*_near(stamps, nominal), nominal]),
+    ):
         for guess in guesses:
             found = _in_sequence(stamps, guess)
             if abs(found.period / nominal - 1) <= bound:
@@ -58,9 +64,9 @@ def sample_times(stamps: FloatArray, nominal: float) -> SampleTimes:
 def _by_themselves(stamps: FloatArray) -> SampleTimes:
     """Return the times with a period that comes out again where it is taken for the nominal."""
     found = _in_sequence(stamps, _pace(stamps))
-    for _ in range(ROUNDS):
+    for _ in range(MAX_PERIOD_ITERATIONS):
         before, found = found, _in_sequence(stamps, found.period)
-        if abs(found.period / before.period - 1) <= CLOSE:
+        if abs(found.period / before.period - 1) <= RIGHT_PERIOD_TOLERANCE:
             break
     return found
 
@@ -72,7 +78,7 @@ def _near(t: FloatArray, nominal: float) -> list[float]:
     found = [float(step[~is_long].mean())] if not is_long.all() else []
     ends = np.flatnonzero(is_long)
     if len(ends) > 2:
-        apart = max(1, min(len(ends) - 2, round(ROWS / float(np.diff(ends).mean()))))
+        apart = max(1, min(len(ends) - 2, round(MAX_COMPARED_ROWS / float(np.diff(ends).mean()))))
         found.append(float(np.median((t[ends[apart:]] - t[ends[:-apart]]) / (ends[apart:] - ends[:-apart]))))
     return sorted(found, key=lambda each: abs(each - nominal))
 
@@ -80,10 +86,10 @@ def _near(t: FloatArray, nominal: float) -> list[float]:
 def _pace(t: FloatArray) -> float:
     """Return about the period [s] that stamps show by themselves: of stretches, or of steps nearly all alike."""
     step = np.diff(t)
-    rows = max(min(ROWS, len(step) // 2), 1)
+    rows = max(min(MAX_COMPARED_ROWS, len(step) // 2), 1)
     far = float(np.median(t[rows:] - t[:-rows])) / rows
-    usual = step[np.abs(step - np.median(step)) <= USUAL * np.median(step)]
-    if len(usual) > ALIKE * len(step) and far < GAP_PERIODS * usual.mean():
+    usual = step[np.abs(step - np.median(step)) <= USUAL_STEP_TOLERANCE * np.median(step)]
+    if len(usual) > MIN_USUAL_SHARE * len(step) and far < GAP_PERIODS * usual.mean():
         return float(usual.mean())
     return far
 
@@ -94,7 +100,7 @@ def _in_sequence(t: FloatArray, period: float) -> SampleTimes:
     long = np.flatnonzero(step > GAP_PERIODS * period) + 1
     if not len(long):
         return SampleTimes(t, float(step.mean()) if len(step) else period, np.zeros(1, dtype=np.int64))
-    gaps = _lasting(t - period * np.arange(len(t)), long, LASTING * period)
+    gaps = _lasting(t - period * np.arange(len(t)), long, LASTING_DELAY_PERIODS * period)
     begins = np.concatenate(([0], gaps)).astype(np.int64)
     inside = np.delete(step, gaps - 1)
     if len(inside) < len(step) / 2:  # these are no gaps: the period is wrong
@@ -112,21 +118,21 @@ def _lasting(late: FloatArray, long: IntArray, least: float) -> IntArray:
     begin, end = np.concatenate(([0], long)), np.append(long, len(late))
     head, tail = (np.array([late[i].min() for i in _slices(begin, end, side)]) for side in (1, -1))
     after, before = head[1:].copy(), tail[:-1].copy()
-    for k in range(1, RUNS):
+    for k in range(1, MAX_COMPARED_RUNS):
         later, sooner = slice(None, -k), slice(k, None)
-        reach = begin[1:][sooner] - begin[1:][later] < ROWS
+        reach = begin[1:][sooner] - begin[1:][later] < MAX_COMPARED_ROWS
         after[later] = np.where(reach, np.minimum(after[later], head[1:][sooner]), after[later])
         before[sooner] = np.where(reach, np.minimum(before[sooner], tail[:-1][later]), before[sooner])
     gaps, first = list[int](), 0
     for j in (np.flatnonzero(after - before > least) + 1).tolist():
-        since = range(max(j - RUNS, first), j)  # not before the last gap
-        if after[j - 1] - min(tail[k] for k in since if begin[j] - end[k] < ROWS) > least:
+        since = range(max(j - MAX_COMPARED_RUNS, first), j)  # not before the last gap
+        if after[j - 1] - min(tail[k] for k in since if begin[j] - end[k] < MAX_COMPARED_ROWS) > least:
             gaps.append(int(begin[j]))
             first = j
     if len(gaps) == len(long):
         return np.array(gaps, dtype=np.int64)
     gaps = _beyond_chance(late, begin, end, gaps)
-    some = min(float(ROWS), 3 * float(np.median(end - begin)))  # rows that tell
+    some = min(float(MAX_COMPARED_ROWS), 3 * float(np.median(end - begin)))  # rows that tell
     following = np.append(gaps[1:], len(late)) if gaps else np.zeros(0)
     return np.array([gap for gap, then in zip(gaps, following, strict=True) if then - gap >= some], dtype=np.int64)
 
@@ -140,16 +146,23 @@ def _beyond_chance(late: FloatArray, begin: IntArray, end: IntArray, gaps: list[
     """
     least = np.minimum.reduceat(late, begin)
     at = np.searchsorted(begin, gaps)
-    usual = BEYOND * float(np.abs(np.delete(np.diff(least), at - 1)).max(initial=0.0))
-    step = [least[j : j + RUNS].min() - least[max(j - RUNS, 0) : j].min() for j in at.tolist()]
+    usual = MIN_STEP_RATIO * float(np.abs(np.delete(np.diff(least), at - 1)).max(initial=0.0))
+    step = [
+        least[j : j + MAX_COMPARED_RUNS].min() - least[max(j - MAX_COMPARED_RUNS, 0) : j].min()
+        for j in at.tolist()
+    ]
     found = np.array([0, len(least)])
     for i in np.argsort(step)[::-1]:  # the others are then looked at between those found
         j = int(at[i])
         next_one = int(np.searchsorted(found, j))
-        since = max(int(found[next_one - 1]), int(np.searchsorted(end, begin[j] - ROWS, side="right")))
-        until = min(int(found[next_one]), int(np.searchsorted(begin, begin[j] + ROWS)))
+        since = max(
+            int(found[next_one - 1]), int(np.searchsorted(end, begin[j] - MAX_COMPARED_ROWS, side="right"))
+        )
+        until = min(int(found[next_one]), int(np.searchsorted(begin, begin[j] + MAX_COMPARED_ROWS)))
         before, after = least[since:j], least[j:until]
-        if after[:RUNS].min() - before[-RUNS:].min() > usual or _ranks_above(after, before):
+        if after[:MAX_COMPARED_RUNS].min() - before[-MAX_COMPARED_RUNS:].min() > usual or _ranks_above(
+            after, before
+        ):
             found = np.insert(found, next_one, j)
     return [int(begin[j]) for j in found[1:-1]]
 
@@ -159,15 +172,15 @@ def _ranks_above(after: FloatArray, before: FloatArray) -> bool:
     n, m = len(before), len(after)
     share = float(np.mean(after[:, None] > before))
     std = np.sqrt((n + m + 1) / (12 * n * m))
-    return min(n, m) > 1 and share - 0.5 > min(OUTLIER * float(std), NEARLY_ALL)
+    return min(n, m) > 1 and share - 0.5 > min(OUTLIER_SIGMAS * float(std), RANK_EXCESS_OF_NEARLY_ALL)
 
 
 def _slices(begin: IntArray, end: IntArray, side: int) -> list[slice]:
     """Return the first or the last rows of each run."""
     if side > 0:
-        end = np.minimum(end, begin + ROWS)
+        end = np.minimum(end, begin + MAX_COMPARED_ROWS)
     else:
-        begin = np.maximum(begin, end - ROWS)
+        begin = np.maximum(begin, end - MAX_COMPARED_ROWS)
     return [slice(b, e) for b, e in zip(begin.tolist(), end.tolist(), strict=True)]
 
 
@@ -183,7 +196,7 @@ def _on_a_grid(t: FloatArray, begins: IntArray, long: IntArray, period: float) -
         off = np.abs(y - period * x)
         scatter = max(float(off @ off) / max(len(off) - 2, 1), (1e-3 * period) ** 2)
         std = float(np.sqrt(scatter / (x @ x)))
-        ends = ends[off <= OUTLIER * 1.4826 * max(float(np.median(off)), 1e-3 * period)]
+        ends = ends[off <= OUTLIER_SIGMAS * 1.4826 * max(float(np.median(off)), 1e-3 * period)]
     least = np.minimum.reduceat(t - period * rows, begins)
     grid = period * rows + np.repeat(least, np.diff(np.append(begins, len(t))))
     return SampleTimes(grid, period, begins, is_uneven=True, period_std=std)

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.calibration.calibration import Fits
+from procedures.calibration.calibration import CampaignFits
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.residual_rows import Evidence
-from procedures.dwells_and_turns.bench_parameters import Bench, tilt_names
+from procedures.dwells_and_turns.bench_parameters import BenchParameters, tilt_names
 from procedures.effects.effect import Columns, Effect
 from procedures.errors import DoesNotFit, ProcedureError
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
@@ -63,7 +63,7 @@ class Candidate:
         return fit_linear(self.evidence(evidence), others, ~self.taken, factor)
 
 
-def candidates(evidence: Evidence, fits: Fits, effects: Sequence[Effect]) -> dict[str, list[Candidate]]:
+def candidates(evidence: Evidence, fits: CampaignFits, effects: Sequence[Effect]) -> dict[str, list[Candidate]]:
     """Return by effect, in catalogue order, every way in which it may have acted and would show."""
     of_model = _of_model(fits, len(evidence.x))
     found: dict[str, list[Candidate]] = {}
@@ -105,12 +105,12 @@ def grade(evidence: Evidence, effect: Effect) -> float:
     return max(float(np.median(evidence.sigma[rows])) / GRADE[triad], 1.0) if rows.any() else 1.0
 
 
-def _of_model(fits: Fits, width: int) -> dict[str, tuple[Columns, IntArray]]:
+def _of_model(fits: CampaignFits, width: int) -> dict[str, tuple[Columns, IntArray]]:
     """Return what of slab and faces the model holds, by effect: the coefficients and their columns of A."""
     joint = fits.accelerometer or (fits.gyroscope.joint if fits.gyroscope else None)
     if joint is None or joint.is_turned_freely:
         return {}
-    bench: Bench = joint.bench
+    bench: BenchParameters = joint.bench
     several = len(fits.campaigns) > 1
     sides = [
         f"{side}{f'.{i + 1}' if several else ''}" for i in range(len(fits.campaigns)) for side in ("east", "north")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.counts.count_rate import LAG, LEAST_SAMPLES, WHITE, estimate_counts
+from procedures.counts.count_rate import MIN_DWELL_SAMPLES, MIN_WHITE_NOISE, WHITE_LAG_SAMPLES, estimate_counts
 from procedures.diagnosis.constant_rate_check import bent_strip_width, log_p_of_width, strip_width
 from procedures.statistics.tail_probabilities import log_chi2_sf
 
@@ -56,9 +56,13 @@ def is_white(traces: Sequence[Trace]) -> bool:
     """Say whether most traces' noise is so large that the counts' remainder is white (as `count_rate`)."""
     slow = list[float]()
     for trace in traces:
-        sums = trace.values[: len(trace.values) // LAG * LAG].reshape(-1, LAG).sum(axis=1)
+        sums = (
+            trace.values[: len(trace.values) // WHITE_LAG_SAMPLES * WHITE_LAG_SAMPLES]
+            .reshape(-1, WHITE_LAG_SAMPLES)
+            .sum(axis=1)
+        )
         slow.append(float(np.mean(np.diff(sums) ** 2)) if len(sums) > 1 else 0.0)
-    return bool((np.median(slow) - 0.5) / (2 * LAG) > WHITE**2)
+    return bool((np.median(slow) - 0.5) / (2 * WHITE_LAG_SAMPLES) > MIN_WHITE_NOISE**2)
 
 
 def _windows(
@@ -108,7 +112,7 @@ def _noise(traces: Sequence[Trace], widths: Sequence[tuple[IntArray, FloatArray]
     for at, width in widths:
         np.maximum.at(widest, at, width)
     quiet = [traces[i] for i in np.argsort(widest)[: (len(traces) + 1) // 2]]
-    quiet = [trace for trace in quiet if len(trace.values) >= LEAST_SAMPLES]
+    quiet = [trace for trace in quiet if len(trace.values) >= MIN_DWELL_SAMPLES]
     if not quiet:
         return np.inf
     period = traces[0].period

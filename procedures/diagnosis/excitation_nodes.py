@@ -11,12 +11,12 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.calibration.calibration import Fits
+from procedures.calibration.calibration import CampaignFits
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TurnTotal, channel
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.dwells_and_turns.hand_turns import heading_history
-from procedures.dwells_and_turns.twelve_position import JointFit
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.effects.effect import Seen, SeenStep
 from procedures.frames import face_normal, face_of, nominal_C_lb, rotation
@@ -141,7 +141,7 @@ class Bins:
 class Places:
     """Makes the parts of steps at rest and of turns for one set of fits."""
 
-    def __init__(self, fits: Fits) -> None:
+    def __init__(self, fits: CampaignFits) -> None:
         self.campaigns = fits.campaigns
         self.accel = fits.accelerometer
         self.gyro = fits.gyroscope.joint if fits.gyroscope is not None else None
@@ -197,7 +197,7 @@ class Places:
         )  # fmt: skip
 
 
-def _output(fit: JointFit | None, u: FloatArray) -> FloatArray:
+def _output(fit: TriadFit | None, u: FloatArray) -> FloatArray:
     """Return E u + D (n, 3) of inputs (n, 3), the inputs where the triad is not solved."""
     if fit is None:
         return u
@@ -205,7 +205,7 @@ def _output(fit: JointFit | None, u: FloatArray) -> FloatArray:
     return output
 
 
-def _misalignment(fit: JointFit | None) -> FloatArray:
+def _misalignment(fit: TriadFit | None) -> FloatArray:
     """Return E (3, 3), unit where the triad is not solved."""
     E: FloatArray = np.eye(3) if fit is None else fit.K / np.linalg.norm(fit.K, axis=1)[:, None]
     return E
@@ -235,7 +235,7 @@ def dwell_step(name: str, campaign: int, position: int) -> SeenStep:
     return SeenStep(name, "dwell", campaign, position, face_of(position))
 
 
-def iterate_dwells(fits: Fits, places: Places, seen: JointFit) -> Iterator[Part]:
+def iterate_dwells(fits: CampaignFits, places: Places, seen: TriadFit) -> Iterator[Part]:
     """Return the parts of a fit's dwells in its order."""
     for number, record in seen.seen.dwells:
         campaign = fits.campaigns[number]

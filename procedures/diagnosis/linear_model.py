@@ -13,7 +13,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.residual_rows import KINDS, Evidence
-from procedures.statistics.tail_probabilities import MANY, log_chi2_sf, log_f_sf
+from procedures.statistics.tail_probabilities import KNOWN_VARIANCE_DOF, log_chi2_sf, log_f_sf
 
 ROUNDS = 3  # of weighting anew
 SHARE = 0.1  # of a coefficient's information that a class must hold for its degrees of freedom to count
@@ -208,7 +208,7 @@ def _dof(evidence: Evidence, fit: LinearFit, term: int) -> float:
     at = fit.span(term)
     Q, n = fit.Q[:, : at.stop], len(fit.white)
     told = np.sum(Q[:n, at] ** 2, axis=1)  # share of the term's own information by row
-    shared, found = classes(evidence), MANY * 10
+    shared, found = classes(evidence), KNOWN_VARIANCE_DOF * 10
     for number in np.unique(shared[shared > 0]):
         rows = shared == number
         if told[rows].sum() > SHARE * told.sum():

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from procedures.calibration.calibration import Fits, Reduced, report
+from procedures.calibration.calibration import CampaignFits, ReducedSteps, report
 from procedures.calibration.solution import Solution
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.effect_selection import Adopted
@@ -36,8 +36,8 @@ class Subject(Protocol):
 class Bench:
     """Dwells, turns and rests, reduced to rates and totals, and the fits to them without effects."""
 
-    steps: Reduced
-    base: Fits
+    steps: ReducedSteps
+    base: CampaignFits
 
     def refit(self, added: Sequence[Candidate]) -> Refit:
         """Solve both triads again."""

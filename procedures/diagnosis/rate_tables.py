@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import Fits
+from procedures.calibration.calibration import CampaignFits
 from procedures.calibration.solution import FitQuality, Solution
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate, trial
@@ -109,7 +109,7 @@ class RateTables:
             return tables._with(added, values, evidence)
 
         with trial(bool(added)):
-            fits = Fits(self.campaigns, None, None, None, None)
+            fits = CampaignFits(self.campaigns, None, None, None, None)
             return iterate(self, type(self).evidence, without, lambda *_: fits, added)
 
     def _with(self, added: Sequence[Candidate], values: Sequence[FloatArray], evidence: Evidence) -> Self:

@@ -12,11 +12,11 @@ from typing import TypeVar
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.calibration.calibration import Fits, Reduced, fit_reduced
+from procedures.calibration.calibration import CampaignFits, ReducedSteps, fit_reduced
 from procedures.diagnosis.candidates import Candidate, trial
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
-from procedures.dwells_and_turns.twelve_position import JointFit
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.effects.effect import Columns
 from procedures.errors import DoesNotFit
 from procedures.statistics.least_squares import Fit
@@ -35,14 +35,14 @@ class Refit:
     ``values`` are the coefficients (k,) of every effect added, in the order given; ``covariances`` theirs.
     """
 
-    fits: Fits
+    fits: CampaignFits
     evidence: Evidence
     linear: LinearFit
     values: tuple[FloatArray, ...]
     covariances: tuple[FloatArray, ...]
 
 
-def refit(steps: Reduced, base: Fits, added: Sequence[Candidate]) -> Refit:
+def refit(steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate]) -> Refit:
     """Solve everything again with the candidates ``added`` to the model; those of the model itself are in it.
 
     Raises
@@ -52,7 +52,7 @@ def refit(steps: Reduced, base: Fits, added: Sequence[Candidate]) -> Refit:
     """
     added = [each for each in added if not each.is_of_model]
 
-    def without(fits: Fits, evidence: Evidence, values: Sequence[FloatArray]) -> Fits:
+    def without(fits: CampaignFits, evidence: Evidence, values: Sequence[FloatArray]) -> CampaignFits:
         return _fit_without(steps, fits, evidence, added, values)
 
     with trial(bool(added)):
@@ -63,7 +63,7 @@ def iterate(
     model: Model,
     evidence_of: Callable[[Model], Evidence],
     without: Callable[[Model, Evidence, Sequence[FloatArray]], Model],
-    fits_of: Callable[[Model, Evidence, LinearFit], Fits],
+    fits_of: Callable[[Model, Evidence, LinearFit], CampaignFits],
     added: Sequence[Candidate],
 ) -> Refit:
     """Find the coefficients of effects and the base model beside them in turn, until they stay (Gauss-Newton).
@@ -90,13 +90,17 @@ def iterate(
     return Refit(fits, evidence, linear, tuple(values), tuple(C for _, C in found))
 
 
-def refit_with(steps: Reduced, base: Fits, added: Sequence[Candidate], values: Sequence[FloatArray]) -> Refit:
+def refit_with(
+    steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate], values: Sequence[FloatArray]
+) -> Refit:
     """Solve everything but the coefficients, which are ``values``, found elsewhere; raises as `refit`."""
     with trial(bool(added)):
         return _refit_with(steps, base, added, values)
 
 
-def _refit_with(steps: Reduced, base: Fits, added: Sequence[Candidate], values: Sequence[FloatArray]) -> Refit:
+def _refit_with(
+    steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate], values: Sequence[FloatArray]
+) -> Refit:
     fits = base
     for _ in range(GIVEN_ROUNDS if added else 0):
         fits = _fit_without(steps, fits, evidence_of(fits), added, values)
@@ -158,8 +162,12 @@ def beyond_linear(
 
 
 def _fit_without(
-    steps: Reduced, fits: Fits, evidence: Evidence, added: Sequence[Candidate], values: Sequence[FloatArray]
-) -> Fits:
+    steps: ReducedSteps,
+    fits: CampaignFits,
+    evidence: Evidence,
+    added: Sequence[Candidate],
+    values: Sequence[FloatArray],
+) -> CampaignFits:
     """Fit the base model to the steps less the effects; it must be determined as it was with them."""
     found = fit_reduced(_without(steps, fits, evidence, added, values))
     for triad in ("accelerometer", "gyroscope"):
@@ -169,8 +177,12 @@ def _fit_without(
 
 
 def _without(
-    steps: Reduced, fits: Fits, evidence: Evidence, added: Sequence[Candidate], values: Sequence[FloatArray]
-) -> Reduced:
+    steps: ReducedSteps,
+    fits: CampaignFits,
+    evidence: Evidence,
+    added: Sequence[Candidate],
+    values: Sequence[FloatArray],
+) -> ReducedSteps:
     """Return the steps less what the effects added to them."""
     off: dict[tuple[int, str], list[FloatArray]] = {}
     parts = [part_of(candidate, evidence, c) for candidate, c in zip(added, values, strict=True)]
@@ -205,13 +217,13 @@ def part_of(
     return accel, gyro
 
 
-def _scale(joint: JointFit | None) -> FloatArray:
+def _scale(joint: TriadFit | None) -> FloatArray:
     assert joint is not None
     k: FloatArray = np.linalg.norm(joint.K, axis=1)
     return k
 
 
-def _with_covariance(fits: Fits, evidence: Evidence, linear: LinearFit) -> Fits:
+def _with_covariance(fits: CampaignFits, evidence: Evidence, linear: LinearFit) -> CampaignFits:
     """Return the fits with what the coefficients leave open added to their parameters' covariance.
 
     With C the coefficients' covariance and S the change of the parameters with them, it is ``S C S'``.

@@ -19,11 +19,11 @@ from functools import cached_property
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.calibration.calibration import Fits
+from procedures.calibration.calibration import CampaignFits
 from procedures.diagnosis.excitation_nodes import Part, Places, iterate_dwells, joined, on_face
 from procedures.diagnosis.thermal_soaks import SoakBlock, soaks_seen
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
-from procedures.dwells_and_turns.twelve_position import JointFit, RestFit
+from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.effects.effect import Columns, Seen, SeenStep
 from procedures.units import STANDARD_GRAVITY
 
@@ -170,7 +170,7 @@ class _Block:
     is_range: BoolArray
 
 
-def _columns(fits: Fits) -> tuple[tuple[IntArray, IntArray], FloatArray]:
+def _columns(fits: CampaignFits) -> tuple[tuple[IntArray, IntArray], FloatArray]:
     """Return which columns of A the parameters of each triad's fit are, and where the model stands (p,).
 
     Slab, gravity and faces are one and the same to both triads.
@@ -190,7 +190,7 @@ def _columns(fits: Fits) -> tuple[tuple[IntArray, IntArray], FloatArray]:
     return (first, second), np.concatenate((x, gyro.fit.x[own]))
 
 
-def evidence_of(fits: Fits) -> Evidence:
+def evidence_of(fits: CampaignFits) -> Evidence:
     """Return the rows of both triads, of those that are solved."""
     columns_of, x = _columns(fits)
     places = Places(fits)
@@ -210,7 +210,7 @@ def evidence_of(fits: Fits) -> Evidence:
     return _at_one_bench(found, fits)
 
 
-def _at_one_bench(evidence: Evidence, fits: Fits) -> Evidence:
+def _at_one_bench(evidence: Evidence, fits: CampaignFits) -> Evidence:
     """Move the gyroscopes' residual to the accelerometers' slab and faces, of which they found nearly the same."""
     columns = evidence.columns_of[1]
     if fits.gyroscope is None or not len(columns):
@@ -221,7 +221,7 @@ def _at_one_bench(evidence: Evidence, fits: Fits) -> Evidence:
     return replace(evidence, residual=evidence.residual + gyro * (evidence.A @ off))
 
 
-def _dwells(builder: _Builder, fits: Fits, places: Places, joint: JointFit, triad: int) -> None:
+def _dwells(builder: _Builder, fits: CampaignFits, places: Places, joint: TriadFit, triad: int) -> None:
     k = np.linalg.norm(joint.K, axis=1)
     none = np.zeros((3, 1))
     for i, part in enumerate(iterate_dwells(fits, places, joint)):
@@ -258,7 +258,7 @@ def _bend(x: FloatArray) -> FloatArray:
     return w
 
 
-def _rests(builder: _Builder, fits: Fits, places: Places, joint: JointFit, found: RestFit) -> None:
+def _rests(builder: _Builder, fits: CampaignFits, places: Places, joint: TriadFit, found: RestFit) -> None:
     """Take in the norms; rows of up vectors on a face at an unknown heading stay with the priors."""
     inverse = np.linalg.inv(joint.K / np.linalg.norm(joint.K, axis=1)[:, None])
     for i, (number, record) in enumerate(found.rests.rests):
@@ -309,7 +309,7 @@ def _turns(builder: _Builder, places: Places, gyroscope: GyroscopeFit) -> None:
         builder.weigh(nodes, part.seconds, at, 1)
 
 
-def _priors(builder: _Builder, joint: JointFit, triad: int, turns: int = 0) -> None:
+def _priors(builder: _Builder, joint: TriadFit, triad: int, turns: int = 0) -> None:
     """Take in what is known of the parameters: every row of the fit that is no dwell, turn or norm.
 
     What the gyroscopes took from the accelerometers of slab and faces is left out where both have them in common.

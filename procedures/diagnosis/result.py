@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import Fits
+from procedures.calibration.calibration import CampaignFits
 from procedures.calibration.solution import Solution
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.residual_rows import Evidence
@@ -92,8 +92,8 @@ class Diagnosis:
     findings: tuple[Finding, ...]
     tried: tuple[Test, ...]
     errors: tuple[Errors, ...]
-    before: Fits
-    after: Fits
+    before: CampaignFits
+    after: CampaignFits
     evidence: Evidence
     solution_before: Solution
     solution: Solution

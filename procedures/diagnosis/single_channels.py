@@ -21,9 +21,9 @@ from procedures.campaign.dead_channels import FIELDS, TRIADS
 from procedures.campaign.observations import turn_totals
 from procedures.campaign.stopped_channels import constant_end, stopped_in_turn
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.dwells_and_turns.hand_turns import REST_S, nominal_angle
+from procedures.dwells_and_turns.hand_turns import END_REST_S, nominal_angle
 from procedures.frames import AXES, face_normal, face_of
-from procedures.statistics.allan_deviation import FEWEST_SAMPLES, NoiseTerm, noise_terms, overlapping_deviation
+from procedures.statistics.allan_deviation import MIN_SAMPLES, NoiseTerm, noise_terms, overlapping_deviation
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line
 from procedures.units import S_PER_H
 
@@ -123,7 +123,7 @@ def _noise(series: Series, rate: FloatArray, quantum: float) -> NoiseTerm:
     """Return the random walk of the longest part without a gap."""
     edges = [*series.starts.tolist(), len(rate)] if len(series.starts) else [0, len(rate)]
     first, last = max(pairwise(edges), key=lambda part: part[1] - part[0])
-    if last - first < FEWEST_SAMPLES:
+    if last - first < MIN_SAMPLES:
         return NoiseTerm(None, 0.0, float("inf"))
     return noise_terms(overlapping_deviation(rate[first:last], series.period), quantum)["random_walk"]
 
@@ -140,7 +140,7 @@ def _scale(campaign: Campaign, axis: int) -> tuple[float, float] | None:
         ):
             continue
         rows.append((np.degrees(nominal_angle(turn)) * along, turn.seconds, float(turn.total[axis])))
-        rest = samples[: max(round(REST_S / turn.record.series.period), 1), axis].mean()
+        rest = samples[: max(round(END_REST_S / turn.record.series.period), 1), axis].mean()
         rests.append(float(rest) / (turn.record.series.period if turn.counts else 1.0))
     angle, seconds, total = np.array(rows).reshape(-1, 3).T
     if not len(rows) or angle.min() > 0 or angle.max() < 0:

@@ -13,14 +13,14 @@ from functools import lru_cache
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.calibration.calibration import Fits
+from procedures.calibration.calibration import CampaignFits
 from procedures.campaign.campaign import RestRecord, SoakRecord
 from procedures.campaign.dead_channels import dead_in_soak
 from procedures.campaign.observations import channel, rest_rates
-from procedures.counts.count_rate import LEAST_SAMPLES
+from procedures.counts.count_rate import MIN_DWELL_SAMPLES
 from procedures.counts.sample_records import Series, series_rows
 from procedures.diagnosis.excitation_nodes import Part, Places, attitude, on_face
-from procedures.dwells_and_turns.twelve_position import JointFit
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.effects.effect import SeenStep
 
 BLOCK_S = 100.0
@@ -41,7 +41,7 @@ class SoakBlock:
     alive: IntArray
 
 
-def soaks_seen(fits: Fits, places: Places) -> list[tuple[str, list[SoakBlock]]]:
+def soaks_seen(fits: CampaignFits, places: Places) -> list[tuple[str, list[SoakBlock]]]:
     """Return the blocks of every soak, by the triad that saw it."""
     soaks = [(number, soak) for number, campaign in enumerate(fits.campaigns) for soak in campaign.soaks]
     found = [
@@ -52,7 +52,7 @@ def soaks_seen(fits: Fits, places: Places) -> list[tuple[str, list[SoakBlock]]]:
     return [each for each in found if each[1]]
 
 
-def _blocks(fits: Fits, places: Places, number: int, soak: SoakRecord, triad: str) -> Iterator[SoakBlock]:
+def _blocks(fits: CampaignFits, places: Places, number: int, soak: SoakRecord, triad: str) -> Iterator[SoakBlock]:
     """Yield a soak's blocks as one triad saw them; none where it is absent or not solved."""
     joint = _joint(fits, triad)
     found = None if joint is None else _block_rates(soak, triad)
@@ -68,7 +68,7 @@ def _blocks(fits: Fits, places: Places, number: int, soak: SoakRecord, triad: st
         yield SoakBlock(part, left, sigma, alive)
 
 
-def _joint(fits: Fits, triad: str) -> JointFit | None:
+def _joint(fits: CampaignFits, triad: str) -> TriadFit | None:
     if triad == "accelerometer":
         return fits.accelerometer
     return fits.gyroscope.joint if fits.gyroscope is not None else None
@@ -87,7 +87,7 @@ def _block_rates(soak: SoakRecord, triad: str) -> tuple[tuple[Series, ...], Floa
 def _cut(series: Series) -> tuple[Series, ...]:
     """Return equal blocks of at most `BLOCK_S` seconds."""
     n = len(series)
-    count = min(int(np.ceil(n * series.period / BLOCK_S)), n // LEAST_SAMPLES)
+    count = min(int(np.ceil(n * series.period / BLOCK_S)), n // MIN_DWELL_SAMPLES)
     edges = np.linspace(0, n, max(count, 1) + 1).round().astype(np.int64)
     return tuple(_piece(series, int(a), int(b)) for a, b in itertools.pairwise(edges))
 
@@ -98,7 +98,7 @@ def _piece(series: Series, a: int, b: int) -> Series:
 
 
 def _parts(
-    fits: Fits, places: Places, number: int, soak: SoakRecord, blocks: tuple[Series, ...]
+    fits: CampaignFits, places: Places, number: int, soak: SoakRecord, blocks: tuple[Series, ...]
 ) -> Iterator[Part]:
     campaign = fits.campaigns[number]
     C_sn = attitude(campaign, soak.position) if soak.position else None
@@ -123,7 +123,7 @@ def _temperature(blocks: tuple[Series, ...]) -> tuple[FloatArray, FloatArray]:
     return t, T
 
 
-def _force(fits: Fits, soak: SoakRecord) -> FloatArray | None:
+def _force(fits: CampaignFits, soak: SoakRecord) -> FloatArray | None:
     """Return the specific force (3,) [g] as the accelerometers read it; None if they are not solved."""
     if any(end is not None for end in dead_in_soak(soak, "accelerometer")):
         return None

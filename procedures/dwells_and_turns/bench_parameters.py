@@ -25,10 +25,11 @@ from procedures.campaign.measured_cube import NAMES, SKEW, from_tilts
 from procedures.frames import AXES, cross_axes, face_normal, face_of, nominal_C_lb, rotation, slab_C_ln
 from procedures.units import STANDARD_GRAVITY
 
-FACE_RANGE = 1e-3  # rad, 1 sigma: a cube 0.4 mm off in 400 mm is not a fixture
-ITEMS_UP, ITEMS_DOWN = np.array([1.0, 3.0, 3.0]), np.array([3.0, 5.0, 5.0])  # P1 table 2, per face pair
-HELD = 1e-9  # rad, 1 sigma of what is held: nothing beside any tilt, yet no more than the arithmetic bears
-SLAB_RANGE = 5e-3  # rad, 1 sigma: 0.3 deg
+FACE_TILT_RANGE_RAD = 1e-3  # rad, 1 sigma: a cube 0.4 mm off in 400 mm is not a fixture
+# P1 table 2, per face pair
+MACHINING_ITEMS_UP, MACHINING_ITEMS_DOWN = np.array([1.0, 3.0, 3.0]), np.array([3.0, 5.0, 5.0])
+HELD_STD_RAD = 1e-9  # rad, 1 sigma of what is held: nothing beside any tilt, yet no more than the arithmetic bears
+SLAB_TILT_RANGE_RAD = 5e-3  # rad, 1 sigma: 0.3 deg
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +43,7 @@ class Placement:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Prior:
+class BenchPrior:
     """Rows of prior knowledge: the whitened residual is ``matrix @ x - mean``; matrix (k, p), mean (k,).
 
     ``loose`` (k,) marks plausible ranges: they keep a parameter in bounds and are no measurements of it.
@@ -54,7 +55,7 @@ class Prior:
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class BenchParameters:
     """The nuisance parameters of all steps and where each stands in the vector (p,).
 
     Order: per campaign slab tilt (2); per site relative gravity error (1); per cube parallelism (6) and
@@ -148,11 +149,11 @@ class Bench:
         result: FloatArray = (self.to_cube(x) @ turned)[..., 0]
         return result
 
-    def priors(self) -> "Prior":
+    def priors(self) -> "BenchPrior":
         """Return what is known before the first count.
 
-        Perpendicularity without a certificate is held where `ITEMS_UP` and `ITEMS_DOWN` put it; where the skew
-        is seen or was measured, only the part of it that turns the cube.
+        Perpendicularity without a certificate is held where `MACHINING_ITEMS_UP` and `MACHINING_ITEMS_DOWN` put
+        it; where the skew is seen or was measured, only the part of it that turns the cube.
         """
         rows: list[FloatArray] = []
         means: list[float] = []
@@ -166,7 +167,7 @@ class Bench:
             loose.append(is_range)
 
         for i in range(2 * len(self.campaigns)):
-            add(i, SLAB_RANGE, True)
+            add(i, SLAB_TILT_RANGE_RAD, True)
         for i, site in enumerate(self.sites):
             add(2 * len(self.campaigns) + i, site.gravity_std / site.gravity)
         for cube in range(self.cubes):
@@ -175,10 +176,10 @@ class Bench:
             for pair in range(3):
                 held = self.held_pairs(cube)[pair] and not self.skew_known(cube)
                 for k in (0, 1):
-                    add(begin + 2 * pair + k, FACE_RANGE * np.sqrt(2), True)
-                    add(begin + 6 + 2 * pair + k, HELD if held else FACE_RANGE, not held)
+                    add(begin + 2 * pair + k, FACE_TILT_RANGE_RAD * np.sqrt(2), True)
+                    add(begin + 6 + 2 * pair + k, HELD_STD_RAD if held else FACE_TILT_RANGE_RAD, not held)
                     if held:
-                        rows[-1][begin + 2 * pair + k] = -_datum_share(pair) / HELD
+                        rows[-1][begin + 2 * pair + k] = -_datum_share(pair) / HELD_STD_RAD
             for (pair, sign), (tilt, covariance) in certified.items():
                 white = np.linalg.inv(np.linalg.cholesky(covariance))
                 row = np.zeros((2, self.size))
@@ -200,7 +201,7 @@ class Bench:
                 loose.extend([False] * len(turns))
         for i, at in enumerate(self.placements):
             add(self.heading_index(i), at.heading_std)
-        return Prior(np.array(means), np.stack(rows), np.array(loose))
+        return BenchPrior(np.array(means), np.stack(rows), np.array(loose))
 
     def measured(self, cube: int) -> MeasuredCube | None:
         """Return what IMUs measured of a cube before; None of one that nobody did."""
@@ -218,7 +219,7 @@ class Bench:
             row = np.zeros(self.size)
             for pair, other, sign in ((a, c, 1.0), (c, a, -1.0)):
                 at = begin + 2 * pair + cross_axes(f"{AXES[pair]}_up").index(other)
-                row[at + 6], row[at] = sign / HELD, -sign * _datum_share(pair) / HELD
+                row[at + 6], row[at] = sign / HELD_STD_RAD, -sign * _datum_share(pair) / HELD_STD_RAD
             rows += [row] if held[a] and held[c] else []
         return rows
 
@@ -251,7 +252,7 @@ class Bench:
 
 def _datum_share(pair: int) -> float:
     """Return q / p of the likeliest cube: the up face's share of p, less a half."""
-    return float(ITEMS_UP[pair] / (ITEMS_UP[pair] + ITEMS_DOWN[pair]) - 0.5)
+    return float(MACHINING_ITEMS_UP[pair] / (MACHINING_ITEMS_UP[pair] + MACHINING_ITEMS_DOWN[pair]) - 0.5)
 
 
 def mean_cube(q: FloatArray) -> FloatArray:
@@ -277,11 +278,11 @@ def skew_variance(p: FloatArray, held: Sequence[bool]) -> FloatArray:
     is the mean of the posterior of a variance seen with that many degrees of freedom. Certified pairs add none.
     """
     free = np.asarray(held)
-    items = ITEMS_UP + ITEMS_DOWN
+    items = MACHINING_ITEMS_UP + MACHINING_ITEMS_DOWN
     if not free.any():
         return np.zeros(3)
     item = np.sum((p**2 / items[:, None])[free]) / max(2 * free.sum() - 2, 1)
-    q = np.where(free, item * ITEMS_UP * ITEMS_DOWN / items, 0.0)
+    q = np.where(free, item * MACHINING_ITEMS_UP * MACHINING_ITEMS_DOWN / items, 0.0)
     return np.array([q[0] + q[1], q[0] + q[2], q[1] + q[2]])
 
 

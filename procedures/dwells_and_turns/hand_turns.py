@@ -20,21 +20,22 @@ from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells, TurnTotal, channel
 from procedures.campaign.plan_steps import Plan, Turn
 from procedures.counts.sample_records import Series
-from procedures.dwells_and_turns.bench_parameters import Bench, Placement, Prior, cube_numbers
-from procedures.dwells_and_turns.turn_ons import Parted, fit_parted
-from procedures.dwells_and_turns.twelve_position import ALIVE, JointFit, mountings
+from procedures.dwells_and_turns.bench_parameters import BenchParameters, BenchPrior, Placement, cube_numbers
+from procedures.dwells_and_turns.turn_ons import TurnOnFit, fit_with_turn_ons
+from procedures.dwells_and_turns.twelve_position import MIN_RESPONSE_SIGMAS, TriadFit, mountings
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.errors import TurnsDisagree
 from procedures.frames import AXES, TURN_START, face_normal, face_of
 from procedures.statistics.least_squares import Fit
 from procedures.units import DEG_H_PER_DEG_S
 
-AGREE = 0.1  # of the scale factor: far above any bias, far below a missing revolution
-REST_S = 2.0  # of rest wanted at each end
-REST_RATE = 0.5  # deg/s
-OPEN_CLOSURE = float(np.radians(0.1))  # 1 sigma of a turn that was not at rest at both ends, at the least
-TURN_ON_RANGE = 30 / DEG_H_PER_DEG_S  # deg/s, 1 sigma of what a bias may step by as a unit is switched off and on
-TILT_STD = 1e-12  # rad, of what the accelerometers did not leave open
+MAX_SCALE_DISAGREEMENT = 0.1  # of the scale factor: far above any bias, far below a missing revolution
+END_REST_S = 2.0  # of rest wanted at each end
+MAX_REST_RATE_DEG_S = 0.5  # deg/s
+OPEN_CLOSURE_STD_RAD = float(np.radians(0.1))  # 1 sigma of a turn that was not at rest at both ends, at the least
+# deg/s, 1 sigma of what a bias may step by as a unit is switched off and on
+TURN_ON_STEP_STD_DEG_S = 30 / DEG_H_PER_DEG_S
+TILT_FLOOR_RAD = 1e-12  # rad, of what the accelerometers did not leave open
 
 
 def plan(
@@ -86,10 +87,10 @@ def geometry(turn: TurnTotal, heading: FloatArray, closure_std: float) -> TurnGe
     period = turn.record.series.period
     c, s = np.cos(heading).sum() * period, np.sin(heading).sum() * period
     motion = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, len(heading) * period]])
-    n = max(round(REST_S / period), 1)
+    n = max(round(END_REST_S / period), 1)
     moved = max(np.ptp(heading[:n]), np.ptp(heading[-n:]))
-    open_ends = len(heading) < 2 * n or bool(moved > np.radians(REST_RATE) * REST_S)
-    wide = max(10 * closure_std, OPEN_CLOSURE)
+    open_ends = len(heading) < 2 * n or bool(moved > np.radians(MAX_REST_RATE_DEG_S) * END_REST_S)
+    wide = max(10 * closure_std, OPEN_CLOSURE_STD_RAD)
     return TurnGeometry(nominal_angle(turn), wide if open_ends else closure_std, motion, open_ends)
 
 
@@ -98,7 +99,8 @@ def is_broken(turn: TurnTotal, heading: FloatArray) -> bool:
     gaps = turn.record.series.starts[1:]
     n = max(round(0.1 / turn.record.series.period), 1)
     return any(
-        np.ptp(heading[max(g - n, 0) : g + n]) > np.radians(REST_RATE) * 2 * n * turn.record.series.period
+        np.ptp(heading[max(g - n, 0) : g + n])
+        > np.radians(MAX_REST_RATE_DEG_S) * 2 * n * turn.record.series.period
         for g in gaps
     )
 
@@ -110,7 +112,7 @@ class GyroscopeFit:
     ``broken`` names turns left out for a gap while turning.
     """
 
-    joint: JointFit
+    joint: TriadFit
     turns: tuple[TurnTotal, ...]
     turn_sigma: FloatArray
     geometry: tuple[TurnGeometry, ...]
@@ -118,7 +120,7 @@ class GyroscopeFit:
 
 
 def solve_gyroscope(
-    campaigns: Sequence[Campaign], seen: TriadDwells, turns: Sequence[TurnTotal], accelerometer: JointFit | None
+    campaigns: Sequence[Campaign], seen: TriadDwells, turns: Sequence[TurnTotal], accelerometer: TriadFit | None
 ) -> GyroscopeFit | None:
     """Solve k, E and D of the gyroscopes; None if the dwells and turns do not determine them.
 
@@ -140,7 +142,7 @@ def solve_gyroscope(
         geometry(turn, heading, campaigns[turn.campaign].sigma.closure)
         for turn, heading in zip(turns, histories, strict=True)
     )
-    model = _Model(campaigns, seen, turns, shapes, accelerometer, np.linalg.norm(K, axis=1))
+    model = _GyroscopeModel(campaigns, seen, turns, shapes, accelerometer, np.linalg.norm(K, axis=1))
     start = np.concatenate((K.ravel(), b, np.zeros(model.bench.size + len(turns))))
     parted = model.fit(start, np.zeros(3))
     excess = model.excess(parted.fit)
@@ -150,7 +152,7 @@ def solve_gyroscope(
     turns = [replace(t, total=t.total - t.seconds * s) for t, s in zip(turns, steps[n:], strict=True)]
     seen = replace(seen, rate=seen.rate - steps[:n])
     loose, unsettled = model.prior.loose, model.unsettled[:n]
-    joint = JointFit(
+    joint = TriadFit(
         parted.fit, model.bench, seen, excess, unsettled, loose, spread=parted.spread, profiled=parted.profiled
     )
     return GyroscopeFit(joint, tuple(turns), model.sigma(excess)[n:], shapes, broken)
@@ -168,7 +170,7 @@ def _first_guess(
     """Solve K and b linearly on a nominal bench, Earth rate left out of the turns."""
     cubes = cube_numbers(campaigns)
     placements = tuple(Placement(n, int(cubes[n]), d.position, 1.0) for n, d in seen.dwells)
-    bench = Bench(placements, tuple(campaigns), int(cubes.max()) + 1)
+    bench = BenchParameters(placements, tuple(campaigns), int(cubes.max()) + 1)
     earth = [np.degrees(earth_rate_n(c.site.latitude)) for c in campaigns]
     C_sb = mountings(campaigns, bench)
     dwell = (C_sb @ bench.seen(np.zeros(bench.size), earth)[..., None])[..., 0]
@@ -188,13 +190,13 @@ def _first_guess(
     y = np.vstack((seen.rate, np.array([t.total for t in turns])))
     solution, *_ = np.linalg.lstsq(A, y, rcond=None)
     swing = np.linalg.norm(solution[:3], axis=0) * np.max(np.abs(angle))
-    if np.any(swing < ALIVE * np.median([t.std for t in turns], axis=0)):
+    if np.any(swing < MIN_RESPONSE_SIGMAS * np.median([t.std for t in turns], axis=0)):
         return None
     return solution[:3].T, solution[3]
 
 
 def refuse_disagreeing(campaigns: Sequence[Campaign], turns: Sequence[TurnTotal]) -> None:
-    """Raise `TurnsDisagree` where two turns about one axis imply scale factors more than `AGREE` apart."""
+    """Raise `TurnsDisagree` where turns about one axis imply scale factors `MAX_SCALE_DISAGREEMENT` apart."""
     per_turn: dict[int, list[tuple[str, float]]] = {}
     for turn in turns:
         up = campaigns[turn.campaign].fixture.C_sb @ face_normal(face_of(turn.record.start_position))
@@ -203,11 +205,11 @@ def refuse_disagreeing(campaigns: Sequence[Campaign], turns: Sequence[TurnTotal]
         per_turn.setdefault(sensor, []).append((turn.record.name, per))
     for found in per_turn.values():
         first, other = min(found, key=lambda each: each[1]), max(found, key=lambda each: each[1])
-        if other[1] - first[1] > AGREE * max(abs(other[1]), abs(first[1])):
+        if other[1] - first[1] > MAX_SCALE_DISAGREEMENT * max(abs(other[1]), abs(first[1])):
             raise TurnsDisagree(*first, *other)
 
 
-class _Model:
+class _GyroscopeModel:
     """The residual of dwells, turns and priors; parameters K (9), b (3), the bench's, and a closure per turn."""
 
     def __init__(
@@ -216,14 +218,14 @@ class _Model:
         seen: TriadDwells,
         turns: Sequence[TurnTotal],
         shapes: Sequence[TurnGeometry],
-        accelerometer: JointFit | None,
+        accelerometer: TriadFit | None,
         k: FloatArray,
     ) -> None:
         cubes = cube_numbers(campaigns)
         steps = [(n, d.position) for n, d in seen.dwells]
         steps += [(t.campaign, t.record.start_position) for t in turns]
         placements = tuple(Placement(n, int(cubes[n]), p, campaigns[n].sigma.heading) for n, p in steps)
-        self.bench = Bench(placements, tuple(campaigns), int(cubes.max()) + 1)
+        self.bench = BenchParameters(placements, tuple(campaigns), int(cubes.max()) + 1)
         self.seen, self.turns = seen, turns
         self.C_sb = mountings(campaigns, self.bench)
         self.motion = np.stack([np.eye(3)] * len(seen.dwells) + [s.motion for s in shapes])
@@ -254,7 +256,7 @@ class _Model:
         total: FloatArray = np.sqrt(expected**2 + (excess * seconds) ** 2)
         return total
 
-    def fit(self, start: FloatArray, excess: FloatArray) -> Parted:
+    def fit(self, start: FloatArray, excess: FloatArray) -> TurnOnFit:
         """Minimise with a given scatter of the bias from step to step (3,) [output/s], turn-ons apart."""
         observed = np.vstack((self.seen.rate, np.array([t.total for t in self.turns])))
         sigma, size = self.sigma(excess), self.bench.size
@@ -276,7 +278,7 @@ class _Model:
         scale = np.concatenate(
             (np.full(9, typical), np.full(3, typical * 1e-2), np.full(size, 0.1), np.full(len(self.turns), 1.0))
         )
-        return fit_parted(residual, start, scale, turn_ons, TURN_ON_RANGE * self.k)
+        return fit_with_turn_ons(residual, start, scale, turn_ons, TURN_ON_STEP_STD_DEG_S * self.k)
 
     def excess(self, fit: Fit) -> FloatArray:
         """Return the scatter (3,) of the bias from dwell to dwell beyond what is expected of it [output/s].
@@ -294,16 +296,16 @@ class _Model:
         return scatter
 
 
-def _tilt_prior(bench: Bench, accelerometer: JointFit | None) -> Prior:
+def _tilt_prior(bench: BenchParameters, accelerometer: TriadFit | None) -> BenchPrior:
     """Return the bench's priors with slab and faces replaced by what the accelerometers found."""
     prior = bench.priors()
     if accelerometer is None or accelerometer.is_turned_freely:
         return prior
     shared = bench.shared
     own = accelerometer.fit.covariance[12 : 12 + shared, 12 : 12 + shared]
-    white = np.linalg.inv(np.linalg.cholesky(own + TILT_STD**2 * np.eye(shared)))
+    white = np.linalg.inv(np.linalg.cholesky(own + TILT_FLOOR_RAD**2 * np.eye(shared)))
     rows = np.zeros((shared, bench.size))
     rows[:, :shared] = white
     headings = prior.matrix[-len(bench.placements) :]
     values = np.concatenate((white @ accelerometer.fit.x[12 : 12 + shared], np.zeros(len(headings))))
-    return Prior(values, np.vstack((rows, headings)), np.zeros(len(values), dtype=bool))
+    return BenchPrior(values, np.vstack((rows, headings)), np.zeros(len(values), dtype=bool))

@@ -20,7 +20,7 @@ TurnOn = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Parted:
+class TurnOnFit:
     """A fit without the steps; ``steps`` (n, 3) of the bias of every row's turn-on off the mean [output/s].
 
     ``spread`` (3,) is 1 sigma of the mean as an estimate of what the bias is at another turn-on's: the standard
@@ -45,10 +45,10 @@ def contrasts(turn_ons: Sequence[TurnOn]) -> FloatArray:
     return np.column_stack(columns) if columns else np.zeros((len(turn_ons), 0))
 
 
-def fit_parted(
+def fit_with_turn_ons(
     residual: Callable[[FloatArray, FloatArray], FloatArray], start: FloatArray, scale: FloatArray,
     turn_ons: Sequence[TurnOn], plausible: FloatArray,
-) -> Parted:  # fmt: skip
+) -> TurnOnFit:  # fmt: skip
     """Minimise ``residual(x, steps)``, the steps (n, 3) [output/s] of the rows' ``turn_ons`` with it.
 
     ``plausible`` (3,) [output/s] is 1 sigma of a step before the first count.
@@ -57,7 +57,7 @@ def fit_parted(
     m = 3 * Z.shape[1]
     if not m:
         none = np.zeros((len(turn_ons), 3))
-        return Parted(minimise(lambda x: residual(x, none), start, scale), none, np.zeros(3), 0)
+        return TurnOnFit(minimise(lambda x: residual(x, none), start, scale), none, np.zeros(3), 0)
     sigma = np.tile(plausible, Z.shape[1])
 
     def whole(x: FloatArray) -> FloatArray:
@@ -69,7 +69,7 @@ def fit_parted(
     profiled = (own - Q @ (Q.T @ own))[:-m]
     steps = Z @ fit.x[p:].reshape(-1, 3)
     left = Fit(fit.x[:p], fit.covariance[:p, :p], fit.residual[:-m], profiled)
-    return Parted(left, steps, _spread(turn_ons, steps), m)
+    return TurnOnFit(left, steps, _spread(turn_ons, steps), m)
 
 
 def _spread(turn_ons: Sequence[TurnOn], steps: FloatArray) -> FloatArray:

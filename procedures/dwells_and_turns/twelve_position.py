@@ -17,13 +17,13 @@ from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells, TriadRests
 from procedures.campaign.plan_steps import Dwell, Plan
 from procedures.counts.sample_records import Series
-from procedures.dwells_and_turns.bench_parameters import Bench, Placement, cube_numbers
-from procedures.dwells_and_turns.turn_ons import fit_parted
+from procedures.dwells_and_turns.bench_parameters import BenchParameters, Placement, cube_numbers
+from procedures.dwells_and_turns.turn_ons import fit_with_turn_ons
 from procedures.statistics.least_squares import Fit
 from procedures.units import STANDARD_GRAVITY
 
-TURN_ON_RANGE = 5e-3  # g, 1 sigma of what a bias may step by as a unit is switched off and on
-ALIVE = 10.0  # sigmas of a dwell's rate that one g must move a channel
+TURN_ON_STEP_STD_G = 5e-3  # g, 1 sigma of what a bias may step by as a unit is switched off and on
+MIN_RESPONSE_SIGMAS = 10.0  # sigmas of a dwell's rate that one g must move a channel
 
 
 def plan(seconds: float = 100.0, positions: Iterable[int] = range(1, 13)) -> Plan[dict[int, Series]]:
@@ -100,7 +100,7 @@ class RestFit:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class JointFit:
+class TriadFit:
     """A joint fit: the parameters are K (9) = diag(k) E by rows, b (3) = k D, then the bench's.
 
     ``fit`` is the whole; to the sigma of every dwell were added ``excess`` (3,), the scatter from dwell to dwell
@@ -111,7 +111,7 @@ class JointFit:
     """
 
     fit: Fit
-    bench: Bench
+    bench: BenchParameters
     seen: TriadDwells
     excess: FloatArray
     unsettled: FloatArray
@@ -161,22 +161,22 @@ class JointFit:
         return self.fit.x[9:12]
 
 
-def dwell_bench(campaigns: Sequence[Campaign], seen: TriadDwells) -> Bench:
+def dwell_bench(campaigns: Sequence[Campaign], seen: TriadDwells) -> BenchParameters:
     """Lay out the bench's parameters for the dwells seen."""
     cubes = cube_numbers(campaigns)
     placements = tuple(
         Placement(number, int(cubes[number]), dwell.position, campaigns[number].sigma.heading)
         for number, dwell in seen.dwells
     )
-    return Bench(placements, tuple(campaigns), int(cubes.max()) + 1)
+    return BenchParameters(placements, tuple(campaigns), int(cubes.max()) + 1)
 
 
-def mountings(campaigns: Sequence[Campaign], bench: Bench) -> FloatArray:
+def mountings(campaigns: Sequence[Campaign], bench: BenchParameters) -> FloatArray:
     """Return (m, 3, 3): for every placement the rotation from the cube's axes to the IMU's."""
     return np.stack([campaigns[at.campaign].fixture.C_sb for at in bench.placements])
 
 
-def specific_force(bench: Bench, x: FloatArray, C_sb: FloatArray) -> FloatArray:
+def specific_force(bench: BenchParameters, x: FloatArray, C_sb: FloatArray) -> FloatArray:
     """Return (m, 3) [g] in IMU axes in every placement, for the bench's parameters ``x``."""
     up = [np.array([0.0, 0.0, bench.gravity(x, i)]) for i in range(len(bench.campaigns))]
     seen: FloatArray = (C_sb @ bench.seen(x, up)[..., None])[..., 0]
@@ -197,7 +197,7 @@ def is_determined(u: FloatArray) -> bool:
     return bool(np.linalg.svd(A, compute_uv=False)[-1] > 0.1 * np.max(np.abs(u)))
 
 
-def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> JointFit | None:
+def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> TriadFit | None:
     """Solve k, E and D of the accelerometers with slab tilt and face tilts; None if not determined."""
     bench = dwell_bench(campaigns, seen)
     C_sb = mountings(campaigns, bench)
@@ -205,7 +205,7 @@ def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> Joi
     if not is_determined(u):
         return None
     linear, *_ = np.linalg.lstsq(np.hstack((u, np.ones((len(u), 1)))), seen.rate, rcond=None)
-    if np.any(np.linalg.norm(linear[:3], axis=0) < ALIVE * np.median(seen.std, axis=0)):
+    if np.any(np.linalg.norm(linear[:3], axis=0) < MIN_RESPONSE_SIGMAS * np.median(seen.std, axis=0)):
         return None
     start = np.concatenate((linear[:3].T.ravel(), linear[3], np.zeros(bench.size)))
     prior = bench.priors()
@@ -220,10 +220,10 @@ def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> Joi
         return np.concatenate((off.ravel(), prior.matrix @ x[12:] - prior.mean))
 
     turn_ons = [(number, dwell.turn_on) for number, dwell in seen.dwells]
-    plausible = TURN_ON_RANGE * np.linalg.norm(linear[:3], axis=0)
-    parted = fit_parted(residual, start, scale, turn_ons, plausible)
+    plausible = TURN_ON_STEP_STD_G * np.linalg.norm(linear[:3], axis=0)
+    parted = fit_with_turn_ons(residual, start, scale, turn_ons, plausible)
     seen = replace(seen, rate=seen.rate - parted.steps)
-    return JointFit(
+    return TriadFit(
         parted.fit,
         bench,
         seen,

@@ -9,10 +9,10 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-AXIS = 6_378_137.0  # m
+SEMI_MAJOR_AXIS_M = 6_378_137.0  # m
 FLATTENING = 1 / 298.257223563
-SQUARE = FLATTENING * (2 - FLATTENING)  # of the eccentricity
-ROUNDS = 6  # each gains more than two digits near the ground
+ECCENTRICITY_SQUARED = FLATTENING * (2 - FLATTENING)  # of the eccentricity
+LATITUDE_ITERATIONS = 6  # each gains more than two digits near the ground
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +32,11 @@ class LocalLevel:
         """Return latitude, longitude [rad] and height [m] of a place (3,) [m]."""
         x, y, z = (_earth_fixed(*self._own) + self._C_ne.T @ enu).tolist()
         out = float(np.hypot(x, y))
-        latitude = float(np.arctan2(z, out * (1 - SQUARE)))
-        for _ in range(ROUNDS):
-            latitude = float(np.arctan2(z + SQUARE * _normal(latitude) * np.sin(latitude), out))
+        latitude = float(np.arctan2(z, out * (1 - ECCENTRICITY_SQUARED)))
+        for _ in range(LATITUDE_ITERATIONS):
+            latitude = float(np.arctan2(z + ECCENTRICITY_SQUARED * _normal(latitude) * np.sin(latitude), out))
         up = out * np.cos(latitude) + z * np.sin(latitude)
-        return latitude, float(np.arctan2(y, x)), float(up - AXIS**2 / _normal(latitude))
+        return latitude, float(np.arctan2(y, x)), float(up - SEMI_MAJOR_AXIS_M**2 / _normal(latitude))
 
     @property
     def _own(self) -> tuple[float, float, float]:
@@ -53,10 +53,10 @@ class LocalLevel:
 
 def _normal(latitude: float) -> float:
     """Return the radius of curvature across the meridian [m]."""
-    return float(AXIS / np.sqrt(1 - SQUARE * np.sin(latitude) ** 2))
+    return float(SEMI_MAJOR_AXIS_M / np.sqrt(1 - ECCENTRICITY_SQUARED * np.sin(latitude) ** 2))
 
 
 def _earth_fixed(latitude: float, longitude: float, height: float) -> FloatArray:
     out = (_normal(latitude) + height) * np.cos(latitude)
-    z = (_normal(latitude) * (1 - SQUARE) + height) * np.sin(latitude)
+    z = (_normal(latitude) * (1 - ECCENTRICITY_SQUARED) + height) * np.sin(latitude)
     return np.array([out * np.cos(longitude), out * np.sin(longitude), z])

@@ -12,8 +12,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-EARTH_RADIUS = 6_371_000.0  # m; only for the scatter of positions metres apart
-UNSTATED_STD = 5.0  # m; of a receiver that states no accuracy: a code position without corrections
+EARTH_RADIUS_M = 6_371_000.0  # m; only for the scatter of positions metres apart
+UNSTATED_STD_M = 5.0  # m; of a receiver that states no accuracy: a code position without corrections
 
 
 class FixType(IntEnum):
@@ -134,7 +134,7 @@ def averaged_site(fixes: Sequence[GnssFix]) -> AveragedSite | None:
     latitude, longitude = (_numbers(used, name) for name in ("latitude", "longitude"))
     there = longitude[0] + (longitude - longitude[0] + np.pi) % (2 * np.pi) - np.pi  # across the date line
     mean = float(np.median(latitude)), float(np.median(there))
-    north, east = EARTH_RADIUS * (latitude - mean[0]), EARTH_RADIUS * np.cos(mean[0]) * (there - mean[1])
+    north, east = EARTH_RADIUS_M * (latitude - mean[0]), EARTH_RADIUS_M * np.cos(mean[0]) * (there - mean[1])
     solid = [fix for fix in used if fix.fix >= FixType.FIX_3D]
     is_ellipsoidal = any(fix.height is not None for fix in solid)
     heights = _numbers(solid, "height" if is_ellipsoidal else "altitude")
@@ -155,7 +155,7 @@ def _numbers(fixes: Sequence[GnssFix], name: str) -> FloatArray:
 
 def _std(fixes: Sequence[GnssFix], name: str, spread: float) -> float:
     stated = _numbers(fixes, name)
-    return max(float(np.median(stated)) if len(stated) else UNSTATED_STD, float(spread))
+    return max(float(np.median(stated)) if len(stated) else UNSTATED_STD_M, float(spread))
 
 
 def _spread(values: FloatArray) -> float:

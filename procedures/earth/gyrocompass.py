@@ -2,10 +2,11 @@
 
 At rest in position p a gyro q counts ``r_q = k_q (u_q + b_q)`` per second, with ``u = C_sb C_bl(p) w`` the Earth's
 rate ``w = Omega (0, cos lat, sin lat)`` in the IMU's axes [rad/s], ``b`` the bias [rad/s], ``k`` [count/rad].
-Nothing stored is used: k is one free number, of which the gyros differ by `SPREAD`; the biases have a normal
+Nothing stored is used: k is one free number, of which the gyros differ by `SCALE_SPREAD`; the biases have a normal
 prior. With ``s = 1 / k``, one gyro's dwells so far and the one in question obey
 
-    s r = u + error,   cov(error) = bias_std^2 1 1' + SPREAD^2 u u' + SLACK^2 Omega^2 I + s^2 diag(std^2)
+    s r = u + error
+    cov(error) = bias_std^2 1 1' + SCALE_SPREAD^2 u u' + EARTH_RATE_SLACK^2 Omega^2 I + s^2 diag(std^2)
 
 so that -2 log likelihood is ``chi2(s) - 6 n log s`` for n dwells, chi2 a quadratic form; its least value over
 ``s > 0`` judges a candidate heading. Dwells whose position is certain make the bias drop out. Earth rate and
@@ -24,17 +25,17 @@ from procedures.earth.gravity_and_rate import EARTH_RATE, earth_rate_n
 from procedures.frames import face_normal, face_of, nominal_C_lb, vertical_rotation
 from procedures.units import RAD_S_PER_DEG_H
 
-BIAS_STD = RAD_S_PER_DEG_H  # rad/s
-SPREAD = 0.03  # 1 sigma of a gyro's scale factor about the unit's own
-SLACK = 0.02  # 1 sigma, of the Earth's rate: misaligned gyros, and a cube set down a degree off
-STRANGE = 1e-3  # probability of a chi2 above which a candidate does not fit
-GAP = 60.0  # of -2 log likelihood, to every other candidate
-ROUNDS = 4
-ROUGH = 0.5  # relative sigma of a scale factor above which nothing is said
+BIAS_STD_RAD_S = RAD_S_PER_DEG_H  # rad/s
+SCALE_SPREAD = 0.03  # 1 sigma of a gyro's scale factor about the unit's own
+EARTH_RATE_SLACK = 0.02  # 1 sigma, of the Earth's rate: misaligned gyros, and a cube set down a degree off
+MISFIT_P_VALUE = 1e-3  # probability of a chi2 above which a candidate does not fit
+MIN_LIKELIHOOD_MARGIN = 60.0  # of -2 log likelihood, to every other candidate
+SCALE_ITERATIONS = 4
+MAX_RELATIVE_SCALE_STD = 0.5  # relative sigma of a scale factor above which nothing is said
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Known:
+class CertainDwell:
     """A dwell in a ``position`` that is certain: gyro rates (3,) and 1 sigma (3,) [count/s], raw."""
 
     position: int
@@ -43,7 +44,7 @@ class Known:
 
 
 @dataclass(frozen=True, slots=True)
-class Heading:
+class QuarterHeading:
     """The likeliest of four headings, a quarter turn apart.
 
     ``quarter`` counts them counter-clockwise seen from above from the face's first position; ``position`` is None
@@ -63,15 +64,16 @@ def find_heading(
     face: str,
     latitude: float,
     C_sb: FloatArray,
-    known: Sequence[Known] = (),
-    bias_std: float = BIAS_STD,
-) -> Heading:
+    known: Sequence[CertainDwell] = (),
+    bias_std: float = BIAS_STD_RAD_S,
+) -> QuarterHeading:
     """Say which way the cube stands that rests with ``face`` up.
 
-    Sure is: the best candidate fits (`STRANGE`), and every other fits worse by `GAP`. By Ville's inequality,
-    however often one looks at a dwell, a likelihood ratio of ``exp(GAP / 2)`` against the truth is less likely
-    than ``exp(-GAP / 2)`` = 1e-13. A false decision in 1e6 would ask for 30; the rest is for units worse than
-    ``bias_std`` says: three biases of three times that strain the truth by 27.
+    Sure is: the best candidate fits (`MISFIT_P_VALUE`), and every other fits worse by `MIN_LIKELIHOOD_MARGIN`. By
+    Ville's inequality, however often one looks at a dwell, a likelihood ratio of ``exp(MIN_LIKELIHOOD_MARGIN /
+    2)`` against the truth is less likely than ``exp(-MIN_LIKELIHOOD_MARGIN / 2)`` = 1e-13. A false decision in 1e6
+    would ask for 30; the rest is for units worse than ``bias_std`` says: three biases of three times that strain
+    the truth by 27.
 
     Parameters
     ----------
@@ -91,13 +93,13 @@ def find_heading(
     fits = [_fit(rates, stds, u, bias_std) for u in candidates]
     best, second = np.argsort([fit.cost for fit in fits])[:2]
     margin = fits[second].cost - fits[best].cost
-    is_like = fits[best].chi2 < chdtri(rates.size - 1, STRANGE)  # of which the scale factor takes one
+    is_like = fits[best].chi2 < chdtri(rates.size - 1, MISFIT_P_VALUE)  # of which the scale factor takes one
     position = {0: first, 2: first + 1}.get(int(best))
-    return Heading(position, int(best), bool(is_like and margin > GAP), float(margin))
+    return QuarterHeading(position, int(best), bool(is_like and margin > MIN_LIKELIHOOD_MARGIN), float(margin))
 
 
-def scale(
-    known: Sequence[Known], latitude: float, C_sb: FloatArray, bias_std: float = BIAS_STD
+def rough_scale_factor(
+    known: Sequence[CertainDwell], latitude: float, C_sb: FloatArray, bias_std: float = BIAS_STD_RAD_S
 ) -> tuple[float, float] | None:
     """Return the gyros' scale factor [count/rad] and its relative 1 sigma, roughly, from dwells alone.
 
@@ -107,12 +109,12 @@ def scale(
         return None
     u = np.array([earth_rate_at(each.position, latitude, C_sb) for each in known])
     fit = _fit(np.array([k.rate for k in known]), np.array([k.std for k in known]), u, bias_std)
-    fits = fit.chi2 < chdtri(u.size - 1, STRANGE) and fit.std < ROUGH * fit.s
+    fits = fit.chi2 < chdtri(u.size - 1, MISFIT_P_VALUE) and fit.std < MAX_RELATIVE_SCALE_STD * fit.s
     return (1 / fit.s, fit.std / fit.s) if fits else None
 
 
 def heading_change(
-    before: Known, after: Known, latitude: float, C_sb: FloatArray, k: float
+    before: CertainDwell, after: CertainDwell, latitude: float, C_sb: FloatArray, k: float
 ) -> tuple[float, float]:
     """Return how far the cube turned [rad], counter-clockwise seen from above, between two rests, and 1 sigma.
 
@@ -177,9 +179,13 @@ def _fit(rate: FloatArray, std: FloatArray, u: FloatArray, bias_std: float) -> _
     """Fit one s to dwells (n, 3) at Earth rates ``u`` (n, 3) [rad/s]; the variance moves little with it."""
     n = len(rate)
     r, w, variance = rate.T[:, :, None], u.T[:, :, None], std.T**2  # gyro by gyro
-    own = bias_std**2 + SPREAD**2 * (w @ w.transpose(0, 2, 1)) + (SLACK * EARTH_RATE) ** 2 * np.eye(n)
+    own = (
+        bias_std**2
+        + SCALE_SPREAD**2 * (w @ w.transpose(0, 2, 1))
+        + (EARTH_RATE_SLACK * EARTH_RATE) ** 2 * np.eye(n)
+    )
     s = float(np.linalg.norm(u)) / max(float(np.linalg.norm(rate)), 1e-9)
-    for _ in range(ROUNDS):
+    for _ in range(SCALE_ITERATIONS):
         covariance = own + s**2 * variance[:, :, None] * np.eye(n)
         white = np.linalg.inv(covariance)
         a = max(float(np.sum(r.transpose(0, 2, 1) @ white @ r)), 1e-9)

@@ -6,7 +6,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.earth.geodesy import LocalLevel
-from procedures.earth.gnss_records import UNSTATED_STD, FixType, GnssFix
+from procedures.earth.gnss_records import UNSTATED_STD_M, FixType, GnssFix
 from procedures.fusion.fusion_records import GnssFixes
 
 UP_TO_LEVEL = 1.5  # of the sigma of height to that of place, where a receiver states one only
@@ -56,6 +56,6 @@ def _height(fix: GnssFix) -> float | None:
 
 
 def _position_std(fix: GnssFix) -> float:
-    level = fix.horizontal_std or UNSTATED_STD
+    level = fix.horizontal_std or UNSTATED_STD_M
     up = fix.vertical_std or UP_TO_LEVEL * level
     return float(np.sqrt((2 * level**2 + up**2) / 3))

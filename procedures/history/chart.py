@@ -10,7 +10,7 @@ with unequal sigmas: `procedures.statistics.small_sample_outlier`). From it
                   |v_i| > L sqrt(a / (2 - a) (1 - (1 - a)^(2 i)))
 
 The first sees a jump, the second a slow drift. L is chosen by how many parameters are looked at together, so that
-a calibration of a steady unit raises an alarm on each chart with `FALSE_ALARM` at most.
+a calibration of a steady unit raises an alarm on each chart with `FALSE_ALARM_PROBABILITY` at most.
 """
 
 from dataclasses import dataclass
@@ -19,17 +19,17 @@ import numpy as np
 from scipy.special import ndtri
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.history.series import Series
-from procedures.statistics.small_sample_outlier import Sums, each, levels, tails
+from procedures.history.series import CalibrationSeries
+from procedures.statistics.small_sample_outlier import TauSums, tail_probabilities, tau_levels, tau_terms
 
-BEFORE = 2  # calibrations that a third is judged against
-SMOOTHING = 0.2
-FALSE_ALARM = 0.01
+MIN_EARLIER = 2  # calibrations that a third is judged against
+EWMA_WEIGHT = 0.2
+FALSE_ALARM_PROBABILITY = 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Chart:
-    """Normalised shifts ``z``, their moving average and its standard deviation, all (n - `BEFORE`,)."""
+class ControlChart:
+    """Normalised shifts ``z``, their moving average and its standard deviation, all (n - `MIN_EARLIER`,)."""
 
     z: FloatArray
     ewma: FloatArray
@@ -38,38 +38,39 @@ class Chart:
 
     @property
     def alarms(self) -> BoolArray:
-        """Which calibrations, (n - `BEFORE`,), leave the control limits on either chart."""
+        """Which calibrations, (n - `MIN_EARLIER`,), leave the control limits on either chart."""
         found: BoolArray = (np.abs(self.z) > self.limit) | (np.abs(self.ewma) > self.limit * self.ewma_std)
         return found
 
 
 def control_limit(parameters: int) -> float:
-    """Return L for so many parameters watched together: each has `FALSE_ALARM` / parameters, two-sided."""
-    return float(-ndtri(FALSE_ALARM / parameters / 2))
+    """Return L for so many parameters together: each has `FALSE_ALARM_PROBABILITY` / parameters, two-sided."""
+    return float(-ndtri(FALSE_ALARM_PROBABILITY / parameters / 2))
 
 
-def control_chart(series: Series, limit: float) -> Chart | None:
+def control_chart(series: CalibrationSeries, limit: float) -> ControlChart | None:
     """Return the chart, from the third calibration on; None if there is no third."""
-    if len(series) <= BEFORE:
+    if len(series) <= MIN_EARLIER:
         return None
     z = _shifts(series)
     steps = np.arange(1, len(z) + 1)
     ewma = np.empty_like(z)
     last = 0.0
     for i, one in enumerate(z):
-        ewma[i] = last = SMOOTHING * one + (1 - SMOOTHING) * last
-    std = np.sqrt(SMOOTHING / (2 - SMOOTHING) * (1 - (1 - SMOOTHING) ** (2 * steps)))
-    return Chart(z, ewma, std, limit)
+        ewma[i] = last = EWMA_WEIGHT * one + (1 - EWMA_WEIGHT) * last
+    std = np.sqrt(EWMA_WEIGHT / (2 - EWMA_WEIGHT) * (1 - (1 - EWMA_WEIGHT) ** (2 * steps)))
+    return ControlChart(z, ewma, std, limit)
 
 
-def _shifts(series: Series) -> FloatArray:
+def _shifts(series: CalibrationSeries) -> FloatArray:
     value, std = series.value - np.median(series.value), series.std
-    tau = levels(value, std)
-    terms = each(tau, value, std)
+    tau = tau_levels(value, std)
+    terms = tau_terms(tau, value, std)
     earlier = (
-        np.cumsum(part, axis=1)[:, BEFORE - 1 : -1] for part in (terms.log, terms.one, terms.first, terms.second)
+        np.cumsum(part, axis=1)[:, MIN_EARLIER - 1 : -1]
+        for part in (terms.log, terms.one, terms.first, terms.second)
     )
-    below, above = tails(Sums(*earlier), tau, value[BEFORE:], std[BEFORE:])
+    below, above = tail_probabilities(TauSums(*earlier), tau, value[MIN_EARLIER:], std[MIN_EARLIER:])
     tail = np.maximum(np.minimum(below, above), 1e-300)  # the smaller tail keeps its digits; z of 37 is far enough
     z: FloatArray = np.where(below < above, ndtri(tail), -ndtri(tail))
     return z

@@ -14,14 +14,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.statistics.small_sample_outlier import Sums, each, levels, predicted, tails
+from procedures.statistics.small_sample_outlier import (
+    TauSums,
+    predicted_mean,
+    tail_probabilities,
+    tau_levels,
+    tau_terms,
+)
 
-LEAST = 5  # units: with fewer, one that is off cannot be told from a wide fleet
-MOST_OFF, MOST = 0.2, 20  # of the fleet, and in all
+MIN_UNITS = 5  # units: with fewer, one that is off cannot be told from a wide fleet
+MAX_EXTREME_SHARE, MAX_EXTREMES = 0.2, 20  # of the fleet, and in all
 
 
 @dataclass(frozen=True, slots=True)
-class Off:
+class ExtremeUnit:
     """A unit that may stand out: its index, ``shift`` from the others' mean, 1 sigma of that, adjusted p."""
 
     unit: int
@@ -31,29 +37,29 @@ class Off:
 
 
 @dataclass(frozen=True, slots=True)
-class Fleet:
+class FleetParameter:
     """The middle of a fleet, its scatter (1.4826 times the median deviation; None of one unit), its extremes."""
 
     median: float
     spread: float | None
-    extremes: tuple[Off, ...]
+    extremes: tuple[ExtremeUnit, ...]
 
 
-def fleet(value: FloatArray, std: FloatArray) -> Fleet:
-    """Judge units by their ``value`` and ``std``, both (n,); ``extremes`` are none below `LEAST` units."""
+def judge_fleet(value: FloatArray, std: FloatArray) -> FleetParameter:
+    """Judge units by their ``value`` and ``std``, both (n,); ``extremes`` are none below `MIN_UNITS` units."""
     middle = float(np.median(value))
     offset = value - middle
     spread = float(1.4826 * np.median(np.abs(offset))) if len(value) > 1 else None
-    left, found = np.arange(len(value)), list[Off]()
-    for _ in range(min(int(MOST_OFF * len(value)), MOST) if len(value) >= LEAST else 0):
+    left, found = np.arange(len(value)), list[ExtremeUnit]()
+    for _ in range(min(int(MAX_EXTREME_SHARE * len(value)), MAX_EXTREMES) if len(value) >= MIN_UNITS else 0):
         i = _most_extreme(offset[left], std[left])
         unit, others = int(left[i]), np.delete(left, i)
         found.append(_judged(offset, std, others, unit))
         left = others
-    return Fleet(middle, spread, tuple(found))
+    return FleetParameter(middle, spread, tuple(found))
 
 
-def significant(extremes: tuple[Off, ...], alpha: float) -> tuple[Off, ...]:
+def significant(extremes: tuple[ExtremeUnit, ...], alpha: float) -> tuple[ExtremeUnit, ...]:
     """Return the extremes up to the last one that is significant at ``alpha``."""
     last = max((i for i, one in enumerate(extremes) if one.p_adjusted <= alpha), default=-1)
     return extremes[: last + 1]
@@ -61,18 +67,20 @@ def significant(extremes: tuple[Off, ...], alpha: float) -> tuple[Off, ...]:
 
 def _most_extreme(value: FloatArray, std: FloatArray) -> int:
     """Return the index of the value least probable among the others: the sums less its own term."""
-    tau = levels(value, std)
-    terms = each(tau, value, std)
+    tau = tau_levels(value, std)
+    terms = tau_terms(tau, value, std)
     others = (part.sum(1, keepdims=True) - part for part in (terms.log, terms.one, terms.first, terms.second))
-    return int(np.argmin(np.minimum(*tails(Sums(*others), tau, value, std))))
+    return int(np.argmin(np.minimum(*tail_probabilities(TauSums(*others), tau, value, std))))
 
 
-def _judged(value: FloatArray, std: FloatArray, others: IntArray, unit: int) -> Off:
-    tau = levels(value[others], std[others])
-    terms = each(tau, value[others], std[others])
-    sums = Sums(*(part.sum(1, keepdims=True) for part in (terms.log, terms.one, terms.first, terms.second)))
-    p = 2 * float(np.minimum(*tails(sums, tau, value[[unit]], std[[unit]]))[0])
-    weight, mean, spread = predicted(sums, tau)
+def _judged(value: FloatArray, std: FloatArray, others: IntArray, unit: int) -> ExtremeUnit:
+    tau = tau_levels(value[others], std[others])
+    terms = tau_terms(tau, value[others], std[others])
+    sums = TauSums(*(part.sum(1, keepdims=True) for part in (terms.log, terms.one, terms.first, terms.second)))
+    p = 2 * float(np.minimum(*tail_probabilities(sums, tau, value[[unit]], std[[unit]]))[0])
+    weight, mean, spread = predicted_mean(sums, tau)
     middle = float((weight * mean).sum())
     variance = float((weight * (spread**2 + (mean - middle) ** 2)).sum()) + float(std[unit]) ** 2
-    return Off(unit, float(value[unit]) - middle, float(np.sqrt(variance)), min(1.0, p * (len(others) + 1)))
+    return ExtremeUnit(
+        unit, float(value[unit]) - middle, float(np.sqrt(variance)), min(1.0, p * (len(others) + 1))
+    )

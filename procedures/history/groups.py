@@ -21,7 +21,7 @@ from scipy.stats import t
 
 from procedures.arrays import BoolArray, FloatArray
 
-LEAST = 3  # units that were calibrated both in the group and outside it
+MIN_UNITS_IN_BOTH = 3  # units that were calibrated both in the group and outside it
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +42,10 @@ def group_shift(
     Returns
     -------
     GroupShift or None
-        None where fewer than `LEAST` units have both.
+        None where fewer than `MIN_UNITS_IN_BOTH` units have both.
     """
     d, variance = _contrasts(unit, inside, value, std)
-    if len(d) < LEAST:
+    if len(d) < MIN_UNITS_IN_BOTH:
         return None
     weight = 1.0 / (variance + _between(d, variance))
     delta = float(weight @ d / weight.sum())

@@ -9,17 +9,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from procedures.arrays import FloatArray
-from procedures.history.process import Filter, Mixture, filtered, hypotheses
+from procedures.history.process import NormalMixture, ProcessFilter, filtered, hypothesis_grid
 from procedures.history.repeatability import clusters
-from procedures.history.series import Series
+from procedures.history.series import CalibrationSeries
 
-LEAST = 3  # calibrations: from two, a trend and a scatter cannot be told apart at all
-TAIL = 0.025
-FARTHEST = 3.0  # times the span of the data: farther ahead nothing seen says how it walks
+MIN_CALIBRATIONS = 3  # calibrations: from two, a trend and a scatter cannot be told apart at all
+TAIL_PROBABILITY = 0.025
+MAX_SPANS_AHEAD = 3.0  # times the span of the data: farther ahead nothing seen says how it walks
 
 
 @dataclass(frozen=True, slots=True)
-class Predicted:
+class PredictedValue:
     """The value at ``day``, its 95 % interval, and the probability to be outside the limits if there are any."""
 
     day: float
@@ -33,16 +33,16 @@ class Predicted:
 class Forecast:
     """All that can be said about the days after the last calibration; ``low``, ``high`` None: no limit there."""
 
-    filter: Filter
+    filter: ProcessFilter
     low: float | None = None
     high: float | None = None
 
-    def at(self, day: float) -> Predicted:
+    def at(self, day: float) -> PredictedValue:
         """Return the prediction for a day not before the last calibration."""
         mixture = self.filter.at(day)
-        ends = mixture.quantile(TAIL), mixture.quantile(1 - TAIL)
+        ends = mixture.quantile(TAIL_PROBABILITY), mixture.quantile(1 - TAIL_PROBABILITY)
         outside = None if self.low is None and self.high is None else sum(self._tails(mixture))
-        return Predicted(day, mixture.quantile(0.5), *ends, outside)
+        return PredictedValue(day, mixture.quantile(0.5), *ends, outside)
 
     def first_touch(self, days: Sequence[float]) -> float | None:
         """Return the first of increasing days at which the interval reaches a limit, None if it never does."""
@@ -60,27 +60,27 @@ class Forecast:
         return touching
 
     def _touches(self, day: float) -> bool:
-        return any(tail >= TAIL for tail in self._tails(self.filter.at(day)))
+        return any(tail >= TAIL_PROBABILITY for tail in self._tails(self.filter.at(day)))
 
-    def _tails(self, mixture: Mixture) -> Iterator[float]:
+    def _tails(self, mixture: NormalMixture) -> Iterator[float]:
         if self.low is not None:
             yield mixture.below(self.low)
         if self.high is not None:
             yield mixture.above(self.high)
 
 
-def farthest(day: FloatArray) -> float | None:
+def last_predictable_day(day: FloatArray) -> float | None:
     """Return the last day that calibrations at ``day`` (n,), rising, let predict.
 
-    None with fewer than `LEAST` clusters of turn-ons: those of one week say nothing of a year.
+    None with fewer than `MIN_CALIBRATIONS` clusters of turn-ons: those of one week say nothing of a year.
     """
-    if len(clusters(day)) < LEAST:
+    if len(clusters(day)) < MIN_CALIBRATIONS:
         return None
-    return float(day[-1] + FARTHEST * (day[-1] - day[0]))
+    return float(day[-1] + MAX_SPANS_AHEAD * (day[-1] - day[0]))
 
 
-def forecast(series: Series, low: float | None = None, high: float | None = None) -> Forecast | None:
-    """Return the forecast after the last calibration, None with fewer than `LEAST`."""
-    if len(series) < LEAST:
+def forecast(series: CalibrationSeries, low: float | None = None, high: float | None = None) -> Forecast | None:
+    """Return the forecast after the last calibration, None with fewer than `MIN_CALIBRATIONS`."""
+    if len(series) < MIN_CALIBRATIONS:
         return None
-    return Forecast(filtered(series, hypotheses(series)), low, high)
+    return Forecast(filtered(series, hypothesis_grid(series)), low, high)

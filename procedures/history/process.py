@@ -7,9 +7,10 @@ r ~ N(0, tau^2) is drawn at each turn-on, e ~ N(0, s_i^2) is the calibration's o
 c: a grid holds combinations of them, and each is weighed by the probability of the data (a Kalman filter, one step
 per calibration; the level before the first is unknown). With few calibrations no combination may be trusted alone,
 so predictions are mixtures over the grid. Beforehand each decade of tau and c is as likely as the next; walks are
-favoured by `WALK_FAVOUR`, for else a short series passes too often for scatter about a constant.
+favoured by `WALK_PRIOR_EXPONENT`, for else a short series passes too often for scatter about a constant.
 
-Source: Harvey, Forecasting, Structural Time Series Models and the Kalman Filter, 1989, 2.3 and 3.4.
+Source: Harvey, Forecasting, Structural Time CalibrationSeries Models and the Kalman ProcessFilter, 1989, 2.3 and
+3.4.
 """
 
 from dataclasses import dataclass
@@ -19,15 +20,16 @@ from scipy.optimize import brentq
 from scipy.special import ndtr
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.history.series import Series
-from procedures.statistics.small_sample_outlier import levels
+from procedures.history.series import CalibrationSeries
+from procedures.statistics.small_sample_outlier import tau_levels
 
-PER_DECADE = 5  # levels of the grid, of each of tau, q and c
-WALK_FAVOUR = 0.8  # the density of log q rises as q to this power; the least that covers walks: docs/history.md
+GRID_LEVELS_PER_DECADE = 5  # levels of the grid, of each of tau, q and c
+# The density of log q rises as q to this power; the least that covers walks: docs/history.md
+WALK_PRIOR_EXPONENT = 0.8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Mixture:
+class NormalMixture:
     """Weighted normal distributions: ``mean`` and ``std`` (k,) with ``weight`` (k,), of sum 1."""
 
     weight: FloatArray
@@ -52,7 +54,7 @@ class Mixture:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Hypotheses:
+class ProcessHypotheses:
     """Combinations of ``turn_on`` [unit], ``walk`` [unit/sqrt(day)] and ``trend`` [unit/day], all (k,)."""
 
     turn_on: FloatArray
@@ -60,35 +62,35 @@ class Hypotheses:
     trend: FloatArray
 
 
-def hypotheses(series: Series) -> Hypotheses:
+def hypothesis_grid(series: CalibrationSeries) -> ProcessHypotheses:
     """Return the grid for a series; walk and trend have the levels of turn-on scatter over the whole span."""
-    scatter = levels(series.value, series.std, PER_DECADE)
+    scatter = tau_levels(series.value, series.std, GRID_LEVELS_PER_DECADE)
     span = max(float(series.day[-1] - series.day[0]), 1.0)
     grid = np.meshgrid(scatter, scatter / np.sqrt(span), scatter / span, indexing="ij")
-    return Hypotheses(*(np.ascontiguousarray(part.ravel()) for part in grid))
+    return ProcessHypotheses(*(np.ascontiguousarray(part.ravel()) for part in grid))
 
 
-class Filter:
+class ProcessFilter:
     """The state of every hypothesis after the calibrations taken in so far: level and trend with covariance."""
 
-    def __init__(self, ways: Hypotheses, day: float, value: float, std: float) -> None:
+    def __init__(self, ways: ProcessHypotheses, day: float, value: float, std: float) -> None:
         """Begin at the first calibration; the level before it was unknown."""
         self.ways, self.day = ways, day
-        self.log_weight = WALK_FAVOUR * np.log(ways.walk)
+        self.log_weight = WALK_PRIOR_EXPONENT * np.log(ways.walk)
         self._level = np.full_like(self.log_weight, value)
         self._slope = np.zeros_like(self.log_weight)
         self._level_level = std**2 + ways.turn_on**2
         self._level_slope = np.zeros_like(self.log_weight)
         self._slope_slope = ways.trend**2
 
-    def at(self, day: float) -> Mixture:
+    def at(self, day: float) -> NormalMixture:
         """Return what the unit does once it is turned on at a later day, measured without error."""
         dt = day - self.day
         weight = np.exp(self.log_weight - self.log_weight.max())
         counts = _most_of(weight)
         variance = self._ahead(dt)[0] + self.ways.turn_on**2
         mean = self._level + self._slope * dt
-        return Mixture(weight[counts] / weight[counts].sum(), mean[counts], np.sqrt(variance[counts]))
+        return NormalMixture(weight[counts] / weight[counts].sum(), mean[counts], np.sqrt(variance[counts]))
 
     def take(self, day: float, value: float, std: float) -> None:
         """Weigh the hypotheses by a calibration and bring their states up to it."""
@@ -116,9 +118,9 @@ def _most_of(weight: FloatArray) -> IntArray:
     return order[: 1 + int(np.searchsorted(np.cumsum(weight[order]), (1 - 1e-4) * weight.sum()))]
 
 
-def filtered(series: Series, ways: Hypotheses) -> Filter:
+def filtered(series: CalibrationSeries, ways: ProcessHypotheses) -> ProcessFilter:
     """Return the filter after all calibrations of a series."""
-    found = Filter(ways, *(float(part[0]) for part in (series.day, series.value, series.std)))
+    found = ProcessFilter(ways, *(float(part[0]) for part in (series.day, series.value, series.std)))
     for day, value, std in zip(series.day[1:], series.value[1:], series.std[1:], strict=True):
         found.take(float(day), float(value), float(std))
     return found

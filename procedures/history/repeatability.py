@@ -1,6 +1,6 @@
 """Turn-on repeatability: scatter from one turn-on to the next, beyond the calibrations' own sigmas.
 
-Calibrations within `TOGETHER_DAYS` of a cluster's first one are a cluster: so close that ageing adds nothing, each
+Calibrations within `CLUSTER_DAYS` of a cluster's first one are a cluster: so close that ageing adds nothing, each
 with the unit switched on anew. With ``m_c`` the mean of cluster c,
 
     y_i = m_c + r_i + e_i,    e_i ~ N(0, s_i^2) known,    r_i ~ N(0, tau^2),
@@ -18,9 +18,9 @@ from scipy.optimize import brentq
 from scipy.stats import chi2
 
 from procedures.arrays import FloatArray
-from procedures.history.series import Series
+from procedures.history.series import CalibrationSeries
 
-TOGETHER_DAYS = 7.0
+CLUSTER_DAYS = 7.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +35,8 @@ class Repeatability:
     dof: int
 
 
-def turn_on_repeatability(series: Series) -> Repeatability | None:
-    """Return the repeatability, None where no two calibrations lie within `TOGETHER_DAYS`."""
+def turn_on_repeatability(series: CalibrationSeries) -> Repeatability | None:
+    """Return the repeatability, None where no two calibrations lie within `CLUSTER_DAYS`."""
     together = [(series.value[one], series.std[one]) for one in clusters(series.day) if len(one) > 1]
     runs = sum(len(values) for values, _ in together)
     if (dof := runs - len(together)) == 0:
@@ -52,7 +52,7 @@ def clusters(day: FloatArray) -> list[list[int]]:
     """Return the indices of the calibrations of each cluster; ``day`` (n,) rises."""
     found = list[list[int]]()
     for i, at in enumerate(day):
-        if found and at - day[found[-1][0]] <= TOGETHER_DAYS:
+        if found and at - day[found[-1][0]] <= CLUSTER_DAYS:
             found[-1].append(i)
         else:
             found.append([i])

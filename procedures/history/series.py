@@ -8,7 +8,7 @@ from procedures.arrays import FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Series:
+class CalibrationSeries:
     """When each calibration was made [day], what it found and its own 1 sigma, all (n,); times do not decrease.
 
     Raises

@@ -11,14 +11,18 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-Lean = tuple[int, int, int]  # the way up in cube axes: -1, 0 or 1 each
+UpDirection = tuple[int, int, int]  # the way up in cube axes: -1, 0 or 1 each
 
-APART_DEG = 20.0  # from every face, and from every attitude taken
-_WAYS: list[Lean] = [(x, y, z) for x, y, z in product((1, 0, -1), repeat=3) if abs(x) + abs(y) + abs(z) > 1]
-LEANS: tuple[Lean, ...] = tuple(sorted(_WAYS, key=np.count_nonzero))  # the 12 edges, then the 8 corners
+MIN_APART_DEG = 20.0  # from every face, and from every attitude taken
+_DIRECTIONS: list[UpDirection] = [
+    (x, y, z) for x, y, z in product((1, 0, -1), repeat=3) if abs(x) + abs(y) + abs(z) > 1
+]
+UP_DIRECTIONS: tuple[UpDirection, ...] = tuple(
+    sorted(_DIRECTIONS, key=np.count_nonzero)
+)  # the 12 edges, then the 8 corners
 
 
-def way_up(lean: Lean) -> FloatArray:
+def up_vector(lean: UpDirection) -> FloatArray:
     """Return the unit vector (3,), cube axes, that points up."""
     up: FloatArray = np.array(lean) / np.linalg.norm(lean)
     return up
@@ -34,14 +38,14 @@ def nearest_deg(up: FloatArray, taken: Iterable[FloatArray]) -> float:
     return min((angle_deg(up, other) for other in taken), default=180.0)
 
 
-def wanted(taken: Iterable[FloatArray]) -> Lean:
+def next_direction(taken: Iterable[FloatArray]) -> UpDirection:
     """Return the way up that is wanted next: an edge, then a corner; the farthest once all were taken."""
     ups = list(taken)
-    free = (lean for lean in LEANS if nearest_deg(way_up(lean), ups) > APART_DEG + 5)
-    return next(free, max(LEANS, key=lambda lean: nearest_deg(way_up(lean), ups)))
+    free = (lean for lean in UP_DIRECTIONS if nearest_deg(up_vector(lean), ups) > MIN_APART_DEG + 5)
+    return next(free, max(UP_DIRECTIONS, key=lambda lean: nearest_deg(up_vector(lean), ups)))
 
 
-def leaned(up: FloatArray, heading: float = 0.0) -> FloatArray:
+def C_bn_of_up(up: FloatArray, heading: float = 0.0) -> FloatArray:
     """Return ``C_bn`` (3, 3), East-North-Up to the cube, with ``up`` (3,) up, turned by ``heading`` [rad]."""
     up = up / np.linalg.norm(up)
     level = np.cross(np.eye(3)[int(np.argmin(np.abs(up)))], up)

@@ -21,30 +21,36 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord
 from procedures.campaign.observations import TriadDwells, TriadRests
-from procedures.dwells_and_turns.bench_parameters import HELD, SLAB_RANGE, Bench, Prior, cube_numbers
+from procedures.dwells_and_turns.bench_parameters import (
+    HELD_STD_RAD,
+    SLAB_TILT_RANGE_RAD,
+    BenchParameters,
+    BenchPrior,
+    cube_numbers,
+)
 from procedures.dwells_and_turns.twelve_position import (
-    ALIVE,
-    JointFit,
+    MIN_RESPONSE_SIGMAS,
     RestFit,
+    TriadFit,
     dwell_bench,
     is_determined,
     mountings,
     specific_force,
 )
 from procedures.frames import AXES, cross_axes, face_normal, face_of
-from procedures.rests_and_moves.norm_fit import REACH, excess_scatter, fit_norm, norm_sigma
+from procedures.rests_and_moves.norm_fit import MAX_RELATIVE_SCALE_STD, excess_scatter, fit_norm, norm_sigma
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.units import STANDARD_GRAVITY
 
-ROUNDS = 3  # of weighting anew by the scatter found
-WORST = 1e3  # condition of K: sensors all but in one plane
-INVERSIONS = 4  # of the quadratic term, each a thousand times smaller than the last
-UPPER = ((0, 1), (0, 2), (1, 2))  # of K: nothing there where no face ties the frame
+REWEIGHTINGS = 3  # of weighting anew by the scatter found
+MAX_CONDITION_OF_K = 1e3  # condition of K: sensors all but in one plane
+QUADRATIC_INVERSIONS = 4  # of the quadratic term, each a thousand times smaller than the last
+UPPER_TRIANGLE = ((0, 1), (0, 2), (1, 2))  # of K: nothing there where no face ties the frame
 
 
 def solve_with_rests(
     campaigns: Sequence[Campaign], seen: TriadDwells | None, rests: TriadRests | None, quadratic: bool = False
-) -> JointFit | None:
+) -> TriadFit | None:
     """Solve k, E and D of the accelerometers from dwells in positions and rests; None if not determined."""
     guess = _tied_guess(campaigns, seen, rests)
     if guess is None:
@@ -52,22 +58,24 @@ def solve_with_rests(
         guess = _free_guess(campaigns, rests)
     if guess is None:
         return None
-    tied = is_tied(campaigns, seen, rests)
-    seen = seen or nothing_seen()
+    tied = frame_is_known(campaigns, seen, rests)
+    seen = seen or no_dwells()
     bench = dwell_bench(campaigns, seen)
     between = rests is not None and any(rest.up is None for _, rest in rests.rests)
     bench = replace(bench, cubes=bench.cubes if tied else 0, skew_seen=between or not tied)
-    model = _Model(bench, seen, rests, tied, quadratic, *guess)
+    model = _AccelerometerModel(bench, seen, rests, tied, quadratic, *guess)
     solved = model.solve()
     if solved is None:
         return None
     fit, noise, excess = solved
-    if np.any(np.sqrt(np.diag(fit.covariance)[[0, 4, 8]]) > REACH * np.linalg.norm(guess[0], axis=1)):
+    if np.any(
+        np.sqrt(np.diag(fit.covariance)[[0, 4, 8]]) > MAX_RELATIVE_SCALE_STD * np.linalg.norm(guess[0], axis=1)
+    ):
         return None
     return model.joint(fit, noise, excess)
 
 
-def nothing_seen() -> TriadDwells:
+def no_dwells() -> TriadDwells:
     """Return no dwells."""
     none = np.zeros((0, 3))
     return TriadDwells((), none, none, np.zeros(3), ())
@@ -78,7 +86,7 @@ def with_known_faces(seen: TriadDwells | None, rests: TriadRests | None) -> Tria
     on_face = [i for i, (_, rest) in enumerate(rests.rests) if rest.up is not None] if rests else []
     if rests is None or not on_face:
         return seen
-    seen = seen or nothing_seen()
+    seen = seen or no_dwells()
     steps = [rests.rests[i] for i in on_face]
     first = {face_of(position): position for position in range(12, 0, -1)}
     dwells = [(n, DwellRecord(rest.name, first[rest.up or ""], rest.series)) for n, rest in steps]
@@ -94,7 +102,7 @@ def up_in_imu(campaigns: Sequence[Campaign], rest: tuple[int, RestRecord]) -> Fl
     return up
 
 
-def is_tied(campaigns: Sequence[Campaign], seen: TriadDwells | None, rests: TriadRests | None) -> bool:
+def frame_is_known(campaigns: Sequence[Campaign], seen: TriadDwells | None, rests: TriadRests | None) -> bool:
     """Say whether the faces known determine the frame and K and b in it."""
     return is_determined(_nominal(campaigns, seen, rests)[0])
 
@@ -126,9 +134,9 @@ def _tied_guess(
         return None
     A = np.hstack((u, np.ones((len(u), 1))))
     linear = np.asarray(np.linalg.lstsq(A, rate, rcond=None)[0], dtype=np.float64)
-    if np.any(np.linalg.norm(linear[:3], axis=0) < ALIVE * np.median(std, axis=0)):
+    if np.any(np.linalg.norm(linear[:3], axis=0) < MIN_RESPONSE_SIGMAS * np.median(std, axis=0)):
         return None
-    return None if np.linalg.cond(linear[:3]) > WORST else (linear[:3].T, linear[3])
+    return None if np.linalg.cond(linear[:3]) > MAX_CONDITION_OF_K else (linear[:3].T, linear[3])
 
 
 def _free_guess(campaigns: Sequence[Campaign], rests: TriadRests | None) -> tuple[FloatArray, FloatArray] | None:
@@ -154,10 +162,10 @@ def _all_as_rests(seen: TriadDwells | None, rests: TriadRests | None) -> TriadRe
 
 
 @dataclass(frozen=True, eq=False)
-class _Model:
+class _AccelerometerModel:
     """The residual of dwells, priors and rests; parameters K (9), b (3), the bench's, and K2 (3) if asked for."""
 
-    bench: Bench
+    bench: BenchParameters
     seen: TriadDwells
     rests: TriadRests | None
     tied: bool
@@ -171,7 +179,7 @@ class _Model:
         bends = np.full(self.bench.size + 3 * self.quadratic, 0.1)
         scale = np.concatenate((np.full(12, np.max(np.abs(self.K))), bends))
         noise, excess = self.noise, 0.0
-        for _ in range(ROUNDS if self.rests else 1):
+        for _ in range(REWEIGHTINGS if self.rests else 1):
             used = noise, excess
             found = minimise_if_determined(partial(self.residual, np.hypot(*used)), x, scale)
             if found is None:
@@ -202,7 +210,7 @@ class _Model:
         return wide
 
     @cached_property
-    def prior(self) -> Prior:
+    def prior(self) -> BenchPrior:
         """What is known of the bench."""
         return self.bench.priors()
 
@@ -221,7 +229,7 @@ class _Model:
     @property
     def rows(self) -> slice:
         """Where the norms stand in the residual."""
-        begin = 3 * len(self.seen.dwells) + len(self.prior.mean) + (0 if self.tied else len(UPPER))
+        begin = 3 * len(self.seen.dwells) + len(self.prior.mean) + (0 if self.tied else len(UPPER_TRIANGLE))
         return slice(begin, begin + (len(self.rests.rests) if self.rests else 0))
 
     def force(self, x: FloatArray, rate: FloatArray) -> FloatArray:
@@ -229,7 +237,7 @@ class _Model:
         K, b = x[:9].reshape(3, 3), x[9:12]
         linear = u = np.asarray(np.linalg.solve(K, (rate - b).T).T, dtype=np.float64)
         bend = np.linalg.norm(K, axis=1) * x[-3:]
-        for _ in range(INVERSIONS if self.quadratic else 0):
+        for _ in range(QUADRATIC_INVERSIONS if self.quadratic else 0):
             u = np.asarray(linear - np.linalg.solve(K, (bend * u**2).T).T, dtype=np.float64)
         return u
 
@@ -238,7 +246,9 @@ class _Model:
         bench = x[12 : 12 + self.bench.size]
         parts = [self._dwells(x), self.prior.matrix @ bench - self.prior.mean]
         if not self.tied:
-            parts.append(np.array([x[3 * i + j] for i, j in UPPER]) / (HELD * np.max(np.abs(self.K))))
+            parts.append(
+                np.array([x[3 * i + j] for i, j in UPPER_TRIANGLE]) / (HELD_STD_RAD * np.max(np.abs(self.K)))
+            )
         if self.rests is not None:
             u = self.force(x, self.rests.rate)
             g = np.array([self.bench.gravity(bench, n) for n, _ in self.rests.rests])
@@ -273,7 +283,7 @@ class _Model:
             pair, cube = AXES.index(rest.up[0]), int(cubes[number])
             p, q = self.bench.parallelism(bench, cube)[pair], self.bench.perpendicularity(bench, cube)[pair]
             tilt = p / 2 + (q if rest.up.endswith("up") else -q)
-            found.append((up[list(cross_axes(rest.up))] / np.linalg.norm(up) - tilt) / SLAB_RANGE)
+            found.append((up[list(cross_axes(rest.up))] / np.linalg.norm(up) - tilt) / SLAB_TILT_RANGE_RAD)
         return np.concatenate(found)
 
     def loose(self, rows: int) -> BoolArray:
@@ -283,7 +293,7 @@ class _Model:
         sure = np.zeros(rows - 3 * len(self.seen.dwells) - len(prior) - ups, dtype=bool)
         return np.concatenate((prior, sure, np.ones(ups, dtype=bool)))
 
-    def joint(self, fit: Fit, noise: FloatArray, excess: float) -> JointFit:
+    def joint(self, fit: Fit, noise: FloatArray, excess: float) -> TriadFit:
         """Return the fit with what is needed to report it."""
         rests = None
         if self.rests is not None:
@@ -291,4 +301,4 @@ class _Model:
             up = u / np.linalg.norm(u, axis=1)[:, None]
             rests = RestFit(self.rests, self.rows, noise, excess, up)
         loose = self.loose(len(fit.residual))
-        return JointFit(fit, self.bench, self.seen, np.zeros(3), self.unsettled, loose, rests, self.quadratic)
+        return TriadFit(fit, self.bench, self.seen, np.zeros(3), self.unsettled, loose, rests, self.quadratic)

@@ -20,26 +20,28 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.sample_records import CountSeries
-from procedures.dwells_and_turns.twelve_position import ALIVE, JointFit
+from procedures.dwells_and_turns.twelve_position import MIN_RESPONSE_SIGMAS, TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import rotation
-from procedures.rests_and_moves.move_rotation import Samples, carry, padded, rotations
-from procedures.rests_and_moves.norm_fit import REACH, excess_scatter
-from procedures.rests_and_moves.sequences import Segmented
+from procedures.rests_and_moves.move_rotation import MoveSamples, integrate_moves, move_rotations, padded_moves
+from procedures.rests_and_moves.norm_fit import MAX_RELATIVE_SCALE_STD, excess_scatter
+from procedures.rests_and_moves.sequences import SegmentedSequence
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 
-LEAST_MOVES = 6  # two rows each for nine numbers, and some to judge by
-SIGNS = tuple(itertools.product((1.0, -1.0), repeat=3))
-NO_RANGE = 1e-9  # deg/s, 1 sigma of the Earth's horizontal rate at a pole
-STEP = 1e-6  # rad, for central differences
-ROUNDS = 6  # of carrying anew by what was found, and weighting anew by the scatter
-ANGLES = np.exp(np.arange(np.log(0.1), np.log(20.0), 0.1))  # rad, of a usual move: what k is tried for
-WORST = 1e3  # condition of K: axes all but in one plane
-CLOSE = 0.5  # rad rms above which no k tried fits
+MIN_MOVES = 6  # two rows each for nine numbers, and some to judge by
+AXIS_SIGNS_TRIED = tuple(itertools.product((1.0, -1.0), repeat=3))
+POLE_RATE_STD_DEG_S = 1e-9  # deg/s, 1 sigma of the Earth's horizontal rate at a pole
+DIRECTION_STEP_RAD = 1e-6  # rad, for central differences
+REWEIGHTINGS = 6  # of carrying anew by what was found, and weighting anew by the scatter
+MOVE_ANGLES_TRIED_RAD = np.exp(
+    np.arange(np.log(0.1), np.log(20.0), 0.1)
+)  # rad, of a usual move: what k is tried for
+MAX_CONDITION_OF_K = 1e3  # condition of K: axes all but in one plane
+MAX_GUESS_ERROR_RAD = 0.5  # rad rms above which no k tried fits
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class MovesAndRests:
     """What m moves and r rests show: the moves' samples, which rests each move joins (m,), the rests' chains (r,).
 
     ``up`` (r, 3) and its 1 sigma (r,) [rad], and its change with the accelerometers' K and b (r, 3, 12); ``rate``,
@@ -47,7 +49,7 @@ class Seen:
     Earth's horizontal and vertical rate [deg/s].
     """
 
-    samples: Samples
+    samples: MoveSamples
     before: IntArray
     after: IntArray
     chain: IntArray
@@ -91,20 +93,20 @@ class MovesFit:
 
 
 def solve_moves(
-    campaigns: Sequence[Campaign], segmented: Sequence[Segmented], accelerometer: JointFit
+    campaigns: Sequence[Campaign], segmented: Sequence[SegmentedSequence], accelerometer: TriadFit
 ) -> MovesFit | None:
     """Solve k, E and D of the gyroscopes from the moves of sequences; None if they do not determine them."""
-    seen = gather(campaigns, segmented, accelerometer)
+    seen = moves_and_rests(campaigns, segmented, accelerometer)
     guess = first_guess(seen) if seen is not None else None
     if seen is None or guess is None:
         return None
     K, b = guess
     x, scatter = np.concatenate((K.ravel(), b, np.zeros(2 * (seen.chain.max() + 1)))), np.zeros(2)
     wander = np.zeros_like(seen.rate)
-    for _ in range(ROUNDS):
-        if np.linalg.cond(x[:9].reshape(3, 3)) > WORST:
+    for _ in range(REWEIGHTINGS):
+        if np.linalg.cond(x[:9].reshape(3, 3)) > MAX_CONDITION_OF_K:
             return None
-        model = _Model(seen, x, scatter, wander)
+        model = _MovesModel(seen, x, scatter, wander)
         found = minimise_if_determined(model.residual, x, model.scale)
         if found is None:
             return None
@@ -112,12 +114,14 @@ def solve_moves(
         x, used, scatter = fit.x, scatter, model.scatter_of(fit)
         wander = model.wander(fit.x, scatter[1])
     k = np.linalg.norm(fit.x[:9].reshape(3, 3), axis=1)
-    if np.any(np.sqrt(np.diag(fit.covariance)[[0, 4, 8]]) > REACH * k):
+    if np.any(np.sqrt(np.diag(fit.covariance)[[0, 4, 8]]) > MAX_RELATIVE_SCALE_STD * k):
         return None
     return model.result(fit, used)
 
 
-def gather(campaigns: Sequence[Campaign], segmented: Sequence[Segmented], accelerometer: JointFit) -> Seen | None:
+def moves_and_rests(
+    campaigns: Sequence[Campaign], segmented: Sequence[SegmentedSequence], accelerometer: TriadFit
+) -> MovesAndRests | None:
     """Collect moves and rests that hold both triads; None if the moves are too few."""
     if accelerometer.rests is None:
         return None
@@ -138,19 +142,19 @@ def gather(campaigns: Sequence[Campaign], segmented: Sequence[Segmented], accele
         outputs += [np.asarray(gyro[s], dtype=np.float64) / per_s for _, s in moves]
         periods += [period] * len(moves)
     at_rest = rest_rates(rests, "gyroscope")
-    if len(before) < LEAST_MOVES or at_rest is None:
+    if len(before) < MIN_MOVES or at_rest is None:
         return None
     rows = np.array([place[id(rest.series)] for _, rest in rests])
     up, std, change = _ups(accelerometer, rows)
     earth = np.degrees([np.abs(earth_rate_n(campaigns[n].site.latitude)[1:]) for n, _ in rests])
     earth[:, 1] *= np.sign([campaigns[n].site.latitude for n, _ in rests])
-    return Seen(
-        padded(outputs, periods), np.array(before), np.array(before) + 1, np.array(chain), up, std, change,
+    return MovesAndRests(
+        padded_moves(outputs, periods), np.array(before), np.array(before) + 1, np.array(chain), up, std, change,
         at_rest.rate, at_rest.std, at_rest.noise, earth,
     )  # fmt: skip
 
 
-def _ups(accelerometer: JointFit, rows: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _ups(accelerometer: TriadFit, rows: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return up vectors (r, 3), their 1 sigma (r,) and their change (r, 3, 12) with accelerometer K and b."""
     seen = accelerometer.rests
     assert seen is not None
@@ -164,18 +168,18 @@ def _ups(accelerometer: JointFit, rows: IntArray) -> tuple[FloatArray, FloatArra
     return up, std, across @ np.concatenate((by_K, by_b), axis=2)
 
 
-def first_guess(seen: Seen) -> tuple[FloatArray, FloatArray] | None:
+def first_guess(seen: MovesAndRests) -> tuple[FloatArray, FloatArray] | None:
     """Try one k for all axes, each forward or backward; return the K that carries gravity best, if any."""
     b = np.median(seen.rate, axis=0)
     turned = np.linalg.norm(((seen.samples.output - b) * seen.samples.real[..., None]).sum(axis=1), axis=1)
     usual = float(np.median(turned * seen.samples.period))
-    if not usual > ALIVE * float(np.median(seen.std)):
+    if not usual > MIN_RESPONSE_SIGMAS * float(np.median(seen.std)):
         return None
-    best, found = CLOSE, None
-    for signs in SIGNS:
-        for angle in ANGLES:
+    best, found = MAX_GUESS_ERROR_RAD, None
+    for signs in AXIS_SIGNS_TRIED:
+        for angle in MOVE_ANGLES_TRIED_RAD:
             K = np.diag(signs) * usual / np.degrees(angle)
-            carried = rotations(seen.samples, K, b) @ seen.up[seen.before][..., None]
+            carried = move_rotations(seen.samples, K, b) @ seen.up[seen.before][..., None]
             error = float(np.sqrt(np.mean(np.sum((carried[..., 0] - seen.up[seen.after]) ** 2, axis=1))))
             if error < best:
                 best, found = error, K
@@ -192,21 +196,21 @@ def _level(up: FloatArray) -> FloatArray:
     return np.stack((first, np.cross(up, first)), axis=-1)
 
 
-class _Model:
+class _MovesModel:
     """The residual about the parameters ``x0``: K (9), b (3), the Earth's horizontal rate (2) of every chain."""
 
-    def __init__(self, seen: Seen, x0: FloatArray, scatter: FloatArray, wander: FloatArray) -> None:
+    def __init__(self, seen: MovesAndRests, x0: FloatArray, scatter: FloatArray, wander: FloatArray) -> None:
         self.seen, self.x0, self.scatter = seen, x0, scatter
         K, b = x0[:9].reshape(3, 3), x0[9:12]
         self.k = np.linalg.norm(K, axis=1)
         beside = (wander[seen.before] + wander[seen.after]) / 2
-        self.carried = carry(replace(seen.samples, output=seen.samples.output - beside[:, None]), K, b)
+        self.carried = integrate_moves(replace(seen.samples, output=seen.samples.output - beside[:, None]), K, b)
         self.level = self._levels()
         self.across = _level(seen.up[seen.after])
         drift = np.radians(np.sqrt(np.mean((seen.noise / self.k) ** 2) * seen.samples.seconds))
         self.noise = np.sqrt(seen.up_std[seen.before] ** 2 + seen.up_std[seen.after] ** 2 + drift**2)
         first = np.unique(seen.chain, return_index=True)[1]
-        self.range = np.maximum(seen.earth[first, 0] / np.sqrt(2), NO_RANGE)
+        self.range = np.maximum(seen.earth[first, 0] / np.sqrt(2), POLE_RATE_STD_DEG_S)
         size = np.max(np.abs(K))
         self.scale = np.concatenate((np.full(9, size), np.full(3, size), np.repeat(self.range, 2)))
 
@@ -267,7 +271,7 @@ class _Model:
         columns = []
         for p in range(12):
             d = self.seen.up_by_accelerometer[:, :, p]
-            size = STEP / max(float(np.max(np.abs(d))), np.finfo(float).tiny)
+            size = DIRECTION_STEP_RAD / max(float(np.max(np.abs(d))), np.finfo(float).tiny)
             up = [self.seen.up + sign * size * d for sign in (1, -1)]
             columns.append((self.residual(fit.x, up[0]) - self.residual(fit.x, up[1])) / (2 * size))
         gain = -fit.covariance[:12] @ fit.jacobian.T @ np.stack(columns, axis=1)

@@ -18,7 +18,7 @@ CONING = 1 / 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Carried:
+class MoveRotations:
     """Rotation (m, 3, 3) of every move and the change of its rotation vector [rad] with K and b, (m, 3, 12).
 
     The rotation at other parameters is ``rotation(-(sensitivity @ change)) @ rotation`` to first order.
@@ -29,7 +29,7 @@ class Carried:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Samples:
+class MoveSamples:
     """The gyroscopes' outputs of m moves, (m, s, 3) [output/s], padded at the end, and what is ``real`` (m, s)."""
 
     output: FloatArray
@@ -48,7 +48,7 @@ class Samples:
         return found
 
 
-def padded(moves: Sequence[FloatArray], period: Sequence[float]) -> Samples:
+def padded_moves(moves: Sequence[FloatArray], period: Sequence[float]) -> MoveSamples:
     """Put moves (s_i, 3) [output/s] into one array."""
     longest = max(len(move) for move in moves)
     output = np.zeros((len(moves), longest, 3))
@@ -56,10 +56,10 @@ def padded(moves: Sequence[FloatArray], period: Sequence[float]) -> Samples:
     for row, (mask, move) in enumerate(zip(real, moves, strict=True)):
         mask[: len(move)] = True
         output[row, : len(move)] = move
-    return Samples(output, real, np.array(period))
+    return MoveSamples(output, real, np.array(period))
 
 
-def carry(samples: Samples, K: FloatArray, b: FloatArray) -> Carried:
+def integrate_moves(samples: MoveSamples, K: FloatArray, b: FloatArray) -> MoveRotations:
     """Integrate every move for K (3, 3) [output/deg] and b (3,) [output/s]."""
     w = samples.rates(K, b)
     dt = samples.period[:, None, None]
@@ -75,10 +75,10 @@ def carry(samples: Samples, K: FloatArray, b: FloatArray) -> Carried:
     inverse = -np.radians(np.linalg.inv(K))
     by_K: FloatArray = np.einsum("mabj,bi->maij", by_rate, inverse).reshape(len(w), 3, 9)
     sensitivity = np.concatenate((by_K, by_time @ inverse), axis=2) * dt
-    return Carried(to_end, sensitivity)
+    return MoveRotations(to_end, sensitivity)
 
 
-def rotations(samples: Samples, K: FloatArray, b: FloatArray) -> FloatArray:
+def move_rotations(samples: MoveSamples, K: FloatArray, b: FloatArray) -> FloatArray:
     """Return the rotations (m, 3, 3) alone, neighbours multiplied in pairs: for trying many K."""
     step = np.radians(samples.rates(K, b)) * samples.period[:, None, None]
     found = rotation(-step)

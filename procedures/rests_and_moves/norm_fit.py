@@ -13,16 +13,16 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import Series
-from procedures.rests_and_moves.rest_detection import Activity
+from procedures.rests_and_moves.rest_detection import ScatterLevel
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 
-LOWER = np.tril_indices(3)
-LEAST_RESTS = 10  # nine numbers and one to judge the residual by
-MULTIPLIERS = (1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0)  # of the variance of a quiet window
-USUAL = 3.0  # the multiplier where the rests are too few to choose one by
-ROUNDS, STEPS = 4, 50  # of weighting anew by the scatter found, and of finding it
-WORST = 1e8  # condition of an ellipsoid's matrix: axes as 1 to 10^4
-REACH = 0.1  # relative 1 sigma of k above which the rests are said not to determine it
+LOWER_TRIANGLE = np.tril_indices(3)
+MIN_RESTS = 10  # nine numbers and one to judge the residual by
+MULTIPLIERS_TRIED = (1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0)  # of the variance of a quiet window
+USUAL_MULTIPLIER = 3.0  # the multiplier where the rests are too few to choose one by
+REWEIGHTINGS, MAX_NEWTON_STEPS = 4, 50  # of weighting anew by the scatter found, and of finding it
+MAX_ELLIPSOID_CONDITION = 1e8  # condition of an ellipsoid's matrix: axes as 1 to 10^4
+MAX_RELATIVE_SCALE_STD = 0.1  # relative 1 sigma of k above which the rests are said not to determine it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,8 +53,8 @@ def fit_norm(rate: FloatArray, std: FloatArray, gravity: float) -> NormFit | Non
         return None
     K, b = start
     noise, excess = norm_sigma(K, b, rate, std), 0.0
-    x = np.concatenate((K[LOWER], b))
-    for _ in range(ROUNDS):
+    x = np.concatenate((K[LOWER_TRIANGLE], b))
+    for _ in range(REWEIGHTINGS):
         sigma = np.hypot(noise, excess)
         scale = np.full(9, np.max(np.abs(K)) * 0.1)
         found = minimise_if_determined(partial(_misfit, rate, gravity, sigma), x, scale)
@@ -63,7 +63,7 @@ def fit_norm(rate: FloatArray, std: FloatArray, gravity: float) -> NormFit | Non
         fit = found
         x, excess = fit.x, excess_scatter(fit.residual * sigma, noise, fit.dof)
     K, b = _lower(x), x[6:]
-    if np.any(np.sqrt(np.diag(fit.covariance)[[0, 2, 5]]) > REACH * np.abs(np.diag(K))):
+    if np.any(np.sqrt(np.diag(fit.covariance)[[0, 2, 5]]) > MAX_RELATIVE_SCALE_STD * np.abs(np.diag(K))):
         return None
     return NormFit(K, b, fit, fit.residual * sigma, excess)
 
@@ -75,7 +75,7 @@ def excess_scatter(residual: FloatArray, noise: FloatArray, free: float) -> floa
     approach the root of this falling, convex function from below.
     """
     variance = 0.0
-    for _ in range(STEPS):
+    for _ in range(MAX_NEWTON_STEPS):
         weight = 1 / (noise**2 + variance)
         over = float(np.sum(weight * residual**2)) - free
         if over <= 0:
@@ -86,7 +86,7 @@ def excess_scatter(residual: FloatArray, noise: FloatArray, free: float) -> floa
 
 def _lower(x: FloatArray) -> FloatArray:
     K = np.zeros((3, 3))
-    K[LOWER] = x[:6]
+    K[LOWER_TRIANGLE] = x[:6]
     return K
 
 
@@ -106,7 +106,7 @@ def norm_sigma(K: FloatArray, b: FloatArray, rate: FloatArray, std: FloatArray) 
 
 def _ellipsoid(rate: FloatArray, gravity: float) -> tuple[FloatArray, FloatArray] | None:
     """Fit the quadric ``v' M v + 2 m' v = 1`` to the outputs; None unless it is an ellipsoid."""
-    if len(rate) < LEAST_RESTS:
+    if len(rate) < MIN_RESTS:
         return None
     middle, size = (np.asarray(f(rate, axis=0), dtype=np.float64) for f in (np.mean, np.std))
     if np.any(size <= 0):
@@ -116,14 +116,18 @@ def _ellipsoid(rate: FloatArray, gravity: float) -> tuple[FloatArray, FloatArray
     A = np.stack((x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z, 2 * x, 2 * y, 2 * z), axis=1)
     xx, yy, zz, xy, xz, yz, *m = np.linalg.lstsq(A, np.ones(len(v)), rcond=None)[0]
     M = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    if not np.all(np.isfinite(M)) or np.linalg.cond(M) > WORST or np.any(np.linalg.eigvalsh(M) <= 0):
+    if (
+        not np.all(np.isfinite(M))
+        or np.linalg.cond(M) > MAX_ELLIPSOID_CONDITION
+        or np.any(np.linalg.eigvalsh(M) <= 0)
+    ):
         return None
     centre = -np.linalg.solve(M, m)
     inverse = np.linalg.inv(M / (1 + centre @ M @ centre)) / gravity**2
     return np.asarray(np.linalg.cholesky(inverse * np.outer(size, size)), dtype=np.float64), middle + centre * size
 
 
-def choose_rests(activity: Activity, gravity: float) -> tuple[float, list[slice]]:
+def choose_rests(activity: ScatterLevel, gravity: float) -> tuple[float, list[slice]]:
     """Return the threshold's multiplier and the rests that leave k and D least uncertain.
 
     The fit's covariance has the scatter that its residual shows in it: a multiplier too small throws rests away,
@@ -131,19 +135,19 @@ def choose_rests(activity: Activity, gravity: float) -> tuple[float, list[slice]
     The smallest residual alone, the usual choice, would reward having few rests.
     """
     found: list[tuple[float, float, list[slice]]] = []
-    for multiplier in MULTIPLIERS:
+    for multiplier in MULTIPLIERS_TRIED:
         rests = activity.rests(multiplier)
         fit = _quick_fit(activity.series, rests, gravity)
         if fit is not None and fit.fit.dof > 0:
             found.append((fit.spread, multiplier, rests))
     if not found:
-        return USUAL, activity.rests(USUAL)
+        return USUAL_MULTIPLIER, activity.rests(USUAL_MULTIPLIER)
     _, multiplier, rests = min(found, key=lambda each: each[:2])
     return multiplier, rests
 
 
 def _quick_fit(series: Series, rests: Sequence[slice], gravity: float) -> NormFit | None:
-    if series.accel is None or len(rests) < LEAST_RESTS:
+    if series.accel is None or len(rests) < MIN_RESTS:
         return None
     parts = [np.asarray(series.accel[rest], dtype=np.float64) for rest in rests]
     mean = np.array([samples.mean(axis=0) for samples in parts])

@@ -11,17 +11,17 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.campaign.campaign import RestRecord, SequenceRecord
-from procedures.counts.count_rate import LEAST_SAMPLES
+from procedures.counts.count_rate import MIN_DWELL_SAMPLES
 from procedures.counts.sample_records import Series
 
 WINDOW_S = 1.0
-LEAST_S = 1.0  # of samples whose whole window is quiet: two seconds of stillness
-QUIETEST = 0.1  # share of a recording that is at rest at the least
-SPREAD = 2.0  # of the quiet windows' variance: 300 samples scatter it by 8 %, hands by a hundred
+MIN_REST_S = 1.0  # of samples whose whole window is quiet: two seconds of stillness
+MIN_REST_SHARE = 0.1  # share of a recording that is at rest at the least
+QUIET_VARIANCE_SPREAD = 2.0  # of the quiet windows' variance: 300 samples scatter it by 8 %, hands by a hundred
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Activity:
+class ScatterLevel:
     """How much each sample's window (n,) scatters, in terms of the quietest; infinite near an end or gap."""
 
     series: Series
@@ -31,12 +31,12 @@ class Activity:
         """Return the stretches of samples at rest, in order."""
         quiet = np.concatenate(([False], self.level <= multiplier, [False]))
         edges = np.flatnonzero(np.diff(quiet)).reshape(-1, 2)
-        least = max(LEAST_S / self.series.period, LEAST_SAMPLES)
+        least = max(MIN_REST_S / self.series.period, MIN_DWELL_SAMPLES)
         return [slice(int(begin), int(end)) for begin, end in edges if end - begin >= least]
 
 
 @np.errstate(all="ignore")  # what overflows is no rest
-def activity(series: Series) -> Activity:
+def scatter_level(series: Series) -> ScatterLevel:
     """Measure how much every sample's window scatters beside the quietest windows of the recording."""
     half = max(round(WINDOW_S / series.period / 2), 4)
     level = np.full(len(series), np.inf)
@@ -49,7 +49,7 @@ def activity(series: Series) -> Activity:
             continue
         variance = _window_variance(np.asarray(samples, dtype=np.float64), half, inside)
         level[inside] = np.maximum(level[inside], variance / _quiet(variance))
-    return Activity(series, level)
+    return ScatterLevel(series, level)
 
 
 def _window_variance(samples: FloatArray, half: int, inside: BoolArray) -> FloatArray:
@@ -65,20 +65,20 @@ def _window_variance(samples: FloatArray, half: int, inside: BoolArray) -> Float
 
 def _quiet(variance: FloatArray) -> float:
     """Return the variance of windows at rest; the least there is, where none moves; nan where all overflow."""
-    low = variance[variance <= SPREAD * float(np.quantile(variance, QUIETEST))]
+    low = variance[variance <= QUIET_VARIANCE_SPREAD * float(np.quantile(variance, MIN_REST_SHARE))]
     return max(float(np.median(low)), float(np.finfo(np.float64).tiny)) if len(low) else np.nan
 
 
-def cut(sequence: SequenceRecord, stretches: list[slice]) -> tuple[RestRecord, ...]:
+def rests_of(sequence: SequenceRecord, stretches: list[slice]) -> tuple[RestRecord, ...]:
     """Return the stretches of a sequence as rests, named by their number and time."""
     t = sequence.series.t
     return tuple(
-        RestRecord(f"{sequence.name} rest {k} ({t[s.start]:.1f} s)", None, part(sequence.series, s))
+        RestRecord(f"{sequence.name} rest {k} ({t[s.start]:.1f} s)", None, part_of_series(sequence.series, s))
         for k, s in enumerate(stretches, 1)
     )
 
 
-def part(series: Series, stretch: slice) -> Series:
+def part_of_series(series: Series, stretch: slice) -> Series:
     """Return a stretch of a series that holds no gap."""
     one: IntArray = np.zeros(1, dtype=np.int64)
     t, temperature = series.t[stretch], series.temperature[stretch]

@@ -7,12 +7,12 @@ import numpy as np
 
 from procedures.campaign.campaign import Campaign, RestRecord, SequenceRecord
 from procedures.rests_and_moves.norm_fit import choose_rests
-from procedures.rests_and_moves.rest_detection import activity, cut
+from procedures.rests_and_moves.rest_detection import rests_of, scatter_level
 from procedures.units import STANDARD_GRAVITY
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Segmented:
+class SegmentedSequence:
     """A sequence of campaign number ``campaign``: its rests, where they lie, the threshold's multiplier."""
 
     campaign: int
@@ -31,19 +31,21 @@ class Segmented:
         return found
 
 
-def segment(campaigns: Sequence[Campaign]) -> tuple[Segmented, ...]:
+def segment(campaigns: Sequence[Campaign]) -> tuple[SegmentedSequence, ...]:
     """Find the rests of every sequence."""
     found = []
     for number, campaign in enumerate(campaigns):
         for record in campaign.sequences:
-            measured = activity(record.series)
+            measured = scatter_level(record.series)
             multiplier, stretches = choose_rests(measured, campaign.site.gravity / STANDARD_GRAVITY)
-            rests = cut(record, stretches)
-            found.append(Segmented(number, record, multiplier, tuple(stretches), rests))
+            rests = rests_of(record, stretches)
+            found.append(SegmentedSequence(number, record, multiplier, tuple(stretches), rests))
     return tuple(found)
 
 
-def all_rests(campaigns: Sequence[Campaign], segmented: Sequence[Segmented]) -> list[tuple[int, RestRecord]]:
+def all_rests(
+    campaigns: Sequence[Campaign], segmented: Sequence[SegmentedSequence]
+) -> list[tuple[int, RestRecord]]:
     """Return every rest outside the twelve positions with its campaign's number: those of sequences last."""
     alone = [(number, rest) for number, campaign in enumerate(campaigns) for rest in campaign.rests]
     return [*alone, *((each.campaign, rest) for each in segmented for rest in each.rests)]

@@ -14,9 +14,10 @@ from scipy.special import gammaincinv
 
 from procedures.arrays import FloatArray, IntArray
 
-FEWEST_SAMPLES = 9
-FEWEST_DOF = 10.0  # behind a point that a coefficient is read off
-_IDENTIFIABLE = 128  # decimated points; SP 1065 5.5.6 takes 30, where one white record in five is named wrongly
+MIN_SAMPLES = 9
+MIN_DOF = 10.0  # behind a point that a coefficient is read off
+# Decimated points; SP 1065 5.5.6 takes 30, where one white record in five is named wrongly
+_MIN_IDENTIFIED_POINTS = 128
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,11 +68,11 @@ def overlapping_deviation(
     Raises
     ------
     ValueError
-        If there are fewer than `FEWEST_SAMPLES` samples.
+        If there are fewer than `MIN_SAMPLES` samples.
     """
     n = len(rate)
-    if n < FEWEST_SAMPLES:
-        raise ValueError(f"an Allan deviation of {n} samples, expected at least {FEWEST_SAMPLES}")
+    if n < MIN_SAMPLES:
+        raise ValueError(f"an Allan deviation of {n} samples, expected at least {MIN_SAMPLES}")
     factors = averaging_factors(n) if factors is None else factors
     centred = np.asarray(rate, dtype=float) - np.mean(rate)
     phase: FloatArray = np.concatenate(([0.0], np.cumsum(centred)))
@@ -90,7 +91,7 @@ def overlapping_deviation(
 
 def _exponent(phase: FloatArray, known: int) -> int:
     """Return the power-law exponent of the rate's spectrum, +2 white phase to -2 random walk of the rate."""
-    if len(phase) < _IDENTIFIABLE:
+    if len(phase) < _MIN_IDENTIFIED_POINTS:
         return known
     differences = 0
     while True:
@@ -136,7 +137,7 @@ def noise_terms(curve: AllanDeviation, quantum: float = 0.0) -> dict[str, NoiseT
     """Read the noise terms off a curve.
 
     The squared curve is fitted by non-negative terms, weighted by the equivalent degrees of freedom. A term that
-    makes more than half of the squared curve, at a point with at least `FEWEST_DOF`, has a value, with the
+    makes more than half of the squared curve, at a point with at least `MIN_DOF`, has a value, with the
     relative interval of the curve there. Of any other only a bound is known: no term can exceed the curve's
     upper limit anywhere. ``quantum`` is what one count is, in the unit of the rate times seconds: cumulative
     counts err by less than one, which alone explains a deviation up to sqrt(2) quantum / tau, so that below this
@@ -155,7 +156,7 @@ def noise_terms(curve: AllanDeviation, quantum: float = 0.0) -> dict[str, NoiseT
     for k, (name, shape) in enumerate(shapes.items()):
         bound = float(np.min(curve.high[seen] / shape[seen]))
         above = curve.deviation > (0 if name == "quantisation" else np.sqrt(2) * quantum / curve.tau)
-        usable = (share[:, k] > 0.5) & seen & above & (curve.edf >= FEWEST_DOF)
+        usable = (share[:, k] > 0.5) & seen & above & (curve.edf >= MIN_DOF)
         best = int(np.argmax(usable * share[:, k] * curve.edf))
         if not usable[best]:
             terms[name] = NoiseTerm(None, 0.0, bound)

@@ -7,9 +7,9 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-ITERATIONS = 12
-SMALL = 1e-3  # sigma of any observation by which the last step still moved it; the next is its square
-STEP = 1e-4  # of a parameter's scale, for central differences
+MAX_ITERATIONS = 12
+CONVERGED_SIGMAS = 1e-3  # sigma of any observation by which the last step still moved it; the next is its square
+DIFFERENCE_STEP = 1e-4  # of a parameter's scale, for central differences
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,11 +50,11 @@ def minimise(residual: Callable[[FloatArray], FloatArray], start: FloatArray, sc
     part of it and the normal equations are solved in its units.
     """
     x = np.array(start, dtype=np.float64)
-    for _ in range(ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         r, J = residual(x), _jacobian(residual, x, scale)
         step, *_ = np.linalg.lstsq(J, -r, rcond=None)
         x += step * scale
-        if np.max(np.abs(J @ step)) < SMALL:
+        if np.max(np.abs(J @ step)) < CONVERGED_SIGMAS:
             break
     root = np.linalg.inv(np.linalg.qr(J, mode="r"))  # the normal matrix would square the condition number
     covariance = root @ root.T * np.outer(scale, scale)
@@ -77,6 +77,6 @@ def _jacobian(residual: Callable[[FloatArray], FloatArray], x: FloatArray, scale
     columns = []
     for i, size in enumerate(scale):
         d = np.zeros_like(x)
-        d[i] = STEP * size
-        columns.append((residual(x + d) - residual(x - d)) / (2 * STEP))
+        d[i] = DIFFERENCE_STEP * size
+        columns.append((residual(x + d) - residual(x - d)) / (2 * DIFFERENCE_STEP))
     return np.stack(columns, axis=1)

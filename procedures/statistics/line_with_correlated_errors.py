@@ -19,13 +19,15 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 
-MEMORIES = 5  # tried, from the distance of points to their span
-PARTS = (0.3, 0.6, 0.9)  # of the variance that remembers
-WHITE = 4.0  # times as credible beforehand as any of these: noise without memory
-LEAST = 3  # points beyond the coefficients
-STEP = 1e-3  # times as credible beforehand as no step: one at any place
-CERTAIN = 0.999  # probability of a step at one place
-SIZES = np.geomspace(1e-2, 1e8, 61)  # squares of a step's size beforehand, by the information of one point
+MEMORIES_TRIED = 5  # tried, from the distance of points to their span
+CORRELATED_SHARES_TRIED = (0.3, 0.6, 0.9)  # of the variance that remembers
+WHITE_PRIOR_ODDS = 4.0  # times as credible beforehand as any of these: noise without memory
+MIN_FREE_POINTS = 3  # points beyond the coefficients
+STEP_PRIOR_ODDS = 1e-3  # times as credible beforehand as no step: one at any place
+CERTAIN_STEP_PROBABILITY = 0.999  # probability of a step at one place
+STEP_SIZES_SQUARED = np.geomspace(
+    1e-2, 1e8, 61
+)  # squares of a step's size beforehand, by the information of one point
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,23 +60,23 @@ def fit_correlated_line(
     _, member = np.unique(group, return_inverse=True)
     design = np.column_stack([np.eye(int(member.max(initial=0)) + 1)[member], (x - x.mean()) / (span or 1.0)])
     dof = n - design.shape[1]
-    if dof < LEAST or not span > 0:
+    if dof < MIN_FREE_POINTS or not span > 0:
         return None
-    places, steps = _steps(member) if dof > LEAST else (np.zeros(0, dtype=np.int64), np.zeros((n, 0)))
+    places, steps = _steps(member) if dof > MIN_FREE_POINTS else (np.zeros(0, dtype=np.int64), np.zeros((n, 0)))
     apart = np.abs(x[:, None] - x) / span
     found = [_fit(np.ones(n), design, y, steps, least)]
-    for memory in np.geomspace(1 / n, 1.0, MEMORIES):
+    for memory in np.geomspace(1 / n, 1.0, MEMORIES_TRIED):
         w, V = np.linalg.eigh(np.exp(-apart / memory))
         turned = V.T @ design, V.T @ y, V.T @ steps
-        found += [_fit(1 - part + part * np.maximum(w, 0.0), *turned, least) for part in PARTS]
+        found += [_fit(1 - part + part * np.maximum(w, 0.0), *turned, least) for part in CORRELATED_SHARES_TRIED]
     log = np.stack([each.log for each in found])
-    log[0] += np.log(WHITE)
+    log[0] += np.log(WHITE_PRIOR_ODDS)
     slope, variance = np.stack([each.slope for each in found]), np.stack([each.variance for each in found])
     share = np.exp(log - log.max())
     share /= share.sum()
     mean, at = float((share * slope).sum()), share.sum(axis=0)[1:]
-    step = int(places[at.argmax()]) if at.max(initial=0.0) > CERTAIN else None
-    even = log - np.log(STEP) * (np.arange(log.shape[1]) > 0)
+    step = int(places[at.argmax()]) if at.max(initial=0.0) > CERTAIN_STEP_PROBABILITY else None
+    even = log - np.log(STEP_PRIOR_ODDS) * (np.arange(log.shape[1]) > 0)
     held = [log] if step is not None else [log, np.where(np.arange(log.shape[1]) > 0, -np.inf, log), even]
     std = max(_std_about(mean, each, slope, variance) for each in held)
     return CorrelatedLine(mean / span, std / span, float(dof - at.sum()), step)
@@ -109,7 +111,7 @@ def _fit(d: FloatArray, design: FloatArray, y: FloatArray, steps: FloatArray, le
     left = np.maximum(square - by**2 * size, floor * (n - k))
     variance = np.maximum(np.maximum(square - by**2 * size, 0.0) / max(n - k - 1, 1), floor)
     none = -0.5 * (np.log(d).sum() + np.linalg.slogdet(normal)[1] + (n - k) * np.log(total / (n - k)))
-    gain = _bayes_factor(left / total, n, n - k) + np.log(STEP / max(steps.shape[1], 1))
+    gain = _bayes_factor(left / total, n, n - k) + np.log(STEP_PRIOR_ODDS / max(steps.shape[1], 1))
     slope_variance = inverse[-1, -1] + across[-1] ** 2 / size
     return _Lines(
         np.concatenate(([none], none + gain)),
@@ -120,7 +122,7 @@ def _fit(d: FloatArray, design: FloatArray, y: FloatArray, steps: FloatArray, le
 
 def _bayes_factor(left: FloatArray, n: int, dof: int) -> FloatArray:
     """Return the log Bayes factors (m,) of one more coefficient that leaves this share of the squares (m,)."""
-    g = n * SIZES
+    g = n * STEP_SIZES_SQUARED
     log_prior = -0.5 * np.log(g) - 0.5 * n / g  # inverse gamma (1/2, n/2), over log g
     each = log_prior + 0.5 * (dof - 1) * np.log1p(g) - 0.5 * dof * np.log1p(g * left[:, None])
     most = each.max(axis=1, keepdims=True, initial=-np.inf)

@@ -10,9 +10,10 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 
-LEAST = 6  # marks
-BLOCKS = 32
-AHEAD, AHEAD_S = 8.0, 0.05  # scatters, and seconds of the clock, that a mark may be before the middle ones
+MIN_MARKS = 6  # marks
+MAX_STRETCHES = 32
+# Scatters, and seconds of the clock, that a mark may be before the middle ones
+MAX_AHEAD_SCATTERS, MAX_AHEAD_S = 8.0, 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +43,10 @@ def fit_time_line(clock_ns: IntArray, reference_ns: IntArray) -> TimeLine | None
     The slope is the median of the slopes between the medians of up to 32 stretches (Theil and Sen): up to a
     quarter of the marks may be anything. The offset is the marks' median, so that half of them are late of it.
     """
-    if len(clock_ns) < LEAST or clock_ns[-1] <= clock_ns[0]:
+    if len(clock_ns) < MIN_MARKS or clock_ns[-1] <= clock_ns[0]:
         return None
     x, y = (clock_ns - clock_ns[0]) / 1e9, (reference_ns - reference_ns[0]) / 1e9
-    stretches = np.array_split(np.arange(len(x)), min(BLOCKS, len(x)))
+    stretches = np.array_split(np.arange(len(x)), min(MAX_STRETCHES, len(x)))
     centre: FloatArray = np.array([[np.median(x[s]), np.median(y[s])] for s in stretches])
     i, j = np.triu_indices(len(centre), 1)
     dx, dy = (centre[j] - centre[i]).T
@@ -71,7 +72,7 @@ def fit_earliest_line(clock_ns: IntArray, reference_ns: IntArray) -> TimeLine | 
     x, y = (clock_ns - clock_ns[0]) / 1e9, (reference_ns - reference_ns[0]) / 1e9
     off = y - line.rate * x
     off -= np.median(off)
-    keep = off <= max(AHEAD * line.scatter, AHEAD_S * line.rate)
+    keep = off <= max(MAX_AHEAD_SCATTERS * line.scatter, MAX_AHEAD_S * line.rate)
     x, off = x[keep], off[keep]
     hull = _upper_hull(x, off)
     right = min(max(int(np.searchsorted(x[hull], x.mean())), 1), len(hull) - 1)

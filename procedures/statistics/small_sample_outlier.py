@@ -9,7 +9,7 @@ and sums over the values at hand
     y ~ N(m, 1 / sum w + tau^2 + s^2), mixed over tau with these probabilities.
 
 Where tau is all, this is Student's t with n - 1 degrees of freedom (Box and Tiao, Bayesian Inference in
-Statistical Analysis, 1973, 2.4); where the s_i are all, a normal distribution. Sums make it cheap to
+Statistical Analysis, 1973, 2.4); where the s_i are all, a normal distribution. TauSums make it cheap to
 leave a value out or to take values in one by one.
 """
 
@@ -20,20 +20,20 @@ from scipy.special import ndtr
 
 from procedures.arrays import FloatArray
 
-PER_DECADE = 24  # levels of tau: a long series knows tau to a few per cent
-WIDEST, NARROWEST = 20.0, 0.1  # times the range seen, times the median sigma
+TAU_LEVELS_PER_DECADE = 24  # levels of tau: a long series knows tau to a few per cent
+WIDEST_TAU, NARROWEST_TAU = 20.0, 0.1  # times the range seen, times the median sigma
 
 
-def levels(value: FloatArray, std: FloatArray, per_decade: int = PER_DECADE) -> FloatArray:
+def tau_levels(value: FloatArray, std: FloatArray, per_decade: int = TAU_LEVELS_PER_DECADE) -> FloatArray:
     """Return scatters (k,) in equal ratios, from what cannot be told from 0 to far beyond the range seen."""
     own = float(np.median(std))
-    largest = WIDEST * max(float(np.ptp(value)), own)
-    smallest = max(NARROWEST * own, 1e-4 * largest)
+    largest = WIDEST_TAU * max(float(np.ptp(value)), own)
+    smallest = max(NARROWEST_TAU * own, 1e-4 * largest)
     return np.geomspace(smallest, largest, 1 + int(np.ceil(per_decade * np.log10(largest / smallest))))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sums:
+class TauSums:
     """Sums of log w, w, w y and w y^2, each (k, n): for each level of tau and each value to be judged by them."""
 
     log: FloatArray
@@ -42,21 +42,23 @@ class Sums:
     second: FloatArray
 
 
-def each(tau: FloatArray, value: FloatArray, std: FloatArray) -> Sums:
+def tau_terms(tau: FloatArray, value: FloatArray, std: FloatArray) -> TauSums:
     """Return the terms of the sums, (k, n) for ``tau`` (k,), ``value`` and ``std`` (n,)."""
     weight = 1.0 / (std**2 + tau[:, None] ** 2)
-    return Sums(np.log(weight), weight, weight * value, weight * value**2)
+    return TauSums(np.log(weight), weight, weight * value, weight * value**2)
 
 
-def tails(sums: Sums, tau: FloatArray, value: FloatArray, std: FloatArray) -> tuple[FloatArray, FloatArray]:
+def tail_probabilities(
+    sums: TauSums, tau: FloatArray, value: FloatArray, std: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return the probabilities (n,) to be below and above each value (n,) of sigma ``std`` (n,)."""
-    weight, mean, spread = predicted(sums, tau)
+    weight, mean, spread = predicted_mean(sums, tau)
     sigmas = (value - mean) / np.hypot(spread, std)
     below, above = (weight * ndtr(sigmas)).sum(0), (weight * ndtr(-sigmas)).sum(0)
     return below, above
 
 
-def predicted(sums: Sums, tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def predicted_mean(sums: TauSums, tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return weights of sum 1, means and standard deviations (k, n) of one more value without its own error."""
     mean = sums.first / sums.one
     log = 0.5 * (sums.log - np.log(sums.one) - (sums.second - mean * sums.first))

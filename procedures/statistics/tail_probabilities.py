@@ -6,16 +6,16 @@ Large effects underflow to p = 0, and of several zeros the first in the alphabet
 import numpy as np
 from scipy.special import betainc, betaln, gammaincc, gammaln
 
-FAR = 1e-200  # below which the leading terms are used
-ENOUGH = 40  # -ln of the last term of a series
-MANY = 1e6  # degrees of freedom beyond which a variance is known
+LEADING_TERMS_BELOW = 1e-200  # below which the leading terms are used
+LAST_TERM_NATS = 40  # -ln of the last term of a series
+KNOWN_VARIANCE_DOF = 1e6  # degrees of freedom beyond which a variance is known
 
 
 def log_chi2_sf(chi2: float, k: float) -> float:
     """Return ln P(X > chi2) for chi-square of k degrees of freedom."""
     a, x = k / 2, chi2 / 2
     p = float(gammaincc(a, x))
-    if p > FAR:
+    if p > LEADING_TERMS_BELOW:
         return float(np.log(p))
     series, term = 1.0, 1.0  # Gamma(a, x) ~ x^(a-1) e^-x (1 + (a-1)/x + ...), Abramowitz and Stegun 6.5.32
     for i in range(1, 8):
@@ -30,14 +30,14 @@ def log_f_sf(f: float, k: int, dof: float) -> float:
     P = I_x(dof/2, k/2) at x = dof / (dof + k f), far out by its hypergeometric series (Abramowitz and Stegun
     26.5.23).
     """
-    if dof > MANY:
+    if dof > KNOWN_VARIANCE_DOF:
         return log_chi2_sf(k * f, k)
     if f <= 0:
         return 0.0
     a, b, x = dof / 2, k / 2, dof / (dof + k * f)
     p = float(betainc(a, b, x))
-    if p > FAR:
+    if p > LEADING_TERMS_BELOW:
         return float(np.log(p))
-    i = np.arange(int(ENOUGH / (1 - x)))
+    i = np.arange(int(LAST_TERM_NATS / (1 - x)))
     series = 1 + float(np.sum(np.cumprod((a + b + i) / (a + 1 + i) * x)))
     return float(a * np.log(x) + b * np.log1p(-x) - np.log(a) - betaln(a, b) + np.log(series))

@@ -11,16 +11,16 @@ import numpy as np
 from scipy.optimize import Bounds, NonlinearConstraint, brentq, minimize
 
 from procedures.arrays import FloatArray
-from procedures.tolerance.bound import Bound
+from procedures.tolerance.bound import WorstCase
 from procedures.tolerance.items import ITEMS
 from procedures.units import UG_PER_G
 
-CAP = 1e-2  # rad: what does not matter is not let grow beyond any cube
-FINEST = 1e-9  # rad: 0.4 nm on 400 mm
-SAME = 0.02  # an allowed tolerance within 2 % of the present one is the present one
+MAX_ITEM_RAD = 1e-2  # rad: what does not matter is not let grow beyond any cube
+MIN_ITEM_RAD = 1e-9  # rad: 0.4 nm on 400 mm
+KEPT_TOLERANCE_SHARE = 0.02  # an allowed tolerance within 2 % of the present one is the present one
 
 
-class TooFine(ValueError):
+class AccuracyUnreachable(ValueError):
     """No cube gives the accuracy: a perfect one leaves ``left`` of the ``wanted`` error [g]."""
 
     def __init__(self, wanted: float, left: float) -> None:
@@ -32,7 +32,7 @@ class TooFine(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Allowed:
+class AllowedTolerance:
     """One item: tolerance at present, allowed by the cheapest cube, and allowed while no other changes [rad].
 
     ``alone`` is None where the accuracy is missed however fine this one item is. ``saving`` is what going from the
@@ -49,37 +49,43 @@ class Allowed:
     def change(self) -> str:
         """``relax``, ``tighten`` or ``keep``."""
         ratio = self.allowed / self.present
-        return "keep" if abs(ratio - 1) <= SAME else "relax" if ratio > 1 else "tighten"
+        return "keep" if abs(ratio - 1) <= KEPT_TOLERANCE_SHARE else "relax" if ratio > 1 else "tighten"
 
 
-def allow(bound: Bound, wanted: float, present: FloatArray, weight: FloatArray) -> list[Allowed]:
+def allowed_tolerances(
+    bound: WorstCase, wanted: float, present: FloatArray, weight: FloatArray
+) -> list[AllowedTolerance]:
     """Return what each item may be for all of the bound's errors to stay within ``wanted``, largest saving first.
 
     ``present`` (11,) [rad] and ``weight`` (11,) are positive; only the weights' ratios matter.
 
     Raises
     ------
-    TooFine
+    AccuracyUnreachable
         A perfect cube is not good enough.
     """
     if not (np.all(present > 0) and np.all(weight > 0)):
         raise ValueError(f"tolerances {present.tolist()} and weights {weight.tolist()}: expected all above zero")
-    best = cheapest(bound, wanted, weight)
+    best = cheapest_items(bound, wanted, weight)
     saving = weight * (1 / present - 1 / best) / np.sum(weight / present)
     found = [
-        Allowed(item, float(present[i]), float(best[i]), _alone(bound, wanted, present, i), float(saving[i]))
+        AllowedTolerance(
+            item, float(present[i]), float(best[i]), _alone(bound, wanted, present, i), float(saving[i])
+        )
         for i, item in enumerate(ITEMS)
     ]
     return sorted(found, key=lambda one: -one.saving)
 
 
-def cheapest(bound: Bound, wanted: float, weight: FloatArray) -> FloatArray:
+def cheapest_items(bound: WorstCase, wanted: float, weight: FloatArray) -> FloatArray:
     """Return the items (11,) [rad] of least cost for which every error stays within ``wanted``."""
     if (left := float(bound.largest(np.zeros(len(ITEMS))).max())) >= wanted:
-        raise TooFine(wanted, left)
+        raise AccuracyUnreachable(wanted, left)
     start = np.log(np.sqrt(weight / weight.max()))
-    lead = brentq(lambda x: _excess(bound, np.exp(start + x), wanted), np.log(FINEST) - 20, np.log(CAP) + 20)
-    start = np.clip(start + lead, np.log(FINEST), np.log(CAP))
+    lead = brentq(
+        lambda x: _excess(bound, np.exp(start + x), wanted), np.log(MIN_ITEM_RAD) - 20, np.log(MAX_ITEM_RAD) + 20
+    )
+    start = np.clip(start + lead, np.log(MIN_ITEM_RAD), np.log(MAX_ITEM_RAD))
     unit = float(np.sum(weight * np.exp(-start)))
 
     def cost(x: FloatArray) -> float:
@@ -99,7 +105,7 @@ def cheapest(bound: Bound, wanted: float, weight: FloatArray) -> FloatArray:
         start,
         jac=cost_slope,
         method="SLSQP",
-        bounds=Bounds(np.log(FINEST), np.log(CAP)),
+        bounds=Bounds(np.log(MIN_ITEM_RAD), np.log(MAX_ITEM_RAD)),
         constraints=NonlinearConstraint(margin, 0.0, np.inf, jac=margin_slope),
         tol=1e-12,
         options={"maxiter": 500},
@@ -110,11 +116,11 @@ def cheapest(bound: Bound, wanted: float, weight: FloatArray) -> FloatArray:
     return items
 
 
-def _excess(bound: Bound, item: FloatArray, wanted: float) -> float:
+def _excess(bound: WorstCase, item: FloatArray, wanted: float) -> float:
     return float(np.log(max(bound.largest(item).max(), 1e-300) / wanted))
 
 
-def _alone(bound: Bound, wanted: float, present: FloatArray, i: int) -> float | None:
+def _alone(bound: WorstCase, wanted: float, present: FloatArray, i: int) -> float | None:
     def excess(size: float) -> float:
         changed = present.copy()
         changed[i] = size
@@ -122,4 +128,4 @@ def _alone(bound: Bound, wanted: float, present: FloatArray, i: int) -> float | 
 
     if excess(0.0) > 0:
         return None
-    return CAP if excess(CAP) <= 0 else float(brentq(excess, 0.0, CAP, xtol=1e-15))
+    return MAX_ITEM_RAD if excess(MAX_ITEM_RAD) <= 0 else float(brentq(excess, 0.0, MAX_ITEM_RAD, xtol=1e-15))

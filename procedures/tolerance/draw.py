@@ -11,17 +11,17 @@ from typing import Literal
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.tolerance.estimators import Unit, errors
+from procedures.tolerance.estimators import ToleranceUnit, estimator_errors
 from procedures.tolerance.items import P1_DIRECTION, STACK
 
-AT_ONCE = 8192  # cubes in one batch: stays in the processor's cache
-Shape = Literal["uniform", "normal"]
+CUBES_PER_BATCH = 8192  # cubes in one batch: stays in the processor's cache
+ToleranceShape = Literal["uniform", "normal"]
 Directions = Literal["any", "p1"]
 DEVIATION = {"uniform": 1 / np.sqrt(3), "normal": 0.5}  # standard deviation over tolerance
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sample:
+class DrawnErrors:
     """Errors of n drawn cubes.
 
     ``bias`` (3, 3, n) [g]: estimator, sensor. ``scale_factor`` (3, n): relative.
@@ -34,7 +34,11 @@ class Sample:
 
 
 def draw_tilts(
-    rng: np.random.Generator, item: FloatArray, n: int, shape: Shape = "uniform", directions: Directions = "any"
+    rng: np.random.Generator,
+    item: FloatArray,
+    n: int,
+    shape: ToleranceShape = "uniform",
+    directions: Directions = "any",
 ) -> FloatArray:
     """Return the face tilts (6, 2, n) [rad] of n cubes made to items (11,) [rad]."""
     if shape == "uniform":
@@ -49,26 +53,26 @@ def draw_tilts(
     return np.stack((size * np.cos(azimuth), size * np.sin(azimuth)), axis=1)
 
 
-def tilt_std(item: FloatArray, shape: Shape = "uniform") -> FloatArray:
+def tilt_std(item: FloatArray, shape: ToleranceShape = "uniform") -> FloatArray:
     """Return 1 sigma (6,) [rad] of each of a face's two tilts, directions being any."""
     size: FloatArray = np.sqrt(STACK @ item**2 / 2) * DEVIATION[shape]
     return size
 
 
-def draw(
+def draw_errors(
     item: FloatArray,
-    unit: Unit,
+    unit: ToleranceUnit,
     n: int,
     seed: int,
-    shape: Shape = "uniform",
+    shape: ToleranceShape = "uniform",
     directions: Directions = "any",
-) -> Sample:
+) -> DrawnErrors:
     """Draw n cubes made to items (11,) [rad] and return the errors on each; equal seeds give equal cubes."""
     rng = np.random.default_rng(seed)
     bias, scale, angle = np.empty((3, 3, n)), np.empty((3, n)), np.empty((3, n))
-    for begin in range(0, n, AT_ONCE):
-        part = slice(begin, min(begin + AT_ONCE, n))
-        found = errors(draw_tilts(rng, item, part.stop - begin, shape, directions), unit)
+    for begin in range(0, n, CUBES_PER_BATCH):
+        part = slice(begin, min(begin + CUBES_PER_BATCH, n))
+        found = estimator_errors(draw_tilts(rng, item, part.stop - begin, shape, directions), unit)
         bias[..., part], scale[:, part] = found.bias, found.scale_factor
         angle[:, part] = np.sqrt(np.sum(found.misalignment**2, axis=1))
-    return Sample(bias, scale, angle)
+    return DrawnErrors(bias, scale, angle)

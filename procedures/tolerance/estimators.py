@@ -27,11 +27,11 @@ from procedures.frames import FACES, cross_axes
 from procedures.tolerance.free_faces import apparent_fit
 
 CROSS = np.array([cross_axes(face) for face in FACES])
-NAMES = ("twelve", "two", "joint")
+ESTIMATOR_NAMES = ("twelve", "two", "joint")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Unit:
+class ToleranceUnit:
     """An accelerometer triad in cube axes: E (3, 3) with rows of unit length, D (3,) [g], K2 (3,) [g/g^2].
 
     The scale factors cancel from every relative error and are left out.
@@ -42,17 +42,18 @@ class Unit:
     K2: FloatArray
 
     @classmethod
-    def ideal(cls) -> "Unit":
+    def ideal(cls) -> "ToleranceUnit":
         """Return the unit that has nothing but its axes."""
         return cls(np.eye(3), np.zeros(3), np.zeros(3))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Errors:
+class EstimatorErrors:
     """What the estimators find less what is true, for n cubes; sensors first.
 
-    ``bias`` (3, 3, n) [g]: estimator (`NAMES`), sensor. ``scale_factor`` (3, n): relative. ``misalignment``
-    (3, 3, n) [rad]: E~ - E, sensor and cube axis. Scale factor and misalignment are those of P1 (6), (7).
+    ``bias`` (3, 3, n) [g]: estimator (`ESTIMATOR_NAMES`), sensor. ``scale_factor`` (3, n): relative.
+    ``misalignment`` (3, 3, n) [rad]: E~ - E, sensor and cube axis. Scale factor and misalignment are those of P1
+    (6), (7).
     """
 
     bias: FloatArray
@@ -71,14 +72,14 @@ def up_vectors(tilts: FloatArray) -> FloatArray:
     return up
 
 
-def outputs(up: FloatArray, unit: Unit) -> FloatArray:
+def outputs(up: FloatArray, unit: ToleranceUnit) -> FloatArray:
     """Return (6, 3, ...) [g] the output over k, ``E u + D + K2 (E u)^2``, of the sensors on every face."""
     f: FloatArray = np.einsum("qa,fa...->fq...", unit.E, up)
     K2, D = (part.reshape(1, 3, *(1,) * (f.ndim - 2)) for part in (unit.K2, unit.D))
     return f + K2 * f**2 + D
 
 
-def errors(tilts: FloatArray, unit: Unit) -> Errors:
+def estimator_errors(tilts: FloatArray, unit: ToleranceUnit) -> EstimatorErrors:
     """Return the errors of all estimators on cubes whose faces are tilted by ``tilts`` (6, 2, n) [rad]."""
     N = outputs(up_vectors(tilts), unit)
     d, s = (N[::2] - N[1::2]) / 2, (N[::2] + N[1::2]) / 2  # (pair, sensor, n)
@@ -86,10 +87,10 @@ def errors(tilts: FloatArray, unit: Unit) -> Errors:
     own = np.arange(3)
     D = unit.D[:, None]
     bias = np.stack((s.mean(axis=0) / k - D, s[own, own] / k - D, _joint(N, unit) - D))
-    return Errors(bias, k - 1, np.swapaxes(d / k, 0, 1) - unit.E[..., None])
+    return EstimatorErrors(bias, k - 1, np.swapaxes(d / k, 0, 1) - unit.E[..., None])
 
 
-def _joint(N: FloatArray, unit: Unit) -> FloatArray:
+def _joint(N: FloatArray, unit: ToleranceUnit) -> FloatArray:
     apparent: FloatArray = np.einsum("aq,fqn->fan", np.linalg.inv(unit.E), N - unit.D[:, None])
     inverse, shift, cube = apparent_fit(apparent)
     K: FloatArray = np.einsum("qa,abn->qbn", unit.E, inverse)

@@ -13,10 +13,10 @@ parallelism (`procedures.dwells_and_turns.bench_parameters.skew_jacobian`).
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.dwells_and_turns.bench_parameters import ITEMS_DOWN, ITEMS_UP
+from procedures.dwells_and_turns.bench_parameters import MACHINING_ITEMS_DOWN, MACHINING_ITEMS_UP
 from procedures.frames import AXES, cross_axes
 
-ROUNDS = 4  # each leaves a tilt's part of the error: 1e-3 rad of tilt ends below 1e-15
+MEAN_CUBE_ITERATIONS = 4  # each leaves a tilt's part of the error: 1e-3 rad of tilt ends below 1e-15
 
 
 def apparent_fit(w: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -26,7 +26,7 @@ def apparent_fit(w: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """
     n = w.shape[2]
     M, v = np.repeat(np.eye(3)[..., None], n, axis=2), np.zeros((3, n))
-    for _ in range(ROUNDS):
+    for _ in range(MEAN_CUBE_ITERATIONS):
         z: FloatArray = np.einsum("ijn,fjn->fin", M, w, optimize=False)
         z += v
         for pair, (a, first, second) in enumerate(_PAIRS):
@@ -53,6 +53,5 @@ def _mean_cube(z: FloatArray) -> FloatArray:
 
 
 _PAIRS = tuple((i, *cross_axes(f"{axis}_up")) for i, axis in enumerate(AXES))
-_SHARE = (
-    ITEMS_UP / (ITEMS_UP + ITEMS_DOWN) - 0.5
-)  # q / p of the likeliest cube, `procedures.dwells_and_turns.bench_parameters`
+# Q / p of the likeliest cube, `procedures.dwells_and_turns.bench_parameters`
+_SHARE = MACHINING_ITEMS_UP / (MACHINING_ITEMS_UP + MACHINING_ITEMS_DOWN) - 0.5

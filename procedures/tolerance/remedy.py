@@ -4,8 +4,8 @@ The joint model of `procedures.dwells_and_turns.twelve_position` with two things
 beforehand is its drawing: each tilt of each face has the standard deviation of the items on the way to it, or that
 and the certificate's, combined; nothing is held, so that E's sigma is against the cube's own axes. And K2 may be
 open, one column per sensor. Free positions add their norm, ``|K^-1 (N - b)| = g``, one row each: no attitude is
-known. An IMU turned in the cube does not sit as before: three angles within `SEATING` for each mounting but the
-first.
+known. An IMU turned in the cube does not sit as before: three angles within `SEATING_STD_RAD` for each mounting
+but the first.
 """
 
 import itertools
@@ -17,28 +17,36 @@ from scipy.linalg import block_diag
 from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import scale_misalignment_bias
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.dwells_and_turns.bench_parameters import HELD, SLAB_RANGE, Bench, Placement
+from procedures.dwells_and_turns.bench_parameters import (
+    HELD_STD_RAD,
+    SLAB_TILT_RANGE_RAD,
+    BenchParameters,
+    Placement,
+)
 from procedures.dwells_and_turns.twelve_position import mountings, specific_force
 from procedures.frames import rotation
 from procedures.statistics.least_squares import minimise
-from procedures.tolerance.draw import Shape, tilt_std
-from procedures.tolerance.estimators import Unit
+from procedures.tolerance.draw import ToleranceShape, tilt_std
+from procedures.tolerance.estimators import ToleranceUnit
 from procedures.units import STANDARD_GRAVITY
 
-SITE = Site(0.5, STANDARD_GRAVITY, 1e-5)  # neither latitude nor gravity's sigma matters to bias or misalignment
+ANY_SITE = Site(
+    0.5, STANDARD_GRAVITY, 1e-5
+)  # neither latitude nor gravity's sigma matters to bias or misalignment
 MOUNTINGS = np.array([np.eye(3), [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], [[1, 0, 0], [0, 0, 1], [0, -1, 0]]])
 """The IMU as it sits, turned by 90 deg about z, about x: one turn leaves one combination of K2 and faces."""
-SEATING = 2e-5  # rad, 1 sigma: how well the IMU finds its seat again in the cube
-K2_RANGE = 1e-3  # g/g^2, 1 sigma: ten times what quartz accelerometers have
-EDGES = np.array([u for u in itertools.product((-1.0, 0.0, 1.0), repeat=3) if np.dot(u, u) == 2])  # (12, 3)
+SEATING_STD_RAD = 2e-5  # rad, 1 sigma: how well the IMU finds its seat again in the cube
+K2_STD_G_PER_G2 = 1e-3  # g/g^2, 1 sigma: ten times what quartz accelerometers have
+CUBE_EDGES = np.array([u for u in itertools.product((-1.0, 0.0, 1.0), repeat=3) if np.dot(u, u) == 2])  # (12, 3)
 
 
 @dataclass(frozen=True, slots=True)
-class Help:
+class Remedy:
     """What is at hand beside twelve positions.
 
     ``certificate`` is 1 sigma [rad] of every certified tilt, None without a certificate. ``turns`` (0..2): so
-    often twelve more positions are taken with the IMU turned in the cube (`MOUNTINGS`). Free positions: `EDGES`.
+    often twelve more positions are taken with the IMU turned in the cube (`MOUNTINGS`). Free positions:
+    `CUBE_EDGES`.
     """
 
     name: str
@@ -48,32 +56,37 @@ class Help:
 
 
 @dataclass(frozen=True, slots=True)
-class Gain:
+class RemedyGain:
     """1 sigma of the worst sensor: bias [g], bias and K2 [g, g/g^2] with K2 open, misalignment [rad]."""
 
-    help: Help
+    help: Remedy
     bias: float
     bias_open: float
     K2: float
     misalignment: float
 
 
-def remedies(certificate: float) -> tuple[Help, ...]:
+def remedies(certificate: float) -> tuple[Remedy, ...]:
     """Return the cases worth comparing, with certificates of 1 sigma ``certificate`` [rad]."""
     return (
-        Help("12 positions, the cube as drawn"),
-        Help("with a face certificate", certificate),
-        Help("IMU turned once in the cube, 12 more positions", turns=1),
-        Help("IMU turned twice, 24 more positions", turns=2),
-        Help("with 12 free positions", free_positions=True),
-        Help("certificate and free positions", certificate, free_positions=True),
-        Help("IMU turned twice and free positions", turns=2, free_positions=True),
+        Remedy("12 positions, the cube as drawn"),
+        Remedy("with a face certificate", certificate),
+        Remedy("IMU turned once in the cube, 12 more positions", turns=1),
+        Remedy("IMU turned twice, 24 more positions", turns=2),
+        Remedy("with 12 free positions", free_positions=True),
+        Remedy("certificate and free positions", certificate, free_positions=True),
+        Remedy("IMU turned twice and free positions", turns=2, free_positions=True),
     )
 
 
-def gain(
-    help_: Help, item: FloatArray, unit: Unit, noise: float, heading: float = 1e-3, shape: Shape = "uniform"
-) -> Gain:
+def remedy_gain(
+    help_: Remedy,
+    item: FloatArray,
+    unit: ToleranceUnit,
+    noise: float,
+    heading: float = 1e-3,
+    shape: ToleranceShape = "uniform",
+) -> RemedyGain:
     """Return the sigmas of a campaign of a cube made to items (11,) [rad].
 
     ``noise`` [g] is 1 sigma of a dwell's mean, ``heading`` [rad] that of a position's heading.
@@ -81,21 +94,29 @@ def gain(
     closed, opened = (_sigma(help_, item, unit, noise, heading, shape, is_open) for is_open in (False, True))
     off = ~np.eye(3, dtype=bool)
     misalignment = float(closed[3:12].reshape(3, 3)[off].max())
-    return Gain(
+    return RemedyGain(
         help_, float(closed[12:15].max()), float(opened[12:15].max()), float(opened[15:].max()), misalignment
     )
 
 
 def _sigma(
-    help_: Help, item: FloatArray, unit: Unit, noise: float, heading: float, shape: Shape, is_open: bool
+    help_: Remedy,
+    item: FloatArray,
+    unit: ToleranceUnit,
+    noise: float,
+    heading: float,
+    shape: ToleranceShape,
+    is_open: bool,
 ) -> FloatArray:
     """Return 1 sigma (18,) of k, E, D and K2."""
-    model = _Model(_bench(help_.turns, heading), unit, EDGES[: len(EDGES) * help_.free_positions] / np.sqrt(2))
-    spread = np.maximum(tilt_std(item, shape), HELD)
+    model = _RemedyModel(
+        _bench(help_.turns, heading), unit, CUBE_EDGES[: len(CUBE_EDGES) * help_.free_positions] / np.sqrt(2)
+    )
+    spread = np.maximum(tilt_std(item, shape), HELD_STD_RAD)
     if help_.certificate is not None:
         spread = 1 / np.hypot(1 / spread, 1 / help_.certificate)
-    ranges = np.full(3 + 3 * help_.turns, SEATING)
-    ranges[:3] = K2_RANGE if is_open else HELD
+    ranges = np.full(3 + 3 * help_.turns, SEATING_STD_RAD)
+    ranges[:3] = K2_STD_G_PER_G2 if is_open else HELD_STD_RAD
     prior, start = _prior(model.bench, spread, ranges), model.truth(help_.turns)
     seen = model.outputs(start)
 
@@ -110,11 +131,11 @@ def _sigma(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Model:
+class _RemedyModel:
     """What is seen of parameters x: K (9), b (3), the bench's, K2 (3), three angles of each turned IMU's seat."""
 
-    bench: Bench
-    unit: Unit
+    bench: BenchParameters
+    unit: ToleranceUnit
     edges: FloatArray
 
     def truth(self, turns: int) -> FloatArray:
@@ -135,21 +156,23 @@ class _Model:
         return np.concatenate(((f + b + K2 * f**2).ravel(), norm))
 
 
-def _bench(turns: int, heading: float) -> Bench:
+def _bench(turns: int, heading: float) -> BenchParameters:
     campaigns = tuple(
-        Campaign("", "", False, SITE, (), (), ProcedureSigma(heading), Fixture({}, C_sb, "CUBE"))
+        Campaign("", "", False, ANY_SITE, (), (), ProcedureSigma(heading), Fixture({}, C_sb, "CUBE"))
         for C_sb in MOUNTINGS[: 1 + turns]
     )
     places = itertools.product(range(len(campaigns)), range(1, 13))
-    return Bench(tuple(Placement(number, 0, position, heading) for number, position in places), campaigns, 1)
+    return BenchParameters(
+        tuple(Placement(number, 0, position, heading) for number, position in places), campaigns, 1
+    )
 
 
-def _prior(bench: Bench, spread: FloatArray, ranges: FloatArray) -> FloatArray:
+def _prior(bench: BenchParameters, spread: FloatArray, ranges: FloatArray) -> FloatArray:
     """Return whitened rows: slab, gravity, face tilts by ``spread`` (6,), headings, ``ranges`` of the rest."""
     rows = np.zeros((bench.size, bench.size))
     slabs, faces = 2 * len(bench.campaigns), bench.cube_slice(0)
-    np.fill_diagonal(rows[:slabs, :slabs], 1 / SLAB_RANGE)
-    rows[slabs, slabs] = SITE.gravity / SITE.gravity_std
+    np.fill_diagonal(rows[:slabs, :slabs], 1 / SLAB_TILT_RANGE_RAD)
+    rows[slabs, slabs] = ANY_SITE.gravity / ANY_SITE.gravity_std
     for row in range(6):
         up, down = spread[row // 2 * 2 : row // 2 * 2 + 2]
         p, q = faces.start + row, faces.start + row + 6

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.calibration.calibration import Fits
-from procedures.uncertainty.given_values import Inputs
-from procedures.uncertainty.sources import ORDER, Cell, type_of
+from procedures.calibration.calibration import CampaignFits
+from procedures.uncertainty.given_values import GivenValues
+from procedures.uncertainty.sources import SOURCES, SourceCell, type_of
 from procedures.uncertainty.triad_variance import decompose
 
-COVERAGE = 0.95
-MANY = 1e6  # degrees of freedom from which on they are no different from infinitely many
+COVERAGE_PROBABILITY = 0.95
+INFINITE_DOF_FROM = 1e6  # degrees of freedom from which on they are no different from infinitely many
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class ParameterBudget:
     contributions: tuple[Contribution, ...]
 
 
-def budget(fits: Fits, inputs: Inputs = Inputs()) -> tuple[ParameterBudget, ...]:  # noqa: B008
+def budget(fits: CampaignFits, inputs: GivenValues = GivenValues()) -> tuple[ParameterBudget, ...]:  # noqa: B008
     """Return the budgets of k, E off its diagonal, and D of every triad that was solved."""
     counts, found = fits.campaigns[0].counts, list[ParameterBudget]()
     for triad, part in decompose(fits, inputs).items():
@@ -51,16 +51,16 @@ def budget(fits: Fits, inputs: Inputs = Inputs()) -> tuple[ParameterBudget, ...]
                 continue
             unit = (_scale_unit(triad, counts), "1", part.vector.bias_unit)[0 if i < 3 else 1 if i < 12 else 2]
             parts = {cell: float(variance[i]) for cell, variance in part.variance.items()}
-            found.append(combined(name, float(part.vector.value[i]), unit, parts))
+            found.append(combined_budget(name, float(part.vector.value[i]), unit, parts))
     return tuple(found)
 
 
-def combined(name: str, value: float, unit: str, parts: dict[Cell, float]) -> ParameterBudget:
+def combined_budget(name: str, value: float, unit: str, parts: dict[SourceCell, float]) -> ParameterBudget:
     """Combine the variances of independent cells."""
     from GTC import dof, reporting, ureal  # takes half a second: only where a budget is asked for
 
     sources = {}
-    for source in ORDER:
+    for source in SOURCES:
         numbers = [
             ureal(0.0, np.sqrt(variance), cell.dof)
             for cell, variance in parts.items()
@@ -71,12 +71,12 @@ def combined(name: str, value: float, unit: str, parts: dict[Cell, float]) -> Pa
     total = sum(list(sources.values())[1:], next(iter(sources.values())))
     lines = [Contribution(s, type_of(s), float(one.u), _many(dof(one))) for s, one in sources.items()]
     std, freedom = float(total.u), _many(dof(total))
-    factor = float(reporting.k_factor(freedom, round(100 * COVERAGE)))
+    factor = float(reporting.k_factor(freedom, round(100 * COVERAGE_PROBABILITY)))
     return ParameterBudget(name, value, unit, std, freedom, factor, factor * std, tuple(lines))
 
 
 def _many(dof: float) -> float:
-    return float(dof) if dof < MANY else float("inf")
+    return float(dof) if dof < INFINITE_DOF_FROM else float("inf")
 
 
 def _scale_unit(triad: str, counts: bool) -> str:

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import Fits
+from procedures.calibration.calibration import CampaignFits
 from procedures.calibration.solution import Estimate, Solution, TriadCalibration
 from procedures.calibration.triad_calibration import TriadVector, moves_vector, triad_vector, vector_names
 from procedures.dwells_and_turns.latitude_and_time_base import clock_on_accelerometer, clock_on_moves, clock_rows
 from procedures.uncertainty.triad_variance import gain_of
 
 
-def with_clock(solution: Solution, fits: Fits, std: float) -> Solution:
+def with_clock(solution: Solution, fits: CampaignFits, std: float) -> Solution:
     """Return the solution of these fits, its sigmas and covariance widened by a relative 1 sigma of the clock."""
     shifts = {triad: std * shift for triad, shift in _shifts(fits).items()}
     by_name = dict[str, float]()
@@ -27,7 +27,7 @@ def with_clock(solution: Solution, fits: Fits, std: float) -> Solution:
     )
 
 
-def _shifts(fits: Fits) -> dict[str, FloatArray]:
+def _shifts(fits: CampaignFits) -> dict[str, FloatArray]:
     """Return by triad the change of k, E, D (15,) per relative error of the time base."""
     counts, found = fits.campaigns[0].counts, dict[str, FloatArray]()
     joint = fits.accelerometer

@@ -1,6 +1,6 @@
 """What the global test leaves unexplained, once the scatter that was found is in.
 
-A triad whose whitened squares, scatter included, still fail the test at `DOUBTFUL` is taken to have
+A triad whose whitened squares, scatter included, still fail the test at `DOUBTFUL_P_VALUE` is taken to have
 observations too certain by one factor (Birge, Phys. Rev. 40, 1932): squares over degrees of freedom, less one,
 is the variance every observation lacks. Below that nothing is added, unless a diagnosis says that something is
 left, and then what it found within the dwells besides. On a unit that the model describes the test fails once
@@ -11,10 +11,10 @@ import numpy as np
 from scipy.special import gammaincc
 
 from procedures.arrays import BoolArray
-from procedures.calibration.calibration import DOUBTFUL
-from procedures.dwells_and_turns.twelve_position import JointFit
+from procedures.calibration.calibration import DOUBTFUL_P_VALUE
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.uncertainty import sources as named
-from procedures.uncertainty.sources import Cell, Shares
+from procedures.uncertainty.sources import Shares, SourceCell
 from procedures.uncertainty.temperature import TemperatureEffect
 
 
@@ -33,14 +33,14 @@ def unexplained(
     """
     if temperature is not None:
         chi2, dof = chi2 - temperature.chi2, dof - temperature.rank
-    if dof <= 0 or chi2 <= dof or (not is_left and gammaincc(dof / 2, chi2 / 2) >= DOUBTFUL):
+    if dof <= 0 or chi2 <= dof or (not is_left and gammaincc(dof / 2, chi2 / 2) >= DOUBTFUL_P_VALUE):
         return {}
     ratio = chi2 / dof
-    cell = Cell(named.UNEXPLAINED, triad, max(dof * (1 - 1 / ratio) ** 2, 1.0))
+    cell = SourceCell(named.UNEXPLAINED, triad, max(dof * (1 - 1 / ratio) ** 2, 1.0))
     return {cell: (ratio - 1) * np.where(observed, 1.0, 0.0)}
 
 
-def unexplained_within(triad: str, joint: JointFit, dof: int, squares: float) -> Shares:
+def unexplained_within(triad: str, joint: TriadFit, dof: int, squares: float) -> Shares:
     """Return the variance (n,) that the rows of dwells lack by what wanders within them.
 
     ``squares`` of the counting noise of their means are added to each, as well known as the fit's ``dof`` tell.
@@ -50,4 +50,4 @@ def unexplained_within(triad: str, joint: JointFit, dof: int, squares: float) ->
         return {}
     share = np.zeros(len(joint.fit.residual))
     share[:m] = squares * ((joint.expected / joint.sigma) ** 2).ravel()
-    return {Cell(named.UNEXPLAINED, triad, max(dof * (squares / (1 + squares)) ** 2, 1.0)): share}
+    return {SourceCell(named.UNEXPLAINED, triad, max(dof * (squares / (1 + squares)) ** 2, 1.0)): share}

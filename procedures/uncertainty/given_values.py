@@ -7,7 +7,7 @@ import numpy as np
 
 
 @dataclass(frozen=True, slots=True)
-class Inputs:
+class GivenValues:
     """1 sigma of what the fit takes as exact.
 
     ``latitude`` [rad]: 0.01 deg, 1.1 km, is what a map or two decimals leave open. It enters the Earth's rate;
@@ -25,4 +25,4 @@ class Inputs:
     unexplained: Mapping[str, float] | None = None
 
 
-EXACT = Inputs(0.0, 0.0)
+EXACT = GivenValues(0.0, 0.0)

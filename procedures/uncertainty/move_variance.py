@@ -5,18 +5,18 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import Fits
+from procedures.calibration.calibration import CampaignFits
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import Series
-from procedures.dwells_and_turns.twelve_position import JointFit
-from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit, Seen, gather
+from procedures.dwells_and_turns.twelve_position import TriadFit
+from procedures.rests_and_moves.gyroscopes_from_moves import MovesAndRests, MovesFit, moves_and_rests
 from procedures.uncertainty import sources as named
-from procedures.uncertainty.noise_and_quantisation import noise_dof, seconds_of, white_variance
+from procedures.uncertainty.noise_and_quantisation import durations_s, noise_dof, white_variance
 from procedures.uncertainty.row_variance import by_axis, padded, scatter_dof
-from procedures.uncertainty.sources import Cell, Shares, added
+from procedures.uncertainty.sources import Shares, SourceCell, added_shares
 
 
-def moves_shares(fits: Fits) -> tuple[Shares, Cell]:
+def moves_shares(fits: CampaignFits) -> tuple[Shares, SourceCell]:
     """Split the rows (n,): moves, rests, the Earth's horizontal rate; and return the cell of bias instability.
 
     A move's noise is that of the up vectors at both its ends and of the gyroscopes on the way.
@@ -24,51 +24,51 @@ def moves_shares(fits: Fits) -> tuple[Shares, Cell]:
     moves, joint = fits.moves, fits.accelerometer
     assert moves is not None
     assert joint is not None
-    seen = gather(fits.campaigns, fits.segmented, joint)
+    seen = moves_and_rests(fits.campaigns, fits.segmented, joint)
     assert seen is not None
     series, n = _series(fits), len(moves.fit.residual)
     at_rest, scatter = _rest_parts(moves, seen, series)
     first, last = moves.error.size, moves.error.size + seen.rate.size
     known = np.zeros(n)
     known[last:] = 1.0
-    return added(
+    return added_shares(
         {
             cell: padded(part, 0, n)
             for cell, part in _move_parts(moves, joint, noise_dof(series, seen.noise)).items()
         },
         {cell: padded(part, first, n) for cell, part in at_rest.items()},
-        {Cell(named.HEADING, "of the Earth's rate"): known},
+        {SourceCell(named.HEADING, "of the Earth's rate"): known},
     ), scatter
 
 
-def _move_parts(moves: MovesFit, joint: JointFit, dof: FloatArray) -> Shares:
+def _move_parts(moves: MovesFit, joint: TriadFit, dof: FloatArray) -> Shares:
     """Split the moves' rows (m, 2): noise, the scatter of rests that the up vectors have, that of the moves."""
     assert joint.rests is not None
     noise, own = moves.sigma**2 - moves.scatter[0] ** 2, np.full(len(moves.sigma), moves.scatter[0] ** 2)
     lean = np.full(len(moves.sigma), 2 * joint.rests.excess**2)
     free = float(np.sum(1 - moves.fit.leverage[: moves.error.size]))
     parts = {
-        Cell(named.COUNTING, "moves", float(dof.sum())): noise - lean,
-        Cell(named.REST_SCATTER, "up vectors"): lean,
-        Cell(named.MOVE_SCATTER, "", scatter_dof(free, noise, own)): own,
+        SourceCell(named.COUNTING, "moves", float(dof.sum())): noise - lean,
+        SourceCell(named.REST_SCATTER, "up vectors"): lean,
+        SourceCell(named.MOVE_SCATTER, "", scatter_dof(free, noise, own)): own,
     }
     return {cell: np.repeat(part / moves.sigma**2, 2) for cell, part in parts.items()}
 
 
-def _rest_parts(moves: MovesFit, seen: Seen, series: Sequence[Series]) -> tuple[Shares, Cell]:
+def _rest_parts(moves: MovesFit, seen: MovesAndRests, series: Sequence[Series]) -> tuple[Shares, SourceCell]:
     """Split the rests' rows (r, 3): noise, quantisation, and bias instability, whose cell is returned too."""
     wander = np.broadcast_to((moves.scatter[1] * np.linalg.norm(moves.K, axis=1)) ** 2, seen.std.shape)
-    white = white_variance(seen.noise, seconds_of(series), seen.std**2)
+    white = white_variance(seen.noise, durations_s(series), seen.std**2)
     rows = slice(moves.error.size, moves.error.size + seen.rate.size)
     free = float(np.sum(1 - moves.fit.leverage[rows]))
-    scatter = Cell(named.INSTABILITY, "gyroscope", scatter_dof(free, seen.std**2, wander))
+    scatter = SourceCell(named.INSTABILITY, "gyroscope", scatter_dof(free, seen.std**2, wander))
     parts = by_axis(named.COUNTING, "gyroscope", white, noise_dof(series, seen.noise))
     parts |= by_axis(named.QUANTISATION, "gyroscope", seen.std**2 - white) | {scatter: wander}
     return {cell: part / (seen.std**2 + wander) for cell, part in parts.items()}, scatter
 
 
-def _series(fits: Fits) -> list[Series]:
-    """Return the rests that `gather` takes, in its order."""
+def _series(fits: CampaignFits) -> list[Series]:
+    """Return the rests that `moves_and_rests` takes, in its order."""
     assert fits.accelerometer is not None
     assert fits.accelerometer.rests is not None
     known = {id(rest.series) for _, rest in fits.accelerometer.rests.rests.rests}

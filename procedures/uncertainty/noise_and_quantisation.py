@@ -18,8 +18,9 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import CountSeries, Series
 
-ALLAN_SHARE = 2 / 3  # of the blocks: degrees of freedom of their Allan variance, white noise (NIST SP 1065, 5.4)
-BLOCKS = 128  # of a dwell, as `procedures.counts.rate_mean` has them at the least
+# Of the blocks: degrees of freedom of their Allan variance, white noise (NIST SP 1065, 5.4)
+ALLAN_DOF_SHARE = 2 / 3
+DWELL_BLOCKS = 128  # of a dwell, as `procedures.counts.rate_mean` has them at the least
 
 
 def white_variance(noise: FloatArray, seconds: FloatArray, variance: FloatArray) -> FloatArray:
@@ -28,7 +29,7 @@ def white_variance(noise: FloatArray, seconds: FloatArray, variance: FloatArray)
     return part
 
 
-def seconds_of(series: Sequence[Series]) -> FloatArray:
+def durations_s(series: Sequence[Series]) -> FloatArray:
     """Return how long each recording lasts [s], gaps left out."""
     return np.array([len(one) * one.period for one in series], dtype=np.float64)
 
@@ -41,5 +42,5 @@ def noise_dof(series: Sequence[Series], noise: FloatArray) -> FloatArray:
             s = np.maximum(noise * np.sqrt(one.period), np.finfo(float).tiny)
             looks += len(one) / 2 / np.maximum(s ** (-2 / 3), 1.0)
         else:
-            looks += ALLAN_SHARE * min(len(one), BLOCKS)
+            looks += ALLAN_DOF_SHARE * min(len(one), DWELL_BLOCKS)
     return np.maximum(looks - 1, 1.0)

@@ -5,16 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.dwells_and_turns.bench_parameters import Bench
+from procedures.dwells_and_turns.bench_parameters import BenchParameters
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
-from procedures.dwells_and_turns.twelve_position import JointFit, RestFit
+from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.frames import AXES
 from procedures.uncertainty import sources as named
-from procedures.uncertainty.noise_and_quantisation import noise_dof, seconds_of, white_variance
-from procedures.uncertainty.sources import Cell, Shares, added
+from procedures.uncertainty.noise_and_quantisation import durations_s, noise_dof, white_variance
+from procedures.uncertainty.sources import Shares, SourceCell, added_shares
 
 
-def joint_shares(joint: JointFit, triad: str) -> Shares:
+def joint_shares(joint: TriadFit, triad: str) -> Shares:
     """Split the rows (n,) of an accelerometers' fit: dwells, priors, what holds the frame, norms, ups."""
     n = len(joint.fit.residual)
     parts = [dwell_shares(joint, triad, n)]
@@ -25,7 +25,7 @@ def joint_shares(joint: JointFit, triad: str) -> Shares:
     parts.append(prior_shares(joint, priors))
     if joint.rests is not None:
         parts += [norm_shares(joint, joint.rests, n), _of(named.SLAB, range(last, n), n)]
-    return added(*parts)
+    return added_shares(*parts)
 
 
 def gyroscope_shares(gyroscope: GyroscopeFit, tilts: bool) -> Shares:
@@ -37,7 +37,7 @@ def gyroscope_shares(gyroscope: GyroscopeFit, tilts: bool) -> Shares:
     joint = gyroscope.joint
     n, closures = len(joint.fit.residual), len(gyroscope.turns)
     first = 3 * (len(joint.seen.dwells) + closures) + (joint.bench.shared if tilts else 0)
-    return added(
+    return added_shares(
         dwell_shares(joint, "gyroscope", n),
         _turn_shares(gyroscope, n),
         prior_shares(joint, range(first, n - closures)),
@@ -45,26 +45,26 @@ def gyroscope_shares(gyroscope: GyroscopeFit, tilts: bool) -> Shares:
     )
 
 
-def dwell_shares(joint: JointFit, triad: str, n: int) -> Shares:
+def dwell_shares(joint: TriadFit, triad: str, n: int) -> Shares:
     """Split the rows of dwells, which come first of ``n``: noise, quantisation, scatter found and stated."""
     seen = joint.seen
     if not seen.dwells:
         return {}
     series = [dwell.series for _, dwell in seen.dwells]
     noise = np.array([[each.noise for each in row] for row in seen.estimates])
-    white = white_variance(noise, seconds_of(series), seen.std**2)
+    white = white_variance(noise, durations_s(series), seen.std**2)
     scatter = np.broadcast_to(joint.excess**2, white.shape)
     parts = by_axis(named.COUNTING, triad, white, noise_dof(series, seen.noise))
     parts |= by_axis(named.QUANTISATION, triad, seen.std**2 - white)
-    parts |= {excess_cell(joint, triad): scatter, Cell(named.WARM_UP, triad): joint.unsettled**2}
+    parts |= {excess_cell(joint, triad): scatter, SourceCell(named.WARM_UP, triad): joint.unsettled**2}
     return {cell: padded(part / joint.sigma**2, 0, n) for cell, part in parts.items()}
 
 
-def excess_cell(joint: JointFit, triad: str) -> Cell:
+def excess_cell(joint: TriadFit, triad: str) -> SourceCell:
     """Return the cell of the bias instability that the dwells show."""
     rows = slice(0, joint.seen.std.size)
     free = float(np.sum(1 - joint.fit.leverage[rows]))
-    return Cell(named.INSTABILITY, triad, scatter_dof(free, joint.expected**2, joint.excess**2))
+    return SourceCell(named.INSTABILITY, triad, scatter_dof(free, joint.expected**2, joint.excess**2))
 
 
 def scatter_dof(free: float, expected: FloatArray, excess: FloatArray) -> float:
@@ -76,13 +76,15 @@ def scatter_dof(free: float, expected: FloatArray, excess: FloatArray) -> float:
     return max(free * float(np.mean(excess / (expected + excess))) ** 2, 1.0)
 
 
-def by_axis(source: str, of: str, variance: FloatArray, dof: FloatArray | None = None) -> dict[Cell, FloatArray]:
+def by_axis(
+    source: str, of: str, variance: FloatArray, dof: FloatArray | None = None
+) -> dict[SourceCell, FloatArray]:
     """Give every column of ``variance`` (n, 3) a cell of its own; ``dof`` (3,), infinite if None."""
-    parts = dict[Cell, FloatArray]()
+    parts = dict[SourceCell, FloatArray]()
     for axis, letter in enumerate(AXES):
         alone = np.zeros(variance.shape)
         alone[:, axis] = variance[:, axis]
-        parts[Cell(source, f"{of} {letter}", np.inf if dof is None else float(dof[axis]))] = alone
+        parts[SourceCell(source, f"{of} {letter}", np.inf if dof is None else float(dof[axis]))] = alone
     return parts
 
 
@@ -98,33 +100,36 @@ def _turn_shares(gyroscope: GyroscopeFit, n: int) -> Shares:
     dof = noise_dof([dwell.series for _, dwell in seen.dwells], seen.noise)
     parts = by_axis(named.COUNTING, "gyroscope", white, dof)
     parts |= by_axis(named.QUANTISATION, "gyroscope", std**2 - white)
-    parts |= {excess_cell(joint, "gyroscope"): excess, Cell(named.WARM_UP, "gyroscope"): np.maximum(drift, 0.0)}
+    parts |= {
+        excess_cell(joint, "gyroscope"): excess,
+        SourceCell(named.WARM_UP, "gyroscope"): np.maximum(drift, 0.0),
+    }
     return {cell: padded(part / gyroscope.turn_sigma**2, first, n) for cell, part in parts.items()}
 
 
-def prior_shares(joint: JointFit, rows: Sequence[int]) -> Shares:
+def prior_shares(joint: TriadFit, rows: Sequence[int]) -> Shares:
     """Name every row of prior knowledge by the parameters that it speaks of."""
     n, kinds = len(joint.fit.residual), bench_sources(joint.bench)
-    found = dict[Cell, FloatArray]()
+    found = dict[SourceCell, FloatArray]()
     for row in rows:
         about = np.abs(joint.fit.jacobian[row])
         strongest = int(np.argmax(about[12 : 12 + len(kinds)])) if len(kinds) else 0
         is_frame = about[:12].max() > 0
-        cell = Cell(named.FRAME if is_frame else kinds[strongest])
+        cell = SourceCell(named.FRAME if is_frame else kinds[strongest])
         found.setdefault(cell, np.zeros(n))[row] = 1.0
     return found
 
 
-def bench_sources(bench: Bench) -> list[str]:
+def bench_sources(bench: BenchParameters) -> list[str]:
     """Return the source that each of a bench's parameters stands for."""
     found = [named.SLAB] * (2 * len(bench.campaigns)) + [named.GRAVITY] * len(bench.sites)
     return found + [named.CUBE] * (12 * bench.cubes) + [named.HEADING] * len(bench.placements)
 
 
-def norm_shares(joint: JointFit, rests: RestFit, n: int) -> Shares:
+def norm_shares(joint: TriadFit, rests: RestFit, n: int) -> Shares:
     """Split the norms of rests: noise of each sensor along the vertical, what E leaves open, scatter found."""
     seen, series = rests.rests, [rest.series for _, rest in rests.rests.rests]
-    white = white_variance(np.broadcast_to(seen.noise, seen.std.shape), seconds_of(series), seen.std**2)
+    white = white_variance(np.broadcast_to(seen.noise, seen.std.shape), durations_s(series), seen.std**2)
     along = np.linalg.solve(joint.K.T, rests.up.T).T ** 2
     on_face = np.array([rest.up is not None for _, rest in seen.rests])
     counted = np.sum(along * seen.std**2, axis=1)
@@ -139,15 +144,15 @@ def norm_shares(joint: JointFit, rests: RestFit, n: int) -> Shares:
             | by_axis(named.QUANTISATION, "accelerometer", along * (seen.std**2 - white) * scale)
         ).items()
     }
-    parts |= {Cell(named.SECOND_ORDER): wide}
-    parts |= {Cell(named.REST_SCATTER, "accelerometer", dof): np.full(len(wide), rests.excess**2)}
+    parts |= {SourceCell(named.SECOND_ORDER): wide}
+    parts |= {SourceCell(named.REST_SCATTER, "accelerometer", dof): np.full(len(wide), rests.excess**2)}
     return {cell: padded(part / rests.sigma**2, rests.rows.start, n) for cell, part in parts.items()}
 
 
 def _of(source: str, rows: range, n: int) -> Shares:
     share = np.zeros(n)
     share[rows.start : rows.stop] = 1.0
-    return {Cell(source): share}
+    return {SourceCell(source): share}
 
 
 def padded(part: FloatArray, first: int, n: int) -> FloatArray:

@@ -27,14 +27,14 @@ UNEXPLAINED = "unexplained"
 
 # JCGM 100:2008, 4.2
 TYPE_A = (COUNTING, INSTABILITY, TURN_ON, REST_SCATTER, MOVE_SCATTER, TEMPERATURE, EFFECTS, UNEXPLAINED)
-ORDER = (
+SOURCES = (
     COUNTING, QUANTISATION, INSTABILITY, REST_SCATTER, MOVE_SCATTER, WARM_UP, TURN_ON, CUBE, SLAB, HEADING,
     CLOSURE, GRAVITY, SECOND_ORDER, FRAME, LATITUDE, CLOCK, TEMPERATURE, EFFECTS, UNEXPLAINED,
 )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class SourceCell:
     """One estimate of a source's size: ``of`` says of what, ``dof`` how well the data tell it.
 
     All that scales with one estimate stands in one cell; cells are independent.
@@ -45,13 +45,13 @@ class Cell:
     dof: float = float("inf")
 
 
-Shares = Mapping[Cell, FloatArray]
+Shares = Mapping[SourceCell, FloatArray]
 """A variance (n,) split by cell: of rows, or of parameters."""
 
 
-def added(*parts: Shares) -> dict[Cell, FloatArray]:
+def added_shares(*parts: Shares) -> dict[SourceCell, FloatArray]:
     """Return shares added cell by cell."""
-    total = dict[Cell, FloatArray]()
+    total = dict[SourceCell, FloatArray]()
     for part in parts:
         for cell, variance in part.items():
             total[cell] = total[cell] + variance if cell in total else variance

@@ -5,8 +5,8 @@ dT from the mean of the campaign. Their columns ``C`` in the whitened rows are r
 ``M = 1 - J P J'``:  ``c = (C'M C)^-1 C' r``, of covariance ``(C'M C)^-1``. A parameter is moved by ``d = G C c``,
 known to ``v = G C (C'M C)^-1 C'G'``; ``d^2 - v`` is unbiased for the square of what it was truly moved by, and is
 its variance here: the solution does not correct it. It is counted only where the six together fail the test at
-`DOUBTFUL`; noise alone does that once in a hundred campaigns, and adds so little on average that no figure of a
-budget shows it.
+`DOUBTFUL_P_VALUE`; noise alone does that once in a hundred campaigns, and adds so little on average that no figure
+of a budget shows it.
 """
 
 from collections.abc import Sequence
@@ -16,14 +16,14 @@ import numpy as np
 from scipy.special import gammaincc
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import DOUBTFUL
+from procedures.calibration.calibration import DOUBTFUL_P_VALUE
 from procedures.calibration.residuals import scale_factor
 from procedures.counts.sample_records import Series
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
-from procedures.dwells_and_turns.twelve_position import JointFit
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.statistics.least_squares import Fit
 
-FAINT = 1e-9  # of the largest eigenvalue: combinations that the fit absorbs whole
+MIN_EIGENVALUE_SHARE = 1e-9  # of the largest eigenvalue: combinations that the fit absorbs whole
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,13 +55,13 @@ def temperature_effect(fit: Fit, columns: FloatArray | None) -> TemperatureEffec
         return None
     absorbed = fit.jacobian @ (fit.covariance @ (fit.jacobian.T @ columns))
     values, vectors = np.linalg.eigh(columns.T @ (columns - absorbed))
-    kept = values > FAINT * np.max(np.sum(columns**2, axis=0))
+    kept = values > MIN_EIGENVALUE_SHARE * np.max(np.sum(columns**2, axis=0))
     if not np.any(kept):
         return None
     covariance = vectors[:, kept] / values[kept] @ vectors[:, kept].T
     pull = columns.T @ fit.residual
     chi2, rank = float(pull @ covariance @ pull), int(kept.sum())
-    if gammaincc(rank / 2, chi2 / 2) >= DOUBTFUL:
+    if gammaincc(rank / 2, chi2 / 2) >= DOUBTFUL_P_VALUE:
         return None
     return TemperatureEffect(columns, covariance @ pull, covariance, chi2, rank)
 
@@ -76,7 +76,7 @@ def warmer(series: Sequence[Series]) -> FloatArray | None:
     return warm
 
 
-def accelerometer_columns(joint: JointFit) -> FloatArray | None:
+def accelerometer_columns(joint: TriadFit) -> FloatArray | None:
     """Return what a kelvin's change of bias [k] and scale [1] of every axis does to the rows (n, 6)."""
     series: list[Series] = [dwell.series for _, dwell in joint.seen.dwells]
     series += [rest.series for _, rest in joint.rests.rests.rests] if joint.rests is not None else []

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.calibration.calibration import Fits
+from procedures.calibration.calibration import CampaignFits
 from procedures.calibration.triad_calibration import TriadVector, common_variance, moves_vector, triad_vector
 from procedures.campaign.campaign import period_std
 from procedures.dwells_and_turns.latitude_and_time_base import (
@@ -14,14 +14,14 @@ from procedures.dwells_and_turns.latitude_and_time_base import (
     clock_rows,
     latitude_rows,
 )
-from procedures.dwells_and_turns.twelve_position import JointFit
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.statistics.least_squares import Fit
 from procedures.uncertainty import sources as named
 from procedures.uncertainty.excess_scatter import unexplained, unexplained_within
-from procedures.uncertainty.given_values import Inputs
+from procedures.uncertainty.given_values import GivenValues
 from procedures.uncertainty.move_variance import moves_shares
 from procedures.uncertainty.row_variance import excess_cell, gyroscope_shares, joint_shares
-from procedures.uncertainty.sources import Cell, Shares, added
+from procedures.uncertainty.sources import Shares, SourceCell, added_shares
 from procedures.uncertainty.temperature import (
     TemperatureEffect,
     accelerometer_columns,
@@ -30,7 +30,7 @@ from procedures.uncertainty.temperature import (
 )
 from procedures.units import DEG_H_PER_DEG_S
 
-ROUNDING = 1e-6  # of a variance: two ways to the same covariance differ by less
+VARIANCE_ROUNDING = 1e-6  # of a variance: two ways to the same covariance differ by less
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +42,7 @@ class Decomposition:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Chain:
+class _FitGain:
     """A fit's gain (p, n) and the shares (n,) of its rows, with what the global test leaves unexplained."""
 
     gain: FloatArray
@@ -58,7 +58,7 @@ def gain_of(fit: Fit) -> FloatArray:
     return gain
 
 
-def decompose(fits: Fits, inputs: Inputs) -> dict[str, Decomposition]:
+def decompose(fits: CampaignFits, inputs: GivenValues) -> dict[str, Decomposition]:
     """Split the variances of every triad that was solved, by ``accelerometer`` and ``gyroscope``."""
     found = dict[str, Decomposition]()
     inputs = replace(inputs, clock=float(np.hypot(inputs.clock, period_std(fits.campaigns))))
@@ -73,7 +73,7 @@ def decompose(fits: Fits, inputs: Inputs) -> dict[str, Decomposition]:
     return found
 
 
-def _accelerometer_chain(joint: JointFit, inputs: Inputs) -> _Chain:
+def _accelerometer_chain(joint: TriadFit, inputs: GivenValues) -> _FitGain:
     n = 3 * len(joint.seen.dwells)
     observed = np.zeros(len(joint.fit.residual), dtype=bool)
     observed[:n] = True
@@ -81,24 +81,24 @@ def _accelerometer_chain(joint: JointFit, inputs: Inputs) -> _Chain:
         observed[joint.rests.rows] = True
     effect = temperature_effect(joint.fit, accelerometer_columns(joint))
     extra = _unexplained("accelerometer", joint, observed, effect, inputs)
-    return _Chain(gain_of(joint.fit), added(joint_shares(joint, "accelerometer"), extra), effect)
+    return _FitGain(gain_of(joint.fit), added_shares(joint_shares(joint, "accelerometer"), extra), effect)
 
 
-def _accelerometer(fits: Fits, joint: JointFit, chain: _Chain, inputs: Inputs) -> Decomposition:
+def _accelerometer(fits: CampaignFits, joint: TriadFit, chain: _FitGain, inputs: GivenValues) -> Decomposition:
     vector = triad_vector(joint, "accelerometer", joint)
     through = vector.jacobian @ chain.gain
     shift = clock_on_accelerometer(vector.value, fits.campaigns[0].counts) * inputs.clock
-    variance = added(
+    variance = added_shares(
         _spread(through, chain.shares),
         _after_fit(vector, joint, "accelerometer", 1.0),
         _effects(vector, joint, through),
-        {Cell(named.CLOCK): shift**2},
+        {SourceCell(named.CLOCK): shift**2},
         _temperature("accelerometer", through, chain.temperature),
     )
     return Decomposition(vector, variance)
 
 
-def _gyroscope(fits: Fits, accelerometer: _Chain | None, inputs: Inputs) -> Decomposition:
+def _gyroscope(fits: CampaignFits, accelerometer: _FitGain | None, inputs: GivenValues) -> Decomposition:
     gyroscope = fits.gyroscope
     assert gyroscope is not None
     joint = gyroscope.joint
@@ -116,27 +116,27 @@ def _gyroscope(fits: Fits, accelerometer: _Chain | None, inputs: Inputs) -> Deco
         onward = through_tilts @ joint.fit.jacobian[rows, shared] @ accelerometer.gain[shared]
         tilts = _by_origin(np.sum(through_tilts**2, axis=1), onward, accelerometer.shares)
     rate_output = not fits.campaigns[0].counts
-    variance = added(
-        _spread(through, added(gyroscope_shares(gyroscope, given), extra)),
+    variance = added_shares(
+        _spread(through, added_shares(gyroscope_shares(gyroscope, given), extra)),
         tilts,
         _after_fit(vector, joint, "gyroscope", DEG_H_PER_DEG_S),
         _effects(vector, joint, through),
-        {Cell(named.LATITUDE): (through @ latitude_rows(gyroscope) * inputs.latitude) ** 2},
-        {Cell(named.CLOCK): (through @ clock_rows(gyroscope, rate_output) * inputs.clock) ** 2},
+        {SourceCell(named.LATITUDE): (through @ latitude_rows(gyroscope) * inputs.latitude) ** 2},
+        {SourceCell(named.CLOCK): (through @ clock_rows(gyroscope, rate_output) * inputs.clock) ** 2},
         _temperature("gyroscope", through, effect),
     )
     return Decomposition(vector, variance)
 
 
 def _unexplained(
-    triad: str, joint: JointFit, observed: BoolArray, effect: TemperatureEffect | None, inputs: Inputs
+    triad: str, joint: TriadFit, observed: BoolArray, effect: TemperatureEffect | None, inputs: GivenValues
 ) -> Shares:
     left = inputs.unexplained
     among = unexplained(triad, joint.fit.chi2, joint.dof, observed, effect, left is not None)
-    return added(among, unexplained_within(triad, joint, joint.dof, (left or {}).get(triad, 0.0)))
+    return added_shares(among, unexplained_within(triad, joint, joint.dof, (left or {}).get(triad, 0.0)))
 
 
-def _moves(fits: Fits, accelerometer: _Chain, inputs: Inputs) -> Decomposition:
+def _moves(fits: CampaignFits, accelerometer: _FitGain, inputs: GivenValues) -> Decomposition:
     moves, joint = fits.moves, fits.accelerometer
     assert moves is not None
     assert joint is not None
@@ -151,11 +151,11 @@ def _moves(fits: Fits, accelerometer: _Chain, inputs: Inputs) -> Decomposition:
     own = np.sum(through**2, axis=1) + np.sum(onward**2, axis=1)
     common = np.maximum(np.diag(vector.covariance) - own, 0.0)
     shift = clock_on_moves(vector.value, fits.campaigns[0].counts) * inputs.clock
-    variance = added(
-        _spread(through, added(shares, extra)),
+    variance = added_shares(
+        _spread(through, added_shares(shares, extra)),
         _spread(onward, accelerometer.shares),
         {scatter: np.where(np.arange(15) < 12, 0.0, common)},
-        {Cell(named.CLOCK): shift**2},
+        {SourceCell(named.CLOCK): shift**2},
     )
     return Decomposition(vector, variance)
 
@@ -175,7 +175,7 @@ def _by_origin(total: FloatArray, onward: FloatArray, shares: Shares) -> Shares:
     return {cell: onward**2 @ share * scale for cell, share in shares.items()}
 
 
-def _after_fit(vector: TriadVector, joint: JointFit, triad: str, per: float) -> Shares:
+def _after_fit(vector: TriadVector, joint: TriadFit, triad: str, per: float) -> Shares:
     """Return what `triad_vector` adds to the fit's covariance: what dwells have in common, and a skew cube."""
     of_bias = np.concatenate((np.zeros((3, 12)), common_variance(joint, vector.value[:3] / per)), axis=1)
     fitted = np.einsum("ip,pq,iq->i", vector.jacobian, joint.fit.covariance, vector.jacobian)
@@ -183,25 +183,25 @@ def _after_fit(vector: TriadVector, joint: JointFit, triad: str, per: float) -> 
     skew[3:12] = 0.0  # E refers to the mean cube itself
     return {
         excess_cell_or_none(joint, triad): of_bias[0],
-        Cell(named.WARM_UP, triad): of_bias[1],
-        Cell(named.TURN_ON, triad, max(joint.profiled // 3, 1)): of_bias[2],
-        Cell(named.CUBE): skew,
+        SourceCell(named.WARM_UP, triad): of_bias[1],
+        SourceCell(named.TURN_ON, triad, max(joint.profiled // 3, 1)): of_bias[2],
+        SourceCell(named.CUBE): skew,
     }
 
 
-def _effects(vector: TriadVector, joint: JointFit, through: FloatArray) -> Shares:
+def _effects(vector: TriadVector, joint: TriadFit, through: FloatArray) -> Shares:
     """Return what the coefficients of effects leave open: the fit's covariance beyond that of its own rows."""
     fitted = np.einsum("ip,pq,iq->i", vector.jacobian, joint.fit.covariance, vector.jacobian)
     own = np.sum(through**2, axis=1)
-    return {Cell(named.EFFECTS): np.where(fitted > own * (1 + ROUNDING), fitted - own, 0.0)}
+    return {SourceCell(named.EFFECTS): np.where(fitted > own * (1 + VARIANCE_ROUNDING), fitted - own, 0.0)}
 
 
-def excess_cell_or_none(joint: JointFit, triad: str) -> Cell:
+def excess_cell_or_none(joint: TriadFit, triad: str) -> SourceCell:
     """Return the bias instability's cell; without dwells one that holds nothing."""
-    return excess_cell(joint, triad) if joint.seen.dwells else Cell(named.INSTABILITY, triad)
+    return excess_cell(joint, triad) if joint.seen.dwells else SourceCell(named.INSTABILITY, triad)
 
 
 def _temperature(triad: str, through: FloatArray, effect: TemperatureEffect | None) -> Shares:
     if effect is None:
         return {}
-    return {Cell(named.TEMPERATURE, triad, effect.dof): effect.variance(through)}
+    return {SourceCell(named.TEMPERATURE, triad, effect.dof): effect.variance(through)}

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.bench.turn_closing import TurnSeen
+from procedures.bench.turn_closing import TurnCounts
 from procedures.campaign.campaign import TurnRecord
 from procedures.campaign.plan_steps import FreePosition, Soak, Turn
 from procedures.frames import AXES
@@ -31,7 +31,7 @@ class AcceptedSteps:
     """
 
     dwells: tuple[AcceptedDwell, ...] = ()
-    turns: Mapping[str, TurnSeen] = field(default_factory=dict)
+    turns: Mapping[str, TurnCounts] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
     free_attitudes: Mapping[str, FloatArray] = field(default_factory=dict)
     badly_seated: frozenset[int] = frozenset()
@@ -76,7 +76,7 @@ def _name(turn: TurnRecord) -> str:
     return Turn(turn.axis, turn.direction, turn.revolutions, turn.start_position, 0.0).name
 
 
-def turn_seen(turn: TurnRecord, C_sb: FloatArray) -> TurnSeen:
+def turn_seen(turn: TurnRecord, C_sb: FloatArray) -> TurnCounts:
     """Return a recorded turn as `TurnWatch` saw it: less the rate of its first seconds, at rest."""
     series = counted_series(turn.series)
     samples = np.asarray(series.gyro) @ C_sb[:, AXES.index(turn.axis)]
@@ -84,4 +84,4 @@ def turn_seen(turn: TurnRecord, C_sb: FloatArray) -> TurnSeen:
     rest, total = samples[:n], float(np.sum(samples - samples[:n].mean()))
     angle = 2 * np.pi * turn.revolutions
     noise = float(rest.std(ddof=1) / np.sqrt(n)) * len(samples) / abs(total) * angle
-    return TurnSeen(turn.direction, abs(total) / turn.revolutions, angle, noise)
+    return TurnCounts(turn.direction, abs(total) / turn.revolutions, angle, noise)

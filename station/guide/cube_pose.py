@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from procedures.bench.cube_attitude import Standing, heading_off
+from procedures.bench.cube_attitude import CubeAttitude, heading_to_position
 from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn
 from procedures.frames import face_normal, face_of
 from station.guide.cube_tracking import CubeTracker
@@ -12,10 +12,8 @@ from station.guide.view import PoseView
 from station.guide.wording import face_in_words
 
 TIPPED_DEG = 20.0  # off the vertical, from which on another face is as near as makes no matter
-OFF_DEG, OFF_SIGMA = (
-    10.0,
-    3.0,
-)  # from which on a heading is wrong; nearer a dwell itself judges
+# From which on a heading is wrong; nearer a dwell itself judges
+OFF_DEG, OFF_SIGMA = 10.0, 3.0
 WRONG_S = 20  # at rest
 HALF_DEG = 178.0  # beyond which no way round is the shorter one
 AS_WANTED = "it stands as wanted"
@@ -66,20 +64,20 @@ class HeadingWatch:
             self.text = text
 
 
-def _turn_deg(now: Standing, step: Step | None) -> float | None:
+def _turn_deg(now: CubeAttitude, step: Step | None) -> float | None:
     """Return how far the cube must be turned to stand as a step wants it; None where its face is another."""
     position = step.start_position if isinstance(step, Turn) else getattr(step, "position", 0)
     if not position or _tipped_deg(now, face_of(position)) > TIPPED_DEG:
         return None
-    return float(np.degrees(heading_off(now, position)))
+    return float(np.degrees(heading_to_position(now, position)))
 
 
-def _tipped_deg(now: Standing, face: str) -> float:
+def _tipped_deg(now: CubeAttitude, face: str) -> float:
     return float(np.degrees(np.arccos(np.clip(now.up @ face_normal(face), -1.0, 1.0))))
 
 
 def _left_to_do(
-    now: Standing, context: StageContext, step: Step | None, off: float | None, *, is_known: bool
+    now: CubeAttitude, context: StageContext, step: Step | None, off: float | None, *, is_known: bool
 ) -> str:
     face = face_wanted(step)
     if step is None or not face:
@@ -109,7 +107,7 @@ def face_wanted(step: Step | None) -> str:
     return ""
 
 
-def _tip(now: Standing, face: str, *, is_known: bool) -> str:
+def _tip(now: CubeAttitude, face: str, *, is_known: bool) -> str:
     """Say how to get ``face`` up."""
     where = now.C_lb @ face_normal(face)
     said = f"{face_in_words(face).replace(' points ', ' ')}"

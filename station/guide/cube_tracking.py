@@ -10,19 +10,19 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.bench.cube_attitude import (
-    Standing,
-    carried,
-    forgotten,
-    heading_off,
-    levelled,
-    lost_sight,
-    standing,
-    told,
+    CubeAttitude,
+    after_gap,
+    attitude_of_up,
+    heading_corrected,
+    heading_to_position,
+    propagated,
+    tilt_corrected,
+    without_heading,
 )
 from procedures.campaign.plan_steps import Turn
 from procedures.earth.cube_heading import earth_heading
 from procedures.earth.gravity_and_rate import EARTH_RATE
-from procedures.earth.gyrocompass import BIAS_STD, SPREAD, first_position, scale
+from procedures.earth.gyrocompass import BIAS_STD_RAD_S, SCALE_SPREAD, first_position, rough_scale_factor
 from procedures.frames import AXES
 from station.guide.face_and_stillness import BlockLook
 from station.guide.stage_context import StageContext
@@ -44,7 +44,7 @@ TURNED_K_STD = 0.005  # of a gyro that was turned itself: how the turn closed, a
 class _Rest:
     """The rest under way: how the cube stood as it began, and the blocks since."""
 
-    before: Standing
+    before: CubeAttitude
     seconds: int = 0
     total: FloatArray = field(default_factory=lambda: np.zeros(6))
 
@@ -59,8 +59,8 @@ class CubeTracker:
 
     def __init__(self, context: StageContext) -> None:
         self._context = context
-        self._base: Standing | None = None
-        self.now: Standing | None = None
+        self._base: CubeAttitude | None = None
+        self.now: CubeAttitude | None = None
         self._block: Block | None = None  # the last one taken
         self._rest: _Rest | None = None
         self._resting: FloatArray | None = None  # (6,) count/s at rest, of the last rest
@@ -82,14 +82,14 @@ class CubeTracker:
     def take(self, block: Block, look: BlockLook) -> None:
         """Take a second of the stream."""
         up = self._context.gate.way_up(block.rate[3:])
-        base = standing(up) if self._base is None else self._seen_since(self._base, block)
+        base = attitude_of_up(up) if self._base is None else self._seen_since(self._base, block)
         self._learn_scale()
         if look.is_still:
             base = self._rested(base, block, look)
         else:
             self._rest = None
             base = self._moved(base, self._ticks(block.first, block.last))
-            base = levelled(base, up, LEVELLING_GAIN) if self._is_gravity(block.rate[3:]) else base
+            base = tilt_corrected(base, up, LEVELLING_GAIN) if self._is_gravity(block.rate[3:]) else base
         self._base = self.now = base
         self._block = block
 
@@ -104,7 +104,7 @@ class CubeTracker:
         base = self._moved(base, self._ticks(block.last, tape.end))
         gain = 1.0 if self._scale is None else LEVELLING_GAIN
         if self._is_gravity(force):
-            base = levelled(base, self._context.gate.way_up(force), gain)
+            base = tilt_corrected(base, self._context.gate.way_up(force), gain)
         self.now = base
 
     @property
@@ -114,26 +114,26 @@ class CubeTracker:
             return TURNED_K_STD
         return ROUGH_K_STD if self._scale is None else self._scale[1]
 
-    def _seen_since(self, base: Standing, block: Block) -> Standing:
+    def _seen_since(self, base: CubeAttitude, block: Block) -> CubeAttitude:
         """Return how the cube stands as the block begins: less sure after a gap, unsure after a new beginning."""
         last = self._block
         if block.is_anew or last is None:
             self._rest, self._outdated = None, self._context.position
-            return forgotten(base)
+            return without_heading(base)
         if block.first == last.last and not block.is_broken:
             return base
         self._rest = None
-        return lost_sight(base, max(block.begins - last.ends, 0.0), self._k_std)
+        return after_gap(base, max(block.begins - last.ends, 0.0), self._k_std)
 
-    def _rested(self, base: Standing, block: Block, look: BlockLook) -> Standing:
+    def _rested(self, base: CubeAttitude, block: Block, look: BlockLook) -> CubeAttitude:
         rest = self._rest = self._rest or _Rest(base)
         if rest.seconds < MAX_REST_S:
             rest.seconds, rest.total = rest.seconds + 1, rest.total + block.rate
         self._resting = rest.rate
-        level = levelled(rest.before, self._context.gate.way_up(rest.rate[3:]), 1.0)
+        level = tilt_corrected(rest.before, self._context.gate.way_up(rest.rate[3:]), 1.0)
         return self._as_left(self._by_earth(level, rest, look))
 
-    def _by_earth(self, level: Standing, rest: _Rest, look: BlockLook) -> Standing:
+    def _by_earth(self, level: CubeAttitude, rest: _Rest, look: BlockLook) -> CubeAttitude:
         """Return the resting cube with the heading that the Earth's rate tells, if it does."""
         context, rate, first = self._context, rest.rate[:3], 0.0
         k = None if self._scale is None else self._scale[0]
@@ -142,32 +142,34 @@ class CubeTracker:
             if not found.is_sure or not look.is_upright:
                 return level
             k = float(np.linalg.norm(rate)) / EARTH_RATE
-            self._scale = (k, float(np.hypot(BIAS_STD / EARTH_RATE, SPREAD)))
-            first = heading_off(level, first_position(look.face)) + found.quarter * np.pi / 2
+            self._scale = (k, float(np.hypot(BIAS_STD_RAD_S / EARTH_RATE, SCALE_SPREAD)))
+            first = heading_to_position(level, first_position(look.face)) + found.quarter * np.pi / 2
         if k is None:
             return level
         std = context.gyro_std(rest.seconds)
-        turned = told(forgotten(level), first, 0.0, 0.0)
+        turned = heading_corrected(without_heading(level), first, 0.0, 0.0)
         off, off_std = earth_heading(
             rate, std, turned.C_lb, context.bench.latitude, context.C_sb, k, context.known
         )
         whole = float(np.angle(np.exp(1j * (first + off))))
-        return told(level, whole, off_std, self._k_std)
+        return heading_corrected(level, whole, off_std, self._k_std)
 
-    def _as_left(self, level: Standing) -> Standing:
+    def _as_left(self, level: CubeAttitude) -> CubeAttitude:
         """Return the cube with the heading of the position that it was accepted in, where nothing tells better."""
         position = self._context.position
         self._outdated = self._outdated if position == self._outdated else 0
         if position == self._outdated or level.heading_std(self._k_std) < KNOWN_HEADING_STD:
             return level
-        return told(forgotten(level), heading_off(level, position), MARKS_STD, self._k_std)
+        return heading_corrected(
+            without_heading(level), heading_to_position(level, position), MARKS_STD, self._k_std
+        )
 
-    def _moved(self, base: Standing, counts: FloatArray) -> Standing:
+    def _moved(self, base: CubeAttitude, counts: FloatArray) -> CubeAttitude:
         """Return the cube after the ``counts`` (n, 3) of the gyros; without their scale its heading is lost."""
         if self._scale is None:
-            return forgotten(base)
+            return without_heading(base)
         k = np.array([self._turned.get(axis, self._scale[0]) for axis in AXES])
-        return carried(base, counts @ self._context.C_sb / k)
+        return propagated(base, counts @ self._context.C_sb / k)
 
     def _ticks(self, first: int, last: int) -> FloatArray:
         """Return what the gyros counted in each tick (n, 3), IMU axes, less what they count at rest."""
@@ -193,11 +195,13 @@ class CubeTracker:
             return
         self._scaled_by = done
         if context.turns:
-            self._scale = (float(context.gyro_k or 0.0), SPREAD)
+            self._scale = (float(context.gyro_k or 0.0), SCALE_SPREAD)
             axes = {step.name: step.axis for step in context.checklist.steps if isinstance(step, Turn)}
             self._turned = {axes[n]: each.counts / (2 * np.pi) for n, each in context.turns.items() if n in axes}
         else:
-            found = scale(context.known, context.bench.latitude, context.C_sb)
+            found = rough_scale_factor(context.known, context.bench.latitude, context.C_sb)
             self._scale = (
-                None if found is None or found[1] > ROUGH_K_STD else (found[0], float(np.hypot(found[1], SPREAD)))
+                None
+                if found is None or found[1] > ROUGH_K_STD
+                else (found[0], float(np.hypot(found[1], SCALE_SPREAD)))
             )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from procedures.campaign.plan_steps import FreePosition, Soak
-from procedures.rests_and_moves.free_attitudes import APART_DEG, nearest_deg
+from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, nearest_deg
 from station.guide.accepted_dwell import triad_estimates
 from station.guide.dwell_attempt import TOUCHED, DwellAttempt, crept
 from station.guide.dwell_stage import NextStage
@@ -27,10 +27,12 @@ def free_look(context: StageContext, block: Block, look: BlockLook) -> BlockLook
     up = context.gate.way_up(block.rate[3:])
     apart = nearest_deg(up, context.leans_taken())
     fault = ""
-    if look.off_deg < APART_DEG:
-        fault = f"{look.off_deg:.0f} deg from the nearest face, at least {APART_DEG:.0f}: lean it further"
-    elif apart < APART_DEG:
-        fault = f"{apart:.0f} deg from an attitude taken already, at least {APART_DEG:.0f}: lean it another way"
+    if look.off_deg < MIN_APART_DEG:
+        fault = f"{look.off_deg:.0f} deg from the nearest face, at least {MIN_APART_DEG:.0f}: lean it further"
+    elif apart < MIN_APART_DEG:
+        fault = (
+            f"{apart:.0f} deg from an attitude taken already, at least {MIN_APART_DEG:.0f}: lean it another way"
+        )
     hindrance = look.hindrance if not look.is_still else fault
     return replace(look, is_upright=not fault, hindrance=hindrance)
 

@@ -12,7 +12,7 @@ import numpy as np
 from drivers.errors import DriverError
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Step
-from procedures.rests_and_moves.free_attitudes import APART_DEG, nearest_deg
+from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, nearest_deg
 from station.files.campaign_folder.notes import UnitRecord
 from station.guide.command import OperatorCommand
 from station.guide.cube_pose import HeadingWatch, face_wanted, pose_view
@@ -185,8 +185,13 @@ class Guide:
             position=self.context.position,
         )  # fmt: skip
         if extras.get("is_free"):
-            is_apart = nearest_deg(self.context.gate.way_up(self._accel), self.context.leans_taken()) >= APART_DEG
-            extras = extras | {"is_right_face": look.off_deg >= APART_DEG and is_apart, "limit_deg": APART_DEG}
+            is_apart = (
+                nearest_deg(self.context.gate.way_up(self._accel), self.context.leans_taken()) >= MIN_APART_DEG
+            )
+            extras = extras | {
+                "is_right_face": look.off_deg >= MIN_APART_DEG and is_apart,
+                "limit_deg": MIN_APART_DEG,
+            }
         return gates.model_copy(update=extras)
 
     @property

@@ -4,7 +4,7 @@ from typing import Any
 
 from procedures.campaign.plan_steps import Soak, Turn
 from procedures.frames import face_of
-from procedures.rests_and_moves.free_attitudes import APART_DEG, wanted
+from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, next_direction
 from station.guide.checklist import is_free
 from station.guide.dwell_stage import DwellStage
 from station.guide.face_and_stillness import BlockLook
@@ -62,7 +62,7 @@ class PlacingStage:
         """Return where the cube is to go, and what hinders."""
         step, position = self._context.checklist.wanted, self._context.position
         is_there = isinstance(step, Turn) and step.start_position == position
-        lean = wanted(self._context.leans_taken()) if step is not None and is_free(step) else None
+        lean = next_direction(self._context.leans_taken()) if step is not None and is_free(step) else None
         what = instruction(step, is_there=is_there, way=lean or (1, 1, 0)) if step else "all steps are done"
         hint = self._why or (self._hint if not self._must_move else "")
         shown: dict[str, Any] = {"stage": "settle" if self._calm else "place", "line": what, "hint": hint}
@@ -90,7 +90,7 @@ class PlacingStage:
         checklist = self._context.checklist
         if checklist.open_free() is None:
             return False
-        if look.off_deg >= APART_DEG:
+        if look.off_deg >= MIN_APART_DEG:
             return True
         step = checklist.wanted
         has_work = checklist.open_dwells(look.face) or checklist.open_soak(look.face)

@@ -7,7 +7,7 @@ be off. What comes back the same after lifting, wiping and setting down is no cr
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.bench.seating_check import PLAUSIBLE, Seating, judge, seating
+from procedures.bench.seating_check import PLAUSIBLE_FACE_TILT_RAD, Seating, judge, seating
 from procedures.units import ARCSEC_PER_DEG
 from station.guide.accepted_dwell import rates_and_sigmas, triad_estimates
 from station.guide.dwell_attempt import DwellAttempt
@@ -91,7 +91,7 @@ class SeatCheck:
 def keep_question(context: StageContext) -> OperatorQuestion | None:
     """Return what is to be asked before the cube is kept as it sits; None where that is plausible."""
     off = float(np.linalg.norm(context.seats[context.off_seat]))
-    if off <= PLAUSIBLE:
+    if off <= PLAUSIBLE_FACE_TILT_RAD:
         return None
     text = (
         f"The cube sits tilted by {np.degrees(off):.2f} deg: no clean seat does. Kept so, it is recorded as "

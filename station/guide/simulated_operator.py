@@ -9,7 +9,7 @@ from drivers.simulated.errors import SimulatorError
 from drivers.simulated.hands import SimulatedHands
 from procedures.campaign.plan_steps import Turn
 from procedures.frames import face_of
-from procedures.rests_and_moves.free_attitudes import LEANS, Lean
+from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, UpDirection
 from station.guide.view import CalibrationView, StepView
 
 SOAK_K = 15.0
@@ -109,10 +109,10 @@ class SimulatedOperator:
             raise HandsLost(str(error)) from error
         self._heated = wanted
 
-    def _do(self, what: str, step: StepView, lean: Lean | None) -> float:
+    def _do(self, what: str, step: StepView, lean: UpDirection | None) -> float:
         """Return the device time [s] at which it will be over."""
         if what == "place" and step.is_free:
-            return self._hands.lean(lean or LEANS[0], self._move_s)
+            return self._hands.lean(lean or UP_DIRECTIONS[0], self._move_s)
         if what == "place":
             face = next((p for p in range(1, 13) if face_of(p) == step.up), 0)
             return self._hands.place(step.position or step.start_position or face, self._move_s)

@@ -8,11 +8,11 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.bench.heading_errors import HeadingError, heading_errors
-from procedures.bench.turn_closing import Closing, TurnSeen, apart, limit
+from procedures.bench.turn_closing import Closing, TurnCounts, pair_difference, pair_limit
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn
 from procedures.earth.gravity_and_rate import EARTH_RATE
-from procedures.earth.gyrocompass import Heading, Known, find_heading, scale
+from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading, rough_scale_factor
 from station.errors import DataRefused
 from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell
 from station.guide.accepted_steps import AcceptedSteps
@@ -96,7 +96,7 @@ class StageContext:
         self.feed, self.checklist, self.bench, self._recorder = feed, checklist, bench, recorder
         self.event_log, self.gate = EventLog(), FaceAndStillnessGate(bench.fixture.C_sb)
         self.accepted_dwells: dict[int, AcceptedDwell] = {}
-        self.turns: dict[str, TurnSeen] = dict(done.turns)  # those that stand, by step
+        self.turns: dict[str, TurnCounts] = dict(done.turns)  # those that stand, by step
         steps = {step.name: step for step in checklist.steps if isinstance(step, Turn)}
         standing = [(steps[name].axis, seen) for name, seen in self.turns.items() if name in steps]
         self.closings = TurnClosures(bench.closure_std, standing)
@@ -125,16 +125,16 @@ class StageContext:
         return [each for each in self.accepted_dwells.values() if each.position not in self.badly_seated]
 
     @property
-    def known(self) -> list[Known]:
+    def known(self) -> list[CertainDwell]:
         """The gyros' rates where the position is certain."""
-        return [Known(each.position, each.gyro, each.gyro_std) for each in self.accepted_dwells.values()]
+        return [CertainDwell(each.position, each.gyro, each.gyro_std) for each in self.accepted_dwells.values()]
 
     @property
     def gyro_k(self) -> float | None:
         """The gyros' scale factor [count/rad], roughly; None where nothing says it."""
         if self.turns:
             return float(np.median(self.turn_counts)) / (2 * np.pi)
-        found = scale(self.known, self.bench.latitude, self.C_sb)
+        found = rough_scale_factor(self.known, self.bench.latitude, self.C_sb)
         return None if found is None or found[1] > 0.3 else found[0]
 
     def rough_gyro_k(self, rest: FloatArray) -> float:
@@ -146,7 +146,7 @@ class StageContext:
         """Counts per revolution of the turns that stand."""
         return [seen.counts for seen in self.turns.values()]
 
-    def accept_turn(self, step: Turn, runs: Sequence[SampleRun], seen: TurnSeen, note: str) -> None:
+    def accept_turn(self, step: Turn, runs: Sequence[SampleRun], seen: TurnCounts, note: str) -> None:
         """Record a turn; where the turns about its axis do not close, say what is to be done again.
 
         Raises
@@ -160,7 +160,7 @@ class StageContext:
         if partner is None or found is Closing.CLOSED:
             self.accept(step, runs, note)
             return
-        why = what_now(found, step, apart(seen, partner), limit(seen, partner, stated))
+        why = what_now(found, step, pair_difference(seen, partner), pair_limit(seen, partner, stated))
         self.accept(step, runs, note, doubt=why)
         for again in turns_again(found, step):
             self.checklist.redo(again)
@@ -232,7 +232,7 @@ class StageContext:
         self.checklist.set_dwell(seconds)
         self._recorder.keep_steps(self.checklist.steps)
 
-    def heading(self, gyro: FloatArray, seconds: float, face: str) -> Heading:
+    def heading(self, gyro: FloatArray, seconds: float, face: str) -> QuarterHeading:
         """Say which way the cube stands with ``face`` up, from the gyros' mean count rate (3,)."""
         std, bench = self.gyro_std(seconds), self.bench
         return find_heading(gyro, std, face, bench.latitude, self.C_sb, self.known)

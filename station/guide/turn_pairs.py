@@ -6,9 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from procedures.bench.turn_closing import Closing, TurnSeen, apart, closing, limit, scatter
+from procedures.bench.turn_closing import (
+    Closing,
+    TurnCounts,
+    closure_scatter,
+    judge_closing,
+    pair_difference,
+    pair_limit,
+)
 from procedures.campaign.plan_steps import Turn
-from procedures.earth.gyrocompass import Known, heading_change
+from procedures.earth.gyrocompass import CertainDwell, heading_change
 from station.guide.setup_view import Choice
 from station.guide.view import OperatorQuestion
 from station.guide.wording import step_title
@@ -22,29 +29,29 @@ TURN_AGAIN, WIDEN_CLOSURE = "t", "w"
 class TurnClosures:
     """The turns about each axis, what they say together, and ``closure_std`` [rad] as it is stated now."""
 
-    def __init__(self, closure_std: float, before: Iterable[tuple[str, TurnSeen]] = ()) -> None:
+    def __init__(self, closure_std: float, before: Iterable[tuple[str, TurnCounts]] = ()) -> None:
         self.closure_std = closure_std
-        self._turns: dict[str, list[TurnSeen]] = defaultdict(list)
+        self._turns: dict[str, list[TurnCounts]] = defaultdict(list)
         self._scatter: dict[str, float] = {}  # of the axes that have not closed
         self._verdict: dict[str, Closing] = {}
         self._rounds: dict[str, int] = defaultdict(int)
         for axis, seen in before:
             self.take(axis, seen)
 
-    def take(self, axis: str, seen: TurnSeen) -> Closing:
+    def take(self, axis: str, seen: TurnCounts) -> Closing:
         """Take a turn that was recorded; say what the turns about its axis say together."""
         turns = self._turns[axis]
         turns.append(seen)
-        found = self._verdict[axis] = closing(turns, self.closure_std)
+        found = self._verdict[axis] = judge_closing(turns, self.closure_std)
         self._scatter.pop(axis, None)
         if found not in {Closing.ALONE, Closing.CLOSED}:
-            self._scatter[axis] = scatter(turns)
+            self._scatter[axis] = closure_scatter(turns)
         if found in {Closing.APART, Closing.REPEATS}:
             self._rounds[axis] += 1
             turns.clear()
         return found
 
-    def partner(self, axis: str, direction: str) -> TurnSeen | None:
+    def partner(self, axis: str, direction: str) -> TurnCounts | None:
         """Return the last turn the other way about an axis."""
         return next((turn for turn in reversed(self._turns[axis]) if turn.direction != direction), None)
 
@@ -88,11 +95,11 @@ class TurnClosures:
         return OperatorQuestion(text=f"The turns about {axis.upper()} did not close as stated.", choices=choices)
 
 
-def agreement_in_words(seen: TurnSeen, partner: TurnSeen | None, closure_std: float) -> str:
+def agreement_in_words(seen: TurnCounts, partner: TurnCounts | None, closure_std: float) -> str:
     """Say how a turn agrees with its partner; nothing where there is none."""
     if partner is None:
         return ""
-    off, most = np.degrees(abs(apart(seen, partner))), np.degrees(limit(seen, partner, closure_std))
+    off, most = np.degrees(abs(pair_difference(seen, partner))), np.degrees(pair_limit(seen, partner, closure_std))
     return f"{off:.3f} deg from the turn the other way, limit {most:.3f}"
 
 
@@ -102,7 +109,11 @@ def earth_rate_says(change: tuple[float, float] | None) -> str:
 
 
 def heading_moved(
-    before: Known, after: Known, latitude: float, C_sb: np.ndarray[tuple[int, int], np.dtype[np.float64]], k: float
+    before: CertainDwell,
+    after: CertainDwell,
+    latitude: float,
+    C_sb: np.ndarray[tuple[int, int], np.dtype[np.float64]],
+    k: float,
 ) -> tuple[float, float] | None:
     """Return by how much the heading changed [deg], counter-clockwise, with 1 sigma; None where nothing tells."""
     angle, std = np.degrees(heading_change(before, after, latitude, C_sb, k))

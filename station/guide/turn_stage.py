@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from procedures.bench.turn_closing import TurnSeen
+from procedures.bench.turn_closing import TurnCounts
 from procedures.campaign.plan_steps import Turn
-from procedures.earth.gyrocompass import Known, scale
+from procedures.earth.gyrocompass import CertainDwell, rough_scale_factor
 from procedures.frames import AXES, face_of
 from station.guide.face_and_stillness import BlockLook
 from station.guide.heading_questions import NEITHER, OTHER_WAY, TAKE, which_position, which_turn
@@ -146,7 +146,10 @@ class TurnStage:
         if context.turns:
             return ""
         found = abs(self._revolutions())
-        if scale(context.known, context.bench.latitude, context.C_sb) is None or round(found) == wanted:
+        if (
+            rough_scale_factor(context.known, context.bench.latitude, context.C_sb) is None
+            or round(found) == wanted
+        ):
             return ""
         return f"it was about {found:.1f} revolutions, expected {wanted}"
 
@@ -241,14 +244,14 @@ class TurnStage:
     def _closure_deg(self) -> float:
         return float(np.degrees(self._context.closings.closure_std))
 
-    def _seen(self) -> TurnSeen:
+    def _seen(self) -> TurnCounts:
         """Return the turn as it counted; its noise is that of the rate at rest, over the time it moved."""
         step, watch, context = self._step, self._watch, self._context
         up = context.C_sb[:, AXES.index(step.axis)]
         rate_std = float(np.sqrt(up**2 @ context.gyro_std(len(watch.rests[0])) ** 2))
         angle = 2 * np.pi * step.revolutions
         noise = rate_std * watch.moved_s / abs(watch.turned_counts) * angle
-        return TurnSeen(step.direction, watch.counts_per_revolution, angle, noise)
+        return TurnCounts(step.direction, watch.counts_per_revolution, angle, noise)
 
     def _heading_moved(self) -> tuple[float, float] | None:
         """Return what the horizontal Earth rate before and after tells [deg], with 1 sigma."""
@@ -259,9 +262,9 @@ class TurnStage:
         k = context.rough_gyro_k(self._watch.rest_rate)
         return heading_moved(self._known(before), self._known(after), context.bench.latitude, context.C_sb, k)
 
-    def _known(self, blocks: list[Block]) -> Known:
+    def _known(self, blocks: list[Block]) -> CertainDwell:
         rate = np.mean([block.rate[:3] for block in blocks], axis=0)
-        return Known(self._step.start_position, rate, self._context.gyro_std(len(blocks)))
+        return CertainDwell(self._step.start_position, rate, self._context.gyro_std(len(blocks)))
 
 
 def _speed(turn: TurnView) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from procedures.bench.dwell_length import dwell_seconds
-from procedures.bench.warm_up import Means, WarmUpState, unsettled, warm_up
+from procedures.bench.warm_up import IntervalMeans, WarmUpState, unsettled_bias, warm_up
 from procedures.campaign.plan_steps import Dwell
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
@@ -72,7 +72,7 @@ class WarmUpStage:
         """Begin without: the drift seen is recorded and widens the sigmas."""
         context, history = self._context, self._history()
         try:
-            found = unsettled(history, context.checklist.remaining_s(), self._marks)
+            found = unsettled_bias(history, context.checklist.remaining_s(), self._marks)
         except ValueError as error:
             context.event_log.say("rejected", f"not yet: {error}")
             return self
@@ -117,12 +117,12 @@ class WarmUpStage:
     def _dwell_s(self) -> float:
         return max((s.seconds for s in self._context.checklist.steps if isinstance(s, Dwell)), default=100.0)
 
-    def _history(self) -> Means:
+    def _history(self) -> IntervalMeans:
         noise = np.maximum(self._context.gate.stillness.noise, MIN_VARIANCE) * TICKS_PER_BLOCK
         std = np.sqrt(noise / MEAN_BLOCKS + 1 / (6 * MEAN_BLOCKS**2))
         rates = np.array([np.mean([b.rate for b in row], axis=0) for row in self._rows]).reshape(-1, 6)
         stds = np.tile(std, (len(rates), 1))
-        return Means(
+        return IntervalMeans(
             t=np.array([row[-1].ends for row in self._rows]),
             gyro=rates[:, :3], gyro_std=stds[:, :3], accel=rates[:, 3:], accel_std=stds[:, 3:],
             temperature=np.array([np.mean([b.temperature for b in row]) for row in self._rows]),
@@ -164,7 +164,7 @@ def _per_minute(per_second: float | None) -> float | None:
     return None if per_second is None else 60 * per_second
 
 
-def _deg_h(count_rate: float, history: Means) -> float:
+def _deg_h(count_rate: float, history: IntervalMeans) -> float:
     """Return a gyro's count rate in deg/h, roughly: at rest the Earth's rate is most of what they count."""
     k = float(np.linalg.norm(history.gyro[-1])) / EARTH_RATE
     return float(np.degrees(count_rate / k)) * DEG_H_PER_DEG_S

@@ -4,7 +4,7 @@ from math import floor, log10
 
 from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
 from procedures.frames import POSITIONS, face_of
-from procedures.rests_and_moves.free_attitudes import Lean
+from procedures.rests_and_moves.free_attitudes import UpDirection
 
 _WORDS = {"U": "up", "D": "down", "E": "east", "W": "west", "N": "north", "S": "south"}
 
@@ -26,7 +26,7 @@ def face_in_words(name: str) -> str:
     return f"{name[0].upper()} points {name[2:]}"
 
 
-def lean_in_words(way: Lean) -> str:
+def lean_in_words(way: UpDirection) -> str:
     """Return how the cube is to lean: ``on an edge, X half up, Y half down``."""
     half = {sign: [axis for axis, one in zip("XYZ", way, strict=True) if one == sign] for sign in (1, -1)}
     said = [f"{' and '.join(axes)} half {word}" for axes, word in ((half[1], "up"), (half[-1], "down")) if axes]
@@ -55,7 +55,7 @@ def step_title(step: Step) -> str:
     return f"turn {step.axis.upper()}{step.direction}"
 
 
-def instruction(step: Step, *, is_there: bool = False, way: Lean = (1, 1, 0)) -> str:
+def instruction(step: Step, *, is_there: bool = False, way: UpDirection = (1, 1, 0)) -> str:
     """Return what is to be done; ``is_there``: the cube stands where a turn begins; ``way``: how it is to lean."""
     after = f"; then leave it for {step.seconds:.0f} s" if isinstance(step, Soak) else ""
     if isinstance(step, Dwell) or (isinstance(step, Soak) and step.position):

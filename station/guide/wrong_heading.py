@@ -6,7 +6,7 @@ It shows once other faces have shown the gyros' biases, so that it may be an ear
 from collections.abc import Callable
 from functools import partial
 
-from procedures.bench.heading_errors import HeadingError, stood
+from procedures.bench.heading_errors import HeadingError, heading_error_text
 from procedures.campaign.plan_steps import Dwell
 from station.guide.question import QuestionStage
 from station.guide.setup_view import Choice
@@ -24,7 +24,7 @@ def after_dwell(context: StageContext, again: Callable[[str], Stage]) -> Stage:
         if key in context.reported_turned or not (dwell := _to_redo(context, positions)):
             continue
         context.reported_turned.add(key)
-        told = f"position {' or '.join(map(str, key))} {stood(error)}"
+        told = f"position {' or '.join(map(str, key))} {heading_error_text(error)}"
         context.event_log.say("rejected", told)
         if not context.bench.asks:  # once: the second time it stands as it is, and the solution says so
             return (

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from procedures.uncertainty.budget import COVERAGE, Contribution, ParameterBudget
+from procedures.uncertainty.budget import COVERAGE_PROBABILITY, Contribution, ParameterBudget
 
 FORMAT = "budget/1"
 
@@ -12,7 +12,7 @@ FORMAT = "budget/1"
 def budget_document(budgets: Sequence[ParameterBudget]) -> dict[str, Any]:
     """Return budgets as `budget/1`: an infinite ``dof`` is left out, and a parameter that is not finite."""
     shown = [one for one in budgets if math.isfinite(one.value) and math.isfinite(one.std)]
-    return {"format": FORMAT, "coverage": COVERAGE, "parameters": [_parameter(one) for one in shown]}
+    return {"format": FORMAT, "coverage": COVERAGE_PROBABILITY, "parameters": [_parameter(one) for one in shown]}
 
 
 def _parameter(one: ParameterBudget) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from procedures.bench.seating_check import PLAUSIBLE
+from procedures.bench.seating_check import PLAUSIBLE_FACE_TILT_RAD
 from procedures.campaign.plan_steps import Dwell
 from station.files.campaign_folder.schema import CampaignTable
 
@@ -27,7 +27,7 @@ def doubt_of(tables: CampaignTable) -> str:
 
     Such a step stands in the fit as if it were level, and the limits cannot tell. Empty where there is none.
     """
-    bad = {position: off for position, off in kept_seats(tables).items() if off > PLAUSIBLE}
+    bad = {position: off for position, off in kept_seats(tables).items() if off > PLAUSIBLE_FACE_TILT_RAD}
     if not bad:
         return ""
     which = " and ".join(f"position {position}" for position in sorted(bad))

@@ -20,7 +20,7 @@ from procedures.calibration.calibration import fit
 from procedures.dwells_and_turns.bench_parameters import mean_cube
 from procedures.frames import AXES
 from procedures.uncertainty.budget import budget
-from procedures.uncertainty.given_values import EXACT, Inputs
+from procedures.uncertainty.given_values import EXACT, GivenValues
 
 UNIT = 1
 CHUNK = 4
@@ -35,7 +35,7 @@ class Kind:
     dwell_s: float = 100.0
     noise_g: float = 1e-5
     certificate: float | None = None
-    inputs: Inputs = EXACT
+    inputs: GivenValues = EXACT
 
 
 KINDS = {
@@ -43,7 +43,7 @@ KINDS = {
     "faces certified": Kind(certificate=5e-6),
     "short noisy dwells": Kind(dwell_s=20.0, noise_g=3e-4),
     "short dwells, latitude and clock": Kind(
-        dwell_s=20.0, noise_g=3e-4, inputs=Inputs(float(np.radians(0.3)), 1e-5)
+        dwell_s=20.0, noise_g=3e-4, inputs=GivenValues(float(np.radians(0.3)), 1e-5)
     ),
 }
 Row = tuple[list[str], np.ndarray, np.ndarray, np.ndarray]

@@ -14,16 +14,16 @@ from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign,
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.bench.dwell_length import dwell_seconds
-from procedures.bench.seating_check import Rates, judge, seating
-from procedures.bench.turn_closing import MOST, Closing, TurnSeen, closing
-from procedures.bench.warm_up import Means, warm_up
+from procedures.bench.seating_check import PositionRates, judge, seating
+from procedures.bench.turn_closing import MAX_TURNS_PER_AXIS, Closing, TurnCounts, judge_closing
+from procedures.bench.warm_up import IntervalMeans, warm_up
 from procedures.calibration.calibration import solve
 from procedures.campaign.campaign import Fixture, TurnRecord
 from procedures.campaign.plan_steps import Dwell, Turn
 from procedures.counts.count_rate import estimate_counts
 from procedures.counts.sample_records import CountSeries
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.earth.gyrocompass import Heading, Known, find_heading
+from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading
 from procedures.frames import cross_axes, face_normal, face_of, nominal_C_lb, vertical_rotation
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H
 from station.guide.accepted_steps import turn_seen
@@ -39,7 +39,7 @@ DRAWS: dict[str, Callable[[np.random.Generator], FloatArray]] = {
 }
 
 
-def looked_at(rng: np.random.Generator, latitude: float, draw: str, is_known: bool) -> tuple[Heading, int]:
+def looked_at(rng: np.random.Generator, latitude: float, draw: str, is_known: bool) -> tuple[QuarterHeading, int]:
     """Return what is found of a unit in a face and heading drawn, and the quarter it stands in."""
     k = 2e6 * (1 + 0.03 * rng.standard_normal(3))  # count/rad
     bias, std = RAD_S_PER_DEG_H * DRAWS[draw](rng), np.full(3, 2e6 * 0.1 * RAD_S_PER_DEG_H)
@@ -50,7 +50,7 @@ def looked_at(rng: np.random.Generator, latitude: float, draw: str, is_known: bo
         return seen
 
     first, quarter, other = 2 * int(rng.integers(6)) + 1, int(rng.integers(4)), int(rng.integers(1, 13))
-    known = [Known(other, rate(other, 0), std)] if is_known else []
+    known = [CertainDwell(other, rate(other, 0), std)] if is_known else []
     return find_heading(rate(first, quarter), std, face_of(first), latitude, np.eye(3), known), quarter
 
 
@@ -91,7 +91,7 @@ def tilted(truth: Truth, position: int, tilt: float, seed: int) -> CountSeries:
     return SimulatedBench(truth, seed, world=world).perform(Dwell(position, 100.0))
 
 
-def first_alarm(accepted: Sequence[Rates], position: int, series: CountSeries) -> float:
+def first_alarm(accepted: Sequence[PositionRates], position: int, series: CountSeries) -> float:
     """Return the look at which the seat is called off, inf if at none."""
     for look in LOOKS_S:
         found = seating(accepted, (position, *rates(series, look)), Fixture(), HEADING_STD)
@@ -104,7 +104,7 @@ def seated(seed: int, k: float, tilts: Sequence[float]) -> tuple[list[float], di
     """Return the looks at which clean dwells and, from the second pair on, tilted ones were called off."""
     truth = Truth.example(seed)
     truth = replace(truth, accel_k=truth.accel_k * k / 1e3)
-    bench, accepted = SimulatedBench(truth, seed), list[Rates]()
+    bench, accepted = SimulatedBench(truth, seed), list[PositionRates]()
     clean, caught = list[float](), {tilt: list[float]() for tilt in tilts}
     for position in range(1, 13):
         series = bench.perform(Dwell(position, 100.0))
@@ -132,7 +132,7 @@ def print_seating(trials: int) -> None:
             print(f" {100 * np.mean(np.isinf(look)):6.1f} %")
 
 
-def warming(seed: int, n: int, rise: float, step: float | None) -> Means:
+def warming(seed: int, n: int, rise: float, step: float | None) -> IntervalMeans:
     """Return 10 s means of a unit that warms by ``rise`` [K], tau 600 s, 0.05 deg/h/K on its worst gyro.
 
     ``step`` [K] of the thermometer, None for no thermometer.
@@ -143,13 +143,13 @@ def warming(seed: int, n: int, rise: float, step: float | None) -> Means:
     gyro = np.array([50.0, 3.0, 120.0]) + np.outer(warmth, per_k) + std * rng.standard_normal((n, 3))
     seen = 23 + rng.uniform() + warmth + 3e-3 * rng.standard_normal(n)
     temperature = np.full(n, np.nan) if step is None else np.round(seen / step) * step
-    return Means(t, gyro, std, temperature)
+    return IntervalMeans(t, gyro, std, temperature)
 
 
-def ready_at(means: Means) -> float:
+def ready_at(means: IntervalMeans) -> float:
     """Return when the unit was first said to be ready [s]."""
     for n in range(2, len(means.t) + 1):
-        part = Means(means.t[:n], means.gyro[:n], means.gyro_std[:n], means.temperature[:n])
+        part = IntervalMeans(means.t[:n], means.gyro[:n], means.gyro_std[:n], means.temperature[:n])
         if warm_up(part, 100.0, 290.0).is_ready:
             return float(part.t[-1])
     return np.inf
@@ -203,10 +203,10 @@ def pair_closed(seed: int, off: float, closure_std: float) -> tuple[bool, bool, 
     Return whether the pair was taken at once, whether the bad turn stands at the end, and how many turns it took.
     """
     rng, bench = np.random.default_rng([seed, round(1e3 * off)]), Hands(Truth.example(seed % 50), seed)
-    bad, turns, standing = str(rng.choice(["+", "-"])), list[TurnSeen](), dict[str, bool]()
+    bad, turns, standing = str(rng.choice(["+", "-"])), list[TurnCounts](), dict[str, bool]()
     direction, found = str(rng.choice(["+", "-"])), Closing.ALONE
     good = closure_std * rng.standard_normal()
-    while found is not Closing.CLOSED and len(turns) < MOST:
+    while found is not Closing.CLOSED and len(turns) < MAX_TURNS_PER_AXIS:
         is_bad = direction == bad and off > 0 and bad not in standing
         is_first = direction not in standing
         bench.closure = good if is_first and off > 0 else closure_std * rng.standard_normal()
@@ -216,7 +216,7 @@ def pair_closed(seed: int, off: float, closure_std: float) -> tuple[bool, bool, 
         record = TurnRecord(step.name, "x", direction, 3, 1, bench.perform(step))
         turns.append(turn_seen(record, np.eye(3)))
         standing[direction] = is_bad
-        found = closing(turns, closure_std)
+        found = judge_closing(turns, closure_std)
         other = {"+": "-", "-": "+"}[direction]
         direction = other if found in {Closing.ALONE, Closing.OTHER} else direction
     return len(turns) == 2, any(standing.values()), len(turns)

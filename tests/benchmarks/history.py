@@ -8,9 +8,9 @@ import argparse
 
 import numpy as np
 
-from procedures.history.chart import BEFORE, control_chart, control_limit
+from procedures.history.chart import MIN_EARLIER, control_chart, control_limit
 from procedures.history.prediction import forecast
-from procedures.history.series import Series
+from procedures.history.series import CalibrationSeries
 from station.results.history.population import population_document
 from tests.procedures.history.worlds import WORLDS
 from tests.station.results.history.fleets import MODEL, fleet
@@ -43,15 +43,15 @@ def false_alarms(units: int, parameters: int = 24, runs: int = 10) -> None:
     for turn_on in (0.0, 1.0, 30.0):
         rng, alarms = np.random.default_rng(1), np.zeros(2)
         for _ in range(units):
-            seen = np.zeros((2, runs - BEFORE), dtype=bool)
+            seen = np.zeros((2, runs - MIN_EARLIER), dtype=bool)
             for _ in range(parameters):
                 std = rng.uniform(0.5, 2.0, runs)
                 value = turn_on * rng.standard_normal(runs) + std * rng.standard_normal(runs)
-                chart = control_chart(Series(100.0 * np.arange(runs), value, std), limit)
+                chart = control_chart(CalibrationSeries(100.0 * np.arange(runs), value, std), limit)
                 assert chart is not None
                 seen |= np.abs([chart.z, chart.ewma / chart.ewma_std]) > limit
             alarms += seen.sum(axis=1)
-        z, ewma = alarms / units / (runs - BEFORE)
+        z, ewma = alarms / units / (runs - MIN_EARLIER)
         print(f"  turn-on scatter {turn_on:4g} times sigma: individuals {z:.4f}, EWMA {ewma:.4f}", flush=True)
 
 

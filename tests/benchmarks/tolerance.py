@@ -13,13 +13,15 @@ import numpy as np
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import paper_truth
 from procedures.calibration.calibration import solve
-from procedures.tolerance.draw import draw, draw_tilts
-from procedures.tolerance.estimators import NAMES, Unit, errors
+from procedures.tolerance.draw import draw_errors, draw_tilts
+from procedures.tolerance.estimators import ESTIMATOR_NAMES, ToleranceUnit, estimator_errors
 from procedures.tolerance.items import ITEMS, angles
 
 ITEM = angles(dict.fromkeys(ITEMS, 0.04), 400.0)
 TRUTH = paper_truth()
-UNIT = Unit(TRUTH.accel_e / np.linalg.norm(TRUTH.accel_e, axis=1, keepdims=True), TRUTH.accel_d_g, np.zeros(3))
+UNIT = ToleranceUnit(
+    TRUTH.accel_e / np.linalg.norm(TRUTH.accel_e, axis=1, keepdims=True), TRUTH.accel_d_g, np.zeros(3)
+)
 
 
 def simulated(tilts: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -41,21 +43,21 @@ def main() -> None:
     options = parser.parse_args()
     for directions in ("any", "p1"):
         begin, used = time.perf_counter(), time.process_time()
-        sample = draw(ITEM, UNIT, options.cubes, 1, directions=directions)  # type: ignore[arg-type]
+        sample = draw_errors(ITEM, UNIT, options.cubes, 1, directions=directions)  # type: ignore[arg-type]
         seconds, used = time.perf_counter() - begin, time.process_time() - used
         print(
             f"{options.cubes} cubes, directions {directions}: {seconds:.2f} s, {used:.2f} s of a core  (asked: 10)"
         )
-        for name, bias in zip(NAMES, sample.bias, strict=True):
+        for name, bias in zip(ESTIMATOR_NAMES, sample.bias, strict=True):
             print(f"  {name:7} rms {np.sqrt(np.mean(bias**2, axis=1)) * 1e6} ug")
     tilts = draw_tilts(np.random.default_rng(2), ITEM, options.simulated)
-    predicted = errors(tilts, UNIT).bias
+    predicted = estimator_errors(tilts, UNIT).bias
     found, std = (
         np.stack(part, axis=2)
         for part in zip(*(simulated(tilts[..., i], i) for i in range(options.simulated)), strict=True)
     )
     print(f"simulated less predicted, {options.simulated} cubes, integer counts, in the solve's own sigma")
-    for name, off, sigma in zip(NAMES, found - predicted, std, strict=True):
+    for name, off, sigma in zip(ESTIMATOR_NAMES, found - predicted, std, strict=True):
         rms = np.sqrt(np.mean((off / sigma) ** 2))
         print(f"  {name:7} rms {rms:.2f}, median sigma {np.median(sigma) * 1e6:.3f} ug")
 

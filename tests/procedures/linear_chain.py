@@ -9,16 +9,16 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import Fits
+from procedures.calibration.calibration import CampaignFits
 from procedures.calibration.triad_calibration import reference_axes, scale_misalignment_bias
-from procedures.dwells_and_turns.twelve_position import JointFit, mountings, specific_force
+from procedures.dwells_and_turns.twelve_position import TriadFit, mountings, specific_force
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.statistics.least_squares import minimise
 
 Residual = Callable[[FloatArray], FloatArray]
 
 
-def accelerometer_residual(joint: JointFit) -> Residual:
+def accelerometer_residual(joint: TriadFit) -> Residual:
     """Return the whitened rows of dwells and priors as a function of the parameters."""
     prior, C_sb = joint.bench.priors(), mountings(joint.bench.campaigns, joint.bench)
 
@@ -30,7 +30,7 @@ def accelerometer_residual(joint: JointFit) -> Residual:
     return residual
 
 
-def gyroscope_residual(fits: Fits) -> Residual:
+def gyroscope_residual(fits: CampaignFits) -> Residual:
     """Return the whitened rows of dwells, turns, priors and closures; those of priors are linear as they stand."""
     gyroscope = fits.gyroscope
     assert gyroscope is not None
@@ -56,7 +56,7 @@ def gyroscope_residual(fits: Fits) -> Residual:
 
 
 def drawn(
-    joint: JointFit, residual: Residual, draws: int, rng: np.random.Generator, per: float = 1.0
+    joint: TriadFit, residual: Residual, draws: int, rng: np.random.Generator, per: float = 1.0
 ) -> FloatArray:
     """Return (draws, 15): k, E and D found from as many draws of the rows."""
     fit, found = joint.fit, []

@@ -12,7 +12,7 @@ from procedures.campaign.campaign import Campaign, Fixture, MeasuredCube
 from procedures.campaign.measured_cube import NAMES, from_tilts
 from procedures.campaign.observations import dwell_rates
 from procedures.dwells_and_turns.bench_parameters import mean_axes
-from procedures.dwells_and_turns.twelve_position import JointFit
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests
 from tests.procedures.measured_units import calibrated, campaigns, some_unit, values
 
@@ -28,7 +28,7 @@ def with_prior(campaign: Campaign, measured: MeasuredCube | None) -> Campaign:
     return replace(campaign, fixture=Fixture({}, campaign.fixture.C_sb, "A", measured))
 
 
-def tilts_in_sigma(joint: JointFit, faces: FloatArray, names: tuple[str, ...]) -> FloatArray:
+def tilts_in_sigma(joint: TriadFit, faces: FloatArray, names: tuple[str, ...]) -> FloatArray:
     rows = from_tilts()[[NAMES.index(name) for name in names]]
     at = 12 + joint.bench.cube_slice(0).start
     value, covariance = rows @ joint.fit.x[at : at + 12], joint.fit.covariance[at : at + 12, at : at + 12]

@@ -14,7 +14,7 @@ from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.plan_steps import Dwell
 from procedures.dwells_and_turns.twelve_position import closed_form, solve_accelerometer
 from procedures.frames import C_bn, face_of
-from procedures.tolerance.estimators import Unit, errors, up_vectors
+from procedures.tolerance.estimators import ToleranceUnit, estimator_errors, up_vectors
 from procedures.tolerance.items import ITEMS, STACK, angles, p1_tilts
 from tests.procedures.independent import TABLE_4_D, TABLE_4_E, THETA, campaign, dwells, table_3
 
@@ -27,18 +27,18 @@ def normalised(E: FloatArray) -> FloatArray:
     return E / np.linalg.norm(E, axis=1)[:, None]
 
 
-PAPER = Unit(normalised(TABLE_4_E), TABLE_4_D, np.zeros(3))
+PAPER = ToleranceUnit(normalised(TABLE_4_E), TABLE_4_D, np.zeros(3))
 
 
-def random_case(seed: int) -> tuple[Unit, FloatArray]:
+def random_case(seed: int) -> tuple[ToleranceUnit, FloatArray]:
     rng = np.random.default_rng(seed)
     E = normalised(np.eye(3) + 2e-3 * rng.standard_normal((3, 3)))
-    return Unit(E, 2e-3 * rng.standard_normal(3), 4e-5 * rng.standard_normal(3)), 1e-4 * rng.standard_normal(
-        (6, 2)
-    )
+    return ToleranceUnit(
+        E, 2e-3 * rng.standard_normal(3), 4e-5 * rng.standard_normal(3)
+    ), 1e-4 * rng.standard_normal((6, 2))
 
 
-def rates(unit: Unit, tilts: FloatArray) -> FloatArray:
+def rates(unit: ToleranceUnit, tilts: FloatArray) -> FloatArray:
     """Rates (12, 3) over k, through the rotations of `procedures.frames`: not those of the module under test."""
     u = np.stack([C_bn(p, np.zeros(2), tilts[(p - 1) // 2])[:, 2] for p in EVERY])
     f = u @ unit.E.T
@@ -53,7 +53,7 @@ def test_items_add_up_to_table_3() -> None:
 
 
 def test_p1_s_cube_gives_equations_13_18_19_and_20() -> None:
-    found = errors(p1_tilts(P1_ITEMS)[..., None], PAPER)
+    found = estimator_errors(p1_tilts(P1_ITEMS)[..., None], PAPER)
     t, E, k = THETA, PAPER.E, 1 + found.scale_factor[:, 0]
     s, c = np.sin, np.cos
     x = (2 * c(t) - 2 * c(3 * t) + 20 * s(t)) / 12
@@ -69,7 +69,7 @@ def test_p1_s_cube_gives_equations_13_18_19_and_20() -> None:
     ]
     eq18 = np.sum(E * np.array(rows), axis=1)
     assert found.bias[1, :, 0] == pytest.approx(eq18, abs=2.1e-3 * 1.4e-6)  # D (k / k~ - 1), left out of (18)
-    ideal = errors(p1_tilts(P1_ITEMS)[..., None], Unit.ideal())
+    ideal = estimator_errors(p1_tilts(P1_ITEMS)[..., None], ToleranceUnit.ideal())
     assert ideal.bias[0, :, 0] == pytest.approx(s(t) * np.array([5 / 3, 2 / 3, 1]), rel=5e-4)  # (19): + 8 t^2 / 6
     assert np.abs(ideal.bias[1]).max() <= 4.01 * t**2  # (20): cosines are left
     assert found.bias[0, :, 0] == pytest.approx([1.6704e-4, 0.6711e-4, 1.0065e-4], abs=0.6e-8)
@@ -77,7 +77,7 @@ def test_p1_s_cube_gives_equations_13_18_19_and_20() -> None:
 
 
 def test_p1_s_cube_gives_table_5() -> None:
-    found = errors(p1_tilts(P1_ITEMS)[..., None], PAPER)
+    found = estimator_errors(p1_tilts(P1_ITEMS)[..., None], PAPER)
     k = np.array([1020, 1015, 1018]) * (1 + found.scale_factor[:, 0])
     assert k == pytest.approx([1019.99867, 1014.99974, 1017.99936], abs=3e-4)
     printed = [[0.99999593, 0.00075038, 0.00275005], [0.00204977, 0.99999723, 0.00114942],
@@ -89,7 +89,7 @@ def test_p1_s_cube_gives_table_5() -> None:
 def test_the_paper_s_estimators_are_those_of_the_closed_form_on_any_cube(seed: int) -> None:
     unit, tilts = random_case(seed)
     form = closed_form(rates(unit, tilts), np.ones((12, 3)))
-    found = errors(tilts[..., None], unit)
+    found = estimator_errors(tilts[..., None], unit)
     assert unit.D + found.bias[0, :, 0] == pytest.approx(form.bias_12_position, abs=1e-15)
     assert unit.D + found.bias[1, :, 0] == pytest.approx(form.bias_two_direction, abs=1e-15)
     assert 1 + found.scale_factor[:, 0] == pytest.approx(form.scale_factor, abs=1e-14)
@@ -102,7 +102,7 @@ def test_the_joint_bias_is_that_of_the_real_solve_on_any_cube(seed: int) -> None
     joint = solve_accelerometer([campaign()], dwells(1000 * rates(unit, tilts), 1e-6))
     assert joint is not None
     solved = triad_vector(joint, "accelerometer", joint).value[12:]
-    found = errors(tilts[..., None], unit).bias[2, :, 0]
+    found = estimator_errors(tilts[..., None], unit).bias[2, :, 0]
     assert unit.D + found == pytest.approx(solved, abs=1e-12)  # the solve stops at 1e-3 of a sigma of 1e-9 g
     assert np.abs(found).max() > 1e-7  # K2 is there, so there is something to agree on
 
@@ -114,7 +114,7 @@ def test_tilted_cubes_simulated_count_by_count_give_the_same_errors() -> None:
     counts = [bench.perform(Dwell(p, 40.0)).accel for p in EVERY]
     rate = np.array([np.asarray(c).sum(axis=0) / 40.0 for c in counts]) / truth.accel_k
     form = closed_form(rate, np.ones((12, 3)))
-    found = errors(truth.faces_rad[..., None], PAPER)
+    found = estimator_errors(truth.faces_rad[..., None], PAPER)
     resolution = 1.0 / 40.0 / 1015.0  # g: one count in 40 s
     assert np.abs(form.bias_12_position - TABLE_4_D - found.bias[0, :, 0]).max() < resolution
     assert np.abs(form.bias_two_direction - TABLE_4_D - found.bias[1, :, 0]).max() < resolution
@@ -125,7 +125,7 @@ def quiet() -> dict[str, float]:
 
 
 def test_no_tilt_is_no_error() -> None:
-    found = errors(np.zeros((6, 2, 1)), PAPER)
+    found = estimator_errors(np.zeros((6, 2, 1)), PAPER)
     assert np.abs(found.bias).max() < 1e-15
     assert np.abs(found.scale_factor).max() < 1e-15
     assert np.abs(found.misalignment).max() < 1e-15
@@ -137,7 +137,7 @@ def test_a_cube_turned_as_a_whole_by_half_a_turn_gives_the_errors_turned(tilts: 
     turned = (
         tilts[[1, 0, 3, 2, 4, 5]] * np.array([[-1, 1], [-1, 1], [-1, 1], [-1, 1], [-1, -1], [-1, -1]])[..., None]
     )
-    plain, other = errors(tilts, Unit.ideal()), errors(turned, Unit.ideal())
+    plain, other = estimator_errors(tilts, ToleranceUnit.ideal()), estimator_errors(turned, ToleranceUnit.ideal())
     sign = np.array([-1, -1, 1])[:, None]
     assert other.bias[:2] == pytest.approx(plain.bias[:2] * sign, abs=1e-15)
     assert other.scale_factor == pytest.approx(plain.scale_factor, abs=1e-15)
@@ -148,7 +148,10 @@ def test_the_12_position_error_grows_as_the_tilts_and_the_others_as_their_square
     tilts: FloatArray, factor: float
 ) -> None:
     size = float(np.hypot(tilts[:, 0], tilts[:, 1]).max())
-    plain, smaller = errors(tilts, Unit.ideal()).bias, errors(factor * tilts, Unit.ideal()).bias
+    plain, smaller = (
+        estimator_errors(tilts, ToleranceUnit.ideal()).bias,
+        estimator_errors(factor * tilts, ToleranceUnit.ideal()).bias,
+    )
     assert smaller[0] == pytest.approx(factor * plain[0], abs=2 * size**2 + 1e-15)
     assert smaller[1:] == pytest.approx(factor**2 * plain[1:], abs=20 * size**3 + 1e-15)
 
@@ -157,7 +160,7 @@ def test_the_12_position_error_grows_as_the_tilts_and_the_others_as_their_square
 def test_a_perfectly_parallel_cube_spoils_no_bias_of_an_aligned_unit(tilts: FloatArray) -> None:
     """Opposite faces parallel, however skew: the up vectors of a pair are each other's negative."""
     tilts[1::2] = -tilts[::2]
-    assert np.abs(errors(tilts, Unit.ideal()).bias).max() < 1e-14
+    assert np.abs(estimator_errors(tilts, ToleranceUnit.ideal()).bias).max() < 1e-14
 
 
 def test_wrong_items_are_refused_by_name() -> None:

@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from procedures.arrays import FloatArray
-from procedures.tolerance.allowance import CAP, TooFine, allow, cheapest
-from procedures.tolerance.bound import all_errors, bound, reached
-from procedures.tolerance.draw import Shape, draw, draw_tilts, tilt_std
-from procedures.tolerance.estimators import Unit, errors
+from procedures.tolerance.allowance import MAX_ITEM_RAD, AccuracyUnreachable, allowed_tolerances, cheapest_items
+from procedures.tolerance.bound import all_errors, worst_case, worst_corner
+from procedures.tolerance.draw import ToleranceShape, draw_errors, draw_tilts, tilt_std
+from procedures.tolerance.estimators import ToleranceUnit, estimator_errors
 from procedures.tolerance.items import ITEMS, STACK, p1_tilts
-from procedures.tolerance.remedy import Help, gain, remedies
+from procedures.tolerance.remedy import Remedy, remedies, remedy_gain
 from tests.procedures.test_tolerance import P1_ITEMS, PAPER, random_case
 
 QUIET = 1e-5 / np.sqrt(5000)  # g: a dwell of P1
@@ -24,7 +24,7 @@ items_of = st.lists(st.floats(1e-6, 2e-4), min_size=11, max_size=11).map(np.arra
 
 def test_the_worst_12_position_error_is_the_sum_of_all_tilts_that_face_it() -> None:
     """By hand, an aligned unit: (3 + 5 + 3 + 5, 1 + 3 + 3 + 5, 1 + 3 + 3 + 5) theta / 6."""
-    worst = bound(all_errors(Unit.ideal())).largest(P1_ITEMS)[:3]
+    worst = worst_case(all_errors(ToleranceUnit.ideal())).largest(P1_ITEMS)[:3]
     assert worst == pytest.approx(1e-4 * np.array([16, 12, 12]) / 6, rel=2e-4)  # cosines: 2 theta of it
 
 
@@ -33,7 +33,7 @@ def test_the_worst_12_position_error_is_the_sum_of_all_tilts_that_face_it() -> N
 def test_no_corner_and_no_drawn_cube_is_worse_than_the_bound(item: FloatArray, seed: int) -> None:
     unit, _ = random_case(seed)
     quantity = all_errors(unit)
-    worst, corner = bound(quantity).largest(item), reached(quantity, item)
+    worst, corner = worst_case(quantity).largest(item), worst_corner(quantity, item)
     third = 100 * float((STACK @ item).max()) ** 3 + 1e-13
     assert np.all(corner <= worst + third)
     drawn = quantity(draw_tilts(np.random.default_rng(seed), item, 2000))
@@ -44,15 +44,15 @@ def test_no_corner_and_no_drawn_cube_is_worse_than_the_bound(item: FloatArray, s
 def test_every_sign_of_every_item_in_p1_s_directions_stays_within_the_bound() -> None:
     signs = np.array(np.meshgrid(*[[-1, 1]] * 11)).reshape(11, -1)
     found = np.abs(all_errors(PAPER)(p1_tilts(P1_ITEMS[:, None] * signs))).max(axis=1)
-    assert np.all(found <= bound(all_errors(PAPER)).largest(P1_ITEMS))
-    plus = np.abs(errors(p1_tilts(P1_ITEMS)[..., None], PAPER).bias[0, :, 0])
+    assert np.all(found <= worst_case(all_errors(PAPER)).largest(P1_ITEMS))
+    plus = np.abs(estimator_errors(p1_tilts(P1_ITEMS)[..., None], PAPER).bias[0, :, 0])
     assert found[:3] == pytest.approx(plus, rel=2e-3)  # all at plus is P1's worst case, but for the second order
 
 
 @pytest.mark.parametrize(("shape", "share"), [("uniform", 1 / 3), ("normal", 1 / 4)])
-def test_the_12_position_error_scatters_as_its_items_do(shape: Shape, share: float) -> None:
+def test_the_12_position_error_scatters_as_its_items_do(shape: ToleranceShape, share: float) -> None:
     """First order: variance = sum over the four faces across of a tilt's variance, over 36."""
-    sample = draw(P1_ITEMS, Unit.ideal(), 40_000, 7, shape)
+    sample = draw_errors(P1_ITEMS, ToleranceUnit.ideal(), 40_000, 7, shape)
     variance = np.array([1, 3, 3, 5, 3, 5]) * 1e-8 * share / 2  # of each tilt: items on the way, two directions
     assert tilt_std(P1_ITEMS, shape) ** 2 == pytest.approx(variance)
     across = np.array([variance[[2, 3, 4, 5]].sum(), variance[[0, 1, 4, 5]].sum(), variance[[0, 1, 2, 3]].sum()])
@@ -61,7 +61,7 @@ def test_the_12_position_error_scatters_as_its_items_do(shape: Shape, share: flo
 
 
 def test_equal_seeds_draw_equal_cubes_and_p1_s_directions_are_kept() -> None:
-    one, two = (draw(P1_ITEMS, PAPER, 9000, 3) for _ in range(2))
+    one, two = (draw_errors(P1_ITEMS, PAPER, 9000, 3) for _ in range(2))
     assert np.array_equal(one.bias, two.bias)
     tilts = draw_tilts(np.random.default_rng(0), P1_ITEMS, 50, directions="p1")
     assert np.all(tilts[[0, 1, 2, 3, 4, 5], [1, 0, 0, 1, 0, 1]] == 0)
@@ -69,9 +69,9 @@ def test_equal_seeds_draw_equal_cubes_and_p1_s_directions_are_kept() -> None:
 
 @pytest.mark.parametrize(("estimator", "wanted"), [(0, 1e-4), (1, 1e-6), (2, 5e-8)])
 def test_allowed_tolerances_meet_the_accuracy_and_no_other_cube_is_cheaper(estimator: int, wanted: float) -> None:
-    asked = bound(lambda tilts: errors(tilts, PAPER).bias[estimator])
+    asked = worst_case(lambda tilts: estimator_errors(tilts, PAPER).bias[estimator])
     weight = np.linspace(1, 2, 11)
-    best = cheapest(asked, wanted, weight)
+    best = cheapest_items(asked, wanted, weight)
     assert asked.largest(best).max() == pytest.approx(wanted, rel=1e-6)
     rng = np.random.default_rng(5)
     for _ in range(200):
@@ -83,26 +83,26 @@ def test_allowed_tolerances_meet_the_accuracy_and_no_other_cube_is_cheaper(estim
 
 def test_of_one_linear_error_the_cheapest_items_are_as_the_roots_of_their_shares() -> None:
     """Lagrange: minimise sum 1/t with sum g t = W, so t ~ 1 / sqrt(g)."""
-    exact = bound(lambda tilts: errors(tilts, Unit.ideal()).bias[0, :1])
+    exact = worst_case(lambda tilts: estimator_errors(tilts, ToleranceUnit.ideal()).bias[0, :1])
     asked = replace(exact, quadratic=np.zeros_like(exact.quadratic))
     g = asked.linear[0, 0]
-    best = cheapest(asked, 1e-6, WEIGHT)
+    best = cheapest_items(asked, 1e-6, WEIGHT)
     seen = g > 1e-9  # t7 and t10 tilt only the X down face, which x does not see
     expected = 1e-6 / np.sqrt(g[seen]) / np.sum(np.sqrt(g[seen]))
     assert best[seen] == pytest.approx(expected, rel=1e-4)
     assert np.array(list(ITEMS))[~seen].tolist() == ["t7", "t10"]
-    assert best[~seen] == pytest.approx(CAP)
+    assert best[~seen] == pytest.approx(MAX_ITEM_RAD)
 
 
 def test_a_table_of_allowances_says_what_to_tighten_and_what_to_relax() -> None:
-    asked = bound(lambda tilts: errors(tilts, PAPER).bias[0])
-    found = allow(asked, 1e-4, P1_ITEMS, WEIGHT)
+    asked = worst_case(lambda tilts: estimator_errors(tilts, PAPER).bias[0])
+    found = allowed_tolerances(asked, 1e-4, P1_ITEMS, WEIGHT)
     assert {one.item for one in found} == set(ITEMS)
     assert [one.item for one in found if one.change == "relax"] == ["t7", "t10"]
     assert found[-1].item == "t3"  # every face is reached through the flatness of C
     assert all(a.saving >= b.saving for a, b in itertools.pairwise(found))
     assert all(one.alone is None for one in found)  # 267 ug: no one item alone makes 100 ug of it
-    generous = allow(asked, 3e-4, P1_ITEMS, WEIGHT)
+    generous = allowed_tolerances(asked, 3e-4, P1_ITEMS, WEIGHT)
     for one in generous:
         assert one.alone is not None
         changed = np.where(np.array(list(ITEMS)) == one.item, one.alone, P1_ITEMS)
@@ -110,17 +110,17 @@ def test_a_table_of_allowances_says_what_to_tighten_and_what_to_relax() -> None:
 
 
 def test_what_no_cube_can_give_is_refused() -> None:
-    unit = Unit(PAPER.E, PAPER.D, np.full(3, 5e-6))
-    asked = bound(lambda tilts: errors(tilts, unit).bias[2])
-    with pytest.raises(TooFine, match=r"off by 5\.\d+ ug"):
-        allow(asked, 1e-6, P1_ITEMS, WEIGHT)
+    unit = ToleranceUnit(PAPER.E, PAPER.D, np.full(3, 5e-6))
+    asked = worst_case(lambda tilts: estimator_errors(tilts, unit).bias[2])
+    with pytest.raises(AccuracyUnreachable, match=r"off by 5\.\d+ ug"):
+        allowed_tolerances(asked, 1e-6, P1_ITEMS, WEIGHT)
     with pytest.raises(ValueError, match="above zero"):
-        allow(asked, 1e-5, np.zeros(11), WEIGHT)
+        allowed_tolerances(asked, 1e-5, np.zeros(11), WEIGHT)
 
 
 def test_a_certificate_turning_the_imu_and_free_positions_buy_what_the_alias_says() -> None:
     cases = remedies(5e-6)
-    plain, certified, once, twice, free, *_ = [gain(one, P1_ITEMS, PAPER, QUIET) for one in cases]
+    plain, certified, once, twice, free, *_ = [remedy_gain(one, P1_ITEMS, PAPER, QUIET) for one in cases]
     assert plain.bias == pytest.approx(QUIET / 2, rel=2e-3)  # four dwells see a bias, `docs/solving.md`
     assert certified.bias == pytest.approx(QUIET / 2, rel=2e-3)  # parallelism is absorbed with or without
     spread = tilt_std(P1_ITEMS)
@@ -138,7 +138,7 @@ def test_a_certificate_turning_the_imu_and_free_positions_buy_what_the_alias_say
 
 
 def test_more_help_never_hurts() -> None:
-    less = gain(Help("", 5e-6), P1_ITEMS, PAPER, QUIET)
-    more = gain(Help("", 5e-6, 2, True), P1_ITEMS, PAPER, QUIET)
+    less = remedy_gain(Remedy("", 5e-6), P1_ITEMS, PAPER, QUIET)
+    more = remedy_gain(Remedy("", 5e-6, 2, True), P1_ITEMS, PAPER, QUIET)
     for name in ("bias", "bias_open", "K2", "misalignment"):
         assert getattr(more, name) <= getattr(less, name)

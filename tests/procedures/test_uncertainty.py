@@ -8,15 +8,15 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.calibration.calibration import Fits, fit, report
+from procedures.calibration.calibration import CampaignFits, fit, report
 from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
 from procedures.frames import AXES
 from procedures.uncertainty import sources as named
-from procedures.uncertainty.budget import ParameterBudget, budget, combined
-from procedures.uncertainty.given_values import EXACT, Inputs
-from procedures.uncertainty.sources import ORDER, Cell
+from procedures.uncertainty.budget import ParameterBudget, budget, combined_budget
+from procedures.uncertainty.given_values import EXACT, GivenValues
+from procedures.uncertainty.sources import SOURCES, SourceCell
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.rests_and_moves.test_gyroscopes_from_moves import campaign_of
 
@@ -85,10 +85,10 @@ def test_the_parts_are_all_of_the_solution_s_sigma(kind: str) -> None:
         assert sum(part.std**2 for part in parts) == pytest.approx(sigma[one.name] ** 2, rel=2e-9)
         assert sum(part.std**2 for part in one.contributions) == pytest.approx(one.std**2, rel=1e-12)
         assert one.expanded == one.coverage_factor * one.std
-        assert {part.source for part in parts} <= set(ORDER)
+        assert {part.source for part in parts} <= set(SOURCES)
 
 
-def by_name(campaigns: list[Campaign], inputs: Inputs = EXACT) -> dict[str, ParameterBudget]:
+def by_name(campaigns: list[Campaign], inputs: GivenValues = EXACT) -> dict[str, ParameterBudget]:
     return {one.name: one for one in budget(fit(campaigns), inputs)}
 
 
@@ -112,7 +112,7 @@ def test_each_part_grows_with_its_own_source_and_no_other() -> None:
     for (source, name), changed in wider.items():
         after = by_name([changed])[name]
         assert part(after, source) == pytest.approx(1.1 * part(before[name], source), rel=2e-2), source
-        for other in set(ORDER) - {source}:
+        for other in set(SOURCES) - {source}:
             assert part(after, other) == pytest.approx(part(before[name], other), rel=2e-2, abs=2e-3 * after.std)
 
 
@@ -128,7 +128,7 @@ def test_latitude_does_what_a_solve_at_another_latitude_shows() -> None:
     campaign, step = simulated(1), 1e-3
     moved = replace(campaign, site=replace(campaign.site, latitude=campaign.site.latitude + step))
     shift = shifts(fit([moved]), fit([campaign]))
-    for name, one in by_name([campaign], Inputs(step, 0.0)).items():
+    for name, one in by_name([campaign], GivenValues(step, 0.0)).items():
         if name.startswith("gyroscope"):
             assert part(one, named.LATITUDE) == pytest.approx(abs(shift[name]), rel=0.05, abs=2e-3 * one.std)
         else:
@@ -148,7 +148,7 @@ def test_the_clock_does_what_a_solve_with_another_second_shows(rates: bool) -> N
         campaign, dwells=tuple(map(slowed, campaign.dwells)), turns=tuple(map(slowed, campaign.turns))  # type: ignore[arg-type]
     )  # fmt: skip
     shift = shifts(fit([other]), fit([campaign]))
-    budgets = by_name([campaign], Inputs(0.0, step))
+    budgets = by_name([campaign], GivenValues(0.0, step))
     for name, one in budgets.items():
         assert part(one, named.CLOCK) == pytest.approx(abs(shift[name]), rel=0.05, abs=2e-2 * by_name_std(one))
     moved = "gyroscope.scale_factor.x" if rates else "accelerometer.scale_factor.x"
@@ -160,7 +160,7 @@ def by_name_std(one: ParameterBudget) -> float:
     return float(np.sqrt(one.std**2 - part(one, named.CLOCK) ** 2))
 
 
-def shifts(after: Fits, before: Fits) -> dict[str, float]:
+def shifts(after: CampaignFits, before: CampaignFits) -> dict[str, float]:
     a, b = ({one.name: one.value for one in budget(fits, EXACT)} for fits in (after, before))
     return {name: a[name] - b[name] for name in b}
 
@@ -201,9 +201,10 @@ def test_bias_instability_has_the_few_degrees_of_freedom_of_the_dwells() -> None
 
 
 def test_degrees_of_freedom_are_those_of_welch_and_satterthwaite() -> None:
-    variance = {Cell("counting noise", "x", 12.0): 4.0, Cell("counting noise", "y", 5.0): 1.0, Cell("cube"): 2.5,
-                Cell("bias instability", "", 7.5): 3.0}  # fmt: skip
-    one = combined("accelerometer.bias.x", 1.0, "g", variance)
+    variance = {SourceCell("counting noise", "x", 12.0): 4.0, SourceCell("counting noise", "y", 5.0): 1.0,
+    SourceCell("cube"): 2.5,
+                SourceCell("bias instability", "", 7.5): 3.0}  # fmt: skip
+    one = combined_budget("accelerometer.bias.x", 1.0, "g", variance)
     by_hand = 10.5**2 / (4.0**2 / 12 + 1.0**2 / 5 + 3.0**2 / 7.5)
     assert one.std == pytest.approx(np.sqrt(10.5))
     assert one.dof == pytest.approx(by_hand, rel=1e-9)
@@ -211,8 +212,10 @@ def test_degrees_of_freedom_are_those_of_welch_and_satterthwaite() -> None:
         ("counting noise", "A"), ("bias instability", "A"), ("cube", "B"),
     ]  # fmt: skip
     assert one.contributions[0].dof == pytest.approx(25.0 / (16 / 12 + 1 / 5))
-    assert combined("n", 0.0, "1", {Cell("cube"): 1.0}).coverage_factor == pytest.approx(1.959964)
-    assert combined("n", 0.0, "1", {Cell("cube", "", 3.0): 1.0}).coverage_factor == pytest.approx(3.182446)
+    assert combined_budget("n", 0.0, "1", {SourceCell("cube"): 1.0}).coverage_factor == pytest.approx(1.959964)
+    assert combined_budget("n", 0.0, "1", {SourceCell("cube", "", 3.0): 1.0}).coverage_factor == pytest.approx(
+        3.182446
+    )
 
 
 def test_every_axis_of_both_triads_has_a_budget_in_the_units_of_files() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import Fits, fit
+from procedures.calibration.calibration import CampaignFits, fit
 from procedures.calibration.triad_calibration import triad_vector
 from procedures.units import DEG_H_PER_DEG_S
 from tests.benchmarks.budget import compare, trial
@@ -34,7 +34,7 @@ def test_the_fit_s_covariance_is_the_scatter_of_its_rows_drawn_anew(triad: str, 
     assert abs(np.mean(ratio) - 1) < 2 * OWN
 
 
-def fitted(fits: Fits, triad: str) -> FloatArray:
+def fitted(fits: CampaignFits, triad: str) -> FloatArray:
     """1 sigma (15,) by the fit alone: what `triad_vector` adds for what a fit does not see is not drawn here."""
     joint = fits.accelerometer if triad == "accelerometer" or fits.gyroscope is None else fits.gyroscope.joint
     assert joint is not None

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.calibration.calibration import Fits, fit
+from procedures.calibration.calibration import CampaignFits, fit
 from procedures.calibration.residuals import norm_residuals
 from procedures.units import STANDARD_GRAVITY
 from station import cli
@@ -24,11 +24,11 @@ def data() -> Path:
 
 
 @pytest.fixture(scope="module")
-def xsens(data: Path) -> Fits:
+def xsens(data: Path) -> CampaignFits:
     return fit([read_campaign(data / "measured/xsens_mti").campaign])
 
 
-def test_the_norm_of_the_xsens_rests_is_gravity_within_a_thousandth(xsens: Fits) -> None:
+def test_the_norm_of_the_xsens_rests_is_gravity_within_a_thousandth(xsens: CampaignFits) -> None:
     assert xsens.accelerometer is not None
     assert xsens.accelerometer.rests is not None
     longer = norm_residuals(xsens.accelerometer.rests, xsens.accelerometer.fit.residual) * STANDARD_GRAVITY
@@ -36,13 +36,13 @@ def test_the_norm_of_the_xsens_rests_is_gravity_within_a_thousandth(xsens: Fits)
     assert np.sqrt(np.mean(longer**2)) <= 1.00e-3  # m/s2, issue 4
 
 
-def test_the_xsens_scale_factors_are_those_of_imu_tk(xsens: Fits) -> None:
+def test_the_xsens_scale_factors_are_those_of_imu_tk(xsens: CampaignFits) -> None:
     assert xsens.accelerometer is not None
     k = np.linalg.norm(xsens.accelerometer.K, axis=1) / STANDARD_GRAVITY
     assert k == pytest.approx([414.5, 412.0, 414.7], rel=1e-3)  # count/(m/s2)
 
 
-def test_the_xsens_gyroscopes_carry_gravity_better_than_imu_tk(xsens: Fits) -> None:
+def test_the_xsens_gyroscopes_carry_gravity_better_than_imu_tk(xsens: CampaignFits) -> None:
     assert xsens.moves is not None
     error = np.degrees(np.linalg.norm(xsens.moves.error, axis=1))
     assert len(error) >= 37

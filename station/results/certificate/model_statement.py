@@ -11,7 +11,7 @@ NAMES = {
     "accelerometer.quadratic": "quadratic term of the accelerometers (K2)",
     "fixture.parallelism": "cube parallelism",
 }
-SLAB_RANGE_DEG = 0.29  # procedures.dwells_and_turns.bench_parameters.SLAB_RANGE, 5e-3 rad
+SLAB_RANGE_DEG = 0.29  # procedures.dwells_and_turns.bench_parameters.SLAB_TILT_RANGE_RAD, 5e-3 rad
 SIMULATED = "SIM-"  # how every model of drivers.simulated begins
 PROGRAM = "run `station"  # in a warning that speaks to the operator
 

@@ -11,7 +11,7 @@ from fixtures_db.cube_measurements import measurement, measurements
 from fixtures_db.face_certificates import cube
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeRow
-from procedures.bench.cube_drift import Comparison, CubeDrift, compare, drift
+from procedures.bench.cube_drift import CubeComparison, CubeDrift, compare, drift
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import CubeMeasurement, from_certificate
 
@@ -45,7 +45,7 @@ class Known:
         return tuple(found)
 
     @property
-    def comparison(self) -> Comparison | None:
+    def comparison(self) -> CubeComparison | None:
         """The last measurement against the certificate; None where one of them lacks."""
         return compare(self.certificate, self.measured[-1][1].cube) if self.certificate and self.measured else None
 

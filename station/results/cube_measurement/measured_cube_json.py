@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from fixtures_db.calibration import utc_text
-from procedures.bench.cube_drift import Comparison, CubeDrift
+from procedures.bench.cube_drift import CubeComparison, CubeDrift
 from station.results.cube_measurement.known_faces import Study
 from station.results.cube_measurement.observable import not_observable
 
@@ -45,7 +45,7 @@ def document(found: Study) -> dict[str, Any]:
     return said
 
 
-def _comparison(found: Comparison) -> dict[str, Any]:
+def _comparison(found: CubeComparison) -> dict[str, Any]:
     rows = {
         name: {"shift_rad": d, "std_rad": s, "shift_sigma": d / s}
         for name, d, s in zip(found.names, found.difference.tolist(), found.std.tolist(), strict=True)

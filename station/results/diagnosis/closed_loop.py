@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from procedures.calibration.calibration import Fits
+from procedures.calibration.calibration import CampaignFits
 from procedures.calibration.solution import Solution
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
 from procedures.uncertainty.budget import ParameterBudget, budget
-from procedures.uncertainty.given_values import Inputs
+from procedures.uncertainty.given_values import GivenValues
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded import LoadedCampaign
 from station.files.toml_reading import read_text_file
@@ -32,7 +32,7 @@ class ClosedLoop:
 
     diagnosis: Diagnosis
     document: dict[str, Any]
-    fits: Fits
+    fits: CampaignFits
     solution: Solution
     effects: tuple[Mapping[str, Any], ...]
 
@@ -41,7 +41,7 @@ class ClosedLoop:
 
         A clock put right is known as well as its rate is; else it is taken for a quartz.
         """
-        inputs, clock = Inputs(unexplained=self.diagnosis.unexplained), self.diagnosis.clock
+        inputs, clock = GivenValues(unexplained=self.diagnosis.unexplained), self.diagnosis.clock
         return budget(self.fits, inputs if clock is None else replace(inputs, clock=clock))
 
 

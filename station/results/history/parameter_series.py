@@ -7,7 +7,7 @@ import numpy as np
 
 from fixtures_db.runs import Run
 from procedures.arrays import FloatArray
-from procedures.history.series import Series
+from procedures.history.series import CalibrationSeries
 from station.results.parameters_by_name import Parameter, applied, parameters
 
 DAY_S = 86400.0
@@ -20,7 +20,7 @@ class Track:
 
     parameter: Parameter
     runs: tuple[Run, ...]
-    series: Series
+    series: CalibrationSeries
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ def numbers(held: Sequence[Parameter]) -> tuple[FloatArray, FloatArray]:
     return np.array([one.value for one in held]), np.array([one.std for one in held], dtype=np.float64)
 
 
-def _series(held: Sequence[Held]) -> Series:
+def _series(held: Sequence[Held]) -> CalibrationSeries:
     first = held[0][0].ended
     day = np.array([(run.ended - first).total_seconds() / DAY_S for run, _ in held])
-    return Series(day, *numbers([one for _, one in held]))
+    return CalibrationSeries(day, *numbers([one for _, one in held]))

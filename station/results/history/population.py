@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fixtures_db.runs import KINDS, Run, turn_ons
-from procedures.history.fleet import Off, fleet, significant
+from procedures.history.fleet import ExtremeUnit, judge_fleet, significant
 from procedures.history.groups import GroupShift, group_shift
 from procedures.statistics.multiple_testing import holm
 from station.results.history.parameter_series import Held, columns, numbers
@@ -57,7 +57,7 @@ def _parameter(held: Sequence[Held], tests: int) -> dict[str, Any]:
     newest = {run.serial: one for run, one in held}
     serials = list(newest)
     value, std = numbers(list(newest.values()))
-    found = fleet(value, std)
+    found = judge_fleet(value, std)
     flagged = significant(found.extremes, ALPHA / (FAMILIES * tests))
     return {
         "unit": held[-1][1].unit,
@@ -74,7 +74,7 @@ def _parameter(held: Sequence[Held], tests: int) -> dict[str, Any]:
     }
 
 
-def _off(one: Off, tests: int) -> dict[str, Any]:
+def _off(one: ExtremeUnit, tests: int) -> dict[str, Any]:
     return {"shift": one.shift, "std": one.std, "p_adjusted": min(1.0, FAMILIES * tests * one.p_adjusted)}
 
 

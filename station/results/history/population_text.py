@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
-from procedures.history.fleet import LEAST as LEAST_UNITS
-from procedures.history.groups import LEAST as LEAST_BOTH
+from procedures.history.fleet import MIN_UNITS
+from procedures.history.groups import MIN_UNITS_IN_BOTH
 from station.results.parameters_by_name import shown_scale, title_of
 from station.text.rounding import decimals
 from station.text.table import table_lines
@@ -28,8 +28,8 @@ def population_text(document: dict[str, Any]) -> str:
 
 
 def _units(document: dict[str, Any]) -> Iterator[str]:
-    if document["units"] < LEAST_UNITS:
-        yield f"units: {document['units']} are too few to say that one stands out, {LEAST_UNITS} are needed"
+    if document["units"] < MIN_UNITS:
+        yield f"units: {document['units']} are too few to say that one stands out, {MIN_UNITS} are needed"
         return
     rows = [
         (f"{one['serial']}", name, one, track["unit"])
@@ -49,7 +49,7 @@ def _groups(document: dict[str, Any]) -> Iterator[str]:
     yield from _listed("cubes, slabs, sites and operators", rows)
     if untold := document["cannot_tell"]:
         yield f"  cannot tell: {', '.join(untold)}"
-        yield f"  (it takes {LEAST_BOTH} units calibrated with it and without it)"
+        yield f"  (it takes {MIN_UNITS_IN_BOTH} units calibrated with it and without it)"
 
 
 def _listed(what: str, rows: list[tuple[str, str, dict[str, Any], str]]) -> Iterator[str]:

@@ -9,10 +9,16 @@ import numpy as np
 from fixtures_db.calibration import utc_text
 from fixtures_db.limits import Limit
 from fixtures_db.runs import Run, turn_ons
-from procedures.history.chart import BEFORE, Chart, control_chart, control_limit
-from procedures.history.prediction import FARTHEST, LEAST, Forecast, farthest, forecast
-from procedures.history.repeatability import TOGETHER_DAYS, Repeatability, turn_on_repeatability
-from procedures.history.series import Series
+from procedures.history.chart import MIN_EARLIER, ControlChart, control_chart, control_limit
+from procedures.history.prediction import (
+    MAX_SPANS_AHEAD,
+    MIN_CALIBRATIONS,
+    Forecast,
+    forecast,
+    last_predictable_day,
+)
+from procedures.history.repeatability import CLUSTER_DAYS, Repeatability, turn_on_repeatability
+from procedures.history.series import CalibrationSeries
 from procedures.statistics.multiple_testing import holm, two_sided
 from station.results.history.parameter_series import DAY_S, Track, tracks
 from station.results.parameters_by_name import applied, parameters, shifts
@@ -86,10 +92,10 @@ def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | Non
 def _within(runs: Sequence[Run], until: datetime, because: str) -> tuple[datetime, str]:
     """Return the date of the prediction, no later than the history lets it be; as it is where none is made."""
     first = runs[0].ended
-    last = farthest(np.array([(run.ended - first).total_seconds() / DAY_S for run in runs]))
+    last = last_predictable_day(np.array([(run.ended - first).total_seconds() / DAY_S for run in runs]))
     if last is None or until <= (end := first + timedelta(days=last)):
         return until, because
-    return end, f"{FARTHEST:g} times its history, not {until:%Y-%m-%d}"
+    return end, f"{MAX_SPANS_AHEAD:g} times its history, not {until:%Y-%m-%d}"
 
 
 def _due(newest: Run, asked: datetime | None) -> tuple[datetime, str]:
@@ -114,7 +120,7 @@ def _parameter(track: Track, limit: Limit | None, control: float, until: datetim
         made["limits"] = {key: one for key in ("low", "high") if (one := getattr(limit, key)) is not None}
     repeatability = turn_on_repeatability(series)
     chart = control_chart(series, control)
-    day, last = (until - track.runs[0].ended).total_seconds() / DAY_S, farthest(series.day)
+    day, last = (until - track.runs[0].ended).total_seconds() / DAY_S, last_predictable_day(series.day)
     is_near = last is not None and day <= last + 1e-3
     ends = made.get("limits", {})
     ahead = forecast(series, ends.get("low"), ends.get("high")) if is_near else None
@@ -129,16 +135,19 @@ def _parameter(track: Track, limit: Limit | None, control: float, until: datetim
 
 
 def _needs(
-    repeatability: Repeatability | None, chart: Chart | None, ahead: Forecast | None, series: Series
+    repeatability: Repeatability | None,
+    chart: ControlChart | None,
+    ahead: Forecast | None,
+    series: CalibrationSeries,
 ) -> list[str]:
     needs = []
     if repeatability is None:
-        needs.append(f"turn-on repeatability: two within {TOGETHER_DAYS:g} days")
+        needs.append(f"turn-on repeatability: two within {CLUSTER_DAYS:g} days")
     if chart is None:
-        needs.append(f"control chart: {BEFORE + 1} turn-ons, {len(series)} there")
+        needs.append(f"control chart: {MIN_EARLIER + 1} turn-ons, {len(series)} there")
     if ahead is None:
         there = f"{plural(len(series), 'turn-on')} over {series.day[-1] - series.day[0]:.3g} days"
-        further = f"{LEAST} more than {TOGETHER_DAYS:g} days apart, over a third of the days ahead"
+        further = f"{MIN_CALIBRATIONS} more than {CLUSTER_DAYS:g} days apart, over a third of the days ahead"
         needs.append(f"prediction: {there}; needs {further}")
     return needs
 
@@ -149,8 +158,8 @@ def _repeatability(found: Repeatability) -> dict[str, Any]:
     return made if found.std is None else {**made, "std_of_std": found.std}
 
 
-def _chart(found: Chart, track: Track) -> dict[str, Any]:
-    judged = track.runs[BEFORE:]
+def _chart(found: ControlChart, track: Track) -> dict[str, Any]:
+    judged = track.runs[MIN_EARLIER:]
     return {
         "z": found.z.tolist(),
         "ewma": found.ewma.tolist(),
@@ -171,7 +180,7 @@ def _prediction(ahead: Forecast, track: Track, until: datetime) -> dict[str, Any
     }
     if found.outside is not None:
         made["probability_outside"] = found.outside
-        horizon = min(float(HORIZON_DAYS), FARTHEST * (last - float(track.series.day[0])))
+        horizon = min(float(HORIZON_DAYS), MAX_SPANS_AHEAD * (last - float(track.series.day[0])))
         touch = ahead.first_touch([last + horizon * (i / 40) ** 2 for i in range(41)])
         if touch is not None:
             made["interval_reaches_limit_utc"] = _date(first, touch)

@@ -10,7 +10,7 @@ from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import AXES
 from procedures.statistics.allan_deviation import (
-    FEWEST_SAMPLES,
+    MIN_SAMPLES,
     AllanDeviation,
     NoiseTerm,
     noise_terms,
@@ -68,7 +68,7 @@ def longest_dwell_noise(campaigns: Sequence[Campaign], solution: Solution) -> Dw
     if not dwells:
         return None
     part, dwell = max(dwells, key=lambda pair: (pair[0].stop - pair[0].start) * pair[1].series.period)
-    if part.stop - part.start < FEWEST_SAMPLES:
+    if part.stop - part.start < MIN_SAMPLES:
         return None
     triads = [
         _triad(name, dwell, part, calibration)

@@ -24,7 +24,7 @@ from fixtures_db.database import open_db
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeRow
 from procedures.arrays import FloatArray
-from procedures.tolerance.estimators import Unit
+from procedures.tolerance.estimators import ToleranceUnit
 from procedures.tolerance.items import ITEMS, angles
 from station.errors import DataRefused
 from station.files.toml_reading import read_tables, read_text_file
@@ -66,13 +66,13 @@ def drawing_of_cube(db: str | None, name: str) -> Drawing:
     return Drawing(name, side, _angles(items, side, f"cube {name}"), np.ones(len(ITEMS)))
 
 
-def paper_unit(K2: float) -> Unit:
+def paper_unit(K2: float) -> ToleranceUnit:
     """Return P1's unit (table 4) with the same ``K2`` [g/g^2] in every sensor."""
     truth = paper_truth()
-    return Unit(_rows(truth.accel_e), truth.accel_d_g, np.full(3, K2))
+    return ToleranceUnit(_rows(truth.accel_e), truth.accel_d_g, np.full(3, K2))
 
 
-def unit_of_solution(path: Path, K2: float) -> Unit:
+def unit_of_solution(path: Path, K2: float) -> ToleranceUnit:
     """Return the accelerometers of a ``solution/1``, the IMU's axes being the cube's; refuse what is none."""
     content = read_text_file(path)
     try:
@@ -84,7 +84,7 @@ def unit_of_solution(path: Path, K2: float) -> Unit:
         raise DataRefused(path, None, found, "a solution/1 with accelerometers", "name another") from None
     if E.shape != (3, 3) or D.shape != (3,):
         raise DataRefused(path, None, f"shapes {E.shape}, {D.shape}", "E (3, 3) and D (3,)")
-    return Unit(_rows(E), D, np.full(3, K2))
+    return ToleranceUnit(_rows(E), D, np.full(3, K2))
 
 
 def _rows(E: FloatArray) -> FloatArray:

@@ -6,16 +6,16 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.tolerance.allowance import Allowed, allow
-from procedures.tolerance.bound import Quantity, all_errors, bound, reached
-from procedures.tolerance.draw import Directions, Sample, Shape, draw
-from procedures.tolerance.estimators import NAMES, Errors, Unit, errors
+from procedures.tolerance.allowance import AllowedTolerance, allowed_tolerances
+from procedures.tolerance.bound import Quantity, all_errors, worst_case, worst_corner
+from procedures.tolerance.draw import Directions, DrawnErrors, ToleranceShape, draw_errors
+from procedures.tolerance.estimators import ESTIMATOR_NAMES, EstimatorErrors, ToleranceUnit, estimator_errors
 from procedures.tolerance.items import ITEMS, p1_tilts
-from procedures.tolerance.remedy import Gain, gain, remedies
+from procedures.tolerance.remedy import RemedyGain, remedies, remedy_gain
 from station.results.tolerance.tolerance_inputs import Drawing
 
 FORMAT = "tolerance/1"
-ESTIMATORS = dict(zip(NAMES, ("12-position", "two-direction", "joint"), strict=True))
+ESTIMATORS = dict(zip(ESTIMATOR_NAMES, ("12-position", "two-direction", "joint"), strict=True))
 SEED = 1  # equal calls give equal numbers
 
 
@@ -24,7 +24,7 @@ class Question:
     """Cubes to draw, and how; the accuracy wanted [g] of which estimator; certificate [rad], noise [g]."""
 
     cubes: int
-    shape: Shape
+    shape: ToleranceShape
     directions: Directions
     estimator: str
     wanted: float | None
@@ -42,38 +42,38 @@ class Study:
 
     drawing: Drawing
     question: Question
-    p1: Errors
+    p1: EstimatorErrors
     worst: FloatArray
     reached: FloatArray
-    sample: Sample
-    allowed: list[Allowed] | None
-    gains: list[Gain]
+    sample: DrawnErrors
+    allowed: list[AllowedTolerance] | None
+    gains: list[RemedyGain]
 
 
-def study(drawing: Drawing, unit: Unit, question: Question) -> Study:
+def study(drawing: Drawing, unit: ToleranceUnit, question: Question) -> Study:
     """Answer all questions about a cube; raise `TooFine` if no cube gives the accuracy wanted."""
     allowed = None
     if question.wanted is not None:
-        asked = bound(_bias(unit, NAMES.index(question.estimator)))
-        allowed = allow(asked, question.wanted, drawing.item, drawing.weight)
+        asked = worst_case(_bias(unit, ESTIMATOR_NAMES.index(question.estimator)))
+        allowed = allowed_tolerances(asked, question.wanted, drawing.item, drawing.weight)
     quantity = all_errors(unit)
     return Study(
         drawing,
         question,
-        errors(p1_tilts(drawing.item)[..., None], unit),
-        bound(quantity).largest(drawing.item),
-        reached(quantity, drawing.item),
-        draw(drawing.item, unit, question.cubes, SEED, question.shape, question.directions),
+        estimator_errors(p1_tilts(drawing.item)[..., None], unit),
+        worst_case(quantity).largest(drawing.item),
+        worst_corner(quantity, drawing.item),
+        draw_errors(drawing.item, unit, question.cubes, SEED, question.shape, question.directions),
         allowed,
         [
-            gain(each, drawing.item, unit, question.noise, shape=question.shape)
+            remedy_gain(each, drawing.item, unit, question.noise, shape=question.shape)
             for each in remedies(question.certificate)
         ],
     )
 
 
-def _bias(unit: Unit, estimator: int) -> Quantity:
-    return lambda tilts: errors(tilts, unit).bias[estimator]
+def _bias(unit: ToleranceUnit, estimator: int) -> Quantity:
+    return lambda tilts: estimator_errors(tilts, unit).bias[estimator]
 
 
 def document(found: Study) -> dict[str, Any]:
@@ -91,7 +91,7 @@ def document(found: Study) -> dict[str, Any]:
             "worst_case_reached": found.reached[3 * i : 3 * i + 3].tolist(),
             **_spread(sample.bias[i]),
         }
-        for i, name in enumerate(NAMES)
+        for i, name in enumerate(ESTIMATOR_NAMES)
     }
     parts["scale_factor"] = {"unit": "1", "worst_case_at_most": found.worst[9:12].tolist()}
     parts["scale_factor"] |= _spread(sample.scale_factor)
@@ -111,12 +111,12 @@ def _spread(values: FloatArray) -> dict[str, list[float]]:
     }
 
 
-def _allowed(one: Allowed, side_mm: float) -> dict[str, Any]:
+def _allowed(one: AllowedTolerance, side_mm: float) -> dict[str, Any]:
     alone = None if one.alone is None else one.alone * side_mm
     sizes = {"present_mm": one.present * side_mm, "allowed_mm": one.allowed * side_mm, "alone_mm": alone}
     return {"item": one.item, **sizes, "change": one.change, "saving": one.saving}
 
 
-def _gain(one: Gain) -> dict[str, Any]:
+def _gain(one: RemedyGain) -> dict[str, Any]:
     sigmas = {"bias_std_g": one.bias, "bias_std_k2_open_g": one.bias_open, "k2_std_g_per_g2": one.K2}
     return {"with": one.help.name, **sigmas, "misalignment_std_rad": one.misalignment}

@@ -7,7 +7,13 @@ import numpy as np
 
 from drivers.wire import FrameKind
 from procedures.arrays import BoolArray, FloatArray
-from procedures.campaign.stopped_channels import EXPECTED, LEVELS, TAIL, WALKED, walk
+from procedures.campaign.stopped_channels import (
+    MIN_CONSTANT_SAMPLES,
+    MIN_EXPECTED_CHANGES,
+    MIN_NOISE_LEVELS,
+    MIN_WALK_COUNTS2,
+    walk,
+)
 from procedures.counts.sample_records import CountBlock, SampleBlock
 from station.errors import DataRefused
 
@@ -46,7 +52,9 @@ class SilentChannels:
 
     def text(self, period: float, channels: frozenset[str], after_s: float = SILENT_AFTER_S) -> str:
         """Return what is wrong with ``channels``, those measured, empty if nothing; ``period`` [s]."""
-        silent = (self._same >= max(after_s / period, TAIL)) & [name in channels for name in COLUMNS]
+        silent = (self._same >= max(after_s / period, MIN_CONSTANT_SAMPLES)) & [
+            name in channels for name in COLUMNS
+        ]
         if not silent.any():
             self._judged, self._text = self._same, ""
         elif np.any(silent & (self._same > 1.1 * self._judged)) or not self._text:  # seldom: it takes a while
@@ -65,12 +73,12 @@ class SilentChannels:
 
     def _surprise(self, values: FloatArray, same: int) -> float:
         """Return how much more than enough a neighbour's noise is to change a channel within ``same`` samples."""
-        if len(values) <= TAIL:
+        if len(values) <= MIN_CONSTANT_SAMPLES:
             return 0.0
         if self._counts:
-            return walk(values) * same / WALKED
+            return walk(values) * same / MIN_WALK_COUNTS2
         often = np.count_nonzero(np.diff(values)) / (len(values) - 1)
-        return float(often * same / EXPECTED) if len(np.unique(values)) >= LEVELS else 0.0
+        return float(often * same / MIN_EXPECTED_CHANGES) if len(np.unique(values)) >= MIN_NOISE_LEVELS else 0.0
 
 
 def refuse_partial(name: str, kind: FrameKind) -> None:

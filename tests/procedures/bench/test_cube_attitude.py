@@ -7,18 +7,18 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.bench.cube_attitude import (
-    Standing,
-    carried,
-    forgotten,
-    heading_off,
-    levelled,
-    lost_sight,
-    standing,
-    told,
+    CubeAttitude,
+    after_gap,
+    attitude_of_up,
+    heading_corrected,
+    heading_to_position,
+    propagated,
+    tilt_corrected,
+    without_heading,
 )
 from procedures.earth.cube_heading import earth_heading
 from procedures.earth.gravity_and_rate import EARTH_RATE
-from procedures.earth.gyrocompass import Known
+from procedures.earth.gyrocompass import CertainDwell
 from procedures.frames import face_normal, face_of, rotation, vertical_rotation
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.independent import body_from_level
@@ -53,9 +53,9 @@ def way(start: FloatArray, end: FloatArray, rng: np.random.Generator) -> FloatAr
 @pytest.mark.parametrize("start", [1, 4, 11])
 def test_a_cube_carried_any_way_stands_where_it_was_put(start: int, end: int) -> None:
     rng = np.random.default_rng(start * 100 + end)
-    there = carried(Standing(in_position(start), 0.0), way(in_position(start), in_position(end), rng))
+    there = propagated(CubeAttitude(in_position(start), 0.0), way(in_position(start), in_position(end), rng))
     assert np.allclose(there.C_lb, in_position(end), atol=1e-6)
-    assert abs(heading_off(there, end)) < 1e-6
+    assert abs(heading_to_position(there, end)) < 1e-6
 
 
 def test_the_sigma_of_the_heading_is_that_of_its_errors() -> None:
@@ -64,12 +64,14 @@ def test_the_sigma_of_the_heading_is_that_of_its_errors() -> None:
     for seed in range(300):
         rng = np.random.default_rng(seed)
         start, end = rng.integers(1, 13, 2)
-        told_std, k_std = np.radians(2.0), 0.03
-        begun = in_position(start, rng.normal(0, told_std))
+        heading_fix_std, k_std = np.radians(2.0), 0.03
+        begun = in_position(start, rng.normal(0, heading_fix_std))
         gyros = (np.eye(3) + rng.normal(0, 0.005, (3, 3))) * (1 + rng.normal(0, k_std))
         seen = way(begun, in_position(end), rng) @ gyros.T
-        now = levelled(carried(Standing(in_position(start), told_std), seen), face_normal(face_of(end)), 1.0)
-        errors.append(heading_off(now, end) / now.heading_std(k_std))
+        now = tilt_corrected(
+            propagated(CubeAttitude(in_position(start), heading_fix_std), seen), face_normal(face_of(end)), 1.0
+        )
+        errors.append(heading_to_position(now, end) / now.heading_std(k_std))
     assert 0.4 < np.std(errors) < 1.25  # the path's share is the most that misaligned gyros may add
     assert np.max(np.abs(errors)) < 4.5
 
@@ -77,45 +79,47 @@ def test_the_sigma_of_the_heading_is_that_of_its_errors() -> None:
 @pytest.mark.parametrize("off", np.radians([-176.0, -90.0, -4.0, 0.0, 30.0, 90.0, 176.0]))
 @pytest.mark.parametrize("position", POSITIONS)
 def test_how_far_to_turn_is_counted_counter_clockwise_seen_from_above(position: int, off: float) -> None:
-    assert heading_off(Standing(in_position(position, -off), 0.0), position) == pytest.approx(off, abs=1e-9)
+    assert heading_to_position(CubeAttitude(in_position(position, -off), 0.0), position) == pytest.approx(
+        off, abs=1e-9
+    )
 
 
 @pytest.mark.parametrize("position", POSITIONS)
 def test_gravity_levels_and_leaves_the_heading_alone(position: int) -> None:
     rng = np.random.default_rng(position)
     tilted = rotation(np.array([*rng.normal(0, 0.2, 2), 0.0])) @ in_position(position)
-    level = levelled(Standing(tilted, 0.01), face_normal(face_of(position)), 1.0)
+    level = tilt_corrected(CubeAttitude(tilted, 0.01), face_normal(face_of(position)), 1.0)
     assert np.allclose(level.up, face_normal(face_of(position)))
-    assert abs(heading_off(level, position)) < 0.05  # of tilts up to 0.4 rad: they do not commute
+    assert abs(heading_to_position(level, position)) < 0.05  # of tilts up to 0.4 rad: they do not commute
     assert level.heading_std(0.0) == 0.01
 
 
 def test_what_nothing_told_is_not_known() -> None:
     rng = np.random.default_rng(1)
-    now = standing(face_normal("x_up"))
+    now = attitude_of_up(face_normal("x_up"))
     assert np.isinf(now.heading_std(0.03))
-    assert np.isinf(carried(now, way(now.C_lb, in_position(3), rng)).heading_std(0.03))
-    assert np.isinf(levelled(now, face_normal("z_down"), 1.0).heading_std(0.03))
-    assert np.isinf(forgotten(Standing(in_position(1), 0.01)).heading_std(0.03))
-    upside_down = levelled(Standing(in_position(1), 0.01), face_normal("x_down"), 1.0)
+    assert np.isinf(propagated(now, way(now.C_lb, in_position(3), rng)).heading_std(0.03))
+    assert np.isinf(tilt_corrected(now, face_normal("z_down"), 1.0).heading_std(0.03))
+    assert np.isinf(without_heading(CubeAttitude(in_position(1), 0.01)).heading_std(0.03))
+    upside_down = tilt_corrected(CubeAttitude(in_position(1), 0.01), face_normal("x_down"), 1.0)
     assert np.allclose(upside_down.up, face_normal("x_down"))
 
 
 def test_a_gap_of_a_second_leaves_a_heading_unknown_and_one_of_two_samples_does_not() -> None:
-    now = Standing(in_position(1), np.radians(1.0))
-    assert np.degrees(lost_sight(now, 1.0, 0.03).heading_std(0.03)) > 45
-    assert np.degrees(lost_sight(now, 0.02, 0.03).heading_std(0.03)) < 3
+    now = CubeAttitude(in_position(1), np.radians(1.0))
+    assert np.degrees(after_gap(now, 1.0, 0.03).heading_std(0.03)) > 45
+    assert np.degrees(after_gap(now, 0.02, 0.03).heading_std(0.03)) < 3
 
 
 def test_what_is_told_counts_by_its_sigma_and_alone_where_it_contradicts() -> None:
-    now = Standing(in_position(1), 0.1)
-    half = told(now, 0.1, 0.1, 0.03)
-    assert heading_off(half, 1) == pytest.approx(-0.05)
+    now = CubeAttitude(in_position(1), 0.1)
+    half = heading_corrected(now, 0.1, 0.1, 0.03)
+    assert heading_to_position(half, 1) == pytest.approx(-0.05)
     assert half.heading_std(0.03) == pytest.approx(0.1 / np.sqrt(2))
-    other = told(now, np.pi / 2, 0.05, 0.03)
-    assert heading_off(other, 1) == pytest.approx(-np.pi / 2)
+    other = heading_corrected(now, np.pi / 2, 0.05, 0.03)
+    assert heading_to_position(other, 1) == pytest.approx(-np.pi / 2)
     assert other.heading_std(0.03) == 0.05
-    assert told(now, 1.0, np.inf, 0.03) is now
+    assert heading_corrected(now, 1.0, np.inf, 0.03) is now
 
 
 def rate_at(C_lb: FloatArray, bias: FloatArray, gyros: FloatArray, rng: np.random.Generator) -> FloatArray:
@@ -125,9 +129,9 @@ def rate_at(C_lb: FloatArray, bias: FloatArray, gyros: FloatArray, rng: np.rando
     return counted
 
 
-def known(position: int, bias: FloatArray, gyros: FloatArray, rng: np.random.Generator) -> Known:
+def known(position: int, bias: FloatArray, gyros: FloatArray, rng: np.random.Generator) -> CertainDwell:
     set_down = in_position(position, rng.normal(0, np.radians(0.5)))
-    return Known(position, rate_at(set_down, bias, gyros, rng), STD)
+    return CertainDwell(position, rate_at(set_down, bias, gyros, rng), STD)
 
 
 @pytest.mark.parametrize("count", [0, 1, 4])

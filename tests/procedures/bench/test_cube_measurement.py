@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.bench.cube_measurement import QUADRATIC, measure_cube
+from procedures.bench.cube_measurement import K2_STD_G_PER_G2, measure_cube
 from procedures.campaign.measured_cube import PARALLELISM, CubeMeasurement, common_and_difference
 from procedures.errors import NotObservable
 from tests.procedures.measured_units import calibrated, campaigns, some_unit, values
@@ -61,9 +61,9 @@ def test_twelve_positions_know_the_differences_and_leave_the_means_to_the_range_
     rng, faces = cube(1)
     found = measure_cube(campaigns(rng, faces))
     assert found.cube.names == PARALLELISM
-    assert spread(found, "mean") == pytest.approx(2 * QUADRATIC, rel=0.02)
-    assert np.all(spread(found, "less") < 0.02 * QUADRATIC)
-    assert found.shares[0].quadratic_left == pytest.approx(QUADRATIC, rel=0.02)
+    assert spread(found, "mean") == pytest.approx(2 * K2_STD_G_PER_G2, rel=0.02)
+    assert np.all(spread(found, "less") < 0.02 * K2_STD_G_PER_G2)
+    assert found.shares[0].quadratic_left == pytest.approx(K2_STD_G_PER_G2, rel=0.02)
 
 
 def test_a_range_of_k2_twice_as_wide_leaves_twice_as_much_open() -> None:
@@ -80,7 +80,7 @@ def test_turned_about_z_the_imu_tells_x_and_y_and_not_z() -> None:
     means = dict(zip([n[-1] for n in names if "mean" in n], spread(found, "mean"), strict=True))
     assert means["x"] < 1e-6
     assert means["y"] < 1e-6
-    assert means["z"] == pytest.approx(2 * QUADRATIC, rel=0.02)
+    assert means["z"] == pytest.approx(2 * K2_STD_G_PER_G2, rel=0.02)
     assert [name for name in found.cube.names if "skew" in name] == ["skew.x.y", "skew.x.z", "skew.y.z"]
 
 
@@ -88,7 +88,7 @@ def test_turned_about_two_axes_it_tells_all() -> None:
     rng, faces = cube(2)
     found = measure_cube(campaigns(rng, faces, 1, ALL))
     assert np.all(np.sqrt(np.diag(found.cube.covariance)) < 1e-6)
-    assert np.all(found.shares[0].quadratic_left < 0.01 * QUADRATIC)
+    assert np.all(found.shares[0].quadratic_left < 0.01 * K2_STD_G_PER_G2)
 
 
 def test_rests_in_free_attitudes_tell_all_without_a_second_mounting() -> None:

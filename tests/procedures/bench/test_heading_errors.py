@@ -12,7 +12,7 @@ from procedures.arrays import FloatArray
 from procedures.bench.heading_errors import heading_errors
 from procedures.calibration.calibration import solve
 from procedures.earth.gravity_and_rate import EARTH_RATE
-from procedures.earth.gyrocompass import Known
+from procedures.earth.gyrocompass import CertainDwell
 from procedures.frames import POSITIONS
 from procedures.units import RAD_S_PER_DEG_H
 
@@ -35,7 +35,7 @@ def campaign(
     positions: range = range(1, 13),
     noise: float = NOISE,
     azimuth: float = 0.0,
-) -> list[Known]:
+) -> list[CertainDwell]:
     rng = np.random.default_rng(seed)
     k = K * (1 + 0.01 * rng.standard_normal(3))
     E, b = np.eye(3) + 7e-4 * rng.standard_normal((3, 3)), RAD_S_PER_DEG_H * rng.standard_normal(3)
@@ -43,11 +43,11 @@ def campaign(
     for position in positions:
         heading = azimuth + HEADING * rng.standard_normal() + np.radians(off_deg.get(position, 0.0))
         rate = k * (E @ sees(position, heading) + b + noise * rng.standard_normal(3))
-        dwells.append(Known(position, rate, k * noise))
+        dwells.append(CertainDwell(position, rate, k * noise))
     return dwells
 
 
-def found(dwells: list[Known]) -> list[tuple[list[int], float]]:
+def found(dwells: list[CertainDwell]) -> list[tuple[list[int], float]]:
     errors = heading_errors(dwells, LATITUDE, np.eye(3), K * np.eye(3), HEADING)
     return [([dwells[i].position for i in one.dwells], float(np.degrees(one.angle))) for one in errors]
 

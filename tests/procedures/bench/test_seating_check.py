@@ -9,7 +9,7 @@ from drivers.simulated.bench_in_memory import SimulatedBench, stand
 from drivers.simulated.bench_truth import imu_from_cube
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.bench.seating_check import Rates, Seating, judge, seating
+from procedures.bench.seating_check import PositionRates, Seating, judge, seating
 from procedures.campaign.campaign import FaceCertificate, Fixture
 from procedures.campaign.plan_steps import Dwell
 from procedures.counts.count_rate import estimate_counts
@@ -33,7 +33,7 @@ class Unit:
         self.D = 2e-3 * self.rng.standard_normal(3)
         self.C_sb, self.k, self.noise = np.eye(3) if C_sb is None else C_sb, k, noise
 
-    def rests(self, position: int, tilt: tuple[float, float] = (0.0, 0.0)) -> Rates:
+    def rests(self, position: int, tilt: tuple[float, float] = (0.0, 0.0)) -> PositionRates:
         """A dwell, the cube tilted by ``tilt`` (2,) [rad] beside its face's own."""
         faces = self.faces.copy()
         faces[FACES.index(face_of(position))] += tilt
@@ -44,7 +44,7 @@ class Unit:
         return position, rate, std
 
 
-def seen(accepted: list[Rates], now: Rates, fixture: Fixture = PLAIN) -> Seating:
+def seen(accepted: list[PositionRates], now: PositionRates, fixture: Fixture = PLAIN) -> Seating:
     found = seating(accepted, now, fixture, HEADING_STD)
     assert found is not None
     return found
@@ -144,7 +144,7 @@ def test_off_is_five_sigma_or_grossly_tilted(off: float, std: float, is_off: boo
         assert not words or f"along {'+' if sign > 0 else '-'}{'xz'[axis]}" in words
 
 
-def recorded(position: int, series: CountSeries, seconds: float) -> Rates:
+def recorded(position: int, series: CountSeries, seconds: float) -> PositionRates:
     assert series.accel is not None
     n = round(seconds / series.period)
     found = [estimate_counts([series.accel[:n, i]], series.period)[0] for i in range(3)]
@@ -155,7 +155,7 @@ def recorded(position: int, series: CountSeries, seconds: float) -> Rates:
 def test_a_crumb_is_caught_in_seconds_and_a_clean_cube_is_left_alone(k: float) -> None:
     truth = Truth.example(11)
     truth = replace(truth, accel_k=truth.accel_k * k / 1e3)
-    bench, accepted = SimulatedBench(truth, 11), list[Rates]()
+    bench, accepted = SimulatedBench(truth, 11), list[PositionRates]()
     for position in (1, 2, 5, 6, 9):
         series = bench.perform(Dwell(position, 30.0))
         for seconds in (3.0, 6.0, 30.0) if position in {2, 6} else ():
@@ -175,7 +175,7 @@ def test_a_bad_seat_among_the_dwells_before_never_condemns_a_good_one(
 ) -> None:
     """A bad first pair shows in the seat after it, and no later; nothing is off by what no upright face is."""
     for seed in (2, 3):
-        unit, accepted, judged = Unit(seed, noise), list[Rates](), []
+        unit, accepted, judged = Unit(seed, noise), list[PositionRates](), []
         for position in range(1, 13):
             now = unit.rests(position, (float(np.radians(tilt_deg)), 0.0) if position == bad else (0.0, 0.0))
             found = seating(accepted, now, PLAIN, HEADING_STD)

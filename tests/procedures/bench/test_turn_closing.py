@@ -3,19 +3,26 @@
 import numpy as np
 import pytest
 
-from procedures.bench.turn_closing import Closing, TurnSeen, apart, closing, limit, scatter
+from procedures.bench.turn_closing import (
+    Closing,
+    TurnCounts,
+    closure_scatter,
+    judge_closing,
+    pair_difference,
+    pair_limit,
+)
 
 ANGLE, K = 6 * np.pi, 2e6  # rad, count/rad
 C = float(np.radians(0.01))
 
 
-def seen(direction: str, closure: float, std: float = 0.0, revolutions: int = 3) -> TurnSeen:
+def seen(direction: str, closure: float, std: float = 0.0, revolutions: int = 3) -> TurnCounts:
     angle = 2 * np.pi * revolutions
-    return TurnSeen(direction, K * (angle + closure) / revolutions, angle, std)
+    return TurnCounts(direction, K * (angle + closure) / revolutions, angle, std)
 
 
 def said(*turns: tuple[str, float]) -> Closing:
-    return closing([seen(direction, off * C) for direction, off in turns], C)
+    return judge_closing([seen(direction, off * C) for direction, off in turns], C)
 
 
 @pytest.mark.parametrize(
@@ -38,10 +45,10 @@ def test_what_turns_say_together(turns: list[tuple[str, float]], expected: Closi
 
 def test_the_limit_is_three_sigma_of_both_closures_and_of_what_noise_adds() -> None:
     one, other = seen("+", 0.0), seen("-", 2 * C)
-    assert apart(other, one) == pytest.approx(2 * C, rel=1e-6)
-    assert limit(one, other, C) == pytest.approx(3 * np.sqrt(2) * C)
-    assert limit(seen("+", 0.0, C), other, C) == pytest.approx(3 * np.sqrt(3) * C)
-    assert limit(seen("+", 0.0, revolutions=1), other, C) == pytest.approx(3 * C * np.hypot(1, 1 / 3))
+    assert pair_difference(other, one) == pytest.approx(2 * C, rel=1e-6)
+    assert pair_limit(one, other, C) == pytest.approx(3 * np.sqrt(2) * C)
+    assert pair_limit(seen("+", 0.0, C), other, C) == pytest.approx(3 * np.sqrt(3) * C)
+    assert pair_limit(seen("+", 0.0, revolutions=1), other, C) == pytest.approx(3 * C * np.hypot(1, 1 / 3))
 
 
 def test_honest_pairs_are_taken_and_pairs_four_sigma_apart_are_caught() -> None:
@@ -50,14 +57,14 @@ def test_honest_pairs_are_taken_and_pairs_four_sigma_apart_are_caught() -> None:
     honest = far = 0
     for closures in C * rng.standard_normal((4000, 2)):
         a, b = closures + noise * rng.standard_normal(2)
-        honest += closing([seen("+", a, noise), seen("-", b, noise)], C) is Closing.CLOSED
+        honest += judge_closing([seen("+", a, noise), seen("-", b, noise)], C) is Closing.CLOSED
         b = closures[0] + 4 * np.sqrt(2) * C + noise * rng.standard_normal()
-        far += closing([seen("+", a, noise), seen("-", b, noise)], C) is Closing.CLOSED
+        far += judge_closing([seen("+", a, noise), seen("-", b, noise)], C) is Closing.CLOSED
     assert honest >= 0.995 * 4000
     assert far <= 0.01 * 4000
 
 
 def test_the_scatter_of_turns_is_the_closure_that_they_show() -> None:
     rng = np.random.default_rng(2)
-    found = [scatter([seen("+", c) for c in 5 * C * rng.standard_normal(3)]) ** 2 for _ in range(500)]
+    found = [closure_scatter([seen("+", c) for c in 5 * C * rng.standard_normal(3)]) ** 2 for _ in range(500)]
     assert np.sqrt(np.mean(found)) == pytest.approx(5 * C, rel=0.1)

@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.bench.warm_up import Means, Unsettled, WarmUpState, sensitivity, time_constant, unsettled, warm_up
+from procedures.bench.warm_up import (
+    IntervalMeans,
+    UnsettledBias,
+    WarmUpState,
+    sensitivity,
+    time_constant,
+    unsettled_bias,
+    warm_up,
+)
 
 WHITE, DPH = 3.6, 10.0
 DWELL_S, PAIR_S, TAU_S = 100.0, 290.0, 600.0
@@ -15,7 +23,7 @@ PER_K = DPH * np.array([0.05, -0.025, 0.015])
 def history(
     seed: int, n: int, rise: float = 0.0, *, step: float | None = 1e-3, per_k: FloatArray = PER_K,
     drift: float = 0.0, white: float = WHITE,
-) -> Means:  # fmt: skip
+) -> IntervalMeans:  # fmt: skip
     """Means of a unit that warms by ``rise`` [K] and drifts [count/s2]; ``step`` [K] of the thermometer."""
     rng, t = np.random.default_rng(seed), 10.0 * np.arange(1, n + 1)
     warmth = rise * (1 - np.exp(-(t - 5) / TAU_S))
@@ -29,18 +37,18 @@ def history(
     accel = np.array([1000.0, 2.0, 3.0]) + np.outer(warmth, [0.02, 0.0, 0.0]) + 1e-3 * rng.standard_normal((n, 3))
     seen = 23 + warmth + 3e-3 * rng.standard_normal(n)
     temperature = np.full(n, np.nan) if step is None else np.round(seen / step) * step
-    return Means(t, gyro, std, temperature, accel, np.full((n, 3), 1e-3))
+    return IntervalMeans(t, gyro, std, temperature, accel, np.full((n, 3), 1e-3))
 
 
-def begin_of(means: Means, n: int) -> Means:
-    return Means(means.t[:n], means.gyro[:n], means.gyro_std[:n], means.temperature[:n])
+def begin_of(means: IntervalMeans, n: int) -> IntervalMeans:
+    return IntervalMeans(means.t[:n], means.gyro[:n], means.gyro_std[:n], means.temperature[:n])
 
 
-def judged(means: Means, marks: tuple[float, ...] = ()) -> WarmUpState:
+def judged(means: IntervalMeans, marks: tuple[float, ...] = ()) -> WarmUpState:
     return warm_up(means, DWELL_S, PAIR_S, marks)
 
 
-def ready_at(means: Means) -> float:
+def ready_at(means: IntervalMeans) -> float:
     return next(
         (means.t[n - 1] for n in range(1, len(means.t) + 1) if judged(begin_of(means, n)).is_ready), np.inf
     )
@@ -122,7 +130,7 @@ def test_the_time_left_comes_true(seed: int) -> None:
 def test_a_cube_that_was_moved_begins_anew() -> None:
     still, rate = history(3, 60), np.array([0.0, 60.0, -40.0])
     gyro = still.gyro + np.outer(still.t > 300, rate)
-    moved = Means(still.t, gyro, still.gyro_std, still.temperature)
+    moved = IntervalMeans(still.t, gyro, still.gyro_std, still.temperature)
     assert not judged(moved).is_ready
     assert judged(moved, (100.0, 300.0)).is_ready
     just = judged(moved, (560.0,))
@@ -161,18 +169,18 @@ def rms_to_go(seconds: float, remaining: float, rise: float = 10.0) -> float:
 
 @pytest.mark.parametrize("n", [60, 100])
 def test_skipping_the_warm_up_costs_what_the_bias_has_still_to_go(n: int) -> None:
-    found = unsettled(begin_of(history(7, 100, 10.0), n), 2400.0)
+    found = unsettled_bias(begin_of(history(7, 100, 10.0), n), 2400.0)
     assert found.gyro[0] / rms_to_go(10.0 * n, 2400.0) == pytest.approx(1.0, rel=0.4)
     assert found.accel is None
-    accel = unsettled(history(7, 100, 10.0), 2400.0).accel
+    accel = unsettled_bias(history(7, 100, 10.0), 2400.0).accel
     assert accel is not None
     assert accel[0] / (rms_to_go(1000.0, 2400.0) / PER_K[0] * 0.02) == pytest.approx(1.0, rel=0.4)
 
 
 def test_skipping_at_once_costs_a_whole_warm_up_and_a_stable_unit_nothing_to_speak_of() -> None:
-    at_once: Unsettled = unsettled(begin_of(history(8, 100, 10.0, step=None), 6), 3000.0)
+    at_once: UnsettledBias = unsettled_bias(begin_of(history(8, 100, 10.0, step=None), 6), 3000.0)
     whole = 0.1 / 15 * 10 * np.linalg.norm([80.0, 3.0, 130.0])
     assert at_once.gyro == pytest.approx(np.full(3, whole), rel=0.02)
-    assert np.all(unsettled(history(8, 30), 3000.0).gyro < LIMIT)
+    assert np.all(unsettled_bias(history(8, 30), 3000.0).gyro < LIMIT)
     with pytest.raises(ValueError, match="5 means at rest, expected at least 6"):
-        unsettled(begin_of(history(8, 10), 5), 3000.0)
+        unsettled_bias(begin_of(history(8, 10), 5), 3000.0)

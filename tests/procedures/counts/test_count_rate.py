@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.counts.count_rate import LEAST_SAMPLES, RateEstimate, estimate_counts
+from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_counts
 from procedures.errors import TooShort
 
 N = 2000
@@ -226,7 +226,7 @@ def test_periods_scale_rates_and_sigmas() -> None:
 
 
 @settings(max_examples=40, deadline=None)
-@given(st.lists(st.integers(-3, 3), min_size=LEAST_SAMPLES, max_size=300))
+@given(st.lists(st.integers(-3, 3), min_size=MIN_DWELL_SAMPLES, max_size=300))
 def test_small_integers_of_any_kind_give_finite_numbers(increments: list[int]) -> None:
     got = estimate_counts([np.array(increments)], 0.02)[0]
     numbers = [got.rate, got.std, got.slope, got.slope_std, got.curvature, got.curvature_std, got.noise]
@@ -246,7 +246,7 @@ def test_a_short_noisy_dwell_is_honest() -> None:
     assert np.sqrt(np.mean(np.square(z))) < 1.8
 
 
-@pytest.mark.parametrize("n", [1, 2, LEAST_SAMPLES - 1])
+@pytest.mark.parametrize("n", [1, 2, MIN_DWELL_SAMPLES - 1])
 def test_a_dwell_too_short_to_say_anything_is_refused(n: int) -> None:
-    with pytest.raises(TooShort, match=f"{n} samples, expected at least {LEAST_SAMPLES}"):
+    with pytest.raises(TooShort, match=f"{n} samples, expected at least {MIN_DWELL_SAMPLES}"):
         estimate_counts([np.full(n, 20)], 1.0)

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import Fits, fit
+from procedures.calibration.calibration import CampaignFits, fit
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
@@ -16,7 +16,7 @@ from tests.benchmarks.diagnosing.designs import DESIGNS, unit
 
 
 @cache
-def seen_by(design: str, seed: int = 1) -> tuple[Fits, Evidence, dict[str, list[Candidate]]]:
+def seen_by(design: str, seed: int = 1) -> tuple[CampaignFits, Evidence, dict[str, list[Candidate]]]:
     """Return the fits of a unit with nothing planted, their evidence, and what it can speak of."""
     made = DESIGNS[design]
     fits = fit(made.make(unit(seed, **made.truth), seed, ()))

@@ -12,7 +12,7 @@ from procedures.statistics.tail_probabilities import log_f_sf
 from procedures.uncertainty import sources as named
 from procedures.uncertainty.budget import budget
 from procedures.uncertainty.clock_rate import with_clock
-from procedures.uncertainty.given_values import Inputs
+from procedures.uncertainty.given_values import GivenValues
 from tests.procedures.diagnosis.planted import planted, with_reference_time
 
 BASE = planted(1, dwell_s=10.0)
@@ -97,7 +97,7 @@ def test_what_is_not_known_of_a_clock_put_right_is_in_the_uncertainty_of_k() -> 
     assert np.sqrt(np.diag(found.solution.covariance)[rows]) == pytest.approx(k.scale_factor.std)
     clock_part = {
         one.name: part.std
-        for one in budget(found.after, Inputs(clock=found.clock))
+        for one in budget(found.after, GivenValues(clock=found.clock))
         for part in one.contributions
         if part.source == named.CLOCK
     }

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivers.simulated.truth import Truth
-from procedures.calibration.calibration import Fits, fit
+from procedures.calibration.calibration import CampaignFits, fit
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects import EFFECTS
@@ -129,7 +129,7 @@ def test_what_is_in_no_catalogue_is_unexplained_and_named_nothing() -> None:
     assert not any(is_claimed(finding) for finding in found.findings)
 
 
-def gyro_bias(fits: Fits) -> np.ndarray:
+def gyro_bias(fits: CampaignFits) -> np.ndarray:
     assert fits.gyroscope is not None
     joint = fits.gyroscope.joint
     return joint.b / np.linalg.norm(joint.K, axis=1)

@@ -1,7 +1,7 @@
 import numpy as np
 
 from drivers.simulated.bench_in_memory import simulate_campaign
-from procedures.calibration.calibration import Fits, Reduced, fit_reduced, reduce_steps
+from procedures.calibration.calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.refit import Refit, refit, refit_with
 from procedures.diagnosis.residual_rows import evidence_of
@@ -12,7 +12,7 @@ SIZES = {"accelerometer.quadratic": {"x": 8e-5, "z": -5e-5}, "gyroscope.g_sensit
 SMALL = 0.1  # sigma: noise is the same draw with the effects in and without
 
 
-def prepared(effects: dict[str, dict[str, float]]) -> tuple[Reduced, Fits, list[Candidate]]:
+def prepared(effects: dict[str, dict[str, float]]) -> tuple[ReducedSteps, CampaignFits, list[Candidate]]:
     """A unit on a cube whose faces are stated; equal but for the effects, to the last draw."""
     steps = reduce_steps(
         [simulate_campaign(unit(2, effects=effects), 2, certificate_sigma=5e-6, draw_stated=False)]
@@ -22,7 +22,7 @@ def prepared(effects: dict[str, dict[str, float]]) -> tuple[Reduced, Fits, list[
     return steps, base, [pool[name][0] for name in SIZES]
 
 
-def both(fits: Fits) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+def both(fits: CampaignFits) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """The parameters of each triad and their sigma."""
     assert fits.accelerometer
     assert fits.gyroscope

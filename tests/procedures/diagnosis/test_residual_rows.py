@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import Fits, Reduced, fit_reduced, reduce_steps
+from procedures.calibration.calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.diagnosis.residual_rows import Evidence, Weights, evidence_of
 from procedures.diagnosis.unexplained_residual import log_p_of
@@ -17,7 +17,7 @@ SEEDS = range(6)
 
 
 @cache
-def _solved(seed: int) -> tuple[Reduced, Fits]:
+def _solved(seed: int) -> tuple[ReducedSteps, CampaignFits]:
     steps = reduce_steps(certified(unit(seed), seed))
     return steps, fit_reduced(steps)
 

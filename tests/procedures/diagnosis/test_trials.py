@@ -9,7 +9,7 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import Fits, Reduced, solve
+from procedures.calibration.calibration import CampaignFits, ReducedSteps, solve
 from procedures.campaign.campaign import Campaign, DwellRecord, ProcedureSigma, Site
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis import refit as refit_module
@@ -61,8 +61,12 @@ def test_an_effect_whose_refit_fails_is_not_found_and_another_may_be(
     plain = refit_module._fit_without  # noqa: SLF001 - the step of a refit that can fail
 
     def fails(
-        steps: Reduced, fits: Fits, evidence: Evidence, added: list[Candidate], values: list[FloatArray]
-    ) -> Fits:
+        steps: ReducedSteps,
+        fits: CampaignFits,
+        evidence: Evidence,
+        added: list[Candidate],
+        values: list[FloatArray],
+    ) -> CampaignFits:
         if any(each.effect.name == "accelerometer.quadratic" for each in added):
             raise error
         return plain(steps, fits, evidence, added, values)

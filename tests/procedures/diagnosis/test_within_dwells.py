@@ -10,7 +10,7 @@ from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis
 from procedures.uncertainty import sources as named
 from procedures.uncertainty.budget import ParameterBudget, budget
-from procedures.uncertainty.given_values import Inputs
+from procedures.uncertainty.given_values import GivenValues
 from tests.benchmarks.diagnosing.designs import certified, unit
 from tests.procedures.diagnosis.planted import wandering
 
@@ -24,7 +24,7 @@ def diagnosed(size: float) -> Diagnosis:
 
 def bias_x(found: Diagnosis, unexplained: dict[str, float] | None) -> ParameterBudget:
     wanted = "accelerometer.bias.x"
-    return next(one for one in budget(found.after, Inputs(unexplained=unexplained)) if one.name == wanted)
+    return next(one for one in budget(found.after, GivenValues(unexplained=unexplained)) if one.name == wanted)
 
 
 def test_a_ramp_that_no_effect_explains_widens_the_uncertainty_though_the_means_fit() -> None:
@@ -53,7 +53,7 @@ def test_with_something_left_the_sum_of_squares_counts_also_where_it_passes_by_i
     fits = replace(found.after, accelerometer=replace(found.after.accelerometer, fit=worse))
     assert worse.chi2 > found.after.accelerometer.dof
     sources = [
-        {part.source for one in budget(fits, Inputs(unexplained=left)) for part in one.contributions}
+        {part.source for one in budget(fits, GivenValues(unexplained=left)) for part in one.contributions}
         for left in (None, {})
     ]
     assert [named.UNEXPLAINED in each for each in sources] == [False, True]

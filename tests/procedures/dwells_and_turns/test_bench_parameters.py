@@ -9,9 +9,9 @@ from scipy.optimize import least_squares
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import FaceCertificate, Fixture
 from procedures.dwells_and_turns.bench_parameters import (
-    FACE_RANGE,
-    SLAB_RANGE,
-    Bench,
+    FACE_TILT_RANGE_RAD,
+    SLAB_TILT_RANGE_RAD,
+    BenchParameters,
     Placement,
     cube_numbers,
     mean_cube,
@@ -29,11 +29,11 @@ def certificate(sigma: float, tilt: FloatArray | None = None) -> FaceCertificate
     return FaceCertificate(np.zeros(2) if tilt is None else tilt, sigma**2 * np.eye(2))
 
 
-def two_campaigns() -> Bench:
+def two_campaigns() -> BenchParameters:
     first = campaign(fixture=Fixture(id="A"))
     second = campaign(fixture=Fixture(id="B"), latitude=-0.2, gravity_std=1e-4)
     at = [Placement(n % 2, n % 2, 1 + n % 12, 1e-3) for n in range(24)]
-    return Bench(tuple(at), (first, second), 2)
+    return BenchParameters(tuple(at), (first, second), 2)
 
 
 @settings(max_examples=30, deadline=None)
@@ -66,12 +66,12 @@ def test_every_parameter_has_one_place() -> None:
 
 def test_campaigns_at_one_site_share_its_gravity() -> None:
     same = campaign(fixture=Fixture(id="A"))
-    bench = Bench((Placement(0, 0, 1, 1e-3), Placement(1, 0, 1, 1e-3)), (same, replace(same)), 1)
+    bench = BenchParameters((Placement(0, 0, 1, 1e-3), Placement(1, 0, 1, 1e-3)), (same, replace(same)), 1)
     assert len(bench.sites) == 1
     assert bench.size == 4 + 1 + 12 + 2
 
 
-def prior_sigma(bench: Bench) -> FloatArray:
+def prior_sigma(bench: BenchParameters) -> FloatArray:
     matrix = bench.priors().matrix
     sigma: FloatArray = np.sqrt(np.diag(np.linalg.pinv(matrix) @ np.linalg.pinv(matrix).T))
     return sigma
@@ -79,16 +79,16 @@ def prior_sigma(bench: Bench) -> FloatArray:
 
 def test_priors_are_the_stated_and_plausible_sizes() -> None:
     sigma = prior_sigma(two_campaigns())
-    assert sigma[:4] == pytest.approx(SLAB_RANGE)
+    assert sigma[:4] == pytest.approx(SLAB_TILT_RANGE_RAD)
     assert sigma[4:6] == pytest.approx([1e-9 / 9.80665, 1e-4 / 9.80665])
-    assert sigma[6:12] == pytest.approx(FACE_RANGE * np.sqrt(2), rel=1e-6)
+    assert sigma[6:12] == pytest.approx(FACE_TILT_RANGE_RAD * np.sqrt(2), rel=1e-6)
     assert sigma[-24:] == pytest.approx(1e-3)
-    assert sigma[24:30] == pytest.approx(FACE_RANGE)  # the second cube's perpendicularity is free
+    assert sigma[24:30] == pytest.approx(FACE_TILT_RANGE_RAD)  # the second cube's perpendicularity is free
 
 
 def test_without_a_certificate_perpendicularity_is_held_where_the_items_put_it() -> None:
     """P1 table 2: X up is reached by one item, X down by three; Y and Z up by three, down by five."""
-    bench = Bench((Placement(0, 0, 1, 1e-3),), (campaign(),), 1)
+    bench = BenchParameters((Placement(0, 0, 1, 1e-3),), (campaign(),), 1)
     prior = bench.priors()
     mean, matrix = prior.mean, prior.matrix
     assert bench.held_pairs(0) == [True, True, True]
@@ -98,13 +98,13 @@ def test_without_a_certificate_perpendicularity_is_held_where_the_items_put_it()
     x[3:9] = p
     x[9:15] = p * np.repeat([1 / 4 - 1 / 2, 3 / 8 - 1 / 2, 3 / 8 - 1 / 2], 2)
     held = np.abs(matrix @ x)
-    assert np.sum(held**2) == pytest.approx(np.sum((p / FACE_RANGE) ** 2) / 2, rel=1e-3)
+    assert np.sum(held**2) == pytest.approx(np.sum((p / FACE_TILT_RANGE_RAD) ** 2) / 2, rel=1e-3)
 
 
 def test_a_certificate_holds_the_tilt_of_its_face() -> None:
     tilt, sigma = np.array([3e-5, -2e-5]), 5e-6
     faces = {face: certificate(sigma, (i + 1) * tilt) for i, face in enumerate(FACES)}
-    bench = Bench((Placement(0, 0, 1, 1e-3),), (campaign(fixture=Fixture(faces)),), 1)
+    bench = BenchParameters((Placement(0, 0, 1, 1e-3),), (campaign(fixture=Fixture(faces)),), 1)
     assert bench.held_pairs(0) == [False, False, False]
     prior = bench.priors()
     mean, matrix = prior.mean, prior.matrix
@@ -112,7 +112,7 @@ def test_a_certificate_holds_the_tilt_of_its_face() -> None:
     for pair in range(3):
         for sign, k in ((1, 0), (-1, 1)):
             found = bench.parallelism(x)[pair] / 2 + sign * bench.perpendicularity(x)[pair]
-            pull = 2 * (sigma / FACE_RANGE) ** 2  # of the wide prior beside it, relative
+            pull = 2 * (sigma / FACE_TILT_RANGE_RAD) ** 2  # of the wide prior beside it, relative
             assert found == pytest.approx((2 * pair + k + 1) * tilt, rel=4 * pull)
     assert prior_sigma(bench)[3:9] == pytest.approx(np.sqrt(2) * sigma, rel=1e-4)
     assert prior_sigma(bench)[9:15] == pytest.approx(sigma / np.sqrt(2), rel=1e-4)
@@ -120,13 +120,13 @@ def test_a_certificate_holds_the_tilt_of_its_face() -> None:
 
 def test_a_pair_with_one_certified_face_is_not_held() -> None:
     fixture = Fixture({"y_down": certificate(5e-6)})
-    bench = Bench((Placement(0, 0, 1, 1e-3),), (campaign(fixture=fixture),), 1)
+    bench = BenchParameters((Placement(0, 0, 1, 1e-3),), (campaign(fixture=fixture),), 1)
     assert bench.held_pairs(0) == [True, False, True]
 
 
 def test_an_imu_that_sat_in_the_cube_in_two_ways_sees_its_perpendicularity() -> None:
     turned = campaign(fixture=Fixture(C_sb=QUARTER, id="A"))
-    bench = Bench(
+    bench = BenchParameters(
         (Placement(0, 0, 1, 1e-3), Placement(1, 0, 1, 1e-3)), (campaign(fixture=Fixture(id="A")), turned), 1
     )
     assert bench.held_pairs(0) == [False, False, False]

@@ -12,7 +12,13 @@ from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell
 from procedures.dwells_and_turns.hand_turns import TURN_START
 from procedures.earth.gravity_and_rate import EARTH_RATE
-from procedures.earth.gyrocompass import Known, find_heading, first_position, heading_change, scale
+from procedures.earth.gyrocompass import (
+    CertainDwell,
+    find_heading,
+    first_position,
+    heading_change,
+    rough_scale_factor,
+)
 from procedures.frames import FACES, face_of, rotation
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.independent import body_from_level
@@ -30,12 +36,14 @@ def seen(position: int, latitude: float, turned: float = 0.0) -> FloatArray:
     return rate
 
 
-def found(rate: FloatArray, position: int, latitude: float, known: tuple[Known, ...] = (), **options: object):  # type: ignore[no-untyped-def]
+def found(
+    rate: FloatArray, position: int, latitude: float, known: tuple[CertainDwell, ...] = (), **options: object
+):  # type: ignore[no-untyped-def]
     return find_heading(rate, STD, face_of(position), latitude, I3, known, **options)  # type: ignore[arg-type]
 
 
-def known(position: int, latitude: float, bias: FloatArray) -> Known:
-    return Known(position, K * (seen(position, latitude) + bias), STD)
+def known(position: int, latitude: float, bias: FloatArray) -> CertainDwell:
+    return CertainDwell(position, K * (seen(position, latitude) + bias), STD)
 
 
 @pytest.mark.parametrize("latitude", [SOUTH, CHINA, EUROPE])
@@ -131,7 +139,7 @@ def test_it_is_never_sure_and_wrong_with_biases_up_to_three_sigma() -> None:
 def test_a_simulated_unit_is_found_in_all_twelve_positions_once_the_first_is_said() -> None:
     truth = Truth.example(8)
     bench = SimulatedBench(truth, 8)
-    dwells: list[Known] = []
+    dwells: list[CertainDwell] = []
     for position in range(1, 13):
         series = bench.perform(Dwell(position, 10.0))
         assert series.gyro is not None
@@ -140,7 +148,7 @@ def test_a_simulated_unit_is_found_in_all_twelve_positions_once_the_first_is_sai
             heading = find_heading(rate, std, face_of(position), np.radians(truth.latitude_deg), I3, dwells)
             assert heading.is_sure
             assert heading.position == position
-        dwells.append(Known(position, rate, std))
+        dwells.append(CertainDwell(position, rate, std))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -148,10 +156,10 @@ def test_the_rough_scale_factor_lies_within_its_sigma(seed: int) -> None:
     rng = np.random.default_rng(seed)
     bias = RAD_S_PER_DEG_H * rng.standard_normal(3)
     k = K * (1 + 0.03 * rng.standard_normal(3))
-    dwells = [Known(p, k * (seen(p, CHINA) + bias), STD) for p in (1, 2, 5, 9)]
+    dwells = [CertainDwell(p, k * (seen(p, CHINA) + bias), STD) for p in (1, 2, 5, 9)]
     stds = []
     for n in (1, 4):
-        value = scale(dwells[:n], CHINA, I3)
+        value = rough_scale_factor(dwells[:n], CHINA, I3)
         assert value is not None
         assert abs(value[0] / K - 1) < 4 * value[1]
         stds.append(value[1])
@@ -159,8 +167,8 @@ def test_the_rough_scale_factor_lies_within_its_sigma(seed: int) -> None:
 
 
 def test_no_scale_factor_is_told_without_a_dwell_or_from_a_bias() -> None:
-    assert scale([], CHINA, I3) is None
-    assert scale([Known(1, -K * seen(1, CHINA), STD)], CHINA, I3) is None
+    assert rough_scale_factor([], CHINA, I3) is None
+    assert rough_scale_factor([CertainDwell(1, -K * seen(1, CHINA), STD)], CHINA, I3) is None
 
 
 @pytest.mark.parametrize("position", TURN_START.values())
@@ -169,7 +177,7 @@ def test_a_turn_that_did_not_come_back_is_measured_by_the_earth_rate(position: i
     bias, std = 30 * RAD_S_PER_DEG_H * rng.standard_normal(3), np.full(3, 0.02 * K * RAD_S_PER_DEG_H)
     C_sb = imu_from_cube(("+z", "+x", "+y"))
     before, after = (
-        Known(position, K * C_sb @ (seen(position, EUROPE, a) + bias) + std * rng.standard_normal(3), std)
+        CertainDwell(position, K * C_sb @ (seen(position, EUROPE, a) + bias) + std * rng.standard_normal(3), std)
         for a in (0.0, turned)
     )
     angle, angle_std = heading_change(before, after, EUROPE, C_sb, K)
@@ -186,5 +194,5 @@ def test_a_turn_that_did_not_come_back_is_measured_by_the_earth_rate(position: i
 
 
 def test_at_the_pole_no_return_is_measured() -> None:
-    still = Known(1, K * seen(1, np.pi / 2), STD)
+    still = CertainDwell(1, K * seen(1, np.pi / 2), STD)
     assert heading_change(still, still, np.pi / 2, I3, K)[1] > 1e6

@@ -15,7 +15,7 @@ from drivers.simulated.effects.procedure import auxiliary
 from drivers.simulated.truth import Truth
 from procedures import effects
 from procedures.arrays import FloatArray
-from procedures.calibration.calibration import Fits, Reduced, fit_reduced, reduce_steps
+from procedures.calibration.calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
 from procedures.campaign.campaign import ProcedureSigma
 from procedures.campaign.observations import TriadDwells
 from procedures.campaign.plan_steps import Turn
@@ -56,7 +56,7 @@ LEANS = tuple(
 )
 
 
-def carried_out(effects: Mapping[str, Mapping[str, float]]) -> Reduced:
+def carried_out(effects: Mapping[str, Mapping[str, float]]) -> ReducedSteps:
     """A campaign without noise, with two speeds, free positions, a warming unit and a channel beside it."""
     truth = replace(UNIT, effects={name: dict(sizes) for name, sizes in effects.items()})
     campaign = simulate_campaign(truth, 1, dwell_s=12.0, turns=TURNS, draw_stated=False, move_s=20.0, free=LEANS)
@@ -77,8 +77,8 @@ def as_rates(counts: CountSeries) -> RateSeries:
 
 @dataclass(frozen=True, eq=False)
 class Baseline:
-    steps: Reduced
-    fits: Fits
+    steps: ReducedSteps
+    fits: CampaignFits
     evidence: Evidence
 
 

@@ -4,24 +4,24 @@ import numpy as np
 import pytest
 from scipy.stats import norm, t
 
-from procedures.history.chart import BEFORE, FALSE_ALARM, control_chart, control_limit
-from procedures.history.series import Series
+from procedures.history.chart import FALSE_ALARM_PROBABILITY, MIN_EARLIER, control_chart, control_limit
+from procedures.history.series import CalibrationSeries
 
 
-def unit(rng: np.random.Generator, n: int, turn_on: float, std: float = 1.0) -> Series:
+def unit(rng: np.random.Generator, n: int, turn_on: float, std: float = 1.0) -> CalibrationSeries:
     own = std * rng.uniform(0.5, 2.0, n)
     value = turn_on * rng.standard_normal(n) + own * rng.standard_normal(n)
-    return Series(100.0 * np.arange(n), value, own)
+    return CalibrationSeries(100.0 * np.arange(n), value, own)
 
 
 def test_where_turn_on_scatter_is_all_z_is_that_of_students_t() -> None:
     value = np.random.default_rng(1).standard_normal(8)
-    chart = control_chart(Series(np.arange(8.0), value, np.full(8, 1e-3)), 3.0)
+    chart = control_chart(CalibrationSeries(np.arange(8.0), value, np.full(8, 1e-3)), 3.0)
     assert chart is not None
-    for i in range(BEFORE, 8):
+    for i in range(MIN_EARLIER, 8):
         past = value[:i]
         score = (value[i] - past.mean()) / (past.std(ddof=1) * np.sqrt(1 + 1 / i))
-        assert chart.z[i - BEFORE] == pytest.approx(norm.ppf(t.cdf(score, i - 1)), abs=0.03)
+        assert chart.z[i - MIN_EARLIER] == pytest.approx(norm.ppf(t.cdf(score, i - 1)), abs=0.03)
 
 
 @pytest.mark.parametrize("turn_on", [0.0, 1.0, 50.0])
@@ -40,17 +40,17 @@ def test_a_steady_unit_raises_no_more_alarms_than_the_limit_says(turn_on: float)
 
 def test_a_jump_is_an_alarm_at_once() -> None:
     steady = unit(np.random.default_rng(3), 30, 3.0)
-    jump = Series(steady.day, steady.value + 40.0 * (np.arange(30) == 20), steady.std)
+    jump = CalibrationSeries(steady.day, steady.value + 40.0 * (np.arange(30) == 20), steady.std)
     chart = control_chart(jump, control_limit(24))
     assert chart is not None
-    assert np.flatnonzero(np.abs(chart.z) > chart.limit).tolist() == [20 - BEFORE]
+    assert np.flatnonzero(np.abs(chart.z) > chart.limit).tolist() == [20 - MIN_EARLIER]
 
 
 def test_a_slow_creep_is_an_alarm_of_the_average_long_before_one_of_the_values() -> None:
     rng, seen, units = np.random.default_rng(3), np.zeros(2), 40
     for _ in range(units):
         steady = unit(rng, 30, 3.0)
-        creep = Series(steady.day, steady.value + np.maximum(np.arange(30) - 15, 0), steady.std)
+        creep = CalibrationSeries(steady.day, steady.value + np.maximum(np.arange(30) - 15, 0), steady.std)
         chart = control_chart(creep, control_limit(24))
         assert chart is not None
         of_value, of_average = np.abs(chart.z), np.abs(chart.ewma / chart.ewma_std)
@@ -59,9 +59,9 @@ def test_a_slow_creep_is_an_alarm_of_the_average_long_before_one_of_the_values()
 
 
 def test_the_limit_grows_with_the_parameters_watched() -> None:
-    assert 1 * 2 * norm.sf(control_limit(1)) == pytest.approx(FALSE_ALARM)
-    assert 24 * 2 * norm.sf(control_limit(24)) == pytest.approx(FALSE_ALARM)
+    assert 1 * 2 * norm.sf(control_limit(1)) == pytest.approx(FALSE_ALARM_PROBABILITY)
+    assert 24 * 2 * norm.sf(control_limit(24)) == pytest.approx(FALSE_ALARM_PROBABILITY)
 
 
 def test_two_calibrations_make_no_chart() -> None:
-    assert control_chart(Series(np.arange(2.0), np.zeros(2), np.ones(2)), 3.0) is None
+    assert control_chart(CalibrationSeries(np.arange(2.0), np.zeros(2), np.ones(2)), 3.0) is None

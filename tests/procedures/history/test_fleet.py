@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from procedures.history.fleet import fleet, significant
+from procedures.history.fleet import judge_fleet, significant
 
 
 @pytest.mark.parametrize("n", [5, 10, 30])
@@ -14,7 +14,7 @@ def test_a_fleet_of_equals_seldom_shows_a_unit(n: int, spread: float) -> None:
     for _ in range(fleets):
         std = rng.uniform(0.5, 2.0, n)
         value = spread * rng.standard_normal(n) + std * rng.standard_normal(n)
-        alarms += bool(significant(fleet(value, std).extremes, alpha))
+        alarms += bool(significant(judge_fleet(value, std).extremes, alpha))
     assert alarms / fleets < alpha + 4 * np.sqrt(alpha / fleets)
 
 
@@ -24,14 +24,14 @@ def test_two_units_off_do_not_hide_each_other() -> None:
         std = rng.uniform(0.5, 2.0, 20)
         value = 10.0 * rng.standard_normal(20)
         value[[3, 7]] += 90.0
-        found += {one.unit for one in significant(fleet(value, std).extremes, 0.01)} == {3, 7}
+        found += {one.unit for one in significant(judge_fleet(value, std).extremes, 0.01)} == {3, 7}
     assert found >= 27
 
 
 def test_the_shift_is_from_the_others_and_few_units_are_not_judged() -> None:
     value, std = np.array([0.0, 1.0, -1.0, 0.5, -0.5, 60.0]), np.full(6, 0.01)
-    (off,) = significant(fleet(value, std).extremes, 0.05)
+    (off,) = significant(judge_fleet(value, std).extremes, 0.05)
     assert off.unit == 5
     assert off.shift == pytest.approx(60.0, abs=1.0)
-    assert fleet(value[:4], std[:4]).extremes == ()
-    assert fleet(value[:1], std[:1]).spread is None
+    assert judge_fleet(value[:4], std[:4]).extremes == ()
+    assert judge_fleet(value[:1], std[:1]).spread is None

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from procedures.history.prediction import LEAST, TAIL, forecast
-from procedures.history.series import Series
+from procedures.history.prediction import MIN_CALIBRATIONS, TAIL_PROBABILITY, forecast
+from procedures.history.series import CalibrationSeries
 from tests.procedures.history.worlds import WORLDS
 
 
@@ -24,7 +24,7 @@ def test_95_per_cent_intervals_cover_at_least_so_many(name: str, n: int) -> None
 def test_a_long_trend_is_followed_and_narrow() -> None:
     day = np.linspace(0, 3000, 30)
     std = np.full(30, 1.0)
-    series = Series(day, 5.0 + 0.1 * day + np.random.default_rng(1).standard_normal(30), std)
+    series = CalibrationSeries(day, 5.0 + 0.1 * day + np.random.default_rng(1).standard_normal(30), std)
     found = forecast(series)
     assert found is not None
     year_on = found.at(3365.0)
@@ -34,7 +34,7 @@ def test_a_long_trend_is_followed_and_narrow() -> None:
 
 def test_the_interval_touches_the_limit_on_the_day_that_is_said() -> None:
     day = np.linspace(0, 1500, 12)
-    series = Series(day, 0.02 * day + np.random.default_rng(2).standard_normal(12), np.ones(12))
+    series = CalibrationSeries(day, 0.02 * day + np.random.default_rng(2).standard_normal(12), np.ones(12))
     found = forecast(series, low=-50.0, high=50.0)
     assert found is not None
     touch = found.first_touch(list(np.linspace(1500.0, 5150.0, 41)))
@@ -43,11 +43,11 @@ def test_the_interval_touches_the_limit_on_the_day_that_is_said() -> None:
     assert found.at(touch - 1.0).high_95 < 50.0
     outside = found.at(touch).outside
     assert outside is not None
-    assert TAIL <= outside < 2 * TAIL
+    assert TAIL_PROBABILITY <= outside < 2 * TAIL_PROBABILITY
 
 
 def test_a_unit_far_from_its_limits_never_touches_them_and_one_beyond_is_there_already() -> None:
-    series = Series(np.arange(4) * 300.0, np.array([0.0, 0.1, -0.1, 0.0]), np.full(4, 0.1))
+    series = CalibrationSeries(np.arange(4) * 300.0, np.array([0.0, 0.1, -0.1, 0.0]), np.full(4, 0.1))
     days = list(np.linspace(900.0, 4500.0, 41))
     far, beyond = forecast(series, high=1e4), forecast(series, high=-1.0)
     assert far is not None
@@ -58,7 +58,9 @@ def test_a_unit_far_from_its_limits_never_touches_them_and_one_beyond_is_there_a
 
 
 def test_two_calibrations_are_too_few_and_equal_times_are_not() -> None:
-    assert forecast(Series(np.arange(2.0), np.zeros(2), np.ones(2))) is None
-    found = forecast(Series(np.zeros(LEAST), np.zeros(LEAST), np.ones(LEAST)))
+    assert forecast(CalibrationSeries(np.arange(2.0), np.zeros(2), np.ones(2))) is None
+    found = forecast(
+        CalibrationSeries(np.zeros(MIN_CALIBRATIONS), np.zeros(MIN_CALIBRATIONS), np.ones(MIN_CALIBRATIONS))
+    )
     assert found is not None
     assert np.isfinite([found.at(0.0).low_95, found.at(400.0).high_95]).all()

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from procedures.history.process import Hypotheses, Mixture, filtered
-from procedures.history.series import Series
+from procedures.history.process import NormalMixture, ProcessHypotheses, filtered
+from procedures.history.series import CalibrationSeries
 
 TURN_ON, WALK, TREND = np.array([2.0, 0.1, 5.0]), np.array([0.1, 0.3, 1e-3]), np.array([0.01, 0.05, 1e-3])
 DAY = np.array([0.0, 1.0, 1.0, 200.0, 420.0, 421.0])
 
 
-def at_once(series: Series, later: float, k: int) -> tuple[float, float, float]:
+def at_once(series: CalibrationSeries, later: float, k: int) -> tuple[float, float, float]:
     """Return mean, sigma, log-likelihood under hypothesis k by generalised least squares, level unknown."""
     t = np.append(series.day, later)
     covariance = WALK[k] ** 2 * np.minimum.outer(t, t) + TREND[k] ** 2 * np.outer(t, t)
@@ -27,21 +27,26 @@ def at_once(series: Series, later: float, k: int) -> tuple[float, float, float]:
 
 def test_every_hypothesis_predicts_and_weighs_as_generalised_least_squares() -> None:
     rng = np.random.default_rng(1)
-    series = Series(DAY, 100.0 + 3.0 * rng.standard_normal(6), rng.uniform(0.5, 2.0, 6))
-    found = [filtered(series, Hypotheses(*(part[[k]] for part in (TURN_ON, WALK, TREND)))) for k in range(3)]
+    series = CalibrationSeries(DAY, 100.0 + 3.0 * rng.standard_normal(6), rng.uniform(0.5, 2.0, 6))
+    found = [
+        filtered(series, ProcessHypotheses(*(part[[k]] for part in (TURN_ON, WALK, TREND)))) for k in range(3)
+    ]
     expected = [at_once(series, 800.0, k) for k in range(3)]
     for one, (mean, std, _) in zip(found, expected, strict=True):
         mixture = one.at(800.0)
         assert mixture.mean[0] == pytest.approx(mean, rel=1e-10)
         assert mixture.std[0] == pytest.approx(std, rel=1e-8)
-    begun = [filtered(Series(DAY[:1], series.value[:1], series.std[:1]), one.ways).log_weight[0] for one in found]
+    begun = [
+        filtered(CalibrationSeries(DAY[:1], series.value[:1], series.std[:1]), one.ways).log_weight[0]
+        for one in found
+    ]
     gained = np.array([one.log_weight[0] - begin for one, begin in zip(found, begun, strict=True)])
     wanted = np.array([log for _, _, log in expected])
     assert np.diff(gained) == pytest.approx(np.diff(wanted), abs=1e-8)
 
 
 def test_a_mixtures_quantiles_have_their_probabilities() -> None:
-    mixture = Mixture(np.array([0.3, 0.7]), np.array([0.0, 50.0]), np.array([1.0, 10.0]))
+    mixture = NormalMixture(np.array([0.3, 0.7]), np.array([0.0, 50.0]), np.array([1.0, 10.0]))
     for probability in (0.025, 0.3, 0.5, 0.975):
         value = mixture.quantile(probability)
         assert mixture.below(value) == pytest.approx(probability, abs=1e-4)

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from procedures.history.repeatability import turn_on_repeatability
-from procedures.history.series import Series
+from procedures.history.series import CalibrationSeries
 
 
-def series(rng: np.random.Generator, turn_on: float, ageing: float) -> Series:
+def series(rng: np.random.Generator, turn_on: float, ageing: float) -> CalibrationSeries:
     day = np.concatenate([np.sort(rng.uniform(0, 6, 3)) + 365 * year for year in range(4)])
     std = rng.uniform(0.5, 2.0, 12)
     aged = np.repeat(ageing * rng.standard_normal(4), 3)
-    return Series(day, aged + turn_on * rng.standard_normal(12) + std * rng.standard_normal(12), std)
+    return CalibrationSeries(day, aged + turn_on * rng.standard_normal(12) + std * rng.standard_normal(12), std)
 
 
 @pytest.mark.parametrize("turn_on", [0.0, 3.0, 100.0])
@@ -36,16 +36,16 @@ def test_its_sigma_is_that_of_repeated_trials() -> None:
 
 def test_equal_sigmas_give_the_pooled_standard_deviation_less_their_own() -> None:
     value = np.array([0.0, 6.0, 100.0, 108.0])
-    found = turn_on_repeatability(Series(np.array([0.0, 1.0, 300.0, 302.0]), value, np.full(4, 2.0)))
+    found = turn_on_repeatability(CalibrationSeries(np.array([0.0, 1.0, 300.0, 302.0]), value, np.full(4, 2.0)))
     assert found is not None
     assert found.value == pytest.approx(np.sqrt((18.0 + 32.0) / 2 - 4.0))
 
 
 def test_calibrations_far_apart_say_nothing_about_it() -> None:
     day = np.array([0.0, 8.0, 400.0])
-    assert turn_on_repeatability(Series(day, np.zeros(3), np.ones(3))) is None
+    assert turn_on_repeatability(CalibrationSeries(day, np.zeros(3), np.ones(3))) is None
 
 
 def test_a_series_out_of_order_is_refused() -> None:
     with pytest.raises(ValueError, match="before the last"):
-        Series(np.array([1.0, 0.0]), np.zeros(2), np.ones(2))
+        CalibrationSeries(np.array([1.0, 0.0]), np.zeros(2), np.ones(2))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.history.series import Series
+from procedures.history.series import CalibrationSeries
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,9 @@ class World:
     walk: float = 0.0
     trend: float = 0.0
 
-    def unit(self, n: int, rng: np.random.Generator, ahead: float = 365.0) -> tuple[Series, float, float]:
+    def unit(
+        self, n: int, rng: np.random.Generator, ahead: float = 365.0
+    ) -> tuple[CalibrationSeries, float, float]:
         """Return n calibrations half a year apart on average, a day ``ahead`` and the truth on it."""
         day = np.append(np.sort(rng.uniform(0, 180.0 * n, n)), 0.0)
         day[:-1] -= day[0]
@@ -25,7 +27,7 @@ class World:
         truth[1:] += np.cumsum(self.walk * np.sqrt(np.diff(day)) * rng.standard_normal(n))
         std = rng.uniform(0.5, 2.0, n)
         value = truth[:-1] + std * rng.standard_normal(n)
-        return Series(day[:-1], value + 1000.0, std), float(day[-1]), float(truth[-1]) + 1000.0
+        return CalibrationSeries(day[:-1], value + 1000.0, std), float(day[-1]), float(truth[-1]) + 1000.0
 
 
 WORLDS = {

@@ -8,7 +8,7 @@ from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.campaign import Campaign, Fixture, RestRecord
 from procedures.campaign.observations import TriadRests
 from procedures.dwells_and_turns.bench_parameters import mean_axes
-from procedures.dwells_and_turns.twelve_position import JointFit, solve_accelerometer
+from procedures.dwells_and_turns.twelve_position import TriadFit, solve_accelerometer
 from procedures.frames import FACES, face_normal
 from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests, with_known_faces
 from tests.procedures.free_units import NO_SERIES, Unit, at_rest, unit, ups
@@ -18,7 +18,7 @@ SIGMA = 1e-4  # count/s: 1e-7 g
 EVERY = range(1, 13)
 
 
-def errors(joint: JointFit | None, true: Unit) -> np.ndarray:
+def errors(joint: TriadFit | None, true: Unit) -> np.ndarray:
     """k (3), E (9), D (3): error over its own sigma, 0 where the convention holds it."""
     assert joint is not None
     vector = triad_vector(joint, "accelerometer", joint)

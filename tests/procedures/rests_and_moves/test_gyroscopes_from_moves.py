@@ -5,7 +5,7 @@ from procedures.arrays import FloatArray
 from procedures.calibration.calibration import fit, report
 from procedures.campaign.campaign import Campaign, Site
 from procedures.frames import rotation
-from procedures.rests_and_moves.move_rotation import carry, padded, rotations
+from procedures.rests_and_moves.move_rotation import integrate_moves, move_rotations, padded_moves
 from procedures.units import STANDARD_GRAVITY
 from tests.procedures.free_units import LATITUDE, Unit, sequence, unit
 
@@ -90,22 +90,22 @@ def test_the_covariance_of_both_triads_is_one_matrix_that_can_be() -> None:
 
 def test_how_a_move_changes_with_the_parameters_is_what_differences_say() -> None:
     rng = np.random.default_rng(6)
-    samples = padded([rng.standard_normal((n, 3)) * 300 for n in (40, 25)], [0.01, 0.02])
+    samples = padded_moves([rng.standard_normal((n, 3)) * 300 for n in (40, 25)], [0.01, 0.02])
     x = np.concatenate((80 * (np.eye(3) + 0.01 * rng.standard_normal((3, 3))).ravel(), rng.standard_normal(3)))
-    found = carry(samples, x[:9].reshape(3, 3), x[9:])
+    found = integrate_moves(samples, x[:9].reshape(3, 3), x[9:])
     for p in range(12):
         d = np.zeros(12)
         d[p] = 1e-4
-        other = carry(samples, (x + d)[:9].reshape(3, 3), (x + d)[9:]).rotation
+        other = integrate_moves(samples, (x + d)[:9].reshape(3, 3), (x + d)[9:]).rotation
         expected = rotation(-found.sensitivity @ d) @ found.rotation
         assert np.abs(other - expected).max() < 2e-2 * np.abs(other - found.rotation).max()
 
 
 def test_the_quick_rotations_are_those_of_the_careful_ones_about_one_axis() -> None:
     turn = np.outer(np.sin(np.linspace(0, 3, 37)), [10.0, -20.0, 5.0])
-    samples = padded([turn, turn[:20]], [0.02, 0.02])
+    samples = padded_moves([turn, turn[:20]], [0.02, 0.02])
     K, b = np.eye(3), np.zeros(3)
-    assert rotations(samples, K, b) == pytest.approx(carry(samples, K, b).rotation, abs=1e-12)
+    assert move_rotations(samples, K, b) == pytest.approx(integrate_moves(samples, K, b).rotation, abs=1e-12)
 
 
 def test_coning_within_a_sample_is_counted() -> None:
@@ -115,8 +115,8 @@ def test_coning_within_a_sample_is_counted() -> None:
     w = np.degrees(amplitude * 4 * np.pi) * np.stack(
         (-np.sin(4 * np.pi * t), np.cos(4 * np.pi * t), 0 * t), axis=1
     )
-    truth = rotations(padded([w], [1 / fine]), np.eye(3), np.zeros(3))
-    mean = padded([w.reshape(coarse, -1, 3).mean(axis=1)], [1 / coarse])
-    plain = rotations(mean, np.eye(3), np.zeros(3))
-    careful = carry(mean, np.eye(3), np.zeros(3)).rotation
+    truth = move_rotations(padded_moves([w], [1 / fine]), np.eye(3), np.zeros(3))
+    mean = padded_moves([w.reshape(coarse, -1, 3).mean(axis=1)], [1 / coarse])
+    plain = move_rotations(mean, np.eye(3), np.zeros(3))
+    careful = integrate_moves(mean, np.eye(3), np.zeros(3)).rotation
     assert np.abs(careful - truth).max() < 0.2 * np.abs(plain - truth).max()

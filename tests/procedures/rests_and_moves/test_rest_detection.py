@@ -6,8 +6,8 @@ import pytest
 from procedures.campaign.campaign import SequenceRecord
 from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.rests_and_moves.norm_fit import choose_rests
-from procedures.rests_and_moves.rest_detection import activity, cut
-from procedures.rests_and_moves.sequences import Segmented
+from procedures.rests_and_moves.rest_detection import rests_of, scatter_level
+from procedures.rests_and_moves.sequences import SegmentedSequence
 from tests.procedures.free_units import sequence, unit
 
 PER_S = 100
@@ -21,7 +21,7 @@ def recording(seed: int = 1, rests: int = 20) -> SequenceRecord:
 
 def test_every_rest_is_found_and_nothing_of_a_move_is_in_it() -> None:
     series = recording().series
-    multiplier, found = choose_rests(activity(series), 1.0)
+    multiplier, found = choose_rests(scatter_level(series), 1.0)
     assert multiplier > 1
     assert len(found) == 20
     for i, rest in enumerate(found):
@@ -35,19 +35,19 @@ def test_a_turn_about_the_vertical_that_the_accelerometers_cannot_see_ends_a_res
     gyro, accel = 0.1 * rng.standard_normal((n, 3)), 1e-3 * rng.standard_normal((n, 3)) + [0, 0, 1]
     gyro[8 * PER_S : 12 * PER_S, 2] += 20 * np.sin(np.linspace(0, np.pi, 4 * PER_S))
     series = RateSeries(np.arange(1, n + 1) / PER_S, gyro, accel, np.full(n, np.nan), 1 / PER_S)
-    first, second = activity(series).rests(3.0)
+    first, second = scatter_level(series).rests(3.0)
     assert first.stop <= 8 * PER_S
     assert second.start >= 12 * PER_S - PER_S // 2
-    assert len(activity(replace(series, gyro=None)).rests(3.0)) == 1
+    assert len(scatter_level(replace(series, gyro=None)).rests(3.0)) == 1
 
 
 def test_a_gap_ends_a_rest_and_the_move_around_it_is_none() -> None:
     record = recording()
     series = replace(record.series, starts=np.array([0, 6 * PER_S + 2 * PER_S, 12 * PER_S + 5 * PER_S]))
-    stretches = activity(series).rests(3.0)
+    stretches = scatter_level(series).rests(3.0)
     assert not any(s.start < g < s.stop for s in stretches for g in series.starts[1:])
     record = replace(record, series=series)
-    moves = Segmented(0, record, 3.0, tuple(stretches), cut(record, stretches)).moves()
+    moves = SegmentedSequence(0, record, 3.0, tuple(stretches), rests_of(record, stretches)).moves()
     assert not any(s.start <= g <= s.stop for _, s in moves for g in series.starts[1:])
     assert len(moves) == len(stretches) - 3
 
@@ -58,8 +58,8 @@ def test_counts_are_cut_as_rates_are() -> None:
     assert series.accel is not None
     gyro, accel = (np.round(50 * a).astype(np.int64) for a in (series.gyro, series.accel))
     counts = CountSeries(series.t, gyro, accel, series.temperature, series.period)
-    stretches = activity(counts).rests(3.0)
-    rests = cut(SequenceRecord("s.csv", counts), stretches)
+    stretches = scatter_level(counts).rests(3.0)
+    rests = rests_of(SequenceRecord("s.csv", counts), stretches)
     assert len(rests) == 20
     assert rests[3].series.accel is not None
     assert np.array_equal(rests[3].series.accel, accel[stretches[3]])
@@ -67,7 +67,7 @@ def test_counts_are_cut_as_rates_are() -> None:
 
 def test_a_recording_shorter_than_a_window_has_no_rest() -> None:
     series = recording().series
-    assert activity(replace(series, starts=np.arange(0, len(series), 50))).rests(1e9) == []
+    assert scatter_level(replace(series, starts=np.arange(0, len(series), 50))).rests(1e9) == []
 
 
 def test_the_multiplier_lets_go_of_windows_in_which_a_hand_still_trembles() -> None:
@@ -79,7 +79,7 @@ def test_the_multiplier_lets_go_of_windows_in_which_a_hand_still_trembles() -> N
         end = 6 * PER_S * i + 4 * PER_S
         accel[end - PER_S : end] += k * np.linspace(0, 0.02, PER_S)[:, None]
     trembling = replace(record.series, accel=accel)
-    multiplier, found = choose_rests(activity(trembling), 1.0)
+    multiplier, found = choose_rests(scatter_level(trembling), 1.0)
     assert multiplier < 24
     assert len(found) == 20
     assert all(rest.stop <= 6 * PER_S * i + 3 * PER_S + PER_S // 2 for i, rest in enumerate(found))
@@ -89,4 +89,4 @@ def test_the_multiplier_lets_go_of_windows_in_which_a_hand_still_trembles() -> N
 def test_a_channel_that_never_moves_finds_no_rest_by_itself(dead: float) -> None:
     series = recording().series
     still = np.full((len(series), 3), dead)
-    assert len(activity(replace(series, gyro=still)).rests(3.0)) == 20
+    assert len(scatter_level(replace(series, gyro=still)).rests(3.0)) == 20

@@ -12,8 +12,8 @@ from fixtures_db.chain import GENESIS
 from fixtures_db.limits import Limit, each_axis
 from procedures.dwells_and_turns.twelve_position import is_determined
 from procedures.frames import FACES, face_normal, face_of
-from procedures.uncertainty.budget import combined
-from procedures.uncertainty.sources import HEADING, Cell
+from procedures.uncertainty.budget import combined_budget
+from procedures.uncertainty.sources import HEADING, SourceCell
 from station.guide.enough_to_solve import in_ranges, lacking
 from station.guide.outcome import change_in_words, verdict_rows, worst_residual
 from station.guide.view import StepView
@@ -107,7 +107,7 @@ def test_the_rows_are_what_is_applied_and_what_else_is_limited() -> None:
 
 def test_a_row_shows_the_uncertainty_it_was_judged_by_and_what_of_the_limit_that_leaves() -> None:
     limit = Limit("accelerometer.bias.y", -2.5e-3, 2.5e-3, "g", 2.0)
-    budget = combined(limit.parameter, 2e-3, "g", {Cell(HEADING): 1e-4**2})
+    budget = combined_budget(limit.parameter, 2e-3, "g", {SourceCell(HEADING): 1e-4**2})
     outcome = judge(document(), [limit], {budget.name: budget.std})
     rows = {row.name: row for row in verdict_rows(parameters(document()), outcome, {}, [budget])}
     judged, other = rows["accelerometer bias y"], rows["accelerometer bias x"]

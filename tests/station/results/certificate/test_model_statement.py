@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from procedures.dwells_and_turns.bench_parameters import SLAB_RANGE
+from procedures.dwells_and_turns.bench_parameters import SLAB_TILT_RANGE_RAD
 from station.results.certificate.model_statement import (
     SLAB_RANGE_DEG,
     diagnosis_said,
@@ -55,7 +55,7 @@ def test_what_is_stated_has_its_value() -> None:
     lines = dict(stated({"procedure": {"heading_std_deg": 0.05}, "uncertainty": budget("clock")}))
     assert lines["Heading of a position"] == "1\u03c3 0.05\u00b0"
     assert "1\u03c3 2e-05, a stated value" in lines["Time base"]
-    assert np.isclose(np.degrees(SLAB_RANGE), SLAB_RANGE_DEG, rtol=0.02)
+    assert np.isclose(np.degrees(SLAB_TILT_RANGE_RAD), SLAB_RANGE_DEG, rtol=0.02)
 
 
 def test_a_simulated_device_is_known_by_its_model() -> None:

@@ -8,8 +8,8 @@ from procedures.calibration.solution import Estimate, FitQuality, Solution, Step
 from procedures.campaign.campaign import Campaign, DwellRecord, FaceCertificate, Fixture, Site, TurnRecord
 from procedures.counts.sample_records import CountSeries
 from procedures.frames import AXES, POSITIONS
-from procedures.uncertainty.budget import ParameterBudget, combined
-from procedures.uncertainty.sources import Cell
+from procedures.uncertainty.budget import ParameterBudget, combined_budget
+from procedures.uncertainty.sources import SourceCell
 from station.results.report.report_inputs import ReportContext
 
 K_ACCELEROMETER = np.array([1020.0, 1015.0, 1018.0])
@@ -91,16 +91,16 @@ def campaign(seed: int = 1, serial: str = "S0101", model: str = "FOG-3", samples
 
 def budgets() -> tuple[ParameterBudget, ...]:
     parts = {
-        Cell("counting noise", dof=240.0): 4.9e-15,
-        Cell("bias instability", dof=6.0): 9e-16,
-        Cell("cube"): 8e-18,
+        SourceCell("counting noise", dof=240.0): 4.9e-15,
+        SourceCell("bias instability", dof=6.0): 9e-16,
+        SourceCell("cube"): 8e-18,
     }
     bias = [
-        combined(f"accelerometer.bias.{axis}", v, "g", parts)
+        combined_budget(f"accelerometer.bias.{axis}", v, "g", parts)
         for axis, v in zip(AXES, (1e-3, 2e-3, -1e-3), strict=True)
     ]
-    closure = {Cell("closure"): 0.22, Cell("counting noise", dof=3e4): 1e-3}
-    return (*bias, combined("gyroscope.scale_factor.x", 36147.26, "count/deg", closure))
+    closure = {SourceCell("closure"): 0.22, SourceCell("counting noise", dof=3e4): 1e-3}
+    return (*bias, combined_budget("gyroscope.scale_factor.x", 36147.26, "count/deg", closure))
 
 
 def truth() -> dict[str, float]:
