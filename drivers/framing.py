@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivers.continuity import StepGate, watch_of
+from drivers.counter_and_time_wrap import StepGate, watch_of
 from drivers.wire import FORMATS, FrameKind, Identity, Lines, WireFormat
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import SampleBlock, joined_blocks
@@ -28,7 +28,7 @@ class FrameCounters:
 
     ``frames`` IMU frames accepted, ``identities`` frames of identity alone, ``skipped_bytes`` in no accepted
     frame, ``bad_crc`` frames whose check failed, ``bad_length`` known kinds with another length or number of
-    fields than their own, ``counter_jumps`` breaks of the sample sequence (see `drivers.continuity`),
+    fields than their own, ``counter_jumps`` breaks of the sample sequence (see `drivers.counter_and_time_wrap`),
     ``bad_status`` accepted frames that the format reads as unhealthy or that step by more than it can. Where a
     sample takes several frames, ``frames`` are samples, ``incomplete`` those given up, ``late`` frames repeated or
     come after their sample, ``contradicted`` those that say something else than its own, ``foreign`` those of

@@ -12,8 +12,8 @@ def frame_descriptions(address: DeviceUrl) -> dict[str, str]:
     """
     if address.format != CAN:
         return {}
-    from drivers.can.database import text_of
-    from drivers.can.format import OWN_DBC, OWN_MAP
+    from drivers.can.can_format import OWN_DBC, OWN_MAP
+    from drivers.can.dbc_file import text_of
 
     return {"dbc": text_of(address.dbc or OWN_DBC), "map": text_of(address.map or OWN_MAP)}
 
@@ -21,7 +21,7 @@ def frame_descriptions(address: DeviceUrl) -> dict[str, str]:
 def wire_of(address: DeviceUrl) -> WireFormat | None:
     """Return the format, None where the address does not say; raise `BadCanFile` for a wrong DBC or mapping."""
     if address.format == CAN:
-        from drivers.can.format import can_format  # cantools takes 0.15 s to import
+        from drivers.can.can_format import can_format  # cantools takes 0.15 s to import
 
         return can_format(address.dbc, address.map, address.period)
     return FORMATS[address.format] if address.format is not None else None

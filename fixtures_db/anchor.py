@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from fixtures_db.append_only_rows import newest_hash
 from fixtures_db.campaigns import manifest_head
-from fixtures_db.chain import GENESIS, ChainFault
-from fixtures_db.chained import newest_hash
+from fixtures_db.hash_chain import GENESIS, ChainFault
 from fixtures_db.schema import (
     CalibrationRow,
     CampaignRow,

@@ -6,8 +6,8 @@ from datetime import date, datetime
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from fixtures_db.chain import GENESIS, ChainFault, canonical, digest
 from fixtures_db.errors import AlreadyThere, CampaignInUse, NotInDatabase
+from fixtures_db.hash_chain import GENESIS, ChainFault, canonical, digest
 from fixtures_db.schema import CalibrationRow, CampaignRow, ImuRow, StepRow
 
 STATES = ("recording", "recorded", "accepted", "cancelled")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from sqlalchemy.orm import Session
 
-from fixtures_db.chained import append, date_owner
+from fixtures_db.append_only_rows import append, date_owner
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeMeasurementRow, CubeRow
 from fixtures_db.slab_levels import MAX_TILT_RAD

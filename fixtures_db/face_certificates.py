@@ -6,7 +6,7 @@ from datetime import date, datetime
 import numpy as np
 from sqlalchemy.orm import Session
 
-from fixtures_db.chained import append, date_owner, in_force
+from fixtures_db.append_only_rows import append, date_owner, in_force
 from fixtures_db.cube_measurements import measurement
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeRow, FaceCertificateRow

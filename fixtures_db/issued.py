@@ -10,9 +10,9 @@ from datetime import datetime
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from fixtures_db.chain import GENESIS, ChainFault, Link, digest, faults
-from fixtures_db.chained import newest_hash, row_text
+from fixtures_db.append_only_rows import newest_hash, row_text
 from fixtures_db.errors import NotInDatabase
+from fixtures_db.hash_chain import GENESIS, ChainFault, Link, digest, faults
 from fixtures_db.schema import CalibrationRow, IssuedCertificateRow
 
 WORD = "issued certificate"

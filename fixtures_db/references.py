@@ -6,9 +6,9 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
+from fixtures_db.append_only_rows import Measured, in_force
 from fixtures_db.calibration import utc_text
 from fixtures_db.campaigns import is_expired, known_campaign, last_accepted
-from fixtures_db.chained import Measured, in_force
 from fixtures_db.schema import CubeMeasurementRow, CubeRow, FaceCertificateRow, SiteRow, SlabLevelRow, SlabRow
 
 BY_IMUS = "the station's own campaigns with re-mounted IMUs"

@@ -2,7 +2,7 @@
 
 from sqlalchemy.orm import Session
 
-from fixtures_db.chained import append, date_owner
+from fixtures_db.append_only_rows import append, date_owner
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import SlabLevelRow, SlabRow
 

@@ -12,7 +12,7 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from fixtures_db.chained import append, date_owner
+from fixtures_db.append_only_rows import append, date_owner
 from fixtures_db.cube_measurements import check_measurement
 from fixtures_db.errors import DiffersFromStored, NotInDatabase
 from fixtures_db.face_certificates import check_certificate

@@ -16,7 +16,7 @@ import numpy as np
 
 from drivers.camera.address import CameraUrl
 from drivers.camera.jpeg import BEGIN
-from drivers.camera.parts import part
+from drivers.camera.multipart import part
 from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
 from procedures.fusion.optional_libraries import ExtraMissing, opencv
 

@@ -15,7 +15,7 @@ from importlib import import_module
 import can
 from can.interfaces import BACKENDS
 
-from drivers.can.record import ERROR, EXTENDED, RECORD, REMOTE, STANDARD, WIDE, pack
+from drivers.can.frame_record import ERROR, EXTENDED, RECORD, REMOTE, STANDARD, WIDE, pack
 from drivers.can.slcan_line import SlcanLine
 from drivers.error_reason import reason_of
 from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound

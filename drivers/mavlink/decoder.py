@@ -5,7 +5,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from drivers.mavlink.fixes import filtered_fix, input_fix, raw_fix
-from drivers.mavlink.framing import MavlinkFramer
+from drivers.mavlink.mavlink_framing import MavlinkFramer
 from drivers.mavlink.messages import (
     COMMAND_ACK,
     GLOBAL_POSITION_INT,

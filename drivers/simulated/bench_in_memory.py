@@ -10,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from drivers.simulated.bench_truth import World, turn_sign, world_of
+from drivers.simulated.counting_triads import Sensor
 from drivers.simulated.cube_motion import Segment, hand_turn, rest
 from drivers.simulated.effects import Planted, planted
-from drivers.simulated.sensor import Sensor
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import (

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from drivers.camera.parts import part
+from drivers.camera.multipart import part
 from drivers.simulated.bench_in_memory import stand
 from drivers.simulated.camera_room import Room
 from drivers.simulated.camera_texture import Floats, pyramid

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Condition, Thread
 
-from drivers.camera.parts import CONTENT_TYPE
+from drivers.camera.multipart import CONTENT_TYPE
 from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.companion_devices import CompanionDevice, TrueTime

@@ -1,11 +1,11 @@
-"""What goes wrong on a CAN bus, done to a sample's frames: records end to end, see `drivers.can.record`."""
+"""What goes wrong on a CAN bus, done to a sample's frames: records end to end, see `drivers.can.frame_record`."""
 
 from collections.abc import Iterable
 from typing import Protocol
 
 import numpy as np
 
-from drivers.can.record import EXTENDED, RECORD, STANDARD, WIDE, pack, unpack
+from drivers.can.frame_record import EXTENDED, RECORD, STANDARD, WIDE, pack, unpack
 
 RECORD_BYTES = RECORD.itemsize
 FIRST_FOREIGN_ID = 0x320  # identifiers from here on are another device's

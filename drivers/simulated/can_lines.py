@@ -13,9 +13,9 @@ from collections.abc import Callable
 from pathlib import Path
 from threading import Condition, Event, Thread
 
-from drivers.can.record import EXTENDED, IMU, RECORD, WIDE, unpack
+from drivers.can.frame_record import EXTENDED, IMU, RECORD, WIDE, unpack
 from drivers.simulated.can_faults import text_of_records
-from drivers.simulated.lines import STOP_CHECK_S, PtyLine
+from drivers.simulated.serial_and_tcp_lines import STOP_CHECK_S, PtyLine
 
 MAX_WAITING_BYTES = 4096  # bytes for the station; a bus goes on, but what is simulated waits for its reader
 ERROR, OK = b"\a", b"\r"

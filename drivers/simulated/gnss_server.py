@@ -6,7 +6,7 @@ from pathlib import Path
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.companion_devices import CompanionDevice, TrueTime
-from drivers.simulated.lines import two_way_line
+from drivers.simulated.serial_and_tcp_lines import two_way_line
 from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack

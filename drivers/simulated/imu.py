@@ -11,9 +11,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from drivers.simulated.bench_in_memory import stand, turn_segment
+from drivers.simulated.counting_triads import Sensor
 from drivers.simulated.cube_motion import Segment, creep, flip, knock, rest, settle
 from drivers.simulated.effects import planted
-from drivers.simulated.sensor import Sensor
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_motion import drive
 from drivers.simulated.vehicle_track import VehicleTrack

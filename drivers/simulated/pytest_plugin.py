@@ -81,7 +81,7 @@ def simulated_camera(request: pytest.FixtureRequest) -> Iterator[SimulatedCamera
 
 
 def _served(request: pytest.FixtureRequest, name: str, usual: Mapping[str, Any]) -> Iterator[SimulatedDevice]:
-    from drivers.simulated.faults import Fault, faults_from
+    from drivers.simulated.line_faults import Fault, faults_from
     from drivers.simulated.server import SimulatedDevice
 
     settings = {"seed": 1, "speed": AS_FAST_AS_READ, **usual, **_settings(request, name)}

@@ -21,10 +21,10 @@ import numpy as np
 from drivers.device_url_parser import parse_device_url
 from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
 from drivers.simulated.device import ByteDevice, Move
-from drivers.simulated.faults import Fault, Sent, Silence
 from drivers.simulated.hands import SimulatedHands
-from drivers.simulated.lines import Line, PtyLine, TcpLine
+from drivers.simulated.line_faults import Fault, Sent, Silence
 from drivers.simulated.pace import Pace
+from drivers.simulated.serial_and_tcp_lines import Line, PtyLine, TcpLine
 from drivers.simulated.truth import Truth
 from drivers.wire import WireFormat
 
@@ -83,7 +83,7 @@ class SimulatedDevice:
         wire: str | WireFormat = format
         self._options = {"format": format}
         if transport in CAN_TRANSPORTS:
-            from drivers.can.format import can_format  # cantools takes 0.15 s to import
+            from drivers.can.can_format import can_format  # cantools takes 0.15 s to import
 
             wire = can_format(dbc, mapping, truth.sample_period_s)
             told = {"period_s": f"{truth.sample_period_s:.9g}", "dbc": dbc, "map": mapping}
@@ -123,7 +123,7 @@ class SimulatedDevice:
         return self._sent * self.truth.sample_period_s
 
     def plant(self, kind: str, count: int = 1, seconds: float = 1.0) -> None:
-        """Have a fault act from now on, see `drivers.simulated.faults.KINDS`."""
+        """Have a fault act from now on, see `drivers.simulated.line_faults.KINDS`."""
         self.device.plant(kind, count, seconds)
 
     @property

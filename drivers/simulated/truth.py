@@ -179,7 +179,7 @@ def truth_from(table: Mapping[str, Any], base: Truth | None = None) -> Truth:
     values: dict[str, Any] = {}
     for key, value in table.items():
         if key == "fault":
-            continue  # ``drivers.simulated.faults`` reads it from the same file
+            continue  # ``drivers.simulated.line_faults`` reads it from the same file
         if key not in accepted:
             raise TruthRefused(f"key {key!r}", ", ".join(accepted))
         values[key] = _converted(key, value)

@@ -8,7 +8,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, TurnRecord
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_counts
-from procedures.counts.rate_mean import estimate_rates
+from procedures.counts.rate_output_mean import estimate_rates
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.errors import TooShort
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from procedures.campaign.campaign import Campaign, DwellRecord
-from procedures.diagnosis.clock_rate import find_clock, is_timed, with_true_clock
+from procedures.diagnosis.clock_rate_check import find_clock, is_timed, with_true_clock
 from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
 from procedures.diagnosis.result import Finding, Test
 from procedures.diagnosis.wrong_positions import find_labels, mislabelled, with_true_labels

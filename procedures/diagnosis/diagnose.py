@@ -37,7 +37,7 @@ from procedures.diagnosis.unexplained_residual import excess, log_p_of, within_d
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit, NotObservable, ProcedureError
-from procedures.uncertainty.clock_rate import with_clock
+from procedures.uncertainty.clock_rate_sigma import with_clock
 
 AGAIN = "the same campaign in another order, on another day: what does not come back is no effect"
 UNEXPLAINED = np.log(0.01)

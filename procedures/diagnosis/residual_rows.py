@@ -20,7 +20,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.calibration import CampaignFits
-from procedures.diagnosis.excitation_nodes import Part, Places, iterate_dwells, joined, on_face
+from procedures.diagnosis.excitation import Part, Places, iterate_dwells, joined, on_face
 from procedures.diagnosis.thermal_soaks import SoakBlock, soaks_seen
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit

@@ -19,7 +19,7 @@ from procedures.campaign.dead_channels import dead_in_soak
 from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
 from procedures.counts.sample_records import Series, series_rows
-from procedures.diagnosis.excitation_nodes import Part, Places, attitude, on_face
+from procedures.diagnosis.excitation import Part, Places, attitude, on_face
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.effects.effect import SeenStep
 

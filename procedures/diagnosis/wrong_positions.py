@@ -15,7 +15,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.campaign.observations import channel
-from procedures.counts.rate_mean import estimate_rates
+from procedures.counts.rate_output_mean import estimate_rates
 from procedures.counts.sample_records import CountSeries
 from procedures.diagnosis.dwell_headings import Compass
 from procedures.diagnosis.result import Confidence, Finding, Test

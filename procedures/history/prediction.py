@@ -1,17 +1,17 @@
 """What a parameter will be at a later date, and when it may leave its limits.
 
-The mixture of `procedures.history.process` at that date: what the unit does once it is turned on then. Its central
-95 % is the prediction interval. The calibration interval that it supports ends when the interval first touches a
-limit (ILAC-G24 / OIML D 10, 2007, 5: intervals from the history of the same instrument).
+The mixture of `procedures.history.drift_models` at that date: what the unit does once it is turned on then. Its
+central 95 % is the prediction interval. The calibration interval that it supports ends when the interval first
+touches a limit (ILAC-G24 / OIML D 10, 2007, 5: intervals from the history of the same instrument).
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from procedures.arrays import FloatArray
-from procedures.history.process import NormalMixture, ProcessFilter, filtered, hypothesis_grid
+from procedures.history.drift_models import NormalMixture, ProcessFilter, filtered, hypothesis_grid
+from procedures.history.parameter_series import CalibrationSeries
 from procedures.history.repeatability import clusters
-from procedures.history.series import CalibrationSeries
 
 MIN_CALIBRATIONS = 3  # calibrations: from two, a trend and a scatter cannot be told apart at all
 TAIL_PROBABILITY = 0.025

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from scipy.stats import chi2
 
 from procedures.arrays import FloatArray
-from procedures.history.series import CalibrationSeries
+from procedures.history.parameter_series import CalibrationSeries
 
 CLUSTER_DAYS = 7.0
 

@@ -20,7 +20,7 @@ from procedures.counts.sample_records import CountSeries, Series
 
 # Of the blocks: degrees of freedom of their Allan variance, white noise (NIST SP 1065, 5.4)
 ALLAN_DOF_SHARE = 2 / 3
-DWELL_BLOCKS = 128  # of a dwell, as `procedures.counts.rate_mean` has them at the least
+DWELL_BLOCKS = 128  # of a dwell, as `procedures.counts.rate_output_mean` has them at the least
 
 
 def white_variance(noise: FloatArray, seconds: FloatArray, variance: FloatArray) -> FloatArray:

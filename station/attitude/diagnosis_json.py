@@ -6,7 +6,7 @@ from typing import Any
 from procedures.attitude.diagnosis.attitude_diagnosis import AttitudeDiagnosis
 from station.results.diagnosis.diagnosis_json import FORMAT, error_document, finding_document, tried_document
 from station.results.diagnosis.diagnosis_text import coefficient_rows, tried_rows
-from station.results.diagnosis.wording import SURE, both
+from station.results.diagnosis.diagnosis_wording import SURE, both
 
 METHOD = "the last 40 % of the log, which had no say"
 MOST_TRIED = 6

@@ -62,7 +62,7 @@ def set_up(setup: Setup, given: Mapping[str, Any]) -> Setup:
     if not known.keys() & {*SITE_FIELDS, *PROCEDURE_FIELDS}:
         return setup.model_copy(update=known)
     from station.commands._tables import checked
-    from station.files.campaign_folder.schema import (  # numerics: a form need not wait for them
+    from station.files.campaign_folder.campaign_schema import (  # numerics: a form need not wait for them
         ProcedureTable,
         SiteTable,
     )

@@ -10,7 +10,7 @@ from station.commands import Database
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
-    from station.files.campaign_folder.loaded import LoadedCampaign
+    from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 
 
 def diagnose(
@@ -45,8 +45,8 @@ def diagnose(
     Example: station diagnose campaigns/2026-05-11 --validate campaigns/2026-05-12 --plan next.toml
     """
     from procedures.errors import NotObservable
-    from station.files.campaign_folder.loaded import check_one_unit
-    from station.files.campaign_folder.reading import read_campaign
+    from station.files.campaign_folder.campaign_reading import read_campaign
+    from station.files.campaign_folder.loaded_campaign import check_one_unit
     from station.results.diagnosis.single_channels import channel_lines, channels_of
     from station.results.diagnosis.unsolvable_campaign import partial_document
 

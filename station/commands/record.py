@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def record(
     url: Annotated[str, typer.Argument(metavar="URL", help="The IMU, as in serial:///dev/ttyUSB0?format=counts.")],
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="A new folder for the recording.")
+        Path | None, typer.Option("--out", metavar="FOLDER", help="A new folder for the plain_recording.")
     ] = None,
     gnss: Annotated[
         str, typer.Option("--gnss", metavar="URL", help="A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")
@@ -49,8 +49,8 @@ def record(
     """Record the raw bytes and the counts of a device; Ctrl-C ends it and keeps what was recorded.
 
     In the folder: session_*.mcap with every byte since the port was opened, written by the reader process, and
-    recording.mcap with bytes and counts of the seconds [s, device time] asked for; both open in Foxglove. With
-    --gnss also gnss_session_*.mcap (its bytes) and gnss_*.mcap (its fixes), and UTC beside the rows. What is
+    plain_recording.mcap with bytes and counts of the seconds [s, device time] asked for; both open in Foxglove.
+    With --gnss also gnss_session_*.mcap (its bytes) and gnss_*.mcap (its fixes), and UTC beside the rows. What is
     wrong with either is said on stderr as it appears, and when it is over.
 
     With --camera also camera_session_*.mcap (its bytes: every image) and camera.toml, and with --fusion the tracks
@@ -81,11 +81,11 @@ def record(
     from station.stream.live.live_feed import no_recording, open_feed
     from station.stream.live.trouble_lines import TroubleLog
     from station.stream.reader import Reader
-    from station.stream.recorder import plain_recording as recording
+    from station.stream.recorder import plain_recording
 
     described = None if camera is None else read_description(camera)
     with ExitStack() as after, ExitStack() as stack:
-        folder = stack.enter_context(new_folder(out, recording.RECORDING_FILE))
+        folder = stack.enter_context(new_folder(out, plain_recording.RECORDING_FILE))
         reader = stack.enter_context(Reader(url, journal_path(folder)))
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
         view = stack.enter_context(open_camera(described, folder)) if described else None
@@ -104,16 +104,16 @@ def record(
                 sight.look(view.trouble)
 
         # also of what Ctrl-C or a fault has ended, once its files are closed
-        after.callback(made, f"replay:{folder / recording.RECORDING_FILE}?format={feed.wire.name}")
+        after.callback(made, f"replay:{folder / plain_recording.RECORDING_FILE}?format={feed.wire.name}")
         try:
-            done = recording.record(feed, folder, seconds, timed, look)
+            done = plain_recording.record(feed, folder, seconds, timed, look)
         except ReplayEnded as error:
             after.pop_all()
-            (folder / recording.RECORDING_FILE).unlink()  # so that nothing is left of the folder
+            (folder / plain_recording.RECORDING_FILE).unlink()  # so that nothing is left of the folder
             raise no_recording(error, feed.wire.name) from error
         finally:
-            if (folder / recording.RECORDING_FILE).exists():
-                _say(out / recording.RECORDING_FILE, feed, receiver, timed)
+            if (folder / plain_recording.RECORDING_FILE).exists():
+                _say(out / plain_recording.RECORDING_FILE, feed, receiver, timed)
                 if view is not None:
                     typer.echo(view.summary)
         typer.echo(f"{done.seconds:.3f} s of device time, {plural(done.samples, 'sample')}")
@@ -121,7 +121,7 @@ def record(
 
 def _say(file: Path, feed: "LiveFeed", receiver: "GnssFeed | None", timed: "Timed | None") -> None:
     """Say what was recorded, and what was met."""
-    from station.stream.gnss.summary import summary
+    from station.stream.gnss.receiver_summary import summary
 
     counters, framing = feed.stream.counters, feed.stream.decoder.counters
     typer.echo(

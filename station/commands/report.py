@@ -28,7 +28,7 @@ def report(
 
     Example: station report campaigns/2026-05-11 --out report.html
     """
-    from station.files.campaign_folder.reading import read_for_solve
+    from station.files.campaign_folder.campaign_reading import read_for_solve
     from station.results.solution_json import solution_document
 
     loaded = read_for_solve(campaigns)

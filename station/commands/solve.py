@@ -24,7 +24,7 @@ def solve(
 
     Example: station solve campaigns/2026-05-11 --json solution.json
     """
-    from station.files.campaign_folder.reading import read_for_solve
+    from station.files.campaign_folder.campaign_reading import read_for_solve
     from station.results.solution_json import solution_document, write_solution
     from station.results.solution_text import solution_text
 

@@ -12,8 +12,8 @@ from station.text.plural import plural
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
-    from fixtures_db.chain import ChainFault
     from fixtures_db.database import Database as OpenDatabase
+    from fixtures_db.hash_chain import ChainFault
 
 
 def verify(
@@ -113,7 +113,7 @@ def _folder(folder: Path, db: str | None) -> None:
 def _database(db: str | None, anchor: Path | None, head: str | None, to: Path | None) -> str:
     from fixtures_db.anchor import Anchor, take_anchor
     from fixtures_db.database import open_db
-    from fixtures_db.verification import alterations, missing_head
+    from fixtures_db.hash_chain_verification import alterations, missing_head
     from station.files.anchor_file import read_anchor, write_anchor
 
     files = [anchor] if anchor is not None else []
@@ -135,7 +135,7 @@ def _whole(session: "Session", head: str) -> str:
     """Return the one stored hash that begins so; ``head`` itself if none does."""
     from sqlalchemy import select
 
-    from fixtures_db.verification import CHAINED
+    from fixtures_db.hash_chain_verification import CHAINED
 
     digits = head.lower()
     if not 6 <= len(digits) <= 64 or not set(digits) <= set("0123456789abcdef"):
@@ -155,7 +155,7 @@ def _rows(database: "OpenDatabase", folder: Path) -> str:
     from fixtures_db.campaigns import known_campaign, verify_steps
     from fixtures_db.history import calibrated_inputs
     from station.errors import Altered
-    from station.files.campaign_folder.schema import CAMPAIGN_TOML
+    from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML
     from station.files.sha256sums import read_hashes, sha256_of
 
     key, hashes = str(folder.resolve()), read_hashes(folder)

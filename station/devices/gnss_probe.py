@@ -12,7 +12,7 @@ from drivers.mavlink.port import MavlinkPort
 from drivers.mavlink.session import RequestedMessage
 from drivers.ports import open_port
 from station.stream.gnss.gnss_feed import EXPECTED, GnssFeed
-from station.stream.gnss.summary import summary
+from station.stream.gnss.receiver_summary import summary
 from station.stream.reader import Chunk, GapMark
 
 READ_BYTES = 65536

@@ -23,7 +23,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, StringConstraints
 
 from fixtures_db.anchor import Anchor
-from fixtures_db.chain import GENESIS
+from fixtures_db.hash_chain import GENESIS
 from station.files.atomic_file import replace_file
 from station.files.fixture_files.toml_file import seal_of, sealed
 from station.files.toml_reading import read_tables

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from station.errors import Altered, DataRefused
 from station.files.atomic_file import replace_file
-from station.files.campaign_folder.schema import CAMPAIGN_TOML, read_campaign_toml
+from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
 from station.files.opening import MAX_LINE, open_inside
 
 SHA256SUMS = "SHA256SUMS"

@@ -7,9 +7,9 @@ from procedures.campaign.plan_steps import Dwell, Soak, Step, Turn
 from procedures.frames import face_normal, face_of
 from station.guide.cube_tracking import CubeTracker
 from station.guide.face_and_stillness import BlockLook
+from station.guide.instruction_words import face_in_words
 from station.guide.stage_context import StageContext
 from station.guide.view import PoseView
-from station.guide.wording import face_in_words
 
 TIPPED_DEG = 20.0  # off the vertical, from which on another face is as near as makes no matter
 # From which on a heading is wrong; nearer a dwell itself judges

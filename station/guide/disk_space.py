@@ -13,7 +13,7 @@ from pathlib import Path
 
 from procedures.campaign.plan_steps import Step, Turn
 from station.errors import DiskFull, megabytes
-from station.guide.checklist import step_duration
+from station.guide.step_checklist import step_duration
 
 JOURNAL_BYTES = 75  # of a sample
 STEP_BYTES = 135  # of a sample

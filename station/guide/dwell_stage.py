@@ -9,12 +9,12 @@ from station.guide.accepted_dwell import triad_estimates
 from station.guide.dwell_attempt import TOUCHED, DwellAttempt, crept
 from station.guide.face_and_stillness import BlockLook
 from station.guide.heading_questions import NEITHER, which_position
-from station.guide.seating_check import SeatCheck
+from station.guide.instruction_words import step_title
+from station.guide.seating_watch import SeatCheck
 from station.guide.soak_progress import SoakTemperature, soak_in_words
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
 from station.guide.view import OperatorQuestion
-from station.guide.wording import step_title
 from station.guide.wrong_heading import after_dwell
 from station.stream.live.accepted_blocks import series
 from station.stream.live.stillness import Block

@@ -29,7 +29,7 @@ from station.guide.readiness_in_background import ReadinessInBackground, announc
 from station.guide.setup import start_view
 from station.guide.setup_view import PortCheck, Readiness, StartView
 from station.guide.solved import SolveOutcome
-from station.guide.step_words import for_people
+from station.guide.step_names import for_people
 from station.guide.view import CalibrationView, StageName
 
 if TYPE_CHECKING:

@@ -6,12 +6,12 @@ from pathlib import Path
 from fixtures_db.database import Database
 from station.files.campaign_folder.notes import kept_plan, read_setup
 from station.files.setup import Setup
-from station.guide.checklist import Checklist
 from station.guide.command import OperatorCommand
 from station.guide.disk_space import DiskSpace, disk_for
 from station.guide.folder_lock import FolderLock
 from station.guide.interrupted_campaigns import reopen
 from station.guide.live_campaign import usual_steps
+from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
 from station.stream.events import EventLog, Sound
 from station.stream.recorder import CampaignRecorder

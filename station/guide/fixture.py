@@ -8,8 +8,8 @@ from fixtures_db.face_certificates import cube
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeRow
 from procedures.campaign.campaign import Fixture
-from station.files.campaign_folder.schema import FaceTable, FixtureTable, MeasuredTable, axes_matrix
-from station.files.campaign_folder.writing import measured_table
+from station.files.campaign_folder.campaign_schema import FaceTable, FixtureTable, MeasuredTable, axes_matrix
+from station.files.campaign_folder.campaign_writing import measured_table
 
 
 def cube_fixture(

@@ -5,8 +5,8 @@ from itertools import pairwise
 
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Step
+from station.files.campaign_folder.campaign_writing import write_tables
 from station.files.campaign_folder.notes import keep_left_out, keep_plan, read_unit, write_unit
-from station.files.campaign_folder.writing import write_tables
 from station.stream.recorder import CampaignRecorder
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 

@@ -14,10 +14,10 @@ from station.guide.accepted_dwell import triad_estimates
 from station.guide.dwell_attempt import TOUCHED, DwellAttempt, crept
 from station.guide.dwell_stage import NextStage
 from station.guide.face_and_stillness import BlockLook
+from station.guide.instruction_words import step_title
 from station.guide.soak_progress import SoakTemperature, soak_in_words
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
-from station.guide.wording import step_title
 from station.stream.live.accepted_blocks import series
 from station.stream.live.stillness import Block
 

@@ -15,8 +15,8 @@ from station.files.atomic_file import replace_file
 from station.files.setup import Setup
 from station.stream.events import EventLog
 from station.stream.gnss import GnssFeed, open_gnss
+from station.stream.gnss.receiver_summary import site_in_words
 from station.stream.gnss.sample_rate import SampleRate
-from station.stream.gnss.summary import site_in_words
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import words_of
 

@@ -2,9 +2,9 @@
 
 from procedures.campaign.plan_steps import Turn
 from procedures.frames import POSITIONS, face_of
+from station.guide.instruction_words import axes_in_words, step_title, turn_sense
 from station.guide.setup_view import Choice
 from station.guide.view import OperatorQuestion
-from station.guide.wording import axes_in_words, step_title, turn_sense
 
 NEITHER = "n"
 TAKE = "y"

@@ -16,11 +16,11 @@ from fixtures_db.database import Database
 from fixtures_db.errors import CampaignInUse
 from fixtures_db.schema import StepRow
 from station.errors import DataRefused
-from station.files.campaign_folder.schema import CAMPAIGN_TOML, CampaignTable, read_campaign_toml
+from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, CampaignTable, read_campaign_toml
 from station.files.opening import open_inside
 from station.files.sha256sums import SHA256SUMS, read_hashes
 from station.guide.folder_lock import FolderInUse, FolderLock
-from station.stream.recorder.campaign_recorder import CampaignRecorder, step_of
+from station.stream.recorder.accepted_step_writer import CampaignRecorder, step_of
 
 RESUMABLE_STATES = ("recording", "recorded")
 __all__ = ["FolderInUse", "FolderLock", "cancel_campaign", "reopen"]

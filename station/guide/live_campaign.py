@@ -19,6 +19,7 @@ from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Step, Turn, steps_of
 from procedures.dwells_and_turns import hand_turns, twelve_position
 from station.errors import DataRefused
+from station.files.campaign_folder.campaign_schema import CampaignTable, ProcedureTable, SiteTable
 from station.files.campaign_folder.notes import (
     UnitRecord,
     keep_plan,
@@ -28,11 +29,8 @@ from station.files.campaign_folder.notes import (
     write_setup,
     write_unit,
 )
-from station.files.campaign_folder.schema import CampaignTable, ProcedureTable, SiteTable
 from station.files.new_folder import journal_path, new_folder
 from station.files.setup import Setup
-from station.guide.accepted_steps import AcceptedSteps, after_pause, read_accepted_steps
-from station.guide.checklist import Checklist
 from station.guide.command import OperatorCommand
 from station.guide.disk_space import WARM_UP_S, DiskSpace, disk_for, refuse_full
 from station.guide.fixture import cube_fixture
@@ -43,15 +41,17 @@ from station.guide.host_clock import HostClock
 from station.guide.interrupted_campaigns import FolderLock, reopen
 from station.guide.options import CalibrationOptions
 from station.guide.port_check import RECORD_INSTEAD
+from station.guide.resumed_campaign import AcceptedSteps, after_pause, read_accepted_steps
 from station.guide.setup_view import PortCheck
 from station.guide.stage_context import POWER_CYCLED, BenchFacts, StageContext
+from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
 from station.stream.events import Sound
 from station.stream.gnss import GnssFeed, open_gnss
 from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.reader import Reader
 from station.stream.recorder import CampaignRecorder, Unit, UnitChanged, open_campaign
-from station.stream.recorder.campaign_recorder import TOML
+from station.stream.recorder.accepted_step_writer import TOML
 
 REST_S = 5.0
 RETRY_S = 1.0  # between two tries to read a port whose reader died

@@ -11,10 +11,10 @@ from fixtures_db.history import last_calibration
 from procedures.calibration.solution import StepResidual
 from procedures.frames import AXES
 from station.files.campaign_folder.notes import read_left_out
-from station.guide.step_words import gap_in_words, verdict_for_people
+from station.guide.step_names import gap_in_words, verdict_for_people
 from station.guide.view import Verdict, VerdictRow
 from station.results.diagnosis.diagnosis_text import diagnosis_text, warnings_of
-from station.results.diagnosis.wording import verdict_sentence
+from station.results.diagnosis.diagnosis_wording import verdict_sentence
 from station.results.kept_tilted_dwells import doubt_of, worst_kept
 from station.results.parameters_by_name import (
     Parameter,
@@ -29,7 +29,7 @@ from station.results.parameters_by_name import (
 )
 from station.results.report.fit_quality import LIMIT_SIGMAS, normalised
 from station.results.verdict import Judged, Outcome, judge, judged_in_words
-from station.stream.recorder.campaign_recorder import step_of
+from station.stream.recorder.accepted_step_writer import step_of
 
 if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget

@@ -5,14 +5,14 @@ from typing import Any
 from procedures.campaign.plan_steps import Soak, Turn
 from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, next_direction
-from station.guide.checklist import is_free
 from station.guide.dwell_stage import DwellStage
 from station.guide.face_and_stillness import BlockLook
 from station.guide.free_attitude_dwell import FreeAttitudeStage, free_look
+from station.guide.instruction_words import face_in_words, instruction, step_title
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
+from station.guide.step_checklist import is_free
 from station.guide.turn_stage import TurnStage
-from station.guide.wording import face_in_words, instruction, step_title
 from station.stream.live.stillness import Block
 
 SETTLE_BLOCKS = 3  # still ones that are not used

@@ -2,8 +2,8 @@
 
 Verdict and certificate follow the same rules afterwards: `station.results.verdict.judge` says NOT_MEASURED where a
 limited parameter is not estimated, `fixtures_db.references.why_measured` why a calibration is only measured, and
-`station.results.certificate.checklist` refuses a certificate whose campaign lacks something. What a laboratory's
-file can still say afterwards is not asked for here.
+`station.results.certificate.missing_statements` refuses a certificate whose campaign lacks something. What a
+laboratory's file can still say afterwards is not asked for here.
 """
 
 from collections.abc import Mapping
@@ -15,11 +15,11 @@ from fixtures_db.limits import UNITS, Limit
 from fixtures_db.references import why_measured
 from fixtures_db.site_surveys import is_surveyed_at
 from station.errors import megabytes
-from station.files.campaign_folder.schema import GRAVITY_STD
+from station.files.campaign_folder.campaign_schema import GRAVITY_STD
 from station.files.setup import Setup
 from station.guide.prior_knowledge import PriorKnowledge
 from station.guide.setup_view import PortCheck, Readiness, ReadyLine
-from station.results.certificate.checklist import missing_before
+from station.results.certificate.missing_statements import missing_before
 
 NEVER_DETERMINED = (
     "gyroscope.bias_12_position",

@@ -10,7 +10,7 @@ RECEIVER_FIXES = 10
 def check_receiver(url: str, seconds: float = LISTEN_S) -> PortCheck:
     """Listen to a receiver; what is wrong stands in ``text``, with what to do. Never raises."""
     from station.devices.gnss_probe import listen
-    from station.stream.gnss.summary import site_in_words
+    from station.stream.gnss.receiver_summary import site_in_words
 
     try:
         feed = listen(url, seconds, RECEIVER_FIXES).feed

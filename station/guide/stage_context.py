@@ -15,11 +15,11 @@ from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading, rough_scale_factor
 from station.errors import DataRefused
 from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell
-from station.guide.accepted_steps import AcceptedSteps
-from station.guide.checklist import Checklist
 from station.guide.face_and_stillness import FaceAndStillnessGate
+from station.guide.instruction_words import step_title
+from station.guide.resumed_campaign import AcceptedSteps
+from station.guide.step_checklist import Checklist
 from station.guide.turn_pairs import TurnClosures, turns_again, what_now
-from station.guide.wording import step_title
 from station.stream.events import EventLog
 from station.stream.live.accepted_blocks import series
 from station.stream.live.live_feed import LiveFeed

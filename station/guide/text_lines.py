@@ -11,7 +11,7 @@ from station.guide.command import CommandVerb, OperatorCommand
 from station.guide.session import CalibrationSession
 from station.guide.setup_view import Readiness
 from station.guide.soak_progress import soak_in_words
-from station.guide.step_words import files_as_steps, step_typed
+from station.guide.step_names import files_as_steps, step_typed
 from station.guide.view import CalibrationView, StageName, Verdict
 from station.stream.events import Event, NewEvents, Sound
 

@@ -16,9 +16,9 @@ from procedures.bench.turn_closing import (
 )
 from procedures.campaign.plan_steps import Turn
 from procedures.earth.gyrocompass import CertainDwell, heading_change
+from station.guide.instruction_words import step_title
 from station.guide.setup_view import Choice
 from station.guide.view import OperatorQuestion
-from station.guide.wording import step_title
 
 MAX_HEADING_STD_DEG = 5.0  # a wider sigma says nothing
 GROSS_SIGMAS = 4.0  # of the horizontal Earth rate: chance passes it once in 16000 turns

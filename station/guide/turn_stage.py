@@ -10,6 +10,7 @@ from procedures.earth.gyrocompass import CertainDwell, rough_scale_factor
 from procedures.frames import AXES, face_of
 from station.guide.face_and_stillness import BlockLook
 from station.guide.heading_questions import NEITHER, OTHER_WAY, TAKE, which_position, which_turn
+from station.guide.instruction_words import instruction, step_title, times_in_words, turn_sense
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
 from station.guide.turn_pairs import (
@@ -21,7 +22,6 @@ from station.guide.turn_pairs import (
     heading_moved,
 )  # fmt: skip
 from station.guide.view import OperatorQuestion, TurnView
-from station.guide.wording import instruction, step_title, times_in_words, turn_sense
 from station.stream.live.accepted_blocks import merged
 from station.stream.live.stillness import Block
 from station.stream.live.turn_detection import TurnWatch

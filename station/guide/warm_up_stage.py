@@ -11,12 +11,12 @@ from procedures.campaign.plan_steps import Dwell
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 from station.guide.accepted_dwell import triad_estimates
-from station.guide.checklist import MOVE_S
 from station.guide.face_and_stillness import BlockLook
+from station.guide.instruction_words import rounded
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
+from station.guide.step_checklist import MOVE_S
 from station.guide.view import WarmUpView
-from station.guide.wording import rounded
 from station.stream.live.accepted_blocks import merged, series
 from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, Block
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.fusion.alignment.aligner import between
-from procedures.fusion.alignment.alignment import Waiting
+from procedures.fusion.alignment.alignment_attempts import between
+from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.vision.feature_tracks import Tracks
 from procedures.fusion.visual_alignment.camera_time import CameraOffset, camera_offset

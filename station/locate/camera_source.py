@@ -6,17 +6,17 @@ from functools import partial
 import numpy as np
 
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.fusion.alignment.aligner import align_when_possible
-from procedures.fusion.alignment.alignment import Aligned, Waiting
-from procedures.fusion.alignment.moving_aligner import MovingAligner
+from procedures.fusion.alignment.alignment_attempts import align_when_possible
+from procedures.fusion.alignment.alignment_in_motion import MovingAligner
+from procedures.fusion.alignment.alignment_result import Aligned, Waiting
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.imu.imu_gaps import imu_gaps
 from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
-from procedures.fusion.outer.outer_graph import OuterGraph, OuterSettings
+from procedures.fusion.outer.pose_graph import OuterGraph, OuterSettings
 from procedures.fusion.vision.feature_tracks import Tracks
-from procedures.fusion.visual_alignment.visual_aligner import VisualAligner, align_by_camera
+from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
 from station.locate.camera_clock import on_imu_clock, suspicion

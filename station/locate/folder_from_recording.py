@@ -9,12 +9,12 @@ from drivers.errors import ReplayEnded
 from procedures.earth.geodesy import LocalLevel
 from procedures.earth.gnss_records import GnssFix, TimeMark
 from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.fusion.fixes_east_north_up import antenna, is_usable, level_fixes, origin_at
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.level_fixes import antenna, is_usable, level_fixes, origin_at
 from station.calibrated.calibration_choice import UNKNOWN, AppliedCalibration, find_calibration
 from station.calibrated.rates_and_forces import Sensors
 from station.errors import DataRefused
-from station.files.fusion_folder.writing import CameraTracks, FusionRecording, write_fusion
+from station.files.fusion_folder.fusion_writing import CameraTracks, FusionRecording, write_fusion
 from station.files.mcap_files.fix_reader import Record
 from station.locate.imu_noise import MIN_REST_S, Rest, densities, longest_rest
 from station.stream.camera.recorded_tracks import recorded_tracks

@@ -6,17 +6,17 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.fusion.alignment.aligner import align_when_possible
-from procedures.fusion.alignment.alignment import Aligned, Waiting
-from procedures.fusion.alignment.moving_aligner import MovingAligner
-from procedures.fusion.alignment.static_aligner import is_still
+from procedures.fusion.alignment.alignment_at_rest import is_still
+from procedures.fusion.alignment.alignment_attempts import align_when_possible
+from procedures.fusion.alignment.alignment_in_motion import MovingAligner
+from procedures.fusion.alignment.alignment_result import Aligned, Waiting
 from procedures.fusion.imu.imu_gaps import ImuGap, imu_gaps
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.optional_libraries import gtsam
-from procedures.fusion.outer.outer_graph import OuterSettings
+from procedures.fusion.outer.pose_graph import OuterSettings
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
-from station.locate.one_layer import one_layer
+from station.locate.inner_layer_only import one_layer
 from station.locate.outer_layer import outer_settings, through_graph, trajectory_of
 from station.locate.result import Alignment, Located
 from station.text.plural import plural

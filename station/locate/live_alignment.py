@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.fusion.alignment.aligner import FIRST, STEP, WINDOW, attempt, between
-from procedures.fusion.alignment.alignment import Aligned, Waiting
-from procedures.fusion.alignment.moving_aligner import MovingAligner
+from procedures.fusion.alignment.alignment_attempts import FIRST, STEP, WINDOW, attempt, between
+from procedures.fusion.alignment.alignment_in_motion import MovingAligner
+from procedures.fusion.alignment.alignment_result import Aligned, Waiting
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 
 LONGEST_REST = 60.0  # s of a rest that the window goes through again: its data are what the heading is known by

@@ -7,9 +7,9 @@ import numpy as np
 
 from procedures.earth.geodesy import LocalLevel
 from procedures.earth.gnss_records import GnssFix, TimeMark
+from procedures.fusion.fixes_east_north_up import antenna, is_usable, level_fixes, origin_at
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.inner.keyframes import CLOSEST, SPACING
-from procedures.fusion.level_fixes import antenna, is_usable, level_fixes, origin_at
 from station.files.mcap_files.fix_reader import Record
 from station.stream.gnss.fix_times import FixTimes
 

@@ -6,7 +6,7 @@ from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.inner.inertial_window import InertialWindow
 from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.outer.outer_graph import GlobalPose, OuterGraph, OuterSettings
+from procedures.fusion.outer.pose_graph import GlobalPose, OuterGraph, OuterSettings
 
 MAX_POSES = 36_000  # poses: half an hour
 RUN_IN = 1_200  # poses that a new graph goes along before it takes over: a minute, six of its windows

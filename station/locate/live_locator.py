@@ -11,11 +11,11 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import earth_rate_n, normal_gravity
-from procedures.fusion.alignment.moving_aligner import MovingAligner
+from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.inertial_window import WindowSettings
-from procedures.fusion.outer.outer_graph import GlobalPose, OuterSettings
+from procedures.fusion.outer.pose_graph import GlobalPose, OuterSettings
 from station.locate.camera_source import with_lever
 from station.locate.imu_noise import NoiseOf
 from station.locate.imu_source import with_constants

@@ -4,7 +4,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.earth.geodesy import LocalLevel
-from procedures.fusion.outer.outer_graph import REJECTED, GlobalPose
+from procedures.fusion.outer.pose_graph import REJECTED, GlobalPose
 from station.locate.live_fixes import LiveFixes
 from station.locate.location import Location
 

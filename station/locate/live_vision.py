@@ -3,16 +3,16 @@
 from collections.abc import Iterator
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.aligner import between
-from procedures.fusion.alignment.moving_aligner import MovingAligner
+from procedures.fusion.alignment.alignment_attempts import between
+from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.live_visual_window import LiveVisualWindow
 from procedures.fusion.inner.visual_inertial_window import VisionSettings
 from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.outer.outer_graph import OuterSettings
-from procedures.fusion.visual_alignment.visual_aligner import VisualAligner
+from procedures.fusion.outer.pose_graph import OuterSettings
+from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner
 from procedures.fusion.visual_alignment.visual_start import VisualStart
 from station.locate.camera_source import antenna_of
 from station.locate.live_alignment import Beginning, Begun

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import GnssFixes, Trajectory
 from procedures.fusion.odometry import OdometrySource
-from procedures.fusion.outer.outer_graph import GlobalPose, OuterGraph, OuterSettings
+from procedures.fusion.outer.pose_graph import GlobalPose, OuterGraph, OuterSettings
 from station.files.fusion_folder import FusionLog
 from station.locate.result import Alignment, Located
 

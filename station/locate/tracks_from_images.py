@@ -10,7 +10,7 @@ from procedures.fusion.optional_libraries import opencv
 from procedures.fusion.vision.feature_tracker import FeatureFollower, FollowerSettings, Image, Lens
 from procedures.fusion.vision.feature_tracks import Tracks
 from station.errors import DataRefused
-from station.files.fusion_folder.reading import FUSION_TOML, files_of, read_fusion_toml
+from station.files.fusion_folder.fusion_reading import FUSION_TOML, files_of, read_fusion_toml
 from station.files.fusion_folder.tracks import lens_of, write_tracks
 from station.files.opening import open_inside
 from station.files.overwrite_guard import refuse_own

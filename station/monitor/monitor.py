@@ -24,9 +24,9 @@ from station.monitor.alarms import AlarmWatch
 from station.monitor.attitude_filter import AidValues, Attitude, AttitudeEstimator
 from station.monitor.error_at_rest import ErrorAtRest
 from station.monitor.gnss_aid import aiding_of
+from station.monitor.host_time_of_samples import SampleTimes
 from station.monitor.options import DEFAULT_OPTIONS, GnssSource, MonitorOptions
 from station.monitor.recording import MonitorRecording
-from station.monitor.sample_times import SampleTimes
 from station.monitor.session import MonitorVerb
 from station.monitor.stream_health import StreamHealth
 from station.monitor.view import AttitudeReading, ChartPoint, MonitorView, MotionState

@@ -16,9 +16,9 @@ from fixtures_db.references import references, why_measured
 from procedures.calibration.solution import Solution
 from station.errors import Altered
 from station.files.atomic_file import replace_file
+from station.files.campaign_folder.campaign_reading import read_for_solve
+from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.notes import read_setup
-from station.files.campaign_folder.reading import read_for_solve
-from station.files.campaign_folder.schema import CampaignTable
 from station.results.circumstances import circumstances, diagnosis_kept, judged_values
 from station.results.kept_tilted_dwells import doubt_of
 from station.results.verdict import Outcome, judge
@@ -66,7 +66,7 @@ def make_results(
     )
     from station.results.diagnosis.closed_loop import close_loop
     from station.results.diagnosis.diagnosis_html import section_html
-    from station.results.diagnosis.wording import left_said
+    from station.results.diagnosis.diagnosis_wording import left_said
     from station.results.report.report import write_report
     from station.results.report.report_inputs import report_context
     from station.results.solution_json import solution_document, write_solution

@@ -16,11 +16,11 @@ from fixtures_db.campaigns import campaign, last_accepted
 from fixtures_db.references import references
 from fixtures_db.schema import CampaignRow, SiteRow
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.clock_rate import clock_rate
+from procedures.diagnosis.clock_rate_check import clock_rate
 from procedures.frames import POSITIONS
 from procedures.units import UG_PER_G
+from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.notes import read_unit
-from station.files.campaign_folder.schema import CampaignTable
 from station.results.verdict import Judged
 
 NORMAL_GRAVITY = "normal gravity of WGS 84 at this latitude and height"

@@ -4,7 +4,7 @@ import numpy as np
 
 from procedures.bench.seating_check import PLAUSIBLE_FACE_TILT_RAD
 from procedures.campaign.plan_steps import Dwell
-from station.files.campaign_folder.schema import CampaignTable
+from station.files.campaign_folder.campaign_schema import CampaignTable
 
 
 def kept_seats(tables: CampaignTable) -> dict[int, float]:

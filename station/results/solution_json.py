@@ -12,7 +12,7 @@ import numpy as np
 
 from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
 from station.files.atomic_file import replace_file
-from station.files.campaign_folder.loaded import LoadedCampaign
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 
 FORMAT = "solution/1"
 

@@ -1,6 +1,6 @@
 """What is entered in the set-up: labels, units, ranges, and what is wrong with a text, in words.
 
-Ranges are those of a ``campaign.toml`` (`station.files.campaign_folder.schema`).
+Ranges are those of a ``campaign.toml`` (`station.files.campaign_folder.campaign_schema`).
 """
 
 import math

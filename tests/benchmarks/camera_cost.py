@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from drivers.camera import CameraDecoder
-from drivers.camera.parts import part
+from drivers.camera.multipart import part
 from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_server import SimulatedCamera
 from drivers.simulated.camera_truth import CameraTruth

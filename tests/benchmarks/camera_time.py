@@ -18,7 +18,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.aligner import between
+from procedures.fusion.alignment.alignment_attempts import between
 from procedures.fusion.fusion_records import ImuSeries, Trajectory
 from procedures.fusion.imu.gyro_rotations import GyroTurns
 from procedures.fusion.rotation_vectors import log_rotation

@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drivers.can.database import load_dbc
-from drivers.can.format import OWN_DBC, can_format
-from drivers.can.record import unpack
+from drivers.can.can_format import OWN_DBC, can_format
+from drivers.can.dbc_file import load_dbc
+from drivers.can.frame_record import unpack
 from drivers.framing import Decoder
 from procedures.counts.sample_records import CountBlock
 

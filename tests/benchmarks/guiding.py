@@ -26,7 +26,7 @@ from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading
 from procedures.frames import cross_axes, face_normal, face_of, nominal_C_lb, vertical_rotation
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H
-from station.guide.accepted_steps import turn_seen
+from station.guide.resumed_campaign import turn_seen
 
 LATITUDES = (0, 20, 31, 45, 50, 55, 60, 65, 70, 75, 80, 85, 89)
 LOOKS_S = (1.0, 2.0, 3.0, 6.0, 10.0, 20.0, 40.0, 70.0, 100.0)

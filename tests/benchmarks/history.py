@@ -8,9 +8,9 @@ import argparse
 
 import numpy as np
 
-from procedures.history.chart import MIN_EARLIER, control_chart, control_limit
+from procedures.history.control_chart import MIN_EARLIER, control_chart, control_limit
+from procedures.history.parameter_series import CalibrationSeries
 from procedures.history.prediction import forecast
-from procedures.history.series import CalibrationSeries
 from station.results.history.population import population_document
 from tests.procedures.history.worlds import WORLDS
 from tests.station.results.history.fleets import MODEL, fleet

@@ -19,7 +19,7 @@ from functools import cache
 import numpy as np
 
 from drivers.camera import CameraDecoder
-from drivers.camera.parts import part
+from drivers.camera.multipart import part
 from procedures.fusion.optional_libraries import opencv
 from tests.benchmarks.damage import DAMAGES, Shape, cuts, damaged
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.mavlink import framing
+from drivers.mavlink import mavlink_framing
 from drivers.mavlink.decoder import MavlinkDecoder
 from tests.benchmarks.damage import CONTROL_BITS, DAMAGES, HEAD, Outcome, Shape, cuts, damaged, row
 
@@ -60,7 +60,7 @@ def attack(frames: int, seed: int, bits: int = BITS) -> Outcome:
     decoder = MavlinkDecoder()
     wanted = decoder.framer._is_wanted  # noqa: SLF001
 
-    def spy(raw: bytes, frame: framing.Frame) -> bool:
+    def spy(raw: bytes, frame: mavlink_framing.Frame) -> bool:
         accepted.append(raw)
         return wanted(raw, frame)
 
@@ -89,28 +89,28 @@ def attack(frames: int, seed: int, bits: int = BITS) -> Outcome:
 
 def with_weak_check(frames: int, seed: int) -> Outcome:
     """Return the outcome with the check as good as cut to 8 bits."""
-    full = framing.crc
+    full = mavlink_framing.crc
     sent = [0]
 
     def weak(body: bytes, extra: int) -> int:
         # by a hash of the body, not by the CRC's own bits, in which an error of one byte may not show
         return sent[0] if zlib.crc32(body, zlib.crc32(b"control")) % 2**CONTROL_BITS == 0 else full(body, extra)
 
-    class Framer(framing.MavlinkFramer):
-        def _frame(self, raw: bytes) -> framing.Frame | None:
+    class Framer(mavlink_framing.MavlinkFramer):
+        def _frame(self, raw: bytes) -> mavlink_framing.Frame | None:
             end = (10 if raw[0] == 0xFD else 6) + raw[1]
             sent[0] = raw[end] | raw[end + 1] << 8
             return super()._frame(raw)
 
-    original = framing.MavlinkFramer
-    framing.crc = weak
+    original = mavlink_framing.MavlinkFramer
+    mavlink_framing.crc = weak
     try:
         from drivers.mavlink import decoder
 
         decoder.MavlinkFramer = Framer  # type: ignore[misc]
         return attack(frames, seed, CONTROL_BITS)
     finally:
-        framing.crc, decoder.MavlinkFramer = full, original  # type: ignore[misc]
+        mavlink_framing.crc, decoder.MavlinkFramer = full, original  # type: ignore[misc]
 
 
 def main() -> int:

@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import can
 import numpy as np
 
+from drivers.can.can_format import can_format
 from drivers.can.can_port import CanPort
-from drivers.can.checks import CHECKS
-from drivers.can.format import can_format
-from drivers.can.record import RECORD, unpack
+from drivers.can.frame_record import RECORD, unpack
+from drivers.can.payload_checks import CHECKS
 from drivers.can.slcan_line import SlcanLine
 from drivers.framing import Decoder
 from drivers.simulated.can_faults import text_of

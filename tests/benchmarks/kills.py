@@ -27,13 +27,13 @@ from fixtures_db.database import open_db
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step, steps_of
 from procedures.dwells_and_turns import hand_turns, twelve_position
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import read_hashes, verify_folder
-from station.guide.checklist import Checklist
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
 from station.guide.interrupted_campaigns import FolderLock, reopen
 from station.guide.stage_context import BenchFacts, StageContext
+from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
 from station.stream.live import open_feed
 from station.stream.recorder import CampaignRecorder, open_campaign

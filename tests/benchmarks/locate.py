@@ -18,10 +18,10 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import rotation, vertical_rotation
-from procedures.fusion.alignment.aligner import between, fixes_between
-from procedures.fusion.alignment.alignment import Aligned
-from procedures.fusion.alignment.moving_aligner import MovingAligner
-from procedures.fusion.alignment.static_aligner import align_at_rest
+from procedures.fusion.alignment.alignment_at_rest import align_at_rest
+from procedures.fusion.alignment.alignment_attempts import between, fixes_between
+from procedures.fusion.alignment.alignment_in_motion import MovingAligner
+from procedures.fusion.alignment.alignment_result import Aligned
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.units import RAD_S_PER_DEG_H
@@ -234,7 +234,7 @@ def bench(_: Path, seeds: int) -> None:
 def times(data: Path, _: int) -> None:
     """Figure 7: how long the inner window and the outer graph take."""
     from procedures.fusion.odometry import RecordedOdometry
-    from procedures.fusion.outer.outer_graph import OuterGraph
+    from procedures.fusion.outer.pose_graph import OuterGraph
 
     log = drawn(read_fusion(data / "v201_inertial"), 0)
     located = by_imu(log, 1)

@@ -18,12 +18,12 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.fusion.alignment.alignment import Waiting
+from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.vision.feature_tracks import Camera
-from procedures.fusion.visual_alignment.visual_aligner import VisualAligner
+from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner
 from procedures.fusion.visual_alignment.visual_start import VisualStart
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.locate.camera_source import by_vision

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pymavlink.dialects.v20 import all as dialect
 
 from drivers.mavlink.decoder import MavlinkDecoder
-from drivers.mavlink.framing import MavlinkFramer
+from drivers.mavlink.mavlink_framing import MavlinkFramer
 from drivers.mavlink.messages import fields
 from tests.benchmarks.hostile_mavlink import a_sender, some_frames
 

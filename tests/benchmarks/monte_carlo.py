@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from station.results.cluster.engine import open_engine
 from station.results.cluster.progress import Progress
-from station.results.cluster.restartable import map_restartable
+from station.results.cluster.restartable_map import map_restartable
 
 I = TypeVar("I")  # noqa: E741
 

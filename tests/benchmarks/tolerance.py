@@ -13,9 +13,9 @@ import numpy as np
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import paper_truth
 from procedures.calibration.calibration import solve
-from procedures.tolerance.draw import draw_errors, draw_tilts
-from procedures.tolerance.estimators import ESTIMATOR_NAMES, ToleranceUnit, estimator_errors
-from procedures.tolerance.items import ITEMS, angles
+from procedures.tolerance.drawing_items import ITEMS, angles
+from procedures.tolerance.estimator_errors import ESTIMATOR_NAMES, ToleranceUnit, estimator_errors
+from procedures.tolerance.monte_carlo import draw_errors, draw_tilts
 
 ITEM = angles(dict.fromkeys(ITEMS, 0.04), 400.0)
 TRUTH = paper_truth()

@@ -19,11 +19,10 @@ import numpy as np
 
 from drivers.url_wire_format import wire_of
 from station.stream.gnss import open_gnss
-from station.stream.gnss.summary import summary
+from station.stream.gnss.receiver_summary import summary
 from station.stream.live import LiveFeed
 from station.stream.reader import Reader
-from station.stream.recorder import DecodedChunk, SampleStream
-from station.stream.recorder import plain_recording as recording
+from station.stream.recorder import DecodedChunk, SampleStream, plain_recording
 from tests.benchmarks.can_rate import cpu_s
 
 PERIOD_S, GNSS_HZ = 0.0005, 10
@@ -84,7 +83,7 @@ def measure(seconds: float, folder: Path) -> bool:
                 feed.advance()
                 gnss.advance()
             used, station_used, began = cpu_s(reader.pid), cpu_s(os.getpid()), time.monotonic()
-            done = recording.record(timed, folder, seconds, gnss)
+            done = plain_recording.record(timed, folder, seconds, gnss)
             took = time.monotonic() - began
             share = (cpu_s(reader.pid) - used) / took
             own = (cpu_s(os.getpid()) - station_used) / took

@@ -9,8 +9,8 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.calibration import CalibrationFacts
 from fixtures_db.campaigns import imu
+from fixtures_db.cube_drawing import drawing
 from fixtures_db.cube_measurements import add_measurement
-from fixtures_db.drawing import drawing
 from fixtures_db.face_certificates import certify_faces
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.schema import CubeRow, SiteRow, SlabLevelRow, SlabRow

@@ -11,9 +11,9 @@ from fixtures_db.campaigns import (
     start_campaign,
     verify_steps,
 )
-from fixtures_db.chain import GENESIS
 from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyThere, NotInDatabase
+from fixtures_db.hash_chain import GENESIS
 from tests.fixtures_db.factory import NOON
 
 

@@ -7,7 +7,7 @@ from sqlalchemy import text
 from sqlalchemy.exc import DBAPIError
 
 from fixtures_db.anchor import take_anchor
-from fixtures_db.chained import verify_dates, verify_rows
+from fixtures_db.append_only_rows import verify_dates, verify_rows
 from fixtures_db.cube_measurements import (
     add_measurement,
     check_measurement,
@@ -19,9 +19,9 @@ from fixtures_db.due import due
 from fixtures_db.errors import NotInDatabase
 from fixtures_db.face_certificates import certify_faces, cube
 from fixtures_db.fixtures import add_fixture, fixture_row
+from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.migrations.versions.v0005_measured_cubes import FIRST_DUE
 from fixtures_db.schema import CubeMeasurementRow, CubeRow
-from fixtures_db.verification import alterations
 from procedures.campaign.campaign import FaceCertificate
 from tests.fixtures_db.factory import LATER, NOON, measured_cube, unprotect
 

@@ -5,9 +5,9 @@ import pytest
 from sqlalchemy import text
 from sqlalchemy.exc import DBAPIError
 
-from fixtures_db.chained import verify_rows
+from fixtures_db.append_only_rows import verify_rows
+from fixtures_db.cube_drawing import drawing
 from fixtures_db.database import Database
-from fixtures_db.drawing import drawing
 from fixtures_db.errors import AlreadyThere, NotInDatabase
 from fixtures_db.face_certificates import certify_faces, cube
 from fixtures_db.fixtures import add_fixture, fixture_row

@@ -5,8 +5,8 @@ import pytest
 from sqlalchemy import text
 from sqlalchemy.exc import DBAPIError
 
-from fixtures_db.chain import GENESIS, digest
 from fixtures_db.database import Database
+from fixtures_db.hash_chain import GENESIS, digest
 from fixtures_db.history import accept_calibration, head, history, verify_chain
 from tests.fixtures_db.factory import facts, solution, unprotect
 

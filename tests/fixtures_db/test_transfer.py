@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from sqlalchemy import text
 
-from fixtures_db.chained import newest_hash, verify_dates, verify_rows
+from fixtures_db.append_only_rows import newest_hash, verify_dates, verify_rows
+from fixtures_db.cube_drawing import drawing
 from fixtures_db.database import Database, open_db
-from fixtures_db.drawing import drawing
 from fixtures_db.due import due
 from fixtures_db.errors import DiffersFromStored, NotInDatabase
 from fixtures_db.face_certificates import certify_faces, cube

@@ -14,8 +14,8 @@ from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.plan_steps import Dwell
 from procedures.dwells_and_turns.twelve_position import closed_form, solve_accelerometer
 from procedures.frames import C_bn, face_of
-from procedures.tolerance.estimators import ToleranceUnit, estimator_errors, up_vectors
-from procedures.tolerance.items import ITEMS, STACK, angles, p1_tilts
+from procedures.tolerance.drawing_items import ITEMS, STACK, angles, p1_tilts
+from procedures.tolerance.estimator_errors import ToleranceUnit, estimator_errors, up_vectors
 from tests.procedures.independent import TABLE_4_D, TABLE_4_E, THETA, campaign, dwells, table_3
 
 P1_ITEMS = angles(dict.fromkeys(ITEMS, 0.04), 400.0)

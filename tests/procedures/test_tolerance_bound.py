@@ -9,12 +9,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from procedures.arrays import FloatArray
-from procedures.tolerance.allowance import MAX_ITEM_RAD, AccuracyUnreachable, allowed_tolerances, cheapest_items
-from procedures.tolerance.bound import all_errors, worst_case, worst_corner
-from procedures.tolerance.draw import ToleranceShape, draw_errors, draw_tilts, tilt_std
-from procedures.tolerance.estimators import ToleranceUnit, estimator_errors
-from procedures.tolerance.items import ITEMS, STACK, p1_tilts
-from procedures.tolerance.remedy import Remedy, remedies, remedy_gain
+from procedures.tolerance.drawing_items import ITEMS, STACK, p1_tilts
+from procedures.tolerance.estimator_errors import ToleranceUnit, estimator_errors
+from procedures.tolerance.improvements import Remedy, remedies, remedy_gain
+from procedures.tolerance.monte_carlo import ToleranceShape, draw_errors, draw_tilts, tilt_std
+from procedures.tolerance.tolerances_for_accuracy import (
+    MAX_ITEM_RAD,
+    AccuracyUnreachable,
+    allowed_tolerances,
+    cheapest_items,
+)
+from procedures.tolerance.worst_case import all_errors, worst_case, worst_corner
 from tests.procedures.test_tolerance import P1_ITEMS, PAPER, random_case
 
 QUIET = 1e-5 / np.sqrt(5000)  # g: a dwell of P1

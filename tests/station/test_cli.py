@@ -110,6 +110,6 @@ def test_ctrl_c_is_130_and_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pyt
     def interrupted(path: object) -> object:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("station.files.campaign_folder.reading.read_for_solve", interrupted)
+    monkeypatch.setattr("station.files.campaign_folder.campaign_reading.read_for_solve", interrupted)
     assert cli.run(["solve", "x"]) == 130
     assert capsys.readouterr().err == "cancelled\n"

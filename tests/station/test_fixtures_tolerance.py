@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from procedures.tolerance.items import ITEMS
+from procedures.tolerance.drawing_items import ITEMS
 from station import cli
 
 FEW = ("--cubes", "2000")

@@ -16,7 +16,7 @@ from station.commands.calibrate import calibrate
 from station.commands._guided import set_up, campaigns_root
 from station.guide.last_setup import load_setup
 from station.guide.start_engine import EngineOptions, engine_process
-from station.guide.client import Connection
+from station.guide.client import EngineConnection
 from station.tui.app import StationApp
 from station.tui.screens import SCREEN_FOR
 set_up(load_setup(), {})
@@ -26,11 +26,11 @@ SCREEN_FOR["start"](print), SCREEN_FOR["connecting"](print)
 ENGINE = """
 import sys, pathlib
 from station.guide import engine_process
-from station.guide.engine import Engine
+from station.guide.engine import CalibrationEngine
 from station.guide.start_engine import EngineOptions
 from fixtures_db.database import open_db
 with open_db(sys.argv[1]) as database:
-    engine = Engine(database, EngineOptions(root=pathlib.Path(".")).engine(), print)
+    engine = CalibrationEngine(database, EngineOptions(root=pathlib.Path(".")).engine(), print)
     assert engine.view.start.setup is not None
     engine.close()
 """

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from station import cli
-from station.files.campaign_folder.reading import read_campaign
-from station.files.campaign_folder.writing import write_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.campaign_writing import write_campaign
 from tests.paths import DATA
 
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 from drivers.simulated.effects.accelerometer import ACCELEROMETER
 from drivers.simulated.effects.bench import BENCH
-from drivers.simulated.effects.effect import Effect, Felt, Stimulus
 from drivers.simulated.effects.gyroscope import GYROSCOPE
+from drivers.simulated.effects.planted_effect import Effect, Felt, Stimulus
 from drivers.simulated.effects.procedure import PROCEDURE
 from drivers.simulated.errors import TruthRefused, UnknownEffect
 from drivers.simulated.truth import Sizes

@@ -7,7 +7,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from drivers.simulated.effects.effect import (
+from drivers.simulated.effects.planted_effect import (
     AXES,
     REFERENCE_C,
     VECTOR_KEYS,

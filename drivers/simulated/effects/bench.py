@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from drivers.simulated.bench_truth import World
-from drivers.simulated.effects.effect import AXES, VECTOR_KEYS, Effect
+from drivers.simulated.effects.planted_effect import AXES, VECTOR_KEYS, Effect
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
 from procedures.frames import FACES, cross_axes

@@ -6,7 +6,7 @@ Shupe 1980 (temperature rate); the Sagnac sine of an open-loop FOG: H. C. Lefevr
 
 import numpy as np
 
-from drivers.simulated.effects.effect import (
+from drivers.simulated.effects.planted_effect import (
     MATRIX_KEYS,
     REFERENCE_C,
     VECTOR_KEYS,

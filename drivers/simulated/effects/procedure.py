@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from drivers.simulated.bench_truth import World
-from drivers.simulated.effects.effect import VECTOR_KEYS, Effect, Felt, Stimulus, vector
+from drivers.simulated.effects.planted_effect import VECTOR_KEYS, Effect, Felt, Stimulus, vector
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
 from procedures.units import DEG_H_PER_DEG_S

@@ -19,7 +19,7 @@ from procedures.fusion.fusion_records import ImuNoise
 from procedures.fusion.imu.inertial_increments import skew
 from procedures.fusion.imu.preintegration import Preintegrated
 from procedures.fusion.inner.window_state import FRAME, HEADING, Normal, WindowState
-from procedures.fusion.outer.outer_terms import rz
+from procedures.fusion.outer.pose_graph_terms import rz
 from procedures.fusion.rotation_vectors import log_rotation
 
 

@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.alignment import Aligned
-from procedures.fusion.alignment.moving_aligner import SHAKEN
+from procedures.fusion.alignment.alignment_in_motion import SHAKEN
+from procedures.fusion.alignment.alignment_result import Aligned
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.inner.fix_factors import FixFactors
 from procedures.fusion.inner.imu_factors import Preintegration

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.fusion.alignment.alignment import Aligned
+from procedures.fusion.alignment.alignment_result import Aligned
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.imu.gnss_velocity import LeverArm, velocities
 from procedures.fusion.imu.inertial_increments import Grid, grid
@@ -27,7 +27,7 @@ from procedures.fusion.inner.reprojection import residuals
 from procedures.fusion.inner.window_problem import Factor, Held, Prior, assemble, marginalised, walked
 from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, OFFSET, Normal, WindowState
 from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.outer.outer_terms import rz
+from procedures.fusion.outer.pose_graph_terms import rz
 from procedures.fusion.vision.feature_tracks import Camera, Tracks
 
 FRAMES = 10

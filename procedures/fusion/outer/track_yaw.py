@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from procedures.arrays import FloatArray
-from procedures.fusion.outer.outer_terms import huber
+from procedures.fusion.outer.pose_graph_terms import huber
 
 Complex = NDArray[np.complex128]
 STRANGE = 4.0  # of the misfit above which the tracks are not the same motion

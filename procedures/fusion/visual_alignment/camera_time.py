@@ -18,7 +18,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.frames import rotation
-from procedures.fusion.alignment.alignment import Waiting
+from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.imu.gyro_rotations import NEAR, GyroTurns
 from procedures.fusion.imu.imu_gaps import imu_gaps

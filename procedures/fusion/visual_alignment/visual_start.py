@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.alignment import SETTLED_TILT, SETTLED_YAW, Aligned, Waiting
+from procedures.fusion.alignment.alignment_result import SETTLED_TILT, SETTLED_YAW, Aligned, Waiting
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.imu.gnss_velocity import velocities
 from procedures.fusion.imu.inertial_increments import Grid, grid
@@ -21,7 +21,7 @@ from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, beginning
 from procedures.fusion.inner.window_problem import Factor, Held, assemble
 from procedures.fusion.inner.window_state import HEADING, WindowState
-from procedures.fusion.outer.outer_terms import rz
+from procedures.fusion.outer.pose_graph_terms import rz
 from procedures.fusion.rotation_vectors import log_rotation
 from procedures.fusion.visual_alignment.visual_structure import Structure
 

@@ -17,7 +17,7 @@ from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
 from procedures.frames import TURN_START, face_of
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
-from station.files.campaign_folder.schema import Axis, Face, ImuAxes, Position
+from station.files.campaign_folder.campaign_schema import Axis, Face, ImuAxes, Position
 from station.files.toml_reading import TomlTable, line_of, read_tables, read_text_file
 from station.files.toml_writing import toml_text
 

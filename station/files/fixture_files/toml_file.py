@@ -20,7 +20,7 @@ import hashlib
 import re
 from pathlib import Path
 
-from fixtures_db.chain import digest
+from fixtures_db.hash_chain import digest
 from fixtures_db.transfer import Rows
 from station.errors import Altered, DataRefused
 from station.files.fixture_files.tables import FIXTURES_FILE, FixturesFile

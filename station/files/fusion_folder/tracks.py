@@ -9,8 +9,8 @@ from procedures.fusion.vision.feature_tracker import Lens
 from procedures.fusion.vision.feature_tracks import Camera, Tracks
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
-from station.files.fusion_folder.columns import TRACKS, read_table, refuse_time, stacked
-from station.files.fusion_folder.schema import LensTable
+from station.files.fusion_folder.fusion_columns import TRACKS, read_table, refuse_time, stacked
+from station.files.fusion_folder.fusion_schema import LensTable
 
 LARGEST = 2.0**53  # of a feature's number
 

@@ -7,7 +7,7 @@ import numpy as np
 from procedures.fusion.fusion_records import Trajectory
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
-from station.files.fusion_folder.columns import refuse_time
+from station.files.fusion_folder.fusion_columns import refuse_time
 from station.files.opening import open_inside
 
 LINE = "t x y z qx qy qz qw"

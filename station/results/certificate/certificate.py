@@ -6,7 +6,7 @@ from datetime import date, datetime
 from typing import Any
 
 from fixtures_db.campaigns import is_expired
-from fixtures_db.chain import GENESIS
+from fixtures_db.hash_chain import GENESIS
 from station.results.certificate.laboratory import Laboratory
 
 

@@ -13,9 +13,9 @@ from pathlib import Path
 from sqlalchemy.orm import Session
 
 from fixtures_db.anchor import take_anchor
-from fixtures_db.chain import GENESIS
 from fixtures_db.database import Database
 from fixtures_db.errors import NotInDatabase
+from fixtures_db.hash_chain import GENESIS
 from fixtures_db.history import (
     calibrated_serials,
     calibration,
@@ -29,8 +29,8 @@ from station.errors import Incomplete
 from station.files.sha256sums import sha256_of
 from station.results.certificate.certificate import Certificate, Heads, Replaced
 from station.results.certificate.changed_fields import changed_fields
-from station.results.certificate.checklist import check, check_received, missing
 from station.results.certificate.laboratory import Laboratory
+from station.results.certificate.missing_statements import check, check_received, missing
 from station.results.certificate.rendering import render
 
 PREFIX = re.compile(r"[0-9a-f]{6,64}")

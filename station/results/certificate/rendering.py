@@ -5,8 +5,7 @@ from functools import cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from station.results.certificate import model_statement as model_said
-from station.results.certificate import wording
+from station.results.certificate import certificate_wording, model_statement
 from station.results.certificate.as_found import AsFound, as_found
 from station.results.certificate.certificate import Certificate
 from station.results.certificate.conformity import ConformityRow, conformity, printed
@@ -15,7 +14,7 @@ from station.text.rounding import aligned
 
 
 def render(certificate: Certificate) -> str:
-    """Return the certificate's HTML. Its document has passed `station.results.certificate.checklist.check`."""
+    """Return the certificate's HTML. Its document has passed `check`."""
     document, results = certificate.document, measured(certificate.document)
     found = conformity(document, results)
     before = None
@@ -33,18 +32,18 @@ def render(certificate: Certificate) -> str:
             groups=result_groups(results),
             found=found,
             conformity_rows=[] if found is None else _aligned_rows(printed(found.against)),
-            risks="" if found is None else wording.greatest_risks(found),
+            risks="" if found is None else certificate_wording.greatest_risks(found),
             before=before,
-            conditions=wording.conditions(certificate),
-            references=wording.references(certificate),
-            deviations=wording.deviations(document),
-            diagnosis=model_said.diagnosis_said(document),
-            taken_as_zero=model_said.taken_as_zero(document),
-            stated=[*model_said.stated(document), wording.clock_of_the_laboratory(certificate)],
-            is_timed=model_said.is_timed(document),
-            simulated=model_said.is_simulated(document),
-            day=wording.day,
-            minute=wording.minute,
+            conditions=certificate_wording.conditions(certificate),
+            references=certificate_wording.references(certificate),
+            deviations=certificate_wording.deviations(document),
+            diagnosis=model_statement.diagnosis_said(document),
+            taken_as_zero=model_statement.taken_as_zero(document),
+            stated=[*model_statement.stated(document), certificate_wording.clock_of_the_laboratory(certificate)],
+            is_timed=model_statement.is_timed(document),
+            simulated=model_statement.is_simulated(document),
+            day=certificate_wording.day,
+            minute=certificate_wording.minute,
             files=sorted(document["inputs"].items()),
         )
     )

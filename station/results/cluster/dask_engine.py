@@ -19,9 +19,9 @@ import distributed
 from dask import config
 from distributed.client import FutureCancelledError
 
-from station.results.cluster.attempt import Answer, Fault, attempt
 from station.results.cluster.code_hash import code_hash
 from station.results.cluster.errors import ClusterLost, NoCluster
+from station.results.cluster.work_item import Answer, Fault, attempt
 
 dask: Any = distributed  # its own hints are partial
 Future = Any

@@ -6,8 +6,8 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import Protocol, TypeVar
 
-from station.results.cluster.attempt import Answer, attempt
 from station.results.cluster.errors import NoCluster
+from station.results.cluster.work_item import Answer, attempt
 
 I = TypeVar("I")  # noqa: E741
 R = TypeVar("R")

@@ -7,14 +7,14 @@ from pathlib import Path
 from sqlalchemy.orm import Session
 
 from fixtures_db.campaigns import known_campaign, last_accepted
-from fixtures_db.chain import canonical, digest
+from fixtures_db.hash_chain import canonical, digest
 from procedures.bench.cube_measurement import measure_cube
 from procedures.campaign.measured_cube import PARALLELISM
 from procedures.frames import face_of
 from station.errors import DataRefused
-from station.files.campaign_folder.loaded import LoadedCampaign, check_for_solve, check_one_unit
-from station.files.campaign_folder.reading import read_campaign
-from station.files.campaign_folder.schema import CAMPAIGN_TOML
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign, check_for_solve, check_one_unit
 from station.results.cube_measurement.known_faces import Study, known_of
 
 

@@ -13,7 +13,7 @@ from procedures.diagnosis.result import Diagnosis
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.given_values import GivenValues
 from station.errors import DataRefused
-from station.files.campaign_folder.loaded import LoadedCampaign
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.files.toml_reading import read_text_file
 from station.results.diagnosis.adopted_effects import SURE, carried_effects, is_of_unit
 from station.results.diagnosis.diagnosis_json import diagnosis_document, reference_solution

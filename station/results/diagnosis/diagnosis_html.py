@@ -19,7 +19,15 @@ from station.results.diagnosis.diagnosis_text import (
     tried_rows,
     warnings_of,
 )  # fmt: skip
-from station.results.diagnosis.wording import P_OF, SURE, TRIED_HOW, notes, p_text, verdict_sentence, where_text
+from station.results.diagnosis.diagnosis_wording import (
+    P_OF,
+    SURE,
+    TRIED_HOW,
+    notes,
+    p_text,
+    verdict_sentence,
+    where_text,
+)
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis

@@ -10,7 +10,7 @@ import numpy as np
 from procedures.calibration.solution import Solution
 from procedures.diagnosis.result import Diagnosis, Errors, Finding, TableSensor, Test
 from procedures.effects.effect import REFERENCE_C
-from station.files.campaign_folder.loaded import LoadedCampaign
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.single_channels import channels_of
 from station.results.parameters_by_name import parameters
 from station.results.solution_json import solution_document

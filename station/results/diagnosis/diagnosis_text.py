@@ -4,9 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 from typing import Any
 
-from station.results.diagnosis.display_units import shown_unit
-from station.results.diagnosis.single_channels import channel_lines
-from station.results.diagnosis.wording import (
+from station.results.diagnosis.diagnosis_wording import (
     P_OF,
     SURE,
     TRIED_HOW,
@@ -16,6 +14,8 @@ from station.results.diagnosis.wording import (
     verdict_sentence,
     where_text,
 )  # fmt: skip
+from station.results.diagnosis.display_units import shown_unit
+from station.results.diagnosis.single_channels import channel_lines
 from station.results.parameters_by_name import Parameter, shown, shown_sigma, title_of
 from station.results.solution_text import measured
 

@@ -10,7 +10,7 @@ from datetime import UTC, date, datetime
 
 import numpy as np
 
-from station.files.campaign_folder.loaded import LoadedCampaign
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 
 FIRST = date(2010, 1, 1)  # of the oldest model that pygeomag holds; what counts from elsewhere is no date
 HINT = "give site.magnetic_enu_ut"

@@ -6,7 +6,7 @@ from typing import Any
 from procedures.diagnosis.single_channels import SingleChannel, single_channels
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
-from station.files.campaign_folder.loaded import LoadedCampaign
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.solution_text import measured
 
 NOT_KNOWN = "not told: the recording is too short, or counting hides it"

@@ -15,7 +15,7 @@ from procedures.campaign.campaign import Campaign
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.errors import NotObservable
 from procedures.frames import AXES, cross_axes, face_normal, face_of
-from station.files.campaign_folder.loaded import LoadedCampaign
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.diagnosis_json import FORMAT
 from station.results.diagnosis.single_channels import channels_of
 from station.results.solution_json import provenance

@@ -2,7 +2,7 @@
 
 from sqlalchemy.orm import Session
 
-from fixtures_db.chained import in_force
+from fixtures_db.append_only_rows import in_force
 from fixtures_db.fixtures import fixture_row, fixture_rows
 from fixtures_db.schema import SlabLevelRow, SlabRow
 from procedures.units import RAD_PER_ARCSEC

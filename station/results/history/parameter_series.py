@@ -7,7 +7,7 @@ import numpy as np
 
 from fixtures_db.runs import Run
 from procedures.arrays import FloatArray
-from procedures.history.series import CalibrationSeries
+from procedures.history.parameter_series import CalibrationSeries
 from station.results.parameters_by_name import Parameter, applied, parameters
 
 DAY_S = 86400.0

@@ -1,8 +1,9 @@
 """population/1: which units of a model stand out, and which cubes, slabs, sites or operators shift a parameter.
 
 Two families of tests, each with half of `ALPHA`: all parameters of all units (Bonferroni over parameters, beside
-that over units in `procedures.history.fleet`), and all parameters of all groups (Holm). The adjusted p-values are
-doubled for it, so that a fleet in which nothing is off shows something with probability `ALPHA` at most.
+that over units in `procedures.history.unit_outliers`), and all parameters of all groups (Holm). The adjusted
+p-values are doubled for it, so that a fleet in which nothing is off shows something with probability `ALPHA` at
+most.
 """
 
 from collections.abc import Sequence
@@ -12,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from fixtures_db.runs import KINDS, Run, turn_ons
-from procedures.history.fleet import ExtremeUnit, judge_fleet, significant
-from procedures.history.groups import GroupShift, group_shift
+from procedures.history.group_shifts import GroupShift, group_shift
+from procedures.history.unit_outliers import ExtremeUnit, judge_fleet, significant
 from procedures.statistics.multiple_testing import holm
 from station.results.history.parameter_series import Held, columns, numbers
 from station.text.plural import plural

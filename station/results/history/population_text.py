@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
-from procedures.history.fleet import MIN_UNITS
-from procedures.history.groups import MIN_UNITS_IN_BOTH
+from procedures.history.group_shifts import MIN_UNITS_IN_BOTH
+from procedures.history.unit_outliers import MIN_UNITS
 from station.results.parameters_by_name import shown_scale, title_of
 from station.text.rounding import decimals
 from station.text.table import table_lines

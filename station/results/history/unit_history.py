@@ -9,7 +9,8 @@ import numpy as np
 from fixtures_db.calibration import utc_text
 from fixtures_db.limits import Limit
 from fixtures_db.runs import Run, turn_ons
-from procedures.history.chart import MIN_EARLIER, ControlChart, control_chart, control_limit
+from procedures.history.control_chart import MIN_EARLIER, ControlChart, control_chart, control_limit
+from procedures.history.parameter_series import CalibrationSeries
 from procedures.history.prediction import (
     MAX_SPANS_AHEAD,
     MIN_CALIBRATIONS,
@@ -18,7 +19,6 @@ from procedures.history.prediction import (
     last_predictable_day,
 )
 from procedures.history.repeatability import CLUSTER_DAYS, Repeatability, turn_on_repeatability
-from procedures.history.series import CalibrationSeries
 from procedures.statistics.multiple_testing import holm, two_sided
 from station.results.history.parameter_series import DAY_S, Track, tracks
 from station.results.parameters_by_name import applied, parameters, shifts

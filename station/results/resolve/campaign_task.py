@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from station.errors import DataRefused
-from station.files.campaign_folder.loaded import LoadedCampaign
-from station.files.campaign_folder.reading import read_for_solve
-from station.files.campaign_folder.schema import CAMPAIGN_TOML, read_campaign_toml
+from station.files.campaign_folder.campaign_reading import read_for_solve
+from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.files.opening import open_inside
 from station.files.sha256sums import SHA256SUMS, read_hashes
 

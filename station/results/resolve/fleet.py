@@ -10,10 +10,10 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.database import Database
 from fixtures_db.limits import Limit, limits_of
-from station.results.cluster.attempt import Fault
 from station.results.cluster.engine import Engine
 from station.results.cluster.progress import Progress
-from station.results.cluster.restartable import map_restartable
+from station.results.cluster.restartable_map import map_restartable
+from station.results.cluster.work_item import Fault
 from station.results.resolve.campaign_task import PARTS, Look, Task, look, resolve_one
 from station.results.resolve.diagnosis_comparison import compare_diagnoses
 from station.results.resolve.previous_solution import Known, known_of

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, StrMethodFormatter
 
 from procedures.arrays import FloatArray
-from procedures.tolerance.items import ITEMS
+from procedures.tolerance.drawing_items import ITEMS
 from procedures.units import UG_PER_G
 from station.results.report.svg import INK, PALE, RULE, draw_svg
 from station.results.tolerance.tolerance_study import ESTIMATORS, Study

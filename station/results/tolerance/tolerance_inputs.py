@@ -24,8 +24,8 @@ from fixtures_db.database import open_db
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeRow
 from procedures.arrays import FloatArray
-from procedures.tolerance.estimators import ToleranceUnit
-from procedures.tolerance.items import ITEMS, angles
+from procedures.tolerance.drawing_items import ITEMS, angles
+from procedures.tolerance.estimator_errors import ToleranceUnit
 from station.errors import DataRefused
 from station.files.toml_reading import read_tables, read_text_file
 

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.tolerance.allowance import AllowedTolerance, allowed_tolerances
-from procedures.tolerance.bound import Quantity, all_errors, worst_case, worst_corner
-from procedures.tolerance.draw import Directions, DrawnErrors, ToleranceShape, draw_errors
-from procedures.tolerance.estimators import ESTIMATOR_NAMES, EstimatorErrors, ToleranceUnit, estimator_errors
-from procedures.tolerance.items import ITEMS, p1_tilts
-from procedures.tolerance.remedy import RemedyGain, remedies, remedy_gain
+from procedures.tolerance.drawing_items import ITEMS, p1_tilts
+from procedures.tolerance.estimator_errors import ESTIMATOR_NAMES, EstimatorErrors, ToleranceUnit, estimator_errors
+from procedures.tolerance.improvements import RemedyGain, remedies, remedy_gain
+from procedures.tolerance.monte_carlo import Directions, DrawnErrors, ToleranceShape, draw_errors
+from procedures.tolerance.tolerances_for_accuracy import AllowedTolerance, allowed_tolerances
+from procedures.tolerance.worst_case import Quantity, all_errors, worst_case, worst_corner
 from station.results.tolerance.tolerance_inputs import Drawing
 
 FORMAT = "tolerance/1"

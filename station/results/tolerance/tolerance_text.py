@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from procedures.tolerance.items import ITEMS
+from procedures.tolerance.drawing_items import ITEMS
 from procedures.units import ARCSEC_PER_RAD, PPM_PER_ONE, RAD_PER_ARCSEC, UG_PER_G
 from station.results.tolerance.tolerance_study import ESTIMATORS
 from station.text.table import table_lines

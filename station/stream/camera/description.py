@@ -8,7 +8,7 @@ from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl
 from station.errors import DataRefused
-from station.files.fusion_folder.schema import LensTable
+from station.files.fusion_folder.fusion_schema import LensTable
 from station.files.toml_reading import line_of, read_tables, read_text_file
 
 CAMERA_FILE = "camera.toml"  # in a folder that is recorded

@@ -12,10 +12,10 @@ from collections.abc import Callable
 import numpy as np
 
 from procedures.counts.reference_time import ClockRate, fit_clock
-from procedures.diagnosis.clock_rate import PLAUSIBLE
+from procedures.diagnosis.clock_rate_check import PLAUSIBLE
 from station.errors import DataRefused
-from station.files.campaign_folder.loaded import REFUSE_PERIOD, clock_sentence, off_period
-from station.files.campaign_folder.series import WARN_PERIOD
+from station.files.campaign_folder.loaded_campaign import REFUSE_PERIOD, clock_sentence, off_period
+from station.files.campaign_folder.sample_series import WARN_PERIOD
 from station.stream.gnss.gnss_feed import GnssFeed
 from station.stream.live.live_feed import LiveFeed
 from station.stream.recorder.row_times import RowTimes, Utc

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.continuity import onward, unwrap
+from drivers.counter_and_time_wrap import onward, unwrap
 from drivers.framing import Decoder
 from drivers.host_times import HostTimes
 from drivers.wire import WireFormat

@@ -7,9 +7,9 @@ from textual.content import Content
 
 from station.guide.view import PoseView, StepView
 from station.tui.canvas import Canvas
+from station.tui.cube_at_any_attitude import draw_turned
 from station.tui.cube_picture import SLANT, PictureSize, draw_cube, largest_picture
 from station.tui.orientation import faces, faces_of, is_counter_clockwise, nearest_face, start_of
-from station.tui.turned_cube import draw_turned
 from station.tui.widgets.drawn import ValueWidget
 
 LEANING = f"""

@@ -9,7 +9,7 @@ from threading import Thread
 import pytest
 
 from drivers.camera import CameraDecoder, http_port
-from drivers.camera.parts import CONTENT_TYPE, part
+from drivers.camera.multipart import CONTENT_TYPE, part
 from drivers.errors import LinkLost, PortNotFound
 from drivers.ports import Port, open_port
 from tests.drivers.camera.images import jpegs

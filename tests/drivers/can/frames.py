@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from drivers.can.format import can_format
-from drivers.can.record import RECORD
+from drivers.can.can_format import can_format
+from drivers.can.frame_record import RECORD
 from procedures.counts.sample_records import CountBlock
 from tests.paths import DATA
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from drivers.can.checks import CHECKS
-from drivers.can.database import load_dbc
-from drivers.can.format import OWN_DBC, can_format
-from drivers.can.mapping import KEYS
+from drivers.can.can_format import OWN_DBC, can_format
+from drivers.can.dbc_file import load_dbc
+from drivers.can.mapping_file import KEYS
+from drivers.can.payload_checks import CHECKS
 from tests.drivers.can.frames import DBC, needs_captures
 from tests.paths import ROOT
 

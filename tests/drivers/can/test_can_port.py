@@ -10,7 +10,7 @@ import can
 import numpy as np
 import pytest
 
-from drivers.can import record
+from drivers.can import frame_record
 from drivers.can.can_port import CanPort
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl, LinkLost, PortBusy, PortNotFound
@@ -86,9 +86,9 @@ def test_counts_read_from_a_bus_are_those_in_memory(transport: str) -> None:
 
 def test_frames_of_every_kind_pass_slcan_unchanged(adapter: SlcanAdapter) -> None:
     port = open_port(adapter.address)
-    sent = [(0x7FF, b""), (0x1A0, bytes(range(8))), (0x1ABCDEF0 | record.EXTENDED, b"\xff\x00")]
-    assert adapter.write(b"".join(record.pack(each, 0, data) for each, data in sent), NEVER)
-    assert record.unpack(records(port, 3 * 32)) == sent
+    sent = [(0x7FF, b""), (0x1A0, bytes(range(8))), (0x1ABCDEF0 | frame_record.EXTENDED, b"\xff\x00")]
+    assert adapter.write(b"".join(frame_record.pack(each, 0, data) for each, data in sent), NEVER)
+    assert frame_record.unpack(records(port, 3 * 32)) == sent
     port.close()
 
 
@@ -109,8 +109,8 @@ def test_a_time_stamping_adapter_and_its_noise_do_no_harm(adapter: SlcanAdapter)
     got, until = list[tuple[int, bytes]](), time.monotonic() + 5.0
     while len([each for each in got if each == (0x1A0, b"\xab\xcd")]) < 8:
         assert time.monotonic() < until, got
-        got += record.unpack(port.read(65536))
-    assert {identifier for identifier, data in got if data != b"\xab\xcd"} <= {record.ERROR}
+        got += frame_record.unpack(port.read(65536))
+    assert {identifier for identifier, data in got if data != b"\xab\xcd"} <= {frame_record.ERROR}
     port.close()
 
 
@@ -120,7 +120,7 @@ def test_split_lines_are_put_together(adapter: SlcanAdapter) -> None:
         adapter.write(bytes([octet]), NEVER)
         port.read(1000)
     adapter.write(b"t1A100\r"[:-1] + b"\r", NEVER)
-    assert record.unpack(records(port, 32))[-1][0] == 0x1A1
+    assert frame_record.unpack(records(port, 32))[-1][0] == 0x1A1
     port.close()
 
 
@@ -232,8 +232,8 @@ def test_error_frames_are_recorded_and_bus_off_ends_the_link() -> None:
     port = open_port("can://virtual/errors", timeout_s=0.2)
     with can.Bus(interface="virtual", channel="errors") as other:
         other.send(can.Message(arbitration_id=0x4, is_error_frame=True, data=bytes(8)))
-        [(identifier, _)] = record.unpack(records(port, 32))
-        assert identifier & record.ERROR
+        [(identifier, _)] = frame_record.unpack(records(port, 32))
+        assert identifier & frame_record.ERROR
         other.send(can.Message(arbitration_id=0x40, is_error_frame=True, data=bytes(8)))
         assert "bus-off" in lost(port)
     port.close()

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.can import record
-from drivers.can.database import field_of, identifier_of, load_dbc
-from drivers.can.format import OWN_DBC, OWN_MAP, can_format
-from drivers.can.layout import words_of
+from drivers.can import frame_record
+from drivers.can.can_format import OWN_DBC, OWN_MAP, can_format
+from drivers.can.dbc_file import field_of, identifier_of, load_dbc
+from drivers.can.signal_layout import words_of
 from drivers.errors import BadCanFile
 from drivers.framing import Decoder
 from drivers.wire import WireFormat
@@ -67,7 +67,7 @@ def test_a_foreign_device_is_joined_by_the_order_of_its_frames(tmp_path: Path) -
     rows = {row["message"]: row for row in golden()}
     names = [f"SBG_ECAN_MSG_IMU_{part}" for part in ("INFO", "ACCEL", "GYRO")]
     records = [
-        record.pack(int(rows[name]["id"], 16), 10**9 + i, bytes.fromhex(rows[name]["data_hex"]))
+        frame_record.pack(int(rows[name]["id"], 16), 10**9 + i, bytes.fromhex(rows[name]["data_hex"]))
         for i, name in enumerate(names)
     ]
     decoder = Decoder(wire)
@@ -191,7 +191,7 @@ def test_float_signals_are_rates_as_cantools_reads_them(tmp_path: Path) -> None:
     database = load_dbc(str(tmp_path / "imu.dbc"))
     sent = {"RATES": {"X": 0.125, "Y": -1e-6}, "MORE": {"Z": 3.5, "FX": -0.25}, "FORCES": {"FY": 1e3, "FZ": -1.0}}
     ids = {"RATES": 256, "MORE": 257, "FORCES": 258}
-    records = [record.pack(ids[name], 10**9, database.encode_message(ids[name], sent[name])) for name in ids]
+    records = [frame_record.pack(ids[name], 10**9, database.encode_message(ids[name], sent[name])) for name in ids]
     block = Decoder(wire).feed(b"".join(records))
     assert isinstance(block, RateBlock)
     np.testing.assert_array_equal(block.gyro, np.array([[0.125, -1e-6, 3.5]], np.float32))

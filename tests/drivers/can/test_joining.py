@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from drivers.can import record
+from drivers.can import frame_record
 from drivers.framing import Decoder
 from procedures.counts.sample_records import CountBlock
 from tests.drivers.can.frames import RECORD_BYTES, WIRE, frames_of, samples
@@ -83,10 +83,10 @@ def test_a_lost_frame_costs_its_sample_and_is_counted(slot: int) -> None:
 
 def test_foreign_remote_and_error_frames_are_counted_and_harm_nothing() -> None:
     babble = [
-        record.pack(0x123, 0, b"hello"),
-        record.pack(0x1A0 | record.EXTENDED, 0, bytes(8)),
-        record.pack(0x1A0 | record.REMOTE, 0, b""),
-        record.pack(0x40 | record.ERROR, 0, bytes(8)),
+        frame_record.pack(0x123, 0, b"hello"),
+        frame_record.pack(0x1A0 | frame_record.EXTENDED, 0, bytes(8)),
+        frame_record.pack(0x1A0 | frame_record.REMOTE, 0, b""),
+        frame_record.pack(0x40 | frame_record.ERROR, 0, bytes(8)),
     ]
     decoder = Decoder(WIRE)
     block = fed(b"".join(frame + babble[i % 4] for i, frame in enumerate(FRAMES)), decoder)
@@ -97,14 +97,14 @@ def test_foreign_remote_and_error_frames_are_counted_and_harm_nothing() -> None:
 @pytest.mark.parametrize("data", [b"", bytes(4), bytes(7), bytes(9), bytes(12)])
 def test_short_and_long_payloads_are_counted_and_not_read(data: bytes) -> None:
     decoder = Decoder(WIRE)
-    assert len(decoder.feed(record.pack(0x1A0, 0, data))) == 0
+    assert len(decoder.feed(frame_record.pack(0x1A0, 0, data))) == 0
     assert (decoder.counters.bad_length, decoder.counters.bad_crc) == (1, 0)
 
 
 def test_a_wrong_check_is_counted_and_its_sample_missing() -> None:
     spoilt = bytearray(FRAMES[33][:-4])
     spoilt[17] ^= 4
-    frame = record.pack(int.from_bytes(spoilt[4:8], "little"), 0, bytes(spoilt[16:24]))
+    frame = frame_record.pack(int.from_bytes(spoilt[4:8], "little"), 0, bytes(spoilt[16:24]))
     decoder = Decoder(WIRE)
     block = fed(b"".join([*FRAMES[:33], frame, *FRAMES[34:]]), decoder)
     assert (len(block), decoder.counters.bad_crc, decoder.counters.incomplete) == (N - 1, 1, 1)
@@ -138,8 +138,8 @@ def test_a_burst_after_5_s_is_no_gap() -> None:
     """Frames held up for 5 s and handed over at once keep their places."""
     times = (BLOCK.device_time * 1e9).astype(int)
     held = [
-        record.pack(identifier, int(times[i // 6]) if i < 120 else int(times[-1]) + 5 * 10**9, data)
-        for i, (identifier, data) in enumerate(record.unpack(b"".join(FRAMES)))
+        frame_record.pack(identifier, int(times[i // 6]) if i < 120 else int(times[-1]) + 5 * 10**9, data)
+        for i, (identifier, data) in enumerate(frame_record.unpack(b"".join(FRAMES)))
     ]
     block = fed(b"".join(held), Decoder(WIRE))
     np.testing.assert_allclose(np.diff(block.device_time), 0.002, atol=1e-9)
@@ -175,4 +175,4 @@ def test_a_record_with_any_bit_wrong_is_refused() -> None:
     for bit in range(8 * RECORD_BYTES):
         spoilt = bytearray(FRAMES[0])
         spoilt[bit // 8] ^= 1 << bit % 8
-        assert not (spoilt.startswith(record.IMU.prefix) and record.is_intact(spoilt))
+        assert not (spoilt.startswith(frame_record.IMU.prefix) and frame_record.is_intact(spoilt))

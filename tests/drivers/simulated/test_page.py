@@ -6,7 +6,7 @@ import pytest
 
 from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.effects import EFFECTS
-from drivers.simulated.faults import CAN_KINDS, KINDS, load_faults
+from drivers.simulated.line_faults import CAN_KINDS, KINDS, load_faults
 from drivers.simulated.timed_faults import CAMERA_KINDS
 from drivers.simulated.truth import load_truth
 from tests.paths import ROOT

@@ -10,9 +10,9 @@ from drivers.errors import LinkLost
 from drivers.framing import Decoder
 from drivers.ports import Port, open_port
 from drivers.simulated.errors import HandsRefused
-from drivers.simulated.faults import Fault
 from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.imu import SimulatedImu
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS

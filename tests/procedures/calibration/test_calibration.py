@@ -22,7 +22,7 @@ from procedures.campaign.campaign import Campaign, FaceCertificate, Fixture
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.errors import FitsNoFace, NotObservable, WrongFace, WrongMounting
 from procedures.frames import FACES, face_of
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from tests.paths import DATA
 from tests.procedures.independent import body_from_level, dwells
 

@@ -10,7 +10,7 @@ from procedures.calibration.calibration import CampaignFits, fit
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects import EFFECTS
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from tests.benchmarks.diagnosing.designs import certified, plain, unit
 from tests.benchmarks.diagnosing.outside import outside
 from tests.paths import DATA

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.aligner import align_when_possible, fixes_between
-from procedures.fusion.alignment.alignment import Aligned, Waiting
-from procedures.fusion.alignment.moving_aligner import MovingAligner
-from procedures.fusion.alignment.static_aligner import align_at_rest
+from procedures.fusion.alignment.alignment_at_rest import align_at_rest
+from procedures.fusion.alignment.alignment_attempts import align_when_possible, fixes_between
+from procedures.fusion.alignment.alignment_in_motion import MovingAligner
+from procedures.fusion.alignment.alignment_result import Aligned, Waiting
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.alignment import Waiting
+from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
-from procedures.fusion.outer.outer_graph import OuterGraph
+from procedures.fusion.outer.pose_graph import OuterGraph
 from procedures.fusion.rotation_vectors import log_rotation
 from procedures.fusion.vision.feature_tracks import Camera, Tracks
-from procedures.fusion.visual_alignment.visual_aligner import VisualAligner, align_by_camera
+from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
 from procedures.fusion.visual_alignment.visual_start import VisualStart
 from tests.drivers.simulated.camera_tracks import View
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GYRO_BIAS, Eight

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from procedures.history.parameter_series import CalibrationSeries
 from procedures.history.prediction import MIN_CALIBRATIONS, TAIL_PROBABILITY, forecast
-from procedures.history.series import CalibrationSeries
 from tests.procedures.history.worlds import WORLDS
 
 

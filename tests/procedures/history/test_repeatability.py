@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from procedures.history.parameter_series import CalibrationSeries
 from procedures.history.repeatability import turn_on_repeatability
-from procedures.history.series import CalibrationSeries
 
 
 def series(rng: np.random.Generator, turn_on: float, ageing: float) -> CalibrationSeries:

@@ -71,7 +71,7 @@ def test_a_dropped_newest_row_shows_against_an_anchor(db, verify, tmp_path, tabl
             session.execute(text("UPDATE slabs SET certificate_date = '2026-03-04', due_date = '2027-03-04'"))
         if table == "steps":
             first = session.execute(text("SELECT name, file, sha256 FROM steps")).one()
-            from fixtures_db.chain import GENESIS, canonical, digest
+            from fixtures_db.hash_chain import GENESIS, canonical, digest
 
             made = digest(canonical({"previous": GENESIS, **first._asdict()}))
             session.execute(text("UPDATE campaigns SET manifest_sha256 = :made"), {"made": made})

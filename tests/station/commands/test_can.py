@@ -9,7 +9,7 @@ import pytest
 from mcap.reader import make_reader
 
 from drivers.bare_address import with_absolute_paths
-from drivers.can.format import OWN_DBC, OWN_MAP
+from drivers.can.can_format import OWN_DBC, OWN_MAP
 from drivers.device_url_parser import parse_device_url
 from drivers.framing import seen_instead
 from drivers.ports import open_port
@@ -19,7 +19,7 @@ from drivers.url_wire_format import wire_of
 from drivers.wire import WireFormat
 from fixtures_db.database import open_db
 from station import cli
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.setup import Setup
 from station.files.sha256sums import verify_folder
 from station.guide.live_campaign import begin, resume

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from station import cli
-from station.files.campaign_folder.writing import write_campaign
+from station.files.campaign_folder.campaign_writing import write_campaign
 from tests.procedures.campaign.test_dead_channels import ACCEL, GYRO, Kill, dead, every_step, everywhere, recorded
 
 CASES: dict[str, tuple[Kill, str, int]] = {  # what is dead, what is said, exit code of measuring the cube

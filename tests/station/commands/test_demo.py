@@ -11,9 +11,9 @@ from fixtures_db.limits import Limit, limits_of, set_limits
 from station import cli
 from station.demo.run import MARK, clear
 from station.errors import CannotWrite
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.results.certificate.checklist import COMMIT
+from station.results.certificate.missing_statements import COMMIT
 from tests.station.commands.program import Program
 
 

@@ -16,8 +16,8 @@ from fixtures_db.schema import CubeRow
 from procedures.campaign.campaign import Fixture
 from procedures.frames import face_of
 from station import cli
-from station.files.campaign_folder.reading import read_campaign
-from station.files.campaign_folder.writing import write_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.campaign_writing import write_campaign
 from station.guide.fixture import cube_fixture
 from tests.procedures.measured_units import values
 

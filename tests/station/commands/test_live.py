@@ -18,7 +18,7 @@ from fixtures_db.campaigns import campaign
 from fixtures_db.database import open_db
 from fixtures_db.history import history, verify_chain
 from station import cli
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step
 from station.files.sha256sums import verify_folder
 from station.stream.recorder import check_raw_bytes

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from station.errors import DataRefused
-from station.files.campaign_folder.schema import read_campaign_toml
+from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.toml_reading import line_of, line_of_keys
 
 TEXT = b"""format = "campaign/1"

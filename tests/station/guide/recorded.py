@@ -12,7 +12,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.database import Database, open_db
 from procedures.campaign.plan_steps import Dwell, Step
-from station.files.campaign_folder.schema import SiteTable
+from station.files.campaign_folder.campaign_schema import SiteTable
 from station.stream.reader import Chunk
 from station.stream.recorder import CampaignRecorder, SampleBuffer, SampleStream, Unit, open_campaign
 

@@ -5,18 +5,18 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.simulated.faults import Fault
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
-from station.guide.accepted_steps import read_accepted_steps
-from station.guide.checklist import Checklist
 from station.guide.command import OperatorCommand
 from station.guide.folder_recorder import FolderRecorder
 from station.guide.guide import Guide
 from station.guide.interrupted_campaigns import reopen
+from station.guide.resumed_campaign import read_accepted_steps
 from station.guide.stage_context import BenchFacts, StageContext
+from station.guide.step_checklist import Checklist
 from station.guide.view import CalibrationView
 from station.stream.live import open_feed
 from station.stream.recorder import open_campaign

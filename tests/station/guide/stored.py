@@ -7,8 +7,8 @@ from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
 from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import accept_step, start_campaign
 from fixtures_db.database import Database
-from station.files.campaign_folder.reading import read_campaign
-from station.files.campaign_folder.writing import write_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.campaign_writing import write_campaign
 from station.files.sha256sums import append_hash
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drivers.errors import LinkSilent
-from drivers.simulated.faults import Fault
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Turn
 from procedures.frames import nominal_C_lb

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.simulated.faults import Fault
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
 from station.guide.view import CalibrationView
 from tests.station.guide.rig import GuideRig, dwells

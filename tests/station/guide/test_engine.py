@@ -17,7 +17,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
 from fixtures_db.history import history, verify_chain
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.setup import Setup
 from station.files.sha256sums import verify_folder
 from station.guide.client import EngineConnection

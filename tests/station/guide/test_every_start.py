@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from drivers.ports import open_port
-from drivers.simulated.faults import Fault
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db

@@ -12,8 +12,8 @@ from fixtures_db.history import history
 from procedures.campaign.plan_steps import Dwell, steps_of
 from procedures.dwells_and_turns import hand_turns
 from station import cli
+from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.campaign_folder.notes import keep_plan, write_setup
-from station.files.campaign_folder.schema import read_campaign_toml
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine

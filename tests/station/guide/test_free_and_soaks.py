@@ -10,10 +10,10 @@ import pytest
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, FreePosition, Soak
 from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, angle_deg, up_vector
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.guide.accepted_steps import read_accepted_steps
 from station.guide.interrupted_campaigns import reopen
+from station.guide.resumed_campaign import read_accepted_steps
 from station.guide.view import CalibrationView
 from tests.station.guide.rig import GuideRig, dwells
 

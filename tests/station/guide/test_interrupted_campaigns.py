@@ -13,13 +13,13 @@ from fixtures_db.errors import CampaignInUse
 from fixtures_db.history import accept_calibration
 from procedures.campaign.plan_steps import Turn
 from station.errors import DataRefused
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.notes import keep_plan
-from station.files.campaign_folder.reading import read_campaign
 from station.files.sha256sums import verify_folder
 from station.guide.interrupted_campaigns import FolderInUse, FolderLock, cancel_campaign, reopen
 from station.guide.open_campaigns import unfinished_campaigns
 from station.stream.recorder import Unit
-from station.stream.recorder import campaign_recorder as recording
+from station.stream.recorder import accepted_step_writer as recording
 from tests.fixtures_db.factory import facts, solution
 from tests.station.guide.recorded import accept, begin, die, everything, killed, step
 

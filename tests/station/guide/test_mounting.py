@@ -7,7 +7,7 @@ from pathlib import Path
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.setup import Setup
 from station.guide.headless import record_headless
 from station.guide.simulated_operator import SimulatedOperator

@@ -31,7 +31,7 @@ from station.guide.text_lines import ready_lines
 from station.results import campaign_results as module
 from station.results.campaign_results import Results, make_results, store
 from station.results.certificate.certificate import Certificate
-from station.results.certificate.checklist import missing
+from station.results.certificate.missing_statements import missing
 from station.results.verdict import judge
 from station.stream.recorder import Unit, open_campaign
 from tests.fixtures_db.factory import level_row, survey_columns

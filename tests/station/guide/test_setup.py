@@ -10,7 +10,7 @@ import pytest
 
 from drivers.ports import open_port
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.faults import Fault
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
 from fixtures_db.fixtures import add_fixture

@@ -6,10 +6,10 @@ import pytest
 
 from drivers.errors import LinkSilent
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.faults import Fault
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
-from station.files.campaign_folder.reading import read_campaign
-from station.guide.accepted_steps import read_accepted_steps
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.guide.resumed_campaign import read_accepted_steps
 from station.stream.recorder import UnitChanged
 from tests.station.guide.rig import GuideRig, dwells
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.simulated.faults import Fault
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Turn
 from station.errors import DataRefused
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.view import CalibrationView
 from tests.station.guide.rig import GuideRig
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import pytest
 
 from drivers.simulated.truth import Truth
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.campaign_folder.notes import kept_plan
-from station.files.campaign_folder.reading import read_campaign
-from station.files.campaign_folder.schema import read_campaign_toml
+from station.guide.instruction_words import rounded
 from station.guide.view import WarmUpView
 from station.guide.warm_up_stage import waits_for
-from station.guide.wording import rounded
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.alignment import Waiting
+from procedures.fusion.alignment.alignment_result import Waiting
 from station import cli
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.files.fusion_folder.tracks import write_tracks

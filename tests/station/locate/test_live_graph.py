@@ -3,7 +3,7 @@
 import numpy as np
 
 from procedures.fusion.odometry import Drift
-from procedures.fusion.outer.outer_graph import OuterGraph
+from procedures.fusion.outer.pose_graph import OuterGraph
 from station.locate.live_graph import LiveGraph
 from tests.procedures.fusion.motions import Eight, only
 

@@ -23,9 +23,9 @@ from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.errors import Altered, CannotWrite
 from station.files.atomic_file import replace_file
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.campaign_writing import write_campaign
 from station.files.campaign_folder.notes import write_setup
-from station.files.campaign_folder.reading import read_campaign
-from station.files.campaign_folder.writing import write_campaign
 from station.files.setup import Setup
 from station.guide.interrupted_campaigns import cancel_campaign
 from station.guide.outcome import verdict_view

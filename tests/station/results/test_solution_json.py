@@ -12,8 +12,8 @@ import pytest
 from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.campaign.campaign import Campaign, Site
 from station.errors import CannotWrite
-from station.files.campaign_folder.loaded import LoadedCampaign
-from station.files.campaign_folder.schema import CampaignTable
+from station.files.campaign_folder.campaign_schema import CampaignTable
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.solution_json import solution_document, write_solution
 from station.results.solution_text import measured, solution_text
 

@@ -10,6 +10,7 @@ from procedures.arrays import FloatArray
 from procedures.frames import nominal_C_lb, vertical_rotation
 from station.guide.view import StepView
 from station.tui.canvas import Canvas
+from station.tui.cube_at_any_attitude import draw_turned
 from station.tui.cube_picture import (
     LARGE,
     PICTURE_SIZES,
@@ -20,7 +21,6 @@ from station.tui.cube_picture import (
     largest_picture,
 )
 from station.tui.orientation import faces, faces_of, is_counter_clockwise, nearest_face, start_of
-from station.tui.turned_cube import draw_turned
 from tests.station.tui import views
 from tests.station.tui.session import LARGE as LARGE_TERMINAL
 from tests.station.tui.session import screens

@@ -11,7 +11,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from fixtures_db.history import history
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.setup import Setup
 from station.guide.client import EngineConnection
 from station.guide.start_engine import EngineOptions, engine_process

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.aligner import align_when_possible
-from procedures.fusion.alignment.alignment import Aligned
-from procedures.fusion.alignment.moving_aligner import MovingAligner
+from procedures.fusion.alignment.alignment_attempts import align_when_possible
+from procedures.fusion.alignment.alignment_in_motion import MovingAligner
+from procedures.fusion.alignment.alignment_result import Aligned
 from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.imu.imu_gaps import imu_gaps
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings

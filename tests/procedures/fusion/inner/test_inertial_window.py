@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.fusion.alignment.aligner import align_when_possible
-from procedures.fusion.alignment.alignment import Aligned
-from procedures.fusion.alignment.moving_aligner import MovingAligner
-from procedures.fusion.alignment.static_aligner import align_at_rest
+from procedures.fusion.alignment.alignment_at_rest import align_at_rest
+from procedures.fusion.alignment.alignment_attempts import align_when_possible
+from procedures.fusion.alignment.alignment_in_motion import MovingAligner
+from procedures.fusion.alignment.alignment_result import Aligned
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.inner.keyframes import keyframes
 from procedures.fusion.optional_libraries import ExtraMissing, gtsam
-from procedures.fusion.outer.outer_graph import OuterGraph
+from procedures.fusion.outer.pose_graph import OuterGraph
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
 

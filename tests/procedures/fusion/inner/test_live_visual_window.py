@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from procedures.fusion.alignment.aligner import between
+from procedures.fusion.alignment.alignment_attempts import between
 from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.inner.camera_keyframes import CLOSEST, SPACING
 from procedures.fusion.inner.live_visual_window import Frame, LiveVisualWindow, filled
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.vision.feature_tracks import Tracks
-from procedures.fusion.visual_alignment.visual_aligner import VisualAligner, align_by_camera
+from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
 from procedures.fusion.visual_alignment.visual_start import VisualStart
 from tests.drivers.simulated.camera_tracks import View
 from tests.procedures.fusion.motions import EARTH, Eight

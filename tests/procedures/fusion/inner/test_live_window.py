@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.aligner import align_when_possible, between
-from procedures.fusion.alignment.alignment import Aligned
-from procedures.fusion.alignment.moving_aligner import MovingAligner
+from procedures.fusion.alignment.alignment_attempts import align_when_possible, between
+from procedures.fusion.alignment.alignment_in_motion import MovingAligner
+from procedures.fusion.alignment.alignment_result import Aligned
 from tests.procedures.fusion.motions import EARTH, GRAVITY, NO_LEVER, NOISE, Eight
 
 pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")

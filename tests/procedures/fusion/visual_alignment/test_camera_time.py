@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.alignment import Waiting
+from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.fusion_records import ImuSeries, Trajectory
 from procedures.fusion.vision.feature_tracks import Tracks
 from procedures.fusion.visual_alignment.camera_time import SETTLED, CameraOffset, camera_offset

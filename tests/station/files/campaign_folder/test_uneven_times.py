@@ -14,8 +14,8 @@ from procedures.calibration.calibration import fit, report, solve
 from procedures.uncertainty.budget import budget
 from procedures.uncertainty.given_values import EXACT
 from station import cli
-from station.files.campaign_folder.reading import read_campaign
-from station.files.campaign_folder.writing import write_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.campaign_writing import write_campaign
 
 PERIOD = 0.02
 

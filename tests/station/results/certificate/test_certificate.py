@@ -13,12 +13,12 @@ from typing import Any
 import pytest
 
 from fixtures_db.calibration import utc_text
-from fixtures_db.chain import digest
 from fixtures_db.database import Database, open_db
+from fixtures_db.hash_chain import digest
 from station.results.certificate.certificate import Certificate, Replaced
-from station.results.certificate.checklist import FROM_CALIBRATION, FROM_LABORATORY, missing
 from station.results.certificate.issuing import Request, issue
 from station.results.certificate.laboratory import read_laboratory
+from station.results.certificate.missing_statements import FROM_CALIBRATION, FROM_LABORATORY, missing
 from station.results.certificate.rendering import render
 from station.results.parameters_by_name import applied, parameters
 from tests.station.results.certificate.factory import EXAMPLE, NOON, REFERENCES, accepted, drifted, laboratory

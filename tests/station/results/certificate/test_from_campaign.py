@@ -18,12 +18,12 @@ from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 from fixtures_db.slab_levels import add_level
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
+from station.files.campaign_folder.campaign_schema import SiteTable
 from station.files.campaign_folder.notes import UnitRecord, write_setup, write_unit
-from station.files.campaign_folder.schema import SiteTable
 from station.files.setup import Setup
 from station.results.campaign_results import make_results, store
-from station.results.certificate.checklist import missing
 from station.results.certificate.issuing import Request, issue
+from station.results.certificate.missing_statements import missing
 from station.stream.recorder import open_campaign
 from tests.fixtures_db.factory import level_row, survey_columns
 from tests.station.guide.recorded import UNIT

@@ -11,7 +11,7 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
 from drivers.simulated.truth import Truth
 from station import cli
-from station.files.campaign_folder.writing import write_campaign
+from station.files.campaign_folder.campaign_writing import write_campaign
 
 DWELL_S = 20.0
 

@@ -10,8 +10,8 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_applied import Surroundings, calibrated_inputs
-from station.files.campaign_folder.reading import read_for_solve
-from station.results.diagnosis import closed_loop as loop
+from station.files.campaign_folder.campaign_reading import read_for_solve
+from station.results.diagnosis import closed_loop
 from station.results.diagnosis.closed_loop import NAME as DIAGNOSIS
 from station.results.diagnosis.closed_loop import added_effects, close_loop
 from station.results.solution_json import solution_document
@@ -40,9 +40,9 @@ def test_counts_at_another_temperature_come_out_right(warmed: Diagnosed) -> None
 
 
 def test_an_instrument_effect_in_doubt_is_not_carried(warmed: Diagnosed, monkeypatch: pytest.MonkeyPatch) -> None:
-    found = loop.diagnose([one.campaign for one in read_for_solve([warmed.folder])])
+    found = closed_loop.diagnose([one.campaign for one in read_for_solve([warmed.folder])])
     doubted = tuple(replace(each, confidence="ambiguous") for each in found.findings)
-    monkeypatch.setattr(loop, "diagnose", lambda campaigns: replace(found, findings=doubted))
+    monkeypatch.setattr(closed_loop, "diagnose", lambda campaigns: replace(found, findings=doubted))
     closed = close_loop(read_for_solve([warmed.folder]))
     assert closed.effects == ()
     assert closed.solution is found.solution_before

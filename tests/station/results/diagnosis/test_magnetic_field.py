@@ -13,9 +13,9 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign, turn_steps
 from drivers.simulated.truth import Truth
 from station import cli
-from station.files.campaign_folder.loaded import LoadedCampaign
-from station.files.campaign_folder.reading import read_campaign
-from station.files.campaign_folder.writing import write_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.campaign_writing import write_campaign
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.closed_loop import close_loop
 from station.results.diagnosis.magnetic_field import recorded_on, with_magnetic_field, world_magnetic_model
 

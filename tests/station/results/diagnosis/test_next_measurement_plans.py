@@ -9,8 +9,8 @@ import pytest
 from procedures.campaign.plan_steps import Turn
 from procedures.effects import EFFECTS
 from station.errors import DataRefused
+from station.files.campaign_folder.campaign_schema import axes_matrix
 from station.files.campaign_folder.plan_toml import read_mounting, read_plan
-from station.files.campaign_folder.schema import axes_matrix
 from station.results.diagnosis.next_measurement_plans import next_measurements, write_plans
 from station.results.diagnosis.next_measurements import MEASUREMENTS, turned
 

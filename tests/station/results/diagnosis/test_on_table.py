@@ -8,7 +8,7 @@ import pytest
 
 from procedures.diagnosis.diagnose import diagnose
 from station import cli
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.results.diagnosis.diagnosis_html import section_html
 from station.results.diagnosis.diagnosis_json import diagnosis_document
 from station.results.diagnosis.finding_figure import caption

@@ -5,7 +5,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 
 from fixtures_db.calibration import CalibrationFacts, calibration_document
-from fixtures_db.chain import GENESIS
+from fixtures_db.hash_chain import GENESIS
 from fixtures_db.runs import Run
 from procedures.arrays import FloatArray
 from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration

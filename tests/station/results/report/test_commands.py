@@ -8,8 +8,8 @@ import typer
 from typer.testing import CliRunner, Result
 
 from station.commands.report import report
-from station.files.campaign_folder.loaded import LoadedCampaign
-from station.results.diagnosis import closed_loop as loop
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+from station.results.diagnosis import closed_loop
 from tests.station.results.report import factory
 
 CAMPAIGN = """format = "campaign/1"
@@ -56,7 +56,7 @@ def _rows(start: float) -> str:
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder whose solve is made up: here only the way from folder to file is looked at."""
-    monkeypatch.setattr(loop, "close_loop", closed)
+    monkeypatch.setattr(closed_loop, "close_loop", closed)
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     (tmp_path / "dwell_01.csv").write_text(_rows(0.0))
     (tmp_path / "soak.csv").write_text(_rows(10.0))

@@ -20,8 +20,8 @@ from fixtures_db.history import accept_calibration
 from fixtures_db.limits import Limit, set_limits
 from procedures.calibration.calibration import solve
 from station import cli
-from station.files.campaign_folder.reading import read_for_solve
-from station.files.campaign_folder.writing import write_campaign
+from station.files.campaign_folder.campaign_reading import read_for_solve
+from station.files.campaign_folder.campaign_writing import write_campaign
 from station.files.sha256sums import append_hash
 from station.results.cluster.code_hash import code_hash
 from station.results.cluster.engine import open_engine

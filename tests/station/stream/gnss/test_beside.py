@@ -9,7 +9,7 @@ import pytest
 from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.truth import Truth
 from station.files.setup import Setup
-from station.guide import gnss_in_campaign as gnss_beside
+from station.guide import gnss_in_campaign
 from station.guide.gnss_in_campaign import NoFix, reopened, sited, utc_now
 from station.stream.gnss import open_gnss
 
@@ -34,8 +34,8 @@ def test_what_is_stated_stands_and_is_compared_and_the_rest_is_taken(tmp_path: P
 def test_without_a_fix_a_site_that_nobody_states_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(gnss_beside, "WAIT_S", 0.8)
-    monkeypatch.setattr(gnss_beside, "SHORT_WAIT_S", 0.2)
+    monkeypatch.setattr(gnss_in_campaign, "WAIT_S", 0.8)
+    monkeypatch.setattr(gnss_in_campaign, "SHORT_WAIT_S", 0.2)
     with SimulatedGnss(TRUTH) as gnss, open_gnss(gnss.url, tmp_path) as feed:
         gnss.plant("no_fix", 1e6)
         stated = Setup(gnss=gnss.url, latitude_deg=48.1)

@@ -17,7 +17,7 @@ from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import campaign
 from fixtures_db.database import open_db
 from station import cli
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step
 from tests.station.commands.program import Program
 

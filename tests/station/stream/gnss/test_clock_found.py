@@ -14,15 +14,15 @@ from drivers.device_url_parser import parse_device_url
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.faults import Fault
 from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Dwell
 from station import cli
 from station.errors import DataRefused
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.gnss_in_campaign import GnssBeside
 from station.guide.host_clock import HostClock
 from station.stream.events import EventLog

@@ -4,13 +4,13 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from drivers.can.format import can_format
-from drivers.can.record import RECORD, pack, unpack
+from drivers.can.can_format import can_format
+from drivers.can.frame_record import RECORD, pack, unpack
 from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.faults import Fault, Silence
 from drivers.simulated.imu import SimulatedImu
+from drivers.simulated.line_faults import Fault, Silence
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, WireFormat
 from procedures.arrays import IntArray

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivers.simulated.faults import Fault
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from station.stream.live import open_feed
 from station.stream.live.power_cycle import switched_on_again, switched_on_again_within

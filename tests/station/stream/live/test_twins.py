@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivers.simulated.faults import Fault
+from drivers.simulated.line_faults import Fault
 from station.stream.live import LiveFeed
 from tests.station.stream.live.line_in_memory import PERIOD, LineInMemory, Memory
 

@@ -20,7 +20,7 @@ from procedures.campaign.plan_steps import Dwell
 from station import cli
 from station.errors import CannotWrite, DiskFull
 from station.files.atomic_file import replace_file
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
 from station.stream.live import LiveFeed, open_feed
 from station.stream.live.accepted_blocks import merged

@@ -10,14 +10,13 @@ from drivers.device_url_parser import parse_device_url
 from drivers.errors import ReplayEnded
 from drivers.framing import Decoder
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.faults import Fault
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, WireFormat
 from station.files.mcap_files import COUNTS, RATES, read_step
 from station.stream.live import LiveFeed, open_feed
 from station.stream.reader import Chunk
-from station.stream.recorder import check_raw_bytes
-from station.stream.recorder import plain_recording as recording
+from station.stream.recorder import check_raw_bytes, plain_recording
 from station.stream.recorder.sample_stream import SampleStream
 from tests.drivers.wire.blocks import each_format
 from tests.station.stream.live.bench_in_memory import Source
@@ -52,7 +51,7 @@ class Unnamed(Source):
 def test_what_a_device_sends_is_recognised_recorded_and_decoded_again(wire: WireFormat, tmp_path: Path) -> None:
     feed = open_feed(Unnamed(wire, 1500))
     assert feed.wire is wire
-    done = recording.record(feed, tmp_path, float("inf"))
+    done = plain_recording.record(feed, tmp_path, float("inf"))
     contents = read_step(done.path)
     assert done.samples == len(contents) == check_raw_bytes(done.path, wire)
     assert done.samples >= 1400  # what came before the format was known is not in it
@@ -90,7 +89,7 @@ def _pieces(feed: LiveFeed) -> Iterator:
 
 def test_a_file_with_a_changed_byte_is_noticed(tmp_path: Path) -> None:
     wire = FORMATS["kvh1750"]
-    done = recording.record(open_feed(Unnamed(wire, 500)), tmp_path, float("inf"))
+    done = plain_recording.record(open_feed(Unnamed(wire, 500)), tmp_path, float("inf"))
     data = bytearray(done.path.read_bytes())
     data[len(data) // 2] ^= 1
     done.path.write_bytes(data)

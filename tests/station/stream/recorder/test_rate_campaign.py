@@ -11,7 +11,7 @@ from drivers.wire import FORMATS
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Dwell
 from station import cli
-from station.files.campaign_folder.reading import read_campaign
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.stream.live import open_feed
 from station.stream.live.accepted_blocks import merged, series
 from station.stream.live.rates_as_counts import RATE_UNIT

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 
 from drivers.framing import Decoder
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.faults import Fault
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from station.stream.reader import Chunk

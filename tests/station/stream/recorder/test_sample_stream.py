@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.faults import Fault
 from drivers.simulated.garbled_frames import other_unit
+from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.counts.sample_records import block_rows

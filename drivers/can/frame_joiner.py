@@ -1,0 +1,311 @@
+"""Frames to samples: those of one counter, or of one turn of the bus, belong together.
+
+A sample is given out when its last frame has come and none before it may still become whole. One whose frames
+are late beyond the next sample's end is given up and counted; the counter then shows the gap. Counters are
+unwrapped with the help of the host's clock, so that neither a long silence nor a burst misleads them.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.can.frame_record import NO_DATA_FRAME, RECORD
+from drivers.can.mapping_file import CanMap, Slot
+from drivers.can.payload_checks import CHECKS
+from drivers.can.signal_layout import Field, Words, words_of
+from drivers.wire import JoinCounters
+from procedures.arrays import FloatArray, IntArray
+from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock
+
+MAX_LATE_SAMPLES = 2  # samples: how far the bus may have gone on before a frame is given up
+MAX_JUMP_SAMPLES = (
+    8  # samples: what lies further back, or ahead, is of a device that began anew, or of another one
+)
+MAX_ASIDE_FRAMES = 16  # frames that come now and then which may wait for their sample
+MAX_ASIDE_BYTES = 64 * RECORD.itemsize  # bytes: a frame that comes now and then is this near to its sample
+FRAME = np.dtype(
+    [("slot", "i8"), ("u", "i8"), ("at", "i8"), ("host_ns", "i8"), ("little", "u8"), ("big", "u8"), ("raw", "i8")]
+)
+Frames = NDArray[np.void]  # (n,) of FRAME: slot, sample number, place in the stream, host time, payload, counter
+
+
+@dataclass(frozen=True, slots=True)
+class _Group:
+    """Slots whose frames are numbered and checked alike."""
+
+    slots: tuple[int, ...]
+    counter: Field | None
+    check: Field | None
+    size: int
+
+
+class Joiner:
+    """Joins one device's frames, in the order they came; ``counters`` says what was met besides."""
+
+    def __init__(self, can_map: CanMap, counters: JoinCounters) -> None:
+        self._map, self._counters = can_map, counters
+        self._ids = np.array([slot.identifier for slot in can_map.slots], dtype=np.uint32)
+        self._order = np.argsort(self._ids)
+        self._groups = _groups(can_map.slots)
+        self._period_ns = can_map.period * 1e9
+        self._waiting = np.zeros(0, FRAME)
+        self._aside = np.zeros(0, FRAME)  # frames that come now and then, until their sample is whole
+        self._reference: tuple[int, int, int] | None = (
+            None  # counter, sample number, host time of the newest frame
+        )
+        self._last: int | None = None  # the newest sample given out
+        self._given = deque[tuple[IntArray, NDArray[np.uint64]]](
+            maxlen=MAX_JUMP_SAMPLES + 1
+        )  # the newest, their frames
+        self._base: tuple[int, int, IntArray] | None = None  # number, begin and running totals of the last sample
+        self._time: tuple[int, int] | None = None  # as sent, unwrapped
+        self._nothing = self._samples(self._waiting, np.zeros((0, can_map.needed), np.int64), np.arange(0))[0]
+
+    def take(self, records: NDArray[np.void], at: IntArray) -> tuple[SampleBlock, IntArray]:
+        """Return the samples that records complete, and where the bytes of each begin and end in the stream."""
+        if not len(records):
+            return self._nothing, np.zeros((0, 2), np.int64)
+        frames = self._numbered(self._known(records, at))
+        is_needed = frames["slot"] < self._map.needed
+        self._aside = np.concatenate((self._aside, frames[~is_needed]))
+        waiting = np.concatenate((self._waiting, frames[is_needed]))
+        rows, ends = self._whole_turns(waiting)
+        if rows is None:
+            rows, ends = self._one_by_one(waiting)
+        return self._samples(waiting, rows, ends)
+
+    def _known(self, records: NDArray[np.void], at: IntArray) -> Frames:
+        """Return the frames that belong to the device and pass length and check."""
+        ids = records["id"]
+        place = np.searchsorted(self._ids, ids, sorter=self._order)
+        slot = self._order[np.minimum(place, len(self._order) - 1)]
+        known = self._ids[slot] == ids
+        if not known.all():
+            errors = (ids & NO_DATA_FRAME) != 0
+            self._counters.bus_errors += int(np.count_nonzero(errors))
+            self._counters.foreign += int(np.count_nonzero(~known & ~errors))
+            records, at, slot = records[known], at[known], slot[known]
+        frames = np.zeros(len(records), FRAME)
+        frames["slot"], frames["at"], frames["host_ns"] = slot, at, records["host_ns"]
+        words = words_of(records["data"])
+        frames["little"], frames["big"] = words
+        good = np.ones(len(records), dtype=np.bool_)
+        for group in self._groups:
+            rows = np.flatnonzero(np.isin(slot, group.slots)) if len(self._groups) > 1 else slice(None)
+            good[rows] = self._is_good(group, records[rows])
+            if group.counter is not None:
+                frames["raw"][rows] = group.counter.raw((words[0][rows], words[1][rows]))
+        return frames if good.all() else frames[good]
+
+    def _is_good(self, group: _Group, records: NDArray[np.void]) -> NDArray[np.bool_]:
+        size = records["size"]
+        good = (size >= group.size) & (size <= 8) if self._map.is_padded else size == group.size
+        self._counters.bad_length += int(np.count_nonzero(~good))
+        if group.check is not None:
+            byte = group.check.shift // 8 if not group.check.is_big_endian else 7 - group.check.shift // 8
+            rest = np.delete(records["data"][:, : group.size], byte, axis=1)
+            passes = CHECKS[self._map.check_kind](records["id"], rest) == records["data"][:, byte]
+            self._counters.bad_crc += int(np.count_nonzero(good & ~passes))
+            good &= passes
+        return good
+
+    def _numbered(self, frames: Frames) -> Frames:
+        """Say of each frame which sample, counted without wrapping, it belongs to."""
+        if not len(frames):
+            return frames
+        if not self._map.counts_every_frame:
+            return self._by_order(frames)
+        field = self._map.slots[0].counter
+        assert field is not None
+        modulus, raw, host = 1 << field.bits, frames["raw"], frames["host_ns"]
+        counter, number, since = self._reference or (int(raw[0]), int(raw[0]), int(host[0]))
+        elapsed = np.rint(np.diff(host, prepend=since) / self._period_ns).astype(np.int64)
+        steps = np.diff(raw, prepend=counter) - elapsed
+        steps = (steps + modulus // 2) % modulus - modulus // 2 + elapsed
+        frames["u"] = number + np.cumsum(steps)
+        self._reference = int(raw[-1]), int(frames["u"][-1]), int(host[-1])
+        return frames
+
+    def _by_order(self, frames: Frames) -> Frames:
+        begins = frames["slot"] == self._map.first
+        _, number, since = self._reference or (0, 0, int(frames["host_ns"][0]))
+        frames["u"] = number + np.cumsum(begins)
+        newest = np.maximum.accumulate(np.where(begins, np.arange(len(frames)), -1))
+        began = np.where(newest >= 0, frames["host_ns"][np.maximum(newest, 0)], since)
+        self._reference = 0, int(frames["u"][-1]), int(began[-1])
+        in_time = frames["host_ns"] - began < self._period_ns
+        self._counters.late += int(np.count_nonzero(~in_time))
+        return frames[in_time]
+
+    def _whole_turns(self, waiting: Frames) -> tuple[IntArray | None, IntArray]:
+        """Return the frames of each sample where all are there, sample by sample: nearly always."""
+        size = self._map.needed
+        count = len(waiting) // size
+        u, slot = waiting["u"], waiting["slot"]
+        numbers = u[: count * size].reshape(count, size)
+        low = -(2**62) if self._last is None else self._last
+        heads = np.concatenate(([low], numbers[:, 0], u[count * size :][:1]))
+        tail = u[count * size :]
+        if (
+            (numbers == numbers[:, :1]).all()
+            and (np.diff(heads) > 0).all()
+            and (tail == tail[:1]).all()
+            and len(set(slot[count * size :].tolist())) == len(tail)
+            and (np.sort(slot[: count * size].reshape(count, size), axis=1) == np.arange(size)).all()
+        ):
+            ends = np.arange(size - 1, count * size, size)
+            order = np.argsort(slot[: count * size].reshape(count, size), axis=1)
+            rows = order + size * np.arange(count)[:, None]
+            self._waiting = waiting[count * size :]
+            if count:
+                self._last = int(numbers[-1, 0])
+            self._remember(waiting, rows)
+            return rows, waiting["at"][ends] + RECORD.itemsize
+        return None, np.zeros(0, np.int64)
+
+    def _one_by_one(self, waiting: Frames) -> tuple[IntArray, IntArray]:
+        """Return the same where frames are missing, late, doubled or of two devices."""
+        pending: dict[int, list[int]] = {}
+        rows, ends = list[list[int]](), list[int]()
+        payloads, given = waiting["little"].tolist(), self._payloads_given()
+        for i, (u, slot, at) in enumerate(
+            zip(*(waiting[name].tolist() for name in ("u", "slot", "at")), strict=True)
+        ):
+            if self._last is not None and u < self._last - MAX_JUMP_SAMPLES:
+                self._last = None  # the device began anew
+            if self._last is not None and u <= self._last:
+                self._counters.late += 1
+                self._counters.contradicted += payloads[i] != given.get(u, {slot: payloads[i]})[slot]
+                continue
+            row = pending.setdefault(u, [-1] * self._map.needed)
+            if row[slot] < 0:
+                row[slot] = i
+            elif payloads[row[slot]] == payloads[i]:
+                self._counters.late += 1
+            else:  # two devices, or a check passed by chance: neither is believed
+                del pending[u]
+                self._give_up()
+                self._counters.contradicted += 1
+                self._last = u
+            for old in sorted(pending):
+                if -1 not in pending[old] and old == min(pending):
+                    rows.append(pending.pop(old))
+                    given[old] = {slot: payloads[k] for slot, k in enumerate(rows[-1])}
+                    ends.append(at + RECORD.itemsize)
+                    self._last = old
+                elif not u - MAX_LATE_SAMPLES < old <= u + MAX_JUMP_SAMPLES:
+                    del pending[old]
+                    self._give_up()
+        left = sorted(i for row in pending.values() for i in row if i >= 0)
+        self._waiting = waiting[left]
+        found = np.array(rows, np.int64).reshape(-1, self._map.needed)
+        self._remember(waiting, found)
+        return found, np.array(ends, np.int64)
+
+    def _remember(self, waiting: Frames, rows: IntArray) -> None:
+        if len(rows):
+            newest = waiting[rows[-MAX_JUMP_SAMPLES - 1 :]]
+            self._given.append((newest["u"][:, 0], newest["little"]))
+
+    def _payloads_given(self) -> dict[int, dict[int, int]]:
+        """Return what the frames of the newest samples given out held, by sample and slot."""
+        pairs = (
+            pair for numbers, rows in self._given for pair in zip(numbers.tolist(), rows.tolist(), strict=True)
+        )
+        return {number: dict(enumerate(row)) for number, row in pairs}
+
+    def _give_up(self) -> None:
+        self._counters.incomplete += 1
+
+    def _samples(self, waiting: Frames, rows: IntArray, ends: IntArray) -> tuple[SampleBlock, IntArray]:
+        found = waiting[rows]
+        numbers = found["u"][:, 0]
+        is_rate = self._map.output == "rate"
+        channels: NDArray[Any] = np.zeros((len(rows), 6), np.float64 if is_rate else np.int64)
+        status = np.zeros(len(rows), np.int64)
+        temperature, time = np.full(len(rows), np.nan), np.float64(self._map.period) * numbers.astype(np.float64)
+        counter = np.full(len(rows), -1, np.int64)
+        for i, slot in enumerate(self._map.slots[: self._map.needed]):
+            words: Words = (found["little"][:, i], found["big"][:, i])
+            for channel, field in slot.channels:
+                channels[:, channel] = field.value(words) if is_rate else field.raw(words)
+            if slot.status is not None:
+                status |= slot.status.raw(words)
+            if slot.temperature is not None:
+                temperature = slot.temperature.value(words)
+            if slot.counter is not None:
+                counter = found["raw"][:, i]
+            if slot.time is not None:
+                time = self._unwrapped(slot.time, slot.time.raw(words)).astype(np.float64) * self._map.time_unit
+        begins = found["at"].min(axis=1) if len(rows) else ends
+        begins = self._with_aside(numbers, begins, temperature)
+        healthy = ((status & self._map.fault_bits) == 0) & ((status & self._map.good_bits) == self._map.good_bits)
+        if not self._map.counts_every_frame and not any(slot.time for slot in self._map.slots):
+            time = self._without_time(found["host_ns"].min(axis=1) if len(rows) else numbers, counter)
+        kept = np.arange(len(rows))
+        if self._map.output == "cumulative":
+            channels, begins, kept = self._increments(numbers, begins, channels)
+        block = (RateBlock if is_rate else CountBlock)(
+            counter[kept], time[kept], channels[kept, :3], channels[kept, 3:], temperature[kept], status[kept],
+            healthy[kept],
+        )  # fmt: skip
+        return block, np.stack((begins, ends), axis=1)[kept]
+
+    def _with_aside(self, numbers: IntArray, begins: IntArray, temperature: FloatArray) -> IntArray:
+        """Add what now and then comes with a sample; return where the samples' bytes then begin."""
+        begins = begins.copy()
+        for frame in self._aside:
+            row = int(np.searchsorted(numbers, frame["u"]))
+            if row < len(numbers) and numbers[row] == frame["u"] and frame["at"] > begins[row] - MAX_ASIDE_BYTES:
+                begins[row] = min(begins[row], frame["at"])
+                field = self._map.slots[frame["slot"]].temperature
+                if field is not None:
+                    temperature[row] = field.value((frame["little"][None], frame["big"][None]))[0]
+        newer = self._aside["u"] > (numbers[-1] if len(numbers) else -(2**62))
+        self._aside = self._aside[newer][-MAX_ASIDE_FRAMES:]
+        return begins
+
+    def _unwrapped(self, field: Field, raw: IntArray) -> IntArray:
+        if not len(raw):
+            return raw
+        modulus = 1 << field.bits
+        sent, whole = self._time or (int(raw[0]), int(raw[0]))
+        steps = (np.diff(raw, prepend=sent) + modulus // 2) % modulus - modulus // 2
+        unwrapped: IntArray = whole + np.cumsum(steps)
+        self._time = int(raw[-1]), int(unwrapped[-1])
+        return unwrapped
+
+    def _without_time(self, host_ns: IntArray, counter: IntArray) -> FloatArray:
+        """Return a time [s] where frames say none: by the sample's counter, else by the host's clock."""
+        field = self._map.counter
+        if field is not None:
+            return self._unwrapped(field, counter).astype(np.float64) * self._map.period
+        return host_ns.astype(np.float64) * 1e-9
+
+    def _increments(
+        self, numbers: IntArray, begins: IntArray, totals: IntArray
+    ) -> tuple[IntArray, IntArray, IntArray]:
+        """Return the steps of running totals; a sample without its forerunner only begins anew."""
+        if not len(numbers):
+            return totals, begins, np.arange(0)
+        number, begin, total = self._base or (int(numbers[0]), int(begins[0]), totals[0])
+        steps = np.diff(totals, axis=0, prepend=total[None])
+        for slot in self._map.slots:
+            for channel, field in slot.channels:
+                half = 1 << (field.bits - 1)
+                steps[:, channel] = (
+                    (steps[:, channel] + half) % (2 * half) - half if field.bits < 64 else steps[:, channel]
+                )
+        kept = np.flatnonzero(np.diff(numbers, prepend=number) == 1)
+        self._base = int(numbers[-1]), int(begins[-1]), totals[-1].copy()
+        return steps, np.concatenate(([begin], begins[:-1])), kept
+
+
+def _groups(slots: tuple[Slot, ...]) -> tuple[_Group, ...]:
+    alike: dict[tuple[Field | None, Field | None, int], list[int]] = {}
+    for i, slot in enumerate(slots):
+        alike.setdefault((slot.counter, slot.check, slot.size), []).append(i)
+    return tuple(_Group(tuple(members), *key) for key, members in alike.items())

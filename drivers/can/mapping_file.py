@@ -1,0 +1,229 @@
+"""The mapping file: which signals of a DBC are the IMU's channels, counter, status, check, time and temperature.
+
+TOML; docs/can.md explains every key by an example. A name is ``MESSAGE.SIGNAL``; `counter`, `status` and `check`
+may be a bare ``SIGNAL``, which then stands in every message of the sample.
+"""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cantools.database.can import Database, Message
+
+from drivers.can.dbc_file import field_of, identifier_of, load_dbc
+from drivers.can.payload_checks import CHECKS
+from drivers.can.signal_layout import Field
+from drivers.errors import BadCanFile
+
+FORMAT = "can-map/1"
+OUTPUTS = ("increments", "cumulative", "rate")
+CHANNELS = 6  # gyro x, y, z, then accelerometer x, y, z
+KEYS = {
+    "format", "name", "output", "sample_period_s", "gyro", "accel", "counter", "status", "fault_bits", "good_bits",
+    "check", "check_kind", "time", "time_unit_s", "temperature", "first", "padded",
+    "max_step",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """One message of a sample: its identifier (flag of 29 bits included), its length [bytes] and its signals.
+
+    ``channels`` pairs a channel 0..5 with its field. A slot that is not ``is_needed`` comes only now and then.
+    """
+
+    name: str
+    identifier: int
+    size: int
+    channels: tuple[tuple[int, Field], ...]
+    counter: Field | None
+    status: Field | None
+    check: Field | None
+    time: Field | None
+    temperature: Field | None
+    is_needed: bool
+
+
+@dataclass(frozen=True, slots=True)
+class CanMap:
+    """A device's frames: ``slots`` of one sample, those needed first.
+
+    ``counts_every_frame``: frames are joined by the counter in each; else by their order, a sample beginning with
+    slot ``first``. ``period`` [s] is the nominal one. A status is healthy with none of ``fault_bits`` and all
+    of ``good_bits`` set. ``time_unit`` [s] is that of the time signal. ``is_padded``: longer payloads
+    are taken too. ``max_step``: a healthy value differs by no more from the last healthy one; None: by anything.
+    """
+
+    name: str
+    title: str
+    output: str
+    period: float
+    slots: tuple[Slot, ...]
+    counts_every_frame: bool
+    first: int
+    fault_bits: int
+    good_bits: int
+    check_kind: str
+    time_unit: float
+    is_padded: bool
+    max_step: int | None
+
+    @property
+    def needed(self) -> int:
+        """How many frames make a sample."""
+        return sum(slot.is_needed for slot in self.slots)
+
+    @property
+    def counter(self) -> Field | None:
+        """The sample counter, None where no frame has one."""
+        return next((slot.counter for slot in self.slots if slot.counter is not None), None)
+
+
+def load_map(dbc: str, path: str, period: float | None = None) -> CanMap:
+    """Return what a DBC and a mapping file say together; ``period`` [s] stands before the file's.
+
+    Raises
+    ------
+    BadCanFile
+        If either breaks a rule; names the key or signal, what was found and what is accepted.
+    """
+    try:
+        tables = tomllib.loads(Path(path).read_text("utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise BadCanFile(path, None, str(error), "a mapping file in TOML") from error
+    return _Reading(load_dbc(dbc), dbc, path, tables).map(period)
+
+
+class _Reading:
+    """One mapping file being read."""
+
+    def __init__(self, database: Database, dbc: str, path: str, tables: Mapping[str, Any]) -> None:
+        self._messages = {message.name: message for message in database.messages}
+        self._dbc, self._path, self._tables = dbc, path, tables
+
+    def map(self, period: float | None) -> CanMap:
+        self._refuse_unknown()
+        channels = [*self._triad("gyro"), *self._triad("accel")]
+        named = [self._names(key) for key in ("counter", "status", "check", "time", "temperature")]
+        slots = self._slots(
+            channels, dict(zip(("counter", "status", "check", "time", "temperature"), named, strict=True))
+        )
+        by_counter = bool(self._text("counter")) and "." not in self._text("counter")
+        return CanMap(
+            name=self._text("name") or Path(self._path).stem,
+            title=f"{Path(self._dbc).name} as {Path(self._path).name} reads it",
+            output=self._one_of("output", OUTPUTS),
+            period=self._number("sample_period_s", 1e-5, 10.0) if period is None else period,
+            slots=slots,
+            counts_every_frame=by_counter,
+            first=0 if by_counter else self._first(slots),
+            fault_bits=self._whole("fault_bits"),
+            good_bits=self._whole("good_bits"),
+            check_kind=self._one_of("check_kind", CHECKS) if self._text("check") else "",
+            time_unit=self._number("time_unit_s", 1e-12, 1.0) if self._text("time") else 1.0,
+            is_padded=self._tables.get("padded", False) is True,
+            max_step=self._whole("max_step") or None,
+        )
+
+    def _refuse_unknown(self) -> None:
+        if self._tables.get("format") != FORMAT:
+            raise self._refused(f"format = {self._tables.get('format')!r}", repr(FORMAT))
+        if unknown := sorted(set(self._tables) - KEYS):
+            raise self._refused(f"key {unknown[0]!r}", ", ".join(sorted(KEYS)))
+
+    def _refused(self, found: str, expected: str) -> BadCanFile:
+        return BadCanFile(self._path, None, found, expected)
+
+    def _text(self, key: str) -> str:
+        value = self._tables.get(key, "")
+        if not isinstance(value, str):
+            raise self._refused(f"{key} = {value!r}", "a text")
+        return value
+
+    def _one_of(self, key: str, accepted: Mapping[str, object] | tuple[str, ...]) -> str:
+        if (value := self._text(key)) not in accepted:
+            raise self._refused(f"{key} = {value!r}", f"one of {', '.join(accepted)}")
+        return value
+
+    def _number(self, key: str, low: float, high: float) -> float:
+        value = self._tables.get(key)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
+            raise self._refused(f"{key} = {value!r}", f"a number from {low:g} to {high:g}")
+        return float(value)
+
+    def _whole(self, key: str) -> int:
+        value = self._tables.get(key, 0)
+        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**63:
+            raise self._refused(f"{key} = {value!r}", "a whole number, not negative")
+        return value
+
+    def _triad(self, key: str) -> list[tuple[Message, Field]]:
+        names = self._tables.get(key)
+        if not isinstance(names, list) or len(names) != 3 or not all(isinstance(each, str) for each in names):
+            raise self._refused(f"{key} = {names!r}", "three names MESSAGE.SIGNAL, those of x, y, z")
+        found = [self._signal(each) for each in names]
+        for name, (_, field) in zip(names, found, strict=True):
+            is_whole = not field.is_float and (field.bits < 64 or field.is_signed)
+            if not is_whole and self._text("output") != "rate":
+                raise self._refused(f"{key} {name}, which is no whole number of up to 64 bits", "a count")
+        return found
+
+    def _signal(self, name: str) -> tuple[Message, Field]:
+        message, dot, signal = name.partition(".")
+        if not dot:
+            raise self._refused(f"{name!r}", "a name MESSAGE.SIGNAL")
+        return self._message(message), field_of(self._dbc, self._message(message), signal)
+
+    def _message(self, name: str) -> Message:
+        if name not in self._messages:
+            raise self._refused(f"message {name!r}", f"one of {', '.join(self._messages)} of {self._dbc}")
+        return self._messages[name]
+
+    def _names(self, key: str) -> dict[str, str]:
+        """Return a key's signal by message; by the empty name where it stands in every one."""
+        text = self._text(key)
+        message, dot, signal = text.partition(".")
+        if text and not dot and key in {"time", "temperature"}:
+            raise self._refused(f"{key} = {text!r}", "a name MESSAGE.SIGNAL")
+        return {message: signal} if dot else {"": text} if text else {}
+
+    def _slots(self, channels: list[tuple[Message, Field]], named: dict[str, dict[str, str]]) -> tuple[Slot, ...]:
+        needed = [message.name for message, _ in channels]
+        needed += [name for key in ("counter", "status", "check", "time") for name in named[key] if name]
+        names = list(dict.fromkeys([*needed, *(name for name in named["temperature"])]))
+        return tuple(self._slot(self._message(name), channels, named, name in needed) for name in names)
+
+    def _slot(
+        self,
+        message: Message,
+        channels: list[tuple[Message, Field]],
+        named: dict[str, dict[str, str]],
+        is_needed: bool,
+    ) -> Slot:
+        def field(key: str) -> Field | None:
+            signal = named[key].get(message.name) or named[key].get("")
+            return field_of(self._dbc, message, signal) if signal else None
+
+        check = field("check")
+        if check is not None and (check.bits != 8 or (check.shift % 8)):
+            raise self._refused(f"check in {message.name} of {check.bits} bits", "a whole byte")
+        return Slot(
+            name=message.name,
+            identifier=identifier_of(message),
+            size=message.length,
+            channels=tuple((i, each) for i, (owner, each) in enumerate(channels) if owner is message),
+            counter=field("counter"),
+            status=field("status"),
+            check=check,
+            time=field("time"),
+            temperature=field("temperature"),
+            is_needed=is_needed,
+        )
+
+    def _first(self, slots: tuple[Slot, ...]) -> int:
+        names = [slot.name for slot in slots if slot.is_needed]
+        if (name := self._text("first")) not in names:
+            raise self._refused(f"first = {name!r} and no counter in every frame", f"one of {', '.join(names)}")
+        return names.index(name)

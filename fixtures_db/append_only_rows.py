@@ -1,0 +1,119 @@
+"""Measured rows that are only ever added: face certificates, cubes by IMUs, slab levels; each a hash chain."""
+
+from collections.abc import Sequence
+from datetime import UTC, date
+from typing import Any, TypeVar
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from fixtures_db.hash_chain import GENESIS, ChainFault, Link, canonical, digest, faults
+from fixtures_db.schema import Base, CubeMeasurementRow, CubeRow, FaceCertificateRow, SlabLevelRow, SlabRow
+
+Measured = TypeVar("Measured", FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
+WORDS: dict[type[Any], str] = {
+    FaceCertificateRow: "face certificate",
+    CubeMeasurementRow: "cube measurement",
+    SlabLevelRow: "slab level",
+}
+NOT_HASHED = frozenset({"id", "sha256"})
+
+
+def append(session: Session, row: Measured) -> Measured:
+    """Chain a row to the newest of its table and add it; call it in `fixtures_db.database.Database.write`."""
+    row.measured_utc = row.measured_utc.astimezone(UTC)
+    row.previous = newest_hash(session, type(row))
+    row.sha256 = digest(row_text(row))
+    session.add(row)
+    session.flush()
+    return row
+
+
+def newest_hash(session: Session, table: type[Any]) -> str:
+    """Return the hash of a chained table's newest row, 64 zeros where there is none."""
+    found: str | None = session.scalars(select(table.sha256).order_by(table.id.desc()).limit(1)).first()
+    return found or GENESIS
+
+
+def in_force(rows: Sequence[Measured]) -> Measured | None:
+    """Return the row measured last, of two at one moment the one added last; None of none."""
+    return max(rows, key=lambda row: (row.measured_utc, row.id), default=None)
+
+
+def date_owner(session: Session, owner: CubeRow | SlabRow) -> None:
+    """Give a cube or a slab the dates of what is in force of it."""
+    session.flush()
+    if (dates := _dates(session, owner)) is not None:
+        owner.certificate_date, owner.due_date = dates
+    session.flush()
+    session.expire(owner)
+
+
+def _dates(session: Session, owner: CubeRow | SlabRow) -> tuple[date, date | None] | None:
+    """Return the day of what was measured last, and the first day on which what is in force is due.
+
+    Of a cube its faces' certificates count, each face's last; where there is none, its last measurement.
+    """
+    if isinstance(owner, SlabRow):
+        return _first_due([in_force(_of(session, SlabLevelRow, SlabLevelRow.slab_id, owner.id))])
+    faces: dict[str, list[FaceCertificateRow]] = {}
+    for row in _of(session, FaceCertificateRow, FaceCertificateRow.cube_id, owner.id):
+        faces.setdefault(row.resting, []).append(row)
+    if faces:
+        return _first_due([in_force(rows) for rows in faces.values()])
+    return _first_due([in_force(_of(session, CubeMeasurementRow, CubeMeasurementRow.cube_id, owner.id))])
+
+
+def _of(session: Session, table: type[Measured], owner: Any, name: str) -> Sequence[Measured]:
+    return session.scalars(select(table).where(owner == name)).all()
+
+
+def _first_due(rows: Sequence[Measured | None]) -> tuple[date, date | None] | None:
+    there = [row for row in rows if row is not None]
+    if not there:
+        return None
+    due = [row.due_date for row in there if row.due_date is not None]
+    return max(row.measured_utc for row in there).date(), min(due, default=None)
+
+
+def verify_rows(session: Session, table: type[Measured], expected_head: str | None = None) -> list[ChainFault]:
+    """Return every row that was altered, dropped or reordered since it was added.
+
+    Rows dropped at the newest end show only against ``expected_head``, a hash that was kept elsewhere.
+    """
+    word = WORDS[table]
+    rows: Sequence[Measured] = session.scalars(select(table).order_by(table.id)).all()
+    found = faults(Link(f"{word} {row.id}", row_text(row), row.previous, row.sha256) for row in rows)
+    if expected_head not in {None, GENESIS, *(row.sha256 for row in rows)}:
+        found.append(ChainFault(f"newest {word}", newest_hash(session, table), str(expected_head)))
+    return found
+
+
+def verify_dates(session: Session) -> list[ChainFault]:
+    """Return every cube and slab whose dates are not those of what is in force of it."""
+    found = list[ChainFault]()
+    owners: dict[str, Sequence[CubeRow | SlabRow]] = {
+        "cube": session.scalars(select(CubeRow).order_by(CubeRow.id)).all(),
+        "slab": session.scalars(select(SlabRow).order_by(SlabRow.id)).all(),
+    }
+    for word, each in owners.items():
+        for owner in each:
+            if (is_due := _dates(session, owner)) is None:
+                continue
+            stands = (owner.certificate_date, owner.due_date)
+            if stands != is_due:
+                text = [f"certified {of}, due {due}" for of, due in (stands, is_due)]
+                found.append(ChainFault(f"{word} {owner.id}", *text))
+    return found
+
+
+def row_text(row: Base) -> str:
+    """Return the text that is hashed: every column but the number and the hash itself."""
+    hashed = {
+        column.key: getattr(row, column.key)
+        for column in type(row).__table__.columns
+        if column.key not in NOT_HASHED
+    }
+    return canonical(
+        {key: value.isoformat() if isinstance(value, date) else value for key, value in hashed.items()}
+    )

@@ -1,0 +1,77 @@
+"""What a database can say about whether it was altered; read row by row where it cannot be read whole."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.orm import Session
+
+from fixtures_db.anchor import Anchor, missing_manifests
+from fixtures_db.append_only_rows import verify_dates, verify_rows
+from fixtures_db.campaigns import verify_steps
+from fixtures_db.hash_chain import GENESIS, ChainFault
+from fixtures_db.history import verify_chain
+from fixtures_db.issued import verify_issued
+from fixtures_db.schema import (
+    CalibrationRow,
+    CampaignRow,
+    CubeMeasurementRow,
+    CubeRow,
+    FaceCertificateRow,
+    IssuedCertificateRow,
+    SlabLevelRow,
+    SlabRow,
+    StepRow,
+)
+
+CHAINED = (CalibrationRow, IssuedCertificateRow, FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
+Check = Callable[[Session], list[ChainFault]]
+_UNREADABLE = (SQLAlchemyError, ValueError, TypeError)  # bytes that are no text, text that is no date or JSON
+
+
+def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFault]:
+    """Return whatever disagrees with what was stored: calibrations, certificates of both kinds, levels, steps.
+
+    Rows dropped at the newest end show only against an ``anchor`` that was kept elsewhere.
+    """
+    kept = Anchor() if anchor is None else anchor
+    checks: tuple[tuple[Check, tuple[Any, ...]], ...] = (
+        (partial(verify_chain, expected_head=kept.calibration), (CalibrationRow,)),
+        (partial(verify_rows, table=FaceCertificateRow, expected_head=kept.certificate), (FaceCertificateRow,)),
+        (partial(verify_rows, table=CubeMeasurementRow, expected_head=kept.measurement), (CubeMeasurementRow,)),
+        (partial(verify_rows, table=SlabLevelRow, expected_head=kept.level), (SlabLevelRow,)),
+        (partial(verify_issued, expected_head=kept.issued), (IssuedCertificateRow,)),
+        (verify_dates, (CubeRow, SlabRow)),
+        (verify_steps, (CampaignRow, StepRow)),
+        (partial(missing_manifests, manifests=kept.manifests), (CampaignRow, StepRow)),
+    )
+    found = list[ChainFault]()
+    for check, tables in checks:
+        try:
+            found += check(session)
+        except _UNREADABLE:
+            found.append(ChainFault(_unreadable(session, tables), "what cannot be read", "what was stored"))
+    return found
+
+
+def missing_head(session: Session, sha256: str) -> list[ChainFault]:
+    """Return a fault if no chained row has a hash that was kept elsewhere, printed on a report or certificate."""
+    tables: tuple[Any, ...] = CHAINED
+    if sha256 == GENESIS or any(
+        session.scalars(select(table.id).where(table.sha256 == sha256)).first() for table in tables
+    ):
+        return []
+    return [ChainFault("stored rows", "none with the hash given", sha256)]
+
+
+def _unreadable(session: Session, tables: tuple[Any, ...]) -> str:
+    for table in tables:
+        for number in session.scalars(select(table.id).order_by(table.id)).all():
+            try:
+                session.expunge_all()
+                session.get_one(table, number)
+            except _UNREADABLE:
+                return f"{table.__tablename__} {number}"
+    return str(tables[0].__tablename__)

@@ -1,0 +1,65 @@
+"""When an IMU and GNSS know which way they stand: tried again and again until they do, at rest or in motion.
+
+It waits for displacement and observability, not for a time; what is missing is said by the last attempt.
+"""
+
+import numpy as np
+
+from procedures.fusion.alignment.alignment_at_rest import align_at_rest
+from procedures.fusion.alignment.alignment_in_motion import MovingAligner
+from procedures.fusion.alignment.alignment_result import Aligned, Waiting
+from procedures.fusion.fusion_records import GnssFixes, ImuSeries
+from procedures.fusion.imu.imu_gaps import imu_gaps
+
+FIRST = 3.0  # s after which it is worth a try
+PACE = 1.1  # later attempts are as much farther apart, and at least `STEP`
+STEP = 1.0  # s
+TORN = np.radians(0.5)  # 1 sigma of attitude over a gap of the IMU, beyond which only what follows it is looked at
+WINDOW = 30.0  # s of motion that are looked at: biases move
+FIXES = 12  # at least, however far apart they are
+
+
+def align_when_possible(aligner: MovingAligner, imu: ImuSeries, fixes: GnssFixes) -> Aligned | Waiting:
+    """Return the first alignment that the data allow, none of which uses anything later than its ``t``."""
+    start = max(float(imu.t[0]), float(fixes.t[0]))
+    end = min(float(imu.t[-1]), float(fixes.t[-1]))
+    found: Aligned | Waiting = Waiting("IMU and GNSS overlap for less than three seconds")
+    torn = [gap.last for gap in imu_gaps(imu) if gap.rate_std * gap.length > TORN]
+    now = start + FIRST
+    while now <= end:
+        found = attempt(aligner, imu, fixes, max([start, *(last for last in torn if last <= now)]), now)
+        if isinstance(found, Aligned):
+            break
+        now += max(STEP, (PACE - 1) * (now - start))
+    return found
+
+
+def attempt(
+    aligner: MovingAligner, imu: ImuSeries, fixes: GnssFixes, start: float, now: float
+) -> Aligned | Waiting:
+    """Try once, by the data from ``start`` to ``now`` [s], at rest and in motion."""
+    resting = align_at_rest(between(imu, start, now), aligner.noise, aligner.gravity, aligner.earth_n)
+    if isinstance(resting, Aligned):
+        return resting
+    since = max(min(now - WINDOW, _earlier(fixes, now, FIXES)), start)
+    moving = aligner.align(between(imu, since - 1, now), fixes_between(fixes, since, now))
+    if isinstance(moving, Waiting) and "does not stand" not in resting.why:
+        return resting
+    return moving
+
+
+def _earlier(fixes: GnssFixes, now: float, count: int) -> float:
+    """Return the time [s] of the fix that as many others up to now follow, or of the first."""
+    return float(fixes.t[max(int(np.searchsorted(fixes.t, now, "right")) - count, 0)])
+
+
+def between(imu: ImuSeries, first: float, last: float) -> ImuSeries:
+    """Return the samples of a span of time [s]."""
+    part = slice(int(np.searchsorted(imu.t, first)), int(np.searchsorted(imu.t, last, "right")))
+    return ImuSeries(imu.t[part], imu.omega_b[part], imu.f_b[part])
+
+
+def fixes_between(fixes: GnssFixes, first: float, last: float) -> GnssFixes:
+    """Return the fixes of a span of time [s]."""
+    part = slice(int(np.searchsorted(fixes.t, first)), int(np.searchsorted(fixes.t, last, "right")))
+    return fixes.part(part)

@@ -1,0 +1,233 @@
+"""Attitude in motion from GNSS velocity: what the IMU's velocity increments must be turned by to be GNSS's.
+
+In n, with the attitude C0 and the velocity v0 at the first of the fixes and constant biases,
+
+    v_k = v0 + C0 alpha_k(bg, ba) + C0 M_k l + g t_k + a_k tau + noise,   g = (0, 0, -gravity)
+
+is fitted for C0, v0, bg, ba and, where they are not given, the antenna's lever arm l and the offset tau of
+GNSS's stamps together (P3 III.C, the joint refinement, less what needs a camera). This is the integral of P3's
+eq. 3: nothing is differentiated, so that the noise of GNSS stays what it is. A receiver without velocity gives the
+means between its fixes: `seen_velocity`. The noise is GNSS's own, white, and that of accelerometer and gyro
+integrated. All is started from the best
+rotation for biases of zero (Wahba's problem), and once more from a quarter turn to each side and from behind: what
+is nearly as good and points elsewhere, a strange chi2 or a wide sigma are reasons to go on waiting.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.frames import rotation, vertical_rotation
+from procedures.fusion.alignment.alignment_result import (
+    SETTLED_OFFSET,
+    SETTLED_TILT,
+    SETTLED_YAW,
+    Aligned,
+    Waiting,
+)
+from procedures.fusion.alignment.velocity_increments import AtFixes, BetweenFixes, seen_velocity
+from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
+from procedures.fusion.imu.imu_gaps import imu_gaps
+from procedures.fusion.imu.inertial_increments import Grid, Increments, grid, integrate, products, skew
+
+ROUNDS = 15
+FASTEST = 300.0  # m/s, 1 sigma of a velocity of which nothing is measured
+SMALL = 1e-3  # of a sigma, by which a last step may move
+FEWEST = 5
+DIFFERENT = np.radians(10.0)  # between two minima that are not one
+MARGIN = 20.0  # of chi2, by which the second best must be worse
+STRANGE = 2.0  # chi2 / dof
+SHAKEN = 2.5  # what vibration, scale factor and misalignment make of an accelerometer's noise on a flight (EuRoC)
+LEVER, OFFSET = slice(9, 12), 12  # in the parameters behind the rotation
+SHIFTS = 5  # times that stamps are shifted to where they belong, at most, until it is by no more than
+SHIFTED = 2e-3  # s
+FARTHEST = 2.0  # s
+OTHERS = (0.0, np.pi / 2, np.pi, -np.pi / 2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MovingAligner:
+    """What stays the same: noise, ``gravity`` [m/s2], ``earth_n`` (3,) [rad/s], ``lever`` (3,) [m] in b.
+
+    ``lever_std`` [m] and ``offset_std`` [s] are 1 sigma of a lever arm and of a time offset, about 0, that are to
+    be estimated; None: the lever arm is as given, the stamps are right.
+    """
+
+    noise: ImuNoise
+    gravity: float
+    earth_n: FloatArray
+    lever: FloatArray
+    lever_std: float | None = None
+    offset_std: float | None = None
+
+    def align(self, imu: ImuSeries, fixes: GnssFixes) -> Aligned | Waiting:
+        """Align by all fixes that the IMU spans, or say what is missing."""
+        offset, step = 0.0, np.inf
+        for _ in range(SHIFTS):
+            seen = seen_velocity(imu, fixes.shifted(offset))
+            if len(seen.v) < FEWEST:
+                return Waiting(f"{len(seen.v)} GNSS velocities within the IMU's data, {FEWEST} are needed")
+            problem = _Problem(self, imu, seen, offset)
+            start = problem.wahba()
+            found = sorted(
+                (problem.refine(vertical_rotation(turn) @ start) for turn in OTHERS), key=lambda each: each.chi2
+            )
+            step = float(found[0].x[OFFSET])
+            if abs(step) < SHIFTED:
+                break
+            offset = float(np.clip(offset + step, -FARTHEST, FARTHEST))
+        return _judged(problem, found, offset)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Minimum:
+    C: FloatArray
+    x: FloatArray  # v0, gyro bias, accelerometer bias, lever arm, time offset
+    chi2: float
+    rows: int
+    covariance: FloatArray
+    now: FloatArray  # the attitude at the last fix
+    turned: FloatArray  # d (rotation about n at the last fix) / d parameters, (3, 16)
+
+
+class _Problem:
+    """One set of fixes: residual, Jacobian and whitening."""
+
+    def __init__(
+        self, owner: MovingAligner, imu: ImuSeries, seen: AtFixes | BetweenFixes, shifted: float = 0.0
+    ) -> None:
+        self.owner, self.seen = owner, seen
+        self.grid: Grid = grid(imu, seen.t)
+        self.elapsed = seen.elapsed
+        noise, s = owner.noise, np.minimum.outer(self.elapsed, self.elapsed)
+        longer = np.maximum.outer(self.elapsed, self.elapsed)
+        walk = (SHAKEN * noise.accel) ** 2 * s
+        tilt = (owner.gravity * noise.gyro) ** 2 * s**2 * (3 * longer - s) / 6  # of a horizontal axis
+        for gap in imu_gaps(imu):
+            since = np.maximum(self.elapsed - (gap.last - seen.t[0]), 0.0)
+            walk += (gap.force_std * gap.length) ** 2 * np.outer(since > 0, since > 0)
+            tilt += (owner.gravity * gap.rate_std * gap.length) ** 2 * np.outer(since, since)
+        self.white = list[tuple[int, IntArray, FloatArray]]()
+        for axis in range(3):
+            rows = np.flatnonzero(np.isfinite(seen.v[:, axis]))
+            if not len(rows):
+                continue  # a receiver without vertical velocity
+            R = seen.noise + walk + (tilt if axis < 2 else 0.0)
+            self.white.append((axis, rows, cholesky(R[np.ix_(rows, rows)], lower=True)))
+        lever_std, offset_std = owner.lever_std or np.inf, owner.offset_std or np.inf
+        self.prior = np.repeat(
+            [FASTEST, noise.gyro_bias, noise.accel_bias, lever_std, offset_std], [3, 3, 3, 3, 1]
+        )
+        self.free = np.isfinite(self.prior)
+        self.expected = np.r_[np.zeros(9), owner.lever, -shifted if owner.offset_std else 0.0]
+
+    def wahba(self) -> FloatArray:
+        """Return the rotation for biases of zero that fits the changes of velocity best."""
+        zero = np.zeros(3)
+        alpha = self.seen.reach(self.grid, integrate(self.grid.edges, zero, zero), zero).alpha
+        v = self.seen.v
+        seen = np.where(np.isfinite(v), v, 0.0) + np.outer(self.elapsed, [0, 0, self.owner.gravity])
+        U, _, Vt = np.linalg.svd((seen - seen.mean(axis=0)).T @ (alpha - alpha.mean(axis=0)))
+        best: FloatArray = U @ np.diag([1, 1, np.linalg.det(U @ Vt)]) @ Vt
+        return best
+
+    def refine(self, C: FloatArray) -> _Minimum:
+        """Return the minimum that Gauss-Newton reaches from an attitude."""
+        x = self.expected.copy()
+        x[:3] = np.nan_to_num(self.seen.v[0])
+        for _ in range(ROUNDS):
+            r, J, made = self._whitened(C, x)
+            normal = J.T @ J
+            step: FloatArray = np.asarray(np.linalg.solve(normal, -(J.T @ r)), np.float64)
+            C = rotation(step[:3]) @ C
+            x[self.free] += step[3:]
+            if step @ normal @ step < SMALL**2:
+                break
+        r, J, made = self._whitened(C, x)
+        known = np.r_[True, True, True, self.free]
+        covariance = np.zeros((len(known), len(known)))
+        covariance[np.ix_(known, known)] = np.linalg.inv(J.T @ J)
+        # a bias of the gyro turns the last attitude by -Phi in b0
+        turned = np.zeros((3, len(covariance)))
+        turned[:, :3], turned[:, 6:9] = np.eye(3), C @ made.by_accel[-1]
+        return _Minimum(C, x, float(r @ r), len(r), covariance, C @ made.C[-1], turned)
+
+    def _whitened(self, C: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray, Increments]:
+        made = integrate(self.grid.edges, x[3:6], x[6:9], self._earth_b(C, x[3:6]))
+        reach = self.seen.reach(self.grid, made, x[3:6])
+        late = x[OFFSET]
+        moved = np.einsum("ij,nj->ni", C, reach.alpha + reach.by_time * late)
+        arm = np.einsum("ij,njk,k->ni", C, reach.arm, x[LEVER])
+        down = np.array([0.0, 0.0, self.owner.gravity])
+        said = x[:3] + moved + arm - np.outer(self.elapsed + late, down)
+        J = np.zeros((len(said), 3, 3 + len(x)))
+        J[:, :, :3] = -skew(moved + arm)
+        J[:, range(3), range(3, 6)] = 1.0
+        J[:, :, 6:9], J[:, :, 9:12] = C @ reach.by_gyro, C @ reach.by_accel
+        J[:, :, 12:15], J[:, :, 15] = C @ reach.arm, np.einsum("ij,nj->ni", C, reach.by_time) - down
+        J = J[:, :, np.r_[True, True, True, self.free]]
+        parts, rows = [], []
+        for axis, known, L in self.white:
+            both = np.column_stack((said[known, axis] - self.seen.v[known, axis], J[known, axis]))
+            both = solve_triangular(L, both, lower=True, check_finite=False)
+            parts.append(both[:, 0])
+            rows.append(both[:, 1:])
+        prior = np.hstack((np.zeros((int(self.free.sum()), 3)), np.diag(1 / self.prior[self.free])))
+        expected = ((x - self.expected) / self.prior)[self.free]
+        return np.concatenate((*parts, expected)), np.vstack((*rows, prior)), made
+
+    def _earth_b(self, C: FloatArray, gyro_bias: FloatArray) -> FloatArray:
+        """Return the Earth's rate in b over the grid, by the attitudes so far; 1e-4 rad/s needs no iteration."""
+        C_b0b = products(rotation((self.grid.omega_b - gyro_bias) * self.grid.dt[:, None]))[:-1]
+        earth_b: FloatArray = np.swapaxes(C @ C_b0b, 1, 2) @ self.owner.earth_n
+        return earth_b
+
+
+def _judged(problem: _Problem, found: list[_Minimum], offset: float) -> Aligned | Waiting:
+    best = found[0]
+    at_end = best.turned @ best.covariance @ best.turned.T
+    t = problem.seen.t
+    noise = problem.owner.noise.gyro**2 * (t[-1] - t[0])
+    tilt_std, yaw_std = np.sqrt(max(at_end[0, 0], at_end[1, 1]) + noise), np.sqrt(at_end[2, 2] + noise)
+    misfit = best.chi2 / max(best.rows - 3 - int(problem.free.sum()), 1)
+    why = _why_waiting(best, found[1:], misfit, float(tilt_std), float(yaw_std)) or _why_waiting_for_stamps(best)
+    if why:
+        return Waiting(why)
+    x = best.x
+    return Aligned(
+        float(t[0]), best.C, x[:3], x[3:6], x[6:9], best.covariance, float(t[-1]), best.now, float(tilt_std),
+        float(yaw_std), misfit, x[LEVER], offset + float(x[OFFSET]),
+    )  # fmt: skip
+
+
+def _why_waiting_for_stamps(best: _Minimum) -> str:
+    std = float(np.sqrt(best.covariance[-1, -1]))
+    if std <= SETTLED_OFFSET:
+        return ""
+    return (
+        f"the time offset is known to {std * 1e3:.0f} ms 1 sigma, {SETTLED_OFFSET * 1e3:.0f} are needed: it must "
+        f"change its velocity more, or give time_offset_s"
+    )
+
+
+def _why_waiting(best: _Minimum, others: list[_Minimum], misfit: float, tilt_std: float, yaw_std: float) -> str:
+    if misfit > STRANGE:
+        return (
+            f"IMU and GNSS velocity do not fit each other (chi2 per degree of freedom {misfit:.1f}, at most "
+            f"{STRANGE:g}): look at time stamps, noise densities and velocity_std_m_s"
+        )
+    if tilt_std > SETTLED_TILT or yaw_std > SETTLED_YAW:
+        tilt, yaw, tilt_asked, yaw_asked = np.degrees(
+            np.minimum([tilt_std, yaw_std, SETTLED_TILT, SETTLED_YAW], np.pi)
+        )
+        return (
+            f"tilt is known to {tilt:.1f} deg and yaw to {yaw:.1f} deg 1 sigma, {tilt_asked:.0f} and "
+            f"{yaw_asked:.0f} are needed: it must change its velocity more"
+        )
+    for other in others:
+        apart = np.arccos(np.clip((np.trace(other.C @ best.C.T) - 1) / 2, -1, 1))
+        if apart > DIFFERENT and other.chi2 - best.chi2 < MARGIN:
+            return f"two attitudes {np.degrees(apart):.0f} deg apart explain the motion: change its velocity more"
+    return ""

@@ -1,0 +1,264 @@
+"""A campaign folder to memory."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from procedures.campaign.campaign import (
+    Campaign,
+    DwellRecord,
+    FaceCertificate,
+    Fixture,
+    MeasuredCube,
+    ProcedureSigma,
+    RestRecord,
+    SequenceRecord,
+    Site,
+    TurnRecord,
+)
+from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.frames import TURN_START
+from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
+from station.errors import DataRefused
+from station.files.campaign_folder.campaign_schema import (
+    CAMPAIGN_TOML,
+    CampaignImuTable,
+    CampaignTable,
+    DwellTable,
+    FixtureTable,
+    MeasuredTable,
+    ProcedureTable,
+    RateTable,
+    SequenceTable,
+    SiteTable,
+    StepTable,
+    TurnTable,
+    axes_matrix,
+    read_campaign_toml,
+)
+from station.files.campaign_folder.common_sample_period import said_of_period, with_one_period
+from station.files.campaign_folder.loaded_campaign import (
+    LoadedCampaign,
+    LoadedStep,
+    check_for_solve,
+    check_one_unit,
+    clock_warnings,
+)
+from station.files.campaign_folder.sample_series import step_data
+from station.files.campaign_folder.step_overlap import refuse_overlap
+from station.files.campaign_folder.turntables_and_soaks import rate_tables, soaks
+from station.files.columns import Table
+from station.files.csv_header import TableKind
+from station.files.csv_table import read_csv
+from station.files.opening import open_inside
+from station.files.toml_reading import line_of
+
+ANOMALY = 5e-3  # m/s2; within it gravity at the ground is normal almost everywhere on Earth (EGM2008)
+_KINDS = ("dwell", "turn", "sequence", "rate", "soak")
+
+
+def read_campaign(folder: Path) -> LoadedCampaign:
+    """Read a ``campaign/1`` folder; every file it names is read and checked, used or not.
+
+    Raises
+    ------
+    DataRefused
+        If the folder breaks a rule of docs/campaign-folder.md: with file, line, found and expected.
+    """
+    if not folder.is_dir():
+        raise DataRefused(
+            folder, None, "no such folder", f"a folder with a {CAMPAIGN_TOML}", "name a campaign folder"
+        )
+    tables, lines, content = read_campaign_toml(folder)
+    files = {CAMPAIGN_TOML: hashlib.sha256(content).hexdigest()}
+    steps = list[LoadedStep]()
+    for kind in _KINDS:
+        for index, table in enumerate(getattr(tables, kind)):
+            line = line_of((kind, index, "file"), lines)
+            step, files[table.file] = _read_step(folder, kind, table, line, tables.imu)
+            steps.append(step)
+    if not steps:
+        raise DataRefused(folder / CAMPAIGN_TOML, None, "no step", f"at least one of {', '.join(_KINDS)}")
+    remarks = refuse_overlap(folder, steps)
+    warnings = [
+        *remarks,
+        *_measured_by_itself(tables),
+        *_badly_seated(tables),
+        *_widened(tables),
+        *_gravity_of_another_place(tables.site),
+        *(w for step in steps if step.data for w in step.data.warnings),
+    ]
+    steps, period = with_one_period(steps)
+    warnings += said_of_period(period)
+    used = [step for step in steps if _is_used(step)]
+    campaign = replace(
+        _campaign(tables, used),
+        rate_tables=rate_tables(steps),
+        soaks=soaks(steps),
+        period_std=period.std / period.value if period else 0.0,
+    )
+    warnings += clock_warnings(tables, campaign)
+    unused = tuple(step.label for step in steps if step not in used)
+    return LoadedCampaign(folder, tables, campaign, tuple(steps), files, tuple(warnings), unused)
+
+
+def _read_step(
+    folder: Path, kind: str, table: StepTable, line: int, imu: CampaignImuTable
+) -> tuple[LoadedStep, str]:
+    columns = _read_table(folder, table, line, imu)
+    if isinstance(table, RateTable):
+        return LoadedStep(kind, table, line, None, columns.columns), columns.sha256
+    return LoadedStep(kind, table, line, step_data(columns, imu)), columns.sha256
+
+
+def _read_table(folder: Path, table: StepTable, line: int, imu: CampaignImuTable) -> Table:
+    file = folder / table.file
+    suffix = Path(table.file).suffix
+    if suffix not in {".csv", ".mcap"} or (suffix == ".mcap" and isinstance(table, RateTable)):
+        wanted = "a .csv file" if isinstance(table, RateTable) else "a .csv or .mcap file"
+        raise DataRefused(folder / CAMPAIGN_TOML, line, f"file = {ascii(table.file)[:80]}", wanted)
+    with open_inside(folder, table.file, folder / CAMPAIGN_TOML, line) as stream:
+        if suffix == ".csv":
+            kind = TableKind(counts=imu.output != "rate", rate_table=isinstance(table, RateTable))
+            return read_csv(stream, file, kind)
+        from station.files.mcap_files import read_table  # heavy: only where a folder has MCAP files
+
+        return read_table(stream, file, counts=imu.output != "rate")
+
+
+def _is_used(step: LoadedStep) -> bool:
+    return isinstance(step.table, DwellTable | TurnTable | SequenceTable)
+
+
+def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
+    dwells, turns = list[DwellRecord](), list[TurnRecord]()
+    rests, sequences = list[RestRecord](), list[SequenceRecord]()
+    for step in used:
+        assert step.data is not None
+        match step.table:
+            case DwellTable(file=file, position=int(position)) as dwell:
+                dwells.append(DwellRecord(file, position, step.data.series, dwell.turn_on or 1))
+            case DwellTable(file=file, up=up):
+                rests.append(RestRecord(file, up, step.data.series))
+            case SequenceTable(file=file):
+                sequences.append(SequenceRecord(file, step.data.series))
+            case TurnTable(file=file, axis=axis, direction=direction) as turn:
+                start = turn.start_position or TURN_START[axis]
+                on = turn.turn_on or 1
+                turns.append(TurnRecord(file, axis, direction, turn.revolutions, start, step.data.series, on))
+    return Campaign(
+        tables.imu.model,
+        tables.imu.serial,
+        tables.imu.output != "rate",
+        _site(tables.site),
+        tuple(dwells),
+        tuple(turns),
+        _sigma(tables.procedure),
+        _fixture(tables.fixture),
+        tuple(rests),
+        tuple(sequences),
+        tables.imu.sample_period_s,
+    )
+
+
+def _sigma(procedure: ProcedureTable) -> ProcedureSigma:
+    return ProcedureSigma(
+        float(np.radians(procedure.heading_std_deg)),
+        float(np.radians(procedure.closure_std_deg)),
+        (procedure.unsettled_gyro_deg_h or 0.0) * RAD_S_PER_DEG_H,
+        (procedure.unsettled_accelerometer_g or 0.0) * STANDARD_GRAVITY,
+    )
+
+
+def _site(site: SiteTable) -> Site:
+    latitude = float(np.radians(site.latitude_deg))
+    gravity = site.gravity_m_s2 if site.gravity_m_s2 is not None else normal_gravity(latitude, site.height_m)
+    field = site.magnetic_enu_ut
+    return Site(latitude, gravity, site.gravity_std, None if field is None else (field[0], field[1], field[2]))
+
+
+def _fixture(fixture: FixtureTable) -> Fixture:
+    faces: dict[str, FaceCertificate] = {
+        face.resting: FaceCertificate(
+            np.array(face.up_tilt_rad, dtype=float),
+            np.eye(2) * face.std_rad**2
+            if face.std_rad is not None
+            else np.array(face.covariance_rad2, dtype=float),
+        )
+        for face in fixture.face
+    }
+    return Fixture(faces, axes_matrix(fixture.imu_axes), fixture.id, _measured(fixture.measured))
+
+
+def _measured(table: MeasuredTable | None) -> MeasuredCube | None:
+    if table is None:
+        return None
+    value, covariance = np.array(table.value_rad), np.array(table.covariance_rad2)
+    return MeasuredCube(tuple(table.names), value, covariance, tuple(table.units))
+
+
+def _measured_by_itself(tables: CampaignTable) -> list[str]:
+    """Warn of a cube's measurement that the unit's own campaigns are in."""
+    measured, unit = tables.fixture.measured, f"{tables.imu.model} {tables.imu.serial}"
+    if measured is None or unit not in measured.units:
+        return []
+    return [
+        f"{CAMPAIGN_TOML}: fixture.measured comes from campaigns of {unit} itself; its K2 is in both, and the two "
+        f"agree better than either is right"
+    ]
+
+
+def _badly_seated(tables: CampaignTable) -> list[str]:
+    """Warn of dwells whose seat was judged to be off, and kept."""
+    return [
+        f"{dwell.file}: kept though the cube sat tilted by "
+        f"{np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg; record position {dwell.position} again"
+        for dwell in tables.dwell
+        if dwell.kept_seat_rad is not None
+    ]
+
+
+def _widened(tables: CampaignTable) -> list[str]:
+    """Warn of a closure that the operator widened because the turns did not close to it."""
+    procedure = tables.procedure
+    if procedure.closure_widened_from_deg is None:
+        return []
+    return [
+        f"{CAMPAIGN_TOML}: closure_std_deg was widened by the operator from "
+        f"{procedure.closure_widened_from_deg:.3g} to {procedure.closure_std_deg:.3g}, "
+        "as hand turns did not close to it"
+    ]
+
+
+def _gravity_of_another_place(site: SiteTable) -> list[str]:
+    """Warn of a stated gravity that is not that of the stated latitude and height."""
+    if site.gravity_m_s2 is None:
+        return []
+    normal = normal_gravity(float(np.radians(site.latitude_deg)), site.height_m)
+    off = site.gravity_m_s2 - normal
+    if abs(off) <= ANOMALY:
+        return []
+    return [
+        f"{CAMPAIGN_TOML}: gravity_m_s2 = {site.gravity_m_s2:.9g} is {off:+.2g} m/s2 off the {normal:.4f} of "
+        f"latitude {site.latitude_deg:.6g} deg and height {site.height_m:.6g} m, expected within {ANOMALY:g}: if "
+        f"it is wrong, the accelerometers' scale factors are {-1e6 * off / site.gravity_m_s2:+.0f} ppm off; "
+        f"check gravity, latitude and height"
+    ]
+
+
+def read_for_solve(folders: Sequence[Path]) -> list[LoadedCampaign]:
+    """Read folders that are to be solved jointly; refuse what no solve may use.
+
+    Raises
+    ------
+    DataRefused
+        A folder breaks a rule, is of another unit, or its sample period is more than 1 % off.
+    """
+    loaded = [read_campaign(folder) for folder in folders]
+    check_one_unit(loaded)
+    for one in loaded:
+        check_for_solve(one)
+    return loaded

@@ -1,0 +1,147 @@
+"""A campaign as it was read from a folder: what a solve needs and what else the folder said."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Campaign
+from procedures.counts.reference_time import ClockRate
+from procedures.diagnosis.clock_rate_check import PLAUSIBLE, SIGMAS, clock_rate, false_pace, is_known
+from procedures.units import PPM_PER_ONE
+from station.errors import DataRefused
+from station.files.campaign_folder.campaign_schema import CampaignTable, StepTable
+from station.files.campaign_folder.sample_series import WARN_PERIOD, StepData
+
+REFUSE_PERIOD = 1e-2  # relative, docs/campaign-folder.md
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoadedStep:
+    """A step of any kind with its data: a series, or for a turntable the columns of its points, each (n,)."""
+
+    kind: str
+    table: StepTable
+    line: int
+    data: StepData | None
+    points: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    @property
+    def label(self) -> str:
+        """The step in words: its kind, its attitude if it is not one of the twelve positions, its file."""
+        up, attitude = getattr(self.table, "up", None), getattr(self.table, "attitude", None)
+        where = f" up={up}" if up else f" attitude={attitude}" if attitude else ""
+        return f"{self.kind}{where} ({self.table.file})"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoadedCampaign:
+    """A folder's campaign; ``files`` maps each file's name to its sha256."""
+
+    folder: Path
+    tables: CampaignTable
+    campaign: Campaign
+    steps: tuple[LoadedStep, ...]
+    files: Mapping[str, str]
+    warnings: tuple[str, ...]
+    unused_steps: tuple[str, ...]
+
+
+def check_one_unit(campaigns: Sequence[LoadedCampaign]) -> None:
+    """Refuse campaigns that cannot be solved jointly: of other units or outputs, or with a recording in common.
+
+    Raises
+    ------
+    DataRefused
+        Naming the first campaign or file that does not fit, and what it does not fit.
+    """
+    first, seen = campaigns[0], dict[str, Path]()
+    for other in campaigns:
+        if (found := _unit(other)) != (expected := _unit(first)):
+            file = other.folder / "campaign.toml"
+            raise DataRefused(file, None, found, f"{expected} as in {first.folder}", "solve each unit by itself")
+        names = {step.table.file for step in other.steps}
+        for sha256, file in ((other.files[name], other.folder / name) for name in sorted(names)):
+            if sha256 in seen:
+                raise DataRefused(file, None, f"the same bytes as in {seen[sha256]}", "each recording once")
+            seen[sha256] = file
+
+
+def _unit(loaded: LoadedCampaign) -> str:
+    imu = loaded.tables.imu
+    return f"{imu.model} {imu.serial} with {'rates' if imu.output == 'rate' else 'counts'}"
+
+
+def off_period(rate: ClockRate) -> float:
+    """Return by how much of itself a sample lasts longer than the device says, from reference time."""
+    return 1 / (1 + rate.ppm / PPM_PER_ONE) - 1
+
+
+def clock_sentence(period: float, off: float, by: str = "reference time") -> str:
+    """Say a sample period [s] that another clock shows to be ``off`` (relative)."""
+    return (
+        f"clock.rate: by {by} a sample lasts {period * (1 + off):.9g} s, {off:+.2%} off "
+        f"sample_period_s = {period:.9g}"
+    )
+
+
+def clock_warnings(tables: CampaignTable, campaign: Campaign) -> list[str]:
+    """Return what reference time (``utc_s``) beside the rows says of the sample period, beyond 0.1 %.
+
+    Where it cannot tell as much, or is no time [s] of these rows, that is said.
+    """
+    if (pace := false_pace(campaign)) is not None:
+        return [
+            f"clock.rate: utc_s is no time [s] of these rows: it moves by {pace:.3g} while t_s moves by 1 s, "
+            "expected 1; correct its unit or direction, or leave the column out; until then it tells nothing"
+        ]
+    rate = clock_rate(campaign)
+    if rate is None:
+        return []
+    open_to = SIGMAS * rate.std / PPM_PER_ONE
+    if not is_known(rate):
+        return [
+            f"clock.rate: reference time tells it to +-{open_to:.2%} only (4 sigma), being read with delays of up "
+            f"to {rate.delay:.2g} s; record on a machine with less to do, or longer"
+        ]
+    off = off_period(rate)
+    return [clock_sentence(tables.imu.sample_period_s, off)] if abs(off) - open_to > WARN_PERIOD else []
+
+
+def _advice(rate: ClockRate) -> str:
+    if abs(rate.ppm) > PLAUSIBLE:
+        return "check the sync line and the declared rate, and that t_s and utc_s are in seconds of the same rows"
+    if not is_known(rate):
+        return "check the sync line and the declared rate; record longer, so that the rate is known"
+    return "check the sync line and the declared rate, or run `station diagnose` (it names clock.rate)"
+
+
+def check_for_solve(loaded: LoadedCampaign) -> None:
+    """Refuse what only a diagnosis may still use: a mean sample period more than 1 % off its nominal.
+
+    It is looked at in the device's own time and, where rows hold it, in reference time.
+
+    Raises
+    ------
+    DataRefused
+        Naming the first such file and both periods.
+    """
+    rate = clock_rate(loaded.campaign)
+    if rate is not None and abs(off := off_period(rate)) - SIGMAS * rate.std / PPM_PER_ONE > REFUSE_PERIOD:
+        raise DataRefused(
+            loaded.folder / "campaign.toml",
+            None,
+            clock_sentence(loaded.tables.imu.sample_period_s, off),
+            "the sample period within 1 %",
+            _advice(rate),
+        )
+    nominal = loaded.tables.imu.sample_period_s
+    for step in loaded.steps:
+        if step.data is not None and abs(step.data.series.period / nominal - 1) > REFUSE_PERIOD:
+            raise DataRefused(
+                loaded.folder / step.table.file,
+                None,
+                f"a mean sample period of {step.data.series.period:.9g} s",
+                f"sample_period_s = {nominal:.9g} within 1 %",
+                "correct sample_period_s or run `station diagnose` (it may name clock.rate)",
+            )

@@ -1,0 +1,144 @@
+"""Columns to a series of samples: times, gaps and segments, cumulative outputs, the measured period."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.counts.sample_records import CountSeries, RateSeries, Series
+from procedures.counts.sample_times import SampleTimes, sample_times
+from station.errors import DataRefused
+from station.files.campaign_folder.campaign_schema import CampaignImuTable
+from station.files.columns import OUTPUTS, TRIADS, Table
+
+WARN_PERIOD = 1e-3  # relative, docs/campaign-folder.md
+_NAMED_GAPS = 10
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepData:
+    """What a step's file holds, a value per sample.
+
+    ``times`` is what the stamps say.
+    ``span`` is the first and last ``t_s`` [s]; ``host_span`` the station's time [ns] where the file has it;
+    ``warnings`` what is legal but worth saying.
+    """
+
+    series: Series
+    span: tuple[float, float]
+    times: SampleTimes
+    host_span: tuple[int, int] | None = None
+    warnings: tuple[str, ...] = ()
+
+
+def step_data(table: Table, imu: CampaignImuTable) -> StepData:
+    """Give a step's columns their meaning.
+
+    Raises
+    ------
+    DataRefused
+        If ``t_s`` does not increase, or counts leave their word, add up beyond 2^62 or are too few.
+    """
+    t = table.columns["t_s"]
+    _refuse_time_backwards(table, np.diff(t))
+    times = sample_times(t, imu.sample_period_s)
+    begins, period = times.begins, times.period
+    keep = np.ones(len(t), dtype=bool)
+    if (
+        imu.output == "cumulative"
+    ):  # the first row of a segment is its base: a difference across a gap is no sample
+        keep[begins] = False
+    if not keep.any():
+        raise DataRefused(
+            table.file, table.line(0), f"{len(t)} row(s)", "two rows in sequence, outputs being cumulative"
+        )
+    before = np.cumsum(keep) - keep
+    starts = np.unique(before[begins])
+    arrays = {triad: _outputs(table, names, imu, keep) for triad, names in TRIADS.items()}
+    temperature = table.columns.get("temp_c", np.full(len(t), np.nan))[keep]
+    extra = {name: c[keep] for name, c in table.columns.items() if name not in {*OUTPUTS, "t_s", "temp_c"}}
+    series = _series(times.t[keep], arrays, temperature, period, starts[starts < keep.sum()], imu, extra)
+    warnings = (*_gap_warnings(table, begins[1:]), *_uneven(table, times), *_other_warnings(table, period, imu))
+    return StepData(series, (float(t[0]), float(t[-1])), times, table.host_span, warnings)
+
+
+def _refuse_time_backwards(table: Table, step: FloatArray) -> None:
+    t = table.columns["t_s"]
+    if len(bad := np.flatnonzero(step <= 0)):
+        row = int(bad[0]) + 1
+        found = f"t_s {t[row]:.9g} after {t[row - 1]:.9g}"
+        todo = "correct the file"
+        if t[row] == t[row - 1]:
+            todo = "where one read brought several rows, give each its own: the one before + sample_period_s"
+        raise DataRefused(table.file, table.line(row), found, "t_s that increases from row to row", todo)
+
+
+def _outputs(table: Table, names: tuple[str, ...], imu: CampaignImuTable, keep: BoolArray) -> FloatArray | None:
+    if names[0] not in table.columns:
+        return None
+    values = np.stack([table.columns[name] for name in names], axis=1)
+    if imu.output == "cumulative":
+        if imu.wrap_bits is not None:
+            _refuse_outside_word(table, values, names, imu.wrap_bits)
+        values = np.diff(values, axis=0, prepend=values[:1])
+        if imu.wrap_bits is not None:
+            half = 2.0 ** (imu.wrap_bits - 1)
+            values = (values + half) % (2 * half) - half
+    if imu.output != "rate" and np.abs(values).sum() >= 2.0**62:
+        raise DataRefused(table.file, None, "counts that add up beyond 2^62", "counts of a real device")
+    kept: FloatArray = values[keep]
+    return kept
+
+
+def _refuse_outside_word(table: Table, values: FloatArray, names: tuple[str, ...], bits: int) -> None:
+    unsigned = values.min() >= 0
+    low, high = (0, 2**bits - 1) if unsigned else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    if len(bad := np.argwhere((values < low) | (values > high))):
+        row, axis = (int(i) for i in bad[0])
+        found = f"{values[row, axis]:.0f} in column {names[axis]}"
+        raise DataRefused(table.file, table.line(row), found, f"{low} to {high}, wrap_bits being {bits}")
+
+
+def _series(
+    t: FloatArray,
+    arrays: dict[str, FloatArray | None],
+    temperature: FloatArray,
+    period: float,
+    starts: IntArray,
+    imu: CampaignImuTable,
+    extra: dict[str, FloatArray],
+) -> Series:
+    gyro, accel = arrays["gyro"], arrays["accel"]
+    if imu.output == "rate":
+        return RateSeries(t, gyro, accel, temperature, period, starts, extra)
+    counts = [None if a is None else a.astype(np.int64) for a in (gyro, accel)]
+    return CountSeries(t, counts[0], counts[1], temperature, period, starts, extra)
+
+
+def _gap_warnings(table: Table, gaps: IntArray) -> list[str]:
+    t = table.columns["t_s"]
+    named = [
+        f"{table.file}:{table.line(row)}: a gap of {t[row] - t[row - 1]:.6g} s"
+        for row in gaps[:_NAMED_GAPS].tolist()
+    ]
+    if len(gaps) > _NAMED_GAPS:
+        named.append(f"{table.file}: {len(gaps) - _NAMED_GAPS} more gaps")
+    return named
+
+
+def _uneven(table: Table, times: SampleTimes) -> list[str]:
+    if not times.is_uneven:
+        return []
+    step = np.delete(np.diff(table.columns["t_s"]), times.begins[1:] - 1)
+    return [
+        f"{table.file}: t_s goes on in steps of {step.min():.3g} to {step.max():.3g} s, as of reads, not "
+        f"of samples; the rows are taken to be samples at a regular pace, {times.period:.9g} s by this file alone"
+    ]
+
+
+def _other_warnings(table: Table, period: float, imu: CampaignImuTable) -> list[str]:
+    said = [f"{table.file}: {table.damage}; {table.rows} samples read"] if table.damage else []
+    off = period / imu.sample_period_s - 1
+    if abs(off) > WARN_PERIOD:
+        said.append(f"{table.file}: mean sample period {period:.9g} s is {off:+.2%} off sample_period_s")
+    return said

@@ -1,0 +1,148 @@
+"""A fusion folder to memory."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
+from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from station.errors import DataRefused
+from station.files.fusion_folder.fusion_columns import (
+    FORCE,
+    GNSS,
+    IMU,
+    POSITION,
+    RATE,
+    VELOCITY,
+    read_table,
+    refuse_time,
+    stacked,
+)
+from station.files.fusion_folder.fusion_schema import FusionTable, GnssTable
+from station.files.fusion_folder.plausibility import refuse_apart, refuse_far, refuse_units
+from station.files.fusion_folder.tracks import camera_of, read_tracks
+from station.files.fusion_folder.tum import read_tum
+from station.files.toml_reading import Key, line_of, read_folder_toml
+
+FUSION_TOML = "fusion.toml"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FusionLog:
+    """A folder's content: what is not in it is None. ``latitude`` [rad], ``gravity`` [m/s2]."""
+
+    folder: Path
+    table: FusionTable
+    latitude: float
+    gravity: float
+    fixes: GnssFixes
+    imu: ImuSeries | None
+    noise: ImuNoise | None
+    odometry: Trajectory | None
+    truth: Trajectory | None
+    tracks: Tracks | None = None
+    camera: Camera | None = None
+
+
+def read_fusion(folder: Path) -> FusionLog:
+    """Read a ``fusion/1`` folder.
+
+    Raises
+    ------
+    DataRefused
+        If the folder breaks a rule of docs/locate.md: with file, line, found and expected.
+    """
+    table, lines = read_fusion_toml(folder)
+    fixes = _fixes(folder, table.gnss, lines)
+    imu = _imu(folder, table, lines)
+    odometry = _trajectory(folder, table, "odometry", lines)
+    truth = _trajectory(folder, table, "truth", lines)
+    refuse_far(fixes, folder / table.gnss.file)
+    for moved, what in ((imu, "IMU"), (odometry, "odometry"), (truth, "truth")):
+        if moved is not None:
+            refuse_apart(fixes, moved.t, what, folder / table.gnss.file)
+    latitude = float(np.radians(table.site.latitude_deg))
+    gravity = table.site.gravity_m_s2 or normal_gravity(latitude, table.site.height_m)
+    tracks, camera = _camera(folder, table, lines, fixes)
+    return FusionLog(folder, table, latitude, gravity, fixes, imu, _noise(table), odometry, truth, tracks, camera)
+
+
+def read_fusion_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
+    """Return the tables of a folder, and the line of each key; refuse what breaks a rule."""
+    if not folder.is_dir():
+        raise DataRefused(folder, None, "no such folder", f"a folder with a {FUSION_TOML}", "name a fusion folder")
+    tables, lines, _ = read_folder_toml(folder, FUSION_TOML, FusionTable)
+    return tables, lines
+
+
+def files_of(folder: Path, but: str = "") -> list[Path]:
+    """Return the files that a folder consists of, there or not, without that of the table ``but``."""
+    table, _ = read_fusion_toml(folder)
+    parts = (getattr(table, name) for name in ("imu", "gnss", "odometry", "tracks", "truth") if name != but)
+    return [folder / FUSION_TOML, *(folder / part.file for part in parts if part is not None)]
+
+
+def _imu(folder: Path, table: FusionTable, lines: dict[Key, int]) -> ImuSeries | None:
+    if table.imu is None:
+        return None
+    read = read_table(folder, table.imu.file, line_of(("imu", "file"), lines), IMU)
+    refuse_time(read.columns["t_s"], read.first_line, read.file)
+    imu = ImuSeries(read.columns["t_s"], stacked(read, RATE), stacked(read, FORCE))
+    refuse_units(imu, folder / table.imu.file)
+    return imu
+
+
+def _camera(
+    folder: Path, table: FusionTable, lines: dict[Key, int], fixes: GnssFixes
+) -> tuple[Tracks | None, Camera | None]:
+    if table.tracks is None:
+        return None, None
+    tracks = read_tracks(folder, table.tracks.file, line_of(("tracks", "file"), lines))
+    refuse_apart(fixes, tracks.t, "tracks", folder / table.gnss.file)
+    return tracks, camera_of(table.tracks)
+
+
+def _noise(table: FusionTable) -> ImuNoise | None:
+    if (imu := table.imu) is None:
+        return None
+    return ImuNoise(
+        imu.gyro_noise_rad_s_rthz,
+        imu.gyro_walk_rad_s2_rthz,
+        imu.accel_noise_m_s2_rthz,
+        imu.accel_walk_m_s3_rthz,
+        imu.gyro_bias_std_rad_s,
+        imu.accel_bias_std_m_s2,
+    )
+
+
+def _fixes(folder: Path, gnss: GnssTable, lines: dict[Key, int]) -> GnssFixes:
+    read = read_table(folder, gnss.file, line_of(("gnss", "file"), lines), GNSS)
+    refuse_time(read.columns["t_s"], read.first_line, read.file)
+    file = folder / gnss.file
+    position_std = _std(read.columns.get("position_std_m"), gnss.position_std_m, read.rows, "position_std_m", file)
+    v_n = stacked(read, VELOCITY)
+    course = read.columns.get("course_rad", np.full(read.rows, np.nan))
+    if np.isfinite(v_n[:, 0]).any() or np.isfinite(course).any():
+        given = read.columns.get("velocity_std_m_s")
+        velocity_std = _std(given, gnss.velocity_std_m_s, read.rows, "velocity_std_m_s", file)
+    else:
+        velocity_std = np.full(read.rows, np.nan)
+    return GnssFixes(read.columns["t_s"], stacked(read, POSITION), v_n, course, position_std, velocity_std)
+
+
+def _std(column: FloatArray | None, table: float | None, rows: int, name: str, file: Path) -> FloatArray:
+    """Return 1 sigma of each row: the cell, else the table's value."""
+    std = np.full(rows, np.nan) if column is None else column
+    std = np.where(np.isfinite(std), std, np.nan if table is None else table)
+    if len(bad := np.flatnonzero(~(std > 0))):
+        found = "no value" if np.isnan(std[bad[0]]) else f"{std[bad[0]]:g}"
+        raise DataRefused(file, 2 + int(bad[0]), f"{name}: {found}", f"a {name} above 0 here or in [gnss]")
+    return std
+
+
+def _trajectory(folder: Path, table: FusionTable, name: str, lines: dict[Key, int]) -> Trajectory | None:
+    part = getattr(table, name)
+    return part and read_tum(folder, part.file, line_of((name, "file"), lines))

@@ -1,0 +1,173 @@
+"""A scenario file to what is to be served; what cannot be done is refused with its line, before anything is."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from drivers.errors import DriverError
+from drivers.mavlink.signing import read_key
+from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.camera_truth import CameraTruth
+from drivers.simulated.device import ByteDevice, Move
+from drivers.simulated.effects import planted
+from drivers.simulated.errors import TruthRefused, UnknownEffect
+from drivers.simulated.line_faults import Fault
+from drivers.simulated.server import CAN_TRANSPORTS
+from drivers.simulated.timed_faults import TimedFault, camera_faults_from, gnss_faults_from
+from drivers.simulated.truth import Truth, truth_from
+from drivers.simulated.vehicle_track import VehicleTrack, load_track
+from station.errors import DataRefused
+from station.files.faults_file import each_fault, faults_of
+from station.files.scenario.scenario_schema import CameraTable, GnssTable, HandsTable, ScenarioTable
+from station.files.toml_reading import Key, line_of, read_tables, read_text_file
+
+EARLIEST = 1e-6  # s: a move may begin so much before the one before is over
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scenario:
+    """What is to be served; ``table`` has the ports. ``drive`` is the IMU's track, ``track`` the receiver's."""
+
+    path: Path
+    table: ScenarioTable
+    truth: Truth
+    moves: tuple[Move, ...]
+    faults: tuple[Fault, ...]
+    autopilot: AutopilotTruth | None
+    track: VehicleTrack | None
+    gnss_faults: tuple[TimedFault, ...]
+    drive: VehicleTrack | None
+    camera: CameraTruth | None
+    camera_faults: tuple[TimedFault, ...]
+
+    def beside(self, name: str) -> str:
+        """Return the path of a file that is named in the scenario, from the folder it stands in."""
+        return str(self.path.parent / name) if name else ""
+
+
+def read_scenario(path: Path) -> Scenario:
+    """Read a scenario file; raise `DataRefused` with the line of what is wrong."""
+    table, lines = read_tables(read_text_file(path), path, ScenarioTable)
+    where = _Lines(path, lines)
+    truth = _truth(table, where)
+    is_can = table.imu.transport in CAN_TRANSPORTS
+    if table.gnss is None and table.gnss_fault:
+        raise where.refusal(("gnss_fault", 0), "a fault of a receiver that is not there", "a table [gnss]")
+    if table.camera is None and table.camera_fault:
+        raise where.refusal(("camera_fault", 0), "a fault of a camera that is not there", "a table [camera]")
+    drive = _drive(table, truth, path, where)
+    return Scenario(
+        path,
+        table,
+        truth,
+        tuple(_moves(table, truth, where)),
+        tuple(each_fault(table.fault, "fault", faults_of(is_on_can=is_can), path, where.lines)),
+        _autopilot(table.gnss, path, where),
+        _track(table.gnss.track if table.gnss else "", ("gnss", "track"), path, where) or drive,
+        tuple(each_fault(table.gnss_fault, "gnss_fault", gnss_faults_from, path, where.lines)),
+        drive,
+        _camera(table.camera, where),
+        tuple(each_fault(table.camera_fault, "camera_fault", camera_faults_from, path, where.lines)),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Lines:
+    path: Path
+    lines: dict[Key, int]
+
+    def refusal(self, key: Key, found: str, expected: str) -> DataRefused:
+        return DataRefused(self.path, line_of(key, self.lines), found, expected)
+
+    @contextmanager
+    def at(self, *key: str | int) -> Iterator[None]:
+        """Give what the simulator refuses the line of a key."""
+        try:
+            yield
+        except TruthRefused as error:
+            raise self.refusal(key, error.found, error.expected) from error
+        except UnknownEffect as error:
+            raise self.refusal(key, f"effect {error.name!r}", f"one of {', '.join(error.accepted)}") from error
+
+
+def _truth(table: ScenarioTable, where: _Lines) -> Truth:
+    base = Truth() if table.example is None else Truth.example(table.example)
+    for name, value in table.truth.items():
+        with where.at("truth", name):
+            truth = truth_from({name: value}, base)
+        for effect, sizes in truth.effects.items():
+            with where.at("truth", "effects", effect, next(iter(sizes), "")):
+                planted({effect: sizes})
+    return truth_from(table.truth, base)
+
+
+def _moves(table: ScenarioTable, truth: Truth, where: _Lines) -> Iterator[Move]:
+    """Return all moves with their times; they are tried on a device in memory that lets no time pass."""
+    device, free_s, queued_s = ByteDevice(truth, table.seed, "counts"), 0.0, 0.0
+    for number, hands in enumerate(table.hands):
+        at_s = _begin(hands, free_s, where, number)
+        answer = device.obey(hands.do)
+        if not answer.startswith("ok time "):
+            raise where.refusal(("hands", number, "do"), f"{hands.do!r}", f"a move ({answer})")
+        free_s = at_s + device.imu.done - queued_s
+        queued_s = device.imu.done
+        yield Move(at_s, hands.do)
+
+
+def _begin(hands: HandsTable, free_s: float, where: _Lines, number: int) -> float:
+    if hands.at_s is None:
+        return free_s
+    if hands.at_s < free_s - EARLIEST:
+        key = ("hands", number, "at_s")
+        raise where.refusal(key, f"at_s = {hands.at_s:g}", f"{free_s:.1f} or more: the hands are busy until then")
+    return hands.at_s
+
+
+def _autopilot(gnss: GnssTable | None, path: Path, where: _Lines) -> AutopilotTruth | None:
+    if gnss is None:
+        return None
+    given = gnss.autopilot.model_dump(exclude_unset=True)
+    if "denies" in given:
+        given["denies"] = frozenset(given["denies"])
+    if "key" in given:
+        try:
+            given["key"] = read_key(str(path.parent / given["key"]))
+        except DriverError as error:
+            raise where.refusal(("gnss", "autopilot", "key"), str(error), "a key file") from error
+    return AutopilotTruth(**given)
+
+
+def _track(name: str, key: Key, path: Path, where: _Lines) -> VehicleTrack | None:
+    if not name:
+        return None
+    text = read_text_file(path.parent / name).decode("utf-8", "replace")
+    with where.at(*key):
+        return load_track(text)
+
+
+def _drive(table: ScenarioTable, truth: Truth, path: Path, where: _Lines) -> VehicleTrack | None:
+    track = _track(table.imu.track, ("imu", "track"), path, where)
+    if track is None:
+        return None
+    if table.hands:
+        raise where.refusal(("hands", 0), "hands, and an IMU that is driven along a track", "one of them")
+    with where.at("imu", "track"):
+        ByteDevice(truth, table.seed, "counts").drive(track)
+    return track
+
+
+def _camera(table: CameraTable | None, where: _Lines) -> CameraTruth | None:
+    if table is None:
+        return None
+    given = table.model_dump(exclude={"port", "imu_from_camera"})
+    named = {name.removesuffix("_px"): value for name, value in given.items()}
+    for name, size in (("cx", table.width), ("cy", table.height)):  # the image's middle, where it is not said
+        named[name] = (size - 1) / 2 if named[name] is None else named[name]
+    if table.imu_from_camera is not None:
+        matrix = np.array(table.imu_from_camera)
+        named |= {"C_bc": matrix[:3, :3], "t_bc": matrix[:3, 3]}
+    with where.at("camera", "imu_from_camera"):
+        return CameraTruth(**named)

@@ -1,0 +1,87 @@
+"""What the accepted steps of a campaign that is gone on with leave for those after them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.bench.turn_closing import TurnCounts
+from procedures.campaign.campaign import TurnRecord
+from procedures.campaign.plan_steps import FreePosition, Soak, Turn
+from procedures.frames import AXES
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell
+from station.guide.step_checklist import is_free
+from station.stream.live.power_cycle import switched_on_again
+from station.stream.live.rates_as_counts import counted_series
+from station.stream.recorder.accepted_step_writer import step_of
+
+SURE_REST_S = 2.0  # of rest before a turn that surely were
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AcceptedSteps:
+    """What accepted steps leave, by step name where not said otherwise.
+
+    ``dwells`` as accepted; ``turns`` in the order they were done; ``seconds`` how long each step is;
+    ``free_attitudes`` by the accelerometers' count rates (3,); ``badly_seated`` the positions whose seat is bad;
+    ``turn_on`` for which time, from 1, the unit was switched on, and ``last_s`` what its clock said last.
+    """
+
+    dwells: tuple[AcceptedDwell, ...] = ()
+    turns: Mapping[str, TurnCounts] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    free_attitudes: Mapping[str, FloatArray] = field(default_factory=dict)
+    badly_seated: frozenset[int] = frozenset()
+    turn_on: int = 1
+    last_s: float | None = None
+
+
+def after_pause(done: AcceptedSteps, now_s: float, elapsed_s: float) -> AcceptedSteps:
+    """Return what is left of it where the device's clock says ``now_s``, ``elapsed_s`` after the last step.
+
+    Nothing of the dwells if it was switched off and on: they held other biases.
+    """
+    if done.last_s is None or not switched_on_again(done.last_s, now_s, elapsed_s):
+        return done
+    return replace(done, dwells=(), turn_on=done.turn_on + 1, last_s=None)
+
+
+def read_accepted_steps(folder: Path) -> AcceptedSteps:
+    """Return what the accepted steps leave for those after them."""
+    folder_read = read_campaign(folder)
+    loaded = folder_read.campaign
+    tables = {one.file: one for one in folder_read.tables.steps()}
+    turn_on = max((getattr(one, "turn_on", None) or 1 for one in tables.values()), default=1)
+    now = [d for d in loaded.dwells if (getattr(tables[d.name], "turn_on", None) or 1) == turn_on]
+    before = [accepted_dwell(d.position, counted_series(d.series)) for d in now]
+    turns = {_name(turn): turn_seen(turn, loaded.fixture.C_sb) for turn in loaded.turns}
+    seconds, free_attitudes = dict[str, float](), dict[str, FloatArray]()
+    for one in folder_read.steps:
+        if (step := step_of(one.table)) is None or one.data is None:
+            continue
+        series = one.data.series
+        seconds[step.name] = len(series) * series.period
+        if isinstance(step, FreePosition | Soak) and is_free(step):
+            free_attitudes[step.name] = np.asarray(counted_series(series).accel).mean(axis=0) / series.period
+    bad = frozenset(one.position for one in folder_read.tables.dwell if one.position and one.kept_seat_rad)
+    of_now = [one for one in folder_read.steps if (getattr(one.table, "turn_on", None) or 1) == turn_on]
+    last = max((float(one.data.series.t[-1]) for one in of_now if one.data is not None), default=None)
+    return AcceptedSteps(tuple(before), turns, seconds, free_attitudes, bad, turn_on, last)
+
+
+def _name(turn: TurnRecord) -> str:
+    return Turn(turn.axis, turn.direction, turn.revolutions, turn.start_position, 0.0).name
+
+
+def turn_seen(turn: TurnRecord, C_sb: FloatArray) -> TurnCounts:
+    """Return a recorded turn as `TurnWatch` saw it: less the rate of its first seconds, at rest."""
+    series = counted_series(turn.series)
+    samples = np.asarray(series.gyro) @ C_sb[:, AXES.index(turn.axis)]
+    n = max(round(SURE_REST_S / series.period), 2)
+    rest, total = samples[:n], float(np.sum(samples - samples[:n].mean()))
+    angle = 2 * np.pi * turn.revolutions
+    noise = float(rest.std(ddof=1) / np.sqrt(n)) * len(samples) / abs(total) * angle
+    return TurnCounts(turn.direction, abs(total) / turn.revolutions, angle, noise)

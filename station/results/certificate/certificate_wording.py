@@ -1,0 +1,116 @@
+"""What a certificate says in words and lines: conditions, references, deviations, dates."""
+
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from typing import Any
+
+from station.results.certificate.certificate import Certificate
+from station.results.certificate.conformity import Conformity, greatest_risk
+from station.results.certificate.missing_statements import COMMIT
+from station.results.certificate.model_statement import is_timed, residual_said
+from station.text.rounding import decimals, fixed, significant
+
+METRE_PER_S2 = "m/s\u00b2"
+NB = "\u00a0"
+
+
+def greatest_risks(found: Conformity) -> str:
+    """Return for each guard band factor the greatest risk of an accepted value; empty if none has a sigma."""
+    guards = sorted({one.limit.guard_band for one in found.against if one.std})
+    return "; ".join(f"r\u00a0=\u00a0{r:g}: {100 * greatest_risk(r):.2g}{NB}%" for r in guards)
+
+
+def deviations(document: Mapping[str, Any]) -> list[str]:
+    """Return what was done otherwise than the procedure says, or stood out."""
+    procedure = document["procedure"]
+    said = list(procedure.get("deviations", ()))
+    said += [residual_said(document, text) for text in procedure.get("warnings", ())]
+    if (found := COMMIT.search(document["software"])) and found["dirty"]:
+        said.append("the software had changes that its commit does not hold")
+    return said
+
+
+def conditions(certificate: Certificate) -> list[tuple[str, str]]:
+    """Return label and text of the conditions of measurement."""
+    document, lab = certificate.document, certificate.laboratory
+    site = document["site"]
+    where = f"latitude {site['latitude_deg']:.4f}\u00b0"
+    if "height_m" in site:
+        where += f", height {site['height_m']:g}{NB}m"
+    lines = [("Site", f"{site['id']}: {where}" if "id" in site else where), ("Local gravity", gravity(site))]
+    if span := document.get("temperature_range_c"):
+        lines.append(("Temperature of the unit", span_text(span, "\u00b0C")))
+    if "reference_temperature_c" in document:
+        lines.append(("Results refer to", f"{document['reference_temperature_c']:.1f}{NB}\u00b0C of the unit"))
+    if span := lab.environment.temperature_c:
+        lines.append(("Temperature of the laboratory", span_text(span, "\u00b0C")))
+    if span := lab.environment.humidity_percent:
+        lines.append(("Relative humidity", span_text(span, "%")))
+    return lines
+
+
+def gravity(site: Mapping[str, Any]) -> str:
+    """Return gravity with its standard uncertainty."""
+    std = site["gravity_std_m_s2"]
+    value = fixed(site["gravity_m_s2"], max(decimals(std), 0))
+    return f"{value}{NB}{METRE_PER_S2}, standard uncertainty {significant(std)}{NB}{METRE_PER_S2}"
+
+
+def clock_of_the_laboratory(certificate: Certificate) -> tuple[str, str]:
+    """Return label and text of what the laboratory says of its clock: a statement, no part of this measurement."""
+    text = certificate.laboratory.traceability.time_base
+    return "Laboratory\u2019s clock", f"{text}; as the laboratory states, the device was not compared with it"
+
+
+def references(certificate: Certificate) -> list[dict[str, str]]:
+    """Return what the results are traceable to: quantity, reference, by whom, when, until when."""
+    document, lab = certificate.document, certificate.laboratory
+    known = {one["kind"]: one for one in document["references"]}
+    site = document["site"]
+    lines = [_reference("Angle", known["cube"], f"cube {known['cube']['id']}")]
+    if "side_mm" in known["cube"]:
+        lines[0]["what"] += f", side {known['cube']['side_mm']:g}{NB}mm"
+    lines.append(_reference("Level", known["slab"], f"slab {known['slab']['id']}"))
+    survey = known.get("site", {})
+    source = site.get("gravity_source") or lab.traceability.gravity_source
+    lines.append(_reference("Gravity", {**survey, "source": source}, f"g at {survey.get('id', 'the slab')}"))
+    if not str(source).startswith("normal gravity"):  # a formula has no date
+        lines[-1]["measured"] = lines[-1]["measured"] or "date of survey not stated"
+    return [*lines, _time(document)]
+
+
+def _time(document: Mapping[str, Any]) -> dict[str, str]:
+    """Return what is known of the second that the counts refer to, whatever clock the laboratory has."""
+    if not is_timed(document):
+        line = _reference("Time", {"source": "the device\u2019s own clock, compared with no reference"}, "second")
+        return line | {"measured": "not compared"}
+    gnss = {"source": "GNSS time, recorded beside the counts", "measured_utc": document["procedure"]["ended_utc"]}
+    return _reference("Time", gnss, "second")
+
+
+def day(text: str) -> str:
+    """Return the day of a moment or a date."""
+    return text[:10]
+
+
+def minute(moment: str | datetime) -> str:
+    """Return a moment to the minute, in UTC."""
+    text = moment if isinstance(moment, str) else moment.isoformat()
+    return f"{text[:10]} {text[11:16]} UTC"
+
+
+def span_text(span: Sequence[float], unit: str) -> str:
+    """Return a range."""
+    low, high = (f"{end:.1f}" for end in span)
+    return f"{low}{NB}{unit}" if low == high else f"{low} to {high}{NB}{unit}"
+
+
+def _reference(quantity: str, one: Mapping[str, Any], what: str) -> dict[str, str]:
+    return {
+        "quantity": quantity,
+        "what": what,
+        "source": one.get("source") or "",
+        "measured": day(one.get("measured_utc", "")),
+        "due": one.get("due_date", ""),
+        "certificate": one.get("certificate", ""),
+    }

@@ -1,0 +1,212 @@
+"""A campaign being recorded: a step is on the disk, hashed and in the database before it counts as accepted.
+
+Order at accept: the step's file, synced and under its name; its hash in ``SHA256SUMS``; ``campaign.toml``,
+replaced whole; the row in the database. A kill in between leaves a folder that reads with every step accepted
+before.
+"""
+
+import os
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from types import MappingProxyType
+from typing import Literal
+
+from sqlalchemy.orm import Session
+
+from fixtures_db.campaigns import accept_step, set_state, start_campaign
+from fixtures_db.database import Database
+from fixtures_db.site_surveys import surveyed_site
+from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
+from procedures.frames import TURN_START
+from station.errors import cannot_write
+from station.files.atomic_file import sync_folder
+from station.files.campaign_folder.campaign_schema import (
+    CampaignImuTable,
+    CampaignTable,
+    DwellTable,
+    FixtureTable,
+    ProcedureTable,
+    SiteTable,
+    SoakTable,
+    StepTable,
+    TurnTable,
+)
+from station.files.campaign_folder.campaign_writing import write_tables
+from station.files.mcap_files import BY_OUTPUT, StepWriter
+from station.files.sha256sums import append_hash
+from station.stream.recorder.connected_unit import Unit
+from station.stream.recorder.row_times import RowTimes, Utc
+from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
+
+TOML = "campaign.toml"
+_NUMBERED = re.compile(r"(free|soak)_(\d+)")
+
+
+class CampaignRecorder:
+    """Writes the accepted steps of one campaign; made by `open_campaign`, or reopened.
+
+    ``accepted`` counts by step name how often it was accepted; all but the last are superseded. ``utc``, where a
+    reference is read beside the device, says what UTC [s] a moment of the station's clock [ns] was.
+    """
+
+    def __init__(
+        self, folder: Path, tables: CampaignTable, database: Database, accepted: Mapping[str, int] | None = None
+    ) -> None:
+        self.folder, self.tables = folder, tables
+        self.accepted = Counter(accepted or {})
+        self.utc: Utc | None = None
+        self._database = database
+        self._key = str(folder.resolve())
+
+    def accept(
+        self,
+        step: Step,
+        tape: SampleBuffer,
+        runs: Sequence[SampleRun],
+        said: Mapping[str, object] = MappingProxyType({}),
+    ) -> Path:
+        """Record ``step`` as the samples of ``runs``; it is accepted when this returns its file.
+
+        ``said`` is what else its table in ``campaign.toml`` holds, by key.
+
+        A step of the same name recorded before is superseded: its file stays, the campaign no longer names it.
+        """
+        path = self._free_name(step.name)
+        part = path.with_name(f".{path.name}.part")
+        part.unlink(missing_ok=True)
+        sha256 = _write(part, tape, runs, BY_OUTPUT[self.tables.imu.output], self.utc)
+        try:
+            os.rename(part, path)
+            sync_folder(self.folder)
+        except OSError as error:
+            raise cannot_write(path, error) from error
+        append_hash(self.folder, path.name, sha256)
+        tables = _with_step(self.tables, step, path.name, said)
+        write_tables(self.folder, tables)
+        with self._database.write() as session:
+            accept_step(
+                session, self._key, name=step.name, file=path.name, sha256=sha256, accepted_utc=datetime.now(UTC)
+            )
+        self.tables = tables
+        self.accepted[step.name] += 1
+        return path
+
+    def finish(self, state: str = "recorded") -> None:
+        """Say in the database that the campaign is ``recorded``, ``accepted`` or ``cancelled``."""
+        with self._database.write() as session:
+            set_state(session, self._key, state)
+
+    def _free_name(self, stem: str) -> Path:
+        number, path = 1, self.folder / f"{stem}.mcap"
+        while path.exists():
+            number += 1
+            path = self.folder / f"{stem}_{number}.mcap"
+        return path
+
+
+def open_campaign(
+    folder: Path,
+    unit: Unit,
+    site: SiteTable,
+    database: Database,
+    *,
+    output: Literal["increments", "rate"] = "increments",
+    fixture: FixtureTable | None = None,
+    procedure: ProcedureTable | None = None,
+    cube_id: str | None = None,
+    slab_id: str | None = None,
+    started_utc: datetime | None = None,
+) -> CampaignRecorder:
+    """Begin a campaign in ``folder``: its ``campaign.toml`` without steps, then its row in the database.
+
+    ``started_utc`` is the wall clock's unless a better one is known.
+    """
+    tables = CampaignTable(
+        format="campaign/1",
+        imu=CampaignImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output=output),
+        site=site,
+        procedure=procedure or ProcedureTable(),
+        fixture=fixture or FixtureTable(),
+    )
+    with database.write() as session:
+        start_campaign(
+            session,
+            str(folder.resolve()),
+            model=unit.model,
+            serial=unit.serial,
+            started_utc=started_utc or datetime.now(UTC),
+            cube_id=cube_id,
+            slab_id=slab_id,
+            site_id=_site_id(session, site),
+        )
+        write_tables(folder, tables)  # before the commit: a row always has its folder
+    return CampaignRecorder(folder, tables, database)
+
+
+def step_of(table: StepTable) -> Step | None:
+    """Return the step that a table of ``campaign.toml`` records, its duration 0; None if it is no guided one.
+
+    What a free position or a soak is called stands in its file's name.
+    """
+    if isinstance(table, TurnTable):
+        start = table.start_position or TURN_START[table.axis]
+        return Turn(table.axis, table.direction, table.revolutions, start, 0.0)
+    numbered = _NUMBERED.match(table.file)
+    match table:
+        case DwellTable(position=int(position)):
+            return Dwell(position, 0.0)
+        case DwellTable(attitude="free") if numbered and numbered[1] == "free":
+            return FreePosition(int(numbered[2]), 0.0)
+        case SoakTable(position=position, up=up) if numbered and numbered[1] == "soak":
+            return Soak(int(numbered[2]), 0.0, position or 0, up or "")
+    return None
+
+
+def _site_id(session: Session, site: SiteTable) -> str | None:
+    if site.gravity_m_s2 is None:
+        return None
+    found = surveyed_site(
+        session,
+        latitude_deg=site.latitude_deg,
+        gravity_m_s2=site.gravity_m_s2,
+        gravity_std_m_s2=site.gravity_std,
+    )
+    return None if found is None else found.id
+
+
+def _write(path: Path, tape: SampleBuffer, runs: Sequence[SampleRun], output: str, utc: Utc | None) -> str:
+    writer, times = StepWriter(path, output), RowTimes(utc)
+    try:
+        for chunk, block in tape.recording(runs):
+            writer.write_raw(chunk.host_ns, chunk.data)
+            if len(block):
+                writer.write_block(chunk.host_ns, block, utc_s=times.of(chunk.host_ns))
+        return writer.close()
+    except OSError as error:
+        writer.abandon()
+        raise cannot_write(path, error) from error
+
+
+def _with_step(tables: CampaignTable, step: Step, file: str, said: Mapping[str, object]) -> CampaignTable:
+    """Return the tables with ``step`` in ``file``, the recording before of the same step left out."""
+    kind, table = _table(step, file)
+    table = type(table).model_validate(table.model_dump() | dict(said))
+    kept = [one for one in getattr(tables, kind) if (known := step_of(one)) is None or known.name != step.name]
+    return tables.model_copy(update={kind: [*kept, table]})
+
+
+def _table(step: Step, file: str) -> tuple[str, StepTable]:
+    match step:
+        case Dwell(position=position):
+            return "dwell", DwellTable(position=position, file=file)
+        case FreePosition():
+            return "dwell", DwellTable(attitude="free", file=file)
+        case Soak(position=position, up=up):
+            where = {"position": position} if position else {"up": up} if up else {"attitude": "free"}
+            return "soak", SoakTable.model_validate({**where, "file": file})
+        case Turn():
+            own = {name: getattr(step, name) for name in ("axis", "direction", "revolutions", "start_position")}
+            return "turn", TurnTable.model_validate({**own, "file": file})

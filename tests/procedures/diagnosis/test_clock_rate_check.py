@@ -1,0 +1,156 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.calibration.calibration import solve
+from procedures.campaign.campaign import Campaign, DwellRecord
+from procedures.diagnosis.clock_rate_check import (
+    clock_rate,
+    false_pace,
+    find_clock,
+    is_known,
+    is_timed,
+    with_true_clock,
+)
+from procedures.diagnosis.diagnose import diagnose
+from procedures.effects import EFFECTS
+from procedures.statistics.tail_probabilities import log_f_sf
+from procedures.uncertainty import sources as named
+from procedures.uncertainty.budget import budget
+from procedures.uncertainty.clock_rate_sigma import with_clock
+from procedures.uncertainty.given_values import GivenValues
+from tests.procedures.diagnosis.planted import planted, with_reference_time
+
+BASE = planted(1, dwell_s=10.0)
+
+
+@pytest.mark.parametrize(("jitter", "step"), [(1e-3, 0.0), (1e-2, 1e-2), (0.0, 1.0)])
+def test_the_rate_is_found_within_its_own_sigma(jitter: float, step: float) -> None:
+    errors = []
+    for seed in range(100):
+        rate = clock_rate(with_reference_time(BASE, 37.0, seed, jitter, step))
+        assert rate is not None
+        errors.append((rate.ppm - 37.0) / rate.std)
+    assert np.max(np.abs(errors)) < 4.5
+    assert np.std(errors) < 1.25
+
+
+def test_a_right_clock_is_not_called_wrong() -> None:
+    wrong = sum(bool(find_clock([with_reference_time(BASE, 0.0, seed)])[0]) for seed in range(200))
+    assert wrong <= 2
+
+
+def test_a_step_of_the_reference_does_not_bend_the_rate() -> None:
+    campaign = with_reference_time(BASE, 37.0, 0)
+    last = campaign.dwells[-1]
+    stepped = replace(last.series, extra={"utc_s": last.series.extra["utc_s"] + 1.0})  # a leap second
+    rate = clock_rate(replace(campaign, dwells=(*campaign.dwells[:-1], replace(last, series=stepped))))
+    assert rate is not None
+    assert abs(rate.ppm - 37.0) < 4 * rate.std < 10
+
+
+def test_a_delay_that_changes_is_no_wrong_clock() -> None:
+    for seed in range(5):
+        campaign = with_reference_time(BASE, 0.0, seed)
+        middle = len(campaign.dwells) // 2
+        later = tuple(
+            replace(each, series=replace(each.series, extra={"utc_s": each.series.extra["utc_s"] + 0.02}))
+            for each in campaign.dwells[middle:]
+        )
+        assert find_clock([replace(campaign, dwells=(*campaign.dwells[:middle], *later))])[0] == ()
+
+
+def test_nothing_is_concluded_from_a_rate_that_is_not_known_to_a_thousandth() -> None:
+    campaign = with_reference_time(BASE, 3e4, 0, jitter=5.0)
+    rate = clock_rate(campaign)
+    assert rate is not None
+    assert not is_known(rate)
+    assert find_clock([campaign]) == ((), ())
+    assert not is_timed([campaign])
+
+
+@pytest.mark.parametrize(("factor", "pace"), [(1e3, 1e3), (-1.0, -1.0), (0.0, 0.0), (1 / 60, 1 / 60)])
+def test_a_column_that_is_no_time_in_seconds_tells_nothing(factor: float, pace: float) -> None:
+    def other(dwell: DwellRecord) -> DwellRecord:
+        utc = factor * dwell.series.extra["utc_s"]
+        return replace(dwell, series=replace(dwell.series, extra={"utc_s": utc}))
+
+    timed = with_reference_time(BASE, 0.0, 0)
+    campaign = replace(timed, dwells=tuple(other(each) for each in timed.dwells))
+    assert false_pace(timed) is None
+    assert false_pace(campaign) == pytest.approx(pace, rel=1e-3, abs=1e-9)
+    assert clock_rate(campaign) is None
+    assert find_clock([campaign]) == ((), ())
+
+
+@pytest.mark.parametrize("step", [0.0, 1.0])
+@pytest.mark.parametrize("jitter", [0.0, 0.5])
+def test_coarse_or_late_stamps_are_a_time(step: float, jitter: float) -> None:
+    assert false_pace(with_reference_time(BASE, 0.0, 0, jitter, step)) is None
+
+
+def test_what_is_not_known_of_a_clock_put_right_is_in_the_uncertainty_of_k() -> None:
+    plain = planted(2, {"clock.rate": {"value": 500.0}}, turns=True)
+    campaign = with_reference_time(plain, 500.0, 2, jitter=0.3)
+    found = diagnose([campaign])
+    (clock,) = [each for each in found.findings if each.effect == "clock.rate"]
+    assert found.clock == pytest.approx(1e-6 * clock.std[0])
+    assert found.clock > 2e-5
+    k = found.solution.accelerometer
+    assert k is not None
+    assert np.all(k.scale_factor.std >= found.clock * k.scale_factor.value)
+    rows = [found.solution.names.index(f"accelerometer.scale_factor.{axis}") for axis in "xyz"]
+    assert np.sqrt(np.diag(found.solution.covariance)[rows]) == pytest.approx(k.scale_factor.std)
+    clock_part = {
+        one.name: part.std
+        for one in budget(found.after, GivenValues(clock=found.clock))
+        for part in one.contributions
+        if part.source == named.CLOCK
+    }
+    assert clock_part["accelerometer.scale_factor.x"] == pytest.approx(found.clock * k.scale_factor.value[0])
+    wider = with_clock(found.solution, found.after, found.clock)
+    for triad in ("accelerometer", "gyroscope"):
+        before, after = getattr(found.solution, triad), getattr(wider, triad)
+        for name, part in (("scale_factor", "scale_factor"), ("bias", "bias")):
+            std = np.sqrt(getattr(after, part).std ** 2 - getattr(before, part).std ** 2)
+            expected = [clock_part.get(f"{triad}.{name}.{axis}", 0.0) for axis in "xyz"]
+            assert std == pytest.approx(expected, rel=1e-3, abs=1e-9)
+
+
+def test_positive_is_fast_and_the_correction_gives_the_scale_factor_back() -> None:
+    ppm = 500.0
+    campaign = planted(2, {"clock.rate": {"value": ppm}})
+    (found,), (test,) = find_clock([with_reference_time(campaign, ppm, 2)])
+    assert found.confidence == "established"
+    assert test.log_p_adjusted < np.log(0.01)
+    assert abs(found.value[0] - ppm) < 4 * found.std[0]
+    got = solve(with_true_clock([campaign], float(found.value[0]))).accelerometer
+    expected = solve([planted(2)]).accelerometer
+    assert got is not None
+    assert expected is not None
+    off = got.scale_factor.value - expected.scale_factor.value
+    assert np.all(np.abs(off) < 4 * np.hypot(got.scale_factor.std, 1e-6 * found.std * got.scale_factor.value))
+
+
+def test_a_period_that_is_not_the_stated_one_names_both_explanations() -> None:
+    (found,), _ = find_clock([replace(BASE, nominal_period=0.0198)])
+    assert found.confidence == "ambiguous"
+    assert found.aliases == ("imu.sample_period_s",)
+    assert found.value[0] == pytest.approx(1e6 * (0.02 / 0.0198 - 1))
+    assert find_clock([replace(BASE, nominal_period=0.020001)]) == ((), ())
+
+
+def test_periods_that_scatter_as_much_as_they_are_off_say_nothing_of_the_clock() -> None:
+    def with_periods(std: float) -> Campaign:
+        off = 3e-3 + std * np.resize([-1.0, 1.0], len(BASE.dwells))
+        dwells = [
+            replace(d, series=replace(d.series, period=0.02 * (1 + e)))
+            for d, e in zip(BASE.dwells, off, strict=True)
+        ]
+        return replace(BASE, dwells=tuple(dwells), turns=(), rests=(), sequences=(), nominal_period=0.02)
+
+    assert find_clock([with_periods(2.5e-3)]) == ((), ())
+    (found,), _ = find_clock([with_periods(3e-4)])
+    n, f = len(BASE.dwells), float((found.value[0] / found.std[0]) ** 2)
+    assert found.log_p == pytest.approx(log_f_sf(f, 1, n - 1) + np.log(len(EFFECTS)))

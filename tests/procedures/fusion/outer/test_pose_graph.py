@@ -1,0 +1,166 @@
+"""The outer graph finds planted truth within its own sigma: outages, outliers, lever arm and late stamps."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from procedures.fusion.fusion_records import GnssFixes, Trajectory
+from procedures.fusion.odometry import Drift, RecordedOdometry, without_restarts
+from procedures.fusion.outer.block_tridiagonal import Chain, eliminate, solve_chain
+from procedures.fusion.outer.pose_graph import GlobalPose, OuterGraph, OuterSettings
+from tests.procedures.fusion.motions import Eight, only
+
+DRIFT = Drift(0.02, 0.03, 0.01)
+LEVER = np.array([0.3, -0.2, 0.5])
+
+
+def errors(poses: list[GlobalPose], flight: Eight) -> np.ndarray:
+    """Return position errors (n, 3) [m] of online poses."""
+    return np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
+
+
+def test_a_chain_is_solved_as_the_dense_matrix_is() -> None:
+    rng = np.random.default_rng(1)
+    n, d = 6, 3
+    J = np.zeros((n * d * 2, n * d))
+    for i in range(n):  # rows that touch a node and the next
+        J[2 * d * i : 2 * d * (i + 1), d * i : d * (i + 2)] = rng.normal(
+            size=(2 * d, len(J[0, d * i : d * (i + 2)]))
+        )
+    H, g = J.T @ J, rng.normal(size=n * d)
+    D = np.array([H[d * i : d * (i + 1), d * i : d * (i + 1)] for i in range(n)])
+    U = np.array([H[d * i : d * (i + 1), d * (i + 1) : d * (i + 2)] for i in range(n - 1)])
+    step, covariance = solve_chain(Chain(D, U, g.reshape(n, d)))
+    assert np.allclose(step.ravel(), np.linalg.solve(H, -g), rtol=1e-9)
+    assert np.allclose(covariance, np.linalg.inv(H)[-d:, -d:], rtol=1e-9)
+    info, gradient = eliminate(D[0], U[0], g[:d])
+    D[1] += info
+    rest = Chain(D[1:], U[1:], np.vstack((g[d : 2 * d] + gradient, g[2 * d :].reshape(-1, d))))
+    assert np.allclose(solve_chain(rest)[0], step[1:], rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_position_and_yaw_are_found_within_their_own_sigma(seed: int) -> None:
+    flight, rng = Eight(), np.random.default_rng(seed)
+    graph = OuterGraph()
+    poses = list(graph.run(flight.odometry(rng, DRIFT), flight.fixes(rng)))
+    assert graph.begun_at is not None
+    assert graph.begun_at < 10.0
+    nees = [
+        e @ np.linalg.solve(p.covariance[:3, :3], e) / 3 for p, e in zip(poses, errors(poses, flight), strict=True)
+    ]
+    assert 0.5 < np.mean(nees) < 1.6  # some 40 independent stretches of 3 axes
+    truth = flight.attitude(np.array([pose.t for pose in poses])).as_matrix()
+    turn = np.array([p.C_nb for p in poses]) @ truth.transpose(0, 2, 1)
+    yaw = np.arctan2(turn[:, 1, 0], turn[:, 0, 0])
+    sigma = np.sqrt([p.covariance[3, 3] for p in poses])
+    assert np.sqrt(np.mean((yaw / sigma) ** 2)) < 2.0
+    assert np.abs(turn[:, 2, 2] - 1).max() < 1e-9  # roll and pitch are the odometry's
+
+
+def test_what_leaves_the_window_is_not_lost() -> None:
+    flight, rng = Eight(40.0), np.random.default_rng(5)
+    odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)
+    graph = OuterGraph(OuterSettings(window=3.0))
+    last = list(graph.run(odometry, fixes))[-1]
+    assert np.abs(graph.smoothed()[0].p[-1] - last.p).max() < 0.01  # by what Huber weights froze: noise is 0.2
+
+
+def test_each_pose_uses_nothing_later() -> None:
+    flight, rng = Eight(20.0), np.random.default_rng(2)
+    odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)
+    poses = list(OuterGraph().run(odometry, fixes))
+    half = only(fixes, fixes.t < 10.0)
+    cut = RecordedOdometry(
+        Trajectory(
+            *(part[:201] for part in (odometry.trajectory.t, odometry.trajectory.p, odometry.trajectory.q))
+        ),
+        DRIFT,
+    )
+    early = list(OuterGraph().run(cut, half))
+    assert all(np.array_equal(a.p, b.p) for a, b in zip(early[:-1], poses, strict=False))
+
+
+def test_outliers_are_counted_and_cost_little() -> None:
+    flight, rng = Eight(), np.random.default_rng(3)
+    odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)
+    away = np.flatnonzero(rng.random(len(fixes.t)) < 0.1)
+    off = rng.normal(size=(len(away), 3))
+    p = fixes.p_n.copy()
+    p[away] += 5 * off / np.linalg.norm(off, axis=1)[:, None]
+    clean, graph = OuterGraph(), OuterGraph()
+    calm = np.linalg.norm(errors(list(clean.run(odometry, fixes)), flight), axis=1).mean()
+    shaken = np.linalg.norm(errors(list(graph.run(odometry, replace(fixes, p_n=p))), flight), axis=1).mean()
+    assert shaken < 1.25 * calm
+    assert clean.smoothed()[1] == 0
+    assert graph.smoothed()[1] == len(away)
+
+
+def test_an_outage_is_bridged_with_growing_sigma() -> None:
+    flight, rng = Eight(), np.random.default_rng(4)
+    odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)
+    poses = list(OuterGraph().run(odometry, only(fixes, (fixes.t < 30) | (fixes.t > 50))))
+    out = [pose for pose in poses if 30 < pose.t < 50]
+    sigma = np.array([np.sqrt(np.trace(pose.covariance[:3, :3])) for pose in out])
+    assert sigma[-1] > 4 * sigma[0]
+    assert np.linalg.norm(errors(out, flight)[-1]) < 3 * sigma[-1]
+    assert np.linalg.norm(errors(poses, flight)[-1]) < 0.2
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> None:
+    flight, rng = Eight(30.0), np.random.default_rng(seed)
+    fixes = flight.fixes(rng, LEVER, late=0.15)
+    graph = OuterGraph(OuterSettings(lever_arm_std=1.0, time_offset_std=0.2))
+    poses = list(graph.run(flight.odometry(rng, DRIFT), fixes))
+    lever, offset = graph.constants
+    assert np.linalg.norm(lever - LEVER) < 4 * graph.lever_std
+    assert abs(offset + 0.15) < 4 * graph.offset_std
+    assert graph.lever_std < 0.25
+    assert graph.offset_std < 0.01
+    assert np.linalg.norm(errors(poses, flight), axis=1)[-200:].mean() < 0.25
+
+
+def test_it_waits_for_displacement_not_for_a_time() -> None:
+    flight, rng = Eight(60.0, still=40.0), np.random.default_rng(7)
+    graph = OuterGraph()
+    poses = graph.run(flight.odometry(rng, DRIFT), flight.fixes(rng))
+    first = next(poses)
+    assert 40.2 < first.t < 50.0
+    waiting = OuterGraph()
+    still = Eight(30.0, still=30.0)
+    assert not list(waiting.run(still.odometry(rng, DRIFT), still.fixes(rng)))
+    assert "it must move further" in waiting.why_not
+
+
+def test_tracks_that_are_not_the_same_motion_are_refused() -> None:
+    flight, rng = Eight(30.0), np.random.default_rng(8)
+    fixes = flight.fixes(rng)
+    graph = OuterGraph()
+    assert not list(graph.run(flight.odometry(rng, DRIFT), replace(fixes, p_n=3 * fixes.p_n, v_n=-3 * fixes.v_n)))
+    assert "does not fit GNSS's" in graph.why_not
+
+
+def test_a_course_without_velocity_and_fixes_once_a_second_are_enough() -> None:
+    flight, rng = Eight(90.0), np.random.default_rng(9)
+    fixes = flight.fixes(rng)
+    course = np.pi / 2 - np.arctan2(fixes.v_n[:, 1], fixes.v_n[:, 0])
+    bare = only(replace(fixes, v_n=np.full_like(fixes.v_n, np.nan), course=course), np.arange(0, len(fixes.t), 20))
+    poses = list(OuterGraph().run(flight.odometry(rng, DRIFT), bare))
+    assert np.linalg.norm(errors(poses, flight), axis=1)[-800:].mean() < 0.3
+
+
+def test_a_restart_of_an_odometry_is_cut_off() -> None:
+    t = np.arange(5.0)
+    q = np.tile([0.0, 0.0, 0.0, 1.0], (5, 1))
+    p = np.array([[0.0, 0, 0], [500, 0, 0], [501, 0, 0], [502, 0, 0], [503, 0, 0]])
+    kept, dropped = without_restarts(Trajectory(t, p, q))
+    assert dropped == 1
+    assert kept.t[0] == 1.0
+
+
+def test_a_record_of_the_wrong_shape_names_its_field() -> None:
+    n = np.zeros(4)
+    with pytest.raises(ValueError, match=r"GnssFixes.v_n has shape \(4, 2\), expected \(4, 3\)"):
+        GnssFixes(n, np.zeros((4, 3)), np.zeros((4, 2)), n, n, n)

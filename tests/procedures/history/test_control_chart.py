@@ -1,0 +1,67 @@
+"""The control chart alarms as often as it says, and sees a jump and a drift."""
+
+import numpy as np
+import pytest
+from scipy.stats import norm, t
+
+from procedures.history.control_chart import FALSE_ALARM_PROBABILITY, MIN_EARLIER, control_chart, control_limit
+from procedures.history.parameter_series import CalibrationSeries
+
+
+def unit(rng: np.random.Generator, n: int, turn_on: float, std: float = 1.0) -> CalibrationSeries:
+    own = std * rng.uniform(0.5, 2.0, n)
+    value = turn_on * rng.standard_normal(n) + own * rng.standard_normal(n)
+    return CalibrationSeries(100.0 * np.arange(n), value, own)
+
+
+def test_where_turn_on_scatter_is_all_z_is_that_of_students_t() -> None:
+    value = np.random.default_rng(1).standard_normal(8)
+    chart = control_chart(CalibrationSeries(np.arange(8.0), value, np.full(8, 1e-3)), 3.0)
+    assert chart is not None
+    for i in range(MIN_EARLIER, 8):
+        past = value[:i]
+        score = (value[i] - past.mean()) / (past.std(ddof=1) * np.sqrt(1 + 1 / i))
+        assert chart.z[i - MIN_EARLIER] == pytest.approx(norm.ppf(t.cdf(score, i - 1)), abs=0.03)
+
+
+@pytest.mark.parametrize("turn_on", [0.0, 1.0, 50.0])
+def test_a_steady_unit_raises_no_more_alarms_than_the_limit_says(turn_on: float) -> None:
+    rng, units, limit = np.random.default_rng(2), 1000, 2.0  # a low limit, to have alarms to count
+    charts = [control_chart(unit(rng, 10, turn_on), limit) for _ in range(units)]
+    z = np.array([chart.z for chart in charts if chart is not None])
+    ewma = np.array([chart.ewma / chart.ewma_std for chart in charts if chart is not None])
+    said = 2 * norm.sf(limit)
+    for found in (z, ewma):
+        sigma = np.sqrt(said / z.size) * (2 if found is ewma else 1)  # neighbours of an average are alike
+        assert np.mean(np.abs(found) > limit) < said + 4 * sigma
+    if turn_on == 50.0:
+        assert np.mean(np.abs(z) > limit) == pytest.approx(said, abs=4 * np.sqrt(said / z.size))
+
+
+def test_a_jump_is_an_alarm_at_once() -> None:
+    steady = unit(np.random.default_rng(3), 30, 3.0)
+    jump = CalibrationSeries(steady.day, steady.value + 40.0 * (np.arange(30) == 20), steady.std)
+    chart = control_chart(jump, control_limit(24))
+    assert chart is not None
+    assert np.flatnonzero(np.abs(chart.z) > chart.limit).tolist() == [20 - MIN_EARLIER]
+
+
+def test_a_slow_creep_is_an_alarm_of_the_average_long_before_one_of_the_values() -> None:
+    rng, seen, units = np.random.default_rng(3), np.zeros(2), 40
+    for _ in range(units):
+        steady = unit(rng, 30, 3.0)
+        creep = CalibrationSeries(steady.day, steady.value + np.maximum(np.arange(30) - 15, 0), steady.std)
+        chart = control_chart(creep, control_limit(24))
+        assert chart is not None
+        of_value, of_average = np.abs(chart.z), np.abs(chart.ewma / chart.ewma_std)
+        seen += [(one > chart.limit).any() for one in (of_value, of_average)]
+    assert seen[1] > 0.85 * units > 0.5 * units > seen[0]
+
+
+def test_the_limit_grows_with_the_parameters_watched() -> None:
+    assert 1 * 2 * norm.sf(control_limit(1)) == pytest.approx(FALSE_ALARM_PROBABILITY)
+    assert 24 * 2 * norm.sf(control_limit(24)) == pytest.approx(FALSE_ALARM_PROBABILITY)
+
+
+def test_two_calibrations_make_no_chart() -> None:
+    assert control_chart(CalibrationSeries(np.arange(2.0), np.zeros(2), np.ones(2)), 3.0) is None

@@ -1,0 +1,42 @@
+"""A cube that shifts is found with its size; units that age are not taken for it."""
+
+import numpy as np
+import pytest
+
+from procedures.history.group_shifts import GroupShift, group_shift
+
+INSIDE = np.array([False, False, True, True])
+
+
+def fleet(rng: np.random.Generator, units: int, shift: float, walk: float) -> GroupShift:
+    """Return the group shift of units calibrated twice with the old cube, then twice with the new one."""
+    own = 500.0 * rng.standard_normal((units, 1)) + np.cumsum(walk * rng.standard_normal((units, 4)), axis=1)
+    std = rng.uniform(0.5, 2.0, (units, 4))
+    value = own + 3.0 * rng.standard_normal((units, 4)) + std * rng.standard_normal((units, 4)) + shift * INSIDE
+    found = group_shift(
+        np.repeat(np.arange(units), 4).tolist(), np.tile(INSIDE, units), value.ravel(), std.ravel()
+    )
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("units", [3, 8])
+def test_units_that_walk_in_the_meantime_raise_no_false_alarm(units: int) -> None:
+    rng, times = np.random.default_rng(units), 1000
+    alarms = np.mean([fleet(rng, units, 0.0, walk=5.0).p_value < 0.05 for _ in range(times)])
+    assert alarms < 0.05 + 4 * np.sqrt(0.05 * 0.95 / times)
+
+
+def test_a_planted_shift_comes_back_within_its_own_sigma() -> None:
+    rng = np.random.default_rng(9)
+    found = [fleet(rng, 12, 20.0, walk=2.0) for _ in range(200)]
+    pulls = np.array([(one.shift - 20.0) / one.std for one in found])
+    assert abs(pulls.mean()) < 4 / np.sqrt(200)
+    assert pulls.std() == pytest.approx(np.sqrt(11 / 9), rel=0.2)  # Student's t, 11 degrees of freedom
+    assert np.mean([one.p_value < 1e-3 for one in found]) > 0.95
+
+
+def test_units_on_one_cube_only_tell_nothing() -> None:
+    inside = np.array([True, True, False, False])
+    assert group_shift(["a", "b", "c", "d"], inside, np.zeros(4), np.ones(4)) is None
+    assert group_shift(["a", "a", "b", "b"], np.tile([True, False], 2), np.zeros(4), np.ones(4)) is None

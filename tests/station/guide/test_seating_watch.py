@@ -1,0 +1,126 @@
+"""Seats: a crumb under the cube is found, a kept tilt is marked, and good seats after it are not condemned."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivers.simulated.truth import Truth
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.campaign_schema import read_campaign_toml
+from tests.station.guide.rig import GuideRig, dwells
+
+Make = Callable[..., GuideRig]
+
+
+def test_the_second_seat_of_a_pair_on_a_crumb_is_told_to_be_wiped(rig: Make) -> None:
+    truth = replace(Truth.example(2), accel_k=np.full(3, 1e5))
+    guided = rig(dwells(1, 2, 3, 4, seconds=60.0), truth)
+    for count, position in enumerate((1, 2, 3), start=1):
+        guided.hands(f"place {position} 8")
+        guided.run(guided.done(count))
+    guided.hands("place 4 8 0 0.03 0")  # 108 arcsec
+    view = guided.run(lambda v: any("not seated" in e.text for e in v.events))
+    assert "lift, wipe, set down" in view.events[-1].text
+    assert not view.gates.is_seated
+    guided.hands("place 4 8")
+    guided.run(guided.done(4))
+
+
+@pytest.mark.parametrize("how", ["again", "kept"])
+def test_a_seat_that_comes_back_or_is_kept_is_taken(rig: Make, how: str) -> None:
+    truth = replace(Truth.example(2), accel_k=np.full(3, 1e5))
+    guided = rig(dwells(1, 2, 3, 4, seconds=40.0), truth)
+    for count, position in enumerate((1, 2, 3), start=1):
+        guided.hands(f"place {position} 8")
+        guided.run(guided.done(count))
+    guided.hands("place 4 8 0 0.03 0")
+    guided.run(lambda v: any("not seated" in e.text for e in v.events))
+    if how == "again":
+        guided.hands("place 4 8 0 0.03 0")
+    else:
+        guided.obey("keep_seating")
+    guided.run(guided.done(4))
+
+
+def on_a_crumb(rig: Make, tilt_deg: float) -> GuideRig:
+    """Positions 1 to 3, then 4 tilted, up to where it is said."""
+    truth = replace(Truth.example(2), accel_k=np.full(3, 1e5))
+    guided = rig(dwells(1, 2, 3, 4, 5, 6, 7, 8, seconds=20.0), truth)
+    for count, position in enumerate((1, 2, 3), start=1):
+        guided.hands(f"place {position} 8")
+        guided.run(guided.done(count))
+    guided.hands(f"place 4 8 0 {tilt_deg} 0")
+    guided.run(lambda v: any("not seated" in e.text for e in v.events))
+    return guided
+
+
+@pytest.mark.parametrize("is_resumed", [False, True])
+def test_a_kept_tilted_seat_condemns_no_good_seat_after_it_also_after_a_resume(
+    rig: Make, is_resumed: bool
+) -> None:
+    guided = on_a_crumb(rig, 0.3)
+    guided.obey("keep_seating")
+    view = guided.run(lambda v: v.question is not None)
+    assert "tilted by 0.30 deg" in view.question.text
+    guided.obey("answer", key="y")
+    guided.run(guided.done(4))
+    [kept] = [d.kept_seat_rad for d in read_campaign_toml(guided.folder)[0].dwell if d.position == 4]
+    assert np.degrees(np.hypot(*kept)) == pytest.approx(0.3, abs=0.01)
+    if is_resumed:
+        guided.resume()
+    said = max((event.number for event in guided.view.events), default=0)
+    for count, position in enumerate((5, 6, 7, 8), start=5):
+        guided.hands(f"place {position} 8")
+        guided.run(guided.done(count))
+    assert not any(text.startswith("rejected") for number, text in guided.said.items() if number > said)
+    assert any("tilted by 0.3 deg" in warning for warning in read_campaign(guided.folder).warnings)
+
+
+def test_a_kept_seat_that_is_done_again_well_judges_again(rig: Make) -> None:
+    guided = on_a_crumb(rig, 0.3)
+    guided.obey("keep_seating")
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="y")
+    guided.run(guided.done(4))
+    guided.obey("redo", step="dwell_04")
+    guided.hands("place 4 8")
+    guided.run(lambda v: v.step("dwell_04").attempts == 2)
+    assert guided.context.badly_seated == set()
+    assert all(d.kept_seat_rad is None for d in read_campaign_toml(guided.folder)[0].dwell)
+
+
+def test_a_tilt_that_no_face_has_is_kept_only_with_a_yes(rig: Make) -> None:
+    guided = on_a_crumb(rig, 0.3)
+    guided.obey("keep_seating")
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="n")
+    guided.rest(60)
+    assert (guided.view.done, guided.view.question) == (3, None)
+    guided.hands("place 4 8")
+    guided.run(guided.done(4))
+    assert guided.context.badly_seated == set()
+
+
+def test_a_small_tilt_is_kept_without_a_question_and_holds_for_that_seat_alone(rig: Make) -> None:
+    guided = on_a_crumb(rig, 0.03)
+    guided.obey("keep_seating")
+    assert guided.view.question is None
+    guided.hands("place 4 8 0 0.2 0")
+    guided.run(lambda v: v.events[-1].sound == "rejected" and "tilted by 7" in v.events[-1].text)  # arcsec
+    guided.hands("place 4 8 0 0.03 0")
+    guided.run(guided.done(4))
+    assert guided.context.badly_seated == {4}
+
+
+def test_a_kept_seat_is_said_to_be_kept_while_it_is_recorded(rig: Make) -> None:
+    guided = on_a_crumb(rig, 0.3)
+    guided.obey("keep_seating")
+    guided.run(lambda v: v.question is not None)
+    guided.obey("answer", key="y")
+    guided.run(lambda v: v.gates is not None and v.gates.seating.startswith("kept as it sits: tilted by"))
+    assert guided.view.stage == "dwell"
+    assert guided.view.gates.is_seated
+    guided.run(guided.done(4))
+    assert guided.context.badly_seated == {4}

@@ -1,0 +1,41 @@
+"""What a verdict on limits says of a residual that nothing explains."""
+
+from procedures.uncertainty.budget import Contribution, ParameterBudget
+from station.results.diagnosis.diagnosis_text import warnings_of
+from station.results.diagnosis.diagnosis_wording import left_said, notes, verdict_sentence
+
+
+def budgeted(source: str) -> ParameterBudget:
+    part = Contribution(source, "A", 1e-6, 20.0)
+    return ParameterBudget("accelerometer.bias.x", 1e-3, "g", 1e-6, 20.0, 2.1, 2.1e-6, (part,))
+
+
+def test_only_an_unexplained_residual_is_said_beside_the_limits() -> None:
+    for verdict in ("consistent", "established", "likely", "ambiguous"):
+        assert left_said({"verdict": verdict}, [budgeted("unexplained")]) == ""
+    assert "what is left is in the uncertainty" in left_said({"verdict": "unexplained"}, [budgeted("unexplained")])
+
+
+def test_it_is_not_said_to_be_in_an_uncertainty_that_has_no_such_part() -> None:
+    said = left_said({"verdict": "unexplained"}, [budgeted("bias instability")])
+    assert "what is left" not in said
+    assert said.endswith("the uncertainty holds the scatter the fit found")
+
+
+def test_a_diagnosis_says_what_its_own_sigmas_leave_out() -> None:
+    document = {"verdict": "unexplained", "log10_p": -9.0, "findings": []}
+    assert "The sigmas here cover only the scatter" in verdict_sentence(document)
+
+
+def test_where_a_seating_could_be_one_of_two_positions_what_hangs_on_it_is_said() -> None:
+    finding = {"where": {"position": [8, 7], "file": "d8.csv"}, "sign_flip_p": 0.007}
+    flipped, position = notes(finding)
+    assert "7 of 1000 draws" in flipped
+    assert "solved as position 8" in position
+    assert "misalignments would be others" in position
+    assert notes({"where": {"position": 8}}) == []
+
+
+def test_a_diagnosis_does_not_advise_to_run_a_diagnosis() -> None:
+    solution = {"warnings": ["the sigmas are too small; run `station diagnose`", "a gap"]}
+    assert warnings_of(solution) == ["the sigmas are too small", "a gap"]
