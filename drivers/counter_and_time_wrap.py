@@ -12,7 +12,7 @@ PERIOD_SAMPLES = 33  # device times from which the sample period is taken
 
 
 def unwrap(counter: IntArray, modulus: int, last: int | None = None) -> IntArray:
-    """Return counters (n,) that do not wrap, going on from the unwrapped ``last`` of the block before.
+    """Return numbers (n,) of frames that do not wrap, of ``counter`` (n,), from the unwrapped ``last`` on.
 
     Each step is read as the smallest that fits, in [-modulus/2, modulus/2): a step of 0 is a repeated frame,
     a negative one a restarted device. A counter of few bits is read as going on, in [0, modulus): with 128 half a
@@ -28,7 +28,7 @@ def unwrap(counter: IntArray, modulus: int, last: int | None = None) -> IntArray
 
 
 def onward(seconds: FloatArray, modulus: float | None) -> FloatArray:
-    """Return steps of device time [s], the smallest that fit where it wraps at ``modulus`` [s].
+    """Return ``seconds`` (n,), steps of device time, as the smallest (n,) [s] that fit a wrap at ``modulus``.
 
     One that turns within `MIN_TURN_S` is read as going on, as a counter of few bits is. Seconds are rounded to
     0.1 us before and after: a repeat's step would else come out as just beside 0, or as a whole turn.

@@ -98,7 +98,7 @@ class Decoder:
 
     @property
     def edges(self) -> IntArray:
-        """Where the bytes of each sample of the last block stand; see the class."""
+        """Where the bytes of each sample of the last block stand (n, 2); see the class."""
         runs, before = self._found
         return _edges(runs) - before if self._joiner is None else self._joined_edges
 

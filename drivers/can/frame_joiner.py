@@ -65,7 +65,10 @@ class Joiner:
         self._nothing = self._samples(self._waiting, np.zeros((0, can_map.needed), np.int64), np.arange(0))[0]
 
     def take(self, records: NDArray[np.void], at: IntArray) -> tuple[SampleBlock, IntArray]:
-        """Return the samples that records complete, and where the bytes of each begin and end in the stream."""
+        """Return the samples that records (n,) at places ``at`` (n,) [bytes into the stream] complete.
+
+        Beside them stands (m, 2) where the bytes of each begin and end there.
+        """
         if not len(records):
             return self._nothing, np.zeros((0, 2), np.int64)
         frames = self._numbered(self._known(records, at))

@@ -49,7 +49,17 @@ def pack(identifier: int, host_ns: int, data: bytes | bytearray) -> bytes:
 
 
 def pack_all(identifiers: np.ndarray, host_ns: np.ndarray, data: np.ndarray, sizes: np.ndarray) -> bytes:
-    """Return the records of (n,) frames, ``data`` (n, 8) padded with zeros."""
+    """Return the records of frames.
+
+    Parameters
+    ----------
+    identifiers, sizes
+        (n,) identifiers with their flags, and how many bytes of ``data`` are sent.
+    host_ns
+        (n,) when they were read [ns].
+    data
+        (n, 8) payloads [bytes], padded with zeros.
+    """
     rows = zip(identifiers.tolist(), host_ns.tolist(), data, sizes.tolist(), strict=True)
     return b"".join(pack(each, at, octets.tobytes()[:size]) for each, at, octets, size in rows)
 

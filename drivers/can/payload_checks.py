@@ -33,7 +33,9 @@ def _crc(table: Bytes, octets: Bytes) -> Bytes:
 
 
 def crc8_autosar(_: NDArray[np.uint32], payloads: Bytes) -> Bytes:
-    """Return CRC-8/AUTOSAR: polynomial 2F, begins and ends with FF; of the ASCII string 123456789 it is DF.
+    """Return CRC-8/AUTOSAR (n,) of payloads (n, m) [bytes], without the identifiers ``_`` (n,).
+
+    Polynomial 2F, begins and ends with FF; of the ASCII string 123456789 it is DF.
 
     Source: AUTOSAR Specification of CRC Routines, CRC8H2F; Hamming distance 4 up to 119 bits.
     """
@@ -50,12 +52,15 @@ def crc8_autosar_id(identifiers: NDArray[np.uint32], payloads: Bytes) -> Bytes:
 
 
 def crc8_j1850(_: NDArray[np.uint32], payloads: Bytes) -> Bytes:
-    """Return CRC-8/SAE-J1850: polynomial 1D, begins and ends with FF; of the ASCII string 123456789 it is 4B."""
+    """Return CRC-8/SAE-J1850 (n,) of payloads (n, m) [bytes], without the identifiers ``_`` (n,).
+
+    Polynomial 1D, begins and ends with FF; of the ASCII string 123456789 it is 4B.
+    """
     return _crc(_J1850, payloads)
 
 
 def xor8(_: NDArray[np.uint32], payloads: Bytes) -> Bytes:
-    """Return the bytes' exclusive or."""
+    """Return the exclusive or (n,) of payloads (n, m) [bytes], without the identifiers ``_`` (n,)."""
     result: Bytes = np.bitwise_xor.reduce(payloads, axis=1)
     return result
 

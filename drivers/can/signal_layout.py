@@ -66,7 +66,7 @@ class Field:
         return value
 
     def put(self, words: Words, raw: IntArray) -> None:
-        """Write integers (n,) into payloads whose bits there are zero."""
+        """Write integers ``raw`` (n,) into payloads whose bits there are zero."""
         word = words[int(self.is_big_endian)]
         word |= (raw.astype(np.int64).view(np.uint64) & self.mask) << np.uint64(self.shift)
 

@@ -1,7 +1,7 @@
 """A bench wholly in memory: answers steps with counts at the speed of their arithmetic.
 
 Between steps it lets the clock run for the move and draws new counter remainders instead of simulating counts
-nobody reads; `SimulatedImu` simulates the moves too.
+nobody reads; `SimulatedImu` simulates the moves too. ``C_bn`` (3, 3) takes East-North-Up to the cube.
 """
 
 from collections.abc import Iterable
@@ -80,7 +80,7 @@ class SimulatedBench:
         return self._rest(C_bn_of_up(up_b, self._hands.uniform(0, 2 * np.pi)), step.seconds)
 
     def free(self, C_bn: FloatArray, seconds: float) -> CountSeries:
-        """Rest in an attitude (3, 3), East-North-Up to the cube, that is none of the twelve positions."""
+        """Rest in an attitude ``C_bn`` (3, 3) that is none of the twelve positions."""
         self._move_on()
         return self._rest(C_bn, seconds)
 
@@ -119,7 +119,7 @@ class SimulatedBench:
 def turn_segment(
     world: World, C_bn: FloatArray, turn: Turn, closure: float, period: float, rng: np.random.Generator
 ) -> Segment:
-    """Return a hand turn from ``C_bn`` about the slab's normal, ``closure`` [rad] short of or beyond closing.
+    """Return a hand turn from ``C_bn`` (3, 3) about the slab's normal, ``closure`` [rad] off closing.
 
     ``turn.direction`` is right-handed about the cube axis, which may point up or down.
     """
@@ -155,9 +155,9 @@ def simulate_campaign(
     free: Iterable[FloatArray] = (),
     also: Planted = (),
 ) -> Campaign:
-    """Return a whole campaign: dwells, turns (the six of `turn_steps` unless given), rests in attitudes ``free``.
+    """Return a whole campaign: dwells, turns (the six of `turn_steps` unless given), rests in attitudes.
 
-    Those are (3, 3) each, East-North-Up to the cube.
+    The attitudes ``free`` are (3, 3) each, East-North-Up to the cube.
 
     The campaign states the truth's gravity with ``gravity_std`` [m/s2], its operator sigmas, and, with
     ``certificate_sigma`` [rad], a certificate of all six faces. ``draw_stated``: true gravity is the stated one

@@ -71,7 +71,7 @@ class World:
 
 
 def imu_from_cube(imu_axes: tuple[str, str, str]) -> FloatArray:
-    """Return ``C_sb`` (3, 3) whose rows are the cube axes, such as ``-y``, along which IMU x, y, z point."""
+    """Return the rotation ``C_sb`` (3, 3): its rows are the cube axes, such as ``-y``, of IMU x, y, z."""
     return np.array([face_normal(f"{name[1]}_{'up' if name[0] == '+' else 'down'}") for name in imu_axes])
 
 

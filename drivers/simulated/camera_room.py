@@ -48,7 +48,7 @@ class Room:
         self._shift = rng.uniform(0, 100, (len(self.low), 2)).astype(np.float32)  # of each box's texture
 
     def image(self, camera: CameraTruth, C_nc: FloatArray, p_c: FloatArray) -> Floats:
-        """Return what a camera at ``p_c`` (3,) [m] sees, (h, w) grey."""
+        """Return what a camera at ``p_c`` (3,) [m] sees, (h, w) grey; ``C_nc`` (3, 3) is its attitude in n."""
         rays = _rays(camera, np.arange(camera.width), np.arange(camera.height)[:, None])
         d = _turned(rays, C_nc)
         o = p_c.astype(np.float32)
@@ -59,7 +59,17 @@ class Room:
         return self._painted(o, d, hits, np.einsum("i...,i...->...", rays, rays) / np.float32(camera.fx))
 
     def ends(self, camera: CameraTruth, C_nc: FloatArray, p_c: FloatArray, uv: FloatArray) -> FloatArray:
-        """Return the places (n, 3) [m] that stand at image points (n, 2) [px]."""
+        """Return the places (n, 3) [m] that stand at points of an image.
+
+        Parameters
+        ----------
+        C_nc
+            (3, 3), camera to East-North-Up.
+        p_c
+            (3,) [m], where the camera is.
+        uv
+            (n, 2) [px], the points.
+        """
         d = _turned(_rays(camera, uv[:, 0], uv[:, 1]), C_nc)
         o = p_c.astype(np.float32)
         hits = self._walls(o, d)

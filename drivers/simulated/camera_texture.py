@@ -24,7 +24,7 @@ Floats = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
 
 @cache
 def pyramid(seed: int = 7) -> tuple[Floats, np.ndarray]:
-    """Return all levels one after the other, and where each begins."""
+    """Return the grey of all levels one after the other (n,), and where each begins (levels,), an index."""
     rng = np.random.default_rng(seed)
     across, down = rfftfreq(TEXTURE_TEXELS), np.fft.fftfreq(TEXTURE_TEXELS)[:, None]
     f = np.hypot(across, down)

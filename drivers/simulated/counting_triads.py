@@ -85,7 +85,7 @@ class Sensor:
         self._heats.append((t, kelvin, tau_s))
 
     def temperature(self, t: FloatArray) -> FloatArray:
-        """Return the temperature [degC] at ``t`` [s]."""
+        """Return the temperature (n,) [degC] at times ``t`` (n,) [s]."""
         truth = self._truth
         warm = truth.temperature_rise_k * -np.expm1(-t / truth.temperature_tau_s)
         swing = truth.temperature_swing_k * np.sin(2 * np.pi * t / truth.temperature_swing_period_s)
@@ -93,7 +93,7 @@ class Sensor:
         return truth.temperature_start_c + warm + swing + sum(heated)
 
     def temperature_rate(self, t: FloatArray) -> FloatArray:
-        """Return the rate of temperature [K/min] at ``t`` [s]."""
+        """Return the rate of temperature (n,) [K/min] at times ``t`` (n,) [s]."""
         truth = self._truth
         warm = truth.temperature_rise_k / truth.temperature_tau_s * np.exp(-t / truth.temperature_tau_s)
         omega = 2 * np.pi / truth.temperature_swing_period_s
@@ -101,7 +101,7 @@ class Sensor:
         return 60 * (warm + truth.temperature_swing_k * omega * np.cos(omega * t) + sum(heated))
 
     def output(self, segment: Segment, index: int, first: int, last: int) -> FloatArray:
-        """Return the noise-free output (n or 1, 6): accelerometers [g], gyros [deg/s].
+        """Return the noise-free output (n, 6) or (1, 6): accelerometers [g], gyros [deg/s].
 
         ``first`` .. ``last`` are samples of the segment, ``index`` the sample since power-on of ``first``.
         """

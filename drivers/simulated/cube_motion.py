@@ -1,5 +1,7 @@
 """How the cube moves: rests, flips and hand turns, as rotations about an axis fixed in the cube.
 
+Attitudes ``C_bn`` (3, 3) take East-North-Up to the cube, ``target_C_bn`` (3, 3) is the last one of a move.
+
 A `Segment` turns the cube by ``angle(t)`` about ``axis_b`` from its first attitude. The increments a gyro
 integrates are differences of that angle, so a closed turn integrates exactly; vectors fixed in n are averaged
 over each sample (exact for a steady rate within the sample). The lever arm from the axis is zero.
@@ -42,7 +44,7 @@ class Segment:
         return rotation(-self.angle[-1] * self.axis_b) @ self.C_bn
 
     def seen(self, vector_n: FloatArray, first: int, last: int) -> FloatArray:
-        """Return a vector (3,) or (samples, 3) of n as seen in the cube, mean over samples: (n or 1, 3)."""
+        """Return ``vector_n`` (3,) or (samples, 3) as seen in the cube, mean over samples: (n, 3) or (1, 3)."""
         if vector_n.ndim == 2:
             vector_n = vector_n[first:last]
         vector_b: FloatArray = np.einsum("bn,...n->...b", self.C_bn, vector_n)
@@ -59,7 +61,7 @@ class Segment:
         return rotated
 
     def rate_b(self, first: int, last: int, period: float) -> FloatArray:
-        """Return the mean rate (n or 1, 3) [rad/s] of b relative to n over each sample, resolved in b."""
+        """Return the mean rate (n, 3) or (1, 3) [rad/s] of b relative to n over each sample, resolved in b."""
         if self.angle is None or self.axis_b is None:
             return np.zeros((1, 3))
         rate: FloatArray = np.diff(self.angle[first : last + 1])[:, None] / period * self.axis_b
@@ -67,7 +69,7 @@ class Segment:
 
 
 def rest(C_bn: FloatArray, samples: int | None, position: int, rested: int = 0) -> Segment:
-    """Return a rest; ``rested`` samples of it have already passed."""
+    """Return a rest in an attitude [rotation]; ``rested`` samples of it have already passed."""
     return Segment(C_bn, samples, position=position, rested=rested)
 
 
@@ -86,7 +88,7 @@ def settle(
 def flip(
     C_bn: FloatArray, target_C_bn: FloatArray, samples: int, period: float, rng: np.random.Generator
 ) -> Segment:
-    """Return a move by hand from one attitude to another: grip, lift, rotate, set down, let go.
+    """Return a move by hand from one attitude to another: grip, lift, rotate, set down, let go; ``period`` [s].
 
     The cube turns about the one axis that leads from first to last attitude, smoothly (quintic), in the middle
     half of the move; the hand trembles all along, and a lift and a setting down show in specific force.
@@ -128,7 +130,7 @@ def hand_turn(
     C_bn: FloatArray, axis_b: FloatArray, total: float, rest_samples: int, period: float, rng: np.random.Generator,
     mean_deg_s: float | None = None,
 ) -> Segment:  # fmt: skip
-    """Return a turn by ``total`` [rad] about ``axis_b`` with a rest before and after it.
+    """Return a turn by ``total`` [rad] about ``axis_b`` (3,) with a rest before and after it.
 
     Hand speed is uneven: a raised start and stop and a random sum of slow swings, always forward, about
     ``mean_deg_s`` in the mean, `TURN_RATE_DEG_S` unless it is given.

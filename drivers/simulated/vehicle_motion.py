@@ -12,7 +12,7 @@ MIN_SPEED_M_S = 0.2  # m/s, below which the vehicle keeps its heading
 
 
 def drive(track: VehicleTrack, C_bn: FloatArray, first: int, period: float) -> Segment:
-    """Return the drive along a track from sample ``first`` to its end, the x axis of the cube ahead.
+    """Return the drive along a track from sample ``first`` on, the x axis of the cube ahead; ``period`` [s].
 
     ``C_bn`` (3, 3) is an attitude with x level; at the first sample the cube is put on its course.
 
@@ -31,7 +31,15 @@ def drive(track: VehicleTrack, C_bn: FloatArray, first: int, period: float) -> S
 
 
 def turned(t: FloatArray, v: FloatArray, C_bn: FloatArray) -> FloatArray:
-    """Return by how much (n,) [rad] the cube has turned about its up, ``v`` (n, 3) [m/s] being its velocities."""
+    """Return by how much (n,) [rad] the cube has turned about its up.
+
+    Parameters
+    ----------
+    t, v
+        (n,) [s] and (n, 3) [m/s], times and velocities, East-North-Up.
+    C_bn
+        (3, 3), the attitude that it begins with.
+    """
     moves = np.hypot(v[:, 0], v[:, 1]) > MIN_SPEED_M_S
     if not moves.any():
         return np.zeros(len(t))

@@ -189,7 +189,7 @@ class WireFormat:
 
 
 def fits(values: NDArray[Any], low: int, high: int, name: str) -> IntArray:
-    """Return ``values`` as int64; raise ValueError where one is outside [low, high] or not a whole number."""
+    """Return ``values`` (n,) or (n, 3) as whole numbers; raise ValueError where one is outside [low, high]."""
     ok = (values >= low) & (values <= high)
     if not ok.all():
         raise ValueError(f"{name} holds {values[~ok][0]}, expected {low} to {high}")

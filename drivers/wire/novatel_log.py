@@ -75,18 +75,18 @@ def is_intact(frame: Octets) -> bool:
 
 
 def xyz(frames: Frames, name: str) -> IntArray:
-    """Return (n, 3) int64 x, y, z from the wire's Z, -Y, X; in 32 bits -(-2^31) would overflow."""
+    """Return counts (n, 3) int64 x, y, z from the wire's Z, -Y, X; in 32 bits -(-2^31) would overflow."""
     counts: IntArray = frames[name][:, ::-1] * np.array([1, -1, 1])
     return counts
 
 
 def z_minus_y_x(counts: IntArray, name: str) -> IntArray:
-    """Return (n, 3) in the wire's order Z, -Y, X; raise ValueError where one does not fit 32 bits."""
+    """Return ``counts`` (n, 3) in the wire's order Z, -Y, X; raise ValueError where one does not fit 32 bits."""
     return fits((counts * np.array([1, -1, 1]))[:, ::-1], -INT32, INT32 - 1, f"{name} (as Z, -Y, X)")
 
 
 def gps_time(week: IntArray, seconds: FloatArray) -> FloatArray:
-    """Return seconds since 1980-01-06; nan where the seconds are not within a week.
+    """Return (n,) [s] since 1980-01-06 of ``week`` (n,) and ``seconds`` (n,) into it; nan where not within a week.
 
     Weeks are counted in so that time rises over the change of week; double precision keeps 0.24 us of it.
     """
@@ -96,7 +96,7 @@ def gps_time(week: IntArray, seconds: FloatArray) -> FloatArray:
 
 
 def week_and_seconds(block: CountBlock) -> tuple[IntArray, FloatArray]:
-    """Return GPS week and seconds into it; raise ValueError for a time that they cannot hold."""
+    """Return GPS week (n,) and seconds into it (n,); raise ValueError for a time that they cannot hold."""
     if not np.isfinite(block.device_time).all():
         raise ValueError("device_time is not finite; this format sends a time with every frame")
     week = fits(np.floor_divide(block.device_time, WEEK), 0, 2**16 - 1, "GPS week")

@@ -26,12 +26,20 @@ _WRONG = np.array([0 if 0 < size <= MAX_DIGITS else _HIGH for size in _SIZES])
 
 
 def words_of(text: bytes) -> IntArray:
-    """Return the word that begins at each character; the last seven begin none."""
+    """Return the word that begins at each character (m,); the last seven begin none."""
     return np.ndarray((max(0, len(text) - WORD_CHARS + 1),), "<i8", text, strides=(1,))
 
 
 def decimal(words: IntArray, begins: IntArray, ends: IntArray) -> tuple[IntArray, BoolArray]:
-    """Return the numbers without sign between these places, and which are 1 to 16 digits and nothing else."""
+    """Return numbers without sign, and which are 1 to 16 digits and nothing else, in the shape of ``begins``.
+
+    Parameters
+    ----------
+    words
+        (m,), those of the text: `words_of`.
+    begins, ends
+        (n,) or (k, n), where the numbers begin in the text and one beyond their last characters.
+    """
     size = ends - begins
     values, is_number = _eight_digits(words, ends, size)
     long = np.flatnonzero(size > WORD_CHARS)
@@ -44,7 +52,15 @@ def decimal(words: IntArray, begins: IntArray, ends: IntArray) -> tuple[IntArray
 
 
 def hexadecimal(words: IntArray, begins: IntArray, ends: IntArray) -> tuple[IntArray, BoolArray]:
-    """Return the numbers between these places, and which are 1 to 8 lower-case hexadecimal digits."""
+    """Return numbers, and which are 1 to 8 lower-case hexadecimal digits, in the shape of ``begins``.
+
+    Parameters
+    ----------
+    words
+        (m,), those of the text: `words_of`.
+    begins, ends
+        (n,) or (k, n), where the numbers begin in the text and one beyond their last characters.
+    """
     size = ends - begins
     letters = _digits(words, ends, size) ^ _ZEROS
     nibbles = (letters & _NIBBLE) + 9 * (letters >> 6 & _ONES)

@@ -62,7 +62,7 @@ FRAME = KINDS[0xAF].dtype
 
 
 def int24(octets: np.ndarray[Any, np.dtype[np.uint8]]) -> IntArray:
-    """Return big-endian 24-bit two's complement (..., 3) bytes as (...) int64."""
+    """Return ``octets`` (..., 3), big-endian 24-bit two's complement, as numbers (...,) int64."""
     high, middle, low = (octets[..., i].astype(np.int64) for i in range(3))
     value: IntArray = ((high ^ 0x80) - 0x80) << 16 | middle << 8 | low
     return value

@@ -9,7 +9,7 @@ _AXES = "xyz"
 
 
 def body_axes(text: str) -> FloatArray:
-    """Return C (3, 3) that takes IMU axes to forward-right-down, of text such as ``x,-y,-z``.
+    """Return the rotation C (3, 3) that takes IMU axes to forward-right-down, of text such as ``x,-y,-z``.
 
     Raises
     ------

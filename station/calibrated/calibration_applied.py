@@ -54,7 +54,7 @@ def calibrated_inputs(
     gyro: FloatArray | None,
     around: Surroundings = Surroundings(),
 ) -> CalibratedInputs:
-    """Return what the sensors went through, from count rates (n, 3) [count/s] (or rates as they came).
+    """Return what the sensors felt, from ``accel`` and ``gyro`` (n, 3) [count/s], or rates as they came.
 
     An effect of gyroscopes that depends on specific force needs both triads.
     """

@@ -28,7 +28,7 @@ class LiveTrack:
         self.far: tuple[Place, ...] = ()
 
     def add(self, p: FloatArray) -> None:
-        """Go on to a place (3,) [m]."""
+        """Go on to a place ``p`` (3,) [m]."""
         here = float(p[0]), float(p[1])
         if self._points and np.hypot(here[0] - self._points[-1][0], here[1] - self._points[-1][1]) < self._step:
             return
@@ -39,7 +39,7 @@ class LiveTrack:
         self.points = tuple(self._points)
 
     def add_outlier(self, p: FloatArray) -> None:
-        """Count a fix at a place (3,) [m] that is none of the unit's."""
+        """Count a fix at a place ``p`` (3,) [m] that is none of the unit's."""
         self.outliers += 1
         self.far = (*self.far, (float(p[0]), float(p[1])))[-MAX_DRAWN_OUTLIERS:]
 

@@ -40,7 +40,8 @@ class LiveInertial:
         self.window, self._given = LiveWindow(settings, begun.imu, begun.fixes, begun.aligned), given
 
     @property
-    def velocity(self) -> FloatArray:  # noqa: D102
+    def velocity(self) -> FloatArray:
+        """The newest keyframe's velocity (3,) [m/s] in n."""
         assert self.window.state is not None
         return self.window.state.v
 
@@ -53,4 +54,4 @@ class LiveInertial:
             yield self.window.go_on(due[0], imu, self._given.fixes, due[1])
 
     def learn(self, lever: FloatArray, std: float) -> None:
-        """Leave it: this window estimates the lever arm itself."""
+        """Leave the ``lever`` arm (3,) [m]: this window estimates it itself."""

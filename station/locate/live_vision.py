@@ -71,7 +71,8 @@ class LiveVision:
         self._camera, self._fixes = camera, fixes
 
     @property
-    def velocity(self) -> FloatArray:  # noqa: D102
+    def velocity(self) -> FloatArray:
+        """The newest keyframe's velocity (3,) [m/s] in n."""
         return self._window.velocity
 
     def begin(self) -> Iterator[OdometryPose]:  # noqa: D102
@@ -83,5 +84,6 @@ class LiveVision:
             yield self._window.go_on(frame, imu, self._fixes.fixes)
             self._camera.fitted = self._window.state.offset
 
-    def learn(self, lever: FloatArray, std: float) -> None:  # noqa: D102
+    def learn(self, lever: FloatArray, std: float) -> None:
+        """Take the ``lever`` arm (3,) [m] and 1 sigma of it [m]."""
         self._window.antenna = LeverArm(lever, std)

@@ -28,7 +28,7 @@ class Locating(Protocol):
 
 
 def in_imu_axes(tick: CalibratedTick, C: FloatArray, period: float) -> ImuSeries:
-    """Return a tick's samples in the middle of their intervals; ``C`` (3, 3) takes IMU axes to the body's."""
+    """Return a tick's samples, in mid-interval; the rotation ``C`` (3, 3) takes IMU axes to the body's."""
     return ImuSeries(tick.t - period / 2, tick.calibrated.rate @ C, tick.calibrated.force @ C)
 
 

@@ -24,9 +24,14 @@ class Pose(Protocol):
     @property
     def t(self) -> float: ...  # noqa: D102
     @property
-    def p(self) -> FloatArray: ...  # noqa: D102
+    def p(self) -> FloatArray:
+        """The position (3,) [m]."""
+        ...
+
     @property
-    def C_nb(self) -> FloatArray: ...  # noqa: D102
+    def C_nb(self) -> FloatArray:
+        """The rotation (3, 3) from body to n."""
+        ...
 
 
 def through_graph(
@@ -81,7 +86,7 @@ def outer_settings(log: FusionLog) -> OuterSettings:
 
 
 def timed(poses: Iterable[T]) -> tuple[list[T], FloatArray]:
-    """Return the poses, and how long each took [s]."""
+    """Return the poses, and how long each took (n,) [s]."""
     found, seconds = list[T](), list[float]()
     start = perf_counter()
     for pose in poses:

@@ -34,7 +34,7 @@ def test_what_is_stated_stands_and_is_compared_and_the_rest_is_taken(tmp_path: P
 def test_without_a_fix_a_site_that_nobody_states_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(gnss_in_campaign, "WAIT_S", 0.8)
+    monkeypatch.setattr(gnss_in_campaign, "MAX_SITE_WAIT_S", 0.8)
     monkeypatch.setattr(gnss_in_campaign, "SHORT_WAIT_S", 0.2)
     with SimulatedGnss(TRUTH) as gnss, open_gnss(gnss.url, tmp_path) as feed:
         gnss.plant("no_fix", 1e6)
