@@ -1,4 +1,4 @@
-"""Names for the array types that cross a public boundary."""
+"""Names for the array types that cross a public boundary, and interpolation of vectors over time."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,3 +6,8 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+
+
+def interpolated(t: FloatArray, times: FloatArray, values: FloatArray) -> FloatArray:
+    """Return values (n, 3) of any unit and frame at ``t`` (n,) [s], straight lines between (m, 3) at ``times``."""
+    return np.stack([np.interp(t, times, values[:, i]) for i in range(3)], axis=1)

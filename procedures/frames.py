@@ -49,13 +49,43 @@ def cross_axes(face: str) -> tuple[int, int]:
 
 def rotation(vector: FloatArray) -> FloatArray:
     """Return the rotation matrices (..., 3, 3) of rotation vectors (..., 3) [rad], right-handed (Rodrigues)."""
-    angle = np.linalg.norm(vector, axis=-1)[..., None, None]
-    skew = np.zeros((*vector.shape[:-1], 3, 3))
-    skew[..., 0, 1], skew[..., 0, 2], skew[..., 1, 2] = -vector[..., 2], vector[..., 1], -vector[..., 0]
-    skew -= np.swapaxes(skew, -1, -2)
-    result: FloatArray = np.eye(3) + np.sinc(angle / np.pi) * skew
-    result += 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * (skew @ skew)
+    angle, across = np.linalg.norm(vector, axis=-1)[..., None, None], skew(vector)
+    result: FloatArray = np.eye(3) + np.sinc(angle / np.pi) * across
+    result += 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * (across @ across)
     return result
+
+
+def skew(v: FloatArray) -> FloatArray:
+    """Return the matrices (..., 3, 3) that take x to v cross x, of vectors (..., 3) of any unit and frame."""
+    matrix = np.zeros((*v.shape[:-1], 3, 3))
+    matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
+    skewed: FloatArray = matrix - np.swapaxes(matrix, -1, -2)
+    return skewed
+
+
+def rotation_vector(C: FloatArray) -> FloatArray:
+    """Return the rotation vectors (..., 3) [rad] of matrices (..., 3, 3) that turn by less than half a turn."""
+    sine_axis = np.stack(
+        (C[..., 2, 1] - C[..., 1, 2], C[..., 0, 2] - C[..., 2, 0], C[..., 1, 0] - C[..., 0, 1]), axis=-1
+    )
+    sine = np.linalg.norm(sine_axis, axis=-1) / 2
+    angle = np.arctan2(sine, (np.trace(C, axis1=-2, axis2=-1) - 1) / 2)
+    scale = np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 1.0)
+    vector: FloatArray = sine_axis / 2 * scale[..., None]
+    return vector
+
+
+def wahba_rotation(B: FloatArray) -> FloatArray:
+    """Return the rotation (3, 3) C with the largest trace of C' B: for B = sum of v_n v_b', that from b to n."""
+    U, _, Vt = np.linalg.svd(B)
+    best: FloatArray = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
+    return best
+
+
+def wrapped(angle: FloatArray) -> FloatArray:
+    """Return angles [rad], any shape, within half a turn of 0."""
+    within: FloatArray = (angle + np.pi) % (2 * np.pi) - np.pi
+    return within
 
 
 def slab_C_ln(tilt: FloatArray) -> FloatArray:

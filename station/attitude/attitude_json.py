@@ -9,6 +9,7 @@ from procedures.arrays import FloatArray
 from procedures.attitude.attitude_estimate import AttitudeEstimate
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
+from procedures.frames import wrapped
 from procedures.units import DEG_H_PER_DEG_S
 from station.files.atomic_file import replace_file
 from station.text.plural import plural
@@ -50,7 +51,7 @@ def rms_deg(log: AttitudeLog, down: FloatArray) -> dict[str, float] | None:
         return None
     roll, pitch = roll_pitch_of(down[rows])
     errors = {
-        "roll": (roll - log.roll[rows] + np.pi) % (2 * np.pi) - np.pi,
+        "roll": wrapped(roll - log.roll[rows]),
         "pitch": pitch - log.pitch[rows],
         "inclination": inclination(down[rows], truth[rows]),
     }

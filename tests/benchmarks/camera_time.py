@@ -18,10 +18,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from procedures.arrays import FloatArray
+from procedures.frames import rotation_vector
 from procedures.fusion.alignment.alignment_attempts import between
 from procedures.fusion.fusion_records import ImuSeries, Trajectory
 from procedures.fusion.imu.gyro_rotations import GyroTurns
-from procedures.fusion.rotation_vectors import log_rotation
 from procedures.fusion.vision.feature_tracks import Camera, Tracks
 from procedures.fusion.visual_alignment.camera_time import CameraOffset, camera_offset
 from station.files.fusion_folder import FusionLog, read_fusion
@@ -84,7 +84,7 @@ def own_offset(imu: ImuSeries, truth: Trajectory) -> float:
         gyro = GyroTurns(imu, x[1:])
         R, by_bias = gyro.turned(t + x[0], t + TURN + x[0])
         by_time = (R @ gyro.rate(t + x[0])[:, :, None])[:, :, 0] - gyro.rate(t + TURN + x[0])
-        off = log_rotation(seen_turns @ np.swapaxes(R, 1, 2))
+        off = rotation_vector(seen_turns @ np.swapaxes(R, 1, 2))
         weight = 1 / (1 + np.sum(off**2, axis=1) / AGREED**2)[:, None]
         J = np.concatenate((by_time[:, :, None], by_bias), axis=2)
         Jw = (J * weight[:, :, None]).reshape(-1, 4)

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from drivers.camera import CameraImage
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, interpolated
 from procedures.earth.geodesy import LocalLevel
 from procedures.earth.gnss_records import FixType, GnssFix, TimeMark
 from procedures.fusion.fusion_records import ImuNoise, ImuSeries
@@ -106,7 +106,7 @@ def locate(log: FusionLog, name: str) -> None:
             found.append((locator.location.t, place(origin, locator.location)))
     cost = (time.process_time() - began) / (imu.t[-1] - imu.t[0]) * 1e3
     t, p = np.array([at for at, _ in found]), np.array([where for _, where in found])
-    truth = np.stack([np.interp(t, log.truth.t, log.truth.p[:, i]) for i in range(3)], axis=1)
+    truth = interpolated(t, log.truth.t, log.truth.p)
     off = np.linalg.norm(p - truth, axis=1)[t > t[0] + WARM_UP_S]
     print(
         f"{name:14} located at {t[0]:.1f} s, mean {off.mean():.4f} m, worst {off.max():.2f} m, "

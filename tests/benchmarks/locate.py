@@ -16,6 +16,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
+from procedures.arrays import interpolated
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import rotation, vertical_rotation
 from procedures.fusion.alignment.alignment_at_rest import align_at_rest
@@ -73,7 +74,7 @@ def consistency(located: Located, truth: Trajectory) -> tuple[float, float]:
     k = (located.online.t > WARM_UP) & (located.online.t < truth.t[-1])
     assert located.covariance is not None
     t, P = located.online.t[k], located.covariance[k]
-    e = located.online.p[k] - np.stack([np.interp(t, truth.t, truth.p[:, i]) for i in range(3)], axis=1)
+    e = located.online.p[k] - interpolated(t, truth.t, truth.p)
     E = (
         Rotation.from_quat(located.online.q[k]) * Slerp(truth.t, Rotation.from_quat(truth.q))(t).inv()
     ).as_matrix()

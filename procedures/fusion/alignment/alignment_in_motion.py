@@ -19,7 +19,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.frames import rotation, vertical_rotation
+from procedures.frames import rotation, skew, vertical_rotation, wahba_rotation
 from procedures.fusion.alignment.alignment_result import (
     SETTLED_OFFSET,
     SETTLED_TILT,
@@ -30,7 +30,7 @@ from procedures.fusion.alignment.alignment_result import (
 from procedures.fusion.alignment.velocity_increments import AtFixes, BetweenFixes, seen_velocity
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.imu.imu_gaps import imu_gaps
-from procedures.fusion.imu.inertial_increments import Grid, Increments, grid, integrate, products, skew
+from procedures.fusion.imu.inertial_increments import Grid, Increments, grid, integrate, products
 
 ROUNDS = 15
 FASTEST = 300.0  # m/s, 1 sigma of a velocity of which nothing is measured
@@ -129,9 +129,7 @@ class _Problem:
         alpha = self.seen.reach(self.grid, integrate(self.grid.edges, zero, zero), zero).alpha
         v = self.seen.v
         seen = np.where(np.isfinite(v), v, 0.0) + np.outer(self.elapsed, [0, 0, self.owner.gravity])
-        U, _, Vt = np.linalg.svd((seen - seen.mean(axis=0)).T @ (alpha - alpha.mean(axis=0)))
-        best: FloatArray = U @ np.diag([1, 1, np.linalg.det(U @ Vt)]) @ Vt
-        return best
+        return wahba_rotation((seen - seen.mean(axis=0)).T @ (alpha - alpha.mean(axis=0)))
 
     def refine(self, C: FloatArray) -> _Minimum:
         """Return the minimum that Gauss-Newton reaches from an attitude."""

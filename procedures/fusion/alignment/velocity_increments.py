@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, interpolated
+from procedures.frames import skew
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.inertial_increments import Grid, Increments, skew
+from procedures.fusion.imu.inertial_increments import Grid, Increments
 
 NEAR = 0.03  # s, over which an acceleration is taken: longer than a propeller's turn
 
@@ -51,7 +52,7 @@ class AtFixes:
         """Return increments made at all edges of the grid as they are at the fixes."""
         k, edges = grid.at, np.concatenate(([0.0], np.cumsum(grid.dt)))
         ends = np.clip([edges[k] - NEAR, edges[k] + NEAR], 0.0, edges[-1])
-        alpha = [np.stack([np.interp(t, edges, made.alpha[:, i]) for i in range(3)], axis=1) for t in ends]
+        alpha = [interpolated(t, edges, made.alpha) for t in ends]
         slope = (alpha[1] - alpha[0]) / (ends[1] - ends[0])[:, None]
         arm = made.C[k] @ skew(self.omega_b - gyro_bias)
         return Reach(made.alpha[k], made.by_gyro[k], made.by_accel[k], arm, slope)
@@ -84,7 +85,7 @@ def seen_velocity(imu: ImuSeries, fixes: GnssFixes) -> AtFixes | BetweenFixes:
     spanned = (fixes.t >= imu.t[0]) & (fixes.t <= imu.t[-1])
     known = spanned & np.isfinite(fixes.v_n[:, :2]).all(axis=1)
     if known.any():
-        omega = np.stack([np.interp(fixes.t[known], imu.t, imu.omega_b[:, i]) for i in range(3)], axis=1)
+        omega = interpolated(fixes.t[known], imu.t, imu.omega_b)
         return AtFixes(fixes.t[known], fixes.v_n[known], np.diag(fixes.velocity_std[known] ** 2), omega)
     t, p, variance = fixes.t[spanned], fixes.p_n[spanned], fixes.position_std[spanned] ** 2
     difference = np.diff(np.eye(len(t)), axis=0) / np.diff(t)[:, None]

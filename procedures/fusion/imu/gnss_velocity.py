@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, interpolated
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.imu.preintegration import Preintegrated
 
@@ -45,7 +45,7 @@ class Velocities:
         since = self.t[which] - t0
         if not len(since):
             return np.zeros(3), np.zeros(3)
-        gained = np.stack([np.interp(since, part.edges, part.dv_from[:, i]) for i in range(3)], axis=1)
+        gained = interpolated(since, part.edges, part.dv_from)
         share = (since / part.dt)[:, None, None]
         C_nf = C_nb @ ((1 - share) * np.eye(3) + share * part.turn)  # of a lever arm, good enough within 0.1 s
         arm = np.einsum("nij,nj->ni", C_nf, np.cross(self.rate_b[which], antenna.lever))
@@ -58,7 +58,7 @@ class Velocities:
 
 def velocities(fixes: GnssFixes, imu: ImuSeries, gyro_bias: FloatArray) -> Velocities:
     """Return what fixes say of velocity, and the IMU's rate at each, its bias taken off."""
-    rate = np.stack([np.interp(fixes.t, imu.t, imu.omega_b[:, i]) for i in range(3)], axis=1)
+    rate = interpolated(fixes.t, imu.t, imu.omega_b)
     told = np.isfinite(fixes.v_n) & np.isfinite(fixes.velocity_std)[:, None]
     v, std = np.where(told, fixes.v_n, 0.0), np.where(told, fixes.velocity_std[:, None], np.inf)
     climb, climb_std = _climb(fixes)

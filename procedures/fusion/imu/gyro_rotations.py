@@ -3,10 +3,9 @@
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.frames import rotation
+from procedures.frames import rotation, rotation_vector
 from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.imu.inertial_increments import products
-from procedures.fusion.rotation_vectors import log_rotation
 
 NEAR = 0.03  # s about a moment, over which its rate is taken: a sample alone is vibration
 
@@ -33,7 +32,7 @@ class GyroTurns:
     def rate(self, t: FloatArray) -> FloatArray:
         """Return the mean rates (n, 3) [rad/s] about the times (n,) [s]."""
         turned, _ = self.turned(t + NEAR, t - NEAR)
-        return log_rotation(turned) / (2 * NEAR)
+        return rotation_vector(turned) / (2 * NEAR)
 
     def _at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         k = np.clip(np.searchsorted(self.t, t, "right") - 1, 0, len(self._rate) - 1)

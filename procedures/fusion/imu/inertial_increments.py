@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.arrays import FloatArray
-from procedures.frames import rotation
+from procedures.arrays import FloatArray, interpolated
+from procedures.frames import rotation, skew
 from procedures.fusion.fusion_records import ImuSeries
 
 
@@ -41,10 +41,7 @@ def grid(imu: ImuSeries, times: FloatArray) -> Grid:
     inside = imu.t[(imu.t > times[0]) & (imu.t < times[-1])]
     edges = np.unique(np.concatenate((times, inside)))
     middle = (edges[1:] + edges[:-1]) / 2
-    omega, f = (
-        np.stack([np.interp(middle, imu.t, values[:, i]) for i in range(3)], axis=1)
-        for values in (imu.omega_b, imu.f_b)
-    )
+    omega, f = (interpolated(middle, imu.t, values) for values in (imu.omega_b, imu.f_b))
     return Grid(np.diff(edges), omega, f, np.searchsorted(edges, times))
 
 
@@ -90,11 +87,3 @@ def products(steps: FloatArray) -> FloatArray:
 
 def _summed(parts: FloatArray) -> FloatArray:
     return np.concatenate((np.zeros((1, *parts.shape[1:])), np.cumsum(parts, axis=0)))
-
-
-def skew(v: FloatArray) -> FloatArray:
-    """Return the matrices (..., 3, 3) that take x to v cross x."""
-    matrix = np.zeros((*v.shape[:-1], 3, 3))
-    matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
-    skewed: FloatArray = matrix - np.swapaxes(matrix, -1, -2)
-    return skewed

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.frames import rotation
+from procedures.frames import rotation, skew
 from procedures.fusion.fusion_records import ImuNoise
-from procedures.fusion.imu.inertial_increments import Grid, products, skew
+from procedures.fusion.imu.inertial_increments import Grid, products
 
 ENDS = 6  # samples
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.imu.inertial_increments import skew
+from procedures.frames import skew
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,13 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.frames import rotation
+from procedures.frames import rotation, rotation_vector, skew
 from procedures.fusion.fusion_records import ImuNoise
-from procedures.fusion.imu.inertial_increments import skew
 from procedures.fusion.imu.preintegration import Preintegrated
 from procedures.fusion.inner.window_state import FRAME, HEADING, Normal, WindowState
 from procedures.fusion.outer.pose_graph_terms import rz
-from procedures.fusion.rotation_vectors import log_rotation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,7 +71,7 @@ def _residual(
     gained = np.einsum("fij,fj->fi", Ct, state.v[1 : f + 1] - v - pull * dt)
     went = np.einsum("fij,fj->fi", Ct, state.p[1 : f + 1] - state.p[:f] - v * dt - pull * dt**2 / 2)
     r = np.hstack((
-        log_rotation(np.swapaxes(dC, 1, 2) @ Ct @ C_j),
+        rotation_vector(np.swapaxes(dC, 1, 2) @ Ct @ C_j),
         gained - np.array([part.dv for part in parts]) - due[:, 3:6],
         went - np.array([part.dp for part in parts]) - due[:, 6:],
         np.hstack((state.bg[1 : f + 1], state.ba[1 : f + 1])) - bias,

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.fusion.imu.inertial_increments import skew
+from procedures.frames import skew
 from procedures.fusion.inner.window_state import WindowState
 
 HUBER = 2.0  # of a whitened image point (two axes)

@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.frames import rotation
-from procedures.fusion.rotation_vectors import log_rotation
+from procedures.frames import rotation, rotation_vector
 
 CAMERA = 6  # numbers of the camera
 HEADING, OFFSET = 6, 7  # where the heading stands, and the camera's time offset
@@ -79,9 +78,9 @@ class WindowState:
     def less(self, at: "WindowState") -> FloatArray:
         """Return the step from ``at``, a state of the same frames and landmarks or of the first of the frames."""
         k = len(at.p)
-        turn = log_rotation(np.swapaxes(at.C_ob, 1, 2) @ self.C_ob[:k])
+        turn = rotation_vector(np.swapaxes(at.C_ob, 1, 2) @ self.C_ob[:k])
         parts = (turn, self.p[:k] - at.p, self.v[:k] - at.v, self.bg[:k] - at.bg, self.ba[:k] - at.ba)
-        turned, moved = log_rotation(at.C_bc.T @ self.C_bc), self.t_bc - at.t_bc
+        turned, moved = rotation_vector(at.C_bc.T @ self.C_bc), self.t_bc - at.t_bc
         camera = np.r_[turned, moved, self.heading - at.heading, self.offset - at.offset]
         return np.concatenate((camera, np.hstack(parts).ravel(), (self.held - at.held).ravel()))
 

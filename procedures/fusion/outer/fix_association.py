@@ -3,9 +3,10 @@
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.frames import wrapped
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.outer.pose_graph_terms import FixTerms, Nodes, wrapped
+from procedures.fusion.outer.pose_graph_terms import FixTerms, Nodes
 from procedures.fusion.outer.track_yaw import TrackYaw, track_yaw
 
 SLOWEST = 0.5  # m/s, below which a course says nothing

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.frames import wrapped
 from procedures.fusion.outer.block_tridiagonal import Chain
 
 WALK = 1e-4  # per sqrt(step): how far a lever arm [m] or a time offset [s], constants, may move
@@ -157,9 +158,3 @@ def huber(size: FloatArray, limit: float) -> FloatArray:
     """Return Huber's weights of whitened residuals: 1 within the limit, falling as 1 / size beyond."""
     weight: FloatArray = limit / np.maximum(size, limit)
     return weight
-
-
-def wrapped(angle: FloatArray) -> FloatArray:
-    """Return angles [rad] within half a turn of 0."""
-    within: FloatArray = (angle + np.pi) % (2 * np.pi) - np.pi
-    return within

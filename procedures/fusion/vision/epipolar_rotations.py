@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.imu.inertial_increments import skew
+from procedures.frames import skew
 from procedures.fusion.vision.frame_pairs import FramePairs
 
 LOSS = 4.0  # sigmas of a point at which its weight has fallen to a quarter

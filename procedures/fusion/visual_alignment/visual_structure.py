@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.frames import rotation
+from procedures.frames import rotation, wahba_rotation
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.reprojection import SEEING, linearise, residuals
 from procedures.fusion.inner.window_state import WindowState
@@ -71,8 +71,7 @@ def _turn(x0: FloatArray, x1: FloatArray) -> FloatArray:
     y0, y1 = (y / np.linalg.norm(y, axis=1)[:, None] for y in (y0, y1))
     weight, C = np.ones(len(x0)), np.eye(3)
     for _ in range(3):  # the few that are no match lose their weight
-        U, _, Vt = np.linalg.svd((y0 * weight[:, None]).T @ y1)
-        C = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
+        C = wahba_rotation((y0 * weight[:, None]).T @ y1)
         off = np.linalg.norm(y0 - y1 @ C.T, axis=1)
         weight = 1 / np.maximum(off, max(float(np.median(off)), 1e-9))
     return C

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.frames import rotation
+from procedures.frames import rotation, rotation_vector
 from procedures.fusion.imu.inertial_increments import Grid
 from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
 from procedures.fusion.inner.inertial_terms import add_inertial, add_velocities, predicted
@@ -15,7 +15,6 @@ from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.reprojection import Sights, linearise, residuals
 from procedures.fusion.inner.window_problem import Held, Prior, assemble, marginalised
 from procedures.fusion.inner.window_state import CAMERA, COMMON, OFFSET, WindowState, zero
-from procedures.fusion.rotation_vectors import log_rotation
 from tests.procedures.fusion.motions import NOISE
 from tests.procedures.fusion.seen import CAMERA as LENS
 from tests.procedures.fusion.seen import SITE
@@ -68,7 +67,7 @@ def test_a_sample_error_carries_as_the_covariance_says() -> None:
             f_b=part.f_b + rng.normal(size=part.f_b.shape) * NOISE.accel / 0.005**0.5,
         )
         end = made(noisy, np.zeros(6))
-        ends.append(np.r_[log_rotation(mean.turn.T @ end.turn), end.dv - mean.dv, end.dp - mean.dp])
+        ends.append(np.r_[rotation_vector(mean.turn.T @ end.turn), end.dv - mean.dv, end.dp - mean.dp])
     stated = np.sqrt(np.diag(np.linalg.inv(mean.info)))[:6]
     assert np.allclose(np.std(ends, axis=0)[:6], stated, rtol=5 / np.sqrt(2 * 1000))  # 5 sigma of a sigma
     floor = np.hypot(np.std(ends, axis=0)[6:], np.sqrt(1e-8 * mean.dt))
@@ -80,7 +79,7 @@ def test_a_bias_carries_as_its_derivative_says() -> None:
     mean, h = made(part, np.zeros(6)), 1e-4
     for i in range(6):
         plus, minus = made(part, h * np.eye(6)[i]), made(part, -h * np.eye(6)[i])
-        turn = log_rotation(minus.turn.T @ plus.turn)
+        turn = rotation_vector(minus.turn.T @ plus.turn)
         by_step = np.r_[turn, plus.dv - minus.dv, plus.dp - minus.dp] / (2 * h)
         assert np.allclose(by_step, mean.by_bias[:, i], atol=2e-4 * np.abs(mean.by_bias[:, i]).max())
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from procedures.frames import rotation_vector
 from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.outer.pose_graph import OuterGraph
-from procedures.fusion.rotation_vectors import log_rotation
 from procedures.fusion.vision.feature_tracks import Camera, Tracks
 from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
 from procedures.fusion.visual_alignment.visual_start import VisualStart
@@ -57,7 +57,7 @@ def window(imu: ImuSeries, tracks: Tracks, fixes: GnssFixes, camera: Camera = CA
 
 def turn_of(C_nb: np.ndarray, flight: Eight, t: float) -> np.ndarray:
     """Return the error (3,) of an attitude about East, North and up [deg]."""
-    return np.degrees(log_rotation(C_nb @ flight.attitude(np.array(t)).as_matrix().T))
+    return np.degrees(rotation_vector(C_nb @ flight.attitude(np.array(t)).as_matrix().T))
 
 
 def test_the_joint_fit_knows_scale_and_attitude_to_its_own_sigma(
@@ -127,8 +127,8 @@ def test_where_the_camera_sits_is_found(flight: Eight, imu: ImuSeries, tracks: T
     source = window(imu, tracks, fixes, told)
     for _ in source.poses():
         pass
-    off = np.degrees(log_rotation(CAMERA.C_bc.T @ source.state.C_bc))
-    assert np.linalg.norm(off) < 0.25 * np.linalg.norm(np.degrees(log_rotation(CAMERA.C_bc.T @ told.C_bc)))
+    off = np.degrees(rotation_vector(CAMERA.C_bc.T @ source.state.C_bc))
+    assert np.linalg.norm(off) < 0.25 * np.linalg.norm(np.degrees(rotation_vector(CAMERA.C_bc.T @ told.C_bc)))
 
 
 def test_without_gnss_it_drifts_by_centimetres(

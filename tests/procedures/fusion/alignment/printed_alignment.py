@@ -9,7 +9,7 @@ what the station uses. Measured beside it in docs/locate.md.
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, interpolated
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.imu.inertial_increments import grid, integrate
 
@@ -18,7 +18,7 @@ def align_as_printed(imu: ImuSeries, fixes: GnssFixes, gravity: float, gyro_bias
     """Return C_nb (3, 3) at the last fix; every fix has a velocity and lies within the IMU's data."""
     made = integrate(grid(imu, fixes.t), gyro_bias, np.zeros(3))
     a_n = np.gradient(fixes.v_n, fixes.t, axis=0) + np.array([0.0, 0.0, gravity])
-    f_b = np.stack([np.interp(fixes.t, imu.t, imu.f_b[:, i]) for i in range(3)], axis=1)
+    f_b = interpolated(fixes.t, imu.t, imu.f_b)
     felt = np.einsum("nij,nj->ni", made.C, f_b)
     U, _, Vt = np.linalg.svd(a_n.T @ felt)
     C: FloatArray = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt @ made.C[-1]
