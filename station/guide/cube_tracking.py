@@ -95,13 +95,18 @@ class CubeTracker:
 
     def glance(self) -> None:
         """Take what has come since the last whole second, for show only."""
-        tape, block, base = self._context.feed.tape, self._block, self._base
-        if block is None or base is None or tape.end <= block.last or block.last < max(tape.begin, tape.first):
+        buffer, block, base = self._context.feed.buffer, self._block, self._base
+        if (
+            block is None
+            or base is None
+            or buffer.end <= block.last
+            or block.last < max(buffer.begin, buffer.first)
+        ):
             return
-        newest = max(block.last, tape.end - max(round(GRAVITY_WINDOW_S / self._context.feed.period), 1))
-        accel = counted(tape.block(newest, tape.end), self._context.feed.period).accel
+        newest = max(block.last, buffer.end - max(round(GRAVITY_WINDOW_S / self._context.feed.period), 1))
+        accel = counted(buffer.block(newest, buffer.end), self._context.feed.period).accel
         force = accel.mean(axis=0) / self._context.feed.period
-        base = self._moved(base, self._ticks(block.last, tape.end))
+        base = self._moved(base, self._ticks(block.last, buffer.end))
         gain = 1.0 if self._scale is None else LEVELLING_GAIN
         if self._is_gravity(force):
             base = tilt_corrected(base, self._context.gate.way_up(force), gain)
@@ -174,7 +179,7 @@ class CubeTracker:
     def _ticks(self, first: int, last: int) -> FloatArray:
         """Return what the gyros counted in each tick (n, 3), IMU axes, less what they count at rest."""
         period = self._context.feed.period
-        gyro = counted(self._context.feed.tape.block(first, last), period).gyro.astype(float)
+        gyro = counted(self._context.feed.buffer.block(first, last), period).gyro.astype(float)
         if self._resting is not None:
             gyro -= self._resting[:3] * period
         size = max(round(TICK_S / period), 1)

@@ -179,6 +179,6 @@ class DwellStage:
         if self._is_soak:
             return ""
         context, dwelling = self._context, self._dwelling
-        recorded = series(context.feed.tape, dwelling.runs(), context.feed.period)
+        recorded = series(context.feed.buffer, dwelling.runs(), context.feed.period)
         up = context.C_sb @ face_normal(self._face)
         return crept(triad_estimates(recorded.accel, recorded), dwelling.accepted_s, up)

@@ -20,7 +20,7 @@ class FolderRecorder:
     def accept(
         self,
         step: Step,
-        tape: SampleBuffer,
+        buffer: SampleBuffer,
         runs: Sequence[SampleRun],
         *,
         kept_seat: Sequence[float] | None,
@@ -30,9 +30,9 @@ class FolderRecorder:
 
         ``kept_seat`` (2,) [rad]: kept though it sits so far off.
         """
-        spans = spans_left_out(runs, tape)
+        spans = spans_left_out(runs, buffer)
         said: dict[str, object] = {} if kept_seat is None else {"kept_seat_rad": list(kept_seat)}
-        path = self._recorder.accept(step, tape, runs, said | ({"turn_on": turn_on} if turn_on > 1 else {}))
+        path = self._recorder.accept(step, buffer, runs, said | ({"turn_on": turn_on} if turn_on > 1 else {}))
         if spans:
             period = self._recorder.tables.imu.sample_period_s
             keep_left_out(self._recorder.folder, path.name, [span * period for span in spans])
@@ -66,7 +66,7 @@ class FolderRecorder:
         write_tables(recorder.folder, recorder.tables)
 
 
-def spans_left_out(runs: Sequence[SampleRun], tape: SampleBuffer) -> list[int]:
+def spans_left_out(runs: Sequence[SampleRun], buffer: SampleBuffer) -> list[int]:
     """Return how many samples each step from run to run is, where nothing is missing in between."""
     between = [(before[1], after[0]) for before, after in pairwise(runs)]
-    return [first - last + 1 for last, first in between if tape.last_break(last - 1, first + 1) is None]
+    return [first - last + 1 for last, first in between if buffer.last_break(last - 1, first + 1) is None]

@@ -93,7 +93,7 @@ class FreeAttitudeStage:
         if not dwelling.is_complete:
             return self
         if not self._is_soak:
-            recorded = series(context.feed.tape, dwelling.runs(), context.feed.period)
+            recorded = series(context.feed.buffer, dwelling.runs(), context.feed.period)
             up = context.C_sb @ context.gate.way_up(dwelling.rate()[3:])
             if why := crept(triad_estimates(recorded.accel, recorded), dwelling.accepted_s, up):
                 return self._again(context, f"{why}; it begins again", must_move=False)

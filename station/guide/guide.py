@@ -90,7 +90,7 @@ class Guide:
         self._heading.take(look, self._step if self._may_stand_wrong else None)
         past = block.first - KEPT_BLOCKS * (block.last - block.first)
         oldest = self._stage.oldest
-        context.feed.tape.forget_before(past if oldest is None else min(past, oldest))
+        context.feed.buffer.forget_before(past if oldest is None else min(past, oldest))
 
     def glance(self, block: Block | None) -> None:
         """Take the newest second for show only."""

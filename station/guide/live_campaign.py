@@ -149,7 +149,7 @@ class LiveCampaign:
         has_turns = any(isinstance(step, Turn) for step in self.guide.context.checklist.open_steps)
         if silent and (has_turns or "accelerometer" in silent):
             for block in self._feed.ready():  # nothing of it is used
-                self._feed.tape.forget_before(block.first)
+                self._feed.buffer.forget_before(block.first)
             raise DeadChannel(self._feed.address.name, silent)
 
     def _wait_for(self, error: DriverError) -> None:

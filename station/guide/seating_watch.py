@@ -49,7 +49,7 @@ class SeatCheck:
     def last_fault(self, dwelling: DwellAttempt, position: int) -> str:
         """Look now."""
         context = self._context
-        recorded = series(context.feed.tape, dwelling.runs(), context.feed.period)
+        recorded = series(context.feed.buffer, dwelling.runs(), context.feed.period)
         accel, std = rates_and_sigmas(triad_estimates(recorded.accel, recorded))
         before = [(each.position, each.accel, each.accel_std) for each in context.well_seated]
         facts = context.bench

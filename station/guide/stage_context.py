@@ -36,7 +36,7 @@ class StepRecorder(Protocol):
     def accept(
         self,
         step: Step,
-        tape: SampleBuffer,
+        buffer: SampleBuffer,
         runs: Sequence[SampleRun],
         *,
         kept_seat: Sequence[float] | None,
@@ -193,16 +193,16 @@ class StageContext:
         ``kept_seat`` (2,) [rad]: how far off it sits, where the operator keeps it so. ``doubt``: why it is not to
         stand, which is then said instead.
         """
-        tape, period = self.feed.tape, self.feed.period
+        buffer, period = self.feed.buffer, self.feed.period
         seat = None if kept_seat is None else kept_seat.tolist()
-        self._recorder.accept(step, tape, runs, kept_seat=seat, turn_on=self.turn_on)
+        self._recorder.accept(step, buffer, runs, kept_seat=seat, turn_on=self.turn_on)
         self.checklist.accept(step, sum(last - first for first, last in runs) * period, note)
         if isinstance(step, Dwell):
             self.position = step.position
             self.kept_seats.pop(step.position, None)
             self.reported_turned = {each for each in self.reported_turned if step.position not in each}
             (self.badly_seated.discard if kept_seat is None else self.badly_seated.add)(step.position)
-            found = accepted_dwell(step.position, series(tape, runs, period))
+            found = accepted_dwell(step.position, series(buffer, runs, period))
             if not self.accepted_dwells:
                 rate = np.concatenate((found.gyro, found.accel))
                 self._recorder.keep_first_rest(rate, self.gate.stillness.noise)

@@ -134,7 +134,7 @@ class WarmUpStage:
         if wanted is None:
             return
         blocks = [block for row in self._rows[-NOISE_ROWS:] for block in row]
-        recorded = series(context.feed.tape, merged(blocks, None), context.feed.period)
+        recorded = series(context.feed.buffer, merged(blocks, None), context.feed.period)
         noise = np.array([each.noise for each in triad_estimates(recorded.accel, recorded)])
         k = np.full(3, float(np.max(np.abs(blocks[-1].rate[3:]))))
         found = dwell_seconds(noise, k, wanted)

@@ -55,7 +55,7 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     refuse_partial(feed.address.path, feed.stream.decoder.kind)
     file = Path(feed.address.path)
     times, imu, sensors = FixTimes(), *_calibrated(feed, applied)
-    for host_ns, sample in feed.tape.marks(feed.tape.begin, feed.tape.end):
+    for host_ns, sample in feed.buffer.marks(feed.buffer.begin, feed.buffer.end):
         times.mark_imu(host_ns, _device_s(feed, sample))
     origin, fixes = _placed(file, read_recorded(file), times, imu)
     counts = sensors.quanta() if feed.wire.output == "increments" else (0.0, 0.0)
@@ -63,7 +63,7 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     gravity = normal_gravity(origin.latitude, origin.height)
     noise = densities(imu, rest, feed.period, applied.document, counts)
     std = KNOWN_STD if times.knows_sender else UNKNOWN_STD
-    marks = feed.tape.marks(feed.tape.begin, feed.tape.end)
+    marks = feed.buffer.marks(feed.buffer.begin, feed.buffer.end)
     seen = recorded_tracks(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
     folder.mkdir(parents=True, exist_ok=True)
     write_fusion(folder, FusionRecording(origin, gravity, imu, noise, fixes, std, asked.lever_arm, seen))
@@ -72,7 +72,7 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
 
 
 def _device_s(feed: LiveFeed, sample: int) -> float:
-    return float(feed.tape.block(sample, sample + 1).device_time[0])
+    return float(feed.buffer.block(sample, sample + 1).device_time[0])
 
 
 def _read(url: str, asked: FusionOptions) -> tuple[LiveFeed, AppliedCalibration]:
@@ -93,8 +93,10 @@ def _calibrated(feed: LiveFeed, applied: AppliedCalibration) -> tuple[ImuSeries,
     """Return all samples in SI, stamped in the middle of their intervals, IMU axes."""
     counts = feed.wire.output == "increments"
     sensors = Sensors(applied.document, applied.nominal, np.eye(3), feed.period, counts=counts)
-    tape, size = feed.tape, max(1, round(BLOCK_S / feed.period))
-    ticks = [sensors.take(tape.block(at, min(at + size, tape.end))) for at in range(tape.begin, tape.end, size)]
+    buffer, size = feed.buffer, max(1, round(BLOCK_S / feed.period))
+    ticks = [
+        sensors.take(buffer.block(at, min(at + size, buffer.end))) for at in range(buffer.begin, buffer.end, size)
+    ]
     t, rate, force = (
         np.concatenate(parts)
         for parts in zip(*((tick.t, tick.calibrated.rate, tick.calibrated.force) for tick in ticks), strict=True)

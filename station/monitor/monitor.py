@@ -62,7 +62,7 @@ class Monitor:
         self._rest = ErrorAtRest(options.gravity, options.latitude, options.heading, self._sensors.quantum(TICK_S))
         self._watch, self._health = AlarmWatch(options.alarms), StreamHealth(feed)
         self._size = max(1, round(TICK_S / feed.period))
-        self._at = self._begin = self._noted = feed.tape.first
+        self._at = self._begin = self._noted = feed.buffer.first
         self._history: deque[ChartPoint] = deque(maxlen=HISTORY)
         self._event_log, self._marks = EventLog(), 0
         self._speed: float | None = None
@@ -167,30 +167,32 @@ class Monitor:
 
     def _take(self) -> None:
         """Go on by every whole tick; a beginning anew leaves what was begun."""
-        tape = self._feed.tape
-        if tape.begin != self._begin:
-            self._at, self._begin = tape.begin, tape.begin
+        buffer = self._feed.buffer
+        if buffer.begin != self._begin:
+            self._at, self._begin = buffer.begin, buffer.begin
             self._track.begin_anew()
             self._moments.begin_anew()
             self._rest.begin_anew()
             if self._options.locating is not None:
                 self._options.locating.begin_anew()
         if self._recording is not None:
-            self._recording.take(tape, max(self._noted, tape.first), tape.end, self._feed.stream.decoder.kind)
-            self._noted = tape.end
-        while tape.end - self._at >= self._size and self._has_come(tape.host_ns(self._at + self._size - 1)):
+            self._recording.take(
+                buffer, max(self._noted, buffer.first), buffer.end, self._feed.stream.decoder.kind
+            )
+            self._noted = buffer.end
+        while buffer.end - self._at >= self._size and self._has_come(buffer.host_ns(self._at + self._size - 1)):
             self._at += self._size
             first = self._at - self._size
-            tick = self._sensors.take(tape.block(first, self._at))
-            now_ns = self._moments.of(float(tick.t[-1]), tape.host_ns(self._at - 1))
+            tick = self._sensors.take(buffer.block(first, self._at))
+            now_ns = self._moments.of(float(tick.t[-1]), buffer.host_ns(self._at - 1))
             records = () if self._aid is None else self._aid.take(now_ns)
             if self._options.locating is not None:
-                marks = [(at, float(tick.t[sample - first])) for at, sample in tape.marks(first, self._at)]
+                marks = [(at, float(tick.t[sample - first])) for at, sample in buffer.marks(first, self._at)]
                 images = () if self._options.camera is None else self._options.camera.take(now_ns)
                 imu = in_imu_axes(tick, self._C, self._feed.period)
                 self._options.locating.take(LocatorTick(imu, marks, records, images))
             self._go_on(tick, records, now_ns)
-        tape.forget_before(self._at)
+        buffer.forget_before(self._at)
 
     def _has_come(self, host_ns: int) -> bool:
         """Say whether all read beside the IMU until a moment [ns] is here; it is not waited for for ever."""

@@ -42,7 +42,7 @@ class MonitorRecording:
         self.name = name
         return name
 
-    def take(self, tape: SampleBuffer, first: int, last: int, kind: FrameKind) -> None:
+    def take(self, buffer: SampleBuffer, first: int, last: int, kind: FrameKind) -> None:
         """Write the samples from ``first`` up to before ``last``, if a file is open.
 
         Raises
@@ -54,7 +54,7 @@ class MonitorRecording:
         if writer is None or first >= last:
             return
         try:
-            for chunk, block in tape.recording([(first, last)]):
+            for chunk, block in buffer.recording([(first, last)]):
                 writer.write_raw(chunk.host_ns, chunk.data)
                 if len(block):
                     writer.write_block(chunk.host_ns, block, kind.triads, self._times.of(chunk.host_ns))

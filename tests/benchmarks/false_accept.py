@@ -40,8 +40,10 @@ class Accepted:
 
     steps: list[tuple[Step, float, float]] = field(default_factory=list)
 
-    def accept(self, step: Step, tape: SampleBuffer, runs: Sequence[SampleRun], *_: object, **__: object) -> None:
-        first, last = tape.block(runs[0][0], runs[0][0] + 1), tape.block(runs[-1][1] - 1, runs[-1][1])
+    def accept(
+        self, step: Step, buffer: SampleBuffer, runs: Sequence[SampleRun], *_: object, **__: object
+    ) -> None:
+        first, last = buffer.block(runs[0][0], runs[0][0] + 1), buffer.block(runs[-1][1] - 1, runs[-1][1])
         self.steps.append((step, float(first.device_time[0]), float(last.device_time[0])))
 
     def keep_steps(self, steps: Sequence[Step]) -> None:

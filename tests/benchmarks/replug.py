@@ -96,10 +96,10 @@ def _blocks(source: WatchedReader) -> Iterator[tuple[Block, bool]]:
     feed = open_feed(source)
     feed.identify()
     for block in feed.blocks():
-        samples = feed.tape.block(block.first, block.last)
+        samples = feed.buffer.block(block.first, block.last)
         steps = np.diff(samples.device_time) / feed.period
         yield block, bool(np.any(steps > GAP_PERIODS) or np.any(np.diff(samples.counter) != 1))
-        feed.tape.forget_before(block.last)
+        feed.buffer.forget_before(block.last)
 
 
 def _over_a_gap(runs: Sequence[SampleRun], blocks: Sequence[Block]) -> int:

@@ -22,6 +22,6 @@ def merged(blocks: Sequence[Block], samples: int | None) -> list[SampleRun]:
     return runs
 
 
-def series(tape: SampleBuffer, runs: Sequence[SampleRun], period: float) -> CountSeries:
+def series(buffer: SampleBuffer, runs: Sequence[SampleRun], period: float) -> CountSeries:
     """Return the samples of runs as a step's counts; ``period`` [s] where they are too few to tell."""
-    return block_series([counted(tape.block(first, last), period) for first, last in runs], period)
+    return block_series([counted(buffer.block(first, last), period) for first, last in runs], period)

@@ -65,7 +65,7 @@ class LiveFeed:
         self._source, self.wire = source, wire
         self.address = source.address
         self.unit: Unit | None = None
-        self.stream, self.tape, self._power = SampleStream(wire), SampleBuffer(), PowerWatch(wire)
+        self.stream, self.buffer, self._power = SampleStream(wire), SampleBuffer(), PowerWatch(wire)
         self._channels = SilentChannels()
         self._recent = b""
         self._silent_s = self._frameless_s = 0.0
@@ -78,7 +78,7 @@ class LiveFeed:
         self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
         for chunk in held:
             self._take(chunk)
-        self._at = self._begin = self.tape.begin
+        self._at = self._begin = self.buffer.begin
 
     @property
     def period(self) -> float:
@@ -128,10 +128,10 @@ class LiveFeed:
     @property
     def temperature_c(self) -> float | None:
         """The newest temperature, None where the device says none."""
-        end = self.tape.end
-        if end <= self.tape.first:
+        end = self.buffer.end
+        if end <= self.buffer.first:
             return None
-        values = self.tape.block(max(self.tape.first, end - TEMPERATURE_SAMPLES), end).temperature
+        values = self.buffer.block(max(self.buffer.first, end - TEMPERATURE_SAMPLES), end).temperature
         known = values[np.isfinite(values)]
         return float(known[-1]) if len(known) else None
 
@@ -173,37 +173,40 @@ class LiveFeed:
         while True:
             size = max(TICKS_PER_BLOCK, round(BLOCK_S / self.period))
             held = max(MIN_HELD_SAMPLES, round(self.wire.hindsight_s / self.period))
-            if self._begin != self.tape.begin:
-                self._at = self._begin = self.tape.begin
+            if self._begin != self.buffer.begin:
+                self._at = self._begin = self.buffer.begin
                 self._is_anew = True
-            self._at = max(self._at, self.tape.first)  # what was let go is in no block
-            if self.tape.end - self._at < size + held:
+            self._at = max(self._at, self.buffer.first)  # what was let go is in no block
+            if self.buffer.end - self._at < size + held:
                 return
-            if (broken := self.tape.last_break(self._at, self._at + size + held)) is not None:
+            if (broken := self.buffer.last_break(self._at, self._at + size + held)) is not None:
                 self._at = broken
             else:
                 first, self._at = self._at, self._at + size
                 is_anew, self._is_anew = self._is_anew, False
-                is_broken = self.tape.last_break(first - 1, first + 1) is not None
+                is_broken = self.buffer.last_break(first - 1, first + 1) is not None
                 yield self._block(first, self._at, is_broken=is_broken, is_anew=is_anew)
 
     def newest(self) -> Block | None:
         """Return the last second as a block of its own, for a look in between; None if it is not whole."""
         size = max(TICKS_PER_BLOCK, round(BLOCK_S / self.period))
-        first = self.tape.end - size
-        if first < max(self.tape.begin, self.tape.first) or self.tape.last_break(first, self.tape.end) is not None:
+        first = self.buffer.end - size
+        if (
+            first < max(self.buffer.begin, self.buffer.first)
+            or self.buffer.last_break(first, self.buffer.end) is not None
+        ):
             return None
-        return self._block(first, self.tape.end, is_broken=False, is_anew=False)
+        return self._block(first, self.buffer.end, is_broken=False, is_anew=False)
 
     def _block(self, first: int, last: int, *, is_broken: bool, is_anew: bool) -> Block:
-        samples = self.tape.block(first, last)
+        samples = self.buffer.block(first, last)
         return block_of(samples, first, self.period, is_broken=is_broken, is_anew=is_anew)
 
     def pieces(self, look: Callable[[], None] = lambda: None) -> Iterator[DecodedChunk]:
         """Yield the stream's pieces, for ever; samples are not kept. ``look`` is called often, whatever comes."""
         while True:
             yield from self._pieces
-            self.tape.forget_before(self.tape.end)
+            self.buffer.forget_before(self.buffer.end)
             look()
             self.advance()
 
@@ -241,7 +244,7 @@ class LiveFeed:
         self._power.take(piece, self.stream.period, has_time=self.stream.decoder.kind.has_time)
         if len(piece.block):
             self.stamp = chunk.host_ns, float(piece.block.device_time[-1])
-        self.tape.append(self._pieces[-1])
+        self.buffer.append(self._pieces[-1])
 
     def replace_source(self, source: ChunkSource) -> None:
         """Go on with another reader of the same device; what comes next begins anew."""
@@ -251,7 +254,7 @@ class LiveFeed:
     def begin_anew(self) -> None:
         """Let go what came last, as another unit's, and take what comes next as a new beginning."""
         self.stream.begin_anew()
-        self.tape.begin_anew()
+        self.buffer.begin_anew()
         self._silent_s = self._frameless_s = 0.0
 
     def _mark(self, mark: GapMark) -> None:

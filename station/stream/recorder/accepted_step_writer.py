@@ -64,7 +64,7 @@ class CampaignRecorder:
     def accept(
         self,
         step: Step,
-        tape: SampleBuffer,
+        buffer: SampleBuffer,
         runs: Sequence[SampleRun],
         said: Mapping[str, object] = MappingProxyType({}),
     ) -> Path:
@@ -77,7 +77,7 @@ class CampaignRecorder:
         path = self._free_name(step.name)
         part = path.with_name(f".{path.name}.part")
         part.unlink(missing_ok=True)
-        sha256 = _write(part, tape, runs, BY_OUTPUT[self.tables.imu.output], self.utc)
+        sha256 = _write(part, buffer, runs, BY_OUTPUT[self.tables.imu.output], self.utc)
         try:
             os.rename(part, path)
             sync_folder(self.folder)
@@ -177,10 +177,10 @@ def _site_id(session: Session, site: SiteTable) -> str | None:
     return None if found is None else found.id
 
 
-def _write(path: Path, tape: SampleBuffer, runs: Sequence[SampleRun], output: str, utc: Utc | None) -> str:
+def _write(path: Path, buffer: SampleBuffer, runs: Sequence[SampleRun], output: str, utc: Utc | None) -> str:
     writer, times = StepWriter(path, output), RowTimes(utc)
     try:
-        for chunk, block in tape.recording(runs):
+        for chunk, block in buffer.recording(runs):
             writer.write_raw(chunk.host_ns, chunk.data)
             if len(block):
                 writer.write_block(chunk.host_ns, block, utc_s=times.of(chunk.host_ns))

@@ -24,12 +24,12 @@ SAMPLES = 50
 
 def taped(seconds: int = 12) -> SampleBuffer:
     """Return the first seconds of a simulated unit."""
-    device, stream, tape = ByteDevice(Truth.example(7), 1, "counts"), SampleStream(WIRE), SampleBuffer()
-    while tape.end < seconds * SAMPLES:
+    device, stream, buffer = ByteDevice(Truth.example(7), 1, "counts"), SampleStream(WIRE), SampleBuffer()
+    while buffer.end < seconds * SAMPLES:
         for part in device.chunk():
             assert isinstance(part, bytes)
-            tape.append(stream.take(Chunk(round(device.imu.time * 1e9), part)))
-    return tape
+            buffer.append(stream.take(Chunk(round(device.imu.time * 1e9), part)))
+    return buffer
 
 
 TAPE = taped()
@@ -41,7 +41,7 @@ def begin(folder: Path, database: Database, unit: Unit = UNIT, **more: str) -> C
 
 
 def accept(recorder: CampaignRecorder, *positions: int) -> list[Path]:
-    """Accept a second of the tape, ever another one, as each position."""
+    """Accept a second of the buffer, ever another one, as each position."""
     accepted = list[Path]()
     for position in positions:
         first = sum(recorder.accepted.values()) % 12 * SAMPLES

@@ -103,10 +103,10 @@ def record(folder: Path, database: Path, ppm: float) -> None:
         for position in range(1, 13):
             bench.device.obey(f"place {position} 2")
             rest(bench.device.imu.time + 6.0)
-            first = feed.tape.end
+            first = feed.buffer.end
             rest(bench.device.imu.time + 10.0)
-            recorder.accept(Dwell(position, 10.0), feed.tape, [(first, feed.tape.end - 10)])
-            feed.tape.forget_before(feed.tape.end)
+            recorder.accept(Dwell(position, 10.0), feed.buffer, [(first, feed.buffer.end - 10)])
+            feed.buffer.forget_before(feed.buffer.end)
         recorder.finish()
 
 

@@ -51,5 +51,5 @@ def test_a_restart_is_told_from_all_else_that_interrupts_a_stream(format: str, k
         feed.identify("FOG", "1")
     blocks = feed.blocks()
     while next(blocks).first < 50 / truth.sample_period_s - 600:
-        feed.tape.forget_before(feed.tape.end)
+        feed.buffer.forget_before(feed.buffer.end)
     assert feed.restarts == (restarts if format != "stim300" else 0)

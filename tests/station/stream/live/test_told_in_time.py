@@ -24,19 +24,19 @@ class Run:
         self.samples_at: list[float] = []
         self.seconds_at: list[float] = []
         while line.clock() < begins_s(CASES[-1]) + SLOT_S:
-            before, text = feed.tape.end, ""
+            before, text = feed.buffer.end, ""
             try:
                 feed.advance()
                 text = f"was lost ({feed.lost})" if feed.lost else ""
             except DriverError as error:
                 text = str(error)
             self.said += [(line.clock(), each) for each in (text, feed.trouble) if each]
-            self.samples_at += [line.clock()] if feed.tape.end > before else []
-            if feed.unit is None and feed.tape.end > 100:
+            self.samples_at += [line.clock()] if feed.buffer.end > before else []
+            if feed.unit is None and feed.buffer.end > 100:
                 feed.identify("SIM", None if feed.stream.decoder.serial else "7")
             self.seconds_at += [line.clock() for _ in (feed.ready() if feed.unit else ())]
-            if feed.tape.end > feed.tape.first + 2 * KEPT:
-                feed.tape.forget_before(feed.tape.end - KEPT)
+            if feed.buffer.end > feed.buffer.first + 2 * KEPT:
+                feed.buffer.forget_before(feed.buffer.end - KEPT)
 
 
 @pytest.fixture(scope="module")

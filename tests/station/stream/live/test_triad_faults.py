@@ -65,9 +65,9 @@ class Run:
             if feed.unit is None and feed.stream.period is not None:
                 feed.identify("CH-70", "7")
             for each in feed.ready() if feed.unit else ():
-                self.blocks.append(which(feed.tape.block(each.first, each.last)))
-            if feed.tape.end > feed.tape.first + 2 * KEPT:
-                feed.tape.forget_before(feed.tape.end - KEPT)
+                self.blocks.append(which(feed.buffer.block(each.first, each.last)))
+            if feed.buffer.end > feed.buffer.first + 2 * KEPT:
+                feed.buffer.forget_before(feed.buffer.end - KEPT)
 
 
 @pytest.fixture(scope="module")

@@ -32,7 +32,7 @@ def test_no_sample_of_a_twin_is_in_a_second_whoever_speaks_first(format: str, se
     blocks = []
     while line.clock() < SECONDS:
         feed.advance()
-        blocks += [memory.which(feed.tape.block(each.first, each.last)) for each in feed.ready()]
+        blocks += [memory.which(feed.buffer.block(each.first, each.last)) for each in feed.ready()]
     wrong = [block for block in blocks if (block < 0).any() or (np.diff(block) != 1).any()]
     assert not wrong
     assert len(blocks) > 0.1 * SECONDS

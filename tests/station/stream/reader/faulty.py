@@ -163,7 +163,7 @@ class Run:
                 self._keep(block)
 
     def _keep(self, block: Block) -> None:
-        self.blocks.append(self.which(self.feed.tape.block(block.first, block.last)))
+        self.blocks.append(self.which(self.feed.buffer.block(block.first, block.last)))
 
     def texts(self, case: Case) -> list[str]:
         """Return what was said from a case on until the next."""

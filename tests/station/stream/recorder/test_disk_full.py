@@ -68,9 +68,9 @@ def accept(recorder: CampaignRecorder, feed: LiveFeed, position: int) -> None:
     blocks = feed.blocks()
     runs = merged([next(blocks) for _ in range(5)], None)
     try:
-        recorder.accept(Dwell(position, 5.0), feed.tape, runs)
+        recorder.accept(Dwell(position, 5.0), feed.buffer, runs)
     finally:
-        feed.tape.forget_before(feed.tape.end)
+        feed.buffer.forget_before(feed.buffer.end)
 
 
 def rows_of(folder: Path, database: Database) -> list[str]:

@@ -41,8 +41,8 @@ def test_twelve_dwells_of_a_kvh_1750_give_its_accelerometers(tmp_path: Path) -> 
                 still.learn(block)
                 if block.begins > moved and (not still.is_known or still.is_still(block)):
                     kept.append(block)
-            recorder.accept(Dwell(position, DWELL_S), feed.tape, merged(kept, None))
-            g = series(feed.tape, merged(kept, None), unit.period).accel
+            recorder.accept(Dwell(position, DWELL_S), feed.buffer, merged(kept, None))
+            g = series(feed.buffer, merged(kept, None), unit.period).accel
             assert g is not None
             assert np.linalg.norm(g.mean(axis=0)) / unit.period / RATE_UNIT == pytest.approx(1.0, rel=0.1)
     assert 'output = "rate"' in (folder / "campaign.toml").read_text()

@@ -35,30 +35,30 @@ STREAM = sent(180)
 def test_the_bytes_of_any_runs_decode_to_their_samples(
     cuts: list[int], runs: tuple[int, int, int, int], forget: bool
 ) -> None:
-    tape, stream, at, turn = SampleBuffer(), SampleStream(WIRE), 0, 0
+    buffer, stream, at, turn = SampleBuffer(), SampleStream(WIRE), 0, 0
     begin, first, pause, second = runs
     wanted = [(begin, begin + first), (begin + first + pause, begin + first + pause + second)]
     while at < len(STREAM):
         size = cuts[turn % len(cuts)]
-        tape.append(stream.take(Chunk(at, STREAM[at : at + size])))
+        buffer.append(stream.take(Chunk(at, STREAM[at : at + size])))
         at, turn = at + size, turn + 1
         if forget:
-            tape.forget_before(min(begin, tape.end))
-    recorded = list(tape.recording(wanted))
+            buffer.forget_before(min(begin, buffer.end))
+    recorded = list(buffer.recording(wanted))
     samples = np.concatenate([rows.counter for _, rows in recorded])
     decoder = Decoder(WIRE)
     again = decoder.feed(b"".join(chunk.data for chunk, _ in recorded))
     counters = again.counter[np.diff(again.counter, prepend=-1) != 0]  # the repeated frame is in the bytes twice
     assert samples.tolist() == counters.tolist()
-    expected = np.concatenate([tape.block(*run).counter for run in wanted])
+    expected = np.concatenate([buffer.block(*run).counter for run in wanted])
     assert samples.tolist() == expected.tolist()
 
 
 def test_what_was_forgotten_is_gone_and_the_rest_keeps_its_numbers() -> None:
-    tape, stream = SampleBuffer(), SampleStream(WIRE)
+    buffer, stream = SampleBuffer(), SampleStream(WIRE)
     for at in range(0, len(STREAM), 100):
-        tape.append(stream.take(Chunk(at, STREAM[at : at + 100])))
-    before = tape.block(100, 120)
-    tape.forget_before(100)
-    assert tape.block(100, 120).counter.tolist() == before.counter.tolist()
-    assert tape.last_break(100, 101) is None
+        buffer.append(stream.take(Chunk(at, STREAM[at : at + 100])))
+    before = buffer.block(100, 120)
+    buffer.forget_before(100)
+    assert buffer.block(100, 120).counter.tolist() == before.counter.tolist()
+    assert buffer.last_break(100, 101) is None
