@@ -91,7 +91,7 @@ def attitude(
     from procedures.attitude.attitude_estimate import AID_COLUMN, AIDS, default_aid, estimate, takes_gains
     from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
     from station.attitude.attitude_json import attitude_document, attitude_text, write_track
-    from station.results.solution_json import write_solution
+    from station.files.atomic_file import write_json
 
     chosen = aid or default_aid(read)
     if chosen not in AIDS:
@@ -132,7 +132,7 @@ def attitude(
     if out is not None:
         write_track(out, read, track)
     if json is not None:
-        write_solution(json, document)
+        write_json(json, document)
     typer.echo(text if json is None else f"{json}: attitude of {log}, attitude/1")
     if out is not None:
         typer.echo(f"{out}: roll, pitch and down vector of {log}")

@@ -98,7 +98,7 @@ def _hand_out(row: "IssuedCertificateRow", out: Path | None, pdf: bool) -> None:
     replace_file(html, row.html.encode())
     typer.echo(f"{html}: written")
     if pdf:
-        from station.results.certificate.pdf import write_pdf
+        from station.results.certificate.rendering import write_pdf
 
         write_pdf(html.with_suffix(".pdf"), row, html)
         typer.echo(f"{html.with_suffix('.pdf')}: written")

@@ -88,13 +88,13 @@ def _hand_out(
     document: dict[str, Any], loaded: Sequence["LoadedCampaign"], found: "Diagnosis | None", json: Path | None,
     html: Path | None, plan: Path | None,
 ) -> None:  # fmt: skip
+    from station.files.atomic_file import write_json
     from station.results.diagnosis.diagnosis_text import diagnosis_text
-    from station.results.solution_json import write_solution
 
     if json is None:
         typer.echo(diagnosis_text(document))
     else:
-        write_solution(json, document)
+        write_json(json, document)
         typer.echo(f"{json}: diagnosis of {_unit(loaded)}, diagnosis/1")
     if html is not None:
         from station.results.diagnosis.diagnosis_html import write_page

@@ -46,18 +46,17 @@ def history(
     if population is not None and at is not None:
         raise typer.BadParameter("--at belongs to a serial number, a population is not predicted")
     from fixtures_db.database import open_db
+    from station.files.atomic_file import replace_file, write_json
 
     with open_db(db) as database, database.read() as session:
         document = _of_unit(session, serial, at) if serial is not None else _of_model(session, str(population))
     if json is not None:
-        from station.results.solution_json import write_solution
-
-        write_solution(json, document)
+        write_json(json, document)
         typer.echo(f"{json}: {document['format']} of {serial or population}")
     if html is not None:
-        from station.results.history.history_html import write_page
+        from station.results.history.history_html import history_page
 
-        write_page(html, document)
+        replace_file(html, history_page(document).encode())
         typer.echo(f"{html}: history of {serial or population}")
     if json is None and html is None:
         typer.echo(_text(document))

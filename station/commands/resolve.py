@@ -74,12 +74,12 @@ def resolve(
 
 
 def _say(document: dict[str, object], json: Path | None) -> int:
+    from station.files.atomic_file import write_json
     from station.results.resolve.resolve_text import exit_code, resolve_text
-    from station.results.solution_json import write_solution
 
     if json is None:
         typer.echo(resolve_text(document))
     else:
-        write_solution(json, document)
+        write_json(json, document)
         typer.echo(f"{json}: what changed, resolve/1")
     return exit_code(document)

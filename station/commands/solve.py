@@ -24,8 +24,9 @@ def solve(
 
     Example: station solve campaigns/2026-05-11 --json solution.json
     """
+    from station.files.atomic_file import write_json
     from station.files.campaign_folder.campaign_reading import read_for_solve
-    from station.results.solution_json import solution_document, write_solution
+    from station.results.solution_json import solution_document
     from station.results.solution_text import solution_text
 
     loaded = read_for_solve(campaigns)
@@ -37,4 +38,4 @@ def solve(
     if json is None:
         typer.echo(solution_text(document))
     else:
-        write_solution(json, document)
+        write_json(json, document)

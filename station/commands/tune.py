@@ -46,10 +46,10 @@ def tune(
     from procedures.attitude.gain_tuning import grid_of_gains, grid_of_taus
     from procedures.attitude.gain_tuning import tune as search
     from station.attitude.tuning_json import tuning_document, tuning_text
-    from station.results.solution_json import write_solution
+    from station.files.atomic_file import write_json
 
     found = search(read, aid, grid_of_gains() if gains else grid_of_taus(), gravity)
     document = tuning_document(found, aid, by_tau=not gains)
     if json is not None:
-        write_solution(json, document)
+        write_json(json, document)
     typer.echo(tuning_text(document) if json is None else f"{json}: gains for {log}, tuning/1")

@@ -1,8 +1,11 @@
 """Files that are there whole or not at all: written aside, synced, then renamed into place."""
 
+import json
 import os
 import secrets
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from station.errors import cannot_write
 
@@ -28,6 +31,11 @@ def replace_file(path: Path, content: bytes) -> None:
         sync_folder(path.parent)
     except OSError as error:
         raise cannot_write(path, error, len(content)) from error
+
+
+def write_json(path: Path, document: Mapping[str, Any]) -> None:
+    """Put a document at ``path`` as `replace_file` does; NaN and infinity are a `ValueError`."""
+    replace_file(path, (json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False) + "\n").encode())
 
 
 def sync_folder(folder: Path) -> None:

@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import Any
 
 from procedures.errors import NotObservable
+from station.files.atomic_file import write_json
 from station.files.fusion_folder import FusionLog, write_tum
 from station.locate.location_json import location_document
 from station.locate.source_choice import default_source, locate
-from station.results.solution_json import write_solution
 
 
 def locate_folder(
@@ -24,7 +24,7 @@ def locate_folder(
     located = locate(log, source, layers)
     document = location_document(located, source, log.truth)
     if json is not None:
-        write_solution(json, document)
+        write_json(json, document)
     if located.begun_at is None:
         raise NotObservable(f"{log.folder}: position and heading", (located.why_not,))
     if out is not None:

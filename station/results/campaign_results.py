@@ -61,6 +61,7 @@ def make_results(
     Nothing is stored. ``truth`` is a simulated unit's, keyed as `Solution.names`.
     """
     loaded = read_for_solve([folder])[0]
+    from station.files.atomic_file import write_json
     from station.results.diagnosis.closed_loop import (
         NAME as DIAGNOSIS,  # scipy and kernels: not before the data are right
     )
@@ -69,7 +70,7 @@ def make_results(
     from station.results.diagnosis.diagnosis_wording import left_said
     from station.results.report.report import write_report
     from station.results.report.report_inputs import report_context
-    from station.results.solution_json import solution_document, write_solution
+    from station.results.solution_json import solution_document
 
     into = folder if into is None else into
     closed = close_loop([loaded])
@@ -99,8 +100,8 @@ def make_results(
         into / "solution.json", into / "calibration.json", into / "report.html",
         loaded.tables, closed.document, closed.effects,
     )  # fmt: skip
-    write_solution(results.solution_file, document)
-    write_solution(into / DIAGNOSIS, closed.document)
+    write_json(results.solution_file, document)
+    write_json(into / DIAGNOSIS, closed.document)
     write_report(results.report_file, context)
     return results
 

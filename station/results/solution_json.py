@@ -1,6 +1,5 @@
 """A solution as `solution/1` (docs/formats.md): JSON-ready, without NaN, what was not estimated left out."""
 
-import json
 import subprocess
 from collections.abc import Sequence
 from datetime import UTC, datetime
@@ -11,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
-from station.files.atomic_file import replace_file
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 
 FORMAT = "solution/1"
@@ -44,17 +42,6 @@ def solution_document(solution: Solution, campaigns: Sequence[LoadedCampaign]) -
         "unused_steps": _once(unused),
         "provenance": provenance(campaigns),
     }
-
-
-def write_solution(path: Path, document: dict[str, Any]) -> None:
-    """Write a document as JSON: there whole, or what stood there before.
-
-    Raises
-    ------
-    CannotWrite
-        If the place cannot be written.
-    """
-    replace_file(path, (json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False) + "\n").encode())
 
 
 def provenance(campaigns: Sequence[LoadedCampaign]) -> dict[str, Any]:

@@ -1,15 +1,20 @@
-"""A certificate as HTML that needs no other file and prints on numbered A4 pages; equal ones give equal bytes."""
+"""A certificate as HTML that needs no other file and prints on numbered A4 pages, and as PDF.
+
+Equal certificates give equal HTML. The last line of the PDF, a copy, names the hash of the HTML that was issued.
+"""
 
 from dataclasses import replace
-from functools import cache
+from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
+from fixtures_db.schema import IssuedCertificateRow
+from station.errors import NoPdf
+from station.files.atomic_file import replace_file
 from station.results.certificate import certificate_wording, model_statement
 from station.results.certificate.as_found import AsFound, as_found
 from station.results.certificate.certificate import Certificate
 from station.results.certificate.conformity import ConformityRow, conformity, printed
 from station.results.certificate.printed_results import measured, result_groups
+from station.results.html_templates import html_template
 from station.text.rounding import aligned
 
 
@@ -20,43 +25,28 @@ def render(certificate: Certificate) -> str:
     before = None
     if certificate.previous is not None:
         before = _aligned(as_found(document, certificate.previous, certificate.previous_sha256))
-    return (
-        _environment()
-        .get_template("certificate.html")
-        .render(
-            certificate=certificate,
-            document=document,
-            lab=certificate.laboratory,
-            procedure=document["procedure"],
-            residual=document.get("residual", {}),
-            groups=result_groups(results),
-            found=found,
-            conformity_rows=[] if found is None else _aligned_rows(printed(found.against)),
-            risks="" if found is None else certificate_wording.greatest_risks(found),
-            before=before,
-            conditions=certificate_wording.conditions(certificate),
-            references=certificate_wording.references(certificate),
-            deviations=certificate_wording.deviations(document),
-            diagnosis=model_statement.diagnosis_said(document),
-            taken_as_zero=model_statement.taken_as_zero(document),
-            stated=[*model_statement.stated(document), certificate_wording.clock_of_the_laboratory(certificate)],
-            is_timed=model_statement.is_timed(document),
-            simulated=model_statement.is_simulated(document),
-            day=certificate_wording.day,
-            minute=certificate_wording.minute,
-            files=sorted(document["inputs"].items()),
-        )
-    )
-
-
-@cache
-def _environment() -> Environment:
-    return Environment(
-        loader=PackageLoader("station.results.certificate"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+    return html_template("certificate.html").render(
+        certificate=certificate,
+        document=document,
+        lab=certificate.laboratory,
+        procedure=document["procedure"],
+        residual=document.get("residual", {}),
+        groups=result_groups(results),
+        found=found,
+        conformity_rows=[] if found is None else _aligned_rows(printed(found.against)),
+        risks="" if found is None else certificate_wording.greatest_risks(found),
+        before=before,
+        conditions=certificate_wording.conditions(certificate),
+        references=certificate_wording.references(certificate),
+        deviations=certificate_wording.deviations(document),
+        diagnosis=model_statement.diagnosis_said(document),
+        taken_as_zero=model_statement.taken_as_zero(document),
+        stated=[*model_statement.stated(document), certificate_wording.clock_of_the_laboratory(certificate)],
+        is_timed=model_statement.is_timed(document),
+        simulated=model_statement.is_simulated(document),
+        day=certificate_wording.day,
+        minute=certificate_wording.minute,
+        files=sorted(document["inputs"].items()),
     )
 
 
@@ -71,3 +61,24 @@ def _aligned(before: AsFound) -> AsFound:
 def _aligned_rows(rows: list[ConformityRow]) -> list[ConformityRow]:
     columns = [aligned([getattr(row, name).rstrip() for row in rows]) for name in ("value", "guard")]
     return [replace(row, value=v, guard=g) for row, v, g in zip(rows, *columns, strict=True)]
+
+
+def write_pdf(path: Path, row: IssuedCertificateRow, html: Path) -> None:
+    """Write an issued certificate, whose HTML stands in ``html``, as PDF.
+
+    Raises
+    ------
+    NoPdf
+        If weasyprint or the libraries that it needs are not there.
+    CannotWrite
+        If the place cannot be written.
+    """
+    try:
+        from weasyprint import CSS, HTML
+    except (ImportError, OSError) as error:  # OSError: pango is no Python package and may be missing
+        raise NoPdf(html, str(error).splitlines()[0]) from error
+    line = f"Copy of the certificate with SHA-256 {row.html_sha256}"
+    seal = CSS(
+        string=f'.end::after {{ display: block; content: "{line}"; font: 7pt "DejaVu Sans Mono", monospace }}'
+    )
+    replace_file(path, HTML(string=row.html).write_pdf(stylesheets=[seal]))

@@ -1,12 +1,9 @@
 """A diagnosis as HTML: the section that a report ends with, and a page of its own."""
 
-import re
 from collections.abc import Mapping
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from station.files.atomic_file import replace_file
@@ -28,6 +25,7 @@ from station.results.diagnosis.diagnosis_wording import (
     verdict_sentence,
     where_text,
 )
+from station.results.html_templates import html_template
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
@@ -41,7 +39,7 @@ def write_page(path: Path, document: Mapping[str, Any], diagnosis: "Diagnosis | 
     CannotWrite
         If the place cannot be written.
     """
-    page = _environment().get_template("page.html")
+    page = html_template("page.html")
     origin, section = document["solution"]["provenance"], Markup(section_html(document, diagnosis))
     replace_file(path, page.render(origin=origin, section=section).encode())
 
@@ -53,7 +51,7 @@ def section_html(document: Mapping[str, Any], diagnosis: "Diagnosis | None") -> 
         _finding(finding) | plots.get(finding["effect"], {"plot": "", "caption": ""})
         for finding in document["findings"]
     ]
-    return _environment().get_template("section.html").render(
+    return html_template("section.html").render(
         document=document, sentence=verdict_sentence(document), findings=findings,
         errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
         tried=tried_rows(document["tried"]), p_of=P_OF, tried_how=TRIED_HOW, on_table=ON_TABLE,
@@ -83,20 +81,3 @@ def _finding(finding: Mapping[str, Any]) -> dict[str, Any]:
         "rows": coefficient_rows(finding),
         "notes": notes(finding),
     }
-
-
-def _typeset(text: str) -> str:
-    """Return text with the signs that a terminal may lack."""
-    for plain, sign in (("+-", "\u00b1"), ("->", "\u2192"), ("ug", "\u00b5g")):
-        text = re.sub(rf"(?<!\w){re.escape(plain)}(?!\w)", sign, text)
-    return text
-
-
-@cache
-def _environment() -> Environment:
-    environment = Environment(
-        loader=ChoiceLoader([PackageLoader("station.results.diagnosis"), PackageLoader("station.results.report")]),
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-    environment.filters["typeset"] = _typeset
-    return environment

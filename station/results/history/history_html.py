@@ -1,32 +1,18 @@
 """history/1 or population/1 as one self-contained page."""
 
-from functools import cache
 from itertools import groupby
-from pathlib import Path
 from typing import Any
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from station.files.atomic_file import replace_file
 from station.results.history.population_figure import population_svgs
 from station.results.history.population_text import population_text
 from station.results.history.unit_history_figure import history_svg
 from station.results.history.unit_history_text import history_text
+from station.results.html_templates import html_template
 
 
-def write_page(path: Path, document: dict[str, Any]) -> None:
-    """Write the page, replacing an older one in one step.
-
-    Raises
-    ------
-    CannotWrite
-        If the place cannot be written.
-    """
-    replace_file(path, page(document).encode())
-
-
-def page(document: dict[str, Any]) -> str:
+def history_page(document: dict[str, Any]) -> str:
     """Return the page's HTML; equal documents give equal text."""
     if document["format"] == "history/1":
         title, text = f"History of {document['serial']}", history_text(document)
@@ -35,7 +21,7 @@ def page(document: dict[str, Any]) -> str:
         title, text = f"All units of {document['model']}", population_text(document)
         charts = population_svgs(document)
     figures = [(heading, remark, Markup(svg)) for heading, remark, svg in charts]
-    return _environment().get_template("history.html").render(title=title, charts=figures, text=text)
+    return html_template("history.html").render(title=title, charts=figures, text=text)
 
 
 _REMARK = (
@@ -54,14 +40,3 @@ def _charts(one: dict[str, Any]) -> list[tuple[str, str, str]]:
         )
         for kind, names in named
     ]
-
-
-@cache
-def _environment() -> Environment:
-    return Environment(
-        loader=ChoiceLoader([PackageLoader("station.results.history"), PackageLoader("station.results.report")]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )

@@ -1,14 +1,13 @@
 """Put the report together and write it, whole or not at all."""
 
-from functools import cache
 from pathlib import Path
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from procedures.calibration.solution import Solution, TriadCalibration
 from procedures.units import UG_PER_G
 from station.files.atomic_file import replace_file
+from station.results.html_templates import html_template
 from station.results.report.allan_plot import allan_svg
 from station.results.report.budget_table import budget_tables
 from station.results.report.fit_quality import LIMIT_SIGMAS, correlations, residual_tables
@@ -39,44 +38,29 @@ def render(context: ReportContext) -> str:
     """Return the report's HTML; equal contexts give equal text."""
     solution, first = context.solution, context.campaigns[0]
     noise = longest_dwell_noise(context.campaigns, solution)
-    return (
-        _environment()
-        .get_template("report.html")
-        .render(
-            context=context,
-            model=first.model,
-            serial=first.serial,
-            verdict=word_said(context.verdict, has_limits=context.has_limits),
-            verdict_mark=VERDICT_MARK[context.verdict],
-            quality=solution.quality,
-            facts=_facts(solution),
-            triads=[_triad(name, triad, context) for name, triad in _solved(solution)],
-            bench=bench_groups(solution, context.truth),
-            budget_tables=budget_tables(context.budgets),
-            correlations=correlations(solution),
-            residual_tables=residual_tables(solution.residuals),
-            residual_plots=[
-                (triad, Markup(svg)) for triad in TRIADS if (svg := residual_svg(triad, solution.residuals))
-            ],
-            limit_sigmas=f"{LIMIT_SIGMAS:g}",
-            noise=noise,
-            noise_plot=Markup(allan_svg(noise)) if noise is not None and noise.triads else "",
-            axis_names=axis_names,
-            conditions=[*condition_lines(context.campaigns, solution), *context.bench.items()],
-            files=sorted(context.files.items()),
-            diagnosis=Markup(context.diagnosis),
-        )
-    )
-
-
-@cache
-def _environment() -> Environment:
-    return Environment(
-        loader=ChoiceLoader([PackageLoader("station.results.report"), PackageLoader("station.results.diagnosis")]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+    return html_template("report.html").render(
+        context=context,
+        model=first.model,
+        serial=first.serial,
+        verdict=word_said(context.verdict, has_limits=context.has_limits),
+        verdict_mark=VERDICT_MARK[context.verdict],
+        quality=solution.quality,
+        facts=_facts(solution),
+        triads=[_triad(name, triad, context) for name, triad in _solved(solution)],
+        bench=bench_groups(solution, context.truth),
+        budget_tables=budget_tables(context.budgets),
+        correlations=correlations(solution),
+        residual_tables=residual_tables(solution.residuals),
+        residual_plots=[
+            (triad, Markup(svg)) for triad in TRIADS if (svg := residual_svg(triad, solution.residuals))
+        ],
+        limit_sigmas=f"{LIMIT_SIGMAS:g}",
+        noise=noise,
+        noise_plot=Markup(allan_svg(noise)) if noise is not None and noise.triads else "",
+        axis_names=axis_names,
+        conditions=[*condition_lines(context.campaigns, solution), *context.bench.items()],
+        files=sorted(context.files.items()),
+        diagnosis=Markup(context.diagnosis),
     )
 
 

@@ -12,9 +12,10 @@ import pytest
 from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.campaign.campaign import Campaign, Site
 from station.errors import CannotWrite
+from station.files.atomic_file import write_json
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
-from station.results.solution_json import solution_document, write_solution
+from station.results.solution_json import solution_document
 from station.results.solution_text import measured, solution_text
 
 
@@ -114,7 +115,7 @@ def test_files_of_several_campaigns_keep_apart() -> None:
 
 def test_the_file_is_whole_or_as_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     out = tmp_path / "out.json"
-    write_solution(out, document())
+    write_json(out, document())
     before = out.read_text()
     assert json.loads(before)["format"] == "solution/1"
 
@@ -123,14 +124,14 @@ def test_the_file_is_whole_or_as_it_was(tmp_path: Path, monkeypatch: pytest.Monk
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(CannotWrite, match="disk full"):
-        write_solution(out, {"format": "other"})
+        write_json(out, {"format": "other"})
     assert out.read_text() == before
     assert os.listdir(tmp_path) == ["out.json"]
 
 
 def test_no_place_to_write_is_said(tmp_path: Path) -> None:
     with pytest.raises(CannotWrite, match="No such file or directory"):
-        write_solution(tmp_path / "no" / "out.json", {})
+        write_json(tmp_path / "no" / "out.json", {})
 
 
 def test_the_summary_names_every_part() -> None:

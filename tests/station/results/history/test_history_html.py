@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fixtures_db.limits import Limit, each_axis
-from station.results.history.history_html import page
+from station.results.history.history_html import history_page
 from station.results.history.population import population_document
 from station.results.history.unit_history import analysis, entries
 from tests.station.results.history.fleets import MODEL, fleet
@@ -26,7 +26,7 @@ def unit_document(each: int) -> dict[str, object]:
 
 @pytest.fixture(scope="module")
 def pages() -> dict[int, str]:
-    return {each: page(unit_document(each)) for each in (1, 5)}
+    return {each: history_page(unit_document(each)) for each in (1, 5)}
 
 
 @pytest.mark.parametrize("each", [1, 5])
@@ -41,7 +41,7 @@ def test_a_units_page_is_self_contained_and_has_a_chart_of_every_kind(pages: dic
 
 def test_a_populations_page_names_what_stands_out_in_its_charts() -> None:
     runs = fleet(np.random.default_rng(3), units=10, each=6, off_cube_ug=200.0, off_unit_ug=5000.0)
-    text = page(json.loads(json.dumps(population_document(MODEL, runs), allow_nan=False)))
+    text = history_page(json.loads(json.dumps(population_document(MODEL, runs), allow_nan=False)))
     figures = "".join(re.findall(r"<svg.*?</svg>", text, re.DOTALL))
     assert ">S2<" in figures
     assert ">CUBE-2<" in figures

@@ -20,6 +20,7 @@ from fixtures_db.history import accept_calibration
 from fixtures_db.limits import Limit, set_limits
 from procedures.calibration.calibration import solve
 from station import cli
+from station.files.atomic_file import write_json
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.campaign_folder.campaign_writing import write_campaign
 from station.files.sha256sums import append_hash
@@ -27,7 +28,7 @@ from station.results.cluster.code_hash import code_hash
 from station.results.cluster.engine import open_engine
 from station.results.resolve.previous_solution import Before
 from station.results.resolve.solution_comparison import compare
-from station.results.solution_json import solution_document, write_solution
+from station.results.solution_json import solution_document
 from tests.fixtures_db.factory import NOON
 
 Resolve = Callable[..., tuple[int, dict[str, Any], str]]
@@ -49,7 +50,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
             document = solution_document(solve([loaded.campaign]), [loaded])
             document["warnings"] = []
             document["accelerometer"]["bias"]["value"][1] += SIGMAS * document["accelerometer"]["bias"]["std"][1]
-            write_solution(folder / "solution.json", document)
+            write_json(folder / "solution.json", document)
     return root
 
 

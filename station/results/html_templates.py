@@ -1,0 +1,30 @@
+"""The pages of reports, certificates, histories and diagnoses: templates that may include one another."""
+
+import re
+from functools import cache
+
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
+
+FOLDERS = ("report", "diagnosis", "history", "certificate")
+
+
+def html_template(name: str) -> Template:
+    """Return a template; ``typeset`` is a filter of it."""
+    return _environment().get_template(name)
+
+
+@cache
+def _environment() -> Environment:
+    loader = ChoiceLoader([PackageLoader(f"station.results.{folder}") for folder in FOLDERS])
+    made = Environment(
+        loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    made.filters["typeset"] = _typeset
+    return made
+
+
+def _typeset(text: str) -> str:
+    """Return text with the signs that a terminal may lack."""
+    for plain, sign in (("+-", "\u00b1"), ("->", "\u2192"), ("ug", "\u00b5g")):
+        text = re.sub(rf"(?<!\w){re.escape(plain)}(?!\w)", sign, text)
+    return text
