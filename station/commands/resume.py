@@ -43,7 +43,7 @@ def resume(
     from station.errors import DataRefused
     from station.guide.command import OperatorCommand
     from station.guide.last_setup import load_setup
-    from station.guide.open_campaigns import unfinished_campaigns
+    from station.guide.start_choices import unfinished_campaigns
     from station.guide.start_engine import EngineOptions
 
     with open_db(db) as database:

@@ -6,9 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import erfinv
 
+from drivers.simulated.bench_truth import imu_from_cube
+from drivers.simulated.truth import Truth
+from procedures.arrays import FloatArray
 from procedures.calibration.solution import Estimate, Solution, TriadCalibration
+from procedures.dwells_and_turns.bench_parameters import mean_cube
 from procedures.frames import AXES
-from procedures.units import ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
+from procedures.units import ARCSEC_PER_RAD, DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
 
 _SCALE = {"1": (PPM_PER_ONE, "1e-6"), "g": (UG_PER_G, "ug"), "rad": (ARCSEC_PER_RAD, "arcsec")}
 
@@ -96,3 +100,35 @@ def _triad(name: str, triad: TriadCalibration) -> Iterator[tuple[str, str, float
 
 def _each(names: tuple[str, ...] | list[str], estimate: Estimate) -> Iterator[tuple[str, float, float]]:
     yield from zip(names, estimate.value.tolist(), estimate.std.tolist(), strict=True)
+
+
+def truth_values(truth: Truth, *, is_certified: bool = False) -> dict[str, float]:
+    """Return the truth keyed as `procedures.calibration.solution.Solution.names`.
+
+    Misalignment and scale factor refer to the mean cube, as the solution's do: columns of ``k E`` along the mean
+    normals of the face pairs instead of the cube's own axes, to which those of a certified cube refer.
+    """
+    up, down = truth.faces_rad[::2], truth.faces_rad[1::2]  # (3, 2) each, by face pair
+    C_sb = imu_from_cube(truth.imu_axes)
+    mean = np.eye(3) if is_certified else C_sb @ mean_cube((up - down) / 2) @ C_sb.T
+    values = {
+        **_triad_truth("accelerometer", truth.accel_k, truth.accel_e @ mean, truth.accel_d_g),
+        **_triad_truth("gyroscope", truth.gyro_k, truth.gyro_e @ mean, truth.gyro_d_deg_s * DEG_H_PER_DEG_S),
+        "slab.tilt.east": float(truth.slab_tilt_rad[0]),
+        "slab.tilt.north": float(truth.slab_tilt_rad[1]),
+    }
+    for i, pair in enumerate(AXES):
+        for j, other in enumerate(axis for axis in AXES if axis != pair):
+            values[f"fixture.parallelism.{pair}.{other}"] = float(up[i, j] + down[i, j])
+    return values
+
+
+def _triad_truth(name: str, k: FloatArray, E: FloatArray, D: FloatArray) -> dict[str, float]:
+    length = np.linalg.norm(E, axis=1)
+    values = {}
+    for q, sensor in enumerate(AXES):
+        values[f"{name}.scale_factor.{sensor}"] = float(k[q] * length[q])
+        values[f"{name}.bias.{sensor}"] = float(D[q] / length[q])
+        for p, body in enumerate(AXES):
+            values[f"{name}.misalignment.{sensor}{body}"] = float(E[q, p] / length[q])
+    return values

@@ -13,20 +13,23 @@ from pathlib import Path
 from drivers.errors import LinkLost
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
-from fixtures_db.database import open_db
-from station.demo.certifying import CERTIFICATE, certify
+from fixtures_db.database import Database, open_db
+from station.demo.comparison import truth_values
 from station.demo.example_bench import GRAVITY_STD, ExampleBench, add_example
-from station.demo.truth_values import truth_values
-from station.errors import CannotWrite, cannot_write
+from station.errors import CannotWrite, Incomplete, cannot_write
+from station.files.atomic_file import replace_file
 from station.files.setup import Setup
 from station.guide.headless import record_headless
 from station.guide.options import CalibrationOptions
 from station.guide.simulated_operator import SimulatedOperator
 from station.guide.view import CalibrationView
 from station.results.campaign_results import Results, make_results, store
+from station.results.certificate.issuing import Request, issue
+from station.results.certificate.laboratory import Laboratory
 from station.stream.recorder import check_raw_bytes
 
 MARK = ".station-demo"
+CERTIFICATE = "certificate.html"
 MOVE_S = 15.0  # device time of a move; a person takes about 45 s
 
 
@@ -142,3 +145,28 @@ def _setup(bench: ExampleBench, url: str, campaign: Path, request: DemoRequest) 
         gravity_m_s2=truth.local_gravity, gravity_std_m_s2=GRAVITY_STD,
         heading_std_deg=truth.heading_std_deg, closure_std_deg=truth.closure_std_deg,
     )  # fmt: skip
+
+
+def certify(database: Database, sha256: str, received: date, path: Path) -> str:
+    """Issue the certificate of a stored calibration into a file; return its path, or what it lacks."""
+    try:
+        row = issue(database, Request(sha256, demo_laboratory(received)))
+    except Incomplete as error:
+        return "none: it lacks " + ", ".join(field for field, _ in error.missing)
+    replace_file(path, row.html.encode())
+    return str(path)
+
+
+def demo_laboratory(received: date) -> Laboratory:
+    """Return what a demo says of a laboratory: that there is none."""
+    nobody = {"name": "DEMO: nobody", "address": "a demonstration on simulated devices"}
+    return Laboratory.model_validate(
+        {
+            "format": "laboratory/1",
+            "laboratory": {**nobody, "name": "DEMO: no laboratory", "number_prefix": "DEMO-"},
+            "authorised": {"name": "DEMO: nobody", "function": "none: a simulated unit was measured"},
+            "customer": nobody,
+            "item": {"received": received, "condition": "simulated: there is no hardware"},
+            "traceability": {"time_base": "the simulator's own time"},
+        }
+    )

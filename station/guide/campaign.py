@@ -1,15 +1,17 @@
-"""What the engine needs of a campaign."""
+"""What the engine needs of a campaign, and what came of it."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from station.guide.command import OperatorCommand
 from station.guide.setup_view import PortCheck
-from station.guide.view import CalibrationView
+from station.guide.view import CalibrationView, Verdict
 from station.stream.events import Sound
 
 if TYPE_CHECKING:
     from station.guide.disk_space import DiskSpace
+    from station.results.campaign_results import Results
 
 
 class GuidedCampaign(Protocol):
@@ -55,3 +57,19 @@ class GuidedCampaign(Protocol):
     def close(self) -> None:
         """Let device and folder go; may be called twice."""
         ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SolveOutcome:
+    """What came of a campaign; empty until it was solved."""
+
+    verdict: Verdict | None = None
+    results: "Results | None" = None
+    sha256: str = ""
+
+    def shown(self) -> dict[str, object]:
+        """Return the view's fields."""
+        assert self.verdict is not None
+        verdict = self.verdict.model_copy(update={"stored_sha256": self.sha256})
+        stage = "stored" if self.sha256 else "verdict"
+        return {"stage": stage, "line": verdict.sentence, "hint": "", "verdict": verdict, "live": "", "wanted": ""}

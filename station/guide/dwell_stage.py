@@ -8,8 +8,8 @@ from procedures.frames import face_normal
 from station.guide.accepted_dwell import triad_estimates
 from station.guide.dwell_attempt import TOUCHED, DwellAttempt, crept
 from station.guide.face_and_stillness import BlockLook
-from station.guide.heading_questions import NEITHER, which_position
 from station.guide.instruction_words import step_title
+from station.guide.question_stage import NEITHER, which_position
 from station.guide.seating_watch import SeatCheck
 from station.guide.soak_progress import SoakTemperature, soak_in_words
 from station.guide.stage import Stage

@@ -21,14 +21,13 @@ from procedures.errors import ProcedureError
 from station.errors import CannotWrite, DataRefused, DiskFull, StationError
 from station.exit_codes import exit_code
 from station.files.setup import Setup
-from station.guide.campaign import GuidedCampaign
+from station.guide.campaign import GuidedCampaign, SolveOutcome
 from station.guide.command import OperatorCommand
 from station.guide.last_setup import save_setup
 from station.guide.options import CalibrationOptions
 from station.guide.readiness_in_background import ReadinessInBackground, announce_readiness
-from station.guide.setup import start_view
 from station.guide.setup_view import PortCheck, Readiness, StartView
-from station.guide.solved import SolveOutcome
+from station.guide.start_choices import start_view
 from station.guide.step_names import for_people
 from station.guide.view import CalibrationView, StageName
 
@@ -296,13 +295,9 @@ def prefetch() -> None:
 
 
 def _look(verb: str, url: str) -> PortCheck:
-    if verb == "check":
-        from station.guide.port_check import check_port
+    from station.guide.port_check import check_port, check_receiver
 
-        return check_port(url)
-    from station.guide.receiver_check import check_receiver
-
-    return check_receiver(url)
+    return check_port(url) if verb == "check" else check_receiver(url)
 
 
 def _begun(setup: Setup, database: Database, options: CalibrationOptions) -> GuidedCampaign:

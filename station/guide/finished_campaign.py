@@ -24,7 +24,7 @@ class FinishedCampaign:
 
     def __init__(self, recorder: CampaignRecorder, checklist: Checklist, stack: ExitStack) -> None:
         self._recorder, self._checklist, self._stack = recorder, checklist, stack
-        self._story = EventLog()
+        self._event_log = EventLog()
 
     @property
     def folder(self) -> Path:
@@ -44,7 +44,7 @@ class FinishedCampaign:
 
     def say(self, sound: Sound, text: str) -> None:
         """Tell the operator."""
-        self._story.say(sound, text)
+        self._event_log.say(sound, text)
 
     def view(self, base: CalibrationView) -> CalibrationView:
         """Return ``base`` with everything filled in."""
@@ -53,7 +53,7 @@ class FinishedCampaign:
             update={
                 "stage": "solving", "line": "all steps are recorded", "unit": f"{imu.model} {imu.serial}",
                 "folder": str(self.folder), "steps": self._checklist.views(""), "can_redo": self._checklist.latest,
-                "events": self._story.events,
+                "events": self._event_log.events,
             }
         )  # fmt: skip
 

@@ -16,7 +16,7 @@ from station.files.setup import Setup
 from station.stream.events import EventLog
 from station.stream.gnss import GnssFeed, open_gnss
 from station.stream.gnss.receiver_summary import site_in_words
-from station.stream.gnss.sample_rate import SampleRate
+from station.stream.gnss.sample_rate import SampleRate, by_this_machine
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import words_of
 
@@ -39,22 +39,27 @@ class NoFix(DriverError):
         )
 
 
-class GnssBeside:
-    """What a campaign does with its receiver each round; troubles are said once each, none stops it."""
+class SampleRateWatch:
+    """The device's sample rate against GNSS time, else this machine's clock; each trouble is said once.
 
-    def __init__(self, gnss: GnssFeed, feed: LiveFeed, story: EventLog) -> None:
-        self._gnss, self._story = gnss, story
-        self._rate = SampleRate(feed, gnss.utc, gnss.utc_scatter)
-        self._said = ""
+    A machine's clock is right to about 1e-4, so that it can tell 0.1 %. What is more than 5 % off is taken to be a
+    simulated or replayed device at another pace than time's and is left alone.
+    """
+
+    def __init__(self, feed: LiveFeed, event_log: EventLog, gnss: GnssFeed | None) -> None:
+        self._gnss, self._event_log, self._said = gnss, event_log, ""
+        self._rate = by_this_machine(feed) if gnss is None else SampleRate(feed, gnss.utc, gnss.utc_scatter)
 
     def round(self) -> None:
-        """Take what has come; raise `DataRefused` if the device's rate is more than 1 % off GNSS time."""
-        self._gnss.advance()
+        """Take what has come; raise `DataRefused` if the device's rate is surely more than 1 % off."""
+        if self._gnss is not None:
+            self._gnss.advance()
         self._rate.look()
-        now = self._gnss.trouble or self._rate.warning
+        now = (self._gnss.trouble if self._gnss else "") or self._rate.warning
         if words_of(now) != self._said:  # not once more for each new figure
             self._said = words_of(now)
-            self._story.say("rejected" if now else "", now or "GNSS is well again")
+            well = "GNSS is well again" if self._gnss else "the sample rate is right again"
+            self._event_log.say("rejected" if now else "", now or well)
 
 
 def sited(setup: Setup, gnss: GnssFeed, folder: Path) -> Setup:

@@ -19,16 +19,16 @@ from station.guide.cube_pose import HeadingWatch, face_wanted, pose_view
 from station.guide.cube_tracking import CubeTracker
 from station.guide.dwell_stage import DwellStage
 from station.guide.face_and_stillness import BlockLook
-from station.guide.free_attitude_dwell import FreeAttitudeStage
+from station.guide.free_attitude_stage import FreeAttitudeStage
 from station.guide.instruction_words import step_title
 from station.guide.placing_stage import PlacingStage
-from station.guide.question import QuestionStage
+from station.guide.question_stage import QuestionStage
 from station.guide.seating_watch import keep_question
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
 from station.guide.stream_trouble import TroubleView, trouble_of
 from station.guide.turn_stage import TurnStage
-from station.guide.unit_recognition import UnitRecognitionStage
+from station.guide.unit_recognition_stage import UnitRecognitionStage
 from station.guide.view import CalibrationView, GatesView, LinkView, PoseView
 from station.guide.warm_up_stage import WarmUpStage
 from station.stream.live.stillness import STILL_NOISE_RATIO, Block

@@ -1,15 +1,11 @@
 """A campaign on a live device: the reader, the stream, the guide, and the folder that everything goes to."""
 
-import contextlib
 import time
-from collections.abc import Mapping
 from contextlib import ExitStack
 from datetime import datetime
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
-from pydantic import BaseModel, ValidationError
 
 from drivers.bare_address import with_absolute_paths
 from drivers.errors import DeadChannel, DriverError, LinkLost
@@ -19,7 +15,7 @@ from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Step, Turn, steps_of
 from procedures.dwells_and_turns import hand_turns, twelve_position
 from station.errors import DataRefused
-from station.files.campaign_folder.campaign_schema import CampaignTable, ProcedureTable, SiteTable
+from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.notes import (
     UnitRecord,
     keep_plan,
@@ -29,15 +25,14 @@ from station.files.campaign_folder.notes import (
     write_setup,
     write_unit,
 )
-from station.files.new_folder import journal_path, new_folder
+from station.files.new_folder import new_folder
 from station.files.setup import Setup
+from station.guide.campaign_tables import cube_fixture, procedure_table, site_table
 from station.guide.command import OperatorCommand
 from station.guide.disk_space import WARM_UP_S, DiskSpace, disk_for, refuse_full
-from station.guide.fixture import cube_fixture
 from station.guide.folder_recorder import FolderRecorder
-from station.guide.gnss_in_campaign import GnssBeside, reopened, said_of_site, sited, utc_now
+from station.guide.gnss_in_campaign import SampleRateWatch, reopened, said_of_site, sited, utc_now
 from station.guide.guide import Guide
-from station.guide.host_clock import HostClock
 from station.guide.interrupted_campaigns import FolderLock, reopen
 from station.guide.options import CalibrationOptions
 from station.guide.port_check import RECORD_INSTEAD
@@ -49,15 +44,11 @@ from station.guide.view import CalibrationView
 from station.stream.events import Sound
 from station.stream.gnss import GnssFeed, open_gnss
 from station.stream.live.live_feed import LiveFeed, open_feed
-from station.stream.reader import Reader
+from station.stream.live.restartable_reader import RestartableReader
 from station.stream.recorder import CampaignRecorder, Unit, UnitChanged, open_campaign
 from station.stream.recorder.accepted_step_writer import TOML
 
 REST_S = 5.0
-RETRY_S = 1.0  # between two tries to read a port whose reader died
-
-
-T = TypeVar("T", bound=BaseModel)
 
 
 class LiveCampaign:
@@ -66,14 +57,12 @@ class LiveCampaign:
     has_device = True
 
     def __init__(
-        self, reader: Reader, feed: LiveFeed, unit: Unit, guide: Guide, recorder: CampaignRecorder,
+        self, reader: RestartableReader, feed: LiveFeed, unit: Unit, guide: Guide, recorder: CampaignRecorder,
         options: CalibrationOptions, stack: ExitStack, gnss: GnssFeed | None = None,
     ) -> None:  # fmt: skip
         self._reader, self._feed, self._stack, self._is_patient = reader, feed, stack, options.is_patient
         self.unit, self.guide, self.recorder = unit, guide, recorder
-        self._retry_at = 0.0
-        event_log = guide.context.event_log
-        self._beside = HostClock(feed, event_log) if gnss is None else GnssBeside(gnss, feed, event_log)
+        self._rate_watch = SampleRateWatch(feed, guide.context.event_log, gnss)
         recorder.utc = None if gnss is None else gnss.utc
 
     @property
@@ -102,7 +91,7 @@ class LiveCampaign:
         DataRefused
             If GNSS time, else this machine's, shows that the device's rate is not the one it declares.
         """
-        self._beside.round()
+        self._rate_watch.round()
         try:
             self._feed.advance()
             if self._feed.lost:
@@ -126,7 +115,7 @@ class LiveCampaign:
     def as_checked(self) -> PortCheck:
         """Return what a look at its port says of the unit."""
         imu, rate = self.recorder.tables.imu, 1 / self.unit.period
-        unit = PortCheck(url=self._reader.address.text, is_good=True, rate_hz=rate, output=imu.output)
+        unit = PortCheck(url=self._reader.reader.address.text, is_good=True, rate_hz=rate, output=imu.output)
         return unit.model_copy(update={"model": imu.model, "serial": imu.serial})
 
     def obey(self, command: OperatorCommand) -> None:
@@ -156,17 +145,8 @@ class LiveCampaign:
         self.guide.stream_failed(error)
         if isinstance(error, UnitChanged):
             self._feed.begin_anew()
-        elif self._reader.has_ended and time.monotonic() > self._retry_at:
-            self._retry_at = time.monotonic() + RETRY_S
-            self._restart_reader()
-
-    def _restart_reader(self) -> None:
-        """Have another process read the port; the one before has died."""
-        self._reader.close()
-        self._reader = Reader(self._reader.address.text, journal_path(self.folder))
-        with contextlib.suppress(DriverError):  # tried again and again
-            self._reader.start()
-            self._feed.replace_source(self._reader)
+        else:
+            self._reader.restart()
 
 
 def begin(setup: Setup, database: Database, options: CalibrationOptions) -> LiveCampaign:
@@ -187,8 +167,7 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
     with ExitStack() as stack:
         folder = stack.enter_context(new_folder(_folder(setup, options.root), TOML))
         stack.enter_context(FolderLock(folder))
-        reader = stack.enter_context(Reader(setup.url, journal_path(folder)))
-        feed = open_feed(reader)
+        reader, feed = _opened(setup.url, folder, stack)
         gnss = stack.enter_context(open_gnss(setup.gnss, folder)) if setup.gnss else None
         unit = feed.identify(setup.model or None, setup.serial or None)
         if missing := sorted(ALL_CHANNELS - feed.stream.decoder.kind.channels):
@@ -229,8 +208,7 @@ def resume(folder: Path, database: Database, options: CalibrationOptions) -> Liv
         stack.enter_context(FolderLock(folder))
         recorder = reopen(folder, database)
         steps = kept_plan(folder) or usual_steps(setup)
-        reader = stack.enter_context(Reader(options.setup.url or setup.url, journal_path(folder)))
-        feed = open_feed(reader)
+        reader, feed = _opened(options.setup.url or setup.url, folder, stack)
         gnss, missed = reopened(stack, setup, folder)
         imu = recorder.tables.imu
         unit = feed.identify(imu.model, imu.serial, has_begun=True)
@@ -252,6 +230,13 @@ def resume(folder: Path, database: Database, options: CalibrationOptions) -> Liv
     raise AssertionError("unreachable")
 
 
+def _opened(url: str, folder: Path, stack: ExitStack) -> tuple[RestartableReader, LiveFeed]:
+    reader = RestartableReader(url, folder)
+    stack.callback(reader.close)
+    reader.feed = open_feed(reader.reader)
+    return reader, reader.feed
+
+
 def _as_it_runs(done: AcceptedSteps, recorder: CampaignRecorder, feed: LiveFeed) -> AcceptedSteps:
     """Return what the steps so far leave, the unit perhaps switched off and on since the last of them."""
     files = [recorder.folder / table.file for table in recorder.tables.steps()]
@@ -264,33 +249,6 @@ def usual_steps(setup: Setup) -> tuple[Step, ...]:
     """Return the twelve positions and six turns; no dwell length yet is a place holder of 100 s."""
     dwells = steps_of(twelve_position.plan(setup.dwell_s or 100.0))
     return (*dwells, *steps_of(hand_turns.plan(setup.revolutions, REST_S)))
-
-
-def site_table(setup: Setup) -> SiteTable:
-    """Return the set-up's site; raise `DataRefused` if a value is out of its range."""
-    return _checked(
-        SiteTable,
-        {
-            "latitude_deg": setup.latitude_deg, "longitude_deg": setup.longitude_deg, "height_m": setup.height_m,
-            "gravity_m_s2": setup.gravity_m_s2, "gravity_std_m_s2": setup.gravity_std_m_s2,
-        },
-    )  # fmt: skip
-
-
-def procedure_table(setup: Setup) -> ProcedureTable:
-    """Return how well the set-up says headings and closures are; raise `DataRefused` out of range."""
-    care = {"heading_std_deg": setup.heading_std_deg, "closure_std_deg": setup.closure_std_deg}
-    return _checked(ProcedureTable, care)
-
-
-def _checked(table: type[T], values: Mapping[str, object]) -> T:
-    try:
-        return table.model_validate(values)
-    except ValidationError as error:
-        fault = error.errors(include_url=False)[0]
-        what = ".".join(str(part) for part in fault["loc"])
-        found = f"{what} {fault['input']}"
-        raise DataRefused("set-up", None, found, str(fault["msg"]), "correct the set-up") from error
 
 
 def _record(feed: LiveFeed, unit: Unit) -> UnitRecord:

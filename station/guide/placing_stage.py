@@ -7,7 +7,7 @@ from procedures.frames import face_of
 from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, next_direction
 from station.guide.dwell_stage import DwellStage
 from station.guide.face_and_stillness import BlockLook
-from station.guide.free_attitude_dwell import FreeAttitudeStage, free_look
+from station.guide.free_attitude_stage import FreeAttitudeStage, free_look
 from station.guide.instruction_words import face_in_words, instruction, step_title
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext

@@ -1,4 +1,4 @@
-"""A look at what a port sends, before a campaign begins on it."""
+"""A look at what a port sends, or where a GNSS receiver says it stands, before a campaign begins."""
 
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,8 @@ PORT_LOOK_S = 2.0
 RECORD_INSTEAD = "record its steps with `station record` and solve them as a campaign folder"
 TICK_S = 0.1
 BAD_SHARE = 0.01  # of the frames; beyond it the line is not good enough to begin
+LISTEN_S = 8.0  # a heartbeat, an answer and the fixes at the usual rate; a slow receiver takes all of it
+RECEIVER_FIXES = 10
 
 
 def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
@@ -45,6 +47,21 @@ def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
         noise=noise_in_words(seen.samples, seen.rate_hz),
         text="; ".join(remedies) or "frames come as they should",
     )
+
+
+def check_receiver(url: str, seconds: float = LISTEN_S) -> PortCheck:
+    """Listen to a receiver; what is wrong stands in ``text``, with what to do. Never raises."""
+    from station.devices.gnss_probe import listen
+    from station.stream.gnss.receiver_summary import site_in_words
+
+    try:
+        feed = listen(url, seconds, RECEIVER_FIXES).feed
+    except (DriverError, OSError) as error:
+        return PortCheck(url=url, is_good=False, text=str(error))
+    if (site := feed.site()) is not None:
+        return PortCheck(url=url, is_good=True, text=site_in_words(site))
+    nothing = f"{feed.address.name}: no position within {seconds:g} s, expected one; wait for a fix"
+    return PortCheck(url=url, is_good=False, text=feed.trouble or nothing)
 
 
 def noise_in_words(samples: SampleBlock, rate_hz: float | None) -> str:

@@ -7,8 +7,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable
 from textwrap import wrap
 
-from station.guide.command import CommandVerb, OperatorCommand
-from station.guide.session import CalibrationSession
+from station.guide.command import CalibrationSession, CommandVerb, OperatorCommand
 from station.guide.setup_view import Readiness
 from station.guide.soak_progress import soak_in_words
 from station.guide.step_names import files_as_steps, step_typed

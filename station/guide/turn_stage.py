@@ -9,8 +9,8 @@ from procedures.campaign.plan_steps import Turn
 from procedures.earth.gyrocompass import CertainDwell, rough_scale_factor
 from procedures.frames import AXES, face_of
 from station.guide.face_and_stillness import BlockLook
-from station.guide.heading_questions import NEITHER, OTHER_WAY, TAKE, which_position, which_turn
 from station.guide.instruction_words import instruction, step_title, times_in_words, turn_sense
+from station.guide.question_stage import NEITHER, OTHER_WAY, TAKE, which_position, which_turn
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
 from station.guide.turn_pairs import (

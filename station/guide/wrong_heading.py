@@ -8,7 +8,7 @@ from functools import partial
 
 from procedures.bench.heading_errors import HeadingError, heading_error_text
 from procedures.campaign.plan_steps import Dwell
-from station.guide.question import QuestionStage
+from station.guide.question_stage import QuestionStage
 from station.guide.setup_view import Choice
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext

@@ -27,9 +27,8 @@ from station.monitor.gnss_aid import aiding_of
 from station.monitor.host_time_of_samples import SampleTimes
 from station.monitor.options import DEFAULT_OPTIONS, GnssSource, MonitorOptions
 from station.monitor.recording import MonitorRecording
-from station.monitor.session import MonitorVerb
 from station.monitor.stream_health import StreamHealth
-from station.monitor.view import AttitudeReading, ChartPoint, MonitorView, MotionState
+from station.monitor.view import AttitudeReading, ChartPoint, MonitorVerb, MonitorView, MotionState
 from station.stream.events import EventLog, Sound, StreamState
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.trouble_lines import words_of
@@ -94,8 +93,8 @@ class Monitor:
             raise
         except DriverError as error:
             self._is_well(str(error))
-            if self._options.revive is not None:
-                self._options.revive()
+            if self._options.restart_reader is not None:
+                self._options.restart_reader()
         for each in self._beside:
             each.advance()
         self._take()

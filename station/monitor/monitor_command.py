@@ -25,17 +25,16 @@ from station.locate.monitor_interface import Locating
 from station.monitor.alarms import Alarm
 from station.monitor.monitor import Monitor
 from station.monitor.options import CameraSource, GnssSource, MonitorOptions
-from station.monitor.reader_restart import RestartableReader
 from station.monitor.recording import MonitorRecording
-from station.monitor.session import MonitorSession
 from station.monitor.text_lines import PlainMonitor, json_line, listen
 from station.monitor.thread import MonitorThread
-from station.monitor.view import MonitorView
+from station.monitor.view import MonitorSession, MonitorView
 from station.stream.camera.camera_feed import CAMERA_SESSION, open_camera
 from station.stream.camera.description import CAMERA_FILE, Description, read_description
 from station.stream.camera.replayed_camera import RecordedCamera
 from station.stream.events import EVENTS_FILE
 from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed
+from station.stream.live.restartable_reader import RestartableReader
 from station.stream.live.silent_channels import refuse_partial
 from station.stream.replay.gnss import RecordedGnss, recorded_aid, recorded_gnss
 from station.stream.replay.imu import Replay, is_mcap
@@ -103,10 +102,10 @@ def opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], .
         (gtsam if described is None else opencv)()  # said before anything is begun
     with ExitStack() as stack:
         folder = _folder(wanted, stack)
-        source, revive = _source(wanted, folder or Path(stack.enter_context(tempfile.TemporaryDirectory())), stack)
+        source, reader = _source(wanted, folder or Path(stack.enter_context(tempfile.TemporaryDirectory())), stack)
         feed = open_feed(source)
-        if isinstance(revive, RestartableReader):
-            revive.feed = feed
+        if reader is not None:
+            reader.feed = feed
         unknown = UNKNOWN if feed.wire.identity is None else None
         unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
         refuse_partial(feed.address.name, feed.stream.decoder.kind)
@@ -129,7 +128,8 @@ def opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], .
                 aid=aid_name, C=wanted.C, latitude=latitude,
                 heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
                 gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
-                alarms=wanted.alarms, revive=revive, locating=where, camera=camera,
+                alarms=wanted.alarms, restart_reader=None if reader is None else reader.restart, locating=where,
+                camera=camera,
             ),
             recording, aid, sinks, "" if folder is None else str(folder),
         )  # fmt: skip
@@ -207,13 +207,13 @@ def _camera(described: Description, source: ChunkSource, folder: Path | None, st
 
 def _source(
     wanted: MonitorRequest, folder: Path, stack: ExitStack
-) -> tuple[ChunkSource, "RestartableReader | None"]:
+) -> tuple[ChunkSource, RestartableReader | None]:
     address = parse_device_url(wanted.url)
     if address.scheme == "replay" and is_mcap(Path(address.path)):
         return Replay(wanted.url, wanted.speed), None
-    revival = RestartableReader(wanted.url, folder)
-    stack.callback(revival.close)
-    return revival.reader, revival
+    reader = RestartableReader(wanted.url, folder)
+    stack.callback(reader.close)
+    return reader.reader, reader
 
 
 def _mavlink_out(where: str, stack: ExitStack) -> Callable[[MonitorView], None]:

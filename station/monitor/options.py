@@ -63,7 +63,7 @@ class MonitorOptions:
     heading: float | None = None
     gravity: float = STANDARD_GRAVITY
     alarms: tuple[Alarm, ...] = ()
-    revive: Callable[[], None] | None = None  # has a reader that ended begin again
+    restart_reader: Callable[[], None] | None = None  # has a reader that ended begin again
     locating: Locating | None = None
     camera: CameraSource | None = None  # of which ``locating`` is told
 

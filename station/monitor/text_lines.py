@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from station.locate.location import Location
-from station.monitor.session import MonitorSession, MonitorVerb
-from station.monitor.view import LATE_S, CalibrationGain, MonitorView, RestErrors
+from station.monitor.view import LATE_S, CalibrationGain, MonitorSession, MonitorVerb, MonitorView, RestErrors
 from station.stream.events import NewEvents
 from station.text.plural import plural
 

@@ -13,14 +13,13 @@ from typing import Self
 from drivers.errors import ReplayEnded
 from station.monitor.attitude_filter import compile_filter
 from station.monitor.monitor import Monitor
-from station.monitor.session import MonitorVerb
-from station.monitor.view import MonitorView
+from station.monitor.view import MonitorVerb, MonitorView
 
 PREPARING = "preparing: the filter is compiled once on this machine, which takes up to a minute"
 
 
 class MonitorThread:
-    """A `station.monitor.session.MonitorSession`; the engine runs while the ``with`` block lasts.
+    """A `station.monitor.view.MonitorSession`; the engine runs while the ``with`` block lasts.
 
     ``failure`` is what ended it, None if it was asked to or the replay is over; ``stays`` keeps the last view of a
     replay on the screen until somebody leaves. ``seconds`` [s of the device] ends it.

@@ -4,7 +4,7 @@ Angles in deg, rates in deg/s, body axes forward-right-down; times in s of the d
 """
 
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, Protocol
 
 from station.calibrated.in_use import InUse
 from station.locate.location import Location
@@ -13,6 +13,13 @@ from station.stream.events import Event, StreamState
 LATE_S = 2.0  # by which a location may be older than the attitude
 
 MotionState = Literal["waiting", "aligning", "at rest", "moving"]
+MonitorVerb = Literal[
+    "mark",  # this moment, with a number
+    "record",  # begin a recording, or end it
+    "zero",  # show angles from here; again: absolute ones
+    "anew",  # begin the comparison at rest, and the charts, anew
+    "leave",
+]
 
 
 class ChartPoint(NamedTuple):
@@ -108,6 +115,19 @@ class MonitorView:
             return None
         roll, pitch = self.zero or (0.0, 0.0)
         return wrapped(self.reading.roll - roll), self.reading.pitch - pitch
+
+
+class MonitorSession(Protocol):
+    """An engine as its screens see it; both return at once."""
+
+    @property
+    def view(self) -> MonitorView:
+        """The newest view."""
+        ...
+
+    def send(self, verb: MonitorVerb) -> None:
+        """Ask something of the engine."""
+        ...
 
 
 def wrapped(angle: float) -> float:

@@ -1,7 +1,6 @@
 """The application: draws the session's view and sends what the operator asks. It knows nothing by itself."""
 
-from station.guide.command import OperatorCommand
-from station.guide.session import CalibrationSession
+from station.guide.command import CalibrationSession, OperatorCommand
 from station.guide.view import CalibrationView
 from station.tui.common_app import CommonApp
 from station.tui.screens import SCREEN_FOR

@@ -1,7 +1,7 @@
 """Run the screens in this terminal; Textual is imported only where there is a screen."""
 
-from station.guide.session import CalibrationSession
-from station.monitor.session import MonitorSession
+from station.guide.command import CalibrationSession
+from station.monitor.view import MonitorSession
 
 REFRESH_HZ = 10.0
 SLOW_HZ = 2.0  # a serial console at 115 200 baud carries no more

@@ -1,7 +1,6 @@
 """The application: draws the session's view and sends what the operator asks. It knows nothing by itself."""
 
-from station.monitor.session import MonitorSession
-from station.monitor.view import MonitorView
+from station.monitor.view import MonitorSession, MonitorView
 from station.tui.common_app import CommonApp
 from station.tui.monitor.screen import MonitorScreen
 

@@ -8,8 +8,7 @@ from textual.containers import Grid, Horizontal, Vertical
 from textual.screen import Screen
 
 from station.locate.location import Location
-from station.monitor.session import MonitorVerb
-from station.monitor.view import MonitorView
+from station.monitor.view import MonitorVerb, MonitorView
 from station.tui.monitor.location_widgets import LocationReadings, TrackMap
 from station.tui.monitor.widgets import (
     CalibrationLine,

@@ -12,7 +12,7 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from fixtures_db.history import accept_calibration
 from station import cli
-from station.demo.truth_values import truth_values
+from station.demo.comparison import truth_values
 from station.errors import DataRefused
 from station.files.limits_example import example_limits
 from station.files.limits_toml import limits_in

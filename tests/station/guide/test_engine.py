@@ -22,7 +22,7 @@ from station.files.setup import Setup
 from station.files.sha256sums import verify_folder
 from station.guide.client import EngineConnection
 from station.guide.command import OperatorCommand
-from station.guide.open_campaigns import unfinished_campaigns
+from station.guide.start_choices import unfinished_campaigns
 from station.guide.start_engine import EngineOptions, engine_process
 from station.guide.view import CalibrationView
 

@@ -16,7 +16,7 @@ from station.files.setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
-from station.guide.receiver_check import check_receiver
+from station.guide.port_check import check_receiver
 from station.guide.view import CalibrationView
 
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)

@@ -11,8 +11,7 @@ from station.calibrated.in_use import InUse
 from station.monitor.monitor import Monitor
 from station.monitor.options import MonitorOptions
 from station.monitor.recording import MonitorRecording
-from station.monitor.session import MonitorVerb
-from station.monitor.view import MonitorView
+from station.monitor.view import MonitorVerb, MonitorView
 from station.stream.live import open_feed
 from tests.station.monitor.unit import calibration_of
 from tests.station.stream.live.bench_in_memory import Source

@@ -23,8 +23,7 @@ from procedures.campaign.plan_steps import Dwell
 from station import cli
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.guide.gnss_in_campaign import GnssBeside
-from station.guide.host_clock import HostClock
+from station.guide.gnss_in_campaign import SampleRateWatch
 from station.stream.events import EventLog
 from station.stream.gnss import GnssFeed
 from station.stream.gnss.sample_rate import by_this_machine, said_of
@@ -136,16 +135,16 @@ def test_solve_warns_of_a_clock_and_refuses_a_worse_one(
 
 def beside(ppm: float, seconds: float, faults: tuple[Fault, ...] = (), *, has_gnss: bool = True) -> list[str]:
     """Return what a campaign's receiver, or its machine's clock, has it say within so many device seconds."""
-    bench, story = Bench(ppm, faults), EventLog()
+    bench, event_log = Bench(ppm, faults), EventLog()
     feed, gnss = open_feed(Imu(bench)), GnssFeed(Receiver(bench))
-    watch = GnssBeside(gnss, feed, story) if has_gnss else HostClock(feed, story)
+    watch = SampleRateWatch(feed, event_log, gnss if has_gnss else None)
     looks = itertools.count(0.0, READ_S)
     watch._rate.clock = lambda: float(next(looks))  # noqa: SLF001
     feed.identify()
     while bench.device.imu.time < seconds:
         feed.advance()
         watch.round()
-    return [event.text for event in story.events]
+    return [event.text for event in event_log.events]
 
 
 def test_a_running_campaign_names_the_clock_once_and_ends_where_it_is_worse() -> None:

@@ -6,15 +6,14 @@ from dataclasses import dataclass
 
 from textual.pilot import Pilot
 
-from station.monitor.session import MonitorVerb
-from station.monitor.view import MonitorView
+from station.monitor.view import MonitorVerb, MonitorView
 from station.tui.monitor.app import MonitorApp
 
 SMALL, LARGE = (80, 24), (120, 40)
 
 
 class MemorySession:
-    """A `station.monitor.session.MonitorSession` without an engine: holds a view, keeps what was sent."""
+    """A `station.monitor.view.MonitorSession` without an engine: holds a view, keeps what was sent."""
 
     def __init__(self, view: MonitorView) -> None:
         self.view = view

@@ -20,7 +20,7 @@ from station.errors import CannotWrite
 from station.files.setup import Setup
 from station.guide.last_setup import load_setup, save_setup, setup_file
 from station.guide.port_check import check_port, noise_in_words
-from station.guide.setup import start_view
+from station.guide.start_choices import start_view
 from tests.station.guide.recorded import begin
 
 

@@ -9,11 +9,11 @@ from station.files.new_folder import journal_path
 from station.stream.live.live_feed import LiveFeed
 from station.stream.reader import Reader
 
-RETRY_S = 1.0
+RETRY_S = 1.0  # between two tries to read a port whose reader died
 
 
 class RestartableReader:
-    """Call it to have the reader of ``feed`` begin again, if it has ended and a second has passed."""
+    """Reads ``url`` into journals of ``folder``; `restart` has the reader of ``feed`` begin again."""
 
     def __init__(self, url: str, folder: Path) -> None:
         self._url, self._folder = url, folder
@@ -22,8 +22,8 @@ class RestartableReader:
         self.feed: LiveFeed | None = None
         self._retry_at = 0.0
 
-    def __call__(self) -> None:
-        """Begin it again where that is due."""
+    def restart(self) -> None:
+        """Begin it again, if it has ended and a second has passed."""
         if self.feed is None or not self.reader.has_ended or time.monotonic() < self._retry_at:
             return
         self._retry_at = time.monotonic() + RETRY_S

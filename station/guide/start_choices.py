@@ -1,0 +1,88 @@
+"""What the start screen offers: ports, cubes and slabs to choose, campaigns to go on with."""
+
+import tomllib
+from collections.abc import Sequence
+from datetime import UTC, date, datetime
+from pathlib import Path
+from typing import Literal
+
+from drivers.serial_port import list_ports
+from fixtures_db.campaigns import in_state, is_expired
+from fixtures_db.database import Database
+from fixtures_db.fixtures import fixture_rows
+from fixtures_db.schema import CampaignRow, CubeRow, SlabRow
+from station.files.setup import Setup
+from station.guide.folder_lock import is_locked
+from station.guide.setup_view import Choice, StartView, UnfinishedCampaign
+
+USUAL_STEPS = 18  # of a campaign without a plan: 12 positions, 6 turns
+TOML, PLAN = "campaign.toml", "plan.toml"
+
+
+def start_view(database: Database, setup: Setup) -> StartView:
+    """Return what can be chosen: ports, cubes and slabs with their certificates, unfinished campaigns."""
+    with database.read() as session:
+        known = [(cube.id, f"{cube.side_mm:g} mm", cube.due_date) for cube in fixture_rows(session, CubeRow)]
+        stones = [(slab.id, "", slab.due_date) for slab in fixture_rows(session, SlabRow)]
+    return StartView(
+        setup=setup,
+        ports=tuple(_ports()),
+        cubes=tuple(_reference(*each) for each in known),
+        slabs=tuple(_reference(*each) for each in stones),
+        unfinished=tuple(unfinished_campaigns(database)),
+    )
+
+
+def _ports() -> Sequence[Choice]:
+    return [
+        Choice(
+            key=f"serial://{port.device}",
+            title=f"{port.device} {port.description}".strip(),
+            note=f"serial number {port.serial_number}" if port.serial_number else "",
+        )
+        for port in list_ports()
+    ]
+
+
+def _reference(name: str, size: str, due: date | None) -> Choice:
+    warns = due is None or is_expired(due, date.today())
+    note = f"certificate {'expired on' if warns else 'due'} {due}" if due else "no certificate date"
+    return Choice(key=name, title=f"{name} {size}".strip(), note=note, warns=warns)
+
+
+def unfinished_campaigns(database: Database) -> list[UnfinishedCampaign]:
+    """Return the campaigns in state ``recording``, newest first."""
+    with database.read() as session:
+        return [_described(row) for row in in_state(session, "recording")]
+
+
+def _described(row: CampaignRow) -> UnfinishedCampaign:
+    folder = Path(row.folder)
+    done = len({step.name for step in row.steps})
+    total = max(_planned(folder), done)
+    began = row.started_utc.astimezone()
+    is_today = began.date() == datetime.now(UTC).astimezone().date()
+    when = f"{began:%H:%M}" if is_today else f"{began:%Y-%m-%d %H:%M}"
+    return UnfinishedCampaign(
+        folder=row.folder,
+        title=f"campaign of {when}, {done} of {total} done, {row.imu.model} {row.imu.serial}",
+        serial=row.imu.serial,
+        done=done,
+        total=total,
+        state=_state(folder),
+    )
+
+
+def _state(folder: Path) -> Literal["free", "in use", "not here"]:
+    if not (folder / TOML).is_file():
+        return "not here"
+    return "in use" if is_locked(folder) else "free"
+
+
+def _planned(folder: Path) -> int:
+    """Count the steps of the folder's plan; reading them takes what a list should not wait for."""
+    try:
+        tables = tomllib.loads((folder / PLAN).read_text()).values()
+    except (OSError, ValueError):
+        return USUAL_STEPS
+    return sum(len(table) for table in tables if isinstance(table, list)) or USUAL_STEPS
