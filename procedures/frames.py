@@ -12,6 +12,7 @@ from procedures.arrays import FloatArray
 POSITIONS = ("UEN", "UWS", "DNE", "DSW", "SUW", "NUE", "WDS", "EDN", "NWU", "SEU", "ESD", "WND")
 FACES = ("x_up", "x_down", "y_up", "y_down", "z_up", "z_down")
 AXES = ("x", "y", "z")
+TRIADS = ("accelerometer", "gyroscope")
 TURN_START = {"x": 1, "y": 5, "z": 9}
 
 _DIRECTION = {

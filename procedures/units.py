@@ -8,7 +8,7 @@ from math import pi
 
 STANDARD_GRAVITY = 9.80665  # m/s2 per g, exact (CGPM 1901)
 M_PER_FT = 0.3048  # exact
-UG_PER_G = PPM_PER_ONE = URAD_PER_RAD = 1e6
+UG_PER_G = PPM_PER_ONE = 1e6
 RAD_PER_URAD = 1e-6
 
 RAD_PER_DEG = pi / 180

@@ -13,9 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Campaign
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.earth.gyrocompass import CertainDwell
 from procedures.frames import nominal_C_lb
@@ -28,6 +29,7 @@ UNKNOWN_HEADING_STD_RAD = 0.3  # rad, 1 sigma of a heading of which nothing is s
 BIAS_STD_RAD_S = 30 * RAD_S_PER_DEG_H  # rad/s, 1 sigma
 SCALE_STD, MISALIGNMENT_STD_RAD = 0.1, 1e-2  # 1 sigma, where only a rough scale factor is known
 CONTRADICTION_P_VALUE = 1e-4  # probability of a chi2 above which sigma is widened to what the dwells scatter by
+SOLVED_K_STD = (1e-3, 1e-3)  # 1 sigma, relative, of K as turns and dwells tell it, with a bad heading in it
 MAX_NAMED_DWELLS = 3  # dwells named at most: more of them are another matter than a slip
 MAX_HEADING_ERROR_RAD = 0.5  # rad: a dwell that stood further off was taken for another position
 
@@ -62,9 +64,9 @@ def heading_errors(
         best = gain[order[0]]
         if (
             len(found) == MAX_NAMED_DWELLS
-            or not best > (MIN_ERROR_SIGMAS * _birge_ratio(fit, 3 * len(dwells), best)) ** 2
+            or not best > (MIN_ERROR_SIGMAS * fit.birge_ratio(3 * len(dwells), CONTRADICTION_P_VALUE, best)) ** 2
         ):
-            ratio = _birge_ratio(fit, 3 * len(dwells))
+            ratio = fit.birge_ratio(3 * len(dwells), CONTRADICTION_P_VALUE)
             break
         found.append(tuple(int(i) for i in order if gain[i] > best - AMBIGUOUS_CHI2 and gain[i] > 0))
         stds[found[-1][0]] = UNKNOWN_HEADING_STD_RAD
@@ -76,6 +78,26 @@ def heading_errors(
         return []
     errors = [HeadingError(each, float(angles[each[0]]), float(own[each[0]])) for each in found]
     return [one for one in errors if abs(one.angle) > MIN_ERROR_SIGMAS * np.hypot(one.std, heading_std)]
+
+
+def heading_warnings(campaigns: Sequence[Campaign], joint: TriadFit) -> tuple[list[str], list[str]]:
+    """Return the dwells that stood turned against the marks, campaign by campaign: each in words; sure names."""
+    K, said, sure = np.degrees(joint.fit.x[:9].reshape(3, 3)), list[str](), list[str]()
+    for number, campaign in enumerate(campaigns):
+        rows = [i for i, (of, _) in enumerate(joint.seen.dwells) if of == number]
+        records = [joint.seen.dwells[i][1] for i in rows]
+        known = [
+            CertainDwell(record.position, joint.seen.rate[i], joint.expected[i])
+            for i, record in zip(rows, records, strict=True)
+        ]
+        errors = heading_errors(
+            known, campaign.site.latitude, campaign.fixture.C_sb, K, campaign.sigma.heading, SOLVED_K_STD
+        )
+        for error in errors:
+            named = " or ".join(f"{records[i].position} ({records[i].name})" for i in sorted(error.dwells))
+            said.append(f"position {named} {heading_error_text(error)}: record it again")
+            sure += [records[i].name for i in error.dwells if len(error.dwells) == 1]
+    return said, sure
 
 
 def heading_error_text(error: HeadingError) -> str:
@@ -90,15 +112,6 @@ def _gain(fit: Fit, n: int) -> FloatArray:
     residual, leverage = fit.residual[-n:], fit.leverage[-n:]
     gain: FloatArray = np.where(leverage < 1 - 1e-9, residual**2 / np.maximum(1 - leverage, 1e-9), 0.0)
     return gain
-
-
-def _birge_ratio(fit: Fit, rows: int, explained: float = 0.0) -> float:
-    """Return by how much wider sigma is than the dwells' rows say, ``explained`` of chi2 aside (Birge 1932)."""
-    chi2 = fit.chi2 - explained
-    if chi2 <= chdtri(fit.dof, CONTRADICTION_P_VALUE):
-        return 1.0
-    free = float(np.sum(1 - fit.leverage[:rows])) - bool(explained)
-    return float(np.sqrt(max(chi2 / max(free, 1.0), 1.0)))
 
 
 def _fit(

@@ -20,12 +20,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
 from procedures.dwells_and_turns.bench_parameters import BenchParameters, Placement
-from procedures.dwells_and_turns.twelve_position import mountings, specific_force
+from procedures.dwells_and_turns.twelve_position import specific_force
 from procedures.frames import AXES, cross_axes, face_normal, face_of
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.units import RAD_PER_ARCSEC, STANDARD_GRAVITY
@@ -95,7 +94,7 @@ def seating(
         return None
     return Seating(
         off=off,
-        predicted_std=_birge_ratio(fit, 3 * len(before)) * predicted,
+        predicted_std=fit.birge_ratio(3 * len(before), CONTRADICTION_P_VALUE) * predicted,
         measured_std=np.sqrt(to_tilt**2 @ std**2),
         axes="".join(AXES[i] for i in cross_axes(face)),
     )
@@ -126,14 +125,6 @@ def _is_plausible(K: FloatArray, k: FloatArray) -> bool:
     return bool(np.all(off < 5 * np.where(np.eye(3), SCALE_STD, MISALIGNMENT_STD_RAD)))
 
 
-def _birge_ratio(fit: Fit, rows: int) -> float:
-    """Return by how much wider sigma is than the first ``rows`` rows say, which are those of the dwells before."""
-    if fit.chi2 <= chdtri(fit.dof, CONTRADICTION_P_VALUE):
-        return 1.0
-    free = float(np.sum(1 - fit.leverage[:rows]))
-    return float(np.sqrt(fit.chi2 / max(free, 1.0)))
-
-
 def _fit(before: Sequence[PositionRates], now: PositionRates, fixture: Fixture, heading_std: float) -> Fit | None:
     """Fit K (9), b (3) and the bench's parameters; the last dwell's three rows carry no weight."""
     site = Site(0.0, STANDARD_GRAVITY, GRAVITY_STD_M_S2)
@@ -141,7 +132,7 @@ def _fit(before: Sequence[PositionRates], now: PositionRates, fixture: Fixture, 
     bench = BenchParameters(
         tuple(Placement(0, 0, each[0], heading_std) for each in (*before, now)), (campaign,), 1
     )
-    C_sb, prior, k = mountings([campaign], bench), bench.priors(), _scale(before, fixture.C_sb)
+    prior, k = bench.priors(), _scale(before, fixture.C_sb)
     rate = np.array([*(each[1] for each in before), now[1]])
     sigma = np.array([*(each[2] for each in before), JUDGED_DWELL_STD_G * k])
     centre = np.diag(k)
@@ -149,7 +140,7 @@ def _fit(before: Sequence[PositionRates], now: PositionRates, fixture: Fixture, 
 
     def residual(x: FloatArray) -> FloatArray:
         K, b = x[:9].reshape(3, 3), x[9:12]
-        model = specific_force(bench, x[12:], C_sb) @ K.T + b
+        model = specific_force(bench, x[12:]) @ K.T + b
         return np.concatenate(
             (
                 ((rate - model) / sigma).ravel(),

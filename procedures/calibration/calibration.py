@@ -7,7 +7,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.bench.face_check import refuse_wrong_faces
-from procedures.bench.heading_warnings import turned_off
+from procedures.bench.heading_errors import heading_warnings
 from procedures.bench.sign_errors import sign_warnings
 from procedures.calibration.residuals import fit_quality, step_residuals
 from procedures.calibration.solution import Estimate, FitQuality, Solution, TriadCalibration
@@ -155,7 +155,7 @@ def report(fits: CampaignFits) -> Solution:
     on_bench = fits.accelerometer is not None and not fits.accelerometer.is_turned_freely
     slab, parallelism = _bench(fits.accelerometer) if on_bench and fits.accelerometer else (None, None)
     names, covariance = joint_covariance(fits, accel, gyro)
-    stood, sure = turned_off(fits.campaigns, fits.gyroscope.joint) if fits.gyroscope else ([], [])
+    stood, sure = heading_warnings(fits.campaigns, fits.gyroscope.joint) if fits.gyroscope else ([], [])
     return Solution(
         accelerometer=_accelerometer(accel, fits) if accel else None,
         gyroscope=gyro.calibration("count/deg" if counts else "output/(deg/s)") if gyro else None,

@@ -156,7 +156,7 @@ def scale_misalignment_bias(K: FloatArray, b: FloatArray, per: float) -> tuple[F
 
 
 def paper_biases(joint: TriadFit) -> tuple[Estimate | None, Estimate | None]:
-    """Return P1's 12-position and two-direction biases [g] with counting noise; None without all positions."""
+    """Return both biases [g] of Yao 2018, 12-position and two-direction; None without all positions."""
     C_sb = joint.bench.campaigns[0].fixture.C_sb
     table = by_position(joint.bench.campaigns, joint.seen, C_sb)
     if table is None:

@@ -28,6 +28,7 @@ from procedures.campaign.campaign import (
     SoakRecord,
     TurnRecord,
 )
+from procedures.campaign.observations import channel
 from procedures.campaign.stopped_channels import (
     MIN_CONSTANT_SAMPLES,
     MIN_MISSED_COUNTS,
@@ -40,10 +41,8 @@ from procedures.campaign.stopped_channels import (
 )
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.frames import AXES, face_normal, face_of, nominal_C_lb
+from procedures.frames import AXES, TRIADS, face_normal, face_of, nominal_C_lb
 
-TRIADS = ("accelerometer", "gyroscope")
-FIELDS = {"accelerometer": "accel", "gyroscope": "gyro"}
 MIN_OWN_AXIS_SHARE = 0.5  # of a turn's axis along the sensor, or of an attitude beyond those of the other dwells
 MIN_OTHER_DWELLS = 5  # other dwells that foretell one
 POSITION_ERROR_RAD = 0.02  # rad by which a position may be off and its channels are still right
@@ -181,7 +180,7 @@ def without_dead(campaigns: Sequence[Campaign]) -> tuple[tuple[Campaign, ...], t
 
 def dead_in_soak(soak: SoakRecord, triad: str) -> list[ConstantEnd | None]:
     """Return for each channel (3,) of a soak where it is constant to the end, or stopped; None if alive."""
-    samples = getattr(soak.series, FIELDS[triad])
+    samples = channel(soak.series, triad)
     if samples is None:
         return [None] * 3
     counts = isinstance(soak.series, CountSeries)
@@ -198,12 +197,12 @@ def _steps(campaign: Campaign) -> tuple[Record, ...]:
 
 
 def _holding(campaign: Campaign, triad: str) -> list[Record]:
-    return [step for step in _steps(campaign) if getattr(step.series, FIELDS[triad]) is not None]
+    return [step for step in _steps(campaign) if channel(step.series, triad) is not None]
 
 
 def _channels(campaign: Campaign, triad: str) -> list[_Channel]:
     steps = _holding(campaign, triad)
-    samples = [np.asarray(getattr(step.series, FIELDS[triad]), dtype=np.float64) for step in steps]
+    samples = [np.asarray(channel(step.series, triad), dtype=np.float64) for step in steps]
     found = list[_Channel]()
     for axis in range(3):
         values = [each[:, axis] for each in samples]
@@ -211,15 +210,15 @@ def _channels(campaign: Campaign, triad: str) -> list[_Channel]:
     return found
 
 
-def _sentence(channel: _Channel, dead: Sequence[int]) -> str:
-    ends = [end for i in dead if (end := channel.ends[i]) is not None]
+def _sentence(one: _Channel, dead: Sequence[int]) -> str:
+    ends = [end for i in dead if (end := one.ends[i]) is not None]
     value = f"{ends[0].value + 0.0:.6g}"
-    triad = f"{channel.triad}s"
-    if len(dead) == len(channel.steps) and all(end.begin == 0 for end in ends):
-        return f"{channel.name} puts out a constant {value} in every step: the {triad} are left out"
-    names = [_where(channel.steps[i], channel.ends[i]) for i in dead]
+    triad = f"{one.triad}s"
+    if len(dead) == len(one.steps) and all(end.begin == 0 for end in ends):
+        return f"{one.name} puts out a constant {value} in every step: the {triad} are left out"
+    names = [_where(one.steps[i], one.ends[i]) for i in dead]
     said = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
-    return f"{channel.name} puts out a constant {value} in {said}: the {triad} are left out there"
+    return f"{one.name} puts out a constant {value} in {said}: the {triad} are left out there"
 
 
 def _where(step: Record | SoakRecord, end: ConstantEnd | None) -> str:

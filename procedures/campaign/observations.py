@@ -12,8 +12,6 @@ from procedures.counts.rate_output_mean import estimate_rates
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.errors import TooShort
 
-TRIADS = ("accelerometer", "gyroscope")
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TriadDwells:

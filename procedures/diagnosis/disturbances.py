@@ -13,12 +13,12 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord
-from procedures.campaign.observations import TRIADS, channel
+from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series, series_rows
 from procedures.diagnosis.disturbed_blocks import LEAST, Blocks, Trace, is_white, judge
 from procedures.diagnosis.result import Finding, Test
 from procedures.diagnosis.vibration import measure
-from procedures.frames import face_normal, face_of
+from procedures.frames import TRIADS, face_normal, face_of
 from procedures.units import DEG_H_PER_DEG_S
 
 EFFECT = "disturbance.dwell"

@@ -11,8 +11,9 @@ import numpy as np
 from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.linear_model import LinearFit, fit_linear, held_out
 from procedures.diagnosis.refit import Refit
-from procedures.diagnosis.residual_rows import TRIADS, Evidence
+from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Errors
+from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S
 
 SHOWN = (

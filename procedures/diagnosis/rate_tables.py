@@ -19,10 +19,10 @@ from procedures.diagnosis.candidates import Candidate, trial
 from procedures.diagnosis.linear_model import LinearFit
 from procedures.diagnosis.rate_points import Points, noise_of, read_points
 from procedures.diagnosis.refit import Refit, iterate, part_of
-from procedures.diagnosis.residual_rows import KINDS, TRIADS, Evidence, Weights
+from procedures.diagnosis.residual_rows import KINDS, Evidence, Weights
 from procedures.diagnosis.result import TableSensor
 from procedures.effects.effect import Seen, SeenStep
-from procedures.frames import AXES
+from procedures.frames import AXES, TRIADS
 from procedures.statistics.tail_probabilities import log_chi2_sf
 from procedures.units import DEG_H_PER_DEG_S
 

@@ -25,9 +25,9 @@ from procedures.diagnosis.thermal_soaks import SoakBlock, soaks_seen
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.effects.effect import Columns, Seen, SeenStep
+from procedures.frames import TRIADS
 from procedures.units import STANDARD_GRAVITY
 
-TRIADS = ("accelerometer", "gyroscope")
 KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate", "soak")
 
 

@@ -17,12 +17,11 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SoakRecord
-from procedures.campaign.dead_channels import FIELDS, TRIADS
-from procedures.campaign.observations import turn_totals
+from procedures.campaign.observations import channel, turn_totals
 from procedures.campaign.stopped_channels import constant_end, stopped_in_turn
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.dwells_and_turns.hand_turns import END_REST_S, nominal_angle
-from procedures.frames import AXES, face_normal, face_of
+from procedures.frames import AXES, TRIADS, face_normal, face_of
 from procedures.statistics.allan_deviation import MIN_SAMPLES, NoiseTerm, noise_terms, overlapping_deviation
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line
 from procedures.units import S_PER_H
@@ -78,7 +77,7 @@ def _of(campaign: Campaign, triad: str) -> Iterator[SingleChannel]:
 
 
 def _samples(series: Series, triad: str) -> FloatArray | None:
-    samples = getattr(series, FIELDS[triad])
+    samples = channel(series, triad)
     return None if samples is None else np.asarray(samples, dtype=np.float64)
 
 

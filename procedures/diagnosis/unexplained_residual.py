@@ -9,7 +9,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from procedures.diagnosis.linear_model import LinearFit, classes
-from procedures.diagnosis.residual_rows import KINDS, TRIADS, Evidence
+from procedures.diagnosis.residual_rows import KINDS, Evidence
+from procedures.frames import TRIADS
 from procedures.statistics.tail_probabilities import log_f_sf
 
 ABSORBED = 0.02  # a row of which the fit leaves less is the fit's, not the data's

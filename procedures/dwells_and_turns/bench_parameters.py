@@ -4,13 +4,13 @@ A cube face's tilt is kept as two numbers a pair of opposite faces shares: paral
 faces' up tilts, and perpendicularity q, half their difference, so that the tilts are p/2 + q with the axis
 up and p/2 - q with it down. Turning the IMU's misalignment with q changes nothing that twelve positions can see,
 to first order. Without a certificate q is held at what p makes likely: a face is tilted by the machining items it
-is reached through (P1, Yao, Hu, He 2018, table 2), one for X up and three for X down, three and five for Y and
+is reached through (Yao, Hu and He 2018, table 2), one for X up and three for X down, three and five for Y and
 Z, so the datum faces, on which the cube stands with an axis up, have the smaller share of p. Misalignment is
 reported for the *mean cube*, each pair's two normals averaged (`mean_cube`).
 
 To second order the part of q that makes the cube skew, ``S_xy = q_xy + q_yx``, does enter the bias:
-``dD_x = -(S_xy p_xy + S_xz p_xz) / 2`` (from the unit length of every up vector; `skew_jacobian`). On P1's cube
-that is 0.7e-7 g if q is taken as zero, as much as the noise of 100 s dwells.
+``dD_x = -(S_xy p_xy + S_xz p_xz) / 2`` (from the unit length of every up vector; `skew_jacobian`). On Yao 2018's
+cube that is 0.7e-7 g if q is taken as zero, as much as the noise of 100 s dwells.
 """
 
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ from procedures.frames import AXES, cross_axes, face_normal, face_of, nominal_C_
 from procedures.units import STANDARD_GRAVITY
 
 FACE_TILT_RANGE_RAD = 1e-3  # rad, 1 sigma: a cube 0.4 mm off in 400 mm is not a fixture
-# P1 table 2, per face pair
+# Yao 2018 table 2, per face pair
 MACHINING_ITEMS_UP, MACHINING_ITEMS_DOWN = np.array([1.0, 3.0, 3.0]), np.array([3.0, 5.0, 5.0])
 HELD_STD_RAD = 1e-9  # rad, 1 sigma of what is held: nothing beside any tilt, yet no more than the arithmetic bears
 SLAB_TILT_RANGE_RAD = 5e-3  # rad, 1 sigma: 0.3 deg
@@ -110,6 +110,12 @@ class BenchParameters:
         return x[self.cube_slice(cube)][6:].reshape(3, 2)
 
     @cached_property
+    def C_sb(self) -> FloatArray:
+        """For every placement the rotation (m, 3, 3) from the cube's axes to the IMU's."""
+        mountings = [self.campaigns[at.campaign].fixture.C_sb for at in self.placements]
+        return np.array(mountings).reshape(-1, 3, 3)
+
+    @cached_property
     def _nominal(self) -> FloatArray:
         return np.array([nominal_C_lb(at.position).T for at in self.placements]).reshape(-1, 3, 3)
 
@@ -147,6 +153,13 @@ class BenchParameters:
         if motion is not None:
             turned = motion @ turned
         result: FloatArray = (self.to_cube(x) @ turned)[..., 0]
+        return result
+
+    def seen_by_imu(
+        self, x: FloatArray, vector_n: Sequence[FloatArray], motion: FloatArray | None = None
+    ) -> FloatArray:
+        """Return what `seen` returns (m, 3) in the IMU's axes; parameters as there."""
+        result: FloatArray = (self.C_sb @ self.seen(x, vector_n, motion)[..., None])[..., 0]
         return result
 
     def priors(self) -> "BenchPrior":

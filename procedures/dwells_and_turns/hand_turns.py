@@ -3,7 +3,7 @@
 A closed turn of R revolutions about the slab's normal integrates to ``2 pi R`` along the resting face's normal,
 however uneven the hand, plus what the Earth added. Its vertical part grows with time; its horizontal part is seen
 from every heading in turn, so it is integrated over the heading actually turned, which the gyroscope itself
-measured. P1 names the method ("rate method") and prints no equation for it; with K = diag(k) E, b = k D:
+measured. Yao 2018 names the method ("rate method") and prints no equation for it; with K = diag(k) E, b = k D:
 
     total = K (theta n_b + C_b M w_n) + b T,   M = integral of Rz(-psi(t)) dt,   theta = +-2 pi R + closure
 
@@ -22,7 +22,7 @@ from procedures.campaign.plan_steps import Plan, Turn
 from procedures.counts.sample_records import Series
 from procedures.dwells_and_turns.bench_parameters import BenchParameters, BenchPrior, Placement, cube_numbers
 from procedures.dwells_and_turns.turn_ons import TurnOnFit, fit_with_turn_ons
-from procedures.dwells_and_turns.twelve_position import MIN_RESPONSE_SIGMAS, TriadFit, mountings
+from procedures.dwells_and_turns.twelve_position import MIN_RESPONSE_SIGMAS, TriadFit, dwell_bench
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.errors import TurnsDisagree
 from procedures.frames import AXES, TURN_START, face_normal, face_of
@@ -168,12 +168,9 @@ def _first_guess(
     campaigns: Sequence[Campaign], seen: TriadDwells, turns: Sequence[TurnTotal]
 ) -> tuple[FloatArray, FloatArray] | None:
     """Solve K and b linearly on a nominal bench, Earth rate left out of the turns."""
-    cubes = cube_numbers(campaigns)
-    placements = tuple(Placement(n, int(cubes[n]), d.position, 1.0) for n, d in seen.dwells)
-    bench = BenchParameters(placements, tuple(campaigns), int(cubes.max()) + 1)
+    bench = dwell_bench(campaigns, seen)
     earth = [np.degrees(earth_rate_n(c.site.latitude)) for c in campaigns]
-    C_sb = mountings(campaigns, bench)
-    dwell = (C_sb @ bench.seen(np.zeros(bench.size), earth)[..., None])[..., 0]
+    dwell = bench.seen_by_imu(np.zeros(bench.size), earth)
     if not turns:
         return None
     angle = np.array(
@@ -227,7 +224,6 @@ class _GyroscopeModel:
         placements = tuple(Placement(n, int(cubes[n]), p, campaigns[n].sigma.heading) for n, p in steps)
         self.bench = BenchParameters(placements, tuple(campaigns), int(cubes.max()) + 1)
         self.seen, self.turns = seen, turns
-        self.C_sb = mountings(campaigns, self.bench)
         self.motion = np.stack([np.eye(3)] * len(seen.dwells) + [s.motion for s in shapes])
         self.angle = np.degrees([s.angle for s in shapes])
         self.closure = np.degrees([s.closure_std for s in shapes])
@@ -245,7 +241,7 @@ class _GyroscopeModel:
         u[n:] += (self.angle + x[12 + size :])[:, None] * normal
         time = np.concatenate((np.ones(n), [t.seconds for t in self.turns]))
         K, b = x[:9].reshape(3, 3), x[9:12]
-        modelled: FloatArray = (self.C_sb @ u[..., None])[..., 0] @ K.T + time[:, None] * b
+        modelled: FloatArray = (self.bench.C_sb @ u[..., None])[..., 0] @ K.T + time[:, None] * b
         return modelled
 
     def sigma(self, excess: FloatArray) -> FloatArray:

@@ -13,7 +13,6 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
-from procedures.dwells_and_turns.twelve_position import mountings
 from procedures.earth.gravity_and_rate import EARTH_RATE, earth_rate_n
 
 
@@ -45,9 +44,7 @@ def _felt(gyroscope: GyroscopeFit, vector_n: list[FloatArray]) -> FloatArray:
     joint = gyroscope.joint
     bench, n = joint.bench, len(joint.seen.dwells)
     motion = np.stack([np.eye(3)] * n + [shape.motion for shape in gyroscope.geometry])
-    seen = bench.seen(joint.fit.x[12 : 12 + bench.size], vector_n, motion)
-    felt: FloatArray = (mountings(bench.campaigns, bench) @ seen[..., None])[..., 0]
-    return felt
+    return bench.seen_by_imu(joint.fit.x[12 : 12 + bench.size], vector_n, motion)
 
 
 def _whitened(gyroscope: GyroscopeFit, change: FloatArray) -> FloatArray:

@@ -1,6 +1,6 @@
 """The twelve positions of a cube on a slab: plan, the paper's formulas, and the joint solve.
 
-Yao, Hu, He 2018 (P1): ``N = k * (E u + D)``, eq. (1), (2). The closed form (3)-(8) takes every face as perfect;
+Yao, Hu and He 2018: ``N = k * (E u + D)``, eq. (1), (2). The closed form (3)-(8) takes every face as perfect;
 the two-direction bias (9)-(11) uses only the positions with the axis up or down, in which a face's tilt enters
 at second order. The joint solve estimates face parallelism and slab tilt beside k, E and D, so that nothing is
 assumed of the bench but how far off it may plausibly be; its bias has the two-direction one's variance or less.
@@ -36,7 +36,7 @@ def plan(seconds: float = 100.0, positions: Iterable[int] = range(1, 13)) -> Pla
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClosedForm:
-    """P1's estimators: scale factor (3,), misalignment (3, 3), both biases (3,) and 1 sigma of counting noise."""
+    """Estimators of Yao 2018: scale factor (3,), misalignment (3, 3), both biases (3,), 1 sigma by counting."""
 
     scale_factor: FloatArray
     misalignment: FloatArray
@@ -47,7 +47,7 @@ class ClosedForm:
 
 
 def closed_form(rate: FloatArray, std: FloatArray) -> ClosedForm:
-    """Solve P1 (3)-(11) from the count rates (12, 3) of positions 1..12, cube axes, unit specific force."""
+    """Solve Yao 2018 (3)-(11) from the count rates (12, 3) of positions 1..12, cube axes, unit specific force."""
     pairs = rate.reshape(3, 2, 2, 3)  # face axis, up or down, heading, sensor
     K = (pairs[:, 0] - pairs[:, 1]).sum(axis=1).T / 4  # (3)-(5)
     k = np.linalg.norm(K, axis=1)  # (6)
@@ -64,8 +64,8 @@ def by_position(
     """Return rates and sigmas (12, 3), sensors named by the cube axis they lie along; None if a position lacks.
 
     Only campaigns with the IMU mounted as ``C_sb`` says are looked at; repeats are averaged. Reordering the
-    sensors to cube axes makes P1's formulas hold for an IMU that sits turned in its cube; one that points along
-    a cube axis backwards keeps its own sign.
+    sensors to cube axes makes Yao 2018's formulas hold for an IMU that sits turned in its cube; one that points
+    along a cube axis backwards keeps its own sign.
     """
     order = np.argmax(np.abs(C_sb), axis=0)
     mounted = [n for n, campaign in enumerate(campaigns) if np.array_equal(campaign.fixture.C_sb, C_sb)]
@@ -171,16 +171,14 @@ def dwell_bench(campaigns: Sequence[Campaign], seen: TriadDwells) -> BenchParame
     return BenchParameters(placements, tuple(campaigns), int(cubes.max()) + 1)
 
 
-def mountings(campaigns: Sequence[Campaign], bench: BenchParameters) -> FloatArray:
-    """Return (m, 3, 3): for every placement the rotation from the cube's axes to the IMU's."""
-    return np.stack([campaigns[at.campaign].fixture.C_sb for at in bench.placements])
+def specific_force(bench: BenchParameters, x: FloatArray) -> FloatArray:
+    """Return (m, 3) [g] in IMU axes in every placement, for the bench's parameters ``x`` (p,)."""
+    return bench.seen_by_imu(x, gravity_n(bench, x))
 
 
-def specific_force(bench: BenchParameters, x: FloatArray, C_sb: FloatArray) -> FloatArray:
-    """Return (m, 3) [g] in IMU axes in every placement, for the bench's parameters ``x``."""
-    up = [np.array([0.0, 0.0, bench.gravity(x, i)]) for i in range(len(bench.campaigns))]
-    seen: FloatArray = (C_sb @ bench.seen(x, up)[..., None])[..., 0]
-    return seen
+def gravity_n(bench: BenchParameters, x: FloatArray) -> list[FloatArray]:
+    """Return each campaign's specific force at rest (3,) [g], East-North-Up, for parameters ``x`` (p,)."""
+    return [np.array([0.0, 0.0, bench.gravity(x, i)]) for i in range(len(bench.campaigns))]
 
 
 def missing_positions(seen: TriadDwells | None) -> list[str]:
@@ -200,8 +198,7 @@ def is_determined(u: FloatArray) -> bool:
 def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> TriadFit | None:
     """Solve k, E and D of the accelerometers with slab tilt and face tilts; None if not determined."""
     bench = dwell_bench(campaigns, seen)
-    C_sb = mountings(campaigns, bench)
-    u = specific_force(bench, np.zeros(bench.size), C_sb)
+    u = specific_force(bench, np.zeros(bench.size))
     if not is_determined(u):
         return None
     linear, *_ = np.linalg.lstsq(np.hstack((u, np.ones((len(u), 1)))), seen.rate, rcond=None)
@@ -215,7 +212,7 @@ def solve_accelerometer(campaigns: Sequence[Campaign], seen: TriadDwells) -> Tri
     sigma = np.hypot(seen.std, unsettled)
 
     def residual(x: FloatArray, steps: FloatArray) -> FloatArray:
-        model = specific_force(bench, x[12:], C_sb) @ x[:9].reshape(3, 3).T + x[9:12]
+        model = specific_force(bench, x[12:]) @ x[:9].reshape(3, 3).T + x[9:12]
         off = (seen.rate - steps - model) / sigma
         return np.concatenate((off.ravel(), prior.matrix @ x[12:] - prior.mean))
 

@@ -34,7 +34,6 @@ from procedures.dwells_and_turns.twelve_position import (
     TriadFit,
     dwell_bench,
     is_determined,
-    mountings,
     specific_force,
 )
 from procedures.frames import AXES, cross_axes, face_normal, face_of
@@ -114,7 +113,7 @@ def _nominal(
     u, rate, std = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros((0, 3))]
     if seen is not None and seen.dwells:
         bench = dwell_bench(campaigns, seen)
-        u.append(specific_force(bench, np.zeros(bench.size), mountings(campaigns, bench)))
+        u.append(specific_force(bench, np.zeros(bench.size)))
         rate.append(seen.rate)
         std.append(seen.std)
     for i, rest in enumerate(rests.rests if rests else ()):
@@ -215,11 +214,6 @@ class _AccelerometerModel:
         return self.bench.priors()
 
     @cached_property
-    def C_sb(self) -> FloatArray:
-        """How the IMU sits in the cube of every placement (m, 3, 3)."""
-        return mountings(self.bench.campaigns, self.bench) if self.seen.dwells else np.zeros((0, 3, 3))
-
-    @cached_property
     def noise(self) -> FloatArray:
         """1 sigma (n,) of the norms by noise [g]."""
         if self.rests is None:
@@ -259,7 +253,7 @@ class _AccelerometerModel:
     def _dwells(self, x: FloatArray) -> FloatArray:
         if not self.seen.dwells:
             return np.zeros(0)
-        K, u = x[:9].reshape(3, 3), specific_force(self.bench, x[12 : 12 + self.bench.size], self.C_sb)
+        K, u = x[:9].reshape(3, 3), specific_force(self.bench, x[12 : 12 + self.bench.size])
         model = u @ K.T + x[9:12]
         if self.quadratic:
             model += np.linalg.norm(K, axis=1) * x[-3:] * u**2

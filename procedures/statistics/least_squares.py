@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
 
@@ -41,6 +42,18 @@ class Fit:
         Q = np.linalg.qr(self.jacobian / np.linalg.norm(self.jacobian, axis=0))[0]
         absorbed: FloatArray = np.sum(Q**2, axis=1)
         return absorbed
+
+    def birge_ratio(self, rows: int, p_value: float, explained: float = 0.0) -> float:
+        """Return by how much wider sigma is than the first ``rows`` rows say, ``explained`` of chi2 aside.
+
+        1 where chi2 is more likely than ``p_value``, else the root of chi2 over what these rows leave free (Birge,
+        Phys. Rev. 40, 1932).
+        """
+        chi2 = self.chi2 - explained
+        if chi2 <= chdtri(self.dof, p_value):
+            return 1.0
+        free = float(np.sum(1 - self.leverage[:rows])) - bool(explained)
+        return float(np.sqrt(max(chi2 / max(free, 1.0), 1.0)))
 
 
 def minimise(residual: Callable[[FloatArray], FloatArray], start: FloatArray, scale: FloatArray) -> Fit:

@@ -1,8 +1,8 @@
 """The tolerance items of a cube's drawing and how they add up to the tilts of its faces.
 
-P1 table 2: the cube is machined from its base face C; X is normal to C, Y to the side A, Z to the side B, each
-pointing at the opposite face. An item's angle is its tolerance over the cube's side. P1 table 3: a face's tilt is
-the sum of the items on the way to it.
+Yao 2018 table 2: the cube is machined from its base face C; X is normal to C, Y to the side A, Z to the side B,
+each pointing at the opposite face. An item's angle is its tolerance over the cube's side. Yao 2018 table 3: a
+face's tilt is the sum of the items on the way to it.
 """
 
 from collections.abc import Mapping
@@ -25,7 +25,8 @@ ITEMS: Mapping[str, str] = MappingProxyType({
     "t9": "parallelism of opposite B to B",
     "t10": "parallelism of opposite C to C",
 })  # fmt: skip
-_WAYS = (  # P1 table 3, by `procedures.frames.FACES`; row 4 of the print has wrong indices, it is row 3's face
+# Yao 2018 table 3, by `procedures.frames.FACES`; row 4 of the print has wrong indices, it is row 3's face.
+_WAYS = (
     ("t3",),
     ("t7", "t3", "t10"),
     ("t1", "t4-1", "t3"),
@@ -58,6 +59,6 @@ def angles(tolerance_mm: Mapping[str, float], side_mm: float) -> FloatArray:
 
 
 def p1_tilts(item: FloatArray) -> FloatArray:
-    """Return face tilts (6, 2, ...) [rad] of items (11, ...) [rad], each face in the direction of P1 table 3."""
+    """Return face tilts (6, 2, ...) [rad] of items (11, ...) [rad], each face in the direction of table 3."""
     tilts: FloatArray = np.einsum("fi,i...,fc->fc...", STACK, item, P1_DIRECTION)
     return tilts

@@ -1,13 +1,13 @@
 """The error of every estimator on a cube whose faces are tilted, exactly: the full formulas on noise-free rates.
 
 With ``u_f`` the up vector (unit, cube axes) on face f, and s and d half the sum and half the difference of a
-pair's two, ``N = k (E u + D)`` put into P1 (3)-(11) gives for sensor q, U having the columns d_x, d_y, d_z,
+pair's two, ``N = k (E u + D)`` put into Yao 2018 (3)-(11) gives for sensor q, U having the columns d_x, d_y, d_z,
 
-    k~_q = k_q |E_q U|,    E~_q = E_q U / |E_q U|                        P1 (3)-(7)
-    D~_q = k_q / k~_q (D_q + E_q (s_x + s_y + s_z) / 3)                  12 positions, P1 (13)
+    k~_q = k_q |E_q U|,    E~_q = E_q U / |E_q U|                        Yao 2018 (3)-(7)
+    D~_q = k_q / k~_q (D_q + E_q (s_x + s_y + s_z) / 3)                  12 positions, Yao 2018 (13)
     D~_q = k_q / k~_q (D_q + E_q s_q)                                    two directions
 
-P1's equations (14)-(17) are missing from the printed text. By what stands around them, the last line written
+Yao 2018's equations (14)-(17) are missing from the printed text. By what stands around them, the last line written
 out for q = x, y, z is (14)-(16), and (13) less D_q with k_q / k~_q = 1 is (17). With every item t (table 3)
 
     s_x = (cos t - cos 3t, sin t, sin 3t) / 2        d_x = (cos t + cos 3t, sin t, -sin 3t) / 2
@@ -52,8 +52,8 @@ class EstimatorErrors:
     """What the estimators find less what is true, for n cubes; sensors first.
 
     ``bias`` (3, 3, n) [g]: estimator (`ESTIMATOR_NAMES`), sensor. ``scale_factor`` (3, n): relative.
-    ``misalignment`` (3, 3, n) [rad]: E~ - E, sensor and cube axis. Scale factor and misalignment are those of P1
-    (6), (7).
+    ``misalignment`` (3, 3, n) [rad]: E~ - E, sensor and cube axis. Scale factor and misalignment are those of Yao
+    2018 (6), (7).
     """
 
     bias: FloatArray

@@ -23,7 +23,7 @@ from procedures.dwells_and_turns.bench_parameters import (
     BenchParameters,
     Placement,
 )
-from procedures.dwells_and_turns.twelve_position import mountings, specific_force
+from procedures.dwells_and_turns.twelve_position import gravity_n
 from procedures.frames import rotation
 from procedures.statistics.least_squares import minimise
 from procedures.tolerance.estimator_errors import ToleranceUnit
@@ -148,8 +148,9 @@ class _RemedyModel:
         n = 12 + self.bench.size
         K, b, K2 = x[:9].reshape(3, 3), x[9:12], x[n : n + 3]
         seat = rotation(np.concatenate((np.zeros(3), x[n + 3 :])).reshape(-1, 3))
-        C_sb = seat[[at.campaign for at in self.bench.placements]] @ mountings(self.bench.campaigns, self.bench)
-        f = specific_force(self.bench, x[12:n], C_sb) @ K.T
+        C_sb = seat[[at.campaign for at in self.bench.placements]] @ self.bench.C_sb
+        up = self.bench.seen(x[12:n], gravity_n(self.bench, x[12:n]))
+        f = (C_sb @ up[..., None])[..., 0] @ K.T
         free = self.edges @ self.unit.E.T
         u = (free + self.unit.D + self.unit.K2 * free**2 - b - K2 * (self.edges @ K.T) ** 2) @ np.linalg.inv(K).T
         norm = np.linalg.norm(u, axis=1) - self.bench.gravity(x[12:n], 0)

@@ -2,7 +2,7 @@
 
 An item is one number of one cube: its tilt has any sign, uniform between plus and minus its tolerance, or normal
 with the tolerance as two standard deviations. A face tilts by the signed sum of the items on the way to it, in
-a direction of its own: any, or the one of P1 table 3.
+a direction of its own: any, or the one of Yao 2018 table 3.
 """
 
 from dataclasses import dataclass

@@ -10,6 +10,7 @@ from typing import Any
 from drivers.wire import NominalScale, WireFormat
 from fixtures_db.database import open_db
 from fixtures_db.history import last_calibration
+from procedures.frames import TRIADS
 from station.calibrated.in_use import InUse
 from station.errors import DataRefused
 from station.files.toml_reading import read_text_file
@@ -17,7 +18,6 @@ from station.stream.recorder.connected_unit import Unit
 
 FORMAT = "calibration/1"
 UNKNOWN = "unknown"  # model or serial number that neither wire nor operator says
-TRIADS = ("accelerometer", "gyroscope")
 DAY_S = 86400.0
 
 

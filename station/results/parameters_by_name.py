@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from math import hypot
 from typing import Any
 
-from procedures.frames import AXES
+from procedures.frames import AXES, TRIADS
 from procedures.units import ARCSEC_PER_RAD, UG_PER_G
 from station.text.rounding import decimals
 
-TRIADS = ("accelerometer", "gyroscope")
 APPLIED = ("scale_factor", "misalignment", "bias")  # what a calibration/1 holds of a triad
 _SHOWN = {"g": (UG_PER_G, "ug"), "rad": (ARCSEC_PER_RAD, "arcsec")}
 _ANGLES = ("misalignment",)  # dimensionless in files, small angles to people

@@ -11,7 +11,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import CampaignFits
 from procedures.calibration.triad_calibration import reference_axes, scale_misalignment_bias
-from procedures.dwells_and_turns.twelve_position import TriadFit, mountings, specific_force
+from procedures.dwells_and_turns.twelve_position import TriadFit, specific_force
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.statistics.least_squares import minimise
 
@@ -20,10 +20,10 @@ Residual = Callable[[FloatArray], FloatArray]
 
 def accelerometer_residual(joint: TriadFit) -> Residual:
     """Return the whitened rows of dwells and priors as a function of the parameters."""
-    prior, C_sb = joint.bench.priors(), mountings(joint.bench.campaigns, joint.bench)
+    prior = joint.bench.priors()
 
     def residual(x: FloatArray) -> FloatArray:
-        model = specific_force(joint.bench, x[12:], C_sb) @ x[:9].reshape(3, 3).T + x[9:12]
+        model = specific_force(joint.bench, x[12:]) @ x[:9].reshape(3, 3).T + x[9:12]
         dwells = ((joint.seen.rate - model) / joint.sigma).ravel()
         return np.concatenate((dwells, prior.matrix @ x[12:] - prior.mean))
 
@@ -36,7 +36,7 @@ def gyroscope_residual(fits: CampaignFits) -> Residual:
     assert gyroscope is not None
     joint, turns, shapes = gyroscope.joint, gyroscope.turns, gyroscope.geometry
     n, bench, at_fit = len(joint.seen.dwells), joint.bench, joint.fit
-    C_sb = mountings(bench.campaigns, bench)
+    C_sb = bench.C_sb
     earth = [np.degrees(earth_rate_n(c.site.latitude)) for c in bench.campaigns]
     motion = np.stack([np.eye(3)] * n + [shape.motion for shape in shapes])
     angle = np.degrees([shape.angle for shape in shapes])

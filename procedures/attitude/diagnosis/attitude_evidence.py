@@ -14,9 +14,9 @@ from procedures.attitude.diagnosis.attitude_effects import ATTITUDE_EFFECTS, Att
 from procedures.counts.sample_times import GAP_PERIODS
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.residual_rows import KINDS, TRIADS, Evidence
+from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.effects.effect import Columns, Effect, Seen, SeenStep
-from procedures.frames import rotation
+from procedures.frames import TRIADS, rotation
 
 WINDOW_S, BLIND_WINDOW_S, MAX_WINDOWS = 1.0, 4.0, 600  # without truth drift must outgrow the accelerometers
 STRETCHES = 10  # left out in turn: what neighbours share, a whole stretch does not repeat

@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from station.results.parameters_by_name import TRIADS, Parameter, applied, parameters, shown_scale
+from procedures.frames import TRIADS
+from station.results.parameters_by_name import Parameter, applied, parameters, shown_scale
 from station.text.rounding import aligned, decimals, fixed
 
 INFINITE = "\u221e"

@@ -12,9 +12,10 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.residual_rows import KINDS, TRIADS, Evidence
+from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects import EFFECTS
+from procedures.frames import TRIADS
 from procedures.units import ARCSEC_PER_DEG, DEG_H_PER_DEG_S, UG_PER_G
 from station.results.diagnosis.plot_coordinates import Coordinate, coordinate_of
 

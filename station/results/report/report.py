@@ -5,6 +5,7 @@ from pathlib import Path
 from markupsafe import Markup
 
 from procedures.calibration.solution import Solution, TriadCalibration
+from procedures.frames import TRIADS
 from procedures.units import UG_PER_G
 from station.files.atomic_file import replace_file
 from station.results.html_templates import html_template
@@ -19,7 +20,6 @@ from station.results.report.residual_plot import residual_svg
 from station.results.verdict import word_said
 from station.text.rounding import significant
 
-TRIADS = ("accelerometer", "gyroscope")
 VERDICT_MARK = {"PASS": "\u2713", "FAIL": "\u2717", "NOT_MEASURED": "\u25cb"}
 
 

@@ -2,7 +2,7 @@
 
 ```toml
 side_mm = 400.0
-[tolerance_mm]          # P1 table 2; all eleven
+[tolerance_mm]          # Yao 2018 table 2; all eleven
 t1 = 0.04
 t4-1 = 0.04
 # ...
@@ -67,7 +67,7 @@ def drawing_of_cube(db: str | None, name: str) -> Drawing:
 
 
 def paper_unit(K2: float) -> ToleranceUnit:
-    """Return P1's unit (table 4) with the same ``K2`` [g/g^2] in every sensor."""
+    """Return Yao 2018's unit (table 4) with the same ``K2`` [g/g^2] in every sensor."""
     truth = paper_truth()
     return ToleranceUnit(_rows(truth.accel_e), truth.accel_d_g, np.full(3, K2))
 

@@ -36,8 +36,8 @@ class Question:
 class Study:
     """The answers.
 
-    ``p1``: errors with every item at its limit in the directions of P1 table 3, one cube. ``worst`` (21,) and
-    ``reached`` (21,): rows of `all_errors`. ``allowed`` is None where no accuracy was asked for.
+    ``p1``: errors with every item at its limit in the directions of Yao 2018 table 3, one cube. ``worst`` (21,)
+    and ``reached`` (21,): rows of `all_errors`. ``allowed`` is None where no accuracy was asked for.
     """
 
     drawing: Drawing
