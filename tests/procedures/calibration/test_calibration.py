@@ -15,52 +15,17 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.bench.face_check import refuse_wrong_faces
 from procedures.calibration.calibration import solve
-from procedures.calibration.solution import Estimate, Solution, TriadCalibration
+from procedures.calibration.solution import Solution, TriadCalibration
 from procedures.campaign.campaign import Campaign, FaceCertificate, Fixture
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
-from procedures.errors import FitsNoFace, NotObservable, WrongFace, WrongMounting
-from procedures.frames import FACES, face_of
+from procedures.errors import FitsNoFace, NotObservable
+from procedures.frames import FACES
 from station.files.campaign_folder.campaign_reading import read_campaign
 from tests.paths import DATA
-from tests.procedures.independent import body_from_level, dwells
+from tests.procedures.calibration.simulated_campaigns import OFF, fine, scores, simulated, usual, z
 
 CAMPAIGNS = DATA / "campaigns"
-OFF = ~np.eye(3, dtype=bool)
-Z = FloatArray
-
-
-def fine(seed: int) -> Truth:
-    truth = Truth.example(seed)
-    return replace(truth, accel_k=1e5 * truth.accel_k, gyro_k=1e3 * truth.gyro_k)
-
-
-def simulated(truth: Truth, seed: int, **options: object) -> Campaign:
-    return simulate_campaign(truth, seed, dwell_s=20.0, **options)  # type: ignore[arg-type]
-
-
-@cache
-def usual() -> tuple[Truth, Campaign]:
-    truth = fine(3)
-    return truth, simulated(truth, 3)
-
-
-def z(estimate: Estimate, truth: FloatArray) -> Z:
-    return (estimate.value - truth) / np.maximum(estimate.std, 1e-300)
-
-
-def scores(solution: Solution, truth: Truth, misalignment: bool = False) -> Z:
-    """Errors of everything both triads claim, in their own sigma."""
-    found = []
-    for triad, k, E, D in (
-        (solution.accelerometer, truth.accel_k, truth.accel_e, truth.accel_d_g),
-        (solution.gyroscope, truth.gyro_k, truth.gyro_e, truth.gyro_d_deg_s * 3600),
-    ):
-        if triad is not None:
-            found += [z(triad.scale_factor, k), z(triad.bias, D)]
-            found += [z(triad.misalignment, E)[OFF]] if misalignment else []
-    return np.concatenate(found)
 
 
 def both(solution: Solution) -> tuple[TriadCalibration, TriadCalibration]:
@@ -226,77 +191,6 @@ def test_a_missing_axis_leaves_the_gyroscope_out_and_names_the_unused_turns() ->
     assert solution.gyroscope is None
     assert any("no turn about z" in warning for warning in solution.warnings)
     assert solution.unused_steps == tuple(t.name for t in campaign.turns[:4])
-
-
-def nominal_rates(positions: list[int], C_sb: FloatArray) -> FloatArray:
-    """Raw outputs of a misaligned, biased unit in these positions."""
-    E = np.eye(3) + 5e-3 * np.random.default_rng(1).standard_normal((3, 3))
-    u = np.array([C_sb @ body_from_level(p)[:, 2] for p in positions])
-    return np.array([1000.0, 990.0, 1010.0]) * (u @ E.T + [2e-3, -1e-3, 3e-3])
-
-
-@pytest.mark.parametrize("wrong", [pytest.param(p * (p in {5, 6, 7, 8})) for p in range(1, 13)])
-def test_one_wrong_label_is_named_with_both_faces(wrong: int) -> None:
-    rate = nominal_rates(list(range(1, 13)), np.eye(3))
-    for named in range(1, 13):
-        if face_of(named) == face_of(wrong):
-            continue
-        labels = list(range(1, 13))
-        labels[wrong - 1] = named
-        with pytest.raises(WrongFace) as caught:
-            refuse_wrong_faces(dwells(rate, 1e-3, labels), [np.eye(3)])
-        assert (caught.value.position, caught.value.named, caught.value.seen) == (
-            named,
-            face_of(named),
-            face_of(wrong),
-        )
-        assert caught.value.step == f"dwell_{named:02d}"
-
-
-def test_a_wrong_label_is_refused_by_solve_and_named_by_its_file() -> None:
-    _, campaign = usual()
-    steps = list(campaign.dwells)
-    steps[3] = replace(steps[3], position=5)
-    with pytest.raises(
-        WrongFace, match=r"dwell_04: position 5 means y_up, but the counts show x_down; .*diagnose"
-    ):
-        solve([replace(campaign, dwells=tuple(steps))])
-
-
-@pytest.mark.parametrize(
-    "positions",
-    [
-        [1, 3, 5, 9],
-        [1, 3],
-        [1],
-        [1, 2, 3, 4],
-        [1, 3, 5, 7, 9, 11],
-        [2, 6, 10, 12],
-        list(range(1, 12)),
-        [1, 1, 1, 5],
-    ],
-)
-@pytest.mark.parametrize("C_sb", [np.eye(3), np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])])
-def test_correct_labels_are_never_refused(positions: list[int], C_sb: FloatArray) -> None:
-    refuse_wrong_faces(dwells(nominal_rates(positions, C_sb), 1e-3, positions), [C_sb])
-
-
-@pytest.mark.parametrize(
-    "axes",
-    [
-        ("+y", "-x", "+z"),
-        pytest.param(("-x", "-y", "+z")),
-        ("+z", "+x", "+y"),
-        ("-y", "+z", "-x"),
-    ],
-)
-def test_a_wrong_mounting_is_named(axes: tuple[str, str, str]) -> None:
-    truth = replace(fine(9), imu_axes=axes)
-    campaign = simulated(truth, 9, turns=())
-    with pytest.raises(WrongMounting) as caught:
-        solve([replace(campaign, fixture=Fixture())])
-    assert caught.value.seen == str(list(axes))
-    assert np.abs(scores(solve([campaign]), truth)).max() < 4
 
 
 def test_names_and_covariance_are_those_of_the_values() -> None:

@@ -1,0 +1,77 @@
+"""Effects against what they must be: the bench's own columns, the Sagnac sine, the change of specific force."""
+
+import numpy as np
+import pytest
+
+from procedures.arrays import FloatArray
+from procedures.effects import EFFECTS, sagnac_sine
+from procedures.effects.effect import Effect
+from tests.procedures.effects.test_every_effect import BY_NAME, baseline
+
+
+def base_columns(first: int, count: int) -> FloatArray:
+    """The base model's own columns H of bench parameters, which follow twelve of the triads'."""
+    return -baseline().evidence.A[:, 12 + first : 12 + first + count]
+
+
+@pytest.mark.parametrize(("name", "first", "count"), [("slab.tilt", 0, 2), ("fixture.parallelism", 3, 6)])
+def test_a_bench_effect_is_the_base_models_own_column(name, first, count) -> None:
+    evidence = baseline().evidence
+    rows = evidence.rows("mean", "turn")
+    H = evidence.column(BY_NAME[name].columns(evidence.seen)[0])[rows]
+    own = base_columns(first, count)[rows]
+    assert np.all(np.linalg.norm(H - own, axis=0) < 2e-3 * np.linalg.norm(own, axis=0))
+
+
+def test_face_tilts_are_the_base_models_parallelism_and_perpendicularity() -> None:
+    evidence = baseline().evidence
+    rows = evidence.rows("mean", "turn")
+    H = evidence.column(BY_NAME["fixture.face_tilt"].columns(evidence.seen)[0])[rows].reshape(-1, 3, 2, 2)
+    for own, ours in ((base_columns(3, 6), H.mean(axis=2)), (base_columns(9, 6), H[:, :, 0] - H[:, :, 1])):
+        off = np.linalg.norm(ours.reshape(-1, 6) - own[rows], axis=0)
+        assert np.all(off < 2e-3 * np.linalg.norm(own[rows], axis=0))
+
+
+def test_the_cubic_is_the_sagnac_sine_to_first_order() -> None:
+    seen = baseline().evidence.seen
+    cubic = BY_NAME["gyroscope.scale_nonlinearity"].columns(seen)[1]
+    sine = BY_NAME["gyroscope.sagnac_sine"].columns(seen)[0]
+    assert np.allclose(sine.gyro, -1e6 / 6 * cubic.gyro, rtol=1e-12)
+
+
+@pytest.mark.parametrize("s", [1e-5, 8e-4, 4e-3, 2e-2])
+def test_the_sagnac_sine_is_exact_beyond_the_first_order(s: float) -> None:
+    seen, q = baseline().evidence.seen, np.full(3, s**2)
+    total, change = sagnac_sine.added(seen, q)
+    assert np.allclose(total, np.sin(s * seen.omega) / s - seen.omega, rtol=1e-9, atol=1e-12)
+    step = 1e-3 * s**2
+    higher, lower = (sagnac_sine.added(seen, q + d)[0] for d in (step, -step))
+    assert np.allclose(np.einsum("nqq->nq", change), (higher - lower) / (2 * step), rtol=1e-5, atol=1e-4)
+
+
+def test_a_sagnac_phase_is_shown_with_its_own_sigma() -> None:
+    q, std = np.array([4e-6, 0.0, -1e-8]), np.array([4e-8, 1e-8, 1e-8])
+    s, s_std = sagnac_sine.shown(q, std)
+    assert s == pytest.approx([2e-3, 0.0, -1e-4])
+    assert s_std == pytest.approx([4e-8 / 4e-3, 1e-4, 0.414e-4], rel=0.01)
+
+
+def test_relaxation_may_go_by_the_change_of_specific_force() -> None:
+    seen = baseline().evidence.seen
+    ways = {way.shape: way for way in BY_NAME["accelerometer.relaxation"].columns(seen)}
+    same, by_change = ways["tau = 8 s"], ways["tau = 8 s, by the change of f"]
+    second = [step.name for step in seen.steps].index("dwell_03")
+    at = seen.step == second
+    change = np.array([0.0, 9.79 / 9.80665, 0.0]) * -2  # IMU y points along cube x, which goes from up to down
+    expected = same.accel[at] * change[:, None]
+    assert by_change.unit == "g/g"
+    assert np.allclose(by_change.accel[at], expected, rtol=1e-9)
+    assert not np.any(by_change.accel[seen.step == 0])
+
+
+@pytest.mark.parametrize("effect", [e for e in EFFECTS if e.shown], ids=lambda effect: effect.name)
+def test_what_is_shown_leads_back_to_what_was_fitted(effect: Effect) -> None:
+    assert effect.shown is not None
+    assert effect.fitted is not None
+    c = np.array([4e-6, -9e-6, 0.0])
+    assert effect.fitted(effect.shown(c, np.full(3, 1e-7))[0]) == pytest.approx(c)
