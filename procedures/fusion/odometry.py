@@ -10,12 +10,12 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import Trajectory
 
-TURN_LIMIT = np.radians(1000.0)  # rad/s: a step beyond it is a restart, not a motion (fusion/1)
-SPEED_LIMIT = 100.0  # m/s
+MAX_TURN_RATE = np.radians(1000.0)  # rad/s: a step beyond it is a restart, not a motion (fusion/1)
+MAX_SPEED = 100.0  # m/s
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Antenna:
+class AntennaEstimate:
     """What a source knows of the antenna, where it estimates that itself.
 
     ``lever`` (3,) [m] in b and ``time_offset`` [s], to be added to the fixes' stamps, with ``covariance`` (4, 4).
@@ -43,7 +43,7 @@ class OdometryPose:
     yaw_std: float | None = None
     uses_velocity: bool = False
     own_yaw_std: float = 0.0
-    antenna: Antenna | None = None
+    antenna: AntennaEstimate | None = None
 
 
 class OdometrySource(Protocol):
@@ -55,7 +55,7 @@ class OdometrySource(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Drift:
+class OdometryDrift:
     """How an odometry errs: a random walk in time and in way.
 
     ``per_root_s`` [m/sqrt(s)], ``per_root_m`` [m/sqrt(m)], ``yaw_per_root_s`` [rad/sqrt(s)]. The defaults fit
@@ -77,7 +77,7 @@ class RecordedOdometry:
     """Replays a trajectory that somebody else's odometry left."""
 
     trajectory: Trajectory
-    drift: Drift = Drift()
+    drift: OdometryDrift = OdometryDrift()
 
     def poses(self) -> Iterator[OdometryPose]:
         """Yield the poses; the heading of their frame is free."""
@@ -94,6 +94,6 @@ def without_restarts(trajectory: Trajectory) -> tuple[Trajectory, int]:
     q = Rotation.from_quat(trajectory.q)
     turn = (q[:-1].inv() * q[1:]).magnitude() / dt
     speed = np.linalg.norm(np.diff(trajectory.p, axis=0), axis=1) / dt
-    torn = np.flatnonzero((turn > TURN_LIMIT) | (speed > SPEED_LIMIT))
+    torn = np.flatnonzero((turn > MAX_TURN_RATE) | (speed > MAX_SPEED))
     first = int(torn[-1]) + 1 if len(torn) else 0
     return Trajectory(trajectory.t[first:], trajectory.p[first:], trajectory.q[first:]), first

@@ -7,8 +7,8 @@ import numpy as np
 from procedures.fusion.alignment.alignment_attempts import between
 from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.fusion_records import ImuSeries
-from procedures.fusion.vision.feature_tracks import Tracks
-from procedures.fusion.visual_alignment.camera_time import CameraOffset, camera_offset
+from procedures.fusion.vision.feature_tracks import FeatureTracks
+from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset, camera_offset
 from station.files.fusion_folder import FusionLog
 
 FIRST_ATTEMPT_S = 5.0  # s of tracks after which it is worth a try
@@ -25,7 +25,7 @@ HARMLESS_OFFSET_S = 0.005  # s, that a window hardly feels: docs/locate-vision.m
 class ClockedTracks:
     """Tracks on the IMU's clock: ``offset`` [s] was added, known ``since``; 1 sigma ``std`` [s], 0 if given."""
 
-    tracks: Tracks
+    tracks: FeatureTracks
     offset: float
     std: float
     since: float = -np.inf
@@ -46,7 +46,7 @@ def on_imu_clock(log: FusionLog) -> ClockedTracks | Waiting:
     start, end = (pick(log.imu.t[at], log.tracks.t[at]) for pick, at in ((max, 0), (min, -1)))
     for now in np.arange(start + FIRST_ATTEMPT_S, end, ATTEMPT_INTERVAL_S):
         found = _attempt(log, log.imu, log.tracks, float(now), told or 0.0, std)
-        if isinstance(found, CameraOffset):
+        if isinstance(found, CameraTimeOffset):
             found_std = max(found.std, MIN_OFFSET_STD_S)
             return ClockedTracks(log.tracks.shifted(found.offset), found.offset, found_std, float(now))
         why = found
@@ -60,7 +60,7 @@ def suspicion(log: FusionLog) -> str:
         return ""
     for now in np.arange(log.tracks.t[0] + WINDOW_S, log.tracks.t[-1] + WINDOW_S, WINDOW_S):
         found = _attempt(log, log.imu, log.tracks, float(now), 0.0, SUSPECTED_OFFSET_STD_S)
-        if isinstance(found, CameraOffset):
+        if isinstance(found, CameraTimeOffset):
             if abs(found.offset) < max(SIGNIFICANT_SIGMAS * found.std, HARMLESS_OFFSET_S):
                 return ""
             said = f"{found.offset * 1e3:.1f} +- {found.std * 1e3:.1f} ms"
@@ -75,10 +75,10 @@ def _told(log: FusionLog) -> tuple[float | None, float | None]:
 
 
 def _attempt(
-    log: FusionLog, imu: ImuSeries, tracks: Tracks, now: float, about: float, std: float
-) -> CameraOffset | Waiting:
+    log: FusionLog, imu: ImuSeries, tracks: FeatureTracks, now: float, about: float, std: float
+) -> CameraTimeOffset | Waiting:
     """Try with the last data before ``now`` [s]."""
     assert log.camera is not None
     rows = slice(*np.searchsorted(tracks.t, (now - WINDOW_S, now)).tolist())
-    part = Tracks(tracks.t[rows], tracks.feature[rows], tracks.uv[rows])
+    part = FeatureTracks(tracks.t[rows], tracks.feature[rows], tracks.uv[rows])
     return camera_offset(between(imu, now - WINDOW_S - abs(about) - 1.0, now), part, log.camera, about, std)

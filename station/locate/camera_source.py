@@ -8,14 +8,14 @@ import numpy as np
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.fusion.alignment.alignment_attempts import align_when_possible
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import Aligned, Waiting
+from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.imu.imu_gaps import imu_gaps
 from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
-from procedures.fusion.outer.pose_graph import OuterGraph, OuterSettings
-from procedures.fusion.vision.feature_tracks import Tracks
+from procedures.fusion.outer.pose_graph import PoseGraph, PoseGraphSettings
+from procedures.fusion.vision.feature_tracks import FeatureTracks
 from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
@@ -61,7 +61,7 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     return replace(located, camera_time_offset=offset, camera_time_offset_std=window.offset_std)
 
 
-def with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:
+def with_lever(given: PoseGraphSettings, aligned: AlignmentState) -> PoseGraphSettings:
     """Return the settings with the lever arm as the alignment found it, where it did."""
     if aligned.lever is None or given.lever_arm_std is None:
         return given
@@ -69,16 +69,18 @@ def with_lever(given: OuterSettings, aligned: Aligned) -> OuterSettings:
     return replace(given, lever_arm=aligned.lever, lever_arm_std=std)
 
 
-def antenna_of(given: OuterSettings) -> LeverArm:
+def antenna_of(given: PoseGraphSettings) -> LeverArm:
     """Return the lever arm to begin with."""
     return LeverArm(given.arm, given.lever_arm_std or 0.0)
 
 
-def _tell_lever(window: VisualInertialWindow, graph: OuterGraph) -> None:
+def _tell_lever(window: VisualInertialWindow, graph: PoseGraph) -> None:
     window.antenna = LeverArm(graph.constants[0], graph.lever_std)
 
 
-def _aligned(log: FusionLog, tracks: Tracks, settings: VisionSettings, fixes: GnssFixes) -> Aligned | Waiting:
+def _aligned(
+    log: FusionLog, tracks: FeatureTracks, settings: VisionSettings, fixes: GnssFixes
+) -> AlignmentState | Waiting:
     """Align by the camera; where that never works by the IMU alone, as at rest."""
     assert log.imu is not None
     found = align_by_camera(VisualAligner(settings), log.imu, tracks, fixes)
@@ -87,7 +89,7 @@ def _aligned(log: FusionLog, tracks: Tracks, settings: VisionSettings, fixes: Gn
     site, antenna = settings.site, settings.antenna
     aligner = MovingAligner(site.noise, site.gravity, site.earth_n, antenna.lever, antenna.std or None)
     other = align_when_possible(aligner, log.imu, fixes)
-    if isinstance(other, Aligned):
+    if isinstance(other, AlignmentState):
         return other
     hint = suspicion(log) if STRANGE_CLOCK in found.why else ""
     return Waiting(f"{found.why}{hint and f' ({hint})'}; without the camera: {other.why}")

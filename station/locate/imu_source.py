@@ -9,11 +9,11 @@ from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.fusion.alignment.alignment_at_rest import is_still
 from procedures.fusion.alignment.alignment_attempts import align_when_possible
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import Aligned, Waiting
+from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting
 from procedures.fusion.imu.imu_gaps import ImuGap, imu_gaps
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.optional_libraries import gtsam
-from procedures.fusion.outer.pose_graph import OuterSettings
+from procedures.fusion.outer.pose_graph import PoseGraphSettings
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
 from station.locate.inner_layer_only import one_layer
@@ -51,7 +51,7 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
     if layers == 1:
         located = one_layer(window, aligned)
     else:
-        known = OuterSettings(lever_arm=given.arm)  # what is estimated is the window's
+        known = PoseGraphSettings(lever_arm=given.arm)  # what is estimated is the window's
         located = through_graph(log, window, after=aligned.t, settings=known, fixes=window.fixes)
     state = window.state
     return replace(
@@ -74,7 +74,7 @@ def of_gaps(log: FusionLog, gaps: tuple[ImuGap, ...]) -> tuple[str, ...]:
     return (f"{log.table.imu.file}: {said}; bridged by straight lines",)
 
 
-def with_constants(given: OuterSettings, aligned: Aligned) -> OuterSettings:
+def with_constants(given: PoseGraphSettings, aligned: AlignmentState) -> PoseGraphSettings:
     """Return the settings with lever arm and time offset as the alignment found them, where they are estimated.
 
     Their sigmas are as they were: from there on the same data are used again.
@@ -90,7 +90,7 @@ def never(why: str) -> Located:
     return Located(nothing, nothing, None, why, 0, np.zeros(0))
 
 
-def alignment_of(aligned: Aligned) -> Alignment:
+def alignment_of(aligned: AlignmentState) -> Alignment:
     """Return an alignment in degrees."""
     yaw, tilt = yaw_and_tilt(aligned.C_now)
     return Alignment(yaw, float(np.degrees(aligned.yaw_std)), tilt, float(np.degrees(aligned.tilt_std)))

@@ -5,15 +5,15 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from procedures.fusion.alignment.alignment_result import Aligned
+from procedures.fusion.alignment.alignment_result import AlignmentState
 from procedures.fusion.fusion_records import Trajectory
 from procedures.fusion.inner.inertial_window import InertialWindow
-from procedures.fusion.outer.pose_graph import REJECTED, GlobalPose
+from procedures.fusion.outer.pose_graph import OUTLIER_SIGMAS, GlobalPose
 from station.locate.outer_layer import timed, trajectory_of
 from station.locate.result import Located
 
 
-def one_layer(window: InertialWindow, aligned: Aligned) -> Located:
+def one_layer(window: InertialWindow, aligned: AlignmentState) -> Located:
     """Run a window of one layer; poses before the alignment was found are not online."""
     poses, seconds = timed(_poses(window))
     online = [k for k, pose in enumerate(poses) if pose.t >= aligned.t]
@@ -37,4 +37,4 @@ def _outliers(window: InertialWindow, smoothed: Trajectory) -> int:
     fix = window.frames.fix[at]
     antenna = smoothed.p[at] + Rotation.from_quat(smoothed.q[at]).apply(window.constants[:3])
     off = np.linalg.norm(antenna - window.fixes.p_n[fix], axis=1) / window.fixes.position_std[fix]
-    return int(np.count_nonzero(off > REJECTED))
+    return int(np.count_nonzero(off > OUTLIER_SIGMAS))

@@ -4,9 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.fusion.alignment.alignment_attempts import FIRST, STEP, WINDOW, attempt, between
+from procedures.fusion.alignment.alignment_attempts import (
+    FIRST_ATTEMPT_S,
+    MIN_ATTEMPT_SPACING_S,
+    MOTION_WINDOW_S,
+    attempt,
+    between,
+)
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import Aligned, Waiting
+from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 
 LONGEST_REST = 60.0  # s of a rest that the window goes through again: its data are what the heading is known by
@@ -18,7 +24,7 @@ ATTEMPT_SPACING = 0.05  # of the time so far, between two attempts
 class Begun:
     """An alignment, and the samples and fixes from which the window begins."""
 
-    aligned: Aligned
+    aligned: AlignmentState
     imu: ImuSeries
     fixes: GnssFixes
 
@@ -37,15 +43,15 @@ class Beginning:
         now = min(float(imu.t[-1]), float(fixes.t[-1]))
         if self._start is None:
             self._start = max(float(imu.t[0]), float(fixes.t[0]))
-            self._next = self._start + FIRST
+            self._next = self._start + FIRST_ATTEMPT_S
         if now < self._next:
             return None
-        self._next = now + max(STEP, ATTEMPT_SPACING * (now - self._start))
+        self._next = now + max(MIN_ATTEMPT_SPACING_S, ATTEMPT_SPACING * (now - self._start))
         found = attempt(self._aligner, imu, fixes, self._start, now)
         if isinstance(found, Waiting):
             self.why = found.why
             return None
-        first = max(found.t0, now - max(LONGEST_REST, WINDOW))
+        first = max(found.t0, now - max(LONGEST_REST, MOTION_WINDOW_S))
         return Begun(replace(found, t0=first), between(imu, first - 1.0, now), fixes)
 
 

@@ -14,8 +14,8 @@ from procedures.earth.gnss_records import TimeMark
 from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.inner.camera_keyframes import CLOSEST, SPACING
 from procedures.fusion.inner.live_visual_window import Frame, filled, no_frame
-from procedures.fusion.vision.feature_tracks import Camera, Tracks
-from procedures.fusion.visual_alignment.camera_time import MISPLACED, CameraOffset, camera_offset
+from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
+from procedures.fusion.visual_alignment.camera_time import CHECK_MOUNTING, CameraTimeOffset, camera_offset
 from station.stream.camera.feature_following import Follow
 from station.stream.gnss.fix_times import FixTimes
 from station.text.plural import plural
@@ -31,7 +31,7 @@ SILENT_S = 2.0
 MIN_IMAGE_SPACING_S = 0.03  # between images that are followed
 TURN_ADVICE = "its delay is not known: turn it unevenly"
 MISFIT_ADVICE = "its turns are not the gyro's: check its file"
-UNKNOWN_OFFSET = CameraOffset(0.0, 0.1)
+UNKNOWN_OFFSET = CameraTimeOffset(0.0, 0.1)
 GENTLE_S = 0.015  # 1 sigma of the delay that does where all turns are gentle: the window goes on fitting it
 
 
@@ -41,7 +41,7 @@ class LiveCamera:
     ``why`` says what is missing.
     """
 
-    def __init__(self, camera: Camera, follow: Follow, told: CameraOffset | None = None) -> None:
+    def __init__(self, camera: PinholeCamera, follow: Follow, told: CameraTimeOffset | None = None) -> None:
         self.camera, self._follow, self._told = camera, follow, told
         self.begin_anew()
 
@@ -90,11 +90,11 @@ class LiveCamera:
         self._try_at = self._now + self._pause
         known = self._told or UNKNOWN_OFFSET
         found = camera_offset(imu, self._tracks(-np.inf, 0.0), self.camera, known.offset, known.std, GENTLE_S)
-        if isinstance(found, CameraOffset):
+        if isinstance(found, CameraTimeOffset):
             self.offset = found
         else:
             self.why = f"its delay is not known: {found.why}"
-            self._hint = MISFIT_ADVICE if MISPLACED in found.why else TURN_ADVICE
+            self._hint = MISFIT_ADVICE if CHECK_MOUNTING in found.why else TURN_ADVICE
 
     @property
     def offset_std(self) -> float:
@@ -111,15 +111,15 @@ class LiveCamera:
     def _newest(self) -> float:
         return self._frames[-1].t if self._frames else -np.inf
 
-    def tracks(self, first: float = -np.inf) -> Tracks:
+    def tracks(self, first: float = -np.inf) -> FeatureTracks:
         """Return what was seen from ``first`` [s] on by the IMU's clock; nothing where that is not known yet."""
         if self.offset is None:
             return self._tracks(np.inf, 0.0)
         return self._tracks(first - self.offset.offset, self.offset.offset)
 
-    def _tracks(self, first: float, offset: float) -> Tracks:
+    def _tracks(self, first: float, offset: float) -> FeatureTracks:
         frames = [frame for frame in self._frames if frame.t >= first and len(frame.feature)]
-        return Tracks(
+        return FeatureTracks(
             np.concatenate([np.zeros(0), *(np.full(len(frame.feature), frame.t + offset) for frame in frames)]),
             np.concatenate([np.zeros(0, np.int64), *(frame.feature for frame in frames)]),
             np.concatenate([np.zeros((0, 2)), *(frame.uv for frame in frames)]),

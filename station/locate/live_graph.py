@@ -6,7 +6,7 @@ from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.inner.inertial_window import InertialWindow
 from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.outer.pose_graph import GlobalPose, OuterGraph, OuterSettings
+from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
 
 MAX_POSES = 36_000  # poses: half an hour
 RUN_IN = 1_200  # poses that a new graph goes along before it takes over: a minute, six of its windows
@@ -59,25 +59,25 @@ class NoGraph:
 
 
 class LiveGraph:
-    """Like `OuterGraph`, but fixes are added as they come."""
+    """Like `PoseGraph`, but fixes are added as they come."""
 
-    def __init__(self, settings: OuterSettings, renewed: int = MAX_POSES, run_in: int = RUN_IN) -> None:
+    def __init__(self, settings: PoseGraphSettings, renewed: int = MAX_POSES, run_in: int = RUN_IN) -> None:
         self._settings, self._renewed, self._run_in = settings, renewed, run_in
-        self._graph = OuterGraph(settings)
-        self._heir: OuterGraph | None = None
+        self._graph = PoseGraph(settings)
+        self._heir: PoseGraph | None = None
         self._poses = 0
 
     def add(self, fixes: GnssFixes) -> None:
         """Take fixes that come after all so far."""
         for graph in (self._graph, self._heir) if self._heir is not None else (self._graph,):
-            known = graph.hanging.fixes
-            graph.hanging.fixes = fixes if known is None else known.followed_by(fixes)
+            known = graph.association.fixes
+            graph.association.fixes = fixes if known is None else known.followed_by(fixes)
 
     def take(self, pose: OdometryPose) -> GlobalPose | None:
         """Return a pose in n; None before the moment of alignment."""
         self._poses += 1
         found = self._graph.take(pose)
-        if self._heir is not None and self._heir.hanging.fixes is not None:
+        if self._heir is not None and self._heir.association.fixes is not None:
             self._heir.take(pose)
         self._renew()
         return found
@@ -96,6 +96,6 @@ class LiveGraph:
         """Have an heir begin, or take over once it has run in."""
         if self._heir is None:
             if self._poses >= self._renewed:
-                self._heir = OuterGraph(self._settings)
+                self._heir = PoseGraph(self._settings)
         elif self._poses >= self._renewed + self._run_in and self._heir.begun_at is not None:
             self._graph, self._heir, self._poses = self._heir, None, self._run_in

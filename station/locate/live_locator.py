@@ -15,7 +15,7 @@ from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.inertial_window import WindowSettings
-from procedures.fusion.outer.pose_graph import GlobalPose, OuterSettings
+from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraphSettings
 from station.locate.camera_source import with_lever
 from station.locate.imu_noise import NoiseOf
 from station.locate.imu_source import with_constants
@@ -110,7 +110,7 @@ class LiveLocator:
 
     def _begin(self, begun: Begun, a: MovingAligner, fixes: GnssFixes) -> None:
         """Go through the data of the alignment again."""
-        given = OuterSettings(lever_arm=self._arm)
+        given = PoseGraphSettings(lever_arm=self._arm)
         if self._camera is None:
             given = with_constants(given, begun.aligned)
             told = np.isfinite(fixes.v_n[:, :2]).all(axis=1).any()  # else nothing would hold a window's velocity

@@ -4,7 +4,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.earth.geodesy import LocalLevel
-from procedures.fusion.outer.pose_graph import REJECTED, GlobalPose
+from procedures.fusion.outer.pose_graph import OUTLIER_SIGMAS, GlobalPose
 from station.locate.live_fixes import LiveFixes
 from station.locate.location import Location
 
@@ -57,7 +57,7 @@ class LocationReport:
 
     def look_at(self, place: FloatArray, std: float, fix: FloatArray) -> None:
         """Count a fix (3,) that stands off the antenna's place (3,) by more than chance and what was uncertain."""
-        if np.linalg.norm((fix - place) / np.hypot(std, self._std)) > REJECTED:
+        if np.linalg.norm((fix - place) / np.hypot(std, self._std)) > OUTLIER_SIGMAS:
             self._track.add_outlier(fix)
 
     def location(self, pose: GlobalPose, velocity: FloatArray, origin: LocalLevel, fixes: LiveFixes) -> Location:

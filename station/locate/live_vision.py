@@ -11,7 +11,7 @@ from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.live_visual_window import LiveVisualWindow
 from procedures.fusion.inner.visual_inertial_window import VisionSettings
 from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.outer.pose_graph import OuterSettings
+from procedures.fusion.outer.pose_graph import PoseGraphSettings
 from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner
 from procedures.fusion.visual_alignment.visual_start import VisualStart
 from station.locate.camera_source import antenna_of
@@ -63,7 +63,7 @@ class LiveVision:
     """Camera, IMU and GNSS velocity: `station.locate.live_source.LiveSource` with a keyframe at each frame."""
 
     def __init__(
-        self, site: Site, given: OuterSettings, begun: Begun, fixes: LiveFixes, camera: LiveCamera
+        self, site: Site, given: PoseGraphSettings, begun: Begun, fixes: LiveFixes, camera: LiveCamera
     ) -> None:
         settings = VisionSettings(site, camera.camera, antenna_of(given), offset_std=camera.offset_std)
         tracks = camera.tracks(begun.aligned.t0)

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import GnssFixes, Trajectory
 from procedures.fusion.odometry import OdometrySource
-from procedures.fusion.outer.pose_graph import GlobalPose, OuterGraph, OuterSettings
+from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
 from station.files.fusion_folder import FusionLog
 from station.locate.result import Alignment, Located
 
@@ -35,19 +35,15 @@ class Pose(Protocol):
 
 
 def through_graph(
-    log: FusionLog,
-    source: OdometrySource,
-    warnings: tuple[str, ...] = (),
-    after: float = -np.inf,
-    settings: OuterSettings | None = None,
-    fixes: GnssFixes | None = None,
-    told: Callable[[OuterGraph], None] | None = None,
-) -> Located:
+    log: FusionLog, source: OdometrySource, warnings: tuple[str, ...] = (), after: float = -np.inf,
+    settings: PoseGraphSettings | None = None, fixes: GnssFixes | None = None,
+    told: Callable[[PoseGraph], None] | None = None,
+) -> Located:  # fmt: skip
     """Locate by a source and the outer graph; poses before ``after`` [s] are not online.
 
     ``settings`` and ``fixes`` stand for what the folder gives; ``told`` is called after each pose.
     """
-    graph = OuterGraph(settings or outer_settings(log))
+    graph = PoseGraph(settings or outer_settings(log))
     run = graph.run(source, log.fixes if fixes is None else fixes)
     poses, seconds = timed(_telling(run, graph, told))
     online = [k for k, pose in enumerate(poses) if pose.t >= after]
@@ -64,7 +60,7 @@ def through_graph(
 
 
 def _telling(
-    poses: Iterable[GlobalPose], graph: OuterGraph, told: Callable[[OuterGraph], None] | None
+    poses: Iterable[GlobalPose], graph: PoseGraph, told: Callable[[PoseGraph], None] | None
 ) -> Iterator[GlobalPose]:
     for pose in poses:
         if told is not None:
@@ -72,12 +68,12 @@ def _telling(
         yield pose
 
 
-def outer_settings(log: FusionLog) -> OuterSettings:
+def outer_settings(log: FusionLog) -> PoseGraphSettings:
     """Return what the folder gives of lever arm and time offset; a lever arm that is not given is estimated."""
     gnss = log.table.gnss
     arm = None if gnss.lever_arm_m is None else np.array(gnss.lever_arm_m)
     arm_std = gnss.lever_arm_std_m or (FREE_ARM if arm is None else None)
-    return OuterSettings(
+    return PoseGraphSettings(
         lever_arm=arm,
         lever_arm_std=arm_std,
         time_offset=gnss.time_offset_s or 0.0,

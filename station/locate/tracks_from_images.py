@@ -7,8 +7,8 @@ import numpy as np
 
 from drivers.camera.video import camera_images
 from procedures.fusion.optional_libraries import opencv
-from procedures.fusion.vision.feature_tracker import FeatureFollower, FollowerSettings, Image, Lens
-from procedures.fusion.vision.feature_tracks import Tracks
+from procedures.fusion.vision.feature_tracker import FeatureTracker, FeatureTrackerSettings, Image, LensModel
+from procedures.fusion.vision.feature_tracks import FeatureTracks
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_reading import FUSION_TOML, files_of, read_fusion_toml
 from station.files.fusion_folder.tracks import lens_of, write_tracks
@@ -54,17 +54,17 @@ def images_of(images: Path) -> list[Path]:
 
 
 def follow_all(
-    pairs: Iterable[tuple[float, Image]], lens: Lens, settings: FollowerSettings | None = None
-) -> Tracks:
+    pairs: Iterable[tuple[float, Image]], lens: LensModel, settings: FeatureTrackerSettings | None = None
+) -> FeatureTracks:
     """Return the tracks of features through images in the order of time, without the lens's distortion."""
-    follower = FeatureFollower(lens, settings)
+    follower = FeatureTracker(lens, settings)
     t, features, points = list[float](), [np.zeros(0, np.int64)], [np.zeros((0, 2))]
     for now, image in pairs:
         feature, uv = follower.follow(image)
         t.extend([now] * len(feature))
         features.append(feature)
         points.append(lens.straightened(uv))
-    return Tracks(np.array(t), np.concatenate(features), np.concatenate(points))
+    return FeatureTracks(np.array(t), np.concatenate(features), np.concatenate(points))
 
 
 def listed_images(folder: Path, seconds: float = float("inf")) -> Iterator[tuple[float, Image]]:

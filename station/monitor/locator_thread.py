@@ -8,7 +8,7 @@ from queue import SimpleQueue
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.visual_alignment.camera_time import CameraOffset
+from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.rates_and_forces import Sensors
 from station.files.fusion_folder.tracks import camera_of, lens_of
@@ -86,5 +86,5 @@ def live_camera(described: Description) -> LiveCamera:
     """Return what follows features through a camera's images; raise `ExtraMissing` without OpenCV."""
     table = described.table
     about, std = table.time_offset_s, table.time_offset_std_s
-    known = None if about is None and std is None else CameraOffset(about or 0.0, std or 0.0)
+    known = None if about is None and std is None else CameraTimeOffset(about or 0.0, std or 0.0)
     return LiveCamera(camera_of(table), ImageFeatureFollower(lens_of(table)), known)

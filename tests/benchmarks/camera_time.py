@@ -21,9 +21,9 @@ from procedures.arrays import FloatArray
 from procedures.frames import rotation_vector
 from procedures.fusion.alignment.alignment_attempts import between
 from procedures.fusion.fusion_records import ImuSeries, Trajectory
-from procedures.fusion.imu.gyro_rotations import GyroTurns
-from procedures.fusion.vision.feature_tracks import Camera, Tracks
-from procedures.fusion.visual_alignment.camera_time import CameraOffset, camera_offset
+from procedures.fusion.imu.gyro_rotations import GyroRotations
+from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
+from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset, camera_offset
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.locate.camera_source import by_vision
 from tests.benchmarks.locate import HEADS as LOCATED
@@ -47,7 +47,7 @@ class Case:
     """How the camera and what is told of it are: ``camera`` is told, ``bias`` [rad/s] is added to each gyro."""
 
     view: View = VIEW
-    camera: Camera = CAMERA
+    camera: PinholeCamera = CAMERA
     bias: float = 0.0
     span: float = SPAN
 
@@ -58,7 +58,7 @@ def log_of(data: Path, name: str) -> FusionLog:
     return read_fusion(data / name)
 
 
-def stretches(data: Path, case: Case, seeds: int) -> Iterator[tuple[ImuSeries, Tracks, float]]:
+def stretches(data: Path, case: Case, seeds: int) -> Iterator[tuple[ImuSeries, FeatureTracks, float]]:
     """Yield IMU and tracks of each stretch, and the offset that is to be found."""
     for name in INERTIAL:
         log = log_of(data, name)
@@ -71,7 +71,7 @@ def stretches(data: Path, case: Case, seeds: int) -> Iterator[tuple[ImuSeries, T
             for end, more in zip(ends, own, strict=True):
                 imu = between(log.imu, end - case.span, end)
                 rows = (tracks.t >= end - case.span) & (tracks.t <= end)
-                part = Tracks(tracks.t[rows], tracks.feature[rows], tracks.uv[rows])
+                part = FeatureTracks(tracks.t[rows], tracks.feature[rows], tracks.uv[rows])
                 yield replace(imu, omega_b=imu.omega_b + case.bias), part, offset + more
 
 
@@ -81,7 +81,7 @@ def own_offset(imu: ImuSeries, truth: Trajectory) -> float:
     C = [RotationSpline(truth.t, Rotation.from_quat(truth.q))(at).as_matrix() for at in (t, t + TURN)]
     seen_turns, x = np.swapaxes(C[1], 1, 2) @ C[0], np.zeros(4)
     for _ in range(8):
-        gyro = GyroTurns(imu, x[1:])
+        gyro = GyroRotations(imu, x[1:])
         R, by_bias = gyro.turned(t + x[0], t + TURN + x[0])
         by_time = (R @ gyro.rate(t + x[0])[:, :, None])[:, :, 0] - gyro.rate(t + TURN + x[0])
         off = rotation_vector(seen_turns @ np.swapaxes(R, 1, 2))
@@ -99,7 +99,7 @@ def judged(name: str, data: Path, case: Case, seeds: int) -> None:
         begun = process_time()
         found = camera_offset(imu, tracks, case.camera)
         took = process_time() - begun
-        if isinstance(found, CameraOffset):
+        if isinstance(found, CameraTimeOffset):
             error = abs(found.offset - offset)
             rows.append([1e3 * error, 1e3 * found.std, error / found.std, took])
         else:
@@ -140,7 +140,7 @@ def wrong(data: Path, seeds: int) -> None:
         judged(f"camera told 90 deg wrong about {name}", data, Case(camera=turned(turn)), min(seeds, 2))
 
 
-def turned(turn: FloatArray) -> Camera:
+def turned(turn: FloatArray) -> PinholeCamera:
     """Return the camera told as if it were turned."""
     return replace(CAMERA, C_bc=CAMERA.C_bc @ turn)
 
@@ -154,7 +154,7 @@ def untold(_: Path, seeds: int) -> None:
     for name, motion in motions.items():
         for view in (View(), View(depths=(10.0, 50.0))):
             found = [camera_offset(*planted(motion, seed, view=view), CAMERA) for seed in range(seeds)]
-            accepted = sum(isinstance(each, CameraOffset) for each in found)
+            accepted = sum(isinstance(each, CameraTimeOffset) for each in found)
             print(f"{name}, depths {view.depths} m: {accepted} of {seeds} accepted", flush=True)
 
 

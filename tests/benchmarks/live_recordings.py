@@ -19,7 +19,7 @@ from procedures.arrays import FloatArray, interpolated
 from procedures.earth.geodesy import LocalLevel
 from procedures.earth.gnss_records import FixType, GnssFix, TimeMark
 from procedures.fusion.fusion_records import ImuNoise, ImuSeries
-from procedures.fusion.vision.feature_tracks import Tracks
+from procedures.fusion.vision.feature_tracks import FeatureTracks
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.files.mcap_files.fix_reader import Record
 from station.locate.imu_noise import NoiseOf
@@ -38,7 +38,7 @@ LATE_S, SEEN_LATE_S, TICK_S, WARM_UP_S = 0.1, 0.06, 0.1, 15.0
 class Tracked:
     """A camera of which tracks are there already: `station.stream.camera.feature_following.Follow`."""
 
-    def __init__(self, tracks: Tracks) -> None:
+    def __init__(self, tracks: FeatureTracks) -> None:
         self._tracks = tracks
         self._t, self._begin = tracks.frames()
         self.images = [

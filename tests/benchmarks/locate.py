@@ -1,8 +1,8 @@
 """Print what locating reaches: `python -m tests.benchmarks.locate DATA [PART ...] --seeds 10`.
 
 DATA holds fusion/1 folders with truth. GNSS is drawn anew from each truth for every seed: white, 0.2 m per axis
-and 0.05 m/s at 20 Hz, as P3 and the folders' SOURCE.txt have it. Errors are position errors of the IMU without any
-alignment, over the poses later than `WARM_UP`; of each figure median and worst over the seeds.
+and 0.05 m/s at 20 Hz, as Han 2022 and the folders' SOURCE.txt have it. Errors are position errors of the IMU
+without any alignment, over the poses later than `WARM_UP`; of each figure median and worst over the seeds.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from procedures.frames import rotation, vertical_rotation
 from procedures.fusion.alignment.alignment_at_rest import align_at_rest
 from procedures.fusion.alignment.alignment_attempts import between, fixes_between
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import Aligned
+from procedures.fusion.alignment.alignment_result import AlignmentState
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.units import RAD_S_PER_DEG_H
@@ -180,7 +180,7 @@ def aligning(data: Path, seeds: int) -> None:
             at, result = true(seen.t[-1]).as_matrix().T, aligner.align(imu, seen)
             printed.append(_off(align_as_printed(imu, seen, log.gravity, np.zeros(3)) @ at, level))
             tried += 1
-            if isinstance(result, Aligned):
+            if isinstance(result, AlignmentState):
                 found.append([*_off(result.C_now @ at, level), np.degrees(result.yaw_std)])
     said("alignment in motion, 10 s", found, "tilt, tilt against level, yaw, its sigma [deg]")
     said("eq. 3 as printed, 10 s", printed, "tilt, tilt against level, yaw [deg]")
@@ -218,7 +218,7 @@ def bench(_: Path, seeds: int) -> None:
             t, C.T @ earth + bias + white[0] * noise.gyro, C.T @ [0, 0, gravity] + white[1] * noise.accel
         )
         start = align_at_rest(imu, noise, gravity, earth)
-        assert isinstance(start, Aligned)
+        assert isinstance(start, AlignmentState)
         start = replace(start, C_nb=vertical_rotation(np.radians(10.0)) @ start.C_nb)
         nan = np.full((1, 3), np.nan)
         none = GnssFixes(t[:1], np.zeros((1, 3)), nan, nan[:, 0], np.ones(1), nan[:, 0])
@@ -235,14 +235,14 @@ def bench(_: Path, seeds: int) -> None:
 def times(data: Path, _: int) -> None:
     """Figure 7: how long the inner window and the outer graph take."""
     from procedures.fusion.odometry import RecordedOdometry
-    from procedures.fusion.outer.pose_graph import OuterGraph
+    from procedures.fusion.outer.pose_graph import PoseGraph
 
     log = drawn(read_fusion(data / "v201_inertial"), 0)
     located = by_imu(log, 1)
     print(f"inner window, one layer      {np.mean(located.seconds) * 1e3:.2f} ms mean a keyframe, "
           f"{located.seconds.max() * 1e3:.0f} worst")  # fmt: skip
     assert log.odometry is not None
-    graph = OuterGraph()
+    graph = PoseGraph()
     poses = list(graph.run(RecordedOdometry(log.odometry), log.fixes))
     start = perf_counter()
     graph.polished()

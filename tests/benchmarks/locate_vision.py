@@ -22,7 +22,7 @@ from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.inner.inertial_terms import Site
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
-from procedures.fusion.vision.feature_tracks import Camera
+from procedures.fusion.vision.feature_tracks import PinholeCamera
 from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner
 from procedures.fusion.visual_alignment.visual_start import VisualStart
 from station.files.fusion_folder import FusionLog, read_fusion
@@ -35,7 +35,7 @@ EVERY = 3.0  # s between the starts that are tried
 C_BC = [[0.0148655429818, -0.999880929698, 0.00414029679422], [0.999557249008, 0.0149672133247, 0.025715529948]]
 C_BC += [[-0.0257744366974, 0.00375618835797, 0.999660727178]]
 T_BC = [-0.0216401454975, -0.064676986768, 0.00981073058949]
-CAMERA = Camera(458.654, 457.296, 367.215, 248.375, 1.0, np.array(C_BC), np.array(T_BC))
+CAMERA = PinholeCamera(458.654, 457.296, 367.215, 248.375, 1.0, np.array(C_BC), np.array(T_BC))
 
 
 def seen(data: Path, name: str, seed: int, gap: tuple[float, float] | None = None) -> FusionLog:
@@ -61,7 +61,7 @@ def outage(data: Path, seeds: int) -> None:
 
 
 def starting(data: Path, seeds: int) -> None:
-    """P3's table I: scale at initialisation before and after the joint refinement, from starts all along."""
+    """Han's table I: scale at initialisation before and after the joint refinement, from starts all along."""
     for name in INERTIAL:
         rows, whys = list[list[float]](), Counter[str]()
         for seed in range(seeds):

@@ -16,8 +16,8 @@ from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
-from procedures.fusion.vision.feature_tracker import FeatureFollower, Lens
-from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from procedures.fusion.vision.feature_tracker import FeatureTracker, LensModel
+from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor import driving, sighted
 
@@ -34,13 +34,13 @@ FROM, UNTIL = 25.0, 40.0
 class Followed:
     """Features of each image, and processor time an image [ms]."""
 
-    tracks: Tracks
+    tracks: FeatureTracks
     took_ms: float
 
 
 def followed(images: CameraImages) -> Followed:
     """Return what the drive's images leave."""
-    follower, took = FeatureFollower(Lens(CAMERA.fx, CAMERA.fy, CAMERA.cx, CAMERA.cy, np.zeros(4))), 0.0
+    follower, took = FeatureTracker(LensModel(CAMERA.fx, CAMERA.fy, CAMERA.cx, CAMERA.cy, np.zeros(4))), 0.0
     times, features, points = list[FloatArray](), list[IntArray](), list[FloatArray]()
     for k in range(IMAGES):
         image = images.image(k / CAMERA.rate_hz)
@@ -50,11 +50,11 @@ def followed(images: CameraImages) -> Followed:
         times.append(np.full(len(feature), k / CAMERA.rate_hz))
         features.append(feature)
         points.append(uv)
-    tracks = Tracks(np.concatenate(times), np.concatenate(features), np.concatenate(points))
+    tracks = FeatureTracks(np.concatenate(times), np.concatenate(features), np.concatenate(points))
     return Followed(tracks, 1e3 * took / IMAGES)
 
 
-def offsets(images: CameraImages, tracks: Tracks) -> FloatArray:
+def offsets(images: CameraImages, tracks: FeatureTracks) -> FloatArray:
     """Return rows (n, 4): time [s], age [images], and how far a point is off [px]."""
     first, rows = dict[int, tuple[int, FloatArray]](), list[tuple[float, ...]]()
     times, begin = tracks.frames()
@@ -83,10 +83,10 @@ def say(rows: FloatArray) -> None:
         )
 
 
-def headings(tracks: Tracks, std: float, seeds: int) -> None:
+def headings(tracks: FeatureTracks, std: float, seeds: int) -> None:
     """Print how far the live heading is off for each seed."""
     sighted.simulate_tracks = lambda *_: tracks  # type: ignore[attr-defined]
-    eye = Camera(CAMERA.fx, CAMERA.fy, CAMERA.cx, CAMERA.cy, std, CAMERA.C_bc, CAMERA.t_bc)
+    eye = PinholeCamera(CAMERA.fx, CAMERA.fy, CAMERA.cx, CAMERA.cy, std, CAMERA.C_bc, CAMERA.t_bc)
     driving.CAMERA = eye  # type: ignore[attr-defined]
     for seed in range(1, seeds + 1):
         rig = driving.DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 0.0)), told=-0.04, seed=seed)

@@ -7,41 +7,43 @@ import numpy as np
 
 from procedures.fusion.alignment.alignment_at_rest import align_at_rest
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import Aligned, Waiting
+from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.imu.imu_gaps import imu_gaps
 
-FIRST = 3.0  # s after which it is worth a try
-PACE = 1.1  # later attempts are as much farther apart, and at least `STEP`
-STEP = 1.0  # s
-TORN = np.radians(0.5)  # 1 sigma of attitude over a gap of the IMU, beyond which only what follows it is looked at
-WINDOW = 30.0  # s of motion that are looked at: biases move
-FIXES = 12  # at least, however far apart they are
+FIRST_ATTEMPT_S = 3.0  # s after which it is worth a try
+ATTEMPT_SPACING_RATIO = 1.1  # later attempts are as much farther apart, and at least `MIN_ATTEMPT_SPACING_S`
+MIN_ATTEMPT_SPACING_S = 1.0  # s
+MAX_GAP_ATTITUDE_STD = np.radians(
+    0.5
+)  # 1 sigma of attitude over a gap of the IMU, beyond which only what follows it is looked at
+MOTION_WINDOW_S = 30.0  # s of motion that are looked at: biases move
+MIN_FIXES = 12  # at least, however far apart they are
 
 
-def align_when_possible(aligner: MovingAligner, imu: ImuSeries, fixes: GnssFixes) -> Aligned | Waiting:
+def align_when_possible(aligner: MovingAligner, imu: ImuSeries, fixes: GnssFixes) -> AlignmentState | Waiting:
     """Return the first alignment that the data allow, none of which uses anything later than its ``t``."""
     start = max(float(imu.t[0]), float(fixes.t[0]))
     end = min(float(imu.t[-1]), float(fixes.t[-1]))
-    found: Aligned | Waiting = Waiting("IMU and GNSS overlap for less than three seconds")
-    torn = [gap.last for gap in imu_gaps(imu) if gap.rate_std * gap.length > TORN]
-    now = start + FIRST
+    found: AlignmentState | Waiting = Waiting("IMU and GNSS overlap for less than three seconds")
+    torn = [gap.last for gap in imu_gaps(imu) if gap.rate_std * gap.length > MAX_GAP_ATTITUDE_STD]
+    now = start + FIRST_ATTEMPT_S
     while now <= end:
         found = attempt(aligner, imu, fixes, max([start, *(last for last in torn if last <= now)]), now)
-        if isinstance(found, Aligned):
+        if isinstance(found, AlignmentState):
             break
-        now += max(STEP, (PACE - 1) * (now - start))
+        now += max(MIN_ATTEMPT_SPACING_S, (ATTEMPT_SPACING_RATIO - 1) * (now - start))
     return found
 
 
 def attempt(
     aligner: MovingAligner, imu: ImuSeries, fixes: GnssFixes, start: float, now: float
-) -> Aligned | Waiting:
+) -> AlignmentState | Waiting:
     """Try once, by the data from ``start`` to ``now`` [s], at rest and in motion."""
     resting = align_at_rest(between(imu, start, now), aligner.noise, aligner.gravity, aligner.earth_n)
-    if isinstance(resting, Aligned):
+    if isinstance(resting, AlignmentState):
         return resting
-    since = max(min(now - WINDOW, _earlier(fixes, now, FIXES)), start)
+    since = max(min(now - MOTION_WINDOW_S, _earlier(fixes, now, MIN_FIXES)), start)
     moving = aligner.align(between(imu, since - 1, now), fixes_between(fixes, since, now))
     if isinstance(moving, Waiting) and "does not stand" not in resting.why:
         return resting

@@ -5,12 +5,12 @@ In n, with the attitude C0 and the velocity v0 at the first of the fixes and con
     v_k = v0 + C0 alpha_k(bg, ba) + C0 M_k l + g t_k + a_k tau + noise,   g = (0, 0, -gravity)
 
 is fitted for C0, v0, bg, ba and, where they are not given, the antenna's lever arm l and the offset tau of
-GNSS's stamps together (P3 III.C, the joint refinement, less what needs a camera). This is the integral of P3's
-eq. 3: nothing is differentiated, so that the noise of GNSS stays what it is. A receiver without velocity gives the
-means between its fixes: `seen_velocity`. The noise is GNSS's own, white, and that of accelerometer and gyro
-integrated. All is started from the best
-rotation for biases of zero (Wahba's problem), and once more from a quarter turn to each side and from behind: what
-is nearly as good and points elsewhere, a strange chi2 or a wide sigma are reasons to go on waiting.
+GNSS's stamps together (Han 2022 III.C, the joint refinement, less what needs a camera). This is the integral of
+Han's eq. 3: nothing is differentiated, so that the noise of GNSS stays what it is. A receiver without velocity
+gives the means between its fixes: `observed_velocities`. The noise is GNSS's own, white, and that of accelerometer
+and gyro integrated. All is started from the best rotation for biases of zero (Wahba's problem), and once more from
+a quarter turn to each side and from behind: what is nearly as good and points elsewhere, a strange chi2 or a wide
+sigma are reasons to go on waiting.
 """
 
 from dataclasses import dataclass
@@ -21,30 +21,30 @@ from scipy.linalg import cholesky, solve_triangular
 from procedures.arrays import FloatArray, IntArray
 from procedures.frames import rotation, skew, vertical_rotation, wahba_rotation
 from procedures.fusion.alignment.alignment_result import (
-    SETTLED_OFFSET,
-    SETTLED_TILT,
-    SETTLED_YAW,
-    Aligned,
+    MAX_TILT_STD,
+    MAX_TIME_OFFSET_STD_S,
+    MAX_YAW_STD,
+    AlignmentState,
     Waiting,
 )
-from procedures.fusion.alignment.velocity_increments import AtFixes, BetweenFixes, seen_velocity
+from procedures.fusion.alignment.velocity_increments import FixVelocities, MeanVelocities, observed_velocities
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.imu.imu_gaps import imu_gaps
-from procedures.fusion.imu.inertial_increments import Grid, Increments, grid, integrate, products
+from procedures.fusion.imu.inertial_increments import ImuGrid, InertialIncrements, grid, integrate, products
 
-ROUNDS = 15
-FASTEST = 300.0  # m/s, 1 sigma of a velocity of which nothing is measured
-SMALL = 1e-3  # of a sigma, by which a last step may move
-FEWEST = 5
-DIFFERENT = np.radians(10.0)  # between two minima that are not one
-MARGIN = 20.0  # of chi2, by which the second best must be worse
-STRANGE = 2.0  # chi2 / dof
-SHAKEN = 2.5  # what vibration, scale factor and misalignment make of an accelerometer's noise on a flight (EuRoC)
+MAX_ITERATIONS = 15
+UNMEASURED_VELOCITY_STD = 300.0  # m/s, 1 sigma of a velocity of which nothing is measured
+STEP_TOLERANCE = 1e-3  # of a sigma, by which a last step may move
+MIN_VELOCITIES = 5
+MIN_MINIMA_ANGLE = np.radians(10.0)  # between two minima that are not one
+MIN_CHI2_MARGIN = 20.0  # of chi2, by which the second best must be worse
+MAX_CHI2_PER_DOF = 2.0  # chi2 / dof
+ACCEL_NOISE_FACTOR = 2.5  # by vibration, scale factor and misalignment, of a flight's accelerometers (EuRoC)
 LEVER, OFFSET = slice(9, 12), 12  # in the parameters behind the rotation
-SHIFTS = 5  # times that stamps are shifted to where they belong, at most, until it is by no more than
-SHIFTED = 2e-3  # s
-FARTHEST = 2.0  # s
-OTHERS = (0.0, np.pi / 2, np.pi, -np.pi / 2)
+MAX_TIME_SHIFTS = 5  # times that stamps are shifted to where they belong, at most, until it is by no more than
+TIME_SHIFT_TOLERANCE_S = 2e-3  # s
+MAX_TIME_OFFSET_S = 2.0  # s
+START_HEADINGS = (0.0, np.pi / 2, np.pi, -np.pi / 2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,22 +62,23 @@ class MovingAligner:
     lever_std: float | None = None
     offset_std: float | None = None
 
-    def align(self, imu: ImuSeries, fixes: GnssFixes) -> Aligned | Waiting:
+    def align(self, imu: ImuSeries, fixes: GnssFixes) -> AlignmentState | Waiting:
         """Align by all fixes that the IMU spans, or say what is missing."""
         offset, step = 0.0, np.inf
-        for _ in range(SHIFTS):
-            seen = seen_velocity(imu, fixes.shifted(offset))
-            if len(seen.v) < FEWEST:
-                return Waiting(f"{len(seen.v)} GNSS velocities within the IMU's data, {FEWEST} are needed")
+        for _ in range(MAX_TIME_SHIFTS):
+            seen = observed_velocities(imu, fixes.shifted(offset))
+            if len(seen.v) < MIN_VELOCITIES:
+                return Waiting(f"{len(seen.v)} GNSS velocities within the IMU's data, {MIN_VELOCITIES} are needed")
             problem = _Problem(self, imu, seen, offset)
             start = problem.wahba()
             found = sorted(
-                (problem.refine(vertical_rotation(turn) @ start) for turn in OTHERS), key=lambda each: each.chi2
+                (problem.refine(vertical_rotation(turn) @ start) for turn in START_HEADINGS),
+                key=lambda each: each.chi2,
             )
             step = float(found[0].x[OFFSET])
-            if abs(step) < SHIFTED:
+            if abs(step) < TIME_SHIFT_TOLERANCE_S:
                 break
-            offset = float(np.clip(offset + step, -FARTHEST, FARTHEST))
+            offset = float(np.clip(offset + step, -MAX_TIME_OFFSET_S, MAX_TIME_OFFSET_S))
         return _judged(problem, found, offset)
 
 
@@ -96,14 +97,14 @@ class _Problem:
     """One set of fixes: residual, Jacobian and whitening."""
 
     def __init__(
-        self, owner: MovingAligner, imu: ImuSeries, seen: AtFixes | BetweenFixes, shifted: float = 0.0
+        self, owner: MovingAligner, imu: ImuSeries, seen: FixVelocities | MeanVelocities, shifted: float = 0.0
     ) -> None:
         self.owner, self.seen = owner, seen
-        self.grid: Grid = grid(imu, seen.t)
+        self.grid: ImuGrid = grid(imu, seen.t)
         self.elapsed = seen.elapsed
         noise, s = owner.noise, np.minimum.outer(self.elapsed, self.elapsed)
         longer = np.maximum.outer(self.elapsed, self.elapsed)
-        walk = (SHAKEN * noise.accel) ** 2 * s
+        walk = (ACCEL_NOISE_FACTOR * noise.accel) ** 2 * s
         tilt = (owner.gravity * noise.gyro) ** 2 * s**2 * (3 * longer - s) / 6  # of a horizontal axis
         for gap in imu_gaps(imu):
             since = np.maximum(self.elapsed - (gap.last - seen.t[0]), 0.0)
@@ -118,7 +119,7 @@ class _Problem:
             self.white.append((axis, rows, cholesky(R[np.ix_(rows, rows)], lower=True)))
         lever_std, offset_std = owner.lever_std or np.inf, owner.offset_std or np.inf
         self.prior = np.repeat(
-            [FASTEST, noise.gyro_bias, noise.accel_bias, lever_std, offset_std], [3, 3, 3, 3, 1]
+            [UNMEASURED_VELOCITY_STD, noise.gyro_bias, noise.accel_bias, lever_std, offset_std], [3, 3, 3, 3, 1]
         )
         self.free = np.isfinite(self.prior)
         self.expected = np.r_[np.zeros(9), owner.lever, -shifted if owner.offset_std else 0.0]
@@ -135,13 +136,13 @@ class _Problem:
         """Return the minimum that Gauss-Newton reaches from an attitude."""
         x = self.expected.copy()
         x[:3] = np.nan_to_num(self.seen.v[0])
-        for _ in range(ROUNDS):
+        for _ in range(MAX_ITERATIONS):
             r, J, made = self._whitened(C, x)
             normal = J.T @ J
             step: FloatArray = np.asarray(np.linalg.solve(normal, -(J.T @ r)), np.float64)
             C = rotation(step[:3]) @ C
             x[self.free] += step[3:]
-            if step @ normal @ step < SMALL**2:
+            if step @ normal @ step < STEP_TOLERANCE**2:
                 break
         r, J, made = self._whitened(C, x)
         known = np.r_[True, True, True, self.free]
@@ -152,7 +153,7 @@ class _Problem:
         turned[:, :3], turned[:, 6:9] = np.eye(3), C @ made.by_accel[-1]
         return _Minimum(C, x, float(r @ r), len(r), covariance, C @ made.C[-1], turned)
 
-    def _whitened(self, C: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray, Increments]:
+    def _whitened(self, C: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray, InertialIncrements]:
         made = integrate(self.grid.edges, x[3:6], x[6:9], self._earth_b(C, x[3:6]))
         reach = self.seen.reach(self.grid, made, x[3:6])
         late = x[OFFSET]
@@ -183,7 +184,7 @@ class _Problem:
         return earth_b
 
 
-def _judged(problem: _Problem, found: list[_Minimum], offset: float) -> Aligned | Waiting:
+def _judged(problem: _Problem, found: list[_Minimum], offset: float) -> AlignmentState | Waiting:
     best = found[0]
     at_end = best.turned @ best.covariance @ best.turned.T
     t = problem.seen.t
@@ -194,7 +195,7 @@ def _judged(problem: _Problem, found: list[_Minimum], offset: float) -> Aligned 
     if why:
         return Waiting(why)
     x = best.x
-    return Aligned(
+    return AlignmentState(
         float(t[0]), best.C, x[:3], x[3:6], x[6:9], best.covariance, float(t[-1]), best.now, float(tilt_std),
         float(yaw_std), misfit, x[LEVER], offset + float(x[OFFSET]),
     )  # fmt: skip
@@ -202,23 +203,23 @@ def _judged(problem: _Problem, found: list[_Minimum], offset: float) -> Aligned 
 
 def _why_waiting_for_stamps(best: _Minimum) -> str:
     std = float(np.sqrt(best.covariance[-1, -1]))
-    if std <= SETTLED_OFFSET:
+    if std <= MAX_TIME_OFFSET_STD_S:
         return ""
     return (
-        f"the time offset is known to {std * 1e3:.0f} ms 1 sigma, {SETTLED_OFFSET * 1e3:.0f} are needed: it must "
-        f"change its velocity more, or give time_offset_s"
+        f"the time offset is known to {std * 1e3:.0f} ms 1 sigma, {MAX_TIME_OFFSET_STD_S * 1e3:.0f} are needed: "
+        f"it must change its velocity more, or give time_offset_s"
     )
 
 
 def _why_waiting(best: _Minimum, others: list[_Minimum], misfit: float, tilt_std: float, yaw_std: float) -> str:
-    if misfit > STRANGE:
+    if misfit > MAX_CHI2_PER_DOF:
         return (
             f"IMU and GNSS velocity do not fit each other (chi2 per degree of freedom {misfit:.1f}, at most "
-            f"{STRANGE:g}): look at time stamps, noise densities and velocity_std_m_s"
+            f"{MAX_CHI2_PER_DOF:g}): look at time stamps, noise densities and velocity_std_m_s"
         )
-    if tilt_std > SETTLED_TILT or yaw_std > SETTLED_YAW:
+    if tilt_std > MAX_TILT_STD or yaw_std > MAX_YAW_STD:
         tilt, yaw, tilt_asked, yaw_asked = np.degrees(
-            np.minimum([tilt_std, yaw_std, SETTLED_TILT, SETTLED_YAW], np.pi)
+            np.minimum([tilt_std, yaw_std, MAX_TILT_STD, MAX_YAW_STD], np.pi)
         )
         return (
             f"tilt is known to {tilt:.1f} deg and yaw to {yaw:.1f} deg 1 sigma, {tilt_asked:.0f} and "
@@ -226,6 +227,6 @@ def _why_waiting(best: _Minimum, others: list[_Minimum], misfit: float, tilt_std
         )
     for other in others:
         apart = np.arccos(np.clip((np.trace(other.C @ best.C.T) - 1) / 2, -1, 1))
-        if apart > DIFFERENT and other.chi2 - best.chi2 < MARGIN:
+        if apart > MIN_MINIMA_ANGLE and other.chi2 - best.chi2 < MIN_CHI2_MARGIN:
             return f"two attitudes {np.degrees(apart):.0f} deg apart explain the motion: change its velocity more"
     return ""

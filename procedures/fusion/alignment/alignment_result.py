@@ -6,13 +6,13 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-SETTLED_YAW = np.radians(4.0)  # 1 sigma with which an alignment is accepted
-SETTLED_TILT = np.radians(1.0)
-SETTLED_OFFSET = 0.015  # s, of GNSS's stamps where it is estimated: a window is built on it
+MAX_YAW_STD = np.radians(4.0)  # 1 sigma with which an alignment is accepted
+MAX_TILT_STD = np.radians(1.0)
+MAX_TIME_OFFSET_STD_S = 0.015  # s, of GNSS's stamps where it is estimated: a window is built on it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Aligned:
+class AlignmentState:
     """State at the first of the fixes ``t0``: ``C_nb``, ``v_n``, biases and constants with covariance.
 
     In the order rotation about n [rad], v [m/s], gyro bias [rad/s], accelerometer bias [m/s2]: (12, 12). In motion

@@ -12,8 +12,8 @@ from procedures.arrays import FloatArray, interpolated
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.imu.preintegration import Preintegrated
 
-CLIMBED = 5.0  # s over which heights tell how fast they rise
-UNSTEADY = 0.3  # m/s by which that is not how fast they rise now
+CLIMB_SPAN_S = 5.0  # s over which heights tell how fast they rise
+CLIMB_RATE_STD = 0.3  # m/s by which that is not how fast they rise now
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,7 +25,7 @@ class LeverArm:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Velocities:
+class GnssVelocities:
     """At ``t`` (n,) [s]: ``v_n`` and its ``std`` (n, 3) [m/s], inf where none is, ``rate_b`` (n, 3) [rad/s]."""
 
     t: FloatArray
@@ -56,7 +56,7 @@ class Velocities:
         return (weight * v).sum(axis=0) / np.maximum(total, 1e-12), total
 
 
-def velocities(fixes: GnssFixes, imu: ImuSeries, gyro_bias: FloatArray) -> Velocities:
+def velocities(fixes: GnssFixes, imu: ImuSeries, gyro_bias: FloatArray) -> GnssVelocities:
     """Return what fixes say of velocity, and the IMU's rate at each, its bias taken off."""
     rate = interpolated(fixes.t, imu.t, imu.omega_b)
     told = np.isfinite(fixes.v_n) & np.isfinite(fixes.velocity_std)[:, None]
@@ -64,7 +64,7 @@ def velocities(fixes: GnssFixes, imu: ImuSeries, gyro_bias: FloatArray) -> Veloc
     climb, climb_std = _climb(fixes)
     untold = ~told[:, 2] & np.isfinite(climb)
     v[untold, 2], std[untold, 2] = climb[untold], climb_std[untold]
-    return Velocities(fixes.t, v, std, rate - gyro_bias)
+    return GnssVelocities(fixes.t, v, std, rate - gyro_bias)
 
 
 def _climb(fixes: GnssFixes) -> tuple[FloatArray, FloatArray]:
@@ -73,9 +73,9 @@ def _climb(fixes: GnssFixes) -> tuple[FloatArray, FloatArray]:
     Fixes that share their spans are no better than one of each span.
     """
     t, up = fixes.t, fixes.p_n[:, 2]
-    first = np.searchsorted(t, t - CLIMBED)
+    first = np.searchsorted(t, t - CLIMB_SPAN_S)
     span, count = t - t[first], np.arange(len(t)) - first
-    known = span > CLIMBED / 2
+    known = span > CLIMB_SPAN_S / 2
     over = np.where(known, span, 1.0)
     std = np.hypot(fixes.position_std, fixes.position_std[first]) / over
-    return np.where(known, (up - up[first]) / over, np.nan), np.sqrt(count) * np.hypot(std, UNSTEADY)
+    return np.where(known, (up - up[first]) / over, np.nan), np.sqrt(count) * np.hypot(std, CLIMB_RATE_STD)

@@ -1,4 +1,4 @@
-"""How a gyro says that a body turned between any two moments, and how that hangs on its bias."""
+"""How a gyro says that a body turned between any two moments, and how that depends on its bias."""
 
 import numpy as np
 
@@ -7,10 +7,10 @@ from procedures.frames import rotation, rotation_vector
 from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.imu.inertial_increments import products
 
-NEAR = 0.03  # s about a moment, over which its rate is taken: a sample alone is vibration
+RATE_HALF_SPAN_S = 0.03  # s about a moment, over which its rate is taken: a sample alone is vibration
 
 
-class GyroTurns:
+class GyroRotations:
     """Samples integrated once with a constant bias [rad/s], then asked at any times.
 
     Rates are straight between samples; within an interval its mean rate is taken.
@@ -31,8 +31,8 @@ class GyroTurns:
 
     def rate(self, t: FloatArray) -> FloatArray:
         """Return the mean rates (n, 3) [rad/s] about the times (n,) [s]."""
-        turned, _ = self.turned(t + NEAR, t - NEAR)
-        return rotation_vector(turned) / (2 * NEAR)
+        turned, _ = self.turned(t + RATE_HALF_SPAN_S, t - RATE_HALF_SPAN_S)
+        return rotation_vector(turned) / (2 * RATE_HALF_SPAN_S)
 
     def _at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         k = np.clip(np.searchsorted(self.t, t, "right") - 1, 0, len(self._rate) - 1)

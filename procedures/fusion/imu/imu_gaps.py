@@ -11,7 +11,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuSeries
 
-PERIODS = 5.0  # of the samples, from which a step is a gap: what is shorter a line follows
+MIN_GAP_PERIODS = 5.0  # of the samples, from which a step is a gap: what is shorter a line follows
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ def imu_gaps(imu: ImuSeries) -> tuple[ImuGap, ...]:
     period = float(np.median(dt))
     return tuple(
         ImuGap(float(imu.t[i]), float(imu.t[i + 1]), _missed(imu.omega_b, n), _missed(imu.f_b, n))
-        for i in np.flatnonzero(dt > PERIODS * period)
+        for i in np.flatnonzero(dt > MIN_GAP_PERIODS * period)
         if (n := min(round(dt[i] / period), len(dt)))
     )
 

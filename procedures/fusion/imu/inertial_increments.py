@@ -1,4 +1,4 @@
-"""IMU samples integrated from one instant: attitude, velocity increment, and how both hang on the biases.
+"""IMU samples integrated from one instant: attitude, velocity increment, and how both depend on the biases.
 
 With ``b0`` the body at the first instant and constant biases,
 
@@ -19,7 +19,7 @@ from procedures.fusion.fusion_records import ImuSeries
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Grid:
+class ImuGrid:
     """IMU between times: ``dt`` (m,) [s], ``omega_b`` and ``f_b`` (m, 3) at the middles, ``at`` (n,) ends of rows.
 
     ``at[k]`` counts the intervals before the k-th of the times asked for.
@@ -31,22 +31,22 @@ class Grid:
     at: np.ndarray
 
     @property
-    def edges(self) -> "Grid":
+    def edges(self) -> "ImuGrid":
         """The same, at all edges of its rows."""
         return replace(self, at=np.arange(len(self.dt) + 1))
 
 
-def grid(imu: ImuSeries, times: FloatArray) -> Grid:
+def grid(imu: ImuSeries, times: FloatArray) -> ImuGrid:
     """Return the IMU from the first to the last of ``times`` (n,) [s], cut at each of them and at each sample."""
     inside = imu.t[(imu.t > times[0]) & (imu.t < times[-1])]
     edges = np.unique(np.concatenate((times, inside)))
     middle = (edges[1:] + edges[:-1]) / 2
     omega, f = (interpolated(middle, imu.t, values) for values in (imu.omega_b, imu.f_b))
-    return Grid(np.diff(edges), omega, f, np.searchsorted(edges, times))
+    return ImuGrid(np.diff(edges), omega, f, np.searchsorted(edges, times))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Increments:
+class InertialIncrements:
     """At n times: ``C`` (n, 3, 3), ``alpha`` (n, 3) [m/s], ``by_gyro`` (n, 3, 3) and ``by_accel`` (n, 3, 3)."""
 
     C: FloatArray
@@ -56,8 +56,8 @@ class Increments:
 
 
 def integrate(
-    g: Grid, gyro_bias: FloatArray, accel_bias: FloatArray, earth_b: FloatArray | None = None
-) -> Increments:
+    g: ImuGrid, gyro_bias: FloatArray, accel_bias: FloatArray, earth_b: FloatArray | None = None
+) -> InertialIncrements:
     """Integrate a grid; ``earth_b`` (m, 3) [rad/s] is the Earth's rate in b at the middles, where it is to go."""
     omega = g.omega_b - gyro_bias if earth_b is None else g.omega_b - gyro_bias - earth_b
     C = products(rotation(omega * g.dt[:, None]))
@@ -66,7 +66,7 @@ def integrate(
     alpha = _summed(felt * g.dt[:, None])
     Phi = _summed(middle * g.dt[:, None, None])
     by_gyro = _summed(skew(felt) @ (Phi[:-1] + Phi[1:]) / 2 * g.dt[:, None, None])
-    return Increments(C[g.at], alpha[g.at], by_gyro[g.at], -Phi[g.at])
+    return InertialIncrements(C[g.at], alpha[g.at], by_gyro[g.at], -Phi[g.at])
 
 
 def products(steps: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""IMU samples between two keyframes as one measurement, with its covariance and how it hangs on the biases.
+"""IMU samples between two keyframes as one measurement, with its covariance and how it depends on the biases.
 
 In the axes b of the first keyframe, with constant biases and the Earth's rate taken off,
 
@@ -16,9 +16,9 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.frames import rotation, skew
 from procedures.fusion.fusion_records import ImuNoise
-from procedures.fusion.imu.inertial_increments import Grid, products
+from procedures.fusion.imu.inertial_increments import ImuGrid, products
 
-ENDS = 6  # samples
+END_RATE_SAMPLES = 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +45,7 @@ class Preintegrated:
 
 
 def preintegrate(
-    part: Grid, bg: FloatArray, ba: FloatArray, earth_b: FloatArray, noise: ImuNoise
+    part: ImuGrid, bg: FloatArray, ba: FloatArray, earth_b: FloatArray, noise: ImuNoise
 ) -> Preintegrated:
     """Preintegrate all intervals of ``part``; ``earth_b`` (3,) [rad/s] is the Earth's rate in the first b."""
     dt = part.dt[:, None]
@@ -75,8 +75,9 @@ def preintegrate(
 
 
 def _rates(turn: FloatArray, dt: FloatArray) -> FloatArray:
-    """Return the rates at both ends, each the mean of `ENDS` samples: one alone is vibration."""
-    return np.array([turn[part].sum(axis=0) / dt[part].sum() for part in (slice(ENDS), slice(-ENDS, None))])
+    """Return the rates at both ends, each the mean of `END_RATE_SAMPLES` samples: one alone is vibration."""
+    ends = (slice(END_RATE_SAMPLES), slice(-END_RATE_SAMPLES, None))
+    return np.array([turn[part].sum(axis=0) / dt[part].sum() for part in ends])
 
 
 def _inverse(covariance: FloatArray, dt: float) -> FloatArray:

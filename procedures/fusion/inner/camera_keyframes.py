@@ -6,7 +6,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuSeries
-from procedures.fusion.vision.feature_tracks import Tracks
+from procedures.fusion.vision.feature_tracks import FeatureTracks
 
 SPACING = 0.1  # s between keyframes, at most
 CLOSEST = 0.09  # s: frames that follow sooner are left out
@@ -20,7 +20,7 @@ class CameraKeyframes:
     rows: tuple[slice, ...]
 
 
-def camera_keyframes(tracks: Tracks, imu: ImuSeries, first: float) -> CameraKeyframes:
+def camera_keyframes(tracks: FeatureTracks, imu: ImuSeries, first: float) -> CameraKeyframes:
     """Return keyframes from ``first`` [s] to the end of the IMU."""
     seen, begin = tracks.frames()
     times, rows = [first], [slice(0, 0)]

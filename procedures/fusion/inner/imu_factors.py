@@ -11,7 +11,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuNoise, ImuSeries
 from procedures.fusion.imu.imu_gaps import ImuGap, imu_gaps
-from procedures.fusion.imu.inertial_increments import Grid, grid
+from procedures.fusion.imu.inertial_increments import ImuGrid, grid
 
 INTEGRATION = 1e-8  # m2/s, error of integrating the position
 
@@ -37,14 +37,14 @@ class Preintegration:
             whole.integrateMeasurement(self._grid.f_b[i], self._grid.omega_b[i], self._grid.dt[i])
         return whole
 
-    def go_on(self, k: int, piece: Grid, t: FloatArray, rate: FloatArray, gaps: tuple[ImuGap, ...]) -> None:
+    def go_on(self, k: int, piece: ImuGrid, t: FloatArray, rate: FloatArray, gaps: tuple[ImuGap, ...]) -> None:
         """Lay keyframe ``k``, the last of ``t`` (k + 1,) [s]; samples of those before are forgotten.
 
         ``piece`` has its samples, ``gaps`` are those of all that are at hand.
         """
         at = np.zeros(k + 1, dtype=np.int64)
         at[k] = len(piece.dt)
-        self._grid = Grid(piece.dt, piece.omega_b, piece.f_b, at)
+        self._grid = ImuGrid(piece.dt, piece.omega_b, piece.f_b, at)
         self.rate, self._t = np.broadcast_to(rate, (k + 1, 3)), t
         self._gaps = [(gap, self._params(gap)) for gap in gaps]
 

@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.alignment_in_motion import SHAKEN
-from procedures.fusion.alignment.alignment_result import Aligned
+from procedures.fusion.alignment.alignment_in_motion import ACCEL_NOISE_FACTOR
+from procedures.fusion.alignment.alignment_result import AlignmentState
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.inner.fix_factors import FixFactors
 from procedures.fusion.inner.imu_factors import Preintegration
 from procedures.fusion.inner.keyframes import SPACING, keyframes
-from procedures.fusion.odometry import Antenna, OdometryPose
+from procedures.fusion.odometry import AntennaEstimate, OdometryPose
 from procedures.fusion.optional_libraries import gtsam
 
 FREE_TURN = 0.3  # rad on the first attitude: the alignment's own data are used again from there on
@@ -81,12 +81,12 @@ class State:
 class InertialWindow:
     """An odometry source from calibrated IMU samples and fixes, from where an alignment begins."""
 
-    def __init__(self, settings: WindowSettings, imu: ImuSeries, fixes: GnssFixes, start: Aligned) -> None:
+    def __init__(self, settings: WindowSettings, imu: ImuSeries, fixes: GnssFixes, start: AlignmentState) -> None:
         self.settings, self.fixes, self.start = settings, fixes, start
         self.frames = keyframes(fixes, imu, start.t0, settings.spacing)
         self._lib = gtsam()
         self.constants = np.r_[settings.lever, 0.0]  # lever arm [m], time offset [s], as they are known now
-        shaken = SHAKEN if settings.still_std is None else 1.0
+        shaken = ACCEL_NOISE_FACTOR if settings.still_std is None else 1.0
         self._imu = Preintegration(
             self._lib, replace(settings.noise, accel=shaken * settings.noise.accel), settings.gravity,
             settings.earth_n, imu, self.frames.t,
@@ -252,11 +252,11 @@ class InertialWindow:
         own = float(np.sqrt(P[3, 3]))
         return OdometryPose(state.t, state.p, state.C_nb, drift, FRAME, True, own, self._antenna())
 
-    def _antenna(self) -> Antenna | None:
+    def _antenna(self) -> AntennaEstimate | None:
         if not self.settings.estimates:
             return None
         P = np.asarray(self._smoother.marginalCovariance(self._key("c", 0)))
-        return Antenna(self.constants[:3], P, float(self.constants[3]))
+        return AntennaEstimate(self.constants[:3], P, float(self.constants[3]))
 
     def _drift(self, dt: float, since: float) -> FloatArray:
         """Return the covariance (4, 4) of a step: velocity noise summed up, or no velocity for ``since`` [s]."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import CLIMBED, velocities
+from procedures.fusion.imu.gnss_velocity import CLIMB_SPAN_S, velocities
 from procedures.fusion.imu.inertial_increments import grid
 from procedures.fusion.inner.camera_keyframes import SPACING
 from procedures.fusion.inner.visual_inertial_window import VisualInertialWindow
@@ -43,7 +43,7 @@ class LiveVisualWindow(VisualInertialWindow):
         before it.
         """
         part = self._between(grid(imu, np.array([self.t, frame.t])))
-        recent = fixes.part(fixes.t > self.t - CLIMBED - 1.0)
+        recent = fixes.part(fixes.t > self.t - CLIMB_SPAN_S - 1.0)
         self._velocities = velocities(recent, imu, self.start.gyro_bias)
         self._aided = self._aided or bool(np.isfinite(recent.v_n[:, :2]).all(axis=1).any())
         return self._add(frame.t, part, frame.feature, frame.uv)

@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.fusion.alignment.alignment_result import Aligned
+from procedures.fusion.alignment.alignment_result import AlignmentState
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.imu.gnss_velocity import LeverArm, velocities
-from procedures.fusion.imu.inertial_increments import Grid, grid
+from procedures.fusion.imu.inertial_increments import ImuGrid, grid
 from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
 from procedures.fusion.inner.camera_keyframes import camera_keyframes
 from procedures.fusion.inner.inertial_terms import Site, predicted
@@ -28,7 +28,7 @@ from procedures.fusion.inner.window_problem import Factor, Held, Prior, assemble
 from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, OFFSET, Normal, WindowState
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.outer.pose_graph_terms import rz
-from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 
 FRAMES = 10
 ROUNDS = 4
@@ -59,14 +59,14 @@ class VisionSettings:
     """
 
     site: Site
-    camera: Camera
+    camera: PinholeCamera
     antenna: LeverArm
     frames: int = FRAMES
     offset_std: float = 0.0
 
 
 def beginning(
-    start: Aligned, camera: Camera, noise: ImuNoise, offset_std: float = 0.0
+    start: AlignmentState, camera: PinholeCamera, noise: ImuNoise, offset_std: float = 0.0
 ) -> tuple[WindowState, Prior]:
     """Return the first keyframe, and the little that is known of it: its heading is the window's own."""
     none = np.zeros((1, 3))
@@ -90,8 +90,9 @@ class VisualInertialWindow:
     """
 
     def __init__(
-        self, settings: VisionSettings, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes, start: Aligned
-    ) -> None:
+        self, settings: VisionSettings, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes,
+        start: AlignmentState,
+    ) -> None:  # fmt: skip
         self.settings, self.tracks, self.fixes, self.start = settings, tracks, fixes, start
         self.frames = camera_keyframes(tracks, imu, start.t0)
         self.marks = Landmarks()
@@ -155,10 +156,10 @@ class VisualInertialWindow:
         self._held = Held([*self._held.parts, part], np.vstack((self._held.v, v)),
                           np.vstack((self._held.weight, weight)))  # fmt: skip
 
-    def _between(self, g: Grid, rows: slice = slice(None)) -> Preintegrated:
+    def _between(self, g: ImuGrid, rows: slice = slice(None)) -> Preintegrated:
         """Return some rows of the IMU on a grid, integrated from the newest keyframe on."""
         site, state = self.settings.site, self.state
-        part = Grid(g.dt[rows], g.omega_b[rows], g.f_b[rows], g.at[:0])
+        part = ImuGrid(g.dt[rows], g.omega_b[rows], g.f_b[rows], g.at[:0])
         return preintegrate(part, state.bg[-1], state.ba[-1], state.C_ob[-1].T @ site.earth_n, self._shaken)
 
     def _solve(self) -> None:

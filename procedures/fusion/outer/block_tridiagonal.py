@@ -12,7 +12,7 @@ from procedures.arrays import FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Chain:
+class BlockTridiagonal:
     """Half of the second derivative of a cost over a chain, block by block, and half of its gradient."""
 
     D: FloatArray
@@ -20,7 +20,7 @@ class Chain:
     g: FloatArray
 
 
-def solve_chain(chain: Chain) -> tuple[FloatArray, FloatArray]:
+def solve_chain(chain: BlockTridiagonal) -> tuple[FloatArray, FloatArray]:
     """Return the step (n, d) to the minimum, and the covariance (d, d) of the last node."""
     n, d = chain.g.shape
     right = np.zeros((n * d, 1 + d))
@@ -30,7 +30,7 @@ def solve_chain(chain: Chain) -> tuple[FloatArray, FloatArray]:
     return solved[:, 0].reshape(n, d), solved[-d:, 1:]
 
 
-def _upper_band(chain: Chain) -> FloatArray:
+def _upper_band(chain: BlockTridiagonal) -> FloatArray:
     """Return the matrix in LAPACK's upper band storage: element (i, j) at row w + i - j, w = 2 d - 1."""
     n, d = chain.g.shape
     band = np.zeros((2 * d, n, d))

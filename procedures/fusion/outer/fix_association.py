@@ -1,4 +1,4 @@
-"""Which fix hangs on which node: a store of odometry poses and of fixes between them, that grows."""
+"""Data association: which GNSS fix belongs to which node of the odometry; a store of both that grows."""
 
 import numpy as np
 
@@ -6,14 +6,14 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.frames import wrapped
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.outer.pose_graph_terms import FixTerms, Nodes
+from procedures.fusion.outer.pose_graph_terms import FixTerms, OdometrySteps
 from procedures.fusion.outer.track_yaw import TrackYaw, track_yaw
 
-SLOWEST = 0.5  # m/s, below which a course says nothing
+MIN_COURSE_SPEED = 0.5  # m/s, below which a course says nothing
 COURSE_STD = np.radians(4.0)  # 1 sigma of a course however fast: odometry's velocity over a frame is not GNSS's
-JERKY = 2.0  # m/s2 by which a motion may differ from a straight one between two poses
-MOVING = 3.0  # sigmas of velocity that are a motion
-LONGEST = 60.0  # s of track behind the yaw by track: what is older has drifted
+UNSTEADY_ACCELERATION = 2.0  # m/s2 by which a motion may differ from a straight one between two poses
+MOTION_SIGMAS = 3.0  # sigmas of velocity that are a motion
+YAW_TRACK_S = 60.0  # s of track behind the yaw by track: what is older has drifted
 _NODE = {"t": 1, "p_o": 3, "C_ob": 9, "drift": 16}
 _FIX = {"node": 1, "arm_o": 3, "C_of": 9, "v_o": 3, "tau": 1, "z": 3, "weight": 1, "course": 1, "course_weight": 1}
 _FIX |= {"v_n": 3, "v_std": 1}
@@ -41,10 +41,10 @@ class _Rows:
         return rows[:, 0] if part.stop - part.start == 1 else rows
 
 
-class Hanging:
-    """Odometry poses and the fixes on them.
+class FixAssociation:
+    """Odometry poses and the fixes that are tied to them.
 
-    ``lever_arm`` (3,) [m] and ``time_offset`` [s], added to stamps, are what fixes to come are hung by.
+    ``lever_arm`` (3,) [m] and ``time_offset`` [s], added to stamps, are what later fixes are associated by.
     """
 
     def __init__(self, lever_arm: FloatArray, time_offset: float) -> None:
@@ -72,21 +72,23 @@ class Hanging:
         return self._nodes.get("C_ob").reshape(-1, 3, 3)
 
     def add(self, pose: OdometryPose) -> int:
-        """Add a node and hang what fixes it brings within reach; return how many."""
+        """Add a node and the fixes up to its time; return how many."""
         self._nodes.append(t=pose.t, p_o=pose.p_o, C_ob=pose.C_ob, drift=pose.drift)
         self.yaw_std, self._uses_velocity = pose.yaw_std, pose.uses_velocity
-        return self._hang_up_to(pose.t) if self._nodes.count > 1 else 0
+        return self._associate_up_to(pose.t) if self._nodes.count > 1 else 0
 
-    def hang_again(self, time_offset: float) -> None:
-        """Hang all fixes again, at another time offset."""
+    def associate_again(self, time_offset: float) -> None:
+        """Associate all fixes again, at another time offset."""
         self._terms, self._next, self.time_offset = _Rows(_FIX), 0, time_offset
-        self._hang_up_to(float(self.t[-1]))
+        self._associate_up_to(float(self.t[-1]))
 
     def last_step(self) -> tuple[FloatArray, FloatArray]:
         """Return the last step (3,) in o [m] and its drift (4, 4)."""
         return self.p_o[-1] - self.p_o[-2], self._nodes.get("drift")[-1].reshape(4, 4)
 
-    def window(self, first: int, end: int | None = None, fixes_of: int | None = None) -> tuple[Nodes, FixTerms]:
+    def window(
+        self, first: int, end: int | None = None, fixes_of: int | None = None
+    ) -> tuple[OdometrySteps, FixTerms]:
         """Return nodes ``first`` to ``end`` with the fixes of all, or of the first ``fixes_of`` of them."""
         p_o = self._nodes.get("p_o", first, end)
         drift = self._nodes.get("drift", first, end)[1:].reshape(-1, 4, 4)
@@ -99,11 +101,11 @@ class Hanging:
             part["node"].astype(np.int64) - first, part["arm_o"], part["C_of"].reshape(-1, 3, 3), part["v_o"],
             part["tau"], part["z"], part["weight"], part["course"], part["course_weight"],
         )  # fmt: skip
-        return Nodes(np.diff(p_o, axis=0), np.asarray(np.linalg.inv(drift), np.float64)), terms
+        return OdometrySteps(np.diff(p_o, axis=0), np.asarray(np.linalg.inv(drift), np.float64)), terms
 
     def yaw_by_track(self) -> TrackYaw:
         """Return the heading of the odometry's frame by the last minute of track."""
-        recent = self.t[self._terms.get("node").astype(np.int64)] > self.t[-1] - LONGEST
+        recent = self.t[self._terms.get("node").astype(np.int64)] > self.t[-1] - YAW_TRACK_S
         get = {name: self._terms.get(name)[recent] for name in self._terms.parts}
         node = get["node"].astype(np.int64)
         antenna = get["C_of"].reshape(-1, 3, 3) @ self.lever_arm
@@ -111,7 +113,7 @@ class Hanging:
         drift = self._nodes.get("drift")[:, 0]
         v_o, v_std = get["v_o"][:, :2], self._velocity_std(node, get["v_o"], get["v_std"])
         v_o = np.where(
-            (np.linalg.norm(v_o, axis=1) > MOVING * v_std)[:, None], v_o, np.nan
+            (np.linalg.norm(v_o, axis=1) > MOTION_SIGMAS * v_std)[:, None], v_o, np.nan
         )  # not the noise at rest
         total = float(drift[int(node[0]) :].sum())
         return track_yaw(q[:, :2], get["z"][:, :2], get["weight"] ** -0.5, v_o, get["v_n"][:, :2], v_std, total)
@@ -122,18 +124,18 @@ class Hanging:
         std: FloatArray = np.sqrt(v_std**2 + self._walk(node) ** 2 + (0.5 * changed) ** 2)
         return std
 
-    def _hang_up_to(self, t: float) -> int:
+    def _associate_up_to(self, t: float) -> int:
         assert self.fixes is not None
-        hung = 0
+        added = 0
         while self._next < len(self.fixes.t) and self.fixes.t[self._next] + self.time_offset <= t:
             if self.fixes.t[self._next] + self.time_offset > self.t[0]:
-                self._hang(self.fixes, self._next)
-                hung += 1
+                self._associate(self.fixes, self._next)
+                added += 1
             self._next += 1
-        return hung
+        return added
 
-    def _hang(self, fixes: GnssFixes, i: int) -> None:
-        """Hang a fix on the first node at or after it, by the straight motion between the two nodes."""
+    def _associate(self, fixes: GnssFixes, i: int) -> None:
+        """Tie a fix to the first node at or after it, by the straight motion between the two nodes."""
         t = fixes.t[i] + self.time_offset
         node = max(
             int(np.searchsorted(self.t, t)), 1, int(self._terms.get("node")[-1]) if self._terms.count else 1
@@ -143,7 +145,7 @@ class Hanging:
         v_o = (self.p_o[node] - self.p_o[node - 1]) / dt
         C = self.C_ob[node - 1 : node + 1]
         v_antenna = v_o + (C[1] - C[0]) @ self.lever_arm / dt
-        off = 0.5 * JERKY * min(back, 1 - back) ** 2 * dt**2  # m
+        off = 0.5 * UNSTEADY_ACCELERATION * min(back, 1 - back) ** 2 * dt**2  # m
         course, course_weight = self._course(fixes, i, v_antenna, self._walk(node))
         self._terms.append(
             node=float(node), arm_o=-back * dt * v_o, C_of=back * C[0] + (1 - back) * C[1], v_o=v_antenna,
@@ -160,7 +162,7 @@ class Hanging:
         """Return GNSS's course less that of the odometry's velocity, from East to North, and its weight."""
         v, speed = fixes.v_n[i, :2], float(np.hypot(*v_o[:2]))
         course = np.arctan2(v[1], v[0]) if np.isfinite(v).all() else np.pi / 2 - fixes.course[i]
-        if self._uses_velocity or not np.isfinite(course) or speed < SLOWEST:
+        if self._uses_velocity or not np.isfinite(course) or speed < MIN_COURSE_SPEED:
             return 0.0, 0.0
         difference = float(wrapped(course - np.arctan2(v_o[1], v_o[0])))
         return difference, 1 / (COURSE_STD**2 + (fixes.velocity_std[i] ** 2 + float(v_o_std) ** 2) / speed**2)

@@ -8,7 +8,7 @@ are the odometry's. A correction, no Euler yaw, is carried, because an IMU's x a
     fix     p_k + Rz(d_k) (a + C_of l + v_o (tau - tau0)) - z      a: from node k to the fix, C_of: attitude there
     course  (GNSS course - course of the odometry's velocity) - d_k
 
-Huber's loss weights fix and course, by the length of the whitened residual (P3 IV.B, whose eq. 9 is lost).
+Huber's loss weights fix and course, by the length of the whitened residual (Han 2022 IV.B, whose eq. 9 is lost).
 """
 
 from dataclasses import dataclass
@@ -17,16 +17,16 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.frames import wrapped
-from procedures.fusion.outer.block_tridiagonal import Chain
+from procedures.fusion.outer.block_tridiagonal import BlockTridiagonal
 
-WALK = 1e-4  # per sqrt(step): how far a lever arm [m] or a time offset [s], constants, may move
+CONSTANTS_WALK = 1e-4  # per sqrt(step): how far a lever arm [m] or a time offset [s], constants, may move
 HUBER_FIX = 2.3  # of a whitened vector of three; 1.345 sqrt(3): 95 % efficient on clean fixes
 HUBER_COURSE = 1.345
 LEVER = slice(4, 7)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Nodes:
+class OdometrySteps:
     """Odometry of n nodes: ``step_o`` (n - 1, 3) [m] and the inverse of its drift ``info`` (n - 1, 4, 4)."""
 
     step_o: FloatArray
@@ -35,8 +35,8 @@ class Nodes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FixTerms:
-    """Fixes as they hang on nodes: ``node`` (m,), ``arm_o`` (m, 3) [m] from node to fix, ``C_of`` (m, 3, 3),
-    ``v_o`` (m, 3) [m/s] of the antenna, ``tau`` (m,) [s] the offset at which they were hung, ``z`` (m, 3) [m],
+    """Fixes as they are tied to nodes: ``node`` (m,), ``arm_o`` (m, 3) [m] from node to fix, ``C_of`` (m, 3, 3),
+    ``v_o`` (m, 3) [m/s] of the antenna, ``tau`` (m,) [s] the offset that they were tied with, ``z`` (m, 3) [m],
     ``weight`` (m,) [1/m2]; ``course`` (m,) [rad] and ``course_weight`` (m,) [1/rad2], 0 where it says nothing.
     """  # noqa: D205
 
@@ -52,7 +52,7 @@ class FixTerms:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Prior:
+class NodePrior:
     """What is known of the first node: information (d, d) and gradient (d,) at the state ``at`` (d,)."""
 
     info: FloatArray
@@ -61,7 +61,7 @@ class Prior:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class NodeLayout:
     """Which constants are estimated beside position and yaw."""
 
     lever_arm: bool = False
@@ -94,11 +94,12 @@ def rz(yaw: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def linearise(
-    x: FloatArray, nodes: Nodes, fixes: FixTerms, prior: Prior, layout: Layout, lever_arm: FloatArray
-) -> tuple[Chain, FloatArray]:
+    x: FloatArray, nodes: OdometrySteps, fixes: FixTerms, prior: NodePrior, layout: NodeLayout,
+    lever_arm: FloatArray,
+) -> tuple[BlockTridiagonal, FloatArray]:  # fmt: skip
     """Return the normal equations at states ``x`` (n, d), and the length (m,) of each fix's whitened residual."""
     n, d = x.shape
-    chain = Chain(np.zeros((n, d, d)), np.zeros((n - 1, d, d)), np.zeros((n, d)))
+    chain = BlockTridiagonal(np.zeros((n, d, d)), np.zeros((n - 1, d, d)), np.zeros((n, d)))
     chain.D[0] += prior.info
     chain.g[0] += prior.gradient + prior.info @ (x[0] - prior.at)
     R, dR = rz(x[:, 3])
@@ -108,11 +109,13 @@ def linearise(
     return chain, size
 
 
-def _add_steps(chain: Chain, x: FloatArray, nodes: Nodes, R: FloatArray, dR: FloatArray) -> None:
+def _add_steps(
+    chain: BlockTridiagonal, x: FloatArray, nodes: OdometrySteps, R: FloatArray, dR: FloatArray
+) -> None:
     n, d = x.shape
     W = np.zeros((n - 1, d, d))
     W[:, :4, :4] = nodes.info
-    W[:, range(4, d), range(4, d)] = 1 / WALK**2
+    W[:, range(4, d), range(4, d)] = 1 / CONSTANTS_WALK**2
     r = x[1:] - x[:-1]
     r[:, :3] -= np.einsum("nij,nj->ni", R[:-1], nodes.step_o)
     J = np.broadcast_to(-np.eye(d), (n - 1, d, d)).copy()
@@ -126,8 +129,9 @@ def _add_steps(chain: Chain, x: FloatArray, nodes: Nodes, R: FloatArray, dR: Flo
 
 
 def _add_fixes(
-    chain: Chain, x: FloatArray, f: FixTerms, layout: Layout, given: FloatArray, R: FloatArray, dR: FloatArray
-) -> FloatArray:
+    chain: BlockTridiagonal, x: FloatArray, f: FixTerms, layout: NodeLayout, given: FloatArray, R: FloatArray,
+    dR: FloatArray,
+) -> FloatArray:  # fmt: skip
     at = x[f.node]
     lever = layout.lever_of(at, given)
     late = layout.offset_of(at, 0.0) - f.tau if layout.time_offset else np.zeros(len(at))
@@ -147,7 +151,7 @@ def _add_fixes(
     return size
 
 
-def _add_courses(chain: Chain, x: FloatArray, f: FixTerms) -> None:
+def _add_courses(chain: BlockTridiagonal, x: FloatArray, f: FixTerms) -> None:
     r = wrapped(f.course - x[f.node, 3])
     weight = f.course_weight * huber(np.abs(r) * np.sqrt(f.course_weight), HUBER_COURSE)
     np.add.at(chain.D[:, 3, 3], f.node, weight)

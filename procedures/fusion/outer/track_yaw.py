@@ -1,7 +1,7 @@
 """The heading of an odometry's frame from its track: how far that is turned against the track of GNSS.
 
 Horizontal positions and velocities are complex numbers, East + i North. With ``q`` the odometry's and ``z``
-GNSS's, both about their means, ``z = exp(i yaw) q`` gives ``yaw = arg sum conj(q) z``; so do velocities. P3
+GNSS's, both about their means, ``z = exp(i yaw) q`` gives ``yaw = arg sum conj(q) z``; so do velocities. Han 2022
 aligns positions only. It waits for displacement, which is what makes the sigma small, and for nothing else.
 Outliers are weighted down (Huber).
 """
@@ -15,10 +15,10 @@ from procedures.arrays import FloatArray
 from procedures.fusion.outer.pose_graph_terms import huber
 
 Complex = NDArray[np.complex128]
-STRANGE = 4.0  # of the misfit above which the tracks are not the same motion
-HUBER = 1.9  # of a whitened vector of two: 95 % efficient on clean fixes
+MAX_TRACK_MISFIT = 4.0  # of the misfit above which the tracks are not the same motion
+HUBER_LIMIT = 1.9  # of a whitened vector of two: 95 % efficient on clean fixes
 CHI2_MEDIAN = 1.386  # of two degrees of freedom
-ROUNDS = 8
+HUBER_ITERATIONS = 8
 TINY = 1e-12
 
 
@@ -56,12 +56,12 @@ def track_yaw(
     ours, theirs, u_weight = ours[known], theirs[known], 1 / u_std[known] ** 2
     given = 1 / (z_std**2 + drift)
     weight, v_weight = given, u_weight
-    for _ in range(ROUNDS):
+    for _ in range(HUBER_ITERATIONS):
         local, fix = track - np.average(track, weights=weight), fixed - np.average(fixed, weights=weight)
         turned = np.sum(weight * np.conj(local) * fix) + np.sum(v_weight * np.conj(ours) * theirs)
         turn = np.exp(1j * np.angle(turned))
         off, v_off = np.abs(fix - local * turn) * np.sqrt(given), np.abs(theirs - ours * turn) * np.sqrt(u_weight)
-        weight, v_weight = given * huber(off, HUBER), u_weight * huber(v_off, HUBER)
+        weight, v_weight = given * huber(off, HUBER_LIMIT), u_weight * huber(v_off, HUBER_LIMIT)
     power, v_power = float(np.sum(weight * np.abs(local) ** 2)), float(np.sum(v_weight * np.abs(ours) ** 2))
     spread = float(np.mean(np.abs(local) ** 2))
     # white noise averages out over the fixes; drift does not: it is one draw over the whole track

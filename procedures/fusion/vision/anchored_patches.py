@@ -17,19 +17,19 @@ from procedures.arrays import BoolArray
 from procedures.fusion.optional_libraries import opencv
 
 Floats = NDArray[np.float32]
-HALF = 6  # px: patches of 13; larger ones stand on edges more often, smaller ones drift
-WEIGHT = 1 / 1.5  # of HALF: 1 sigma of what pixels weigh about the middle
-ROUNDS = 5
-STRAIN, MOVE = 0.3, 2.0  # of an affine warp, and px, in a round at most
-NOISE = 3.0  # grey: warps that change a patch less than this are not followed
-USUAL = np.array([0.5, 0.5, 0.5, 0.5, 5.0, 5.0], np.float32)  # warp and px, by which patches move
-FLAT = 1.0  # grey: a patch of less contrast counts as of this
-FLOOR = 0.05  # of a half's gradients, against moves along its only edge
-EYE = np.eye(2, dtype=np.float32)
+PATCH_HALF_PX = 6  # px: patches of 13; larger ones stand on edges more often, smaller ones drift
+WEIGHT_SIGMA = 1 / 1.5  # of PATCH_HALF_PX: 1 sigma of what pixels weigh about the middle
+MAX_ITERATIONS = 5
+MAX_STRAIN, MAX_MOVE_PX = 0.3, 2.0  # of an affine warp, and px, in a round at most
+GREY_NOISE = 3.0  # grey: warps that change a patch less than this are not followed
+USUAL_WARP = np.array([0.5, 0.5, 0.5, 0.5, 5.0, 5.0], np.float32)  # warp and px, by which patches move
+MIN_CONTRAST = 1.0  # grey: a patch of less contrast counts as of this
+EDGE_REGULARISATION = 0.05  # of a half's gradients, against moves along its only edge
+IDENTITY = np.eye(2, dtype=np.float32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fitted:
+class FittedPatches:
     """Where patches stand, ``uv`` (n, 2) [px], and their warps ``A`` (n, 2, 2), anchor to image.
 
     ``alike`` (n,) is the correlation with their anchors, ``apart`` (n,) [px] how far their halves would part.
@@ -53,9 +53,9 @@ class AnchoredPatches:
 
     def __init__(self) -> None:
         self._cv: Any = opencv()
-        line = np.arange(-HALF, HALF + 1, dtype=np.float32)
+        line = np.arange(-PATCH_HALF_PX, PATCH_HALF_PX + 1, dtype=np.float32)
         self._d = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
-        weight = np.exp(-np.sum((self._d / (WEIGHT * HALF)) ** 2, axis=1) / 2)
+        weight = np.exp(-np.sum((self._d / (WEIGHT_SIGMA * PATCH_HALF_PX)) ** 2, axis=1) / 2)
         self._w = (weight / weight.sum()).astype(np.float32)
         x, y = self._d.T
         self._halves = tuple((self._w * which).astype(np.float32) for which in (x < 0, x > 0, y < 0, y > 0))
@@ -70,21 +70,21 @@ class AnchoredPatches:
 
     def add(self, image: Floats, uv: Floats) -> None:
         """Add anchors: the patches about points (n, 2) [px] of an image (h, w), grey."""
-        whole = np.tile(EYE, (len(uv), 1, 1)), *self._anchors(image, uv)
+        whole = np.tile(IDENTITY, (len(uv), 1, 1)), *self._anchors(image, uv)
         rows = zip((self._A, self._T, self._G, self._step), whole, strict=True)
         self._A, self._T, self._G, self._step = (np.concatenate(pair) for pair in rows)
 
     def renew(self, image: Floats, uv: Floats, which: BoolArray) -> None:
         """Let rows have a new anchor at points (n, 2) of all."""
         if which.any():
-            self._A[which] = EYE
+            self._A[which] = IDENTITY
             self._T[which], self._G[which], self._step[which] = self._anchors(image, uv[which])
 
-    def fit(self, image: Floats, uv: Floats) -> Fitted:
+    def fit(self, image: Floats, uv: Floats) -> FittedPatches:
         """Find all patches near points (n, 2) [px] of the next image; `fit` begins at the warps found before."""
         A, best = self._A, np.full(len(uv), np.inf, np.float32)
         found = uv.copy(), A.copy(), np.zeros_like(self._T)
-        for _ in range(ROUNDS):
+        for _ in range(MAX_ITERATIONS):
             off = self._contrast(image, uv, A) - self._T
             size = (off**2) @ self._w
             closer = size < best
@@ -92,28 +92,28 @@ class AnchoredPatches:
             for kept, now in zip(found, (uv, A, off), strict=True):
                 kept[closer] = now[closer]
             due = (self._step @ off[:, :, None])[:, :, 0]
-            A = A @ np.linalg.inv(EYE + np.clip(due[:, :4], -STRAIN, STRAIN).reshape(-1, 2, 2))
-            uv = uv - (A @ np.clip(due[:, 4:, None], -MOVE, MOVE))[:, :, 0]
+            A = A @ np.linalg.inv(IDENTITY + np.clip(due[:, :4], -MAX_STRAIN, MAX_STRAIN).reshape(-1, 2, 2))
+            uv = uv - (A @ np.clip(due[:, 4:, None], -MAX_MOVE_PX, MAX_MOVE_PX))[:, :, 0]
         self._A = found[1]
         alike: Floats = 1 - best / np.float32(2)
-        return Fitted(*found[:2], alike, self._apart(found[2]))
+        return FittedPatches(*found[:2], alike, self._apart(found[2]))
 
     def _apart(self, off: Floats) -> Floats:
         moves = []
         for weight in self._halves:
             G = self._G * weight
             H, due = G @ np.swapaxes(self._G, 1, 2), G @ off[:, :, None]
-            H += (FLOOR * np.trace(H, axis1=1, axis2=2))[:, None, None] * EYE
+            H += (EDGE_REGULARISATION * np.trace(H, axis1=1, axis2=2))[:, None, None] * IDENTITY
             moves.append(np.linalg.solve(H, due)[:, :, 0])
         left, right, upper, lower = moves
         apart: Floats = np.maximum(np.linalg.norm(left - right, axis=1), np.linalg.norm(upper - lower, axis=1))
         return apart
 
     def _anchors(self, image: Floats, uv: Floats) -> tuple[Floats, Floats, Floats]:
-        seen = np.tile(EYE, (len(uv), 1, 1))
+        seen = np.tile(IDENTITY, (len(uv), 1, 1))
         raw = self._seen(image, uv, seen)
         T, size = self._normal(raw)
-        sides = ([self._seen(image, uv + side * e, seen) for side in (1, -1)] for e in EYE)
+        sides = ([self._seen(image, uv + side * e, seen) for side in (1, -1)] for e in IDENTITY)
         sloped = np.stack([after - before for after, before in sides], axis=1)
         G: Floats = (sloped / (2 * size[:, None, None])).astype(np.float32)
         x, y = self._d.T
@@ -121,7 +121,7 @@ class AnchoredPatches:
         S -= (S @ self._w)[:, :, None]  # what brightness does is no move
         S -= (S @ (T * self._w)[:, :, None]) * T[:, None]  # nor what contrast does
         H = (S * self._w) @ np.swapaxes(S, 1, 2)
-        H[:, range(6), range(6)] += (NOISE / size[:, None] / USUAL) ** 2
+        H[:, range(6), range(6)] += (GREY_NOISE / size[:, None] / USUAL_WARP) ** 2
         return T, G, np.linalg.solve(H, S * self._w).astype(np.float32)
 
     def _contrast(self, image: Floats, uv: Floats, A: Floats) -> Floats:
@@ -130,7 +130,7 @@ class AnchoredPatches:
     def _normal(self, grey: Floats) -> tuple[Floats, Floats]:
         """Return patches (n, m) of mean 0 and mean square 1, and the contrast (n,) that they had."""
         grey = grey - (grey @ self._w)[:, None]
-        size: Floats = np.sqrt(np.maximum((grey**2) @ self._w, np.float32(FLAT**2)))
+        size: Floats = np.sqrt(np.maximum((grey**2) @ self._w, np.float32(MIN_CONTRAST**2)))
         return grey / size[:, None], size
 
     def _seen(self, image: Floats, uv: Floats, A: Floats) -> Floats:

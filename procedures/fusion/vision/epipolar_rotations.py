@@ -24,26 +24,28 @@ from procedures.arrays import FloatArray
 from procedures.frames import skew
 from procedures.fusion.vision.frame_pairs import FramePairs
 
-LOSS = 4.0  # sigmas of a point at which its weight has fallen to a quarter
-ROUNDS = 3
+LOSS_SIGMAS = 4.0  # sigmas of a point at which its weight has fallen to a quarter
+ITERATIONS = 3
 TINY = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TurnMisfit:
+class RotationMisfit:
     """Half the second derivative ``H`` (p, 3, 3) and gradient ``g`` (p, 3) of each pair's cost by a left turn."""
 
     H: FloatArray
     g: FloatArray
 
 
-class EpipolarTurns:
+class EpipolarRotations:
     """Pairs of frames; ``std`` (2,) is 1 sigma of a point at depth 1, ``loss`` where the loss turns."""
 
-    def __init__(self, pairs: FramePairs, std: FloatArray, loss: float = LOSS, rounds: int = ROUNDS) -> None:
+    def __init__(
+        self, pairs: FramePairs, std: FloatArray, loss: float = LOSS_SIGMAS, rounds: int = ITERATIONS
+    ) -> None:
         self.pairs, self._variance, self._loss, self._rounds = pairs, std**2, loss, rounds
 
-    def misfit(self, R: FloatArray) -> TurnMisfit:
+    def misfit(self, R: FloatArray) -> RotationMisfit:
         """Return the misfit of turns (p, 3, 3); the way of each pair is sought from three sides."""
         u = self.pairs.y0 @ np.swapaxes(R, 1, 2)
         n = np.cross(u, self.pairs.y1)
@@ -99,7 +101,7 @@ class EpipolarTurns:
         cost: FloatArray = np.sum(self.pairs.there * e2 / (1 + e2 / self._loss**2), axis=1)
         return cost
 
-    def _eliminated(self, R: FloatArray, u: FloatArray, n: FloatArray, t: FloatArray) -> TurnMisfit:
+    def _eliminated(self, R: FloatArray, u: FloatArray, n: FloatArray, t: FloatArray) -> RotationMisfit:
         variance, e = self._whitened(R, u, n, t)
         weight = (self._weight(e) / variance)[:, :, None]
         beside = np.linalg.svd(t[:, None])[2][:, 1:]
@@ -109,7 +111,7 @@ class EpipolarTurns:
         A, b = back @ J, (back @ (n @ t[:, :, None]))[:, :, 0]
         tied = A[:, :3, 3:] @ np.linalg.inv(A[:, 3:, 3:] + TINY * np.eye(2))
         g = b[:, :3] - (tied @ b[:, 3:, None])[:, :, 0]
-        return TurnMisfit(A[:, :3, :3] - tied @ A[:, 3:, :3], g)
+        return RotationMisfit(A[:, :3, :3] - tied @ A[:, 3:, :3], g)
 
 
 def _medians(values: FloatArray, there: FloatArray) -> FloatArray:

@@ -21,12 +21,12 @@ from procedures.fusion.vision.anchored_patches import AnchoredPatches
 from procedures.fusion.vision.two_view import sampson_distance
 
 Image = NDArray[np.uint8]
-FEWEST = 12  # points of which an epipolar geometry is had
-SURE = 0.7  # of one sample without a wrong point, were nearly half wrong: a quarter then gives 99.8 %
+MIN_EPIPOLAR_POINTS = 12  # points of which an epipolar geometry is had
+LMEDS_CONFIDENCE = 0.7  # of one sample without a wrong point, were nearly half wrong: a quarter then gives 99.8 %
 
 
 @dataclass(frozen=True, slots=True)
-class FollowerSettings:
+class FeatureTrackerSettings:
     """How many, and what may be missed.
 
     ``features`` at a time, ``apart`` [px] at least. Lost is what is less ``alike`` its first sight (correlation),
@@ -48,7 +48,7 @@ class FollowerSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lens:
+class LensModel:
     """Pinhole intrinsics [px] and the lens's distortion (k1, k2, p1, p2[, k3]) as OpenCV has them."""
 
     fx: float
@@ -70,11 +70,11 @@ class Lens:
         return np.asarray(straight[:, 0], np.float64)
 
 
-class FeatureFollower:
+class FeatureTracker:
     """What stands in the last image; each call is the next image (h, w), 8 bit grey."""
 
-    def __init__(self, lens: Lens, settings: FollowerSettings | None = None) -> None:
-        self.lens, self.settings = lens, settings or FollowerSettings()
+    def __init__(self, lens: LensModel, settings: FeatureTrackerSettings | None = None) -> None:
+        self.lens, self.settings = lens, settings or FeatureTrackerSettings()
         self.rejected = 0
         self._cv: Any = opencv()
         self._last: Image | None = None
@@ -128,11 +128,11 @@ class FeatureFollower:
         """Return which points move as one camera has it; those too new to say do, and all where they are few."""
         kept = np.ones(len(before), bool)
         known = np.flatnonzero(np.isfinite(before[:, 0]))
-        if len(known) < FEWEST:
+        if len(known) < MIN_EPIPOLAR_POINTS:
             return kept
         pair = [self.lens.straightened(each[known].astype(np.float64)) for each in (before, after)]
         self._cv.setRNGSeed(0)  # equal images give equal tracks
-        E, _ = self._cv.findEssentialMat(*pair, self.lens.K, self._cv.LMEDS, SURE)
+        E, _ = self._cv.findEssentialMat(*pair, self.lens.K, self._cv.LMEDS, LMEDS_CONFIDENCE)
         if E is None:
             return kept
         kept[known] = self._off(np.asarray(E[:3], np.float64), *pair) < self.settings.epipolar

@@ -11,7 +11,7 @@ from procedures.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Camera:
+class PinholeCamera:
     """Pinhole intrinsics [px], 1 sigma of an image point ``std`` [px], and where it sits on the IMU.
 
     ``C_bc`` (3, 3) takes camera to IMU axes, ``t_bc`` (3,) [m] is the camera in the IMU's axes.
@@ -37,7 +37,7 @@ class Camera:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Tracks:
+class FeatureTracks:
     """One row an observation: ``t`` (m,) [s] not falling, ``feature`` (m,), ``uv`` (m, 2) [px].
 
     Rows of one time are one frame; a feature stands in it once and keeps its number from frame to frame.
@@ -47,9 +47,9 @@ class Tracks:
     feature: IntArray
     uv: FloatArray
 
-    def shifted(self, offset: float) -> "Tracks":
+    def shifted(self, offset: float) -> "FeatureTracks":
         """Return the tracks with ``offset`` [s] added to their time stamps."""
-        return Tracks(self.t + offset, self.feature, self.uv)
+        return FeatureTracks(self.t + offset, self.feature, self.uv)
 
     def frames(self) -> tuple[FloatArray, IntArray]:
         """Return the times (n,) of the frames, and where their rows begin (n + 1,)."""

@@ -1,7 +1,7 @@
 """How a camera moved between two frames, up to scale: the essential matrix, outliers left out.
 
-P3 (III.A) uses seven points and pixels. With known intrinsics the eight-point equations are linear on the plane at
-depth 1, and all trial samples are solved at once. Source of the method: Hartley, Zisserman, Multiple View
+Han 2022 (III.A) uses seven points and pixels. With known intrinsics the eight-point equations are linear on the
+plane at depth 1, and all trial samples are solved at once. Source of the method: Hartley, Zisserman, Multiple View
 Geometry, 9.6 and 11.2.
 """
 
@@ -11,10 +11,10 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 
-TRIALS = 300
-SAMPLE = 12  # points a trial: eight fix the matrix, but hardly under noise; nine good ones where 1 in 4 is wrong
-WIDENING = (3.0, 2.0, 1.5, 1.0)  # of the limit, while a sample's motion becomes that of all
-FEWEST = 20  # points of which a motion is believed
+RANSAC_TRIALS = 300
+SAMPLE_POINTS = 12  # a trial: eight fix the matrix, but hardly under noise; nine good ones where 1 in 4 is wrong
+LIMIT_FACTORS = (3.0, 2.0, 1.5, 1.0)  # of the limit, while a sample's motion becomes that of all
+MIN_POINTS = 20  # points of which a motion is believed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,15 +31,15 @@ def two_view(x0: FloatArray, x1: FloatArray, limit: float, rng: np.random.Genera
 
     ``limit`` is how far off a point may lie, in units of the plane at depth 1; ``rng`` draws the samples.
     """
-    if len(x0) < FEWEST:
+    if len(x0) < MIN_POINTS:
         return None
     y0, y1 = (np.column_stack((x, np.ones(len(x)))) for x in (x0, x1))
-    pick = np.argsort(rng.random((TRIALS, len(x0))), axis=1)[:, :SAMPLE]
+    pick = np.argsort(rng.random((RANSAC_TRIALS, len(x0))), axis=1)[:, :SAMPLE_POINTS]
     E = _essential(y0[pick], y1[pick])
-    agree = sampson_distance(E, y0, y1) < WIDENING[0] * limit
+    agree = sampson_distance(E, y0, y1) < LIMIT_FACTORS[0] * limit
     best = agree[agree.sum(axis=1).argmax()]
-    for wider in WIDENING:
-        if best.sum() < FEWEST:
+    for wider in LIMIT_FACTORS:
+        if best.sum() < MIN_POINTS:
             return None
         E = _essential(y0[best][None], y1[best][None])
         best = sampson_distance(E, y0, y1)[0] < wider * limit
@@ -71,7 +71,7 @@ def _before_both(E: FloatArray, y0: FloatArray, y1: FloatArray, agree: BoolArray
     found = [(U @ W @ Vt, side * U[:, 2]) for W in (turn, turn.T) for side in (1.0, -1.0)]
     counts = [_in_front(R, t, y0[agree], y1[agree]) for R, t in found]
     best = int(np.argmax(counts))
-    if counts[best] < max(FEWEST, 0.7 * agree.sum()):
+    if counts[best] < max(MIN_POINTS, 0.7 * agree.sum()):
         return None
     R, t = found[best]  # y1 ~ R y0 + t
     return TwoView(R.T, -R.T @ t, agree)

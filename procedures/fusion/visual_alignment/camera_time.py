@@ -20,34 +20,34 @@ from procedures.arrays import FloatArray
 from procedures.frames import rotation
 from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.fusion_records import ImuSeries
-from procedures.fusion.imu.gyro_rotations import NEAR, GyroTurns
+from procedures.fusion.imu.gyro_rotations import RATE_HALF_SPAN_S, GyroRotations
 from procedures.fusion.imu.imu_gaps import imu_gaps
-from procedures.fusion.vision.epipolar_rotations import TINY, EpipolarTurns, TurnMisfit
-from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from procedures.fusion.vision.epipolar_rotations import TINY, EpipolarRotations, RotationMisfit
+from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.vision.frame_pairs import FramePairs, frame_pairs
 
-SETTLED = 0.005  # s, 1 sigma with which an offset is accepted
-MOST_TURNS = 0.95  # quantile of the changes of rate of which what is left counts
-REACH = 3.0  # sigmas of what is known before, that are searched
-STEP = 0.02  # s of the search: a vehicle does not swing to and fro within a few of them
-FEWEST, MOST = 20, 200  # pairs of frames
+MAX_OFFSET_STD_S = 0.005  # s, 1 sigma with which an offset is accepted
+RATE_CHANGE_QUANTILE = 0.95  # quantile of the changes of rate of which what is left counts
+SEARCH_SIGMAS = 3.0  # of what is known before, that are searched
+SEARCH_STEP_S = 0.02  # s of the search: a vehicle does not swing to and fro within a few of them
+MIN_PAIRS, MAX_PAIRS = 20, 200  # pairs of frames
 ROUGH_PAIRS, ROUGH_POINTS, ROUGH_LOSS, ROUGH_ROUNDS = 60, 40, 6.0, 2  # of the search
-BIAS, MOUNT = 0.1, np.radians(1.0)  # rad/s, rad: 1 sigma of the gyro's bias and of where the camera sits
-TURN = 1e-3  # rad, 1 sigma of a pair's turn beside the points' own noise: vibration, a lens, a rolling shutter
-ASTRAY = 1.5  # sigmas (rms of three axes) from which a pair counts less
-ROUNDS = (3, 10)  # at least, at most
-SMALL = 0.05  # of a sigma
-SLACK = 1.5  # on the sigma that the fit states: measured, docs/locate-vision.md
-ALONE = 25.0  # by how much the cost rises away from the offset, in sigmas squared: else there are two
-ASIDE = 0.06  # s from the offset that are away from it
-FAR = np.radians(10.0)  # from where the camera was said to sit
-STRANGE = 6.0  # mean square, of 1, of the pairs that tell: these are not the turns of this camera on this IMU
-UNEVEN = "it must turn unevenly: to and fro, about any axis, for some seconds"
-MISPLACED = "is imu_from_camera right?"
+GYRO_BIAS_STD, MOUNTING_STD = 0.1, np.radians(1.0)  # rad/s, rad, of the gyro and of where the camera sits
+PAIR_TURN_STD = 1e-3  # rad, of a pair's turn beside the points' own noise: vibration, a lens, a rolling shutter
+PAIR_OUTLIER_SIGMAS = 1.5  # sigmas (rms of three axes) from which a pair counts less
+ITERATIONS_RANGE = (3, 10)  # at least, at most
+STEP_TOLERANCE = 0.05  # of a sigma
+SIGMA_FACTOR = 1.5  # on the sigma that the fit states: measured, docs/locate-vision.md
+MIN_COST_RISE = 25.0  # by how much the cost rises away from the offset, in sigmas squared: else there are two
+VALLEY_HALF_WIDTH_S = 0.06  # s from the offset that are away from it
+MAX_MOUNTING_ANGLE = np.radians(10.0)  # from where the camera was said to sit
+MAX_MEAN_SQUARE = 6.0  # of 1, of the pairs that tell: beyond it these are not this camera's turns on this IMU
+UNEVEN_TURNS = "it must turn unevenly: to and fro, about any axis, for some seconds"
+CHECK_MOUNTING = "is imu_from_camera right?"
 
 
 @dataclass(frozen=True, slots=True)
-class CameraOffset:
+class CameraTimeOffset:
     """``offset`` [s], to be added to the camera's stamps, and 1 sigma ``std`` [s] of it."""
 
     offset: float
@@ -55,17 +55,20 @@ class CameraOffset:
 
 
 def camera_offset(
-    imu: ImuSeries, tracks: Tracks, camera: Camera, about: float = 0.0, std: float = 0.1, gentle: float = SETTLED
-) -> CameraOffset | Waiting:
+    imu: ImuSeries, tracks: FeatureTracks, camera: PinholeCamera, about: float = 0.0, std: float = 0.1,
+    gentle: float = MAX_OFFSET_STD_S,
+) -> CameraTimeOffset | Waiting:  # fmt: skip
     """Return the offset of the camera's stamps, or what is missing to know it.
 
     Known before is ``about`` and 1 sigma ``std`` [s]. Some 10 to 30 s of both are wanted; frames that the IMU does
     not span at all offsets that are tried are not used. Where turns are so even that what is left of them is
     within their noise, 1 sigma up to ``gentle`` [s] is accepted.
     """
-    pairs = _spanned(imu, frame_pairs(tracks, camera), about, REACH * std)
-    if len(pairs) < FEWEST:
-        return Waiting(f"{len(pairs)} pairs of frames within the IMU's time share features, {FEWEST} are needed")
+    pairs = _spanned(imu, frame_pairs(tracks, camera), about, SEARCH_SIGMAS * std)
+    if len(pairs) < MIN_PAIRS:
+        return Waiting(
+            f"{len(pairs)} pairs of frames within the IMU's time share features, {MIN_PAIRS} are needed"
+        )
     return _Fit(imu, pairs, camera, about, std, gentle).offset()
 
 
@@ -73,18 +76,18 @@ def _spanned(imu: ImuSeries, pairs: FramePairs, about: float, reach: float) -> F
     """Return the pairs that the IMU spans without a gap, wherever they are tried; of many those that tell most."""
     if len(imu.t) < 2:
         return pairs.part(slice(0, 0))
-    first, last = pairs.t0 + about - reach - 2 * NEAR, pairs.t1 + about + reach + 2 * NEAR
+    first, last = pairs.t0 + about - reach - 2 * RATE_HALF_SPAN_S, pairs.t1 + about + reach + 2 * RATE_HALF_SPAN_S
     good = (first >= imu.t[0]) & (last <= imu.t[-1])
     for gap in imu_gaps(imu):
         good &= (last < gap.first) | (first > gap.last)
-    return _telling(imu, pairs.part(np.flatnonzero(good)), about, reach, MOST)
+    return _telling(imu, pairs.part(np.flatnonzero(good)), about, reach, MAX_PAIRS)
 
 
 def _telling(imu: ImuSeries, pairs: FramePairs, about: float, reach: float, most: int) -> FramePairs:
     """Return those pairs over which the rate changes most, for that is what an offset shows by."""
     if len(pairs) <= most:
         return pairs
-    gyro, tried = GyroTurns(imu, np.zeros(3)), (about - reach / 2, about, about + reach / 2)
+    gyro, tried = GyroRotations(imu, np.zeros(3)), (about - reach / 2, about, about + reach / 2)
     change = [np.linalg.norm(gyro.rate(pairs.t1 + d) - gyro.rate(pairs.t0 + d), axis=1) for d in tried]
     return pairs.part(np.sort(np.max(change, axis=0).argsort()[-most:]))
 
@@ -115,16 +118,17 @@ class _Fit:
     """Pairs of frames and the gyro; what is fitted is offset, bias (3,) and the camera's turn (3,)."""
 
     def __init__(
-        self, imu: ImuSeries, pairs: FramePairs, camera: Camera, about: float, std: float, gentle: float
+        self, imu: ImuSeries, pairs: FramePairs, camera: PinholeCamera, about: float, std: float, gentle: float
     ) -> None:
         self.imu, self.pairs, self.camera, self.about, self.known = imu, pairs, camera, about, std
         self._gentle = gentle
         self.std = camera.std / np.array([camera.fx, camera.fy])
-        self._overlapping = np.abs(pairs.t0[:, None] - pairs.t0) <= np.median(pairs.t1 - pairs.t0) + NEAR
+        span = np.median(pairs.t1 - pairs.t0) + RATE_HALF_SPAN_S
+        self._overlapping = np.abs(pairs.t0[:, None] - pairs.t0) <= span
         self._overlap = max(1.0, float(self._overlapping.sum(axis=1).mean()) / 2)
-        self.prior = np.r_[std, np.full(3, BIAS), np.full(3, MOUNT)] ** -2
+        self.prior = np.r_[std, np.full(3, GYRO_BIAS_STD), np.full(3, MOUNTING_STD)] ** -2
 
-    def offset(self) -> CameraOffset | Waiting:
+    def offset(self) -> CameraTimeOffset | Waiting:
         """Return the offset, or why there is none."""
         x = np.r_[self.about, np.zeros(6)]
         for last in (False, True):  # a bias that is far off blurs the first search
@@ -138,38 +142,41 @@ class _Fit:
             other = _as_good(fits, grid, cost, sigma)
             if other is None or last:
                 break
-        return CameraOffset(float(x[0]), sigma) if other is None else other
+        return CameraTimeOffset(float(x[0]), sigma) if other is None else other
 
     def _doubt(self, fit: _Fitted, sigma: float) -> Waiting | None:
         away = float(np.linalg.norm(fit.x[4:]))
-        if fit.normal.misfit > STRANGE or away > FAR:
+        if fit.normal.misfit > MAX_MEAN_SQUARE or away > MAX_MOUNTING_ANGLE:
             return Waiting(
                 f"at no offset do the camera's turns fit the gyro's (mean square {fit.normal.misfit:.1f}, at most "
-                f"{STRANGE:g}, with the camera turned by {np.degrees(away):.0f} deg): {MISPLACED}"
+                f"{MAX_MEAN_SQUARE:g}, with the camera turned by {np.degrees(away):.0f} deg): {CHECK_MOUNTING}"
             )
         if sigma > (needed := self._needed(fit.x)):
-            return Waiting(f"its clock is known to {sigma * 1e3:.0f} ms, needed {needed * 1e3:.0f}: {UNEVEN}")
-        if abs(fit.x[0] - self.about) > REACH * self.known:
+            return Waiting(
+                f"its clock is known to {sigma * 1e3:.0f} ms, needed {needed * 1e3:.0f}: {UNEVEN_TURNS}"
+            )
+        if abs(fit.x[0] - self.about) > SEARCH_SIGMAS * self.known:
             return Waiting(f"its clock seems {fit.x[0] * 1e3:.0f} ms off, beyond what was searched: say so")
         return None
 
     def _needed(self, x: FloatArray) -> float:
-        """Return 1 sigma [s] of the offset that suffices: what it leaves of turns is within their noise `TURN`."""
-        gyro, t0, t1 = GyroTurns(self.imu, x[1:4]), self.pairs.t0 + x[0], self.pairs.t1 + x[0]
+        """Return 1 sigma [s] of the offset that suffices: what it leaves of turns is within `PAIR_TURN_STD`."""
+        gyro, t0, t1 = GyroRotations(self.imu, x[1:4]), self.pairs.t0 + x[0], self.pairs.t1 + x[0]
         change = np.linalg.norm(gyro.rate(t1) - gyro.rate(t0), axis=1)
-        return float(np.clip(TURN / max(float(np.quantile(change, MOST_TURNS)), TINY), SETTLED, self._gentle))
+        changed = max(float(np.quantile(change, RATE_CHANGE_QUANTILE)), TINY)
+        return float(np.clip(PAIR_TURN_STD / changed, MAX_OFFSET_STD_S, self._gentle))
 
     def _search(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return offsets (n,), and what each costs with the best bias and mount for it, in sigmas squared."""
-        reach = REACH * self.known
+        reach = SEARCH_SIGMAS * self.known
         some = _telling(self.imu, self.pairs, self.about, reach, ROUGH_PAIRS).part(slice(None), ROUGH_POINTS)
-        seen, gyro = EpipolarTurns(some, self.std, ROUGH_LOSS, ROUGH_ROUNDS), GyroTurns(self.imu, x[1:4])
-        half = int(np.ceil(reach / STEP - SMALL))
+        seen, gyro = EpipolarRotations(some, self.std, ROUGH_LOSS, ROUGH_ROUNDS), GyroRotations(self.imu, x[1:4])
+        half = int(np.ceil(reach / SEARCH_STEP_S - STEP_TOLERANCE))
         grid = self.about + np.linspace(-reach, reach, 2 * half + 1)
         costs = [self._rough(seen, gyro, np.r_[d, x[1:]]) for d in grid]
         return grid, np.array([_total(each) for each in costs])
 
-    def _rough(self, seen: EpipolarTurns, gyro: GyroTurns, x: FloatArray) -> FloatArray:
+    def _rough(self, seen: EpipolarRotations, gyro: GyroRotations, x: FloatArray) -> FloatArray:
         """Return the mean squares (p,) of the turns at an offset, bias and mount fitted."""
         R, J = self._turns(gyro, seen.pairs, x)
         misfit = seen.misfit(R)
@@ -178,17 +185,17 @@ class _Fit:
         return _off(misfit, (J @ step[:, None])[:, :, 0])
 
     def _refined(self, x: FloatArray) -> _Fitted:
-        seen = EpipolarTurns(self.pairs, self.std)
-        for made in range(ROUNDS[1]):
-            R, J = self._turns(GyroTurns(self.imu, x[1:4]), self.pairs, x)
+        seen = EpipolarRotations(self.pairs, self.std)
+        for made in range(ITERATIONS_RANGE[1]):
+            R, J = self._turns(GyroRotations(self.imu, x[1:4]), self.pairs, x)
             normal = self._normal(seen.misfit(R), J, x)
             step = np.linalg.solve(normal.A, -normal.b)
-            x = x + np.clip(step, -STEP, STEP)
-            if made + 1 >= ROUNDS[0] and step @ normal.A @ step < SMALL**2:
+            x = x + np.clip(step, -SEARCH_STEP_S, SEARCH_STEP_S)
+            if made + 1 >= ITERATIONS_RANGE[0] and step @ normal.A @ step < STEP_TOLERANCE**2:
                 break
         return _Fitted(x, normal, _total(normal.off) / self._overlap)
 
-    def _turns(self, gyro: GyroTurns, pairs: FramePairs, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _turns(self, gyro: GyroRotations, pairs: FramePairs, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return R (p, 3, 3) in c, and its left turn by what is fitted (p, 3, 7)."""
         t0, t1, C_bc = pairs.t0 + x[0], pairs.t1 + x[0], self.camera.C_bc @ rotation(x[4:])
         R_b, by_bias = gyro.turned(t0, t1)
@@ -197,10 +204,11 @@ class _Fit:
         R = C_bc.T @ R_b @ C_bc
         return R, np.concatenate((by_b, R - np.eye(3)), axis=2)
 
-    def _normal(self, misfit: TurnMisfit, J: FloatArray, x: FloatArray) -> _Normal:
-        """Weigh the pairs' turns, each with the noise `TURN` beside its own, and sum them up."""
+    def _normal(self, misfit: RotationMisfit, J: FloatArray, x: FloatArray) -> _Normal:
+        """Weigh the pairs' turns, each with the noise `PAIR_TURN_STD` beside its own, and sum them up."""
         off = _off(misfit, np.zeros((len(J), 3)))
-        trust, less = np.minimum(1, ASTRAY / np.sqrt(off + TINY)), np.linalg.inv(np.eye(3) + TURN**2 * misfit.H)
+        trust = np.minimum(1, PAIR_OUTLIER_SIGMAS / np.sqrt(off + TINY))
+        less = np.linalg.inv(np.eye(3) + PAIR_TURN_STD**2 * misfit.H)
         back = np.swapaxes(J, 1, 2)
         parts = (back @ less @ misfit.g[:, :, None])[:, :, 0] * trust[:, None]
         each = back @ less @ misfit.H @ J
@@ -214,13 +222,13 @@ class _Fit:
         P = np.linalg.inv(normal.A)
         moved = normal.parts @ P[0]
         scatter = float(moved @ self._overlapping @ moved)
-        return SLACK * float(np.sqrt(max(P[0, 0], scatter)))
+        return SIGMA_FACTOR * float(np.sqrt(max(P[0, 0], scatter)))
 
 
 def _valleys(grid: FloatArray, cost: FloatArray) -> list[float]:
     """Return the offset of least cost, and that of another valley where one is more than half as deep."""
     padded, best = np.r_[np.inf, cost, np.inf], int(cost.argmin())
-    low = (cost <= padded[:-2]) & (cost <= padded[2:]) & (np.abs(grid - grid[best]) > ASIDE)
+    low = (cost <= padded[:-2]) & (cost <= padded[2:]) & (np.abs(grid - grid[best]) > VALLEY_HALF_WIDTH_S)
     low &= cost < (cost[best] + np.median(cost)) / 2
     others = np.flatnonzero(low)
     return [float(grid[best]), *(float(grid[k]) for k in others[cost[others].argsort()][:1])]
@@ -233,24 +241,24 @@ def _as_good(fits: list[_Fitted], grid: FloatArray, cost: FloatArray, sigma: flo
     others = [(c - cost.min(), d) for d, c in zip(grid.tolist(), cost.tolist(), strict=True)]
     others += [(fit.cost - best.cost, float(fit.x[0])) for fit in fits[1:]]
     rise, other = min(
-        each for each in (*others, (np.inf, np.inf)) if abs(each[1] - offset) > max(ASIDE, 5 * sigma)
+        each for each in (*others, (np.inf, np.inf)) if abs(each[1] - offset) > max(VALLEY_HALF_WIDTH_S, 5 * sigma)
     )
     rise /= scale
-    if rise >= ALONE:
+    if rise >= MIN_COST_RISE:
         return None
     return Waiting(
-        f"offsets of {offset * 1e3:.0f} and {other * 1e3:.0f} ms fit alike (chi2 {rise:.0f} apart): {UNEVEN}"
+        f"offsets of {offset * 1e3:.0f} and {other * 1e3:.0f} ms fit alike (chi2 {rise:.0f} apart): {UNEVEN_TURNS}"
     )
 
 
 def _total(off: FloatArray) -> float:
     """Return the cost of the mean squares (p,) of turns, in sigmas squared; one that is far off counts no more."""
-    return float(3 * np.sum(off / (1 + off / ROUGH_LOSS**2))) / SLACK**2
+    return float(3 * np.sum(off / (1 + off / ROUGH_LOSS**2))) / SIGMA_FACTOR**2
 
 
-def _off(misfit: TurnMisfit, moved: FloatArray) -> FloatArray:
+def _off(misfit: RotationMisfit, moved: FloatArray) -> FloatArray:
     """Return how far the pairs' turns are off, mean square (p,), once they have been ``moved`` (p, 3) [rad]."""
-    less = np.linalg.inv(np.eye(3) + TURN**2 * misfit.H)
+    less = np.linalg.inv(np.eye(3) + PAIR_TURN_STD**2 * misfit.H)
     H = misfit.H + 1e-3 * np.eye(3)
     away = np.linalg.solve(H, misfit.g[:, :, None]) + moved[:, :, None]
     off: FloatArray = (np.swapaxes(away, 1, 2) @ less @ H @ away)[:, 0, 0] / 3

@@ -1,8 +1,8 @@
-"""From a camera's way up to scale to an alignment: scale, the world's axes, then all fitted together (P3 III).
+"""From a camera's way up to scale to an alignment: scale, the world's axes, then one fit of all (Han 2022 III).
 
 GNSS's way over the same time gives the scale. The world's axes come from two kinds of vectors at once (Wahba's
-problem): the way, P3's yaw by track, and the velocity increments with gravity, P3's eq. 3 in its integral form.
-Then tracks, IMU and GNSS velocity are fitted together, which is P3's joint refinement (III.C) and its bundle
+problem): the way, Han's yaw by track, and the velocity increments with gravity, Han's eq. 3 in its integral form.
+Then tracks, IMU and GNSS velocity are fitted together, which is Han's joint refinement (III.C) and its bundle
 adjustment in one: scale, biases, the world's rotation and the velocities. A strange misfit or a wide sigma of
 tilt, yaw or scale are reasons to go on waiting.
 """
@@ -13,22 +13,22 @@ import numpy as np
 
 from procedures.arrays import FloatArray, interpolated
 from procedures.frames import rotation_vector, wahba_rotation
-from procedures.fusion.alignment.alignment_result import SETTLED_TILT, SETTLED_YAW, Aligned, Waiting
+from procedures.fusion.alignment.alignment_result import MAX_TILT_STD, MAX_YAW_STD, AlignmentState, Waiting
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.imu.gnss_velocity import velocities
-from procedures.fusion.imu.inertial_increments import Grid, grid
+from procedures.fusion.imu.inertial_increments import ImuGrid, grid
 from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, beginning
 from procedures.fusion.inner.window_problem import Factor, Held, assemble
 from procedures.fusion.inner.window_state import HEADING, WindowState
 from procedures.fusion.outer.pose_graph_terms import rz
-from procedures.fusion.visual_alignment.visual_structure import Structure
+from procedures.fusion.visual_alignment.visual_structure import CameraStructure
 
-SETTLED_SCALE = 0.02  # 1 sigma: of 717 starts on real flights the worst was then 8 % off, of 901 with 0.04 11 %
-STRANGE = 2.5  # of a mean square that should be 1
-ROUNDS = 8
-SMALL = 1e-2  # of a sigma
+MAX_SCALE_STD = 0.02  # 1 sigma: of 717 starts on real flights the worst was then 8 % off, of 901 with 0.04 11 %
+MAX_MEAN_SQUARE = 2.5  # of a mean square that should be 1
+MAX_ITERATIONS = 8
+STEP_TOLERANCE = 1e-2  # of a sigma
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,19 +37,19 @@ class VisualStart:
     (k, 3) [m] before and after the joint fit; ``scale_std`` is 1 sigma of its length, relative.
     """  # noqa: D205
 
-    aligned: Aligned
+    aligned: AlignmentState
     t: FloatArray
     rough: FloatArray
     refined: FloatArray
     scale_std: float
 
 
-class JointFit:
+class VisualInertialFit:
     """One set of frames with their structure: the rough alignment, and the fit of all."""
 
     def __init__(
         self, settings: VisionSettings, imu: ImuSeries, fixes: GnssFixes, t: FloatArray, marks: Landmarks,
-        seen: Structure, scale: FloatArray,
+        seen: CameraStructure, scale: FloatArray,
     ) -> None:  # fmt: skip
         self.settings, self.imu, self.fixes, self.t, self.marks, self.seen = settings, imu, fixes, t, marks, seen
         self.scale = scale
@@ -83,7 +83,7 @@ class JointFit:
         rows = [slice(int(a), int(b)) for a, b in zip(g.at[:-1], g.at[1:], strict=True)]
         return [
             preintegrate(
-                Grid(g.dt[k], g.omega_b[k], g.f_b[k], g.at[:0]), self.gyro_bias, np.zeros(3), earth_b[i], noise
+                ImuGrid(g.dt[k], g.omega_b[k], g.f_b[k], g.at[:0]), self.gyro_bias, np.zeros(3), earth_b[i], noise
             )
             for i, k in enumerate(rows)
         ]
@@ -121,7 +121,7 @@ class JointFit:
 
     def _refined(self, C_nb: FloatArray, rough_n: FloatArray, v_n: FloatArray) -> VisualStart | Waiting:
         none, k, site = np.zeros(3), len(self.t), self.settings.site
-        first = Aligned(
+        first = AlignmentState(
             float(self.t[0]), C_nb, v_n[0], self.gyro_bias, none, np.zeros((12, 12)), float(self.t[-1]), C_nb,
             0.0, 0.0, 0.0,
         )  # fmt: skip
@@ -130,13 +130,13 @@ class JointFit:
         self.parts = self._parts(np.einsum("kji,j->ki", C_ob, site.earth_n))
         state = replace(one, C_ob=C_ob, p=rough_n, v=v_n, bg=np.tile(self.gyro_bias, (k, 1)), ba=np.zeros((k, 3)))
         held = self._held(state)
-        for _ in range(ROUNDS):
+        for _ in range(MAX_ITERATIONS):
             normal, free = assemble(state, prior, held, site, self.marks, self.marks.sights.seen, self.scale)
             factor = Factor(normal.A)
             step = -factor.solve(normal.g)
             state = state.moved(step)
             self.marks.step(free.rows, free.step(step), state.held)
-            if step @ normal.A @ step < SMALL**2 * len(step):
+            if step @ normal.A @ step < STEP_TOLERANCE**2 * len(step):
                 break
         return self._judged(state, held, factor, rough_n)
 
@@ -160,7 +160,7 @@ class JointFit:
         if why:
             return Waiting(why)
         C = R @ state.C_ob
-        aligned = Aligned(
+        aligned = AlignmentState(
             float(self.t[0]), C[0], R @ state.v[0], state.bg[0], state.ba[0], np.zeros((12, 12)),
             float(self.t[-1]), C[-1], tilt_std, yaw_std, misfit,
         )  # fmt: skip
@@ -182,17 +182,17 @@ def _sigmas(state: WindowState, factor: Factor) -> tuple[float, float, float]:
 
 
 def _why_waiting(tilt_std: float, yaw_std: float, scale_std: float, misfit: float) -> str:
-    if not misfit < STRANGE:
+    if not misfit < MAX_MEAN_SQUARE:
         return (
             f"camera, IMU and GNSS velocity do not fit each other (mean square {misfit:.1f}, at most "
-            f"{STRANGE:g}): look at time stamps, imu_from_camera, std_px and velocity_std_m_s"
+            f"{MAX_MEAN_SQUARE:g}): look at time stamps, imu_from_camera, std_px and velocity_std_m_s"
         )
-    if tilt_std < SETTLED_TILT and yaw_std < SETTLED_YAW and scale_std < SETTLED_SCALE:
+    if tilt_std < MAX_TILT_STD and yaw_std < MAX_YAW_STD and scale_std < MAX_SCALE_STD:
         return ""
     tilt, yaw, tilt_asked, yaw_asked = np.degrees(
-        np.minimum([tilt_std, yaw_std, SETTLED_TILT, SETTLED_YAW], np.pi)
+        np.minimum([tilt_std, yaw_std, MAX_TILT_STD, MAX_YAW_STD], np.pi)
     )
     return (
         f"tilt is known to {tilt:.1f} deg, yaw to {yaw:.1f} deg and scale to {100 * scale_std:.0f} % 1 sigma, "
-        f"{tilt_asked:.0f}, {yaw_asked:.0f} and {100 * SETTLED_SCALE:.0f} are needed: it must move further"
+        f"{tilt_asked:.0f}, {yaw_asked:.0f} and {100 * MAX_SCALE_STD:.0f} are needed: it must move further"
     )

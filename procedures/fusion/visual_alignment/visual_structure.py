@@ -1,4 +1,4 @@
-"""Where a camera was over some frames, up to scale, from tracks alone (P3 III.A less its scale).
+"""Where a camera was over some frames, up to scale, from tracks alone (Han 2022 III.A less its scale).
 
 Two frames far enough apart give the first motion; the points they share give the other frames; then all frames and
 points are fitted together (bundle adjustment with Huber's loss, sights that are no match left out).
@@ -14,18 +14,18 @@ from procedures.frames import rotation, wahba_rotation
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.reprojection import SEEING, linearise, residuals
 from procedures.fusion.inner.window_state import WindowState
-from procedures.fusion.vision.two_view import FEWEST, two_view
+from procedures.fusion.vision.two_view import MIN_POINTS, two_view
 
-BENT = 4.0  # sigmas of an image point that no mere turn explains, median
-PARALLAX = 20.0  # sigmas of an image point, median over what two frames share, turning taken off
-ALLOWED = 2.0  # sigmas from the epipolar line
-ASTRAY = 4.0  # whitened length of a sight that is no match
-ROUNDS = 10
+MIN_BEND_SIGMAS = 4.0  # sigmas of an image point that no mere turn explains, median
+MIN_PARALLAX_SIGMAS = 20.0  # sigmas of an image point, median over what two frames share, turning taken off
+EPIPOLAR_SIGMAS = 2.0  # sigmas from the epipolar line
+OUTLIER_SIGMAS = 4.0  # whitened length of a sight that is no match
+MAX_ITERATIONS = 10
 DAMPING = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Structure:
+class CameraStructure:
     """Cameras ``C_0c`` (k, 3, 3) and ``p_0`` (k, 3) in the axes of the first, in a unit of its own.
 
     ``misfit`` is the mean square of the whitened sights over what noise gives.
@@ -36,7 +36,9 @@ class Structure:
     misfit: float
 
 
-def structure(marks: Landmarks, t: FloatArray, scale: FloatArray, rng: np.random.Generator) -> Structure | str:
+def structure(
+    marks: Landmarks, t: FloatArray, scale: FloatArray, rng: np.random.Generator
+) -> CameraStructure | str:
     """Return the cameras at ``t`` (k,) [s] from the landmarks of ``marks``, which are placed; or what is missing.
 
     ``scale`` (2,) is focal length over sigma.
@@ -44,17 +46,19 @@ def structure(marks: Landmarks, t: FloatArray, scale: FloatArray, rng: np.random
     s = marks.sights
     last = len(t) - 1
     both = s.seen[:, 0] & s.seen[:, last]
-    if both.sum() < FEWEST:
-        return f"{both.sum()} features are followed over {t[-1] - t[0]:.1f} s, {FEWEST} are needed"
+    if both.sum() < MIN_POINTS:
+        return f"{both.sum()} features are followed over {t[-1] - t[0]:.1f} s, {MIN_POINTS} are needed"
     x0, x1 = s.z[both, 0], s.z[both, last]
-    if (bent := _parallax(x0, x1, _turn(x0, x1)) * float(scale.mean())) < BENT:
-        return f"the image moves by {bent:.1f} sigmas more than by a turn, {BENT:.0f} are needed: move further"
-    found = two_view(x0, x1, ALLOWED / float(scale.mean()), rng)
+    if (bent := _parallax(x0, x1, _turn(x0, x1)) * float(scale.mean())) < MIN_BEND_SIGMAS:
+        least = f"{MIN_BEND_SIGMAS:.0f} are needed: move further"
+        return f"the image moves by {bent:.1f} sigmas more than by a turn, {least}"
+    found = two_view(x0, x1, EPIPOLAR_SIGMAS / float(scale.mean()), rng)
     if found is None:
         return "the features' motion is not that of one camera before things that stand"
     parallax = _parallax(x0, x1, found.C_01) * float(scale.mean())
-    if parallax < PARALLAX:
-        return f"the parallax is {parallax:.0f} sigmas of an image point, {PARALLAX:.0f} are needed: move further"
+    if parallax < MIN_PARALLAX_SIGMAS:
+        least = f"{MIN_PARALLAX_SIGMAS:.0f} are needed: move further"
+        return f"the parallax is {parallax:.0f} sigmas of an image point, {least}"
     state = _between(t, found.C_01, found.p_0)
     _resect(state, marks, np.flatnonzero(both)[found.agree], scale)
     return _adjusted(state, marks, scale)
@@ -96,7 +100,7 @@ def _resect(state: WindowState, marks: Landmarks, rows: IntArray, scale: FloatAr
     marks.settle(state)
     inner = np.arange(1, len(state.p) - 1)
     marks.sights = replace(s, seen=s.seen & only[:, None])
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         visual = linearise(state, marks.sights, scale)
         for k in inner:
             at = slice(SEEING + 6 * k, SEEING + 6 * k + 6)
@@ -108,19 +112,19 @@ def _resect(state: WindowState, marks: Landmarks, rows: IntArray, scale: FloatAr
     marks.sights = s
 
 
-def _adjusted(state: WindowState, marks: Landmarks, scale: FloatArray) -> Structure | str:
+def _adjusted(state: WindowState, marks: Landmarks, scale: FloatArray) -> CameraStructure | str:
     """Fit all frames and landmarks; the first frame stands, and the distance of the last from it."""
     marks.settle(state)
     marks.sights = replace(marks.sights, seen=marks.sights.seen & marks.ready[:, None])
-    for strictness in (4 * ASTRAY, ASTRAY, ASTRAY):
+    for strictness in (4 * OUTLIER_SIGMAS, OUTLIER_SIGMAS, OUTLIER_SIGMAS):
         state = _fitted(state, marks, scale)
         rows, frames, r, y = residuals(state, marks.sights, scale)
         bad = (np.linalg.norm(r, axis=1) > strictness) | (y[:, 2] <= 0)
         marks.sights.seen[rows[bad], frames[bad]] = False
-    if marks.sights.seen[:, -1].sum() < FEWEST:
+    if marks.sights.seen[:, -1].sum() < MIN_POINTS:
         return "too few features fit one motion of the camera"
     freedom = 2 * (~bad).sum() - 3 * marks.sights.seen.any(axis=1).sum() - 6 * len(state.p)
-    return Structure(state.C_ob, state.p, float(np.sum(r[~bad] ** 2)) / max(int(freedom), 1))
+    return CameraStructure(state.C_ob, state.p, float(np.sum(r[~bad] ** 2)) / max(int(freedom), 1))
 
 
 def _fitted(state: WindowState, marks: Landmarks, scale: FloatArray) -> WindowState:
@@ -128,7 +132,7 @@ def _fitted(state: WindowState, marks: Landmarks, scale: FloatArray) -> WindowSt
     free = np.arange(SEEING + 6, SEEING + 6 * len(state.p))
     along = SEEING + 6 * (len(state.p) - 1) + 3 + int(np.abs(state.p[-1]).argmax())
     free = free[free != along]
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         visual = linearise(state, marks.sights, scale)
         L = visual.L + np.diag([1e-2, 1e-2, 1e-4]) + DAMPING * visual.L * np.eye(3)
         inverse = np.asarray(np.linalg.inv(L), np.float64)

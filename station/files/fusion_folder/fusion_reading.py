@@ -8,7 +8,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
-from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_columns import (
     FORCE,
@@ -43,8 +43,8 @@ class FusionLog:
     noise: ImuNoise | None
     odometry: Trajectory | None
     truth: Trajectory | None
-    tracks: Tracks | None = None
-    camera: Camera | None = None
+    tracks: FeatureTracks | None = None
+    camera: PinholeCamera | None = None
 
 
 def read_fusion(folder: Path) -> FusionLog:
@@ -97,7 +97,7 @@ def _imu(folder: Path, table: FusionTable, lines: dict[Key, int]) -> ImuSeries |
 
 def _camera(
     folder: Path, table: FusionTable, lines: dict[Key, int], fixes: GnssFixes
-) -> tuple[Tracks | None, Camera | None]:
+) -> tuple[FeatureTracks | None, PinholeCamera | None]:
     if table.tracks is None:
         return None, None
     tracks = read_tracks(folder, table.tracks.file, line_of(("tracks", "file"), lines))

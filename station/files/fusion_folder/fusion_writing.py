@@ -8,7 +8,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.earth.geodesy import LocalLevel
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
-from procedures.fusion.vision.feature_tracks import Tracks
+from procedures.fusion.vision.feature_tracks import FeatureTracks
 from station.files.atomic_file import replace_file
 from station.files.fusion_folder.fusion_columns import FORCE, GNSS, POSITION, RATE, VELOCITY
 from station.files.fusion_folder.fusion_reading import FUSION_TOML
@@ -23,7 +23,7 @@ UNKNOWN_STD = 0.1  # s, of a camera's stamps where nothing is told of them
 class CameraTracks:
     """What a camera saw, and the camera; where nothing is told of its time offset that is to be estimated."""
 
-    tracks: Tracks
+    tracks: FeatureTracks
     lens: LensTable
 
 

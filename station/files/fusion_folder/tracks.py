@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.vision.feature_tracker import Lens
-from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from procedures.fusion.vision.feature_tracker import LensModel
+from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.fusion_folder.fusion_columns import TRACKS, read_table, refuse_time, stacked
@@ -15,18 +15,18 @@ from station.files.fusion_folder.fusion_schema import LensTable
 LARGEST = 2.0**53  # of a feature's number
 
 
-def camera_of(table: LensTable) -> Camera:
+def camera_of(table: LensTable) -> PinholeCamera:
     """Return the camera that a table describes."""
     T = np.array(table.imu_from_camera)
-    return Camera(table.fx_px, table.fy_px, table.cx_px, table.cy_px, table.std_px, T[:3, :3], T[:3, 3])
+    return PinholeCamera(table.fx_px, table.fy_px, table.cx_px, table.cy_px, table.std_px, T[:3, :3], T[:3, 3])
 
 
-def lens_of(table: LensTable) -> Lens:
+def lens_of(table: LensTable) -> LensModel:
     """Return the lens that a table describes."""
-    return Lens(table.fx_px, table.fy_px, table.cx_px, table.cy_px, np.array(table.distortion))
+    return LensModel(table.fx_px, table.fy_px, table.cx_px, table.cy_px, np.array(table.distortion))
 
 
-def read_tracks(folder: Path, name: str, line: int) -> Tracks:
+def read_tracks(folder: Path, name: str, line: int) -> FeatureTracks:
     """Read the tracks file ``name`` of ``folder`` that stands at ``line`` of ``fusion.toml``.
 
     Raises
@@ -38,7 +38,7 @@ def read_tracks(folder: Path, name: str, line: int) -> Tracks:
     t, feature = read.columns["t_s"], read.columns["feature"]
     refuse_time(t, read.first_line, read.file, repeats=True)
     _refuse_features(t, feature, read.first_line, read.file)
-    return Tracks(t, feature.astype(np.int64), stacked(read, ("u_px", "v_px")))
+    return FeatureTracks(t, feature.astype(np.int64), stacked(read, ("u_px", "v_px")))
 
 
 def _refuse_features(t: FloatArray, feature: FloatArray, line: int, file: str) -> None:
@@ -54,7 +54,7 @@ def _refuse_features(t: FloatArray, feature: FloatArray, line: int, file: str) -
         )
 
 
-def write_tracks(path: Path, tracks: Tracks) -> None:
+def write_tracks(path: Path, tracks: FeatureTracks) -> None:
     """Write tracks, there whole or what stood there before; raise `CannotWrite` if it cannot be."""
     rows = zip(tracks.t.tolist(), tracks.feature.tolist(), tracks.uv.tolist(), strict=True)
     text = "".join(f"{t:.6f},{feature},{u:.3f},{v:.3f}\n" for t, feature, (u, v) in rows)

@@ -8,7 +8,7 @@ import numpy as np
 from drivers.camera import CameraImage
 from procedures.arrays import FloatArray, IntArray
 from procedures.fusion.optional_libraries import opencv
-from procedures.fusion.vision.feature_tracker import FeatureFollower, Image, Lens
+from procedures.fusion.vision.feature_tracker import FeatureTracker, Image, LensModel
 
 FeaturePositions = tuple[IntArray, FloatArray]
 Follow = Callable[[CameraImage], FeaturePositions | None]
@@ -17,9 +17,9 @@ Follow = Callable[[CameraImage], FeaturePositions | None]
 class ImageFeatureFollower:
     """Call it with each image in turn; ``spoilt`` counts those that are none, or of another size."""
 
-    def __init__(self, lens: Lens) -> None:
+    def __init__(self, lens: LensModel) -> None:
         self._lens, self._cv = lens, opencv()
-        self._follower = FeatureFollower(lens)
+        self._follower = FeatureTracker(lens)
         self._shape: tuple[int, ...] | None = None
         self.spoilt = 0
 

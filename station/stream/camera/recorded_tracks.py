@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from procedures.earth.gnss_records import TimeMark
-from procedures.fusion.vision.feature_tracks import Tracks
+from procedures.fusion.vision.feature_tracks import FeatureTracks
 from station.files.fusion_folder.fusion_writing import CameraTracks
 from station.files.fusion_folder.tracks import lens_of
 from station.stream.camera.description import CAMERA_FILE, read_description
@@ -38,7 +38,7 @@ def recorded_tracks(folder: Path, marks: Iterable[tuple[int, float]]) -> CameraT
     return CameraTracks(_followed(folder, times, ImageFeatureFollower(lens_of(table))), table)
 
 
-def _followed(folder: Path, times: FixTimes, follow: ImageFeatureFollower) -> Tracks:
+def _followed(folder: Path, times: FixTimes, follow: ImageFeatureFollower) -> FeatureTracks:
     t, feature, uv = [np.zeros(0)], [np.zeros(0, np.int64)], [np.zeros((0, 2))]
     newest = -np.inf
     for image in recorded_images(folder):
@@ -49,4 +49,4 @@ def _followed(folder: Path, times: FixTimes, follow: ImageFeatureFollower) -> Tr
         t.append(np.full(len(seen[0]), now))
         feature.append(seen[0])
         uv.append(seen[1])
-    return Tracks(np.concatenate(t), np.concatenate(feature), np.concatenate(uv))
+    return FeatureTracks(np.concatenate(t), np.concatenate(feature), np.concatenate(uv))

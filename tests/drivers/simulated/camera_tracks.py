@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation, RotationSpline
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.fusion.fusion_records import Trajectory
-from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 
 NEAREST = 0.2  # m, in front of which nothing is seen
 
@@ -36,7 +36,7 @@ class View:
     astray: float = 50.0
 
 
-def simulate_tracks(path: Trajectory, camera: Camera, view: View, seed: int) -> Tracks:
+def simulate_tracks(path: Trajectory, camera: PinholeCamera, view: View, seed: int) -> FeatureTracks:
     """Return the tracks that ``camera`` would leave along ``path`` (IMU in n); equal seeds give equal tracks."""
     rng = np.random.default_rng(seed)
     t = np.arange(path.t[0], path.t[-1], 1 / view.rate)
@@ -45,13 +45,13 @@ def simulate_tracks(path: Trajectory, camera: Camera, view: View, seed: int) -> 
     scene = _Scene(camera, view, rng)
     rows = [scene.seen(float(now), C @ camera.C_bc, p) for now, C, p in zip(t, C_nb, p_c, strict=True)]
     feature, uv = (np.concatenate(parts) for parts in zip(*rows, strict=True))
-    return Tracks(np.repeat(t, [len(ids) for ids, _ in rows]), feature, uv)
+    return FeatureTracks(np.repeat(t, [len(ids) for ids, _ in rows]), feature, uv)
 
 
 class _Scene:
     """The features that stand in the view now."""
 
-    def __init__(self, camera: Camera, view: View, rng: np.random.Generator) -> None:
+    def __init__(self, camera: PinholeCamera, view: View, rng: np.random.Generator) -> None:
         self.camera, self.view, self.rng = camera, view, rng
         self.p_n = np.zeros((0, 3))
         self.feature = np.zeros(0, np.int64)

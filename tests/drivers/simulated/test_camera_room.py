@@ -15,14 +15,14 @@ from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_motion import drive
 from procedures.frames import rotation
-from procedures.fusion.vision.feature_tracker import FeatureFollower, FollowerSettings, Lens
+from procedures.fusion.vision.feature_tracker import FeatureTracker, FeatureTrackerSettings, LensModel
 from tests.drivers.simulated.drives import bends
 
 cv2 = pytest.importorskip("cv2", reason="opencv is not installed")
 TRUTH, TRACK = Truth.example(3), bends(60.0)
 CAMERA = CameraTruth()
-LENS = Lens(CAMERA.fx, CAMERA.fy, CAMERA.cx, CAMERA.cy, np.zeros(4))
-SETTINGS = FollowerSettings(features=90, apart=12.0)
+LENS = LensModel(CAMERA.fx, CAMERA.fy, CAMERA.cx, CAMERA.cy, np.zeros(4))
+SETTINGS = FeatureTrackerSettings(features=90, apart=12.0)
 
 
 def seen_again(images: CameraImages, t0: float, uv: np.ndarray, t: float) -> np.ndarray:
@@ -38,7 +38,7 @@ def seen_again(images: CameraImages, t0: float, uv: np.ndarray, t: float) -> np.
 
 def offsets(images: CameraImages, begin: float, seconds: float) -> tuple[np.ndarray, list[int]]:
     """Return how far (n,) [px] features are from where their first sight has them, and how many there were."""
-    follower, first = FeatureFollower(LENS, SETTINGS), dict[int, tuple[float, np.ndarray]]()
+    follower, first = FeatureTracker(LENS, SETTINGS), dict[int, tuple[float, np.ndarray]]()
     off, kept = list[np.ndarray](), list[int]()
     for t in begin + np.arange(0.0, seconds, 1 / CAMERA.rate_hz):
         image = cv2.imdecode(np.frombuffer(images.jpeg(t), np.uint8), cv2.IMREAD_GRAYSCALE)

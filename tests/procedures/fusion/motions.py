@@ -9,7 +9,7 @@ from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import rotation
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
-from procedures.fusion.odometry import Drift, RecordedOdometry
+from procedures.fusion.odometry import OdometryDrift, RecordedOdometry
 from procedures.units import RAD_S_PER_DEG_H
 
 RATE = 20.0  # Hz
@@ -77,7 +77,7 @@ class Eight:
         v = self.v(t) + self.attitude(t).apply(np.cross(omega, lever)) + rng.normal(0, 0.05, (len(t), 3))
         return GnssFixes(stamp, p, v, np.full(len(t), np.nan), np.full(len(t), std), np.full(len(t), 0.05))
 
-    def odometry(self, rng: np.random.Generator, drift: Drift, yaw: float = 0.7) -> RecordedOdometry:
+    def odometry(self, rng: np.random.Generator, drift: OdometryDrift, yaw: float = 0.7) -> RecordedOdometry:
         """Return an odometry in a frame turned by ``yaw`` [rad], whose drift is as it says."""
         t = np.arange(0.0, self.seconds, 1 / RATE)
         dt = 1 / RATE

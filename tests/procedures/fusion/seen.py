@@ -5,12 +5,12 @@ from scipy.spatial.transform import Rotation
 
 from procedures.fusion.fusion_records import Trajectory
 from procedures.fusion.inner.inertial_terms import Site
-from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from tests.drivers.simulated.camera_tracks import View, simulate_tracks
 from tests.procedures.fusion.motions import EARTH, GRAVITY, NOISE, Eight
 
 # the flight's x axis points up: the camera looks along body z, its right is body -y
-CAMERA = Camera(
+CAMERA = PinholeCamera(
     458.0, 457.0, 367.0, 248.0, 1.0, np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
     np.array([-0.02, -0.06, 0.01]),
 )  # fmt: skip
@@ -23,14 +23,14 @@ def path_of(flight: Eight) -> Trajectory:
     return Trajectory(t, flight.p(t), flight.attitude(t).as_quat())
 
 
-def tracks_of(flight: Eight, seed: int, camera: Camera = CAMERA, view: View | None = None) -> Tracks:
+def tracks_of(flight: Eight, seed: int, camera: PinholeCamera = CAMERA, view: View | None = None) -> FeatureTracks:
     """Return what the camera leaves."""
     return simulate_tracks(path_of(flight), camera, view or View(), seed)
 
 
-def turned(camera: Camera, turn_deg: float, shift_m: float) -> Camera:
+def turned(camera: PinholeCamera, turn_deg: float, shift_m: float) -> PinholeCamera:
     """Return a camera whose place is told wrong by so much about and along each axis."""
     wrong = Rotation.from_rotvec(np.radians(turn_deg) * np.ones(3)).as_matrix()
-    return Camera(
+    return PinholeCamera(
         camera.fx, camera.fy, camera.cx, camera.cy, camera.std, camera.C_bc @ wrong, camera.t_bc + shift_m
     )

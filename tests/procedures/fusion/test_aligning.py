@@ -8,7 +8,7 @@ import pytest
 from procedures.fusion.alignment.alignment_at_rest import align_at_rest
 from procedures.fusion.alignment.alignment_attempts import align_when_possible, fixes_between
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import Aligned, Waiting
+from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
@@ -20,7 +20,7 @@ def aligner(lever: np.ndarray | None = None) -> MovingAligner:
     return MovingAligner(NOISE, GRAVITY, EARTH, np.zeros(3) if lever is None else lever)
 
 
-def off(aligned: Aligned, flight: Eight) -> np.ndarray:
+def off(aligned: AlignmentState, flight: Eight) -> np.ndarray:
     """Return the error of an attitude as a rotation about n (3,) [rad]."""
     E = aligned.C_now @ flight.attitude(np.array(aligned.t)).as_matrix().T
     return np.array([E[2, 1] - E[1, 2], E[0, 2] - E[2, 0], E[1, 0] - E[0, 1]]) / 2
@@ -30,7 +30,7 @@ def off(aligned: Aligned, flight: Eight) -> np.ndarray:
 def test_ten_seconds_of_motion_give_attitude_and_biases_within_their_sigma(seed: int) -> None:
     flight, rng = Eight(11.0), np.random.default_rng(seed)
     found = aligner().align(flight.imu(rng, EARTH), fixes_between(flight.fixes(rng), 0.0, 10.0))
-    assert isinstance(found, Aligned)
+    assert isinstance(found, AlignmentState)
     error = off(found, flight)
     assert np.abs(error[:2]).max() < 4 * found.tilt_std
     assert abs(error[2]) < 4 * found.yaw_std
@@ -43,7 +43,7 @@ def test_ten_seconds_of_motion_give_attitude_and_biases_within_their_sigma(seed:
 def test_a_lever_arm_that_is_known_is_taken_into_account() -> None:
     flight, rng = Eight(12.0), np.random.default_rng(1)
     found = aligner(LEVER).align(flight.imu(rng, EARTH), flight.fixes(rng, LEVER))
-    assert isinstance(found, Aligned)
+    assert isinstance(found, AlignmentState)
     assert np.abs(off(found, flight)).max() < 4 * found.yaw_std
 
 
@@ -52,7 +52,7 @@ def test_a_lever_arm_that_is_not_known_is_found_within_its_sigma(seed: int) -> N
     flight, rng = Eight(20.0), np.random.default_rng(seed)
     imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng, LEVER)
     found = replace(aligner(), lever_std=1.0).align(imu, fixes)
-    assert isinstance(found, Aligned)
+    assert isinstance(found, AlignmentState)
     assert found.lever is not None
     assert np.abs(off(found, flight)).max() < 4 * found.yaw_std
     sigma = np.sqrt(np.diag(found.covariance)[12:15])
@@ -65,14 +65,14 @@ def test_a_receiver_without_vertical_velocity_is_enough() -> None:
     fixes = flight.fixes(rng)
     fixes.v_n[:, 2] = np.nan
     found = aligner().align(flight.imu(rng, EARTH), fixes)
-    assert isinstance(found, Aligned)
+    assert isinstance(found, AlignmentState)
     assert abs(off(found, flight)[2]) < 4 * found.yaw_std
 
 
 def test_it_waits_while_nothing_moves_and_begins_when_it_does() -> None:
     flight, rng = Eight(20.0, still=6.0), np.random.default_rng(3)
     found = align_when_possible(aligner(), flight.imu(rng, EARTH), flight.fixes(rng))
-    assert isinstance(found, Aligned)
+    assert isinstance(found, AlignmentState)
     assert 6.0 < found.t < 20.0
     assert abs(off(found, flight)[2]) < 4 * found.yaw_std
 
@@ -97,7 +97,7 @@ def test_a_receiver_of_positions_alone_is_enough_however_far_apart_they_are(seed
     )  # every two seconds, in which it flies a quarter round
     fixes.v_n[:] = np.nan
     found = aligner(LEVER).align(flight.imu(rng, EARTH), fixes)
-    assert isinstance(found, Aligned)
+    assert isinstance(found, AlignmentState)
     error = off(found, flight)
     assert np.abs(error[:2]).max() < 4 * found.tilt_std
     assert abs(error[2]) < 4 * found.yaw_std
@@ -117,7 +117,7 @@ def test_a_fog_at_rest_finds_north_by_the_earths_rate() -> None:
     bias = rng.normal(size=3) * 0.05 * RAD_S_PER_DEG_H
     imu, C_nb, noise = fog(rng, 300.0, bias)
     found = align_at_rest(imu, noise, GRAVITY, EARTH)
-    assert isinstance(found, Aligned)
+    assert isinstance(found, AlignmentState)
     E = found.C_nb @ C_nb.T
     yaw = (E[1, 0] - E[0, 1]) / 2
     east_bias = (C_nb @ bias)[0]

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.frames import rotation, rotation_vector
-from procedures.fusion.imu.inertial_increments import Grid
+from procedures.fusion.imu.inertial_increments import ImuGrid
 from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
 from procedures.fusion.inner.inertial_terms import add_inertial, add_velocities, predicted
 from procedures.fusion.inner.landmarks import Landmarks
@@ -23,12 +23,12 @@ SCALE = np.array([458.0, 457.0])
 ZERO = np.zeros(3)
 
 
-def samples(rng: np.random.Generator, n: int = 20) -> Grid:
+def samples(rng: np.random.Generator, n: int = 20) -> ImuGrid:
     omega, f = rng.normal(0, 0.5, 3) + np.zeros((n, 3)), rng.normal(0, 1, 3) + np.array([9.8, 0.0, 0.0])
-    return Grid(np.full(n, 0.005), omega, f + np.zeros((n, 3)), np.zeros(0, np.int64))
+    return ImuGrid(np.full(n, 0.005), omega, f + np.zeros((n, 3)), np.zeros(0, np.int64))
 
 
-def made(part: Grid, bias: FloatArray) -> Preintegrated:
+def made(part: ImuGrid, bias: FloatArray) -> Preintegrated:
     return preintegrate(part, bias[:3], bias[3:], ZERO, NOISE)
 
 

@@ -11,8 +11,8 @@ from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
-from procedures.fusion.outer.pose_graph import OuterGraph
-from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from procedures.fusion.outer.pose_graph import PoseGraph
+from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
 from procedures.fusion.visual_alignment.visual_start import VisualStart
 from tests.drivers.simulated.camera_tracks import View
@@ -40,17 +40,19 @@ def fixes(flight: Eight) -> GnssFixes:
 
 
 @pytest.fixture(scope="module")
-def tracks(flight: Eight) -> Tracks:
+def tracks(flight: Eight) -> FeatureTracks:
     return tracks_of(flight, 3, view=VIEW)
 
 
-def begun(imu: ImuSeries, tracks: Tracks, fixes: GnssFixes, camera: Camera = CAMERA) -> VisualStart:
+def begun(imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes, camera: PinholeCamera = CAMERA) -> VisualStart:
     found = align_by_camera(VisualAligner(VisionSettings(SITE, camera, LeverArm(ZERO))), imu, tracks, fixes)
     assert isinstance(found, VisualStart), found
     return found
 
 
-def window(imu: ImuSeries, tracks: Tracks, fixes: GnssFixes, camera: Camera = CAMERA) -> VisualInertialWindow:
+def window(
+    imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes, camera: PinholeCamera = CAMERA
+) -> VisualInertialWindow:
     start = begun(imu, tracks, fixes).aligned
     return VisualInertialWindow(VisionSettings(SITE, camera, LeverArm(ZERO)), imu, tracks, fixes, start)
 
@@ -61,7 +63,7 @@ def turn_of(C_nb: np.ndarray, flight: Eight, t: float) -> np.ndarray:
 
 
 def test_the_joint_fit_knows_scale_and_attitude_to_its_own_sigma(
-    flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
+    flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
     aligner, found = VisualAligner(VisionSettings(SITE, CAMERA, LeverArm(ZERO))), list[VisualStart]()
     for now in np.arange(2.0, 10.0, 1.0):
@@ -82,7 +84,7 @@ def test_the_joint_fit_knows_scale_and_attitude_to_its_own_sigma(
         assert abs(up) < 4 * each.aligned.yaw_std
 
 
-def test_the_start_waits_for_displacement_and_says_so(tracks: Tracks) -> None:
+def test_the_start_waits_for_displacement_and_says_so(tracks: FeatureTracks) -> None:
     flight = Eight(6.0, still=6.0)
     still = tracks_of(flight, 3)
     rng = np.random.default_rng(1)
@@ -96,7 +98,9 @@ def test_the_start_waits_for_displacement_and_says_so(tracks: Tracks) -> None:
     assert "move further" in found.why
 
 
-def test_features_that_are_never_the_same_are_no_motion(imu: ImuSeries, tracks: Tracks, fixes: GnssFixes) -> None:
+def test_features_that_are_never_the_same_are_no_motion(
+    imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
+) -> None:
     rng = np.random.default_rng(5)
     strange = replace(tracks, uv=rng.permuted(tracks.uv, axis=0))
     found = VisualAligner(VisionSettings(SITE, CAMERA, LeverArm(ZERO))).align(imu, strange, fixes, 6.0)
@@ -105,10 +109,10 @@ def test_features_that_are_never_the_same_are_no_motion(imu: ImuSeries, tracks: 
 
 
 def test_the_window_follows_the_flight_and_the_graph_stays_within_its_sigma(
-    flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
+    flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
     source = window(imu, tracks, fixes)
-    poses = [pose for pose in OuterGraph().run(source, fixes) if pose.t > 5.0]
+    poses = [pose for pose in PoseGraph().run(source, fixes) if pose.t > 5.0]
     error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
     assert np.linalg.norm(error, axis=1).mean() < 0.06
     sigma = np.array([np.sqrt(np.diag(pose.covariance)[:3]) for pose in poses])
@@ -122,7 +126,9 @@ def test_the_window_follows_the_flight_and_the_graph_stays_within_its_sigma(
     assert 0.5 * wrong < source.rejected < 3.0 * wrong
 
 
-def test_where_the_camera_sits_is_found(flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes) -> None:
+def test_where_the_camera_sits_is_found(
+    flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
+) -> None:
     told = turned(CAMERA, 0.6, 0.01)
     source = window(imu, tracks, fixes, told)
     for _ in source.poses():
@@ -132,11 +138,11 @@ def test_where_the_camera_sits_is_found(flight: Eight, imu: ImuSeries, tracks: T
 
 
 def test_without_gnss_it_drifts_by_centimetres(
-    flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
+    flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
     early = fixes.part(fixes.t < 4.5)
     source = window(imu, tracks, early)
-    poses = [pose for pose in OuterGraph().run(source, early) if pose.t > 4.0]
+    poses = [pose for pose in PoseGraph().run(source, early) if pose.t > 4.0]
     error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
     size = np.linalg.norm(error - error[0], axis=1)
     assert size.max() < 0.25  # 6.5 s, some 12 m of flight
@@ -146,38 +152,38 @@ def test_without_gnss_it_drifts_by_centimetres(
 
 
 def test_positions_alone_hold_it_once_it_knows_its_heading(
-    flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
+    flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
     start = begun(imu, tracks, fixes).aligned
     bare = replace(fixes, v_n=np.full_like(fixes.v_n, np.nan), velocity_std=np.full(len(fixes.t), np.nan))
     source = VisualInertialWindow(VisionSettings(SITE, CAMERA, LeverArm(ZERO)), imu, tracks, bare, start)
-    poses = [pose for pose in OuterGraph().run(source, bare) if pose.t > 5.0]
+    poses = [pose for pose in PoseGraph().run(source, bare) if pose.t > 5.0]
     assert poses[0].t < 5.2
     error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
     assert np.linalg.norm(error, axis=1).mean() < 0.15
 
 
 def test_frames_that_fail_are_bridged_by_the_imu(
-    flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
+    flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
     dark = (tracks.t > 5.0) & (tracks.t < 7.0)
-    torn = Tracks(tracks.t[~dark], tracks.feature[~dark], tracks.uv[~dark])
+    torn = FeatureTracks(tracks.t[~dark], tracks.feature[~dark], tracks.uv[~dark])
     times, errors = list[float](), list[float]()
-    for pose in OuterGraph().run(window(imu, torn, fixes), fixes):
+    for pose in PoseGraph().run(window(imu, torn, fixes), fixes):
         times.append(pose.t)
         errors.append(float(np.linalg.norm(pose.p - flight.p(np.array(pose.t)))))
     assert np.diff(times).max() < 0.11
     assert max(errors[40:]) < 0.25
 
 
-def frames_of(tracks: Tracks) -> Iterator[tuple[float, set[int], np.ndarray]]:
+def frames_of(tracks: FeatureTracks) -> Iterator[tuple[float, set[int], np.ndarray]]:
     t, begin = tracks.frames()
     for i, now in enumerate(t):
         rows = slice(int(begin[i]), int(begin[i + 1]))
         yield float(now), set(tracks.feature[rows].tolist()), tracks.uv[rows]
 
 
-def test_equal_seeds_see_the_same_and_a_view_is_what_it_says(flight: Eight, tracks: Tracks) -> None:
+def test_equal_seeds_see_the_same_and_a_view_is_what_it_says(flight: Eight, tracks: FeatureTracks) -> None:
     again = tracks_of(flight, 3, view=VIEW)
     assert np.array_equal(again.uv, tracks.uv)
     assert not np.array_equal(tracks_of(flight, 4).uv, tracks.uv)
@@ -191,12 +197,12 @@ def test_equal_seeds_see_the_same_and_a_view_is_what_it_says(flight: Eight, trac
 
 
 def test_an_offset_left_in_the_cameras_stamps_is_found_by_the_window(
-    flight: Eight, imu: ImuSeries, tracks: Tracks, fixes: GnssFixes
+    flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
     start = begun(imu, tracks, fixes).aligned
     settings = VisionSettings(SITE, CAMERA, LeverArm(ZERO), offset_std=0.02)
     source = VisualInertialWindow(settings, imu, tracks.shifted(0.015), fixes, start)
-    poses = [pose for pose in OuterGraph().run(source, fixes) if pose.t > 5.0]
+    poses = [pose for pose in PoseGraph().run(source, fixes) if pose.t > 5.0]
     assert abs(source.state.offset + 0.015) < 4 * source.offset_std < 0.02
     turn = np.array([turn_of(pose.C_nb, flight, pose.t) for pose in poses])
     assert np.hypot(turn[:, 0], turn[:, 1]).max() < 1.0

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.fusion.vision.feature_tracks import Tracks
+from procedures.fusion.vision.feature_tracks import FeatureTracks
 from station import cli
 from station.errors import DataRefused
 from station.files.fusion_folder import read_fusion
@@ -93,7 +93,7 @@ def test_what_never_shows_how_far_it_moved_is_exit_5(folder: Path, capsys: pytes
     tracks = tracks_of(Eight(SECONDS), 3)
     first = tracks.t == tracks.t[0]
     t = np.repeat(np.arange(0.0, SECONDS, 0.1), int(first.sum()))
-    frozen = Tracks(t, np.tile(tracks.feature[first], len(t) // int(first.sum())),
+    frozen = FeatureTracks(t, np.tile(tracks.feature[first], len(t) // int(first.sum())),
                     np.tile(tracks.uv[first], (len(t) // int(first.sum()), 1)))  # fmt: skip
     write_tracks(folder / "tracks.csv", frozen)
     rows = np.loadtxt(folder / "gnss.csv", delimiter=",", skiprows=1)

@@ -7,8 +7,8 @@ import pytest
 
 from drivers.camera import CameraImage
 from procedures.fusion.inner.camera_keyframes import SPACING
-from procedures.fusion.vision.feature_tracks import Tracks
-from procedures.fusion.visual_alignment.camera_time import CameraOffset
+from procedures.fusion.vision.feature_tracks import FeatureTracks
+from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
 from station.locate.live_camera import LiveCamera
 from station.stream.camera.feature_following import FeaturePositions
 from tests.procedures.fusion.seen import CAMERA
@@ -20,7 +20,7 @@ LATE_S, CLOCK_S = 0.06, 1000.0
 class Eye:
     """A camera of tracks that are there already, read `LATE_S` late; ``stamps`` of a clock of its own, or none."""
 
-    def __init__(self, tracks: Tracks, *, stamps: bool) -> None:
+    def __init__(self, tracks: FeatureTracks, *, stamps: bool) -> None:
         self._tracks, self._stamps = tracks, stamps
         self.t, self._begin = tracks.frames()
 
@@ -77,21 +77,21 @@ def test_what_stamps_are_late_by_is_found(stamps: bool) -> None:
 def test_what_is_told_is_kept() -> None:
     _, tracks = seen(rocking, offset=0.0)
     eye = Eye(tracks, stamps=False)
-    live = LiveCamera(CAMERA, eye.follow, CameraOffset(-LATE_S, 0.0))
+    live = LiveCamera(CAMERA, eye.follow, CameraTimeOffset(-LATE_S, 0.0))
     fed(live, eye, 3.0)
     assert not live.is_due
     assert live.offset_std == 0.0
     assert live.said == "120 features, stamps 60 ms late"
     live.begin_anew()
     assert live.said == "no image yet"
-    assert live.offset == CameraOffset(-LATE_S, 0.0)
+    assert live.offset == CameraTimeOffset(-LATE_S, 0.0)
 
 
 def test_keyframes_stand_at_frames_and_as_often_without() -> None:
     _, tracks = seen(rocking, offset=0.0)
     dark = (tracks.t > 4.05) & (tracks.t < 4.95)
-    eye = Eye(Tracks(tracks.t[~dark], tracks.feature[~dark], tracks.uv[~dark]), stamps=False)
-    live = LiveCamera(CAMERA, eye.follow, CameraOffset(-LATE_S, 0.0))
+    eye = Eye(FeatureTracks(tracks.t[~dark], tracks.feature[~dark], tracks.uv[~dark]), stamps=False)
+    live = LiveCamera(CAMERA, eye.follow, CameraTimeOffset(-LATE_S, 0.0))
     fed(live, eye, 6.0)
     due = list(live.due(3.0, 5.55))
     t = np.array([each.t for each in due])
@@ -105,7 +105,7 @@ def test_keyframes_stand_at_frames_and_as_often_without() -> None:
 def test_images_that_are_none_are_passed_over() -> None:
     _, tracks = seen(rocking, offset=0.0)
     eye = Eye(tracks, stamps=False)
-    live = LiveCamera(CAMERA, eye.follow, CameraOffset(-LATE_S, 0.0))
+    live = LiveCamera(CAMERA, eye.follow, CameraTimeOffset(-LATE_S, 0.0))
     first = fed(live, eye, 2.0)
     before = len(live.tracks().t)
     live.take([CameraImage(round(2.05e9), None, b"spoilt")], 2.1)
@@ -133,7 +133,7 @@ def test_a_camera_that_sits_otherwise_than_told_is_not_asked_to_turn() -> None:
 
 def test_images_that_come_too_late_to_count_are_not_said_to_be_followed() -> None:
     _, tracks = seen(rocking, offset=0.0)
-    live = LiveCamera(CAMERA, Eye(tracks, stamps=False).follow, CameraOffset(-3.0, 0.0))
+    live = LiveCamera(CAMERA, Eye(tracks, stamps=False).follow, CameraTimeOffset(-3.0, 0.0))
     fed(live, Eye(tracks, stamps=False), 4.0)
     assert live.said == "images are 3.0 s late, of use up to 1 s"
 
@@ -141,7 +141,7 @@ def test_images_that_come_too_late_to_count_are_not_said_to_be_followed() -> Non
 def test_images_come_no_oftener_than_they_are_worth() -> None:
     _, tracks = seen(rocking, offset=0.0)
     eye = Eye(tracks, stamps=False)
-    live = LiveCamera(CAMERA, eye.follow, CameraOffset(-LATE_S, 0.0))
+    live = LiveCamera(CAMERA, eye.follow, CameraTimeOffset(-LATE_S, 0.0))
     first = fed(live, eye, 2.0)
     before = len(live.tracks().frames()[0])
     i, at_ns = first - 1, round((eye.t[first - 1] + LATE_S) * 1e9)

@@ -2,18 +2,18 @@
 
 import numpy as np
 
-from procedures.fusion.odometry import Drift
-from procedures.fusion.outer.pose_graph import OuterGraph
+from procedures.fusion.odometry import OdometryDrift
+from procedures.fusion.outer.pose_graph import PoseGraph
 from station.locate.live_graph import LiveGraph
 from tests.procedures.fusion.motions import Eight, only
 
-DRIFT = Drift(0.02, 0.03, 0.01)
+DRIFT = OdometryDrift(0.02, 0.03, 0.01)
 
 
 def test_a_renewed_graph_is_as_good_and_no_larger_than_it_must_be() -> None:
     flight, rng = Eight(40.0), np.random.default_rng(2)
     odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)
-    whole = OuterGraph()
+    whole = PoseGraph()
     poses = {pose.t: pose for pose in whole.run(odometry, fixes)}
     graph, at = LiveGraph(whole.settings, renewed=200, run_in=220), 1
     graph.add(fixes.part(slice(1)))
@@ -27,7 +27,7 @@ def test_a_renewed_graph_is_as_good_and_no_larger_than_it_must_be() -> None:
             true = flight.p(np.array(pose.t))
             off.append(float(np.linalg.norm(poses[pose.t].p - true)))
             renewed_off.append(float(np.linalg.norm(found.p - true)))
-        sizes.add(len(graph._graph.hanging.t))  # noqa: SLF001
+        sizes.add(len(graph._graph.association.t))  # noqa: SLF001
     assert len(off) > 500
     assert np.mean(renewed_off) < 1.1 * np.mean(off)
     assert renewed_off != off

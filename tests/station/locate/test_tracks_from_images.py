@@ -7,7 +7,7 @@ import pytest
 
 from drivers.camera.video import camera_images, open_camera
 from drivers.errors import PortNotFound
-from procedures.fusion.vision.feature_tracker import Lens
+from procedures.fusion.vision.feature_tracker import LensModel
 from station import cli
 from station.errors import CannotWrite, DataRefused
 from station.files.fusion_folder import read_fusion
@@ -25,7 +25,7 @@ cy_px = {HEIGHT / 2}
 imu_from_camera = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 """
 SEEN = [(t, image) for t, image in frames(Scene(cv2), 0.6)]
-LENS = Lens(FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2, np.zeros(4))
+LENS = LensModel(FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2, np.zeros(4))
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
-from procedures.fusion.visual_alignment.camera_time import CameraOffset
+from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
 from station.calibrated.body_axes import DEFAULT_AXES, body_axes
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.in_use import InUse
@@ -92,7 +92,7 @@ class DriveRig:
         eye = (
             None
             if sight is None
-            else LiveCamera(CAMERA, sight.follow, None if told is None else CameraOffset(told, 0.0))
+            else LiveCamera(CAMERA, sight.follow, None if told is None else CameraTimeOffset(told, 0.0))
         )
         where = None if folder else locating(self.feed, applied, C, lever_arm, ExitStack(), live=False, camera=eye)
         self.writer = None if folder is None else FixWriter(folder / "gnss_1.mcap")

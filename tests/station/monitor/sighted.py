@@ -9,7 +9,7 @@ from drivers.camera import CameraImage
 from drivers.simulated.vehicle_motion import MIN_SPEED_M_S
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.fusion.fusion_records import Trajectory
-from procedures.fusion.vision.feature_tracks import Camera, Tracks
+from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from station.stream.camera.feature_following import FeaturePositions
 from station.stream.events import StreamState
 from tests.drivers.simulated.camera_tracks import View, simulate_tracks
@@ -17,7 +17,7 @@ from tests.station.stream.live.bench_in_memory import Source
 
 # it looks ahead and 60 deg to the left, level
 C_BC = np.array([[np.sqrt(0.75), 0.0, 0.5], [-0.5, 0.0, np.sqrt(0.75)], [0.0, -1.0, 0.0]])
-CAMERA = Camera(230.0, 230.0, 187.5, 119.5, 0.5, C_BC, np.array([0.1, -0.05, 0.02]))
+CAMERA = PinholeCamera(230.0, 230.0, 187.5, 119.5, 0.5, C_BC, np.array([0.1, -0.05, 0.02]))
 VIEW = View(width=376, height=240, features=80, depths=(3.0, 15.0), longest=6.0)
 
 
@@ -37,7 +37,7 @@ class Sight:
         self, source: Source, track: VehicleTrack, late_s: float, dark: tuple[float, float] = (0.0, 0.0)
     ) -> None:
         self._source, self._late_s, self._count = source, late_s, 0
-        self.tracks: Tracks = simulate_tracks(driven(track), CAMERA, VIEW, 1)
+        self.tracks: FeatureTracks = simulate_tracks(driven(track), CAMERA, VIEW, 1)
         self._t, self._begin = self.tracks.frames()
         self._open = [i for i, t in enumerate(self._t) if not dark[0] <= t < dark[1]]
 

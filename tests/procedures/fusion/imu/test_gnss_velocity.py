@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import CLIMBED, UNSTEADY, Velocities, velocities
+from procedures.fusion.imu.gnss_velocity import CLIMB_RATE_STD, CLIMB_SPAN_S, GnssVelocities, velocities
 
 RISE, STD, RATE = 0.5, 0.3, 5.0  # m/s, m, Hz
 ZERO = np.zeros(3)
@@ -20,18 +20,18 @@ def climbing(seconds: float = 60.0, seed: int = 0) -> GnssFixes:
     return GnssFixes(t, p, v, np.full(len(t), np.nan), STD * of_each, 0.1 * of_each)
 
 
-def said(fixes: GnssFixes) -> Velocities:
+def said(fixes: GnssFixes) -> GnssVelocities:
     t = np.arange(-1.0, fixes.t[-1] + 1.0, 0.05)
     return velocities(fixes, ImuSeries(t, np.zeros((len(t), 3)), np.zeros((len(t), 3))), ZERO)
 
 
 def test_heights_say_how_fast_it_climbs_as_well_as_they_are_known() -> None:
     found = said(climbing())
-    early = found.t < CLIMBED / 2
+    early = found.t < CLIMB_SPAN_S / 2
     assert np.all(np.isinf(found.std[early, 2]))
-    late = found.t >= CLIMBED
+    late = found.t >= CLIMB_SPAN_S
     off = found.v_n[late, 2] - RISE
-    expected = np.sqrt(CLIMBED * RATE) * np.hypot(np.sqrt(2) * STD / CLIMBED, UNSTEADY)
+    expected = np.sqrt(CLIMB_SPAN_S * RATE) * np.hypot(np.sqrt(2) * STD / CLIMB_SPAN_S, CLIMB_RATE_STD)
     assert np.allclose(found.std[late, 2], expected, rtol=0.05)
     weight = found.std[late, 2] ** -2
     assert abs((weight * off).sum() / weight.sum()) < 4 / np.sqrt(weight.sum())

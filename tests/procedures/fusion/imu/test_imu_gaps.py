@@ -5,7 +5,7 @@ import pytest
 
 from procedures.fusion.alignment.alignment_attempts import align_when_possible
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import Aligned
+from procedures.fusion.alignment.alignment_result import AlignmentState
 from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.imu.imu_gaps import imu_gaps
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
@@ -41,7 +41,7 @@ def test_a_window_bridges_a_gap_within_its_own_sigma(seed: int) -> None:
     imu, fixes = with_gap(flight.imu(rng, EARTH), *LOST), flight.fixes(rng)
     fixes = fixes.part((fixes.t < LOST[0] - 0.2) | (fixes.t > LOST[1] + 0.2))
     aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, np.zeros(3)), imu, fixes)
-    assert isinstance(aligned, Aligned)
+    assert isinstance(aligned, AlignmentState)
     tight = InertialWindow(WindowSettings(NOISE, GRAVITY, EARTH, np.zeros(3), layers=1), imu, fixes, aligned)
     for state in tight.states():
         if LOST[0] < state.t < LOST[1] + 0.2:
@@ -55,7 +55,7 @@ def test_an_alignment_looks_only_at_what_follows_a_gap_that_lost_the_attitude() 
     flight, rng = Eight(30.0), np.random.default_rng(4)
     imu, fixes = with_gap(flight.imu(rng, EARTH), 3.0, 6.0), flight.fixes(rng)
     aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, np.zeros(3)), imu, fixes)
-    assert isinstance(aligned, Aligned)
+    assert isinstance(aligned, AlignmentState)
     assert aligned.t0 >= 6.0
     error = aligned.C_now @ flight.attitude(np.array(aligned.t)).as_matrix().T
     assert abs(error[1, 0] - error[0, 1]) / 2 < 4 * aligned.yaw_std

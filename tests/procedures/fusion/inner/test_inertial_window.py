@@ -10,12 +10,12 @@ from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.fusion.alignment.alignment_at_rest import align_at_rest
 from procedures.fusion.alignment.alignment_attempts import align_when_possible
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import Aligned
+from procedures.fusion.alignment.alignment_result import AlignmentState
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.inner.keyframes import keyframes
 from procedures.fusion.optional_libraries import ExtraMissing, gtsam
-from procedures.fusion.outer.pose_graph import OuterGraph
+from procedures.fusion.outer.pose_graph import PoseGraph
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
 
@@ -30,7 +30,7 @@ def window(flight: Eight, seed: int, layers: int, fixes: GnssFixes | None = None
     imu, made = flight.imu(rng, EARTH), flight.fixes(rng)
     fixes = fixes or made
     aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, ZERO), imu, fixes)
-    assert isinstance(aligned, Aligned)
+    assert isinstance(aligned, AlignmentState)
     return InertialWindow(WindowSettings(NOISE, GRAVITY, EARTH, ZERO, layers), imu, fixes, aligned)
 
 
@@ -61,7 +61,7 @@ def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> No
     flight, rng = Eight(16.0), np.random.default_rng(seed)
     imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng, LEVER, late=0.12)
     aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, ZERO, 1.0, 0.2), imu, fixes)
-    assert isinstance(aligned, Aligned)
+    assert isinstance(aligned, AlignmentState)
     assert abs(aligned.time_offset + 0.12) < 4 * np.sqrt(aligned.covariance[15, 15])
     settings = WindowSettings(NOISE, GRAVITY, EARTH, aligned.lever, lever_std=1.0, offset_std=0.2)
     source = InertialWindow(settings, imu, fixes.shifted(aligned.time_offset), aligned)
@@ -77,7 +77,7 @@ def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> No
 
 def test_two_layers_reach_what_one_does(flight: Eight) -> None:
     source = window(flight, 1, layers=2)
-    poses = [pose for pose in OuterGraph().run(source, source.fixes) if pose.t > 8.0]
+    poses = [pose for pose in PoseGraph().run(source, source.fixes) if pose.t > 8.0]
     error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
     assert np.linalg.norm(error, axis=1).mean() < 0.06
     truth = flight.attitude(np.array([pose.t for pose in poses])).as_matrix()
@@ -92,7 +92,7 @@ def test_a_fog_on_the_bench_keeps_north_to_what_its_east_bias_explains() -> None
     bias = rng.normal(size=3) * 0.05 * RAD_S_PER_DEG_H
     imu, C_nb, noise = fog(rng, 300.0, bias)
     start = align_at_rest(imu, noise, GRAVITY, EARTH)
-    assert isinstance(start, Aligned)
+    assert isinstance(start, AlignmentState)
     start = replace(start, C_nb=_turned(10.0) @ start.C_nb)
     nan = np.full((1, 3), np.nan)
     none = GnssFixes(imu.t[:1], np.zeros((1, 3)), nan, nan[:, 0], np.ones(1), nan[:, 0])

@@ -7,7 +7,7 @@ from procedures.fusion.imu.gnss_velocity import LeverArm
 from procedures.fusion.inner.camera_keyframes import CLOSEST, SPACING
 from procedures.fusion.inner.live_visual_window import Frame, LiveVisualWindow, filled
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
-from procedures.fusion.vision.feature_tracks import Tracks
+from procedures.fusion.vision.feature_tracks import FeatureTracks
 from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
 from procedures.fusion.visual_alignment.visual_start import VisualStart
 from tests.drivers.simulated.camera_tracks import View
@@ -22,7 +22,7 @@ def test_a_window_that_is_lived_through_ends_where_the_recorded_one_does() -> No
     imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng)
     tracks = tracks_of(flight, 3, view=View(features=60, longest=6.0))
     dark = (tracks.t > 6.0) & (tracks.t < 6.5)
-    tracks = Tracks(tracks.t[~dark], tracks.feature[~dark], tracks.uv[~dark])
+    tracks = FeatureTracks(tracks.t[~dark], tracks.feature[~dark], tracks.uv[~dark])
     found = align_by_camera(VisualAligner(SETTINGS), imu, tracks, fixes)
     assert isinstance(found, VisualStart)
     start = found.aligned
@@ -31,7 +31,7 @@ def test_a_window_that_is_lived_through_ends_where_the_recorded_one_does() -> No
     t, begin = tracks.frames()
     cut = int(np.searchsorted(t, 5.0))
     early = tracks.t < t[cut]
-    first = Tracks(tracks.t[early], tracks.feature[early], tracks.uv[early])
+    first = FeatureTracks(tracks.t[early], tracks.feature[early], tracks.uv[early])
     known = between(imu, 0.0, float(t[cut - 1]))
     live = LiveVisualWindow(SETTINGS, known, first, fixes.part(fixes.t < t[cut]), start)
     poses = list(live.poses())

@@ -7,7 +7,7 @@ import pytest
 
 from procedures.fusion.alignment.alignment_attempts import align_when_possible, between
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import Aligned
+from procedures.fusion.alignment.alignment_result import AlignmentState
 from tests.procedures.fusion.motions import EARTH, GRAVITY, NO_LEVER, NOISE, Eight
 
 pytest.importorskip("gtsam", reason="gtsam is not installed: `make locate`")
@@ -20,7 +20,7 @@ def test_a_window_that_is_lived_through_ends_where_the_recorded_one_does() -> No
     flight, rng = Eight(14.0), np.random.default_rng(1)
     imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng)
     aligned = align_when_possible(MovingAligner(NOISE, GRAVITY, EARTH, NO_LEVER), imu, fixes)
-    assert isinstance(aligned, Aligned)
+    assert isinstance(aligned, AlignmentState)
     settings = WindowSettings(NOISE, GRAVITY, EARTH, NO_LEVER)
     whole = InertialWindow(settings, imu, fixes, replace(aligned, t0=4.0))
     recorded = list(whole.poses())

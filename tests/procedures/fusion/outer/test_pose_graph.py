@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from procedures.fusion.fusion_records import GnssFixes, Trajectory
-from procedures.fusion.odometry import Drift, RecordedOdometry, without_restarts
-from procedures.fusion.outer.block_tridiagonal import Chain, eliminate, solve_chain
-from procedures.fusion.outer.pose_graph import GlobalPose, OuterGraph, OuterSettings
+from procedures.fusion.odometry import OdometryDrift, RecordedOdometry, without_restarts
+from procedures.fusion.outer.block_tridiagonal import BlockTridiagonal, eliminate, solve_chain
+from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
 from tests.procedures.fusion.motions import Eight, only
 
-DRIFT = Drift(0.02, 0.03, 0.01)
+DRIFT = OdometryDrift(0.02, 0.03, 0.01)
 LEVER = np.array([0.3, -0.2, 0.5])
 
 
@@ -31,19 +31,19 @@ def test_a_chain_is_solved_as_the_dense_matrix_is() -> None:
     H, g = J.T @ J, rng.normal(size=n * d)
     D = np.array([H[d * i : d * (i + 1), d * i : d * (i + 1)] for i in range(n)])
     U = np.array([H[d * i : d * (i + 1), d * (i + 1) : d * (i + 2)] for i in range(n - 1)])
-    step, covariance = solve_chain(Chain(D, U, g.reshape(n, d)))
+    step, covariance = solve_chain(BlockTridiagonal(D, U, g.reshape(n, d)))
     assert np.allclose(step.ravel(), np.linalg.solve(H, -g), rtol=1e-9)
     assert np.allclose(covariance, np.linalg.inv(H)[-d:, -d:], rtol=1e-9)
     info, gradient = eliminate(D[0], U[0], g[:d])
     D[1] += info
-    rest = Chain(D[1:], U[1:], np.vstack((g[d : 2 * d] + gradient, g[2 * d :].reshape(-1, d))))
+    rest = BlockTridiagonal(D[1:], U[1:], np.vstack((g[d : 2 * d] + gradient, g[2 * d :].reshape(-1, d))))
     assert np.allclose(solve_chain(rest)[0], step[1:], rtol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_position_and_yaw_are_found_within_their_own_sigma(seed: int) -> None:
     flight, rng = Eight(), np.random.default_rng(seed)
-    graph = OuterGraph()
+    graph = PoseGraph()
     poses = list(graph.run(flight.odometry(rng, DRIFT), flight.fixes(rng)))
     assert graph.begun_at is not None
     assert graph.begun_at < 10.0
@@ -62,7 +62,7 @@ def test_position_and_yaw_are_found_within_their_own_sigma(seed: int) -> None:
 def test_what_leaves_the_window_is_not_lost() -> None:
     flight, rng = Eight(40.0), np.random.default_rng(5)
     odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)
-    graph = OuterGraph(OuterSettings(window=3.0))
+    graph = PoseGraph(PoseGraphSettings(window=3.0))
     last = list(graph.run(odometry, fixes))[-1]
     assert np.abs(graph.smoothed()[0].p[-1] - last.p).max() < 0.01  # by what Huber weights froze: noise is 0.2
 
@@ -70,7 +70,7 @@ def test_what_leaves_the_window_is_not_lost() -> None:
 def test_each_pose_uses_nothing_later() -> None:
     flight, rng = Eight(20.0), np.random.default_rng(2)
     odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)
-    poses = list(OuterGraph().run(odometry, fixes))
+    poses = list(PoseGraph().run(odometry, fixes))
     half = only(fixes, fixes.t < 10.0)
     cut = RecordedOdometry(
         Trajectory(
@@ -78,7 +78,7 @@ def test_each_pose_uses_nothing_later() -> None:
         ),
         DRIFT,
     )
-    early = list(OuterGraph().run(cut, half))
+    early = list(PoseGraph().run(cut, half))
     assert all(np.array_equal(a.p, b.p) for a, b in zip(early[:-1], poses, strict=False))
 
 
@@ -89,7 +89,7 @@ def test_outliers_are_counted_and_cost_little() -> None:
     off = rng.normal(size=(len(away), 3))
     p = fixes.p_n.copy()
     p[away] += 5 * off / np.linalg.norm(off, axis=1)[:, None]
-    clean, graph = OuterGraph(), OuterGraph()
+    clean, graph = PoseGraph(), PoseGraph()
     calm = np.linalg.norm(errors(list(clean.run(odometry, fixes)), flight), axis=1).mean()
     shaken = np.linalg.norm(errors(list(graph.run(odometry, replace(fixes, p_n=p))), flight), axis=1).mean()
     assert shaken < 1.25 * calm
@@ -100,7 +100,7 @@ def test_outliers_are_counted_and_cost_little() -> None:
 def test_an_outage_is_bridged_with_growing_sigma() -> None:
     flight, rng = Eight(), np.random.default_rng(4)
     odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)
-    poses = list(OuterGraph().run(odometry, only(fixes, (fixes.t < 30) | (fixes.t > 50))))
+    poses = list(PoseGraph().run(odometry, only(fixes, (fixes.t < 30) | (fixes.t > 50))))
     out = [pose for pose in poses if 30 < pose.t < 50]
     sigma = np.array([np.sqrt(np.trace(pose.covariance[:3, :3])) for pose in out])
     assert sigma[-1] > 4 * sigma[0]
@@ -112,7 +112,7 @@ def test_an_outage_is_bridged_with_growing_sigma() -> None:
 def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> None:
     flight, rng = Eight(30.0), np.random.default_rng(seed)
     fixes = flight.fixes(rng, LEVER, late=0.15)
-    graph = OuterGraph(OuterSettings(lever_arm_std=1.0, time_offset_std=0.2))
+    graph = PoseGraph(PoseGraphSettings(lever_arm_std=1.0, time_offset_std=0.2))
     poses = list(graph.run(flight.odometry(rng, DRIFT), fixes))
     lever, offset = graph.constants
     assert np.linalg.norm(lever - LEVER) < 4 * graph.lever_std
@@ -124,11 +124,11 @@ def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> No
 
 def test_it_waits_for_displacement_not_for_a_time() -> None:
     flight, rng = Eight(60.0, still=40.0), np.random.default_rng(7)
-    graph = OuterGraph()
+    graph = PoseGraph()
     poses = graph.run(flight.odometry(rng, DRIFT), flight.fixes(rng))
     first = next(poses)
     assert 40.2 < first.t < 50.0
-    waiting = OuterGraph()
+    waiting = PoseGraph()
     still = Eight(30.0, still=30.0)
     assert not list(waiting.run(still.odometry(rng, DRIFT), still.fixes(rng)))
     assert "it must move further" in waiting.why_not
@@ -137,7 +137,7 @@ def test_it_waits_for_displacement_not_for_a_time() -> None:
 def test_tracks_that_are_not_the_same_motion_are_refused() -> None:
     flight, rng = Eight(30.0), np.random.default_rng(8)
     fixes = flight.fixes(rng)
-    graph = OuterGraph()
+    graph = PoseGraph()
     assert not list(graph.run(flight.odometry(rng, DRIFT), replace(fixes, p_n=3 * fixes.p_n, v_n=-3 * fixes.v_n)))
     assert "does not fit GNSS's" in graph.why_not
 
@@ -147,7 +147,7 @@ def test_a_course_without_velocity_and_fixes_once_a_second_are_enough() -> None:
     fixes = flight.fixes(rng)
     course = np.pi / 2 - np.arctan2(fixes.v_n[:, 1], fixes.v_n[:, 0])
     bare = only(replace(fixes, v_n=np.full_like(fixes.v_n, np.nan), course=course), np.arange(0, len(fixes.t), 20))
-    poses = list(OuterGraph().run(flight.odometry(rng, DRIFT), bare))
+    poses = list(PoseGraph().run(flight.odometry(rng, DRIFT), bare))
     assert np.linalg.norm(errors(poses, flight), axis=1)[-800:].mean() < 0.3
 
 

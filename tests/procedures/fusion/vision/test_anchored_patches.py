@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from procedures.fusion.vision.anchored_patches import AnchoredPatches, Fitted
+from procedures.fusion.vision.anchored_patches import AnchoredPatches, FittedPatches
 from tests.procedures.fusion.rendered import texture
 
 WALL = texture(1).astype(np.float32)
@@ -22,7 +22,7 @@ def image(back: Places, size: int = 300) -> np.ndarray:
     return map_coordinates(WALL, [at[..., 1], at[..., 0]], order=3).astype(np.float32)
 
 
-def fitted(second: np.ndarray, guess: np.ndarray) -> Fitted:
+def fitted(second: np.ndarray, guess: np.ndarray) -> FittedPatches:
     pytest.importorskip("cv2", reason="opencv is not installed")
     patches = AnchoredPatches()
     patches.add(image(lambda uv: uv), AT.astype(np.float32))

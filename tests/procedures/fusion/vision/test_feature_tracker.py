@@ -10,13 +10,13 @@ from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.truth import Truth
 from procedures.fusion.optional_libraries import ExtraMissing
-from procedures.fusion.vision.anchored_patches import AnchoredPatches, Fitted
-from procedures.fusion.vision.feature_tracker import FeatureFollower, FollowerSettings, Lens
+from procedures.fusion.vision.anchored_patches import AnchoredPatches, FittedPatches
+from procedures.fusion.vision.feature_tracker import FeatureTracker, FeatureTrackerSettings, LensModel
 from tests.drivers.simulated.drives import bends
 from tests.procedures.fusion.rendered import FOCAL, HEIGHT, WIDTH, Scene, frames
 
-LENS = Lens(FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2, np.zeros(4))
-SETTINGS = FollowerSettings(features=90, apart=12.0)
+LENS = LensModel(FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2, np.zeros(4))
+SETTINGS = FeatureTrackerSettings(features=90, apart=12.0)
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def scene() -> Scene:
 
 
 def followed(scene: Scene) -> Iterator[tuple[float, np.ndarray, np.ndarray]]:
-    follower = FeatureFollower(LENS, SETTINGS)
+    follower = FeatureTracker(LENS, SETTINGS)
     for t, image in frames(scene):
         yield t, *follower.follow(image)
 
@@ -53,9 +53,9 @@ def test_tracks_stay_within_a_pixel_of_the_truth(scene: Scene) -> None:
     assert min(kept) > 40
 
 
-def lives(scene: Scene, settings: FollowerSettings) -> tuple[float, float]:
+def lives(scene: Scene, settings: FeatureTrackerSettings) -> tuple[float, float]:
     """Return which share of the features on the patch, and of the others, was followed for three steps or more."""
-    first, steps, follower = dict[int, bool](), dict[int, int](), FeatureFollower(LENS, settings)
+    first, steps, follower = dict[int, bool](), dict[int, int](), FeatureTracker(LENS, settings)
     for t, image in frames(scene):
         feature, uv = follower.follow(image)
         inside, around = scene.on_patch(t, uv, margin=-6.0), scene.on_patch(t, uv)
@@ -75,7 +75,7 @@ def test_what_moves_by_itself_is_not_followed(scene: Scene, monkeypatch: pytest.
     assert others > 0.5
     off, _ = offsets(scene)
     assert np.mean(off < 1.0) > 0.95
-    monkeypatch.setattr(FeatureFollower, "_one_motion", lambda _self, before, _after: np.ones(len(before), bool))
+    monkeypatch.setattr(FeatureTracker, "_one_motion", lambda _self, before, _after: np.ones(len(before), bool))
     allowed, _ = lives(scene, SETTINGS)
     assert allowed > 0.2  # what does not stand on the patch's edge looks as it did
     monkeypatch.setattr(AnchoredPatches, "fit", unfitted)
@@ -83,17 +83,17 @@ def test_what_moves_by_itself_is_not_followed(scene: Scene, monkeypatch: pytest.
     assert allowed > 0.6  # the tracker alone would have gone along
 
 
-def unfitted(_self: AnchoredPatches, _image: np.ndarray, uv: np.ndarray) -> Fitted:
+def unfitted(_self: AnchoredPatches, _image: np.ndarray, uv: np.ndarray) -> FittedPatches:
     """Return what the tracker says, as if all looked as it did."""
     one = np.ones(len(uv), np.float32)
-    return Fitted(uv, np.tile(np.eye(2, dtype=np.float32), (len(uv), 1, 1)), one, 0 * one)
+    return FittedPatches(uv, np.tile(np.eye(2, dtype=np.float32), (len(uv), 1, 1)), one, 0 * one)
 
 
 def among_pillars(seconds: float = 3.0) -> np.ndarray:
     """Return how far points of 12 images' age are from where they were first seen (n, 2) [px]."""
     camera = CameraTruth()
     images = CameraImages(Truth.example(5), camera, (), bends(20.0), 1)
-    follower = FeatureFollower(Lens(camera.fx, camera.fy, camera.cx, camera.cy, np.zeros(4)))
+    follower = FeatureTracker(LensModel(camera.fx, camera.fy, camera.cx, camera.cy, np.zeros(4)))
     first, off = dict[int, tuple[int, np.ndarray]](), list[np.ndarray]()
     for k in range(round(seconds * camera.rate_hz)):
         feature, uv = follower.follow(images.image(10.0 + k / camera.rate_hz))
@@ -127,7 +127,7 @@ def test_equal_images_give_equal_tracks(scene: Scene) -> None:
 
 
 def test_an_empty_image_has_no_features_and_another_size_is_refused(scene: Scene) -> None:
-    follower = FeatureFollower(LENS, SETTINGS)
+    follower = FeatureTracker(LENS, SETTINGS)
     feature, uv = follower.follow(np.full((HEIGHT, WIDTH), 127, np.uint8))
     assert len(feature) == len(uv) == 0
     with pytest.raises(ValueError, match="as those before it"):
@@ -143,7 +143,7 @@ def test_a_lens_is_straightened(scene: Scene) -> None:
     bent = np.column_stack((
         x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x**2), y * radial + p1 * (r2 + 2 * y**2) + 2 * p2 * x * y
     ))  # fmt: skip
-    lens = Lens(FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2, np.array([k1, k2, p1, p2]))
+    lens = LensModel(FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2, np.array([k1, k2, p1, p2]))
     straight = lens.straightened(FOCAL * bent + [WIDTH / 2, HEIGHT / 2])
     assert np.abs(straight - (FOCAL * np.column_stack((x, y)) + [WIDTH / 2, HEIGHT / 2])).max() < 0.05
 
@@ -151,4 +151,4 @@ def test_a_lens_is_straightened(scene: Scene) -> None:
 def test_without_the_extra_it_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "cv2", None)
     with pytest.raises(ExtraMissing, match=r"pip install 'fog-station\[camera\]'"):
-        FeatureFollower(LENS)
+        FeatureTracker(LENS)

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.fusion_records import ImuSeries, Trajectory
-from procedures.fusion.vision.feature_tracks import Tracks
-from procedures.fusion.visual_alignment.camera_time import SETTLED, CameraOffset, camera_offset
+from procedures.fusion.vision.feature_tracks import FeatureTracks
+from procedures.fusion.visual_alignment.camera_time import MAX_OFFSET_STD_S, CameraTimeOffset, camera_offset
 from tests.drivers.simulated.camera_tracks import View, simulate_tracks
 from tests.procedures.fusion.motions import GYRO_BIAS, NOISE
 from tests.procedures.fusion.seen import CAMERA, turned
@@ -46,7 +46,7 @@ def humming(t: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def seen(
     motion: Motion, seed: int = 0, offset: float = LATE, view: View | None = None
-) -> tuple[ImuSeries, Tracks]:
+) -> tuple[ImuSeries, FeatureTracks]:
     """Return gyro and tracks of a motion, the tracks' stamps off by ``offset`` [s]."""
     rng, t, h = np.random.default_rng(seed), np.arange(0.0, SECONDS, 0.005), 1e-3
     before, after = (Rotation.from_rotvec(motion(t + dt)[0]) for dt in (-h, h))
@@ -62,14 +62,14 @@ def seen(
 def test_the_offset_is_found_again_to_its_own_sigma(offset: float) -> None:
     for seed in range(2):
         found = camera_offset(*seen(rocking, seed, offset), CAMERA)
-        assert isinstance(found, CameraOffset), found
+        assert isinstance(found, CameraTimeOffset), found
         assert found.std < 1.5e-3
         assert abs(found.offset - offset) < 4 * found.std
 
 
 def test_sigmas_are_what_the_errors_are() -> None:
     found = [camera_offset(*seen(rocking, seed, view=View(features=60)), CAMERA) for seed in range(10, 19)]
-    ratio = np.array([(each.offset - LATE) / each.std for each in found if isinstance(each, CameraOffset)])
+    ratio = np.array([(each.offset - LATE) / each.std for each in found if isinstance(each, CameraTimeOffset)])
     assert len(ratio) == len(found)
     assert 0.3 < np.sqrt(np.mean(ratio**2)) < 1.4
 
@@ -83,14 +83,14 @@ def test_neither_a_gyro_bias_nor_a_camera_told_a_degree_wrong_moves_it() -> None
         (biased, turned(CAMERA, -1.0, 0.0)),
     ):
         found = camera_offset(samples, tracks, camera)
-        assert isinstance(found, CameraOffset), found
+        assert isinstance(found, CameraTimeOffset), found
         assert abs(found.offset - LATE) < 4 * found.std
 
 
 def test_a_search_about_what_is_known_finds_the_same() -> None:
     imu, tracks = seen(rocking, offset=-0.42)
     found = camera_offset(imu, tracks, CAMERA, about=-0.4, std=0.02)
-    assert isinstance(found, CameraOffset)
+    assert isinstance(found, CameraTimeOffset)
     assert abs(found.offset + 0.42) < 4 * found.std
     assert isinstance(camera_offset(imu, tracks, CAMERA), Waiting)  # beyond three sigmas of 0.1 s
 
@@ -128,8 +128,8 @@ def test_samples_that_the_imu_lost_do_no_harm() -> None:
     imu, tracks = seen(rocking)
     keep = (imu.t < 6.0) | (imu.t > 6.8)
     found = camera_offset(ImuSeries(imu.t[keep], imu.omega_b[keep], imu.f_b[keep]), tracks, CAMERA)
-    assert isinstance(found, CameraOffset), found
-    assert found.std < SETTLED
+    assert isinstance(found, CameraTimeOffset), found
+    assert found.std < MAX_OFFSET_STD_S
     assert abs(found.offset - LATE) < 4 * found.std
 
 
@@ -143,10 +143,10 @@ def test_of_an_even_motion_less_will_do_where_that_is_asked() -> None:
     imu, tracks = seen(weaving, view=View(features=60))
     refused = camera_offset(imu, tracks, CAMERA)
     assert isinstance(refused, Waiting)
-    assert f"needed {SETTLED * 1e3:.0f}" in refused.why
+    assert f"needed {MAX_OFFSET_STD_S * 1e3:.0f}" in refused.why
     found = camera_offset(imu, tracks, CAMERA, gentle=0.015)
-    assert isinstance(found, CameraOffset)
-    assert SETTLED < found.std < 0.015
+    assert isinstance(found, CameraTimeOffset)
+    assert MAX_OFFSET_STD_S < found.std < 0.015
     assert abs(found.offset - LATE) < 4 * found.std
     quick, seen_quickly = seen(rocking, view=View(features=40))
     assert camera_offset(quick, seen_quickly, CAMERA) == camera_offset(quick, seen_quickly, CAMERA, gentle=0.015)
