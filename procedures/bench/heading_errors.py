@@ -52,8 +52,8 @@ def heading_errors(
 ) -> list[HeadingError]:  # fmt: skip
     """Name the dwells that stood turned, the clearest first; none where the gyros cannot tell.
 
-    ``K`` (3, 3) [count/rad] is what the gyros count, IMU axes, known to ``ranges``: scale factor and misalignment,
-    relative, 1 sigma. ``latitude`` and ``heading_std`` in rad.
+    ``C_sb`` (3, 3) takes the cube's axes to the IMU's. ``K`` (3, 3) [count/rad] is what the gyros count, IMU axes,
+    known to ``ranges``: scale factor and misalignment, relative, 1 sigma. ``latitude`` and ``heading_std`` in rad.
     """
     stds, found = np.full(len(dwells), heading_std), list[tuple[int, ...]]()
     fit, ratio = None, 1.0

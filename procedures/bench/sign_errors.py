@@ -70,9 +70,13 @@ def earth_signs(
     std: FloatArray,
     K: FloatArray,
 ) -> EarthSigns:
-    """Compare the gyroscopes' rates (n, 3) in dwells, (campaign, position) each, with the Earth's by K (3, 3).
+    """Compare the gyroscopes' rates in dwells with the Earth's.
 
-    ``std`` (n, 3) is the rates' 1 sigma by counting noise [output/s]; scatter beyond it widens a's.
+    Parameters
+    ----------
+    dwells : campaign and position of each of n dwells
+    rate, std : (n, 3) [output/s], 1 sigma by counting noise; scatter beyond it widens a's
+    K : (3, 3) [output/deg], IMU axes, as the turns have it
     """
     parts = np.array([_earth(campaigns[number], position) for number, position in dwells]).reshape(-1, 2, 3)
     first = np.array([float(number == n) for number, _ in dwells for n in range(len(campaigns))])
@@ -111,7 +115,7 @@ def _ratio(parts: FloatArray, bias: FloatArray, rate: FloatArray, std: FloatArra
 
 
 def backwards(K: FloatArray) -> list[int]:
-    """Return the sensors whose own input is inverted; none where a sensor lies along another's axis."""
+    """Return the sensors that ``K`` (3, 3), any unit, has inverted; none where one lies along another's axis."""
     E = K / np.linalg.norm(K, axis=1)[:, None]
     own = np.diag(E)
     return np.flatnonzero(own < 0).tolist() if np.all(np.abs(own) > MIN_OWN_AXIS_SHARE) else []
@@ -176,12 +180,15 @@ def _of_accelerometers(sensors: Sequence[int], C_sb: FloatArray, sign: int) -> s
 
 
 def cube_axis(C_sb: FloatArray, sensor: int) -> str:
-    """Return the cube axis along which a sensor lies."""
+    """Return the cube axis along which a sensor lies; ``C_sb`` (3, 3) takes cube to IMU axes."""
     return AXES[int(np.argmax(np.abs(C_sb[sensor])))]
 
 
 def reversed_axes(K: FloatArray, signs: EarthSigns, C_sb: FloatArray) -> BoolArray:
-    """Mark the cube axes (3,) the turns about which are, for certain, recorded in the opposite direction."""
+    """Mark the cube axes (3,) the turns about which are, for certain, recorded in the opposite direction.
+
+    ``K`` (3, 3) [output/deg] is in IMU axes, ``C_sb`` (3, 3) takes the cube's axes to them.
+    """
     back = backwards(K)
     groups = [back] if len(back) == 3 else [[q] for q in back]
     marked = np.zeros(3, dtype=bool)

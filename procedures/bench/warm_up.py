@@ -176,7 +176,13 @@ def _drift(
 
 
 def trend(t: FloatArray, value: FloatArray, noise: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the slope [/s] of a straight line through ``value`` (n, 3), noise (3,), and its 1 sigma (3,)."""
+    """Return the slope (3,) [/s] of a straight line and its 1 sigma (3,).
+
+    Parameters
+    ----------
+    t : (n,) s
+    value, noise : (n, 3) and 1 sigma of each column (3,), any unit
+    """
     x = t - t.mean()
     slope: FloatArray = x @ value / (x @ x)
     return slope, noise / np.sqrt(x @ x)
@@ -185,9 +191,15 @@ def trend(t: FloatArray, value: FloatArray, noise: FloatArray) -> tuple[FloatArr
 def sensitivity(
     temperature: FloatArray, rate: FloatArray, noise: FloatArray, per_kelvin: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return what a kelvin adds to rates (n, 3) of ``noise`` (3,), and its 1 sigma (3,) [/K].
+    """Return what a kelvin adds to rates (3,) [count/s/K], and its 1 sigma (3,).
 
-    Regression with a normal prior about zero, ``per_kelvin`` times the triad's whole rate.
+    Regression with a normal prior about zero.
+
+    Parameters
+    ----------
+    temperature : (n,) degC
+    rate, noise : (n, 3) count/s, IMU axes, and 1 sigma of each channel (3,)
+    per_kelvin : 1 sigma of the prior, of the triad's whole rate
     """
     x = temperature - temperature.mean()
     prior = per_kelvin * float(np.linalg.norm(rate.mean(axis=0)))
@@ -197,7 +209,7 @@ def sensitivity(
 
 
 def temperature_rate(t: FloatArray, temperature: FloatArray) -> tuple[float, float]:
-    """Return the temperature's rate over its last means [K/s] and 1 sigma.
+    """Return the rate [K/s] of ``temperature`` (n,) [degC] over its last means, at ``t`` (n,) [s], and 1 sigma.
 
     A thermometer that stands still and steps shows nothing between its steps: it is looked at for longer, and one
     step in that time is what it may hide.
@@ -211,7 +223,7 @@ def temperature_rate(t: FloatArray, temperature: FloatArray) -> tuple[float, flo
 
 
 def scatter(value: FloatArray) -> float:
-    """Return the white noise of a smooth course (n,), from its second differences."""
+    """Return the white noise of a smooth course ``value`` (n,), in its unit, from its second differences."""
     return float(np.sqrt(np.mean(np.diff(value, n=2) ** 2) / 6))
 
 

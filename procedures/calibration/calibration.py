@@ -170,7 +170,7 @@ def report(fits: CampaignFits) -> Solution:
 def joint_covariance(
     fits: CampaignFits, accel: TriadVector | None, gyro: TriadVector | None
 ) -> tuple[tuple[str, ...], FloatArray]:
-    """Return names and covariance of accelerometer, slab and faces, gyroscope, in this order.
+    """Return n names and covariance (n, n), in the units of `Solution`: accelerometer, slab, faces, gyroscope.
 
     The triads meet in the tilts alone: the gyroscopes took them from the accelerometers, so what the two have in
     common is the gyroscopes' regression on the tilts times the tilts' covariance with the rest.

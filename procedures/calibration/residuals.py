@@ -94,6 +94,9 @@ def _rms(joint: TriadFit) -> float:
 
 
 def norm_residuals(rests: RestFit, residual: FloatArray) -> FloatArray:
-    """Return by how much every rest's specific force (n,) is longer than gravity [g]."""
+    """Return by how much every rest's specific force is longer than gravity (n,) [g].
+
+    ``residual`` (m,) is the whitened one of the fit that ``rests`` are part of.
+    """
     longer: FloatArray = residual[rests.rows] * rests.sigma
     return longer

@@ -67,7 +67,10 @@ def triad_vector(joint: TriadFit, triad: str, accelerometer: TriadFit | None) ->
 
 
 def with_clock(vector: TriadVector, change: FloatArray, std: float) -> TriadVector:
-    """Return the vector with a time base open to ``std``, relative; ``change`` (15,) is per relative error."""
+    """Return the vector with a time base open to ``std``, relative.
+
+    ``change`` (15,) is that of the vector, in its units, per relative error of the time base.
+    """
     return replace(vector, covariance=vector.covariance + np.outer(change, change) * std**2)
 
 
@@ -102,7 +105,7 @@ def moves_vector(moves: MovesFit, accelerometer: TriadFit) -> TriadVector:
 
 
 def reference_axes(joint: TriadFit, skew_seen: bool) -> FloatArray:
-    """Return (3, 3), IMU axes: columns what E refers to: the mean cube, or the orthogonal axes nearest to it."""
+    """Return unit columns (3, 3), IMU axes, that E refers to: the mean cube or the orthogonal axes nearest."""
     bench = joint.bench
     if not bench.cubes or not any(bench.held_pairs(0)):
         return np.eye(3)
@@ -142,7 +145,10 @@ def vector_names(triad: str) -> tuple[str, ...]:
 
 
 def scale_misalignment_bias(K: FloatArray, b: FloatArray, per: float) -> tuple[FloatArray, FloatArray]:
-    """Return k (3), E (9), D (3) times ``per`` in one vector (15,), and its Jacobian (15, 12) by K (9), b (3)."""
+    """Return k (3), E (9), D (3) in one vector (15,), and its Jacobian (15, 12) by ``K`` (3, 3) and ``b`` (3,).
+
+    K is in output/s per unit of the input, b in output/s; D comes in that unit times ``per``.
+    """
     k = np.linalg.norm(K, axis=1)
     E, D = K / k[:, None], b / k
     J = np.zeros((15, 12))

@@ -50,7 +50,7 @@ class CubeMeasurement:
 
 
 def from_tilts() -> FloatArray:
-    """Return (9, 12): takes parallelism (6) and perpendicularity (6), row by face pair, to `NAMES`."""
+    """Return (9, 12): takes parallelism (6) and perpendicularity (6) [rad], row by face pair, to `NAMES` [rad]."""
     matrix = np.zeros((len(NAMES), 12))
     matrix[:6, :6] = np.eye(6)
     for row, (a, c) in enumerate(PAIRS, start=6):
@@ -60,7 +60,7 @@ def from_tilts() -> FloatArray:
 
 
 def turning() -> FloatArray:
-    """Return (3, 12): takes the tilts to ``q_ac - q_ca``, how the cube is turned as a whole."""
+    """Return (3, 12): takes the tilts [rad] to ``q_ac - q_ca`` [rad], how the cube is turned as a whole."""
     matrix: FloatArray = from_tilts()[6:]
     for row, (a, c) in enumerate(PAIRS):
         matrix[row, 6 + PARALLELISM.index(f"parallelism.{c}.{a}")] = -1.0
@@ -68,7 +68,7 @@ def turning() -> FloatArray:
 
 
 def common_and_difference(names: Sequence[str]) -> tuple[tuple[str, ...], FloatArray]:
-    """Return names and matrix (m, n) of what a quadratic term can imitate, and what it cannot.
+    """Return m names and the matrix (m, n), both sides in rad, of what a quadratic term can imitate and what not.
 
     Along each axis c the mean of the two other pairs' parallelism is the part in which ``K2`` of a sensor along c
     shows, the difference is the cube's alone; skew is taken as it is.

@@ -37,14 +37,17 @@ class ConstantEnd:
 
 
 def constant_end(values: FloatArray) -> ConstantEnd | None:
-    """Return the stretch (n,) without a change at the end; None if it is shorter than `MIN_CONSTANT_SAMPLES`."""
+    """Return the stretch without a change at the end; None if it is shorter than `MIN_CONSTANT_SAMPLES`.
+
+    ``values`` (n,) are a channel's samples [count, or the unit of a rate output].
+    """
     changes = np.flatnonzero(np.diff(values) != 0)
     begin = int(changes[-1]) + 1 if len(changes) else 0
     return ConstantEnd(begin, float(values[-1])) if len(values) - begin >= MIN_CONSTANT_SAMPLES else None
 
 
 def stopped(values: FloatArray, found: ConstantEnd, counts: bool) -> bool:
-    """Say whether a channel at rest stopped within a step: what it did before cannot have gone on so."""
+    """Say whether a channel at rest, ``values`` (n,), stopped: what it did before cannot have gone on so."""
     before = values[: found.begin]
     tail = len(values) - found.begin
     if found.begin < MIN_CONSTANT_SAMPLES:
@@ -60,14 +63,14 @@ def stopped(values: FloatArray, found: ConstantEnd, counts: bool) -> bool:
 
 
 def walk(before: FloatArray) -> float:
-    """Return by how many counts^2 a sample the sum of counts walks at random, flicker at an edge not counted."""
+    """Return by how many counts^2 a sample the sum of ``before`` (n,) walks, flicker at an edge left out."""
     length = max(len(before) // WALK_BLOCKS, 1)  # the same of all: sums of other lengths differ by their mean
     sums = before[: len(before) // length * length].reshape(-1, length).sum(axis=1)
     return max(float(sums.var(ddof=1)) - 1.0, 0.0) / length
 
 
 def stopped_in_turn(turn: TurnRecord, values: FloatArray, end: ConstantEnd, is_along: bool) -> bool:
-    """Say whether a channel stopped in a turn; where its rest does not change either, by how it stopped."""
+    """Say whether a channel, ``values`` (n,), stopped in a turn; if its rest is constant too, by the way."""
     samples = np.asarray(turn.series.gyro if turn.series.gyro is not None else turn.series.accel)
     off = np.abs(samples - samples[:MIN_CONSTANT_SAMPLES].mean(axis=0))
     moving = np.flatnonzero(np.any(off > MOVING_RATE_SHARE * off.max(initial=0.0), axis=1))
@@ -84,7 +87,7 @@ def stopped_in_turn(turn: TurnRecord, values: FloatArray, end: ConstantEnd, is_a
 
 
 def stopped_in_sequence(record: SequenceRecord, values: FloatArray, end: ConstantEnd) -> bool:
-    """Say whether a channel stopped while the others of the unit went on to move."""
+    """Say whether a channel, ``values`` (n,), stopped while the others of the unit went on to move."""
     parts = [
         part for part in np.array_split(values[: end.begin], SEQUENCE_WINDOWS) if len(part) > MIN_CONSTANT_SAMPLES
     ]

@@ -46,7 +46,7 @@ def interval_moments(a: float, b: float) -> tuple[float, float, float]:
 
 @njit(cache=True)
 def invert(matrix: FloatArray) -> tuple[FloatArray, float]:
-    """Return the inverse and the log determinant of a small positive definite matrix (Gauss-Jordan).
+    """Return the inverse (p, p) and log determinant of a small positive definite ``matrix`` (p, p) (Gauss-Jordan).
 
     numpy's own would have numba load LAPACK, which takes longer than a campaign's counts.
     """
@@ -74,10 +74,19 @@ def smooth(
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
     """Return the posterior of S and theta under Gaussian sites.
 
-    ``t`` (m,) node times; ``linked`` (m,) is 1 where a node continues the segment of the one before it;
-    ``basis`` (m, p). Returns mean (m,) and variance (m,) of S, theta (p,), its covariance (p, p) and
-    the log of the normaliser. Level and theta have flat priors.
+    Returns mean (m,) and variance (m,) of S, theta (p,), its covariance (p, p) and the log of the normaliser.
+    Level and theta have flat priors.
 
+    Parameters
+    ----------
+    t : (m,) node times [samples]
+    linked : (m,), 1 where a node continues the segment of the one before it, else 0
+    tau, nu : (m,) the sites' precision and precision times mean, S in counts
+    basis : (m, p) of theta at the nodes
+    noise : counts per sqrt(sample)
+
+    Notes
+    -----
     With T the random walk's tridiagonal precision and A = T + diag(tau), the joint precision of (S, theta) is
     [[A, -T B], [-B'T, B'T B]]; S is eliminated by a tridiagonal factorisation, its marginal variances
     come back from the usual backward recursion.
@@ -153,6 +162,14 @@ def propagate(
     them would: where the output hardly moves, neighbours repeat each other. Returns theta[0], its variance, the
     log evidence and the sweeps taken; the evidence is -inf where the noise is too small for any path through the
     intervals.
+
+    Parameters
+    ----------
+    t, linked, basis, noise : (m,), (m,), (m, p) and counts per sqrt(sample), as `smooth` takes them
+    low : (m,) the least that S can have been at a node [counts]
+    tau, nu : (m,), written to
+    sweeps : at the most
+    tolerance : of theta[0]'s sigma
     """
     m = len(t)
     for i in range(m):

@@ -149,8 +149,8 @@ def estimate_counts(
     ----------
     dwells : increments (n,) of each dwell, counts per sample
     period : sample period [s]
-    starts : index of the first sample of every gap-free segment of each dwell; default: no gap
-    times : end of each sample's interval [s] of each dwell; default: evenly spaced
+    starts : index (s,) of the first sample of every gap-free segment of each dwell; default: no gap
+    times : end (n,) of each sample's interval [s] of each dwell; default: evenly spaced
 
     Raises
     ------

@@ -14,7 +14,9 @@ MIN_DWELL_BLOCKS = 128
 def estimate_rates(
     dwells: Sequence[FloatArray], period: float, starts: Sequence[IntArray] | None = None
 ) -> list[RateEstimate]:
-    """Estimate the mean of one channel in each of several dwells; ``starts`` is of no matter to a mean.
+    """Estimate the mean of one channel in each of several ``dwells`` (n,) of samples, in any unit of rate.
+
+    ``starts`` (s,), where their segments begin, is of no matter to a mean.
 
     The white noise, shared by all dwells, is taken from the Allan variance of blocks, the longest of which every
     dwell still holds `MIN_DWELL_BLOCKS`: the samples of a filtered or drifting output are not independent, and

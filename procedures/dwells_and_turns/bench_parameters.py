@@ -56,7 +56,7 @@ class BenchPrior:
 
 @dataclass(frozen=True, eq=False)
 class BenchParameters:
-    """The nuisance parameters of all steps and where each stands in the vector (p,).
+    """The nuisance parameters of all steps and where each stands in their vector ``x`` (p,).
 
     Order: per campaign slab tilt (2); per site relative gravity error (1); per cube parallelism (6) and
     perpendicularity (6), row by face pair; per placement heading (1).
@@ -141,10 +141,15 @@ class BenchParameters:
         return result
 
     def seen(self, x: FloatArray, vector_n: Sequence[FloatArray], motion: FloatArray | None = None) -> FloatArray:
-        """Return (m, 3): each campaign's vector, given East-North-Up, as every placement's cube sees it.
+        """Return (m, 3): each campaign's vector as every placement's cube sees it, in the vector's unit.
 
-        ``motion`` (m, 3, 3), where given, is the integral over a turn of the rotation from its start.
         All placements at once: this is the inner loop of the solve.
+
+        Parameters
+        ----------
+        x : (p,) the bench's parameters
+        vector_n : a vector (3,) of each campaign, East-North-Up, any unit
+        motion : (m, 3, 3) [s], the integral over a turn of the rotation from its start; 1 of a dwell
         """
         on_slab = np.stack([slab_C_ln(self.slab(x, i)) @ v for i, v in enumerate(vector_n)])[self._campaign]
         heading = np.zeros((len(self.placements), 3))
@@ -158,7 +163,12 @@ class BenchParameters:
     def seen_by_imu(
         self, x: FloatArray, vector_n: Sequence[FloatArray], motion: FloatArray | None = None
     ) -> FloatArray:
-        """Return what `seen` returns (m, 3) in the IMU's axes; parameters as there."""
+        """Return what `seen` returns (m, 3), but in the IMU's axes.
+
+        Parameters
+        ----------
+        x, vector_n, motion : (p,), (3,) each and (m, 3, 3), as `seen` takes them
+        """
         result: FloatArray = (self.C_sb @ self.seen(x, vector_n, motion)[..., None])[..., 0]
         return result
 
@@ -278,7 +288,7 @@ def mean_cube(q: FloatArray) -> FloatArray:
 
 
 def mean_axes(q: FloatArray) -> FloatArray:
-    """Return (3, 3): columns the orthogonal axes nearest to the mean normals (polar factor of `mean_cube`)."""
+    """Return (3, 3): columns the axes nearest to `mean_cube` for ``q`` (3, 2) [rad], its polar factor."""
     U, _, Vt = np.linalg.svd(mean_cube(q))
     axes: FloatArray = U @ Vt
     return axes
@@ -300,7 +310,9 @@ def skew_variance(p: FloatArray, held: Sequence[bool]) -> FloatArray:
 
 
 def skew_jacobian(p: FloatArray, E: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return d(k)/k (3, 3) and dD (3, 3) [g] by the skews S_xy, S_xz, S_yz; rows are sensors in cube axes.
+    """Return d(k)/k (3, 3) and dD (3, 3) [g] by the skews S_xy, S_xz, S_yz [rad]; rows are sensors in cube axes.
+
+    ``p`` (3, 2) [rad] is the cube's parallelism, ``E`` (3, 3) the misalignment, sensors and columns in cube axes.
 
     ``|K_q|`` changes by ``k E_qa E_qc S_ac`` as the cube's skew turns misalignment into it.
     """

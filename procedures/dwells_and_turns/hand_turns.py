@@ -71,7 +71,12 @@ def heading_history(
 ) -> FloatArray:
     """Return (n,) the angle [rad] turned up to the middle of each sample, scaled to the nominal whole.
 
-    ``K`` (3, 3) [output/deg], ``b`` (3,) [output/s]; ``vertical`` is the Earth rate's vertical part [deg/s].
+    Parameters
+    ----------
+    turn : of n samples
+    C_sb : (3, 3), takes the cube's axes to the IMU's
+    K, b : (3, 3) [output/deg], (3,) [output/s]
+    vertical : deg/s, the Earth rate's vertical part
     """
     samples = np.asarray(channel(turn.record.series, "gyroscope"), dtype=float)
     rate = samples / turn.record.series.period if turn.counts else samples
@@ -83,7 +88,7 @@ def heading_history(
 
 
 def geometry(turn: TurnTotal, heading: FloatArray, closure_std: float) -> TurnGeometry:
-    """Integrate the rotation over the heading turned and look whether the ends are at rest."""
+    """Integrate the rotation over the ``heading`` (n,) [rad] turned and look whether the ends are at rest."""
     period = turn.record.series.period
     c, s = np.cos(heading).sum() * period, np.sin(heading).sum() * period
     motion = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, len(heading) * period]])
@@ -95,7 +100,7 @@ def geometry(turn: TurnTotal, heading: FloatArray, closure_std: float) -> TurnGe
 
 
 def is_broken(turn: TurnTotal, heading: FloatArray) -> bool:
-    """Say whether samples were lost while the cube turned, so that the angle in the gap is unknown."""
+    """Say whether samples were lost while ``heading`` (n,) [rad] changed: the angle in the gap is unknown."""
     gaps = turn.record.series.starts[1:]
     n = max(round(0.1 / turn.record.series.period), 1)
     return any(

@@ -55,11 +55,11 @@ def _whitened(gyroscope: GyroscopeFit, change: FloatArray) -> FloatArray:
 
 
 def clock_on_accelerometer(value: FloatArray, counts: bool) -> FloatArray:
-    """Return the change of k, E, D (15,) per relative error of the time base."""
+    """Return the change of k, E, D, ``value`` (15,), per relative error of the time base."""
     return np.concatenate((value[:3] * counts, np.zeros(12)))
 
 
 def clock_on_moves(value: FloatArray, counts: bool) -> FloatArray:
-    """Return the change of k, E, D (15,) of gyroscopes calibrated by moves: D of counts, k (and so D) of rates."""
+    """Return the change of gyroscopes' k, E, D by moves, ``value`` (15,): D of counts, k (and so D) of rates."""
     k, D = (np.zeros(3), value[12:]) if counts else (value[:3], value[12:])
     return np.concatenate((k, np.zeros(9), D))

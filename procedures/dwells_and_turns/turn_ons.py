@@ -49,9 +49,14 @@ def fit_with_turn_ons(
     residual: Callable[[FloatArray, FloatArray], FloatArray], start: FloatArray, scale: FloatArray,
     turn_ons: Sequence[TurnOn], plausible: FloatArray,
 ) -> TurnOnFit:  # fmt: skip
-    """Minimise ``residual(x, steps)``, the steps (n, 3) [output/s] of the rows' ``turn_ons`` with it.
+    """Minimise ``residual(x, steps)`` and the steps of the turn-ons with it.
 
-    ``plausible`` (3,) [output/s] is 1 sigma of a step before the first count.
+    Parameters
+    ----------
+    residual : takes x (p,) and each row's step (n, 3) [output/s] to whitened residuals (m,)
+    start, scale : (p,), as `minimise` takes them
+    turn_ons : of the n rows
+    plausible : (3,) [output/s], 1 sigma of a step before the first count
     """
     Z, p = contrasts(turn_ons), len(start)
     m = 3 * Z.shape[1]

@@ -47,7 +47,10 @@ class ClosedForm:
 
 
 def closed_form(rate: FloatArray, std: FloatArray) -> ClosedForm:
-    """Solve Yao 2018 (3)-(11) from the count rates (12, 3) of positions 1..12, cube axes, unit specific force."""
+    """Solve Yao 2018 (3)-(11) from count rates in positions 1..12; specific force in units of local gravity.
+
+    ``rate`` and ``std`` (12, 3) [count/s], 1 sigma, are of sensors in the order of the cube's axes.
+    """
     pairs = rate.reshape(3, 2, 2, 3)  # face axis, up or down, heading, sensor
     K = (pairs[:, 0] - pairs[:, 1]).sum(axis=1).T / 4  # (3)-(5)
     k = np.linalg.norm(K, axis=1)  # (6)
@@ -63,9 +66,9 @@ def by_position(
 ) -> tuple[FloatArray, FloatArray] | None:
     """Return rates and sigmas (12, 3), sensors named by the cube axis they lie along; None if a position lacks.
 
-    Only campaigns with the IMU mounted as ``C_sb`` says are looked at; repeats are averaged. Reordering the
-    sensors to cube axes makes Yao 2018's formulas hold for an IMU that sits turned in its cube; one that points
-    along a cube axis backwards keeps its own sign.
+    Only campaigns with the IMU mounted as ``C_sb`` (3, 3), cube to IMU axes, are looked at; repeats are averaged.
+    Reordering the sensors to cube axes makes Yao 2018's formulas hold for an IMU that sits turned in its cube; one
+    that points along a cube axis backwards keeps its own sign.
     """
     order = np.argmax(np.abs(C_sb), axis=0)
     mounted = [n for n, campaign in enumerate(campaigns) if np.array_equal(campaign.fixture.C_sb, C_sb)]
@@ -188,7 +191,7 @@ def missing_positions(seen: TriadDwells | None) -> list[str]:
 
 
 def is_determined(u: FloatArray) -> bool:
-    """Say whether dwells at the inputs ``u`` (m, 3) determine a full row of K and a bias."""
+    """Say whether dwells at the inputs ``u`` (m, 3), any unit, determine a full row of K and a bias."""
     if len(u) < 4:
         return False
     A = np.hstack((u, np.ones((len(u), 1)) * np.max(np.abs(u))))

@@ -29,7 +29,7 @@ class LocalLevel:
         return self._C_ne @ moved
 
     def geodetic(self, enu: FloatArray) -> tuple[float, float, float]:
-        """Return latitude, longitude [rad] and height [m] of a place (3,) [m]."""
+        """Return latitude, longitude [rad] and height [m] of a place ``enu`` (3,) [m] about the origin."""
         x, y, z = (_earth_fixed(*self._own) + self._C_ne.T @ enu).tolist()
         out = float(np.hypot(x, y))
         latitude = float(np.arctan2(z, out * (1 - ECCENTRICITY_SQUARED)))

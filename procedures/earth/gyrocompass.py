@@ -103,7 +103,8 @@ def rough_scale_factor(
 ) -> tuple[float, float] | None:
     """Return the gyros' scale factor [count/rad] and its relative 1 sigma, roughly, from dwells alone.
 
-    None while the dwells do not tell it to within a half, or contradict each other.
+    None while the dwells do not tell it to within a half, or contradict each other. ``latitude`` in rad; ``C_sb``
+    (3, 3) takes the cube's axes to the IMU's.
     """
     if not known:
         return None
@@ -122,7 +123,8 @@ def heading_change(
     difference of the horizontal Earth rate as the cube sees it, along East for a small one:
     ``dr = k W cos(lat) sin(change)``. Good for angles below 90 deg. The sigma is infinite at the poles.
 
-    ``k`` is the gyros' scale factor [count/rad], of which a few per cent are enough.
+    ``C_sb`` (3, 3) takes the cube's axes to the IMU's. ``k`` is the gyros' scale factor [count/rad], of which a
+    few per cent are enough.
     """
     up = face_normal(face_of(before.position))
     north = nominal_C_lb(before.position).T @ np.array([0.0, 1.0, 0.0])

@@ -38,7 +38,7 @@ class ControlChart:
 
     @property
     def alarms(self) -> BoolArray:
-        """Which calibrations, (n - `MIN_EARLIER`,), leave the control limits on either chart."""
+        """Which calibrations leave the control limits on either chart; shaped like ``z``."""
         found: BoolArray = (np.abs(self.z) > self.limit) | (np.abs(self.ewma) > self.limit * self.ewma_std)
         return found
 

@@ -37,12 +37,15 @@ class GroupShift:
 def group_shift(
     unit: Sequence[Hashable], inside: BoolArray, value: FloatArray, std: FloatArray
 ) -> GroupShift | None:
-    """Compare the calibrations ``inside`` a group with the same units' outside it; all arguments are (n,).
+    """Compare the calibrations inside a group with the same units' outside it.
 
-    Returns
-    -------
-    GroupShift or None
-        None where fewer than `MIN_UNITS_IN_BOTH` units have both.
+    None where fewer than `MIN_UNITS_IN_BOTH` units have both.
+
+    Parameters
+    ----------
+    unit : of n calibrations
+    inside : (n,), true of those in the group
+    value, std : (n,) in the parameter's unit, 1 sigma
     """
     d, variance = _contrasts(unit, inside, value, std)
     if len(d) < MIN_UNITS_IN_BOTH:

@@ -29,7 +29,7 @@ def up_vector(lean: UpDirection) -> FloatArray:
 
 
 def angle_deg(one: FloatArray, other: FloatArray) -> float:
-    """Return the angle [deg] between two ways (3,) of any length."""
+    """Return the angle [deg] between two directions ``one`` and ``other`` (3,), of any length."""
     return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other)))
 
 
@@ -39,7 +39,10 @@ def nearest_deg(up: FloatArray, taken: Iterable[FloatArray]) -> float:
 
 
 def next_direction(taken: Iterable[FloatArray]) -> UpDirection:
-    """Return the way up that is wanted next: an edge, then a corner; the farthest once all were taken."""
+    """Return the direction that is wanted up next, after those ``taken`` (3,).
+
+    An edge, then a corner; the farthest from all once they were taken.
+    """
     ups = list(taken)
     free = (lean for lean in UP_DIRECTIONS if nearest_deg(up_vector(lean), ups) > MIN_APART_DEG + 5)
     return next(free, max(UP_DIRECTIONS, key=lambda lean: nearest_deg(up_vector(lean), ups)))

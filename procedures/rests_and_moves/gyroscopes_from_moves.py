@@ -169,7 +169,10 @@ def _ups(accelerometer: TriadFit, rows: IntArray) -> tuple[FloatArray, FloatArra
 
 
 def first_guess(seen: MovesAndRests) -> tuple[FloatArray, FloatArray] | None:
-    """Try one k for all axes, each forward or backward; return the K that carries gravity best, if any."""
+    """Try one k for all axes, each forward or backward.
+
+    Returns K (3, 3) [output/deg] that carries gravity best and b (3,) [output/s]; None if no k does.
+    """
     b = np.median(seen.rate, axis=0)
     turned = np.linalg.norm(((seen.samples.output - b) * seen.samples.real[..., None]).sum(axis=1), axis=1)
     usual = float(np.median(turned * seen.samples.period))

@@ -43,7 +43,7 @@ class MoveSamples:
         return total
 
     def rates(self, K: FloatArray, b: FloatArray) -> FloatArray:
-        """Return the rates (m, s, 3) [deg/s], zero where padded."""
+        """Return rates (m, s, 3) [deg/s], 0 where padded, by ``K`` (3, 3) [output/deg], ``b`` (3,) [output/s]."""
         found: FloatArray = (self.output - b) @ np.linalg.inv(K).T * self.real[..., None]
         return found
 
@@ -79,7 +79,10 @@ def integrate_moves(samples: MoveSamples, K: FloatArray, b: FloatArray) -> MoveR
 
 
 def move_rotations(samples: MoveSamples, K: FloatArray, b: FloatArray) -> FloatArray:
-    """Return the rotations (m, 3, 3) alone, neighbours multiplied in pairs: for trying many K."""
+    """Return the rotations (m, 3, 3) alone, neighbours multiplied in pairs: for trying many K.
+
+    ``K`` (3, 3) is in output/deg, ``b`` (3,) in output/s.
+    """
     step = np.radians(samples.rates(K, b)) * samples.period[:, None, None]
     found = rotation(-step)
     while found.shape[1] > 1:

@@ -47,7 +47,10 @@ class NormFit:
 
 @np.errstate(all="ignore")  # outputs beyond all bounds determine nothing
 def fit_norm(rate: FloatArray, std: FloatArray, gravity: float) -> NormFit | None:
-    """Fit K and b to the outputs (n, 3) of rests and their 1 sigma; ``gravity`` [g]; None where not determined."""
+    """Fit K and b to rests; None where they do not determine them.
+
+    ``rate`` and ``std`` (n, 3) [output/s] are their outputs and 1 sigma, ``gravity`` [g] the norm they have.
+    """
     start = _ellipsoid(rate, gravity)
     if start is None:
         return None
@@ -97,7 +100,13 @@ def _misfit(rate: FloatArray, gravity: float, sigma: FloatArray, x: FloatArray) 
 
 
 def norm_sigma(K: FloatArray, b: FloatArray, rate: FloatArray, std: FloatArray) -> FloatArray:
-    """Return 1 sigma (n,) [g] of the norm of ``K^-1 (rate - b)``."""
+    """Return 1 sigma (n,) [g] of the norm of ``K^-1 (rate - b)``.
+
+    Parameters
+    ----------
+    K, b : (3, 3) [output/s per g], (3,) [output/s]
+    rate, std : (n, 3) [output/s], 1 sigma
+    """
     u = np.linalg.solve(K, (rate - b).T).T
     weight = np.linalg.solve(K.T, (u / np.linalg.norm(u, axis=1)[:, None]).T).T
     sigma: FloatArray = np.linalg.norm(weight * std, axis=1)

@@ -44,7 +44,7 @@ class NoiseTerm:
 
 
 def averaging_factors(samples: int, per_octave: int = 3) -> IntArray:
-    """Return averaging factors, evenly spaced in the logarithm, from 1 to a quarter of the samples."""
+    """Return averaging factors (m,), numbers of samples, even in the logarithm, from 1 to a quarter of all."""
     octaves = np.log2(max(samples // 4, 1))
     return np.unique(np.round(2.0 ** np.arange(0, octaves + 1e-9, 1 / per_octave))).astype(np.int64)
 

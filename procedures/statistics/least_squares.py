@@ -57,10 +57,14 @@ class Fit:
 
 
 def minimise(residual: Callable[[FloatArray], FloatArray], start: FloatArray, scale: FloatArray) -> Fit:
-    """Minimise the sum of squares of a whitened ``residual``.
+    """Minimise the sum of squares of a whitened residual.
 
-    ``scale`` (p,) is the size at which each parameter bends the model; differences are taken over a small
-    part of it and the normal equations are solved in its units.
+    Parameters
+    ----------
+    residual : takes parameters (p,) to whitened residuals (n,)
+    start : (p,), in the parameters' units
+    scale : (p,), the size at which each parameter bends the model: differences are taken over a small part of
+        it, and the normal equations are solved in its units
     """
     x = np.array(start, dtype=np.float64)
     for _ in range(MAX_ITERATIONS):
@@ -78,7 +82,12 @@ def minimise(residual: Callable[[FloatArray], FloatArray], start: FloatArray, sc
 def minimise_if_determined(
     residual: Callable[[FloatArray], FloatArray], start: FloatArray, scale: FloatArray
 ) -> Fit | None:
-    """Minimise as `minimise`; None where the observations leave a parameter open, or none fits."""
+    """Minimise as `minimise`; None where the observations leave a parameter open, or none fits.
+
+    Parameters
+    ----------
+    residual, start, scale : residuals (n,) of parameters (p,), (p,) and (p,) in their units, as of `minimise`
+    """
     try:
         fit = minimise(residual, start, scale)
     except np.linalg.LinAlgError:

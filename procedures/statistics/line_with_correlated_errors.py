@@ -52,9 +52,13 @@ class _Lines:
 def fit_correlated_line(
     x: FloatArray, y: FloatArray, group: IntArray, least: float = 0.0
 ) -> CorrelatedLine | None:
-    """Fit ``y`` (n,) over ``x`` (n,), one slope and an offset for each ``group`` (n,); None for too few points.
+    """Fit one slope and an offset for each group; None for too few points.
 
-    ``least`` is the 1 sigma that a point has at the least, in units of y. Points of a group are in order.
+    Parameters
+    ----------
+    x, y : (n,), any units; points of a group are in order
+    group : (n,), its number for each point
+    least : the 1 sigma that a point has at the least, in the unit of y
     """
     n, span = len(x), float(np.ptp(x))
     _, member = np.unique(group, return_inverse=True)

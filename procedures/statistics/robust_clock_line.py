@@ -38,10 +38,11 @@ class TimeLine:
 
 
 def fit_time_line(clock_ns: IntArray, reference_ns: IntArray) -> TimeLine | None:
-    """Fit a line to marks (n,) of two clocks [ns], the first in order; None where they are too few.
+    """Fit a line to marks ``clock_ns``, ``reference_ns`` (n,) [ns] of two clocks, the first in order.
 
-    The slope is the median of the slopes between the medians of up to 32 stretches (Theil and Sen): up to a
-    quarter of the marks may be anything. The offset is the marks' median, so that half of them are late of it.
+    None where they are too few. The slope is the median of the slopes between the medians of up to 32 stretches
+    (Theil and Sen): up to a quarter of the marks may be anything. The offset is the marks' median, so that half of
+    them are late of it.
     """
     if len(clock_ns) < MIN_MARKS or clock_ns[-1] <= clock_ns[0]:
         return None
@@ -61,10 +62,10 @@ def fit_time_line(clock_ns: IntArray, reference_ns: IntArray) -> TimeLine | None
 
 
 def fit_earliest_line(clock_ns: IntArray, reference_ns: IntArray) -> TimeLine | None:
-    """Fit a line to marks (n,) [ns] that were read late by the clock, never early; None where they are too few.
+    """Fit a line to marks ``clock_ns``, ``reference_ns`` (n,) [ns], read late by the clock, never early.
 
-    No mark lies above it but those that are far ahead of the middle ones, as of a reference that was set wrong for
-    a while: it is the edge of the marks' convex hull over their mean.
+    None where they are too few. No mark lies above it but those that are far ahead of the middle ones, as of a
+    reference that was set wrong for a while: it is the edge of the marks' convex hull over their mean.
     """
     line = fit_time_line(clock_ns, reference_ns)
     if line is None:

@@ -25,7 +25,10 @@ WIDEST_TAU, NARROWEST_TAU = 20.0, 0.1  # times the range seen, times the median 
 
 
 def tau_levels(value: FloatArray, std: FloatArray, per_decade: int = TAU_LEVELS_PER_DECADE) -> FloatArray:
-    """Return scatters (k,) in equal ratios, from what cannot be told from 0 to far beyond the range seen."""
+    """Return scatters tau (k,) in equal ratios, from what cannot be told from 0 to far beyond the range seen.
+
+    ``value`` and 1 sigma ``std`` are (n,), in any unit, which tau has too.
+    """
     own = float(np.median(std))
     largest = WIDEST_TAU * max(float(np.ptp(value)), own)
     smallest = max(NARROWEST_TAU * own, 1e-4 * largest)
@@ -43,7 +46,13 @@ class TauSums:
 
 
 def tau_terms(tau: FloatArray, value: FloatArray, std: FloatArray) -> TauSums:
-    """Return the terms of the sums, (k, n) for ``tau`` (k,), ``value`` and ``std`` (n,)."""
+    """Return the terms of the sums, each (k, n).
+
+    Parameters
+    ----------
+    tau : (k,), in the unit of the values
+    value, std : (n,), 1 sigma
+    """
     weight = 1.0 / (std**2 + tau[:, None] ** 2)
     return TauSums(np.log(weight), weight, weight * value, weight * value**2)
 
@@ -51,7 +60,14 @@ def tau_terms(tau: FloatArray, value: FloatArray, std: FloatArray) -> TauSums:
 def tail_probabilities(
     sums: TauSums, tau: FloatArray, value: FloatArray, std: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the probabilities (n,) to be below and above each value (n,) of sigma ``std`` (n,)."""
+    """Return the probabilities (n,) to be below and above each value.
+
+    Parameters
+    ----------
+    sums : over the values that it is judged by
+    tau : (k,), in the unit of the values
+    value, std : (n,), 1 sigma
+    """
     weight, mean, spread = predicted_mean(sums, tau)
     sigmas = (value - mean) / np.hypot(spread, std)
     below, above = (weight * ndtr(sigmas)).sum(0), (weight * ndtr(-sigmas)).sum(0)
@@ -59,7 +75,10 @@ def tail_probabilities(
 
 
 def predicted_mean(sums: TauSums, tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return weights of sum 1, means and standard deviations (k, n) of one more value without its own error."""
+    """Return weights of sum 1, means and standard deviations (k, n) of one more value without its own error.
+
+    ``tau`` (k,) is in the unit of the values.
+    """
     mean = sums.first / sums.one
     log = 0.5 * (sums.log - np.log(sums.one) - (sums.second - mean * sums.first))
     weight = np.exp(log - log.max(0))

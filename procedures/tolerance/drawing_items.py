@@ -59,6 +59,6 @@ def angles(tolerance_mm: Mapping[str, float], side_mm: float) -> FloatArray:
 
 
 def p1_tilts(item: FloatArray) -> FloatArray:
-    """Return face tilts (6, 2, ...) [rad] of items (11, ...) [rad], each face in the direction of table 3."""
+    """Return face tilts (6, 2, ...) [rad] of ``item`` (11, ...) [rad], each face in the direction of table 3."""
     tilts: FloatArray = np.einsum("fi,i...,fc->fc...", STACK, item, P1_DIRECTION)
     return tilts

@@ -62,7 +62,7 @@ class EstimatorErrors:
 
 
 def up_vectors(tilts: FloatArray) -> FloatArray:
-    """Return (6, 3, ...) the up vectors in cube axes on faces tilted by (6, 2, ...) [rad], as `face_rotation`."""
+    """Return up vectors (6, 3, ...), cube axes, of faces with ``tilts`` (6, 2, ...) [rad], as `face_rotation`."""
     angle = np.hypot(tilts[:, 0], tilts[:, 1])
     up = np.empty((6, 3, *tilts.shape[2:]))
     across = tilts * np.sinc(angle / np.pi)[:, None]
@@ -73,7 +73,7 @@ def up_vectors(tilts: FloatArray) -> FloatArray:
 
 
 def outputs(up: FloatArray, unit: ToleranceUnit) -> FloatArray:
-    """Return (6, 3, ...) [g] the output over k, ``E u + D + K2 (E u)^2``, of the sensors on every face."""
+    """Return the output over k (6, 3, ...) [g], ``E u + D + K2 (E u)^2``, for ``up`` (6, 3, ...) on every face."""
     f: FloatArray = np.einsum("qa,fa...->fq...", unit.E, up)
     K2, D = (part.reshape(1, 3, *(1,) * (f.ndim - 2)) for part in (unit.K2, unit.D))
     return f + K2 * f**2 + D

@@ -87,7 +87,7 @@ def remedy_gain(
     heading: float = 1e-3,
     shape: ToleranceShape = "uniform",
 ) -> RemedyGain:
-    """Return the sigmas of a campaign of a cube made to items (11,) [rad].
+    """Return the sigmas of a campaign of a cube made to the items ``item`` (11,) [rad].
 
     ``noise`` [g] is 1 sigma of a dwell's mean, ``heading`` [rad] that of a position's heading.
     """

@@ -40,7 +40,7 @@ def draw_tilts(
     shape: ToleranceShape = "uniform",
     directions: Directions = "any",
 ) -> FloatArray:
-    """Return the face tilts (6, 2, n) [rad] of n cubes made to items (11,) [rad]."""
+    """Return the face tilts (6, 2, n) [rad] of n cubes made to the items ``item`` (11,) [rad]."""
     if shape == "uniform":
         part = rng.uniform(-1.0, 1.0, (len(item), n))
     else:
@@ -54,7 +54,7 @@ def draw_tilts(
 
 
 def tilt_std(item: FloatArray, shape: ToleranceShape = "uniform") -> FloatArray:
-    """Return 1 sigma (6,) [rad] of each of a face's two tilts, directions being any."""
+    """Return 1 sigma (6,) [rad] of a face's two tilts by ``item`` (11,) [rad], directions being any."""
     size: FloatArray = np.sqrt(STACK @ item**2 / 2) * DEVIATION[shape]
     return size
 
@@ -67,7 +67,7 @@ def draw_errors(
     shape: ToleranceShape = "uniform",
     directions: Directions = "any",
 ) -> DrawnErrors:
-    """Draw n cubes made to items (11,) [rad] and return the errors on each; equal seeds give equal cubes."""
+    """Draw n cubes made to ``item`` (11,) [rad], return the errors on each; equal seeds give equal cubes."""
     rng = np.random.default_rng(seed)
     bias, scale, angle = np.empty((3, 3, n)), np.empty((3, n)), np.empty((3, n))
     for begin in range(0, n, CUBES_PER_BATCH):

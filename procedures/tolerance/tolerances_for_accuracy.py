@@ -78,7 +78,7 @@ def allowed_tolerances(
 
 
 def cheapest_items(bound: WorstCase, wanted: float, weight: FloatArray) -> FloatArray:
-    """Return the items (11,) [rad] of least cost for which every error stays within ``wanted``."""
+    """Return the items (11,) [rad] of least cost by ``weight`` (11,) with every error within ``wanted``."""
     if (left := float(bound.largest(np.zeros(len(ITEMS))).max())) >= wanted:
         raise AccuracyUnreachable(wanted, left)
     start = np.log(np.sqrt(weight / weight.max()))

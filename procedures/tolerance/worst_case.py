@@ -37,17 +37,17 @@ class WorstCase:
     quadratic: FloatArray
 
     def at(self, item: FloatArray) -> FloatArray:
-        """Return the largest (r, 2) of every error and of its negative for items (11,) [rad]."""
+        """Return the largest (r, 2) of every error and of its negative for the items ``item`` (11,) [rad]."""
         second: FloatArray = np.einsum("rsij,i,j->rs", self.quadratic, item, item)
         return self.constant + self.linear @ item + second
 
     def slope(self, item: FloatArray) -> FloatArray:
-        """Return the derivative (r, 2, 11) of `at` by the items."""
+        """Return the derivative (r, 2, 11) [1/rad] of `at` by the items ``item`` (11,) [rad]."""
         slope: FloatArray = self.linear + 2 * self.quadratic @ item
         return slope
 
     def largest(self, item: FloatArray) -> FloatArray:
-        """Return the largest magnitude (r,) of every error for items (11,) [rad]."""
+        """Return the largest magnitude (r,) of every error for the items ``item`` (11,) [rad]."""
         largest: FloatArray = self.at(item).max(axis=1)
         return largest
 
@@ -64,7 +64,7 @@ def all_errors(unit: ToleranceUnit) -> Quantity:
 
 
 def expand(quantity: Quantity) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return value (r,), gradient (r, 6, 2) and Hessian (r, 6, 2, 6, 2) at no tilt, by central differences."""
+    """Return value (r,), gradient (r, 6, 2) and Hessian (r, 6, 2, 6, 2) by tilts [rad] at none, numerically."""
     one = TILT_STEP_RAD * np.eye(12)
     pair = (one[:, None] + one[None]).reshape(-1, 12)
     apart = (one[:, None] - one[None]).reshape(-1, 12)
@@ -90,7 +90,7 @@ def worst_case(quantity: Quantity) -> WorstCase:
 
 
 def worst_corner(quantity: Quantity, item: FloatArray) -> FloatArray:
-    """Return the largest magnitudes (r,) that the full formulas give in corners of what ``item`` allows.
+    """Return the largest magnitudes (r,) of the full formulas in corners of what ``item`` (11,) [rad] allows.
 
     Face by face the best of no tilt, `CORNER_DIRECTIONS` directions and that of the slope is taken, until none is
     better.

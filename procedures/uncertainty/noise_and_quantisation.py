@@ -24,13 +24,20 @@ DWELL_BLOCKS = 128  # of a dwell, as `procedures.counts.rate_output_mean` has th
 
 
 def white_variance(noise: FloatArray, seconds: FloatArray, variance: FloatArray) -> FloatArray:
-    """Return the part of ``variance`` (n, 3) of mean rates over ``seconds`` (n,) that white ``noise`` makes up."""
+    """Return the part (n, 3) of a variance of mean rates that white noise makes up.
+
+    Parameters
+    ----------
+    noise : (3,) or (n, 3) [output/sqrt(s)]
+    seconds : (n,), that the means are over
+    variance : (n, 3) [(output/s)^2]
+    """
     part: FloatArray = np.minimum(noise**2 / seconds[:, None], variance)
     return part
 
 
 def durations_s(series: Sequence[Series]) -> FloatArray:
-    """Return how long each recording lasts [s], gaps left out."""
+    """Return how long each of n recordings lasts (n,) [s], gaps left out."""
     return np.array([len(one) * one.period for one in series], dtype=np.float64)
 
 

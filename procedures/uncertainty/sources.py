@@ -50,7 +50,7 @@ Shares = Mapping[SourceCell, FloatArray]
 
 
 def added_shares(*parts: Shares) -> dict[SourceCell, FloatArray]:
-    """Return shares added cell by cell."""
+    """Return shares (n,) added cell by cell; their unit is that of a variance."""
     total = dict[SourceCell, FloatArray]()
     for part in parts:
         for cell, variance in part.items():

@@ -84,7 +84,7 @@ def accelerometer_columns(joint: TriadFit) -> FloatArray | None:
     if warm is None:
         return None
     columns, n = np.zeros((len(joint.fit.residual), 6)), len(joint.seen.dwells)
-    fill(columns[: 3 * n], warm[:n], scale_factor(joint), joint.seen.rate, joint.sigma)
+    _fill(columns[: 3 * n], warm[:n], scale_factor(joint), joint.seen.rate, joint.sigma)
     if joint.rests is not None:
         along = np.linalg.solve(joint.K.T, joint.rests.up.T).T * (warm[n:] / joint.rests.sigma)[:, None]
         columns[joint.rests.rows, :3] = along * scale_factor(joint)
@@ -100,14 +100,14 @@ def gyroscope_columns(gyroscope: GyroscopeFit) -> FloatArray | None:
     if warm is None:
         return None
     columns, n = np.zeros((len(joint.fit.residual), 6)), len(joint.seen.dwells)
-    fill(columns[: 3 * n], warm[:n], scale_factor(joint), joint.seen.rate, joint.sigma)
+    _fill(columns[: 3 * n], warm[:n], scale_factor(joint), joint.seen.rate, joint.sigma)
     seconds = np.array([turn.seconds for turn in turns])[:, None] * scale_factor(joint)
     totals = np.array([turn.total for turn in turns]).reshape(-1, 3)
-    fill(columns[3 * n : 3 * (n + len(turns))], warm[n:], seconds, totals, gyroscope.turn_sigma)
+    _fill(columns[3 * n : 3 * (n + len(turns))], warm[n:], seconds, totals, gyroscope.turn_sigma)
     return columns
 
 
-def fill(rows: FloatArray, warm: FloatArray, bias: FloatArray, output: FloatArray, sigma: FloatArray) -> None:
+def _fill(rows: FloatArray, warm: FloatArray, bias: FloatArray, output: FloatArray, sigma: FloatArray) -> None:
     """Write bias and scale columns of steps into ``rows`` (3 m, 6): ``bias`` is the output per unit of bias."""
     one = warm[:, None] / sigma
     for axis in range(3):
