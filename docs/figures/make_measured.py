@@ -18,7 +18,7 @@ from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.linear_model import fit_linear
 from procedures.effects import EFFECTS
-from procedures.effects.effect import Seen
+from procedures.effects.effect import Excitation
 from station.files.campaign_folder import read_campaign
 
 HERE = Path(__file__).parent
@@ -34,11 +34,11 @@ STAGES = (
 )
 
 
-def left_by(campaign: Campaign, names: tuple[str, ...]) -> tuple[FloatArray, Seen]:
+def left_by(campaign: Campaign, names: tuple[str, ...]) -> tuple[FloatArray, Excitation]:
     """Return the residual (n,) [deg/s] that effects of some names leave, and what was seen."""
     found = diagnose([campaign], [each for each in EFFECTS if each.name in names])
     fit = fit_linear(found.evidence, [each.term for each in found.added])
-    return fit.white * fit.factor * found.evidence.sigma, found.evidence.seen
+    return fit.white * fit.factor * found.evidence.sigma, found.evidence.excitation
 
 
 def draw_fog() -> Figure:

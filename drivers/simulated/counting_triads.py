@@ -12,7 +12,7 @@ from scipy.signal import lfilter
 
 from drivers.simulated.bench_truth import World
 from drivers.simulated.cube_motion import Segment
-from drivers.simulated.effects import Felt, Planted, Stimulus
+from drivers.simulated.effects import Planted, Stimulus, TriadInput
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
 from procedures.units import DEG_H_PER_DEG_S
@@ -106,8 +106,8 @@ class Sensor:
         ``first`` .. ``last`` are samples of the segment, ``index`` the sample since power-on of ``first``.
         """
         truth, seen = self._truth, self._stimulus(segment, index, first, last)
-        accel = Felt(np.einsum("qp,np->nq", truth.accel_e, seen.f), truth.accel_d_g)
-        gyro = Felt(np.einsum("qp,np->nq", truth.gyro_e, seen.omega), truth.gyro_d_deg_s)
+        accel = TriadInput(np.einsum("qp,np->nq", truth.accel_e, seen.f), truth.accel_d_g)
+        gyro = TriadInput(np.einsum("qp,np->nq", truth.gyro_e, seen.omega), truth.gyro_d_deg_s)
         accel_u, gyro_u = accel.raw + accel.bias, gyro.raw + gyro.bias
         for add, sizes in self._accel:
             accel_u = accel_u + add(seen, accel, sizes)

@@ -14,7 +14,7 @@ from procedures.calibration.solution import Estimate, Solution, TriadCalibration
 from procedures.calibration.triad_calibration import vector_names
 
 
-def either(one: Solution, other: Solution) -> Solution:
+def widened_by_alternative(one: Solution, other: Solution) -> Solution:
     """Return ``one`` with sigmas and covariance that hold ``other`` for as likely."""
     step = _values(other) - _values(one)
     return replace(

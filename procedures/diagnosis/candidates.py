@@ -20,9 +20,12 @@ from procedures.effects.effect import Columns, Effect
 from procedures.errors import DoesNotFit, ProcedureError
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
-TIED = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")
-GRADE = 1 / UG_PER_G, 0.5 / DEG_H_PER_DEG_S  # g, deg/s: 1 sigma of a dwell of the grade the ranges are for
-EXCITED = 0.1  # of a coefficient's plausible size that one sigma of it must at least come down to
+HELD_AT_PRIOR = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")
+NAVIGATION_GRADE_STD = (
+    1 / UG_PER_G,
+    0.5 / DEG_H_PER_DEG_S,
+)  # g, deg/s: 1 sigma of a dwell of the grade the ranges are for
+MAX_STD_IN_PLAUSIBLE = 0.1  # of a coefficient's plausible size that one sigma of it must at least come down to
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,25 +87,25 @@ def _ways(
         yield Candidate(effect, columns, Term(-evidence.A[:, taken], np.full(len(index), np.inf)), taken)
         return
     nothing = np.zeros(len(evidence.x), dtype=bool)
-    for columns in effect.columns(evidence.seen):
+    for columns in effect.columns(evidence.excitation):
         H = evidence.column(columns)
         if not np.all(np.isfinite(H)):
             continue
-        term = Term(H, effect.plausible_of(columns) * grade(evidence, effect))
-        told = EXCITED * term.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
+        term = Term(H, effect.plausible_of(columns) * grade_factor(evidence, effect))
+        told = MAX_STD_IN_PLAUSIBLE * term.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
         if told.any():
             is_tried = effect.name != "fixture.face_tilt" or "fixture.parallelism" not in of_model
-            yield Candidate(effect, columns, term, nothing, effect.name in TIED, is_tried)
+            yield Candidate(effect, columns, term, nothing, effect.name in HELD_AT_PRIOR, is_tried)
 
 
-def grade(evidence: Evidence, effect: Effect) -> float:
+def grade_factor(evidence: Evidence, effect: Effect) -> float:
     """Return by how much an effect's plausible range is wider than for a unit of navigation grade; at least 1.
 
     Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades.
     """
     triad = int(effect.name.startswith("gyroscope"))
     rows = evidence.rows("mean", "norm", "rate") & (evidence.triad == triad)
-    return max(float(np.median(evidence.sigma[rows])) / GRADE[triad], 1.0) if rows.any() else 1.0
+    return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0) if rows.any() else 1.0
 
 
 def _of_model(fits: CampaignFits, width: int) -> dict[str, tuple[Columns, IntArray]]:
@@ -128,7 +131,7 @@ def _of_model(fits: CampaignFits, width: int) -> dict[str, tuple[Columns, IntArr
     return found
 
 
-def usable(candidate: Candidate, evidence: Evidence, others: Sequence[Term] = ()) -> bool:
+def is_observable(candidate: Candidate, evidence: Evidence, others: Sequence[Term] = ()) -> bool:
     """Say whether the model leaves enough of it to see: 1 sigma of a coefficient well below its plausible size."""
     if candidate.is_of_model:
         return True
@@ -138,7 +141,7 @@ def usable(candidate: Candidate, evidence: Evidence, others: Sequence[Term] = ()
 
 
 @contextmanager
-def trial(has_effects: bool = True) -> Iterator[None]:
+def raising_does_not_fit(has_effects: bool = True) -> Iterator[None]:
     """Turn what a refit or a test with effects in it runs into to `DoesNotFit`: it says nothing of the data.
 
     The data were held to their labels, and the model without effects was fitted to them, before any was tried.

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.diagnosis.clock_rate_check import find_clock, is_timed, with_true_clock
 from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
-from procedures.diagnosis.result import Finding, Test
-from procedures.diagnosis.wrong_positions import find_labels, mislabelled, with_true_labels
+from procedures.diagnosis.result import EffectTest, Finding
+from procedures.diagnosis.wrong_positions import find_wrong_labels, label_findings, with_true_labels
 from procedures.diagnosis.wrong_turn_directions import with_true_directions
 from procedures.frames import face_of
 from procedures.units import PPM_PER_ONE
@@ -20,7 +20,7 @@ FIRST_POSITION = {face_of(position): position for position in range(12, 0, -1)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Preliminary:
+class CheckedCampaigns:
     """The campaigns put right, the findings and tests made on the way, and the effects so ``settled``, by name.
 
     ``clock`` is the relative 1 sigma of the clock's rate by which times were put right, None where they were not.
@@ -28,16 +28,16 @@ class Preliminary:
 
     campaigns: tuple[Campaign, ...]
     findings: tuple[Finding, ...]
-    tests: tuple[Test, ...]
+    tests: tuple[EffectTest, ...]
     settled: frozenset[str]
     clock: float | None = None
 
 
-def preliminary(campaigns: Sequence[Campaign]) -> Preliminary:
+def check_campaigns(campaigns: Sequence[Campaign]) -> CheckedCampaigns:
     """Put one unit's campaigns right; a clock that may as well be a wrongly stated period is left alone."""
     campaigns, directions = with_true_directions([_faces_as_positions(campaign) for campaign in campaigns])
-    wrong = mislabelled(campaigns)
-    labels = find_labels(campaigns, wrong)
+    wrong = find_wrong_labels(campaigns)
+    labels = label_findings(campaigns, wrong)
     campaigns = with_true_labels(campaigns, wrong)
     knocks, knock_tests = find_disturbances(campaigns)
     campaigns = without_disturbances(campaigns, knocks)
@@ -50,7 +50,7 @@ def preliminary(campaigns: Sequence[Campaign]) -> Preliminary:
             clock_std = float(each.std[0]) / PPM_PER_ONE
     findings = (*directions, *labels[0], *(knock.finding for knock in knocks), *clock)
     tests = (*labels[1], *knock_tests, *clock_tests)
-    return Preliminary(tuple(campaigns), findings, tests, frozenset(settled), clock_std)
+    return CheckedCampaigns(tuple(campaigns), findings, tests, frozenset(settled), clock_std)
 
 
 def _faces_as_positions(campaign: Campaign) -> Campaign:

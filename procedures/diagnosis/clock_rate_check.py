@@ -17,34 +17,34 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, TurnRecord
 from procedures.counts.reference_time import ClockRate, fit_clock
 from procedures.counts.sample_records import Series
-from procedures.diagnosis.result import Confidence, Finding, Test
+from procedures.diagnosis.result import Confidence, EffectTest, Finding
 from procedures.effects import EFFECTS
 from procedures.statistics.tail_probabilities import log_f_sf
 from procedures.units import PPM_PER_ONE
 
 EFFECT = "clock.rate"
-OFF_PERIOD = 1e-3  # relative, as the warning of a campaign folder
-ESTABLISHED, LIKELY = np.log(0.01), np.log(0.05)
-PLAUSIBLE = 5e4  # ppm: beyond, no clock is off
-KNOWN = 1e-3  # relative: 4 sigma of a rate from which something is concluded
-SIGMAS = 4.0
-NO_TIME = 20.0  # times as fast, or as slow: no device is set as wrong, utc_s is no time [s] of these rows
-LONG_S = 2.0  # of a record that tells it
+MAX_PERIOD_ERROR = 1e-3  # relative, as the warning of a campaign folder
+ESTABLISHED_LOG_P, LIKELY_LOG_P = np.log(0.01), np.log(0.05)
+MAX_CLOCK_PPM = 5e4  # ppm: beyond, no clock is off
+MAX_RATE_ERROR = 1e-3  # relative: 4 sigma of a rate from which something is concluded
+RATE_SIGMAS = 4.0
+MAX_PACE = 20.0  # times as fast, or as slow: no device is set as wrong, utc_s is no time [s] of these rows
+MIN_RECORD_S = 2.0  # of a record that tells it
 
 Record = TypeVar("Record", DwellRecord, TurnRecord, RestRecord, SequenceRecord)
 
 
-def find_clock(campaigns: Sequence[Campaign]) -> tuple[tuple[Finding, ...], tuple[Test, ...]]:
+def find_clock(campaigns: Sequence[Campaign]) -> tuple[tuple[Finding, ...], tuple[EffectTest, ...]]:
     """Return what one unit's campaigns show of its clock, and the test made."""
     rates = [rate for campaign in campaigns if (rate := clock_rate(campaign)) is not None and is_known(rate)]
     if not rates:
         return tuple(_off_period(campaigns)), ()
     mean = _mean(rates)
     adjusted = min(_log_p(mean) + float(np.log(len(EFFECTS))), 0.0)  # Holm: one of all that are tried
-    test = Test(EFFECT, (mean.ppm / mean.std) ** 2, _log_p(mean), adjusted)
-    if adjusted >= LIKELY or abs(mean.ppm) > PLAUSIBLE:
+    test = EffectTest(EFFECT, (mean.ppm / mean.std) ** 2, _log_p(mean), adjusted)
+    if adjusted >= LIKELY_LOG_P or abs(mean.ppm) > MAX_CLOCK_PPM:
         return (), (test,)
-    confidence: Confidence = "established" if adjusted < ESTABLISHED else "likely"
+    confidence: Confidence = "established" if adjusted < ESTABLISHED_LOG_P else "likely"
     return (_finding(mean.ppm, mean.std, confidence, adjusted, "utc_s"),), (test,)
 
 
@@ -69,7 +69,7 @@ def is_timed(campaigns: Sequence[Campaign]) -> bool:
 
 def is_known(rate: ClockRate) -> bool:
     """Say whether a rate is known to 0.1 %, by four sigma."""
-    return SIGMAS * rate.std / PPM_PER_ONE <= KNOWN
+    return RATE_SIGMAS * rate.std / PPM_PER_ONE <= MAX_RATE_ERROR
 
 
 def clock_rate(campaign: Campaign) -> ClockRate | None:
@@ -85,14 +85,16 @@ def false_pace(campaign: Campaign) -> float | None:
     paces, grains = list[float](), list[float]()
     for t, u in _pieces(campaign):
         t, u = t[known := np.isfinite(t) & np.isfinite(u)], u[known]
-        if len(t) and t[-1] - t[0] >= LONG_S:
+        if len(t) and t[-1] - t[0] >= MIN_RECORD_S:
             steps = np.abs(np.diff(u))
             paces.append(float((u[-1] - u[0]) / (t[-1] - t[0])))
             grains.append(float(np.median(steps[steps > 0])) / float(t[-1] - t[0]) if steps.any() else 0.0)
     if not paces:
         return None
     pace, grain = float(np.median(paces)), float(np.median(grains))
-    is_time = pace < NO_TIME and pace + 2 * grain > 1 / NO_TIME  # coarse stamps may stand still in a short record
+    is_time = (
+        pace < MAX_PACE and pace + 2 * grain > 1 / MAX_PACE
+    )  # coarse stamps may stand still in a short record
     return None if is_time else pace
 
 
@@ -113,12 +115,12 @@ def _mean(rates: Sequence[ClockRate]) -> ClockRate:
 def _off_period(campaigns: Sequence[Campaign]) -> Iterator[Finding]:
     """Report a sample period in device time that is not the stated one by more than the files scatter."""
     off = [s.period / c.nominal_period - 1 for c in campaigns if c.nominal_period is not None for s in _series(c)]
-    if not off or abs(middle := float(np.median(off))) <= OFF_PERIOD:
+    if not off or abs(middle := float(np.median(off))) <= MAX_PERIOD_ERROR:
         return
     std = max(float(np.std(off, ddof=1)) if len(off) > 1 else 0.0, abs(middle) * 1e-3)
     log_p = log_f_sf((middle / std) ** 2, 1, len(off) - 1 if len(off) > 1 else np.inf)
     adjusted = max(min(log_p + float(np.log(len(EFFECTS))), 0.0), float(np.log(np.finfo(float).tiny)))
-    if adjusted < LIKELY:
+    if adjusted < LIKELY_LOG_P:
         found = _finding(PPM_PER_ONE * middle, PPM_PER_ONE * std, "ambiguous", adjusted, "t_s")
         yield replace(found, aliases=("imu.sample_period_s",))
 

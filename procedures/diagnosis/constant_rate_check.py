@@ -16,11 +16,14 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-GOLDEN = (np.sqrt(5) - 1) / 2
-ROUNDS = 20  # the bracket shrinks to 1e-4 of a count
-BENT_ROUNDS = 14
-SLOPE, BEND = 2.0, 1.0  # counts per half block either side of least squares, which is never further off
-NEVER_BELOW = 0.9  # of Kuiper's statistic, below which its leading term is no probability
+GOLDEN_RATIO = (np.sqrt(5) - 1) / 2
+SLOPE_ITERATIONS = 20  # the bracket shrinks to 1e-4 of a count
+BEND_ITERATIONS = 14
+SLOPE_REACH, BEND_REACH = (
+    2.0,
+    1.0,
+)  # counts per half block either side of least squares, which is never further off
+MIN_KUIPER_STATISTIC = 0.9  # of Kuiper's statistic, below which its leading term is no probability
 
 
 def strip_width(count: FloatArray) -> FloatArray:
@@ -28,7 +31,7 @@ def strip_width(count: FloatArray) -> FloatArray:
     x = np.linspace(-1, 1, count.shape[1])
     level = count - count.mean(axis=1, keepdims=True)
     start = level @ x / (x @ x)
-    return _least(lambda slope: _height(level - slope[:, None] * x), start, SLOPE, ROUNDS)
+    return _least(lambda slope: _height(level - slope[:, None] * x), start, SLOPE_REACH, SLOPE_ITERATIONS)
 
 
 def bent_strip_width(count: FloatArray) -> FloatArray:
@@ -37,12 +40,12 @@ def bent_strip_width(count: FloatArray) -> FloatArray:
     bend = x**2 - np.mean(x**2)
     level = count - count.mean(axis=1, keepdims=True)
     start = level @ bend / (bend @ bend)
-    return _least(lambda q: strip_width(level - q[:, None] * bend), start, BEND, BENT_ROUNDS)
+    return _least(lambda q: strip_width(level - q[:, None] * bend), start, BEND_REACH, BEND_ITERATIONS)
 
 
 def log_p_of_width(width: FloatArray, noise: float, samples: int) -> FloatArray:
     """Return (an upper bound of) ln P of strips at least as wide, for a noise [counts per sqrt(sample)]."""
-    v = np.maximum((width - 1) / (noise * np.sqrt(samples)), NEVER_BELOW)
+    v = np.maximum((width - 1) / (noise * np.sqrt(samples)), MIN_KUIPER_STATISTIC)
     found: FloatArray = np.minimum(np.log(2 * (4 * v**2 - 1)) - 2 * v**2, 0.0)
     return found
 
@@ -57,12 +60,12 @@ def _least(
 ) -> FloatArray:
     """Return the least (m,) of m convex functions within ``reach`` of ``middle`` (golden section)."""
     low, high = middle - reach, middle + reach
-    left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    left, right = high - GOLDEN_RATIO * (high - low), low + GOLDEN_RATIO * (high - low)
     at_left, at_right = height(left), height(right)
     for _ in range(rounds):
         falls = at_left > at_right
         low, high = np.where(falls, left, low), np.where(falls, high, right)
-        new = np.where(falls, low + GOLDEN * (high - low), high - GOLDEN * (high - low))
+        new = np.where(falls, low + GOLDEN_RATIO * (high - low), high - GOLDEN_RATIO * (high - low))
         at_new = height(new)
         left, right = np.where(falls, right, new), np.where(falls, new, left)
         at_left, at_right = np.where(falls, at_right, at_new), np.where(falls, at_new, at_left)

@@ -16,34 +16,39 @@ from procedures.calibration.calibration import fit_reduced, reduce_steps
 from procedures.calibration.solution import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
-from procedures.diagnosis.ambiguous_solution import either
+from procedures.diagnosis.ambiguous_solution import widened_by_alternative
 from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.checks_before_effects import Preliminary, preliminary
-from procedures.diagnosis.effect_naming import named, other_seatings, settled, with_fixture_channels
-from procedures.diagnosis.effect_selection import (
-    CLAIMED,
-    MOST,
-    Adopted,
-    Tried,
-    next_effect,
-    try_all,
+from procedures.diagnosis.checks_before_effects import CheckedCampaigns, check_campaigns
+from procedures.diagnosis.effect_naming import (
+    name_findings,
+    other_seatings,
+    settle_nonlinear,
+    with_fixture_channels,
 )
-from procedures.diagnosis.held_out_errors import errors_made, groups
+from procedures.diagnosis.effect_selection import (
+    MAX_EFFECTS,
+    MAX_LOG_P,
+    AdoptedEffect,
+    TestedEffect,
+    next_effect,
+    rank_effects,
+)
+from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
 from procedures.diagnosis.linear_model import LinearFit, fit_linear, significance
-from procedures.diagnosis.model_with_effects import Bench, State, Subject, stand
+from procedures.diagnosis.model_with_effects import BaseModel, BenchModel, LoopState, solve_with
 from procedures.diagnosis.rate_tables import RateTables
-from procedures.diagnosis.result import Diagnosis, Finding, Test, Verdict, combined, with_files
-from procedures.diagnosis.unexplained_residual import excess, log_p_of, within_dwells
+from procedures.diagnosis.result import Diagnosis, EffectTest, Finding, Verdict, combine_diagnoses, with_file_names
+from procedures.diagnosis.unexplained_residual import excess_squares, global_log_p, within_dwells
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit, NotObservable, ProcedureError
 from procedures.uncertainty.clock_rate_sigma import with_clock
 
-AGAIN = "the same campaign in another order, on another day: what does not come back is no effect"
-UNEXPLAINED = np.log(0.01)
+REPEAT_CAMPAIGN = "the same campaign in another order, on another day: what does not come back is no effect"
+UNEXPLAINED_LOG_P = np.log(0.01)
 # Of what is left: below it an effect must have explained nearly all that it was brought in for.
-LEFT = np.log(1e-3)
-EXPLAINS = 0.95
+DROP_BELOW_LOG_P = np.log(1e-3)
+MIN_EXPLAINED_SHARE = 0.95
 
 
 def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS) -> Diagnosis:
@@ -57,9 +62,9 @@ def diagnose(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS)
     tables = RateTables.of(campaigns)
     if tables is None:
         return _of_steps(campaigns, effects)
-    of_tables = with_files(_closed(tables, effects))
+    of_tables = with_file_names(_closed(tables, effects))
     try:
-        return combined(_of_steps(campaigns, effects), of_tables)
+        return combine_diagnoses(_of_steps(campaigns, effects), of_tables)
     except NotObservable:
         return of_tables
 
@@ -85,37 +90,37 @@ def _with_clock(found: Diagnosis, std: float | None) -> Diagnosis:
     return replace(found, solution_before=before, solution=with_clock(found.solution, found.after, std), clock=std)
 
 
-def _put_right(campaigns: Sequence[Campaign]) -> tuple[Preliminary, Bench]:
+def _put_right(campaigns: Sequence[Campaign]) -> tuple[CheckedCampaigns, BenchModel]:
     """Return what was put right, and the base model; campaigns that can only be solved as they are stay so."""
     alive, left_out = without_dead(campaigns)
     try:
-        before = preliminary(alive)
+        before = check_campaigns(alive)
         steps = replace(reduce_steps(before.campaigns), left_out=left_out)
-        return before, Bench(steps, fit_reduced(steps))
+        return before, BenchModel(steps, fit_reduced(steps))
     except ProcedureError:
         steps = reduce_steps(campaigns)
-        return Preliminary(tuple(campaigns), (), (), frozenset()), Bench(steps, fit_reduced(steps))
+        return CheckedCampaigns(tuple(campaigns), (), (), frozenset()), BenchModel(steps, fit_reduced(steps))
 
 
-def _closed(subject: Subject, effects: Sequence[Effect]) -> Diagnosis:
+def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
     """Add effects to a base model, one at a time, until nothing is left that any of them would explain."""
-    state = first = stand(subject, (), effects)
-    tried = list[Tried]()
-    for _ in range(MOST):
-        found = try_all(state.now.evidence, state.pool, state.adopted)
+    state = first = solve_with(subject, (), effects)
+    tried = list[TestedEffect]()
+    for _ in range(MAX_EFFECTS):
+        found = rank_effects(state.now.evidence, state.pool, state.adopted)
         tried = tried or found
         grown = _grown(state, found, effects)
         if grown is None:
             break
-        state = _dropped(settled(grown, effects), effects)
+        state = _dropped(settle_nonlinear(grown, effects), effects)
     state = _lasting(_honest(state, effects), effects)
-    state, findings = named(state, len(first.pool), effects)
+    state, findings = name_findings(state, len(first.pool), effects)
     left = _left(state)
-    unexplained = within_dwells(state.now.evidence, _unwidened(state)) if left < UNEXPLAINED else None
+    unexplained = within_dwells(state.now.evidence, _unwidened(state)) if left < UNEXPLAINED_LOG_P else None
     verdict = _verdict(findings, left)
     return Diagnosis(
         verdict, findings, tuple(_test(each) for each in tried),
-        errors_made(first.now.evidence, state.now, groups(first.now.evidence)), first.now.fits,
+        residual_rms(first.now.evidence, state.now, left_out_groups(first.now.evidence)), first.now.fits,
         state.now.fits, state.now.evidence, subject.report(first.now), _reported(state, effects), left,
         _next(findings, verdict),
         tuple(each.candidate for each in state.adopted if not each.candidate.is_of_model), state.now.values,
@@ -123,78 +128,81 @@ def _closed(subject: Subject, effects: Sequence[Effect]) -> Diagnosis:
     )  # fmt: skip
 
 
-def _grown(state: State, found: Sequence[Tried], effects: Sequence[Effect]) -> State | None:
+def _grown(state: LoopState, found: Sequence[TestedEffect], effects: Sequence[Effect]) -> LoopState | None:
     """Adopt the best effect with which the model can be solved; None where none is left."""
     left = list(found)
-    while new := next_effect(state.now.evidence, left, state.adopted, groups(state.now.evidence)):
+    while new := next_effect(state.now.evidence, left, state.adopted, left_out_groups(state.now.evidence)):
         both = (*state.adopted, new)
         if new.candidate.is_of_model:
             return replace(state, adopted=both)
         try:
-            return stand(state.subject, both, effects)
+            return solve_with(state.subject, both, effects)
         except DoesNotFit:
             left.remove(new.tried)
     return None
 
 
-def _reported(state: State, effects: Sequence[Effect]) -> Solution:
+def _reported(state: LoopState, effects: Sequence[Effect]) -> Solution:
     """Return what was solved, its sigmas holding the seatings that could be in the place of one."""
     found = state.subject.report(state.now)
     for each in state.adopted:
         for way in other_seatings(state, each.candidate):
             instead = [replace(a, candidate=way) if a is each else a for a in state.adopted]
             with suppress(DoesNotFit):
-                found = either(found, state.subject.report(stand(state.subject, instead, effects).now))
+                found = widened_by_alternative(
+                    found, state.subject.report(solve_with(state.subject, instead, effects).now)
+                )
     return found
 
 
-def _dropped(state: State, effects: Sequence[Effect]) -> State:
+def _dropped(state: LoopState, effects: Sequence[Effect]) -> LoopState:
     """Drop an effect that those adopted after it explain."""
     gone = next((each for each in state.adopted[:-1] if _has_gone(state, each.candidate)), None)
     return state if gone is None else _without(state, gone, effects)
 
 
-def _lasting(state: State, effects: Sequence[Effect]) -> State:
+def _lasting(state: LoopState, effects: Sequence[Effect]) -> LoopState:
     """Drop what is no longer seen in the model that it brought about itself, the last adopted first."""
     while gone := next((each for each in reversed(state.adopted) if _has_gone(state, each.candidate)), None):
         state = _without(state, gone, effects)
     return state
 
 
-def _has_gone(state: State, candidate: Candidate) -> bool:
+def _has_gone(state: LoopState, candidate: Candidate) -> bool:
     """Say whether an adopted effect is no longer significant over all that was tried."""
     test = significance(state.now.evidence, candidate.fit(state.now.evidence, state.beside(candidate)))
-    return bool(test.log_p + np.log(len(state.pool)) > CLAIMED)
+    return bool(test.log_p + np.log(len(state.pool)) > MAX_LOG_P)
 
 
-def _without(state: State, gone: Adopted, effects: Sequence[Effect]) -> State:
+def _without(state: LoopState, gone: AdoptedEffect, effects: Sequence[Effect]) -> LoopState:
     """Return where the loop stands without an effect; those that do not fit without it go with it."""
     left = [each for each in state.adopted if each is not gone]
     while left:
         try:
-            return stand(state.subject, left, effects)
+            return solve_with(state.subject, left, effects)
         except DoesNotFit:
             left.pop()
-    return stand(state.subject, (), effects)
+    return solve_with(state.subject, (), effects)
 
 
-def _left(state: State) -> float:
+def _left(state: LoopState) -> float:
     """Return ln p of what the model with all its effects leaves."""
-    return log_p_of(state.now.evidence, _unwidened(state))
+    return global_log_p(state.now.evidence, _unwidened(state))
 
 
-def _unwidened(state: State) -> LinearFit:
+def _unwidened(state: LoopState) -> LinearFit:
     evidence = state.now.evidence
     return fit_linear(evidence, state.beside(), factor=np.ones(len(evidence.residual)))
 
 
-def _honest(state: State, effects: Sequence[Effect]) -> State:
+def _honest(state: LoopState, effects: Sequence[Effect]) -> LoopState:
     """Drop effects that leave more than a little of what they were brought in to explain."""
-    while _left(state) < LEFT:
+    while _left(state) < DROP_BELOW_LOG_P:
         wanting = [
             (share, each)
             for each in state.adopted
-            if not each.candidate.is_of_model and (share := _explained(state, each.candidate)) < EXPLAINS
+            if not each.candidate.is_of_model
+            and (share := _explained(state, each.candidate)) < MIN_EXPLAINED_SHARE
         ]
         if not wanting:
             break
@@ -202,16 +210,16 @@ def _honest(state: State, effects: Sequence[Effect]) -> State:
     return state
 
 
-def _explained(state: State, candidate: Candidate) -> float:
+def _explained(state: LoopState, candidate: Candidate) -> float:
     """Return how much of what noise does not explain a candidate does."""
     evidence, ones = state.now.evidence, np.ones(len(state.now.evidence.residual))
-    without = excess(evidence, fit_linear(evidence, state.beside(candidate), factor=ones))
-    with_it = excess(evidence, fit_linear(evidence, state.beside(), factor=ones))
+    without = excess_squares(evidence, fit_linear(evidence, state.beside(candidate), factor=ones))
+    with_it = excess_squares(evidence, fit_linear(evidence, state.beside(), factor=ones))
     return 1 - with_it / without if without > 0 else 0.0
 
 
 def _verdict(findings: Sequence[Finding], left: float) -> Verdict:
-    if left < UNEXPLAINED:
+    if left < UNEXPLAINED_LOG_P:
         return "unexplained"
     for word in ("ambiguous", "likely", "established"):
         if any(each.confidence == word for each in findings):
@@ -219,11 +227,11 @@ def _verdict(findings: Sequence[Finding], left: float) -> Verdict:
     return "consistent"
 
 
-def _test(tried: Tried) -> Test:
-    return Test(tried.candidate.effect.name, tried.test.statistic, tried.log_p, tried.log_p_adjusted)
+def _test(tried: TestedEffect) -> EffectTest:
+    return EffectTest(tried.candidate.effect.name, tried.test.statistic, tried.log_p, tried.log_p_adjusted)
 
 
 def _next(findings: Sequence[Finding], verdict: Verdict) -> str:
     """Say what to measure next."""
     told = "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "ambiguous"))
-    return AGAIN if verdict == "unexplained" and not told else told
+    return REPEAT_CAMPAIGN if verdict == "unexplained" and not told else told

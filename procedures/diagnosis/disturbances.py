@@ -15,17 +15,25 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series, series_rows
-from procedures.diagnosis.disturbed_blocks import LEAST, Blocks, Trace, is_white, judge
-from procedures.diagnosis.result import Finding, Test
-from procedures.diagnosis.vibration import measure
+from procedures.diagnosis.disturbed_blocks import (
+    MIN_BLOCK_SAMPLES,
+    ChannelSamples,
+    JudgedBlocks,
+    is_white,
+    judge_blocks,
+)
+from procedures.diagnosis.result import EffectTest, Finding
+from procedures.diagnosis.vibration import measure_vibration
 from procedures.frames import TRIADS, face_normal, face_of
 from procedures.units import DEG_H_PER_DEG_S
 
 EFFECT = "disturbance.dwell"
-LEVEL = np.log(0.003)  # of all blocks of a diagnosis; blocks overlap and their variances are not quite chi-square
-JOINED_S = 5.0  # stretches nearer than this are one
-MOST = 0.6  # of a step that is cut: more is no disturbance of it but its state, reported and left in
-LABELS = {"accelerometer": ("ax", "ay", "az"), "gyroscope": ("gx", "gy", "gz")}
+MAX_LOG_P = np.log(
+    0.003
+)  # of all blocks of a diagnosis; blocks overlap and their variances are not quite chi-square
+MAX_JOINED_GAP_S = 5.0  # stretches nearer than this are one
+MAX_CUT_SHARE = 0.6  # of a step that is cut: more is no disturbance of it but its state, reported and left in
+CHANNEL_LABELS = {"accelerometer": ("ax", "ay", "az"), "gyroscope": ("gx", "gy", "gz")}
 
 Record = TypeVar("Record", DwellRecord, RestRecord)
 
@@ -45,7 +53,7 @@ class Disturbance:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Lively:
+class _DisturbedBlock:
     """A block that is livelier than its channel: its step, samples, channel and ln p, adjusted."""
 
     step: int
@@ -56,7 +64,7 @@ class _Lively:
     log_p: float
 
 
-def find_disturbances(campaigns: Sequence[Campaign]) -> tuple[tuple[Disturbance, ...], tuple[Test, ...]]:
+def find_disturbances(campaigns: Sequence[Campaign]) -> tuple[tuple[Disturbance, ...], tuple[EffectTest, ...]]:
     """Find the disturbed stretches of one unit's campaigns, and the test made of the liveliest block."""
     found, judged, least = list[Disturbance](), 0, 0.0
     blocks = [_judged(campaign) for campaign in campaigns]
@@ -68,7 +76,7 @@ def find_disturbances(campaigns: Sequence[Campaign]) -> tuple[tuple[Disturbance,
         least = min([least, *(each.log_p for each in lively)])
         found += _disturbances(number, campaign, lively)
     raw = min(float(each.log_p.min(initial=0.0)) for channels in blocks for *_, all_ in channels for each in all_)
-    return tuple(found), (Test(EFFECT, -2 * raw, raw, min(raw + float(np.log(judged)), 0.0)),)
+    return tuple(found), (EffectTest(EFFECT, -2 * raw, raw, min(raw + float(np.log(judged)), 0.0)),)
 
 
 def without_disturbances(campaigns: Sequence[Campaign], found: Sequence[Disturbance]) -> tuple[Campaign, ...]:
@@ -109,44 +117,54 @@ def _steps(campaign: Campaign) -> tuple[DwellRecord | RestRecord, ...]:
     return (*campaign.dwells, *campaign.rests)
 
 
-def _judged(campaign: Campaign) -> list[tuple[str, int, list[int], list[Blocks]]]:
+def _judged(campaign: Campaign) -> list[tuple[str, int, list[int], list[JudgedBlocks]]]:
     """Return per channel its triad, axis, the steps that hold it, and all blocks judged."""
-    found = list[tuple[str, int, list[int], list[Blocks]]]()
+    found = list[tuple[str, int, list[int], list[JudgedBlocks]]]()
     steps = _steps(campaign)
     for triad in TRIADS:
-        here = [i for i, s in enumerate(steps) if channel(s.series, triad) is not None and len(s.series) >= LEAST]
+        here = [
+            i
+            for i, s in enumerate(steps)
+            if channel(s.series, triad) is not None and len(s.series) >= MIN_BLOCK_SAMPLES
+        ]
         if not here:
             continue
         for axis in range(3):
             traces = [_trace(steps[i].series, triad, axis) for i in here]
-            found.append((triad, axis, here, judge(traces, campaign.counts)))
+            found.append((triad, axis, here, judge_blocks(traces, campaign.counts)))
     return found
 
 
-def _trace(series: Series, triad: str, axis: int) -> Trace:
-    return Trace(np.asarray(channel(series, triad))[:, axis].astype(np.float64), series.starts, series.period)
+def _trace(series: Series, triad: str, axis: int) -> ChannelSamples:
+    return ChannelSamples(
+        np.asarray(channel(series, triad))[:, axis].astype(np.float64), series.starts, series.period
+    )
 
 
-def _lively(channels: Sequence[tuple[str, int, list[int], list[Blocks]]], counted: float) -> Iterator[_Lively]:
+def _lively(
+    channels: Sequence[tuple[str, int, list[int], list[JudgedBlocks]]], counted: float
+) -> Iterator[_DisturbedBlock]:
     """Return the blocks below the level, ``counted`` being the logarithm of how many were judged."""
     for triad, axis, steps, lengths in channels:
         for blocks in lengths:
-            for i in np.flatnonzero(blocks.log_p + counted < LEVEL):
+            for i in np.flatnonzero(blocks.log_p + counted < MAX_LOG_P):
                 first, end = int(blocks.first[i]), int(blocks.end[i])
-                yield _Lively(steps[blocks.trace[i]], first, end, triad, axis, float(blocks.log_p[i]) + counted)
+                yield _DisturbedBlock(
+                    steps[blocks.trace[i]], first, end, triad, axis, float(blocks.log_p[i]) + counted
+                )
 
 
-def _disturbances(number: int, campaign: Campaign, lively: Sequence[_Lively]) -> Iterator[Disturbance]:
+def _disturbances(number: int, campaign: Campaign, lively: Sequence[_DisturbedBlock]) -> Iterator[Disturbance]:
     steps = _steps(campaign)
     for step in sorted({each.step for each in lively}):
         series = steps[step].series
         here = [each for each in lively if each.step == step]
-        for stretch in _stretches(here, round(JOINED_S / series.period)):
+        for stretch in _stretches(here, round(MAX_JOINED_GAP_S / series.period)):
             inside = [each for each in here if each.first < stretch.stop and each.end > stretch.start]
             yield _measured(number, campaign, step, stretch, inside)
 
 
-def _stretches(lively: Sequence[_Lively], near: int) -> list[slice]:
+def _stretches(lively: Sequence[_DisturbedBlock], near: int) -> list[slice]:
     """Return the stretches that blocks show, by the shortest of them, longer ones only where none is shorter."""
     found = list[slice]()
     for length in sorted({each.end - each.first for each in lively}):
@@ -167,7 +185,7 @@ def _joined(stretches: Sequence[slice], near: int) -> list[slice]:
 
 
 def _measured(
-    number: int, campaign: Campaign, step: int, stretch: slice, lively: Sequence[_Lively]
+    number: int, campaign: Campaign, step: int, stretch: slice, lively: Sequence[_DisturbedBlock]
 ) -> Disturbance:
     """Measure a stretch by the triad that shows it, the accelerometers if both do."""
     record = _steps(campaign)[step]
@@ -176,12 +194,14 @@ def _measured(
     k = _scale(campaign, triad)
     samples = np.asarray(channel(series, triad), dtype=np.float64)
     is_running = campaign.counts and not is_white([_trace(series, triad, axis) for axis in range(3)])
-    sine = measure(samples, k * series.period if campaign.counts else k, series.period, stretch, is_running)
+    sine = measure_vibration(
+        samples, k * series.period if campaign.counts else k, series.period, stretch, is_running
+    )
     first, end = min(stretch.start, sine.first), max(stretch.stop, sine.end)
-    if end - first > MOST * len(series):
+    if end - first > MAX_CUT_SHARE * len(series):
         first, end = stretch.start, stretch.stop
     t = series.t
-    where: dict[str, object] = {"file": record.name, "channel": LABELS[triad][worst.axis]}
+    where: dict[str, object] = {"file": record.name, "channel": CHANNEL_LABELS[triad][worst.axis]}
     if isinstance(record, DwellRecord):
         where = {"position": record.position, **where}
     where |= {"from_s": float(t[first] - series.period), "to_s": float(t[end - 1])}
@@ -191,7 +211,7 @@ def _measured(
         "the same position again, nobody near the slab", worst.log_p, 0.0,
         f"{sine.hertz:.3g} Hz" if sine.hertz else "",
     )  # fmt: skip
-    is_state = end - first > MOST * len(series)
+    is_state = end - first > MAX_CUT_SHARE * len(series)
     return Disturbance(number, step, first, first if is_state else end, finding)
 
 

@@ -17,17 +17,17 @@ from procedures.counts.count_rate import MIN_DWELL_SAMPLES, MIN_WHITE_NOISE, WHI
 from procedures.diagnosis.constant_rate_check import bent_strip_width, log_p_of_width, strip_width
 from procedures.statistics.tail_probabilities import log_chi2_sf
 
-LENGTHS = (1.0, 2.0, 5.0, 10.0)  # s, of blocks
-LEAST = 12  # samples a block
-MOST_NODES = 128  # of a block's strip: denser counts say little more
-LEAST_NOISE, NOISE_MARGIN = 5e-4, 1.5  # counts per sqrt(sample): few edges leave a smaller one open; factor
-NOISIER = 1.3  # times the channel's variance, up to which a dwell's own is taken for its quiet
-CAUTION = 2.0  # sigmas by which the quiet variance may be larger than was found
-CANDIDATE = np.log(1e-3)  # ln p of a straight strip below which a bent one is tried
+BLOCK_LENGTHS_S = (1.0, 2.0, 5.0, 10.0)  # s, of blocks
+MIN_BLOCK_SAMPLES = 12  # samples a block
+MAX_STRIP_NODES = 128  # of a block's strip: denser counts say little more
+MIN_NOISE, NOISE_MARGIN = 5e-4, 1.5  # counts per sqrt(sample): few edges leave a smaller one open; factor
+MAX_QUIET_RATIO = 1.3  # times the channel's variance, up to which a dwell's own is taken for its quiet
+QUIET_VARIANCE_SIGMAS = 2.0  # sigmas by which the quiet variance may be larger than was found
+BENT_STRIP_LOG_P = np.log(1e-3)  # ln p of a straight strip below which a bent one is tried
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Trace:
+class ChannelSamples:
     """One channel in one step: ``values`` (n,) a sample, ``starts`` of segments, ``period`` [s]."""
 
     values: FloatArray
@@ -36,7 +36,7 @@ class Trace:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Blocks:
+class JudgedBlocks:
     """Blocks of one length: the trace, the first sample and the end of each, and ln P of its liveliness (m,)."""
 
     trace: IntArray
@@ -45,14 +45,14 @@ class Blocks:
     log_p: FloatArray
 
 
-def judge(traces: Sequence[Trace], counts: bool) -> list[Blocks]:
+def judge_blocks(traces: Sequence[ChannelSamples], counts: bool) -> list[JudgedBlocks]:
     """Judge all blocks of one channel's traces; shortest blocks first."""
     if counts and not is_white(traces):
         return _by_strip(traces)
     return _by_variance(traces, counts)
 
 
-def is_white(traces: Sequence[Trace]) -> bool:
+def is_white(traces: Sequence[ChannelSamples]) -> bool:
     """Say whether most traces' noise is so large that the counts' remainder is white (as `count_rate`)."""
     slow = list[float]()
     for trace in traces:
@@ -66,7 +66,7 @@ def is_white(traces: Sequence[Trace]) -> bool:
 
 
 def _windows(
-    traces: Sequence[Trace], seconds: float, more: int
+    traces: Sequence[ChannelSamples], seconds: float, more: int
 ) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
     """Return trace, first and end of half-overlapping blocks, their samples (m, L); ``more`` 1: L + 1 nodes."""
     length = round(seconds / traces[0].period)
@@ -74,7 +74,7 @@ def _windows(
     for number, trace in enumerate(traces):
         for begin, end in zip(trace.starts, [*trace.starts[1:], len(trace.values)], strict=True):
             values = trace.values[begin:end]
-            if len(values) < length or length < LEAST:
+            if len(values) < length or length < MIN_BLOCK_SAMPLES:
                 continue
             nodes = np.concatenate(([0.0], np.cumsum(values))) if more else values
             every = max(length // 2, 1)
@@ -88,25 +88,25 @@ def _windows(
     return np.concatenate(at), begins, begins + length, np.concatenate(rows)
 
 
-def _by_strip(traces: Sequence[Trace]) -> list[Blocks]:
-    found, widths = list[Blocks](), list[tuple[IntArray, IntArray, IntArray, FloatArray, FloatArray]]()
-    for seconds in LENGTHS:
+def _by_strip(traces: Sequence[ChannelSamples]) -> list[JudgedBlocks]:
+    found, widths = list[JudgedBlocks](), list[tuple[IntArray, IntArray, IntArray, FloatArray, FloatArray]]()
+    for seconds in BLOCK_LENGTHS_S:
         at, first, end, nodes = _windows(traces, seconds, 1)
-        nodes = nodes[:, :: max(nodes.shape[1] // MOST_NODES, 1)]
+        nodes = nodes[:, :: max(nodes.shape[1] // MAX_STRIP_NODES, 1)]
         nodes = nodes - nodes[:, :1]
         widths.append((at, first, end, nodes, strip_width(nodes) if len(nodes) else np.zeros(0)))
     noise = _noise(traces, [(at, width) for at, *_, width in widths])
     for at, first, end, nodes, width in widths:
         samples = int(end[0] - first[0]) if len(first) else 1
         log_p = log_p_of_width(width, noise, samples)
-        again = log_p < CANDIDATE
+        again = log_p < BENT_STRIP_LOG_P
         if again.any():
             log_p[again] = log_p_of_width(bent_strip_width(nodes[again]), noise, samples)
-        found.append(Blocks(at, first, end, log_p))
+        found.append(JudgedBlocks(at, first, end, log_p))
     return found
 
 
-def _noise(traces: Sequence[Trace], widths: Sequence[tuple[IntArray, FloatArray]]) -> float:
+def _noise(traces: Sequence[ChannelSamples], widths: Sequence[tuple[IntArray, FloatArray]]) -> float:
     """Return the noise [counts per sqrt(sample)] of the half of the traces whose strips are narrowest."""
     widest = np.zeros(len(traces))
     for at, width in widths:
@@ -118,12 +118,12 @@ def _noise(traces: Sequence[Trace], widths: Sequence[tuple[IntArray, FloatArray]
     period = traces[0].period
     values = [trace.values.astype(np.int64) for trace in quiet]
     estimate = estimate_counts(values, period, [trace.starts for trace in quiet])[0]
-    return max(NOISE_MARGIN * estimate.noise * float(np.sqrt(period)), LEAST_NOISE)
+    return max(NOISE_MARGIN * estimate.noise * float(np.sqrt(period)), MIN_NOISE)
 
 
-def _by_variance(traces: Sequence[Trace], counts: bool) -> list[Blocks]:
-    found, rounding = list[Blocks](), 0.0 if counts else _rounding([trace.values for trace in traces])
-    for seconds in LENGTHS:
+def _by_variance(traces: Sequence[ChannelSamples], counts: bool) -> list[JudgedBlocks]:
+    found, rounding = list[JudgedBlocks](), 0.0 if counts else _rounding([trace.values for trace in traces])
+    for seconds in BLOCK_LENGTHS_S:
         at, first, end, samples = _windows(traces, seconds, 0)
         if not len(samples):
             continue
@@ -133,7 +133,7 @@ def _by_variance(traces: Sequence[Trace], counts: bool) -> list[Blocks]:
         dof = _degrees(ratio, samples.shape[1] - 1)
         ratio = ratio / _at_most(dof, len(at) / len(traces))
         log_p = np.array([log_chi2_sf(dof * r, dof) if r > 1 else 0.0 for r in ratio])
-        found.append(Blocks(at, first, end, log_p))
+        found.append(JudgedBlocks(at, first, end, log_p))
     return found
 
 
@@ -144,7 +144,7 @@ def _at_most(dof: float, blocks: float) -> float:
     sqrt(pi / 2) times sqrt(2 / dof) over the root of the blocks that do not overlap, half of all. Without both the
     liveliest of thousands of blocks is a knock in one quiet campaign of fifty.
     """
-    return float((1 + CAUTION * np.sqrt(2 * np.pi / (dof * blocks))) / (1 - 2 / (9 * dof)) ** 3)
+    return float((1 + QUIET_VARIANCE_SIGMAS * np.sqrt(2 * np.pi / (dof * blocks))) / (1 - 2 / (9 * dof)) ** 3)
 
 
 def _rounding(values: Sequence[FloatArray]) -> float:
@@ -160,7 +160,7 @@ def _quiet_variance(variance: FloatArray, at: IntArray, traces: int) -> FloatArr
     """Return the quiet variance of each trace: its own median, unless that is beyond what the channel has."""
     own = np.array([np.median(variance[at == i]) if np.any(at == i) else np.nan for i in range(traces)])
     channel = float(np.nanmedian(own))
-    return np.where(own < NOISIER * channel, own, channel)
+    return np.where(own < MAX_QUIET_RATIO * channel, own, channel)
 
 
 def _degrees(ratio: FloatArray, most: int) -> float:

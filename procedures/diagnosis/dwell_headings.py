@@ -24,17 +24,20 @@ from procedures.earth.gravity_and_rate import earth_rate_n
 from procedures.frames import POSITIONS, face_normal, face_of, nominal_C_lb
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
-LEAST = 5  # dwells
-BIAS, G_SENSITIVITY = 1.0, 0.01  # 1 sigma, deg/s; deg/s per g, beside which the vertical Earth rate is small
-DRIFT = 10.0 / DEG_H_PER_DEG_S  # 1 sigma, deg/s per hour
-SLACK = 0.5  # 1 sigma of H about K w cos(latitude), of that: magnetic sensitivity, and K guessed from dwells
-UNSTABLE = np.array([0.1, 0.4, 1.5, 6.0, 25.0, 100.0]) / DEG_H_PER_DEG_S  # deg/s, 1 sigma, dwell to dwell
+MIN_DWELLS = 5  # dwells
+BIAS_STD, G_SENSITIVITY_STD = (
+    1.0,
+    0.01,
+)  # 1 sigma, deg/s; deg/s per g, beside which the vertical Earth rate is small
+DRIFT_STD = 10.0 / DEG_H_PER_DEG_S  # 1 sigma, deg/s per hour
+NORTH_STD = 0.5  # 1 sigma of H about K w cos(latitude), of that: magnetic sensitivity, and K guessed from dwells
+BIAS_SCATTER_STDS = np.array([0.1, 0.4, 1.5, 6.0, 25.0, 100.0]) / DEG_H_PER_DEG_S  # deg/s, 1 sigma, dwell to dwell
 
 _NOMINAL_C_BL = [nominal_C_lb(position).T for position in range(1, len(POSITIONS) + 1)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Compass:
+class HeadingLikelihood:
     """Judges labellings by the gyros of dwells ``rows``: rates (n, 3) and variances, over the largest of K.
 
     ``H`` (3, 3) is what North is expected to give, ``C_sb`` takes the cube's axes to the IMU's.
@@ -48,18 +51,20 @@ class Compass:
     H: FloatArray
 
     @classmethod
-    def of(cls, campaign: Campaign, rate: FloatArray, std: FloatArray, start: Sequence[int]) -> "Compass | None":
+    def of(
+        cls, campaign: Campaign, rate: FloatArray, std: FloatArray, start: Sequence[int]
+    ) -> "HeadingLikelihood | None":
         """Judge dwells by their gyro rates and sigmas (n, 3), nan where there are none; None if they do not tell.
 
         K is roughly what the turns say, or else the dwells themselves.
         """
         rows = np.flatnonzero(np.all(np.isfinite(rate), axis=1))
         north = float(np.degrees(earth_rate_n(campaign.site.latitude)[1]))
-        if len(rows) < LEAST:
+        if len(rows) < MIN_DWELLS:
             return None
         C_sb, rate, std = campaign.fixture.C_sb, rate[rows], std[rows]
         hours = np.array([campaign.dwells[i].series.t.mean() / S_PER_H for i in rows.tolist()])
-        K = turned(campaign)
+        K = scale_factors_from_turns(campaign)
         if K is None:
             K = _from_dwells(_design(C_sb, np.array([[start[i] for i in rows.tolist()]]))[0], rate, north)
         size = float(np.abs(K).max())
@@ -74,10 +79,15 @@ class Compass:
         """
         A = _design(self.C_sb, labellings[:, self.rows])
         A = np.concatenate((A, np.broadcast_to(self.hours[:, None], (*A.shape[:2], 1))), axis=2)
-        total = np.zeros((len(labellings), len(UNSTABLE)))
+        total = np.zeros((len(labellings), len(BIAS_SCATTER_STDS)))
         for q in range(3):
-            prior = np.r_[BIAS, np.full(3, G_SENSITIVITY), np.full(3, SLACK * np.linalg.norm(self.H[q])), DRIFT]
-            own = self.variance[:, q] + UNSTABLE[:, None] ** 2
+            prior = np.r_[
+                BIAS_STD,
+                np.full(3, G_SENSITIVITY_STD),
+                np.full(3, NORTH_STD * np.linalg.norm(self.H[q])),
+                DRIFT_STD,
+            ]
+            own = self.variance[:, q] + BIAS_SCATTER_STDS[:, None] ** 2
             covariance = ((A * prior**2) @ A.swapaxes(1, 2))[:, None] + own[:, :, None] * np.eye(len(self.rows))
             left = (self.rate[:, q] - A[:, :, 4:7] @ self.H[q])[:, None, :, None]
             root = np.linalg.cholesky(covariance)
@@ -124,7 +134,7 @@ def _from_dwells(A: FloatArray, rate: FloatArray, north: float) -> FloatArray:
     return np.diag(np.sign(own) * np.median(np.abs(own)))
 
 
-def turned(campaign: Campaign) -> FloatArray | None:
+def scale_factors_from_turns(campaign: Campaign) -> FloatArray | None:
     """Return K (3, 3) [output/deg] of the gyros, roughly, from the turns; None if they do not tell."""
     angle, total = list[FloatArray](), list[FloatArray]()
     for turn in campaign.turns:

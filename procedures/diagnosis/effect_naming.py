@@ -8,13 +8,13 @@ import numpy as np
 
 from procedures.calibration.solution import Solution
 from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.effect_selection import CLAIMED, GAIN, Adopted, gain_of
-from procedures.diagnosis.equivalent_effects import takes_its_place
-from procedures.diagnosis.held_out_errors import groups
-from procedures.diagnosis.linear_model import fit_linear, held_out, significance
-from procedures.diagnosis.model_with_effects import State, stand
+from procedures.diagnosis.effect_selection import MAX_LOG_P, MIN_DENSITY_GAIN, AdoptedEffect, density_gain
+from procedures.diagnosis.equivalent_effects import is_alias
+from procedures.diagnosis.held_out_errors import left_out_groups
+from procedures.diagnosis.linear_model import fit_linear, predict_left_out, significance
+from procedures.diagnosis.model_with_effects import LoopState, solve_with
 from procedures.diagnosis.result import Confidence, Finding
-from procedures.diagnosis.sign_flip_test import TOLD, sign_flip_p
+from procedures.diagnosis.sign_flip_test import MAX_P, sign_flip_p
 from procedures.diagnosis.sweep_repeatability import std_of_repeats
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
@@ -25,24 +25,26 @@ PURE_FIXTURE_SIGMAS = 3.0  # by which two sums of faces' tilts along one axis mu
 RANK = {"bench": 0, "procedure": 1, "instrument": 2}
 
 
-def named(state: State, tried: int, effects: Sequence[Effect]) -> tuple[State, tuple[Finding, ...]]:
+def name_findings(
+    state: LoopState, tried: int, effects: Sequence[Effect]
+) -> tuple[LoopState, tuple[Finding, ...]]:
     """Name every finding, or the group it cannot be told from."""
     renamed = tuple(_renamed(state, each, effects) for each in state.adopted)
     if any(new.candidate is not old.candidate for new, old in zip(renamed, state.adopted, strict=True)):
         with suppress(DoesNotFit):  # by the other name it does not fit: it keeps its own
-            state = stand(state.subject, _once(renamed), effects)
+            state = solve_with(state.subject, _once(renamed), effects)
     return state, tuple(_finding(state, each, tried) for each in state.adopted)
 
 
-def _once(adopted: Sequence[Adopted]) -> list[Adopted]:
-    found = dict[tuple[str, str, str], Adopted]()
+def _once(adopted: Sequence[AdoptedEffect]) -> list[AdoptedEffect]:
+    found = dict[tuple[str, str, str], AdoptedEffect]()
     for each in adopted:
         columns = each.candidate.columns
         found.setdefault((each.candidate.effect.name, str(columns.where), columns.shape), each)
     return list(found.values())
 
 
-def _others(state: State, finding: Candidate) -> list[Candidate]:
+def _others(state: LoopState, finding: Candidate) -> list[Candidate]:
     """Return the effects that could take a finding's place, the best of the ways of each."""
     evidence = state.now.evidence
     fit = finding.fit(evidence, state.beside(finding))
@@ -52,7 +54,7 @@ def _others(state: State, finding: Candidate) -> list[Candidate]:
         for way in ways:
             if way.effect is finding.effect or id(way) in inside or way.is_of_model or _holds(way, finding):
                 continue
-            if takes_its_place(evidence, fit, way.term):
+            if is_alias(evidence, fit, way.term):
                 found.append(way)
     return found
 
@@ -62,10 +64,14 @@ def _holds(other: Candidate, finding: Candidate) -> bool:
     return other.tied and finding.effect.kind != "bench"
 
 
-def _renamed(state: State, adopted: Adopted, effects: Sequence[Effect]) -> Adopted:
+def _renamed(state: LoopState, adopted: AdoptedEffect, effects: Sequence[Effect]) -> AdoptedEffect:
     """Return a finding under its group's name: the bench's, the procedure's, or what foretells best."""
     group = [adopted.candidate, *_others(state, adopted.candidate)]
-    evidence, beside, left_out = state.now.evidence, state.beside(adopted.candidate), groups(state.now.evidence)
+    evidence, beside, left_out = (
+        state.now.evidence,
+        state.beside(adopted.candidate),
+        left_out_groups(state.now.evidence),
+    )
     rank = min(RANK[each.effect.kind] for each in group)
     if RANK[adopted.candidate.effect.kind] == rank and rank != RANK["instrument"]:
         return adopted
@@ -73,26 +79,26 @@ def _renamed(state: State, adopted: Adopted, effects: Sequence[Effect]) -> Adopt
     if any(each.effect.added for each in group):
         gains = [_exact_gain(state, adopted, each, effects) for each in group]
     else:
-        gains = [gain_of(evidence, each, beside, left_out) for each in group]
+        gains = [density_gain(evidence, each, beside, left_out) for each in group]
     ranked = list(zip(group, gains, strict=True))
     best, order = max(gain for _, gain in ranked), list(state.pool)
-    close = (each for each in ranked if each[1] > best - GAIN)
+    close = (each for each in ranked if each[1] > best - MIN_DENSITY_GAIN)
     named = min(close, key=lambda each: order.index(each[0].effect.name))
     return replace(adopted, candidate=named[0], gain=named[1]) if named[0] is not adopted.candidate else adopted
 
 
-def _exact_gain(state: State, adopted: Adopted, instead: Candidate, effects: Sequence[Effect]) -> float:
+def _exact_gain(state: LoopState, adopted: AdoptedEffect, instead: Candidate, effects: Sequence[Effect]) -> float:
     """Return how well the left-out rows are foretold with another effect in the place of one, bent as it is."""
     others = [each for each in state.adopted if each is not adopted]
     try:
-        there = stand(state.subject, [*others, replace(adopted, candidate=instead)], effects)
+        there = solve_with(state.subject, [*others, replace(adopted, candidate=instead)], effects)
     except DoesNotFit:
         return -np.inf
     fit = fit_linear(there.now.evidence, there.beside(), factor=state.now.linear.factor)
-    return held_out(there.now.evidence, fit, groups(there.now.evidence))[0]
+    return predict_left_out(there.now.evidence, fit, left_out_groups(there.now.evidence))[0]
 
 
-def settled(state: State, effects: Sequence[Effect]) -> State:
+def settle_nonlinear(state: LoopState, effects: Sequence[Effect]) -> LoopState:
     """Settle at once which of a group it is, where one is not linear: they leave different residuals."""
     if not state.adopted:
         return state
@@ -102,21 +108,21 @@ def settled(state: State, effects: Sequence[Effect]) -> State:
         return state
     renamed = _renamed(state, last, effects)
     with suppress(DoesNotFit):
-        state = state if renamed is last else stand(state.subject, (*state.adopted[:-1], renamed), effects)
+        state = state if renamed is last else solve_with(state.subject, (*state.adopted[:-1], renamed), effects)
     return state
 
 
-def _finding(state: State, adopted: Adopted, tried: int) -> Finding:
+def _finding(state: LoopState, adopted: AdoptedEffect, tried: int) -> Finding:
     candidate, evidence = adopted.candidate, state.now.evidence
     beside = state.beside(candidate)
-    fit, left_out = candidate.fit(evidence, beside), groups(evidence)
+    fit, left_out = candidate.fit(evidence, beside), left_out_groups(evidence)
     test = significance(evidence, fit)
     ways = max(len(state.pool.get(candidate.effect.name, ())), 1)
     log_p = min(test.log_p + np.log(tried * ways), 0.0)
-    gain = gain_of(evidence, candidate, beside, left_out)
+    gain = density_gain(evidence, candidate, beside, left_out)
     aliases = tuple(dict.fromkeys(each.effect.name for each in _others(state, candidate)))
     flipped = sign_flip_p(evidence, candidate, beside)
-    is_sure = log_p < CLAIMED and gain > GAIN and (flipped is None or flipped <= TOLD)
+    is_sure = log_p < MAX_LOG_P and gain > MIN_DENSITY_GAIN and (flipped is None or flipped <= MAX_P)
     confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
     effect, columns = candidate.effect, candidate.columns
     told = candidate.term.H.any(axis=0)
@@ -130,13 +136,13 @@ def _finding(state: State, adopted: Adopted, tried: int) -> Finding:
     )  # fmt: skip
 
 
-def _what_would_tell(state: State, effect: Effect) -> str:
+def _what_would_tell(state: LoopState, effect: Effect) -> str:
     """Return the measurement that would tell an effect from its aliases; not one that is there already."""
     is_certified = all(len(each.fixture.faces) == len(FACES) for each in state.now.fits.campaigns)
     return (is_certified and effect.separate_by_certified) or effect.separate_by
 
 
-def _where(state: State, finding: Candidate) -> Mapping[str, object]:
+def _where(state: LoopState, finding: Candidate) -> Mapping[str, object]:
     """Return what a finding is about; of a seating that its pair's other could be instead, both positions."""
     where = dict(finding.columns.where)
     if also := [way.columns.where["position"] for way in other_seatings(state, finding)]:
@@ -144,14 +150,14 @@ def _where(state: State, finding: Candidate) -> Mapping[str, object]:
     return where
 
 
-def other_seatings(state: State, finding: Candidate) -> list[Candidate]:
+def other_seatings(state: LoopState, finding: Candidate) -> list[Candidate]:
     """Return the other positions that could have been seated so instead of a finding's."""
     if "position" not in finding.columns.where:
         return []
     evidence = state.now.evidence
     fit = finding.fit(evidence, state.beside(finding))
     ways = state.pool.get(finding.effect.name, ())
-    return [way for way in ways if way is not finding and takes_its_place(evidence, fit, way.term)]
+    return [way for way in ways if way is not finding and is_alias(evidence, fit, way.term)]
 
 
 def with_fixture_channels(findings: tuple[Finding, ...], base: Solution) -> tuple[Finding, ...]:

@@ -14,14 +14,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import IntArray
-from procedures.diagnosis.candidates import Candidate, trial, usable
+from procedures.diagnosis.candidates import Candidate, is_observable, raising_does_not_fit
 from procedures.diagnosis.held_out_errors import campaign_groups
 from procedures.diagnosis.linear_model import (
-    SCARCE,
+    MIN_EXPECTED_SIGMAS,
     Significance,
     Term,
     borne_out,
-    held_out,
+    predict_left_out,
     significance,
     without_rows,
 )
@@ -31,17 +31,19 @@ from procedures.errors import DoesNotFit
 from procedures.statistics.multiple_testing import holm
 
 # Of the adjusted p. The words would allow 0.05 for likely; that names what is not there in more than 1 %.
-CLAIMED = np.log(0.01)
-BEYOND = 5.0  # times its plausible size a coefficient is not believed
-ALONE = np.log(0.05)  # p that must stay whichever step is left out
-GAIN = 0.5  # of log predictive density, below which the left-out rows say neither yes nor no
-AGAINST = -1.0  # of it, below which a whole campaign left out speaks against an effect
-UNUSED = 0.5 * np.log(2)  # of it, what a coefficient of nought costs where one of two equal campaigns is left out
-MOST = 8  # effects
+MAX_LOG_P = np.log(0.01)
+MAX_TIMES_PLAUSIBLE = 5.0  # times its plausible size a coefficient is not believed
+MAX_LOG_P_WITHOUT_A_STEP = np.log(0.05)  # p that must stay whichever step is left out
+MIN_DENSITY_GAIN = 0.5  # of log predictive density, below which the left-out rows say neither yes nor no
+MIN_GAIN_IN_A_CAMPAIGN = -1.0  # of it, below which a whole campaign left out speaks against an effect
+COST_OF_A_COEFFICIENT = 0.5 * np.log(
+    2
+)  # of it, what a coefficient of nought costs where one of two equal campaigns is left out
+MAX_EFFECTS = 8  # effects
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Tried:
+class TestedEffect:
     """A candidate and its test beside what was adopted; ``log_p`` counts the ways its effect was tried in."""
 
     candidate: Candidate
@@ -51,11 +53,11 @@ class Tried:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Adopted:
+class AdoptedEffect:
     """An effect that entered the model: how it was found, and what the left-out rows gained by it (ln density)."""
 
     candidate: Candidate
-    tried: Tried
+    tried: TestedEffect
     gain: float
 
     @property
@@ -64,19 +66,19 @@ class Adopted:
         return self.candidate.term
 
 
-def try_all(
-    evidence: Evidence, pool: Mapping[str, Sequence[Candidate]], adopted: Sequence[Adopted] = ()
-) -> list[Tried]:
+def rank_effects(
+    evidence: Evidence, pool: Mapping[str, Sequence[Candidate]], adopted: Sequence[AdoptedEffect] = ()
+) -> list[TestedEffect]:
     """Test every effect beside what was adopted, the best of its ways each; the least p first."""
     terms = [each.term for each in adopted if not each.candidate.is_of_model]
     taken = {(each.candidate.effect.name, str(each.candidate.columns.where)) for each in adopted}
-    found = list[Tried]()
+    found = list[TestedEffect]()
     for name, ways in pool.items():
         free = [way for way in ways if way.is_tried and (name, str(way.columns.where)) not in taken]
         tests = [(way, test) for way in free if (test := _tested(evidence, way, terms)) is not None]
         if tests:
             way, test = min(tests, key=lambda each: each[1].log_p)
-            found.append(Tried(way, test, min(test.log_p + np.log(len(tests)), 0.0)))
+            found.append(TestedEffect(way, test, min(test.log_p + np.log(len(tests)), 0.0)))
     found.sort(key=lambda each: each.log_p)
     adjusted = holm({number: each.log_p for number, each in enumerate(found)}, are_logs=True)
     return [replace(each, log_p_adjusted=adjusted[number]) for number, each in enumerate(found)]
@@ -85,46 +87,51 @@ def try_all(
 def _tested(evidence: Evidence, way: Candidate, terms: Sequence[Term]) -> Significance | None:
     """Return the test of one way, None where the model leaves too little of it to see."""
     try:
-        with trial():
-            return significance(evidence, way.fit(evidence, terms)) if usable(way, evidence, terms) else None
+        with raising_does_not_fit():
+            return (
+                significance(evidence, way.fit(evidence, terms)) if is_observable(way, evidence, terms) else None
+            )
     except DoesNotFit:
         return None
 
 
 def next_effect(
-    evidence: Evidence, tried: Sequence[Tried], adopted: Sequence[Adopted], left_out: Sequence[IntArray]
-) -> Adopted | None:
+    evidence: Evidence,
+    tried: Sequence[TestedEffect],
+    adopted: Sequence[AdoptedEffect],
+    left_out: Sequence[IntArray],
+) -> AdoptedEffect | None:
     """Return the best of those tried that is significant, plausible, foretells, and hangs on no single step."""
     terms = [each.term for each in adopted if not each.candidate.is_of_model]
     for each in tried:
-        if each.log_p_adjusted >= CLAIMED:
+        if each.log_p_adjusted >= MAX_LOG_P:
             return None
-        with suppress(DoesNotFit), trial():
-            gain = gain_of(evidence, each.candidate, terms, left_out)
+        with suppress(DoesNotFit), raising_does_not_fit():
+            gain = density_gain(evidence, each.candidate, terms, left_out)
             if (
                 is_plausible(each)
                 and gain > 0
-                and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < CLAIMED
+                and log_p_of_repeats(evidence, each.candidate, terms, left_out) + np.log(len(tried)) < MAX_LOG_P
                 and stands_without_any(evidence, each.candidate, terms, left_out)
                 and holds_in_every_campaign(evidence, each.candidate, terms)
             ):
-                return Adopted(each.candidate, each, gain)
+                return AdoptedEffect(each.candidate, each, gain)
     return None
 
 
-def is_plausible(tried: Tried) -> bool:
+def is_plausible(tried: TestedEffect) -> bool:
     """Say whether every coefficient lies in its plausible range, as far as its sigma tells."""
     low = np.abs(tried.test.value) - 2 * tried.test.std
-    return bool(np.all(low < BEYOND * tried.candidate.term.plausible))
+    return bool(np.all(low < MAX_TIMES_PLAUSIBLE * tried.candidate.term.plausible))
 
 
-def gain_of(
+def density_gain(
     evidence: Evidence, candidate: Candidate, others: Sequence[Term], left_out: Sequence[IntArray]
 ) -> float:
     """Return by how much the left-out rows are better foretold with a candidate than without [ln density]."""
     after = candidate.fit(evidence, others)
     before = candidate.without(evidence, others, after.factor)
-    return held_out(evidence, after, left_out)[0] - held_out(evidence, before, left_out)[0]
+    return predict_left_out(evidence, after, left_out)[0] - predict_left_out(evidence, before, left_out)[0]
 
 
 def stands_without_any(
@@ -143,7 +150,7 @@ def stands_without_any(
         if not evidence.is_data[rows[0]]:
             continue
         again = significance(evidence, without_rows(fit, rows))
-        if again.log_p > ALONE and borne_out(told, again) < -SCARCE:
+        if again.log_p > MAX_LOG_P_WITHOUT_A_STEP and borne_out(told, again) < -MIN_EXPECTED_SIGMAS:
             return False
     return True
 
@@ -156,9 +163,12 @@ def holds_in_every_campaign(evidence: Evidence, candidate: Candidate, others: Se
     """
     if candidate.effect.kind != "instrument":
         return True
-    fit, against = candidate.fit(evidence, others), AGAINST - UNUSED * len(candidate.term.plausible)
+    fit, against = (
+        candidate.fit(evidence, others),
+        MIN_GAIN_IN_A_CAMPAIGN - COST_OF_A_COEFFICIENT * len(candidate.term.plausible),
+    )
     for rows in campaign_groups(evidence):
-        is_seen = significance(evidence, without_rows(fit, rows)).log_p < ALONE
-        if is_seen and gain_of(evidence, candidate, others, [rows]) < against:
+        is_seen = significance(evidence, without_rows(fit, rows)).log_p < MAX_LOG_P_WITHOUT_A_STEP
+        if is_seen and density_gain(evidence, candidate, others, [rows]) < against:
             return False
     return True

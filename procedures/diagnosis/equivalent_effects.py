@@ -17,19 +17,21 @@ from procedures.arrays import FloatArray
 from procedures.diagnosis.linear_model import LinearFit, Term, coefficients_beside
 from procedures.diagnosis.residual_rows import Evidence
 
-STANDS = 3.0  # sigmas
-LOST = 0.5  # of a combination's sigmas, left at most: less is noise about the threshold, not another explanation
-WIDENED = 3.0  # times, by the other, that a mixed combination's sigma must be to be worth looking at
+STANDS_SIGMAS = 3.0  # sigmas
+MAX_LEFT_SHARE = (
+    0.5  # of a combination's sigmas, left at most: less is noise about the threshold, not another explanation
+)
+MIN_WIDENING = 3.0  # times, by the other, that a mixed combination's sigma must be to be worth looking at
 
 
-def takes_its_place(evidence: Evidence, finding: LinearFit, other: Term) -> bool:
+def is_alias(evidence: Evidence, finding: LinearFit, other: Term) -> bool:
     """Say whether ``other`` could be what the last term of a fit, a ``finding``, is taken for."""
     c, C = finding.coefficients()
     shifted, wider = coefficients_beside(evidence, finding, other)
     for w in _combinations(c, C, wider):
         stood = abs(w @ c) / np.sqrt(w @ C @ w)
         stands = abs(w @ shifted) / np.sqrt(w @ wider @ w)
-        if stood > STANDS > stands and stands < LOST * stood:
+        if stood > STANDS_SIGMAS > stands and stands < MAX_LEFT_SHARE * stood:
             return True
     return False
 
@@ -37,11 +39,11 @@ def takes_its_place(evidence: Evidence, finding: LinearFit, other: Term) -> bool
 def _combinations(c: FloatArray, C: FloatArray, wider: FloatArray) -> FloatArray:
     """Return combinations (m, k) of k coefficients worth looking at."""
     size = np.sqrt(np.diag(C))
-    if np.any(np.abs(c) > STANDS * size):
+    if np.any(np.abs(c) > STANDS_SIGMAS * size):
         each: FloatArray = np.eye(len(c)) / size
         return each
     scaled, wide = C / np.outer(size, size), wider / np.outer(size, size)
     ratio, vectors = eigh(wide, scaled)
     best = np.linalg.solve(scaled, c / size)
-    found: FloatArray = np.vstack((best, vectors.T[ratio > WIDENED**2])) / size
+    found: FloatArray = np.vstack((best, vectors.T[ratio > MIN_WIDENING**2])) / size
     return found

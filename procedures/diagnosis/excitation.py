@@ -18,20 +18,20 @@ from procedures.counts.sample_records import CountSeries, Series
 from procedures.dwells_and_turns.hand_turns import heading_history
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.earth.gravity_and_rate import earth_rate_n
-from procedures.effects.effect import Seen, SeenStep
+from procedures.effects.effect import Excitation, ExcitationStep
 from procedures.frames import face_normal, face_of, nominal_C_lb, rotation
 from procedures.units import STANDARD_GRAVITY
 
 DWELL_NODES = 96
 TURN_NODE_S = 0.1  # s: a hand turns a few degrees meanwhile
-SMOOTH = 2  # degree of the polynomial through a step's temperature, of which its rate is the slope
+TEMPERATURE_DEGREE = 2  # degree of the polynomial through a step's temperature, of which its rate is the slope
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
-    """One step's nodes: fields as in `Seen`, whose ``step`` and ``change`` come from the order of all parts."""
+class StepNodes:
+    """One step's nodes: fields as in `Excitation`; ``step`` and ``change`` there come from the order of all."""
 
-    step: SeenStep
+    step: ExcitationStep
     f: FloatArray
     omega: FloatArray
     magnetic: FloatArray
@@ -51,14 +51,18 @@ class Part:
 PER_PART = ("C_sb", "E_accel", "E_gyro")
 
 
-def joined(parts: Sequence[Part]) -> Seen:
+def join_nodes(parts: Sequence[StepNodes]) -> Excitation:
     """Return the nodes of all parts one after the other."""
     sizes = [len(part.t) for part in parts]
     number = np.repeat(np.arange(len(parts)), sizes)
     names = sorted({name for part in parts for name in part.auxiliary})
     missing = [np.full(size, np.nan) for size in sizes]
-    shared = {f.name for f in fields(Seen)} & {f.name for f in fields(Part)} - {"step", "auxiliary", *PER_PART}
-    return Seen(
+    shared = {f.name for f in fields(Excitation)} & {f.name for f in fields(StepNodes)} - {
+        "step",
+        "auxiliary",
+        *PER_PART,
+    }
+    return Excitation(
         **{name: np.concatenate([getattr(part, name) for part in parts]) for name in shared},
         change=_changes(parts, number),
         auxiliary={
@@ -71,7 +75,7 @@ def joined(parts: Sequence[Part]) -> Seen:
     )
 
 
-def _changes(parts: Sequence[Part], number: IntArray) -> FloatArray:
+def _changes(parts: Sequence[StepNodes], number: IntArray) -> FloatArray:
     """Return by how much f (n, 3) differs from the step before, in the order of time; nan for the first."""
     order = sorted(range(len(parts)), key=lambda i: (parts[i].step.campaign, parts[i].t[0]))
     change = np.full((len(parts), 3), np.nan)
@@ -117,11 +121,11 @@ class Bins:
         t, T = self.series.t, self.series.temperature
         known = np.isfinite(T)
         middle = self.middle
-        if known.sum() < 8 * (SMOOTH + 1):
+        if known.sum() < 8 * (TEMPERATURE_DEGREE + 1):
             return np.full(len(middle), np.nan), np.full(len(middle), np.nan)
         centre, half = t.mean(), max(np.ptp(t) / 2, 1e-9)
         polynomial = np.polynomial.Polynomial(
-            np.polynomial.polynomial.polyfit((t[known] - centre) / half, T[known], SMOOTH)
+            np.polynomial.polynomial.polyfit((t[known] - centre) / half, T[known], TEMPERATURE_DEGREE)
         )
         x = (middle - centre) / half
         return polynomial(x), 60 * polynomial.deriv()(x) / half
@@ -138,7 +142,7 @@ class Bins:
         return found
 
 
-class Places:
+class NodeBuilder:
     """Makes the parts of steps at rest and of turns for one set of fits."""
 
     def __init__(self, fits: CampaignFits) -> None:
@@ -149,12 +153,12 @@ class Places:
     def rest(
         self,
         number: int,
-        step: SeenStep,
+        step: ExcitationStep,
         series: Series,
         C_sn: FloatArray | None,
         f: FloatArray | None = None,
         nodes: int = DWELL_NODES,
-    ) -> Part:
+    ) -> StepNodes:
         """Return a step at rest; ``C_sn`` (3, 3) takes East-North-Up to the IMU's axes, where that is known.
 
         ``f`` (3,) [g] is the specific force in IMU axes where the attitude is not.
@@ -169,7 +173,7 @@ class Places:
         many = [np.tile(vector, (n, 1)) for vector in (f, omega, field)]
         return self._part(campaign, step, bins, *many)
 
-    def turn(self, turn: TurnTotal, step: SeenStep) -> Part:
+    def turn(self, turn: TurnTotal, step: ExcitationStep) -> StepNodes:
         """Return a turn, its rate as the gyroscopes measured it."""
         campaign, series = self.campaigns[turn.campaign], turn.record.series
         bins = Bins.equal(series, max(round(len(series) * series.period / TURN_NODE_S), 8))
@@ -187,10 +191,16 @@ class Places:
         return self._part(campaign, step, bins, C_sn @ up, omega, C_sn @ magnetic)
 
     def _part(
-        self, campaign: Campaign, step: SeenStep, bins: Bins, f: FloatArray, omega: FloatArray, field: FloatArray
-    ) -> Part:
+        self,
+        campaign: Campaign,
+        step: ExcitationStep,
+        bins: Bins,
+        f: FloatArray,
+        omega: FloatArray,
+        field: FloatArray,
+    ) -> StepNodes:
         temperature, warming = bins.temperature()
-        return Part(
+        return StepNodes(
             step, f, omega, field, _output(self.accel, f), _output(self.gyro, omega), bins.middle,
             bins.middle - (bins.series.t[0] - bins.series.period), temperature, warming, bins.auxiliary(),
             campaign.fixture.C_sb, _misalignment(self.accel), _misalignment(self.gyro), bins.seconds,
@@ -230,12 +240,12 @@ def on_face(campaign: Campaign, face: str) -> FloatArray:
     return f
 
 
-def dwell_step(name: str, campaign: int, position: int) -> SeenStep:
+def dwell_step(name: str, campaign: int, position: int) -> ExcitationStep:
     """Return what a dwell in a position is."""
-    return SeenStep(name, "dwell", campaign, position, face_of(position))
+    return ExcitationStep(name, "dwell", campaign, position, face_of(position))
 
 
-def iterate_dwells(fits: CampaignFits, places: Places, seen: TriadFit) -> Iterator[Part]:
+def iterate_dwells(fits: CampaignFits, places: NodeBuilder, seen: TriadFit) -> Iterator[StepNodes]:
     """Return the parts of a fit's dwells in its order."""
     for number, record in seen.seen.dwells:
         campaign = fits.campaigns[number]

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.diagnosis.linear_model import LinearFit, fit_linear, held_out
+from procedures.diagnosis.linear_model import LinearFit, fit_linear, predict_left_out
 from procedures.diagnosis.refit import Refit
 from procedures.diagnosis.residual_rows import Evidence
-from procedures.diagnosis.result import Errors
+from procedures.diagnosis.result import ResidualRms
 from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S
 
@@ -25,12 +25,12 @@ SHOWN = (
 )
 
 
-def groups(evidence: Evidence) -> list[IntArray]:
+def left_out_groups(evidence: Evidence) -> list[IntArray]:
     """Return the rows of each position, turn, rest and statement."""
     keys = dict[tuple[object, ...], list[int]]()
     for row, number in enumerate(evidence.step.tolist()):
         if number >= 0:
-            step = evidence.seen.steps[number]
+            step = evidence.excitation.steps[number]
             name = step.position if step.kind == "dwell" else step.name
             keys.setdefault((step.campaign, step.kind, name), []).append(row)
         elif not evidence.is_range[row]:
@@ -40,31 +40,31 @@ def groups(evidence: Evidence) -> list[IntArray]:
 
 def campaign_groups(evidence: Evidence) -> list[IntArray]:
     """Return the measured rows of each campaign, where there are several."""
-    of_step = np.array([step.campaign for step in evidence.seen.steps])
+    of_step = np.array([step.campaign for step in evidence.excitation.steps])
     of_row = np.where(evidence.is_data, of_step[evidence.step], -1)
     found = [np.flatnonzero(of_row == number) for number in np.unique(of_step)]
     return found if len(found) > 1 else []
 
 
-def errors_made(before: Evidence, after: Refit, left_out: Sequence[IntArray]) -> tuple[Errors, ...]:
+def residual_rms(before: Evidence, after: Refit, left_out: Sequence[IntArray]) -> tuple[ResidualRms, ...]:
     """Return the errors of dwells, turns and rests of each triad."""
     first, last = fit_linear(before, []), after.linear
     parts = [_natural(before, first, left_out), _natural(after.evidence, last, left_out)]
-    found = list[Errors]()
+    found = list[ResidualRms]()
     for kind, steps, unit_a, per_a, unit_g, per_g in SHOWN:
         for triad, unit, per in zip(TRIADS, (unit_a, unit_g), (per_a, per_g), strict=True):
             rows = before.rows(kind, triad=triad)
             if rows.any() and per:
                 values = [_rms(each[rows]) for part in parts for each in part]
                 b, hb, a, ha = (None if v is None else v * per for v in values)
-                found.append(Errors(f"{triad} {steps}", unit, b or 0.0, a or 0.0, hb, ha))
+                found.append(ResidualRms(f"{triad} {steps}", unit, b or 0.0, a or 0.0, hb, ha))
     return tuple(found)
 
 
 def _natural(evidence: Evidence, fit: LinearFit, left_out: Sequence[IntArray]) -> tuple[FloatArray, FloatArray]:
     """Return the residual (n,) and the error where left out (n,), in natural units."""
     sigma = evidence.sigma * fit.factor
-    return fit.white * sigma, held_out(evidence, fit, left_out)[1] * sigma
+    return fit.white * sigma, predict_left_out(evidence, fit, left_out)[1] * sigma
 
 
 def _rms(values: FloatArray) -> float | None:

@@ -15,16 +15,20 @@ from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.statistics.tail_probabilities import KNOWN_VARIANCE_DOF, log_chi2_sf, log_f_sf
 
-ROUNDS = 3  # of weighting anew
-SHARE = 0.1  # of a coefficient's information that a class must hold for its degrees of freedom to count
+MAX_WEIGHTINGS = 3  # of weighting anew
+MIN_INFORMATION_SHARE = (
+    0.1  # of a coefficient's information that a class must hold for its degrees of freedom to count
+)
 SINGULAR = 1e-12
-SCARCE = 1.645  # sigmas by which a coefficient must be expected to stand for rows to say anything of it
-DOUBT = np.log(0.05)  # ln p of a class's scatter, below which counting noise is not all of it
-SURE = np.log(1e-3)  # of it, below which norms need no means to bear them out
-NORM, MEAN = 1 + KINDS.index("norm"), 1 + KINDS.index("mean")  # classes of the accelerometers
+MIN_EXPECTED_SIGMAS = (
+    1.645  # sigmas by which a coefficient must be expected to stand for rows to say anything of it
+)
+WIDENED_LOG_P = np.log(0.05)  # ln p of a class's scatter, below which counting noise is not all of it
+NORMS_WIDENED_LOG_P = np.log(1e-3)  # of it, below which norms need no means to bear them out
+NORM_CLASS, MEAN_CLASS = 1 + KINDS.index("norm"), 1 + KINDS.index("mean")  # classes of the accelerometers
 
 
-def classes(evidence: Evidence) -> IntArray:
+def variance_classes(evidence: Evidence) -> IntArray:
     """Return (n,) which rows share a variance: by triad and kind, both shapes as one; 0 is known rows."""
     kind = np.where(evidence.kind == KINDS.index("curvature"), KINDS.index("slope"), evidence.kind)
     shared: IntArray = np.where(evidence.kind == KINDS.index("prior"), 0, 1 + evidence.triad * len(KINDS) + kind)
@@ -98,10 +102,10 @@ def fit_linear(
     H = np.hstack([np.zeros((len(A), 0)), *(term.H for term in terms)])
     design = np.hstack((A, -H))
     prior = np.hstack((np.zeros((H.shape[1], A.shape[1])), np.diag(_inverse_ranges(terms))))
-    shared, given = classes(evidence), factor
+    shared, given = variance_classes(evidence), factor
     factor = np.ones(len(A)) if given is None else given
     dof = np.full(len(A), np.inf)
-    for _ in range(ROUNDS if given is None else 1):
+    for _ in range(MAX_WEIGHTINGS if given is None else 1):
         weight = 1 / (evidence.sigma * factor)
         Q, R = np.linalg.qr(np.vstack((design * weight[:, None], prior)))
         y = np.concatenate((evidence.residual * weight, np.zeros(len(prior))))
@@ -126,16 +130,17 @@ def _inverse_ranges(terms: Sequence[Term]) -> FloatArray:
 def _widened(shared: IntArray, white: FloatArray, free: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the factor on every row's sigma and the degrees of freedom behind it (infinite: noise is all).
 
-    Norms of a few rests leave few degrees of freedom: by chance one campaign in twenty would be blind to what they
-    alone show. What scatters them scatters the dwells' means as well, so between `DOUBT` and `SURE` both must.
+    Norms of a few rests leave few degrees of freedom: by chance one campaign in twenty would be blind to what
+    they alone show. What scatters them scatters the dwells' means as well, so between `WIDENED_LOG_P` and
+    `NORMS_WIDENED_LOG_P` both must.
     """
     factor, dof = np.ones(len(white)), np.full(len(white), np.inf)
     for number in np.unique(shared[shared > 0]):
         rows = shared == number
         squares, left, log_p = _scatter(rows, white, free)
-        if number == NORM and log_p > SURE:
-            log_p = max(log_p, _scatter(shared == MEAN, white, free)[2])
-        if squares > left and log_p < DOUBT:
+        if number == NORM_CLASS and log_p > NORMS_WIDENED_LOG_P:
+            log_p = max(log_p, _scatter(shared == MEAN_CLASS, white, free)[2])
+        if squares > left and log_p < WIDENED_LOG_P:
             factor[rows], dof[rows] = np.sqrt(squares / left), left
     return factor, dof
 
@@ -194,11 +199,11 @@ def borne_out(told: Significance, again: Significance) -> float:
     """Return by how many sigmas the best coefficient, seen by fewer rows, exceeds what chance would leave of it.
 
     Of a value c with 1 sigma s, fewer rows leave c' with s', and c' - c scatters by sqrt(s'^2 - s^2) [sigma]
-    (Hausman 1978); what they could not tell, c < `SCARCE` s', is borne out by nothing.
+    (Hausman 1978); what they could not tell, c < `MIN_EXPECTED_SIGMAS` s', is borne out by nothing.
     """
     i = int(np.argmax(np.abs(told.value / told.std)))
     c, left = float(abs(told.value[i])), float(again.value[i] * np.sign(told.value[i]))
-    if c < SCARCE * again.std[i]:
+    if c < MIN_EXPECTED_SIGMAS * again.std[i]:
         return -np.inf
     return (left - c) / float(np.sqrt(max(again.std[i] ** 2 - told.std[i] ** 2, SINGULAR * c**2)))
 
@@ -208,15 +213,15 @@ def _dof(evidence: Evidence, fit: LinearFit, term: int) -> float:
     at = fit.span(term)
     Q, n = fit.Q[:, : at.stop], len(fit.white)
     told = np.sum(Q[:n, at] ** 2, axis=1)  # share of the term's own information by row
-    shared, found = classes(evidence), KNOWN_VARIANCE_DOF * 10
+    shared, found = variance_classes(evidence), KNOWN_VARIANCE_DOF * 10
     for number in np.unique(shared[shared > 0]):
         rows = shared == number
-        if told[rows].sum() > SHARE * told.sum():
+        if told[rows].sum() > MIN_INFORMATION_SHARE * told.sum():
             found = min(found, float(fit.dof[rows][0]))
     return found
 
 
-def held_out(evidence: Evidence, fit: LinearFit, groups: Sequence[IntArray]) -> tuple[float, FloatArray]:
+def predict_left_out(evidence: Evidence, fit: LinearFit, groups: Sequence[IntArray]) -> tuple[float, FloatArray]:
     """Return the log predictive density of all groups, each left out in turn, and the errors (n,) made, in sigmas.
 
     With L the group's block of the hat matrix, what is left out is off by ``(I - L)^-1 e`` and known to

@@ -7,7 +7,7 @@ from typing import Protocol
 from procedures.calibration.calibration import CampaignFits, ReducedSteps, report
 from procedures.calibration.solution import Solution
 from procedures.diagnosis.candidates import Candidate, candidates
-from procedures.diagnosis.effect_selection import Adopted
+from procedures.diagnosis.effect_selection import AdoptedEffect
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.refit import Refit, refit, terms_at
 from procedures.diagnosis.result import TableSensor
@@ -16,7 +16,7 @@ from procedures.effects.effect import Effect
 Pool = Mapping[str, Sequence[Candidate]]
 
 
-class Subject(Protocol):
+class BaseModel(Protocol):
     """A base model with the data it is fitted to."""
 
     def refit(self, added: Sequence[Candidate]) -> Refit:
@@ -33,7 +33,7 @@ class Subject(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Bench:
+class BenchModel:
     """Dwells, turns and rests, reduced to rates and totals, and the fits to them without effects."""
 
     steps: ReducedSteps
@@ -53,11 +53,11 @@ class Bench:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class LoopState:
     """Where the loop stands."""
 
-    subject: Subject
-    adopted: tuple[Adopted, ...]
+    subject: BaseModel
+    adopted: tuple[AdoptedEffect, ...]
     now: Refit
     pool: Pool
 
@@ -66,15 +66,15 @@ class State:
         return [each.term for each in self.adopted if not each.candidate.is_of_model and each.candidate is not but]
 
 
-def stand(subject: Subject, adopted: Sequence[Adopted], effects: Sequence[Effect]) -> State:
+def solve_with(subject: BaseModel, adopted: Sequence[AdoptedEffect], effects: Sequence[Effect]) -> LoopState:
     """Solve with what was adopted and look again at everything from there."""
     now = subject.refit([each.candidate for each in adopted])
     pool = candidates(now.evidence, now.fits, effects)
     found = [_found_again(each, pool) for each in adopted]
-    return State(subject, tuple(_bent(found, now)), now, pool)
+    return LoopState(subject, tuple(_bent(found, now)), now, pool)
 
 
-def _bent(adopted: Sequence[Adopted], now: Refit) -> Iterator[Adopted]:
+def _bent(adopted: Sequence[AdoptedEffect], now: Refit) -> Iterator[AdoptedEffect]:
     """Yield effects that are not linear with their columns at the coefficients found."""
     values = iter(now.values)
     for each in adopted:
@@ -86,7 +86,7 @@ def _bent(adopted: Sequence[Adopted], now: Refit) -> Iterator[Adopted]:
         yield each
 
 
-def _found_again(adopted: Adopted, pool: Pool) -> Adopted:
+def _found_again(adopted: AdoptedEffect, pool: Pool) -> AdoptedEffect:
     """Return an adopted effect with its columns where the model now stands."""
     old = adopted.candidate
     for way in pool.get(old.effect.name, ()):

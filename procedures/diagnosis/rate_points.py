@@ -15,17 +15,19 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign
 from procedures.frames import AXES
 
-BLOCKS = 9
-LEAST_POINTS = 4 * BLOCKS  # of a table worth cutting into blocks
-LEAST_TRIPLES = 8  # second differences that a median is taken of
-SAME_RATE = 1e-4  # of the largest, within which two points have the same
-MAD = 1.482602  # 1 sigma over the median of absolute deviations, of a normal distribution
-DOF = 0.37 / 1.94  # a difference: the efficiency of that median over what neighbours have in common (2/3, 1/6)
+BLOCKS_PER_TABLE = 9
+MIN_POINTS = 4 * BLOCKS_PER_TABLE  # of a table worth cutting into blocks
+MIN_TRIPLES = 8  # second differences that a median is taken of
+SAME_RATE_SHARE = 1e-4  # of the largest, within which two points have the same
+STD_PER_MAD = 1.482602  # 1 sigma over the median of absolute deviations, of a normal distribution
+DOF_PER_DIFFERENCE = (
+    0.37 / 1.94
+)  # a difference: the efficiency of that median over what neighbours have in common (2/3, 1/6)
 EXACT = 1e-9  # of the largest output: noise that no table is below
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Points:
+class RatePoints:
     """All tables' n points, and the r outputs read there.
 
     ``omega`` (n, 3) [deg/s] in IMU axes, ``temperature`` (n,) [degC], ``block`` (n,); ``blocks`` holds of each its
@@ -60,10 +62,10 @@ class Points:
         return k
 
 
-def read_points(campaigns: Sequence[Campaign]) -> Points | None:
+def read_points(campaigns: Sequence[Campaign]) -> RatePoints | None:
     """Return the points of one unit's tables; None if no sensor's own axis was turned about."""
     tables = [(n, table) for n, each in enumerate(campaigns) for table in each.rate_tables]
-    tables = [(n, table) for n, table in tables if len(table.reference) >= LEAST_POINTS]
+    tables = [(n, table) for n, table in tables if len(table.reference) >= MIN_POINTS]
     if not tables:
         return None
     axes = [campaigns[n].fixture.C_sb[:, AXES.index(table.axis)] for n, table in tables]
@@ -73,20 +75,23 @@ def read_points(campaigns: Sequence[Campaign]) -> Points | None:
     )
     read = np.isfinite(output)
     turned = np.abs(omega) > 0
-    own = np.sum(read & turned, axis=0) >= LEAST_POINTS // 2
+    own = np.sum(read & turned, axis=0) >= MIN_POINTS // 2
     at, sensor = np.nonzero(read & own)
     if not len(at):
         return None
     named = [(q, p) for q in np.flatnonzero(own) for p in range(3) if (read[:, q] & turned[:, p]).any()]
     named += [(q, -1) for q in np.flatnonzero(own)]
-    cut = [np.repeat(np.arange(BLOCKS), [len(b) for b in np.array_split(t.reference, BLOCKS)]) for _, t in tables]
-    block = np.concatenate([BLOCKS * i + part for i, part in enumerate(cut)])
-    blocks = tuple((table.name, i + 1, n) for n, table in tables for i in range(BLOCKS))
+    cut = [
+        np.repeat(np.arange(BLOCKS_PER_TABLE), [len(b) for b in np.array_split(t.reference, BLOCKS_PER_TABLE)])
+        for _, t in tables
+    ]
+    block = np.concatenate([BLOCKS_PER_TABLE * i + part for i, part in enumerate(cut)])
+    blocks = tuple((table.name, i + 1, n) for n, table in tables for i in range(BLOCKS_PER_TABLE))
     temperature = np.concatenate([table.temperature for _, table in tables])
-    return Points(omega, temperature, block, blocks, at, sensor, output[at, sensor], np.array(named))
+    return RatePoints(omega, temperature, block, blocks, at, sensor, output[at, sensor], np.array(named))
 
 
-def noise_of(points: Points, residual: FloatArray) -> tuple[FloatArray, float]:
+def noise_of(points: RatePoints, residual: FloatArray) -> tuple[FloatArray, float]:
     """Return the noise (r,) [output] of an output, one a sensor, and its degrees of freedom.
 
     ``residual`` (r,) is what a line leaves.
@@ -95,18 +100,18 @@ def noise_of(points: Points, residual: FloatArray) -> tuple[FloatArray, float]:
     for sensor in np.unique(points.sensor):
         rows = np.flatnonzero(points.sensor == sensor)
         differences = _of_equal_rates(points, rows)
-        if len(differences) < LEAST_TRIPLES:
+        if len(differences) < MIN_TRIPLES:
             differences = _second(residual[rows])
-        sigma = MAD * float(np.median(np.abs(differences))) or float(np.std(differences))
+        sigma = STD_PER_MAD * float(np.median(np.abs(differences))) or float(np.std(differences))
         found[rows] = max(sigma, EXACT * float(np.max(np.abs(points.output[rows]))))
-        dof = min(dof, DOF * len(differences))
+        dof = min(dof, DOF_PER_DIFFERENCE * len(differences))
     return found, dof
 
 
-def _of_equal_rates(points: Points, rows: IntArray) -> FloatArray:
+def _of_equal_rates(points: RatePoints, rows: IntArray) -> FloatArray:
     """Return second differences of one sensor's outputs (r,) at equal rates, in the order of the file."""
     omega = points.omega[points.at[rows]]
-    same = np.round(omega / (SAME_RATE * np.max(np.abs(omega)))).astype(np.int64)
+    same = np.round(omega / (SAME_RATE_SHARE * np.max(np.abs(omega)))).astype(np.int64)
     _, group = np.unique(same, axis=0, return_inverse=True)
     parts = [_second(points.output[rows[group == number]]) for number in range(group.max() + 1)]
     return np.concatenate(parts)

@@ -15,19 +15,22 @@ from procedures.arrays import FloatArray
 from procedures.calibration.calibration import CampaignFits
 from procedures.calibration.solution import FitQuality, Solution
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.candidates import Candidate, trial
+from procedures.diagnosis.candidates import Candidate, raising_does_not_fit
 from procedures.diagnosis.linear_model import LinearFit
-from procedures.diagnosis.rate_points import Points, noise_of, read_points
-from procedures.diagnosis.refit import Refit, iterate, part_of
-from procedures.diagnosis.residual_rows import KINDS, Evidence, Weights
+from procedures.diagnosis.rate_points import RatePoints, noise_of, read_points
+from procedures.diagnosis.refit import Refit, added_at_nodes, iterate
+from procedures.diagnosis.residual_rows import KINDS, Evidence, NodeWeights
 from procedures.diagnosis.result import TableSensor
-from procedures.effects.effect import Seen, SeenStep
+from procedures.effects.effect import Excitation, ExcitationStep
 from procedures.frames import AXES, TRIADS
 from procedures.statistics.tail_probabilities import log_chi2_sf
 from procedures.units import DEG_H_PER_DEG_S
 
 GYROSCOPE = TRIADS.index("gyroscope")
-OF_OUTPUT = ("gyroscope.scale_temperature", "clock.rate")  # multiply the whole output, other effects included
+EFFECTS_OF_WHOLE_OUTPUT = (
+    "gyroscope.scale_temperature",
+    "clock.rate",
+)  # multiply the whole output, other effects included
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,7 +42,7 @@ class RateTables:
     """
 
     campaigns: tuple[Campaign, ...]
-    points: Points
+    points: RatePoints
     noise: FloatArray
     noise_dof: float
     x: FloatArray
@@ -71,7 +74,7 @@ class RateTables:
         k, design, r = p.scale(self.x)[p.sensor], p.design(), len(p.output)
         residual = (p.output - design @ self.x) / k - self.added[p.at, p.sensor]
         weights = tuple(
-            Weights(slice(at, at + 1), np.ones(1), slice(i, i + 1), GYROSCOPE, np.eye(3)[sensor][None])
+            NodeWeights(slice(at, at + 1), np.ones(1), slice(i, i + 1), GYROSCOPE, np.eye(3)[sensor][None])
             for i, (at, sensor) in enumerate(zip(p.at.tolist(), p.sensor.tolist(), strict=True))
         )
         columns = (np.zeros(0, dtype=np.int64), np.arange(len(self.x)))
@@ -82,15 +85,15 @@ class RateTables:
             self.noise_dof,
         )  # fmt: skip
 
-    def _seen(self) -> Seen:
+    def _seen(self) -> Excitation:
         p, n = self.points, len(self.points.omega)
         output = p.omega + self.inside
         base = p.design() @ self.x / p.scale(self.x)[p.sensor]
         output[p.at, p.sensor] = base + self.inside[p.at, p.sensor]
         unknown, none = np.full((n, 3), np.nan), np.full(n, np.nan)
-        steps = tuple(SeenStep(f"{name} block {i}", "rate", number, 0, "") for name, i, number in p.blocks)
+        steps = tuple(ExcitationStep(f"{name} block {i}", "rate", number, 0, "") for name, i, number in p.blocks)
         C_sb = np.stack([self.campaigns[p.blocks[i][2]].fixture.C_sb for i in p.block])
-        return Seen(
+        return Excitation(
             f=unknown, omega=p.omega, magnetic=unknown, accel_output=unknown, gyro_output=output, change=unknown,
             t=none, rest_s=none, temperature=p.temperature, temperature_rate=none, auxiliary={}, step=p.block,
             C_sb=C_sb, E_accel=np.tile(np.eye(3), (n, 1, 1)), E_gyro=np.tile(np.eye(3), (n, 1, 1)), steps=steps,
@@ -108,17 +111,17 @@ class RateTables:
         def without(tables: Self, evidence: Evidence, values: Sequence[FloatArray]) -> Self:
             return tables._with(added, values, evidence)
 
-        with trial(bool(added)):
+        with raising_does_not_fit(bool(added)):
             fits = CampaignFits(self.campaigns, None, None, None, None)
             return iterate(self, type(self).evidence, without, lambda *_: fits, added)
 
     def _with(self, added: Sequence[Candidate], values: Sequence[FloatArray], evidence: Evidence) -> Self:
         total, inside = np.zeros_like(self.added), np.zeros_like(self.added)
         for candidate, c in zip(added, values, strict=True):
-            _, part = part_of(candidate, evidence, c)
+            _, part = added_at_nodes(candidate, evidence, c)
             if part is not None:
                 total = total + part
-                inside = inside if candidate.effect.name in OF_OUTPUT else inside + part
+                inside = inside if candidate.effect.name in EFFECTS_OF_WHOLE_OUTPUT else inside + part
         return self.fitted(total, inside)
 
     def report(self, found: Refit) -> Solution:
@@ -134,7 +137,7 @@ class RateTables:
         return tuple(_sensor(p, x, C, int(sensor)) for sensor in np.unique(p.sensor))
 
 
-def _sensor(points: Points, x: FloatArray, C: FloatArray, sensor: int) -> TableSensor:
+def _sensor(points: RatePoints, x: FloatArray, C: FloatArray, sensor: int) -> TableSensor:
     k = float(points.scale(x)[sensor])
     own = points.parameters[:, 0] == sensor
     rate, bias = own & (points.parameters[:, 1] >= 0), own & (points.parameters[:, 1] < 0)

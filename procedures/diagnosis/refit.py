@@ -13,7 +13,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.calibration.calibration import CampaignFits, ReducedSteps, fit_reduced
-from procedures.diagnosis.candidates import Candidate, trial
+from procedures.diagnosis.candidates import Candidate, raising_does_not_fit
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.dwells_and_turns.twelve_position import TriadFit
@@ -21,9 +21,9 @@ from procedures.effects.effect import Columns
 from procedures.errors import DoesNotFit
 from procedures.statistics.least_squares import Fit
 
-ROUNDS = 6
-GIVEN_ROUNDS = 3  # what an effect adds hangs on the fit by its misalignment alone
-SMALL = 1e-3  # sigma by which the last round still moved a coefficient
+MAX_ITERATIONS = 6
+ITERATIONS_WITH_GIVEN_VALUES = 3  # what an effect adds hangs on the fit by its misalignment alone
+CONVERGED_SIGMAS = 1e-3  # sigma by which the last round still moved a coefficient
 
 Model = TypeVar("Model")
 
@@ -55,7 +55,7 @@ def refit(steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate]) -
     def without(fits: CampaignFits, evidence: Evidence, values: Sequence[FloatArray]) -> CampaignFits:
         return _fit_without(steps, fits, evidence, added, values)
 
-    with trial(bool(added)):
+    with raising_does_not_fit(bool(added)):
         return iterate(base, evidence_of, without, _with_covariance, added)
 
 
@@ -72,7 +72,7 @@ def iterate(
     coefficients leave; ``fits_of`` gives the fits in the end.
     """
     values = [np.zeros(len(each.columns.coefficients)) for each in added]
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         evidence = evidence_of(model)
         terms, offsets = terms_at(evidence, added, values)
         evidence = beyond_linear(evidence, terms, values, offsets)
@@ -83,7 +83,7 @@ def iterate(
             for (c, C), old in zip(found, values, strict=True)
         ]
         values = [c for c, _ in found]
-        if max(moved, default=0.0) < SMALL:
+        if max(moved, default=0.0) < CONVERGED_SIGMAS:
             break
         model = without(model, evidence, values)
     fits = fits_of(model, evidence, linear)
@@ -94,7 +94,7 @@ def refit_with(
     steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate], values: Sequence[FloatArray]
 ) -> Refit:
     """Solve everything but the coefficients, which are ``values``, found elsewhere; raises as `refit`."""
-    with trial(bool(added)):
+    with raising_does_not_fit(bool(added)):
         return _refit_with(steps, base, added, values)
 
 
@@ -102,7 +102,7 @@ def _refit_with(
     steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate], values: Sequence[FloatArray]
 ) -> Refit:
     fits = base
-    for _ in range(GIVEN_ROUNDS if added else 0):
+    for _ in range(ITERATIONS_WITH_GIVEN_VALUES if added else 0):
         fits = _fit_without(steps, fits, evidence_of(fits), added, values)
     evidence = evidence_of(fits)
     terms, beyond = terms_at(evidence, added, values)
@@ -112,9 +112,9 @@ def _refit_with(
     return Refit(fits, left, fit_linear(left, []), (), ())
 
 
-def same_way(candidate: Candidate, evidence: Evidence) -> Columns:
+def columns_at(candidate: Candidate, evidence: Evidence) -> Columns:
     """Return a candidate's columns at another evidence's nodes; `DoesNotFit` where it does not act there."""
-    for columns in candidate.effect.columns(evidence.seen):
+    for columns in candidate.effect.columns(evidence.excitation):
         if columns.where == candidate.columns.where and columns.shape == candidate.columns.shape:
             return columns
     raise DoesNotFit(f"{candidate.effect.name} no longer acts as {candidate.columns.where}")
@@ -126,7 +126,7 @@ def terms_at(
     """Return every effect's columns at its coefficients, and what it adds beyond these times them (n,)."""
     terms, beyond = list[Term](), list[FloatArray]()
     for candidate, c in zip(added, values, strict=True):
-        columns = same_way(candidate, evidence)
+        columns = columns_at(candidate, evidence)
         exact, columns = _bent(candidate, columns, evidence, c)
         H = evidence.column(columns)
         terms.append(Term(H, candidate.term.plausible))
@@ -141,7 +141,7 @@ def _bent(
     added = candidate.effect.added
     if added is None or not np.any(c):
         return None, columns
-    total, change = added(evidence.seen, c)
+    total, change = added(evidence.excitation, c)
     if columns.accel is not None:
         return Columns(("",), accel=total[:, :, None]), replace(columns, accel=change)
     return Columns(("",), gyro=total[:, :, None]), replace(columns, gyro=change)
@@ -185,7 +185,7 @@ def _without(
 ) -> ReducedSteps:
     """Return the steps less what the effects added to them."""
     off: dict[tuple[int, str], list[FloatArray]] = {}
-    parts = [part_of(candidate, evidence, c) for candidate, c in zip(added, values, strict=True)]
+    parts = [added_at_nodes(candidate, evidence, c) for candidate, c in zip(added, values, strict=True)]
     for each in evidence.weights:
         kind = KINDS[evidence.kind[each.rows.start]]
         sums = [part[each.triad] for part in parts]
@@ -205,11 +205,11 @@ def _without(
     return replace(steps, accel=accel, gyro=gyro, rests=rests, turns=turns)
 
 
-def part_of(
+def added_at_nodes(
     candidate: Candidate, evidence: Evidence, c: FloatArray
 ) -> tuple[FloatArray | None, FloatArray | None]:
     """Return what an effect adds at the nodes (n, 3) [g] and [deg/s]."""
-    columns = same_way(candidate, evidence)
+    columns = columns_at(candidate, evidence)
     exact, _ = _bent(candidate, columns, evidence, c)
     if exact is not None:
         columns, c = exact, np.ones(1)

@@ -20,11 +20,11 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.calibration import CampaignFits
-from procedures.diagnosis.excitation import Part, Places, iterate_dwells, joined, on_face
+from procedures.diagnosis.excitation import NodeBuilder, StepNodes, iterate_dwells, join_nodes, on_face
 from procedures.diagnosis.thermal_soaks import SoakBlock, soaks_seen
 from procedures.dwells_and_turns.hand_turns import GyroscopeFit
 from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
-from procedures.effects.effect import Columns, Seen, SeenStep
+from procedures.effects.effect import Columns, Excitation, ExcitationStep
 from procedures.frames import TRIADS
 from procedures.units import STANDARD_GRAVITY
 
@@ -32,7 +32,7 @@ KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate", "soak")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Weights:
+class NodeWeights:
     """How three rows, one a sensor, come about from the nodes of a step.
 
     A column (m, 3, k) at the nodes becomes ``sum of w * column`` (3, k), and where there is a ``mix`` (r, 3), of
@@ -50,10 +50,10 @@ class Weights:
 class Evidence:
     """All rows (n,): ``residual``, its 1 sigma by counting noise, ``A`` (n, p); what, where and when each is.
 
-    ``triad`` is 0 or 1 (`TRIADS`), ``kind`` the number in `KINDS`, ``step`` that of ``seen.steps``, -1 of priors,
-    ``axis`` the sensor. ``is_range`` marks priors that only keep a parameter in bounds. ``x`` (p,) is where the
-    model was linearised; ``columns_of`` says for each triad which columns of A its fit's parameters are.
-    ``noise_dof`` are the degrees of freedom behind sigma, infinite where it is as good as known.
+    ``triad`` is 0 or 1 (`TRIADS`), ``kind`` the number in `KINDS`, ``step`` that of ``excitation.steps``, -1 of
+    priors, ``axis`` the sensor. ``is_range`` marks priors that only keep a parameter in bounds. ``x`` (p,) is
+    where the model was linearised; ``columns_of`` says for each triad which columns of A its fit's parameters
+    are. ``noise_dof`` are the degrees of freedom behind sigma, infinite where it is as good as known.
     """
 
     residual: FloatArray
@@ -66,8 +66,8 @@ class Evidence:
     is_range: BoolArray
     x: FloatArray
     columns_of: tuple[IntArray, IntArray]
-    weights: tuple[Weights, ...]
-    seen: Seen
+    weights: tuple[NodeWeights, ...]
+    excitation: Excitation
     noise_dof: float = np.inf
 
     def column(self, columns: Columns) -> FloatArray:
@@ -101,13 +101,13 @@ class _Builder:
         self.columns_of = columns_of
         self.first_own = 1 + max((int(c.max()) for c in columns_of if len(c)), default=-1)
         self.width = self.first_own + own
-        self.parts: list[Part] = []
-        self.numbers: dict[SeenStep, int] = {}
+        self.parts: list[StepNodes] = []
+        self.numbers: dict[ExcitationStep, int] = {}
         self.blocks: list[_Block] = []
-        self.weights: list[Weights] = []
+        self.weights: list[NodeWeights] = []
         self.count = 0
 
-    def nodes(self, part: Part) -> tuple[int, slice]:
+    def nodes(self, part: StepNodes) -> tuple[int, slice]:
         """Return the number and the nodes of a part, taking it in if it is new."""
         if part.step not in self.numbers:
             self.numbers[part.step] = len(self.parts)
@@ -130,7 +130,7 @@ class _Builder:
 
     def weigh(self, nodes: slice, w: FloatArray, rows: slice, triad: int, mix: FloatArray | None = None) -> None:
         """Say how rows come about from the nodes."""
-        self.weights.append(Weights(nodes, w, rows, triad, mix))
+        self.weights.append(NodeWeights(nodes, w, rows, triad, mix))
 
     def evidence(self, x: FloatArray) -> Evidence:
         """Put the blocks together."""
@@ -155,7 +155,7 @@ class _Builder:
             x,
             self.columns_of,
             tuple(self.weights),
-            joined(self.parts),
+            join_nodes(self.parts),
         )
 
 
@@ -193,7 +193,7 @@ def _columns(fits: CampaignFits) -> tuple[tuple[IntArray, IntArray], FloatArray]
 def evidence_of(fits: CampaignFits) -> Evidence:
     """Return the rows of both triads, of those that are solved."""
     columns_of, x = _columns(fits)
-    places = Places(fits)
+    places = NodeBuilder(fits)
     soaks = soaks_seen(fits, places)
     builder = _Builder(columns_of, sum(len(blocks[0].alive) for _, blocks in soaks))
     if fits.accelerometer is not None:
@@ -221,7 +221,7 @@ def _at_one_bench(evidence: Evidence, fits: CampaignFits) -> Evidence:
     return replace(evidence, residual=evidence.residual + gyro * (evidence.A @ off))
 
 
-def _dwells(builder: _Builder, fits: CampaignFits, places: Places, joint: TriadFit, triad: int) -> None:
+def _dwells(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: TriadFit, triad: int) -> None:
     k = np.linalg.norm(joint.K, axis=1)
     none = np.zeros((3, 1))
     for i, part in enumerate(iterate_dwells(fits, places, joint)):
@@ -258,14 +258,14 @@ def _bend(x: FloatArray) -> FloatArray:
     return w
 
 
-def _rests(builder: _Builder, fits: CampaignFits, places: Places, joint: TriadFit, found: RestFit) -> None:
+def _rests(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: TriadFit, found: RestFit) -> None:
     """Take in the norms; rows of up vectors on a face at an unknown heading stay with the priors."""
     inverse = np.linalg.inv(joint.K / np.linalg.norm(joint.K, axis=1)[:, None])
     for i, (number, record) in enumerate(found.rests.rests):
         campaign = fits.campaigns[number]
         length = campaign.site.gravity / STANDARD_GRAVITY
         f = found.up[i] * length if record.up is None else on_face(campaign, record.up)
-        step = SeenStep(record.name, "rest", number, 0, record.up or "")
+        step = ExcitationStep(record.name, "rest", number, 0, record.up or "")
         number_of, nodes = builder.nodes(places.rest(number, step, record.series, None, f))
         row = found.rows.start + i
         whitened = found.sigma[i]
@@ -292,13 +292,13 @@ def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) 
         own += len(alive)
 
 
-def _turns(builder: _Builder, places: Places, gyroscope: GyroscopeFit) -> None:
+def _turns(builder: _Builder, places: NodeBuilder, gyroscope: GyroscopeFit) -> None:
     joint = gyroscope.joint
     k = np.linalg.norm(joint.K, axis=1)
     first = 3 * len(joint.seen.dwells)
     for i, turn in enumerate(gyroscope.turns):
         record = turn.record
-        step = SeenStep(record.name, "turn", turn.campaign, record.start_position, f"{record.axis}_up")
+        step = ExcitationStep(record.name, "turn", turn.campaign, record.start_position, f"{record.axis}_up")
         part = places.turn(turn, step)
         number, nodes = builder.nodes(part)
         rows = slice(first + 3 * i, first + 3 * i + 3)

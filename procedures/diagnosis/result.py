@@ -42,7 +42,7 @@ class Finding:
 
 
 @dataclass(frozen=True, slots=True)
-class Test:
+class EffectTest:
     """An effect that was tried: statistic (chi-square over its coefficients), ln p, and ln p adjusted by Holm."""
 
     effect: str
@@ -52,7 +52,7 @@ class Test:
 
 
 @dataclass(frozen=True, slots=True)
-class Errors:
+class ResidualRms:
     """A residual's rms [unit] before and after, in the campaign and on what was left out."""
 
     quantity: str
@@ -90,8 +90,8 @@ class Diagnosis:
 
     verdict: Verdict
     findings: tuple[Finding, ...]
-    tried: tuple[Test, ...]
-    errors: tuple[Errors, ...]
+    tried: tuple[EffectTest, ...]
+    errors: tuple[ResidualRms, ...]
     before: CampaignFits
     after: CampaignFits
     evidence: Evidence
@@ -106,7 +106,7 @@ class Diagnosis:
     on_table: tuple[TableSensor, ...] = ()
 
 
-def combined(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
+def combine_diagnoses(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
     """Return the bench's diagnosis with what the tables found; fits and evidence are the bench's."""
     findings = _told_once(bench.findings, tables.findings)
     verdict = max((bench.verdict, tables.verdict), key=WEAKEST_LAST.index)
@@ -118,7 +118,7 @@ def combined(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
     )  # fmt: skip
 
 
-def with_files(tables: Diagnosis) -> Diagnosis:
+def with_file_names(tables: Diagnosis) -> Diagnosis:
     """Return a diagnosis of rate tables whose findings say which files they are of."""
     names = [table.name for each in tables.before.campaigns for table in each.rate_tables]
     where = {"file": names[0] if len(names) == 1 else names}

@@ -28,9 +28,9 @@ from procedures.diagnosis.residual_rows import Evidence
 FLIPS = 999
 SEED = 20180611
 DRAWS = 40  # of noise with the effect in it
-TOLD = 0.05  # p up to which signs tell an effect
-POWER = 0.9  # share of the draws in which they must
-TINY = 1e-9  # of what tells most of an effect: below it the model leaves nothing of a combination
+MAX_P = 0.05  # p up to which signs tell an effect
+MIN_POWER = 0.9  # share of the draws in which they must
+NULL_SHARE = 1e-9  # of what tells most of an effect: below it the model leaves nothing of a combination
 
 
 def sign_flip_p(evidence: Evidence, candidate: Candidate, others: Sequence[Term]) -> float | None:
@@ -46,19 +46,19 @@ def sign_flip_p(evidence: Evidence, candidate: Candidate, others: Sequence[Term]
     noise = np.random.default_rng(SEED).standard_normal((len(wide), DRAWS))
     drawn = (wide @ after.coefficients()[0])[:, None] + noise - null.Q @ (null.Q.T @ noise)
     p = _p(_spanning(wide), null.Q, np.column_stack((null.whole, drawn)), _groups(evidence, len(wide)))
-    return float(p[0]) if np.mean(p[1:] <= TOLD) >= POWER else None
+    return float(p[0]) if np.mean(p[1:] <= MAX_P) >= MIN_POWER else None
 
 
 def _spanning(H: FloatArray) -> FloatArray:
     """Return orthonormal columns that span H's, less those of which nothing is left."""
     U, size, _ = np.linalg.svd(H, full_matrices=False)
-    found: FloatArray = U[:, size**2 > TINY * size[0] ** 2]
+    found: FloatArray = U[:, size**2 > NULL_SHARE * size[0] ** 2]
     return found
 
 
 def _groups(evidence: Evidence, rows: int) -> IntArray:
     """Return which rows change sign together (rows,): those of a step; every other alone."""
-    alone = np.arange(rows) + len(evidence.seen.steps)
+    alone = np.arange(rows) + len(evidence.excitation.steps)
     alone[: len(evidence.step)] = np.where(evidence.is_data, evidence.step, alone[: len(evidence.step)])
     _, found = np.unique(alone, return_inverse=True)
     return found
@@ -74,7 +74,7 @@ def _p(H: FloatArray, Q: FloatArray, r: FloatArray, together: IntArray) -> Float
     signs = np.random.default_rng(SEED).choice([-1.0, 1.0], (FLIPS + 1, m))
     signs[0] = 1.0
     T, lost = np.tensordot(signs, scores, axes=1), np.tensordot(signs, absorbed, axes=1)
-    V = (1 + TINY) * np.eye(k) - np.matmul(lost.transpose(0, 2, 1), lost)
+    V = (1 + NULL_SHARE) * np.eye(k) - np.matmul(lost.transpose(0, 2, 1), lost)
     statistic = np.sum(T * np.linalg.solve(V, T), axis=1)
     found: FloatArray = np.mean(statistic >= statistic[0] * (1 - 1e-9), axis=0)
     return found

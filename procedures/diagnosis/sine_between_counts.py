@@ -13,12 +13,12 @@ from scipy.optimize import linprog
 
 from procedures.arrays import FloatArray
 
-MOST_NODES = 600  # of a stretch, about its middle
-SLACK = 0.02  # counts, for noise and what the frequency is off
-SPREAD = 0.5  # of a half extent: sigma; of a uniform distribution it is 1 / sqrt(3)
-SHAPES = 3  # level, slope, bend
-TRIED = (0.0, -0.17, 0.17, -0.33, 0.33, -0.5, 0.5)  # of a period per stretch, the likeliest first
-NOT_ALLOWED = 1.3  # counts: a narrowest strip above this is no sine in counts
+MAX_NODES = 600  # of a stretch, about its middle
+STRIP_SLACK = 0.02  # counts, for noise and what the frequency is off
+STD_PER_HALF_EXTENT = 0.5  # of a half extent: sigma; of a uniform distribution it is 1 / sqrt(3)
+SHAPE_COLUMNS = 3  # level, slope, bend
+TRIED_OFFSETS = (0.0, -0.17, 0.17, -0.33, 0.33, -0.5, 0.5)  # of a period per stretch, the likeliest first
+MAX_SINE_STRIP = 1.3  # counts: a narrowest strip above this is no sine in counts
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,9 +32,9 @@ class SineInCounts:
 
 def best_hertz(running: FloatArray, hertz: float, period: float) -> float:
     """Return the frequency, within half a period per stretch, at which counts (n, 3) need the narrowest strips."""
-    n = min(len(running), MOST_NODES)
+    n = min(len(running), MAX_NODES)
     begin = (len(running) - n) // 2
-    near = hertz + np.array(TRIED) / (n * period)
+    near = hertz + np.array(TRIED_OFFSETS) / (n * period)
     level = running[begin : begin + n] - running[begin]
     needed = [sum(max(narrowest(level[:, q], _design(n, f, period)), 1.0) for q in range(3)) for f in near]
     return float(near[int(np.argmin(needed))])
@@ -45,29 +45,31 @@ def strip_beside(running: FloatArray, hertz: float, period: float, first: int, e
 
     Before and after it, and while it acts, the count has levels of its own.
     """
-    begin = max((len(running) - MOST_NODES) // 2, 0)
-    level = running[begin : begin + MOST_NODES] - running[begin]
+    begin = max((len(running) - MAX_NODES) // 2, 0)
+    level = running[begin : begin + MAX_NODES] - running[begin]
     at = np.arange(begin, begin + len(level))
     acts, after = ((at >= first) & (at < end))[:, None], (at >= end)[:, None]
     columns = _design(len(level), hertz, period)
-    design: FloatArray = np.hstack((columns[:, :SHAPES], 1.0 * acts, 1.0 * after, acts * columns[:, SHAPES:]))
+    design: FloatArray = np.hstack(
+        (columns[:, :SHAPE_COLUMNS], 1.0 * acts, 1.0 * after, acts * columns[:, SHAPE_COLUMNS:])
+    )
     return float(sum(max(narrowest(level[:, axis], design), 1.0) for axis in range(3)))
 
 
 def sine_between(count: FloatArray, hertz: float, period: float) -> SineInCounts:
     """Bound a sine of ``hertz`` in a running count (n,)."""
     n = len(count)
-    begin = max((n - MOST_NODES) // 2, 0)
-    count = count[begin : begin + MOST_NODES]
+    begin = max((n - MAX_NODES) // 2, 0)
+    count = count[begin : begin + MAX_NODES]
     count = count - count[0]
     design = _design(len(count), hertz, period)
     strip = narrowest(count, design)
     if not np.isfinite(strip):
         return SineInCounts(0.0, np.inf, np.inf)
-    allowed = max(strip, 1.0) + SLACK
+    allowed = max(strip, 1.0) + STRIP_SLACK
     bounds = np.array([[_extreme(count, design, allowed, k, sign) for sign in (1, -1)] for k in (0, 1)])
     middle, half = bounds.mean(axis=1), np.ptp(bounds, axis=1) / 2
-    std = float(np.hypot(np.hypot(*half) / np.sqrt(2) * SPREAD, max(strip - 1, 0.0)))
+    std = float(np.hypot(np.hypot(*half) / np.sqrt(2) * STD_PER_HALF_EXTENT, max(strip - 1, 0.0)))
     size = float(np.hypot(*middle))
     return SineInCounts(float(np.sqrt(max(size**2 - std**2, 0.0))), std, strip)
 
@@ -91,7 +93,7 @@ def narrowest(count: FloatArray, design: FloatArray) -> float:
 def _extreme(count: FloatArray, design: FloatArray, strip: float, k: int, sign: int) -> float:
     """Return the least (``sign`` 1) or largest (-1) coefficient of cosine (0) or sine (1)."""
     aim = np.zeros(design.shape[1])
-    aim[SHAPES + k] = sign
+    aim[SHAPE_COLUMNS + k] = sign
     A, b = np.vstack((-design, design)), np.r_[-count, count + strip]
     found = linprog(aim, A_ub=A, b_ub=b, bounds=[(None, None)] * len(aim), method="highs")
     return float(-sign * len(count)) if found.fun is None else sign * float(found.fun)

@@ -26,10 +26,10 @@ from procedures.statistics.allan_deviation import MIN_SAMPLES, NoiseTerm, noise_
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line
 from procedures.units import S_PER_H
 
-BLOCKS = 24
-LEAST_S = 60.0  # of a recording
-WARMED = 1.0  # K, from which on a temperature coefficient is looked for
-ALONG = 0.9  # of a turn's axis along the sensor
+LINE_BLOCKS = 24
+MIN_RECORDING_S = 60.0  # of a recording
+MIN_WARMING_K = 1.0  # K, from which on a temperature coefficient is looked for
+MIN_AXIS_COSINE = 0.9  # of a turn's axis along the sensor
 
 Held = DwellRecord | RestRecord | SoakRecord
 
@@ -72,7 +72,7 @@ def _of(campaign: Campaign, triad: str) -> Iterator[SingleChannel]:
         return
     for axis, found in enumerate(live):
         record = max(found, key=lambda r: len(r.series) * r.series.period, default=None)
-        if record is not None and len(record.series) * record.series.period >= LEAST_S:
+        if record is not None and len(record.series) * record.series.period >= MIN_RECORDING_S:
             yield _seen(campaign, triad, axis, record)
 
 
@@ -99,7 +99,7 @@ def _seen(
     known = np.isfinite(T)
     kelvin = float(np.ptp(T[known])) if known.any() else 0.0
     warming = None
-    if kelvin >= WARMED:
+    if kelvin >= MIN_WARMING_K:
         warming = fit_correlated_line(T[known], mean[known], np.zeros(known.sum(), dtype=np.int64), least)
     drift = fit_correlated_line(t / S_PER_H, mean, np.zeros(len(t), dtype=np.int64), least)
     scale = _scale(campaign, axis) if triad == "gyroscope" else None
@@ -111,7 +111,7 @@ def _seen(
 
 def _blocks(series: Series, rate: FloatArray, quantum: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
     """Return times [s], temperatures and means of blocks, and the 1 sigma that counting leaves to a mean."""
-    parts = np.array_split(np.arange(len(rate)), BLOCKS)
+    parts = np.array_split(np.arange(len(rate)), LINE_BLOCKS)
     t, mean = (np.array([values[part].mean() for part in parts]) for values in (series.t, rate))
     warm = [series.temperature[part] for part in parts]
     T = np.array([w[np.isfinite(w)].mean() if np.isfinite(w).any() else np.nan for w in warm])
@@ -134,7 +134,7 @@ def _scale(campaign: Campaign, axis: int) -> tuple[float, float] | None:
         assert samples is not None
         along = float(campaign.fixture.C_sb[axis] @ face_normal(face_of(turn.record.start_position)))
         end = constant_end(samples[:, axis])
-        if abs(along) < ALONG or (
+        if abs(along) < MIN_AXIS_COSINE or (
             end and (not end.begin or stopped_in_turn(turn.record, samples[:, axis], end, True))
         ):
             continue

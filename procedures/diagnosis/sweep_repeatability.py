@@ -15,14 +15,14 @@ from procedures.diagnosis.linear_model import LinearFit, Term, without_rows
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.statistics.tail_probabilities import log_f_sf
 
-LEAST_BLOCKS = 3
-TOLD = 0.5  # of its plausible size that 1 sigma of a coefficient must come down to
+MIN_BLOCKS = 3
+MAX_STD_IN_PLAUSIBLE = 0.5  # of its plausible size that 1 sigma of a coefficient must come down to
 
 
 def std_of_repeats(evidence: Evidence, fit: LinearFit, left_out: Sequence[IntArray]) -> FloatArray:
     """Return 1 sigma (k,) of a fit's last term by what the blocks of rate tables repeat; nought without blocks."""
     blocks = _blocks(evidence, left_out)
-    if len(blocks) < LEAST_BLOCKS:
+    if len(blocks) < MIN_BLOCKS:
         return np.zeros(fit.sizes[-1])
     found = np.stack([without_rows(fit, rows).coefficients()[0] for rows in blocks])
     n = len(blocks)
@@ -39,11 +39,11 @@ def log_p_of_repeats(
     """
     fit = candidate.fit(evidence, others)
     dof = len(_blocks(evidence, left_out)) - 1
-    if dof + 1 < LEAST_BLOCKS:
+    if dof + 1 < MIN_BLOCKS:
         return -np.inf
     std = std_of_repeats(evidence, fit, left_out)
     value, covariance = fit.coefficients()
-    told = np.sqrt(np.diag(covariance)) < TOLD * candidate.term.plausible
+    told = np.sqrt(np.diag(covariance)) < MAX_STD_IN_PLAUSIBLE * candidate.term.plausible
     t = (value[told] / std[told]) ** 2
     return min(log_f_sf(float(t.max()), 1, dof) + float(np.log(len(t))), 0.0) if len(t) else 0.0
 

@@ -19,13 +19,13 @@ from procedures.campaign.dead_channels import dead_in_soak
 from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
 from procedures.counts.sample_records import Series, series_rows
-from procedures.diagnosis.excitation import Part, Places, attitude, on_face
+from procedures.diagnosis.excitation import NodeBuilder, StepNodes, attitude, on_face
 from procedures.dwells_and_turns.twelve_position import TriadFit
-from procedures.effects.effect import SeenStep
+from procedures.effects.effect import ExcitationStep
 
 BLOCK_S = 100.0
 BLOCK_NODES = 4
-LEAST_BLOCKS = 3
+MIN_BLOCKS = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,13 +35,13 @@ class SoakBlock:
     ``alive`` are the sensors that the soak shows; of the others residual and sigma say nothing.
     """
 
-    part: Part
+    part: StepNodes
     residual: FloatArray
     sigma: FloatArray
     alive: IntArray
 
 
-def soaks_seen(fits: CampaignFits, places: Places) -> list[tuple[str, list[SoakBlock]]]:
+def soaks_seen(fits: CampaignFits, places: NodeBuilder) -> list[tuple[str, list[SoakBlock]]]:
     """Return the blocks of every soak, by the triad that saw it."""
     soaks = [(number, soak) for number, campaign in enumerate(fits.campaigns) for soak in campaign.soaks]
     found = [
@@ -52,7 +52,9 @@ def soaks_seen(fits: CampaignFits, places: Places) -> list[tuple[str, list[SoakB
     return [each for each in found if each[1]]
 
 
-def _blocks(fits: CampaignFits, places: Places, number: int, soak: SoakRecord, triad: str) -> Iterator[SoakBlock]:
+def _blocks(
+    fits: CampaignFits, places: NodeBuilder, number: int, soak: SoakRecord, triad: str
+) -> Iterator[SoakBlock]:
     """Yield a soak's blocks as one triad saw them; none where it is absent or not solved."""
     joint = _joint(fits, triad)
     found = None if joint is None else _block_rates(soak, triad)
@@ -78,7 +80,7 @@ def _joint(fits: CampaignFits, triad: str) -> TriadFit | None:
 def _block_rates(soak: SoakRecord, triad: str) -> tuple[tuple[Series, ...], FloatArray, FloatArray] | None:
     """Return a soak's blocks, their rates (m, 3) [output/s, or output] and 1 sigma (m, 3); None of too few."""
     series = _cut(soak.series)
-    if channel(soak.series, triad) is None or len(series) < LEAST_BLOCKS:
+    if channel(soak.series, triad) is None or len(series) < MIN_BLOCKS:
         return None
     found = rest_rates([(0, RestRecord(soak.name, None, each)) for each in series], triad)
     return None if found is None else (series, found.rate, found.std)
@@ -98,8 +100,8 @@ def _piece(series: Series, a: int, b: int) -> Series:
 
 
 def _parts(
-    fits: CampaignFits, places: Places, number: int, soak: SoakRecord, blocks: tuple[Series, ...]
-) -> Iterator[Part]:
+    fits: CampaignFits, places: NodeBuilder, number: int, soak: SoakRecord, blocks: tuple[Series, ...]
+) -> Iterator[StepNodes]:
     campaign = fits.campaigns[number]
     C_sn = attitude(campaign, soak.position) if soak.position else None
     f = on_face(campaign, soak.up) if soak.up else _force(fits, soak)
@@ -107,7 +109,7 @@ def _parts(
     known = np.isfinite(T)
     warming = np.gradient(T[known], t[known] / 60) if known.sum() > 1 else np.array([])
     for i, series in enumerate(blocks):
-        step = SeenStep(f"{soak.name} block {i + 1}", "soak", number, 0, "")
+        step = ExcitationStep(f"{soak.name} block {i + 1}", "soak", number, 0, "")
         part = places.rest(number, step, series, C_sn, f, BLOCK_NODES)
         if known.sum() > 1:
             smooth, rate = (np.interp(part.t, t[known], v) for v in (T[known], warming))

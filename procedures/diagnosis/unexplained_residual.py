@@ -8,26 +8,26 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from procedures.diagnosis.linear_model import LinearFit, classes
+from procedures.diagnosis.linear_model import LinearFit, variance_classes
 from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.frames import TRIADS
 from procedures.statistics.tail_probabilities import log_f_sf
 
-ABSORBED = 0.02  # a row of which the fit leaves less is the fit's, not the data's
+MIN_ROW_FREEDOM = 0.02  # a row of which the fit leaves less is the fit's, not the data's
 SHAPES = ("slope", "curvature")
-LEAST = 2.0  # degrees of freedom of a class worth testing
+MIN_CLASS_DOF = 2.0  # degrees of freedom of a class worth testing
 
 
-def log_p_of(evidence: Evidence, fit: LinearFit) -> float:
+def global_log_p(evidence: Evidence, fit: LinearFit) -> float:
     """Return ln p of what a fit with unwidened sigmas leaves."""
-    shared, free = classes(evidence), 1 - fit.leverage
+    shared, free = variance_classes(evidence), 1 - fit.leverage
     told = (evidence.kind != KINDS.index("prior")) | ~evidence.is_range
     found = list[float]()
     for number in np.unique(shared[told]):
         rows = told & (shared == number)
         dof = float(free[rows].sum())
-        clear = rows & (free > ABSORBED)
-        if dof < LEAST or not clear.any():
+        clear = rows & (free > MIN_ROW_FREEDOM)
+        if dof < MIN_CLASS_DOF or not clear.any():
             continue
         k = max(round(dof), 1)
         found.append(log_f_sf(float(np.sum(fit.white[rows] ** 2)) / k, k, evidence.noise_dof))
@@ -36,7 +36,7 @@ def log_p_of(evidence: Evidence, fit: LinearFit) -> float:
     return min(min(found) + np.log(len(found)), 0.0) if found else 0.0
 
 
-def excess(evidence: Evidence, fit: LinearFit) -> float:
+def excess_squares(evidence: Evidence, fit: LinearFit) -> float:
     """Return by how much the data's sum of squares exceeds what noise leaves; at least nought."""
     rows = evidence.is_data
     return max(float(np.sum(fit.white[rows] ** 2) - np.sum((1 - fit.leverage)[rows])), 0.0)

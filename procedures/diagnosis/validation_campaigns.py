@@ -15,18 +15,18 @@ from procedures.calibration.calibration import fit_reduced, reduce_steps
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.checks_before_effects import preliminary
-from procedures.diagnosis.held_out_errors import errors_made, groups
-from procedures.diagnosis.refit import refit_with, same_way
+from procedures.diagnosis.checks_before_effects import check_campaigns
+from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
+from procedures.diagnosis.refit import columns_at, refit_with
 from procedures.diagnosis.residual_rows import Evidence, evidence_of
-from procedures.diagnosis.result import Diagnosis, Errors
+from procedures.diagnosis.result import Diagnosis, ResidualRms
 from procedures.errors import DoesNotFit
 
 OF_THE_CUBE = "fixture.face_tilt"
 OF_THE_UNIT = "auxiliary.channel"  # beside all that is of the instrument: it is the sensor that feels the channel
 
 
-def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Errors, ...]:
+def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[ResidualRms, ...]:
     """Return the errors that other campaigns of the unit show without and with the effects found.
 
     ``before`` and ``after`` are their residual, ``held_out_*`` the error of each position, turn and rest foretold
@@ -39,7 +39,7 @@ def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Error
         If neither triad can be solved on these campaigns.
     """
     alive, _ = without_dead(campaigns)
-    steps = reduce_steps(preliminary(alive).campaigns)
+    steps = reduce_steps(check_campaigns(alive).campaigns)
     base = fit_reduced(steps)
     evidence = evidence_of(base)
     carried = [
@@ -50,9 +50,9 @@ def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Error
     try:
         after = refit_with(steps, base, [candidate for candidate, _ in carried], [value for _, value in carried])
     except DoesNotFit:
-        without = errors_made(evidence, refit_with(steps, base, (), ()), groups(evidence))
+        without = residual_rms(evidence, refit_with(steps, base, (), ()), left_out_groups(evidence))
         return tuple(replace(_held_out(each), after=np.nan, held_out_after=np.nan) for each in without)
-    return tuple(_held_out(each) for each in errors_made(evidence, after, groups(evidence)))
+    return tuple(_held_out(each) for each in residual_rms(evidence, after, left_out_groups(evidence)))
 
 
 def _is_carried(candidate: Candidate, diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> bool:
@@ -66,13 +66,13 @@ def _is_carried(candidate: Candidate, diagnosis: Diagnosis, campaigns: Sequence[
 def _acts(candidate: Candidate, evidence: Evidence) -> bool:
     """Say whether what an effect depends on is known in the other campaigns."""
     try:
-        H: FloatArray = evidence.column(same_way(candidate, evidence))
+        H: FloatArray = evidence.column(columns_at(candidate, evidence))
     except DoesNotFit:
         return False
     return bool(np.all(np.isfinite(H)))
 
 
-def _held_out(errors: Errors) -> Errors:
+def _held_out(errors: ResidualRms) -> ResidualRms:
     if errors.held_out_before is not None and errors.held_out_after is not None:
         return errors
     return replace(errors, held_out_before=errors.before, held_out_after=errors.after)

@@ -16,18 +16,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.diagnosis.sine_between_counts import NOT_ALLOWED, best_hertz, sine_between, strip_beside
+from procedures.diagnosis.sine_between_counts import MAX_SINE_STRIP, best_hertz, sine_between, strip_beside
 
 ComplexArray = np.ndarray[tuple[int, ...], np.dtype[np.complex128]]
 
-PAD = 4  # times as many frequencies as samples
-LINES, MOST_LINES = 3, 10  # tried of all axes together and of each; in all
-ALLOWED = 0.15  # counts of strip, summed over the axes, more than the least: what edges a little off cost
-AS_WELL = 0.03  # within which another frequency is allowed as well as the best
-MOSTLY = 2.0  # times its own variance a sine is allowed to leave beside it
-LOWEST = 2.0  # whole periods a stretch must hold
-SHORTEST = 6  # of the part looked at, the least that the stretch is
-EDGES = 80  # tried for either end of the stretch
+FFT_PADDING = 4  # times as many frequencies as samples
+LINES_TRIED, MAX_LINES = 3, 10  # tried of all axes together and of each; in all
+MAX_EXTRA_STRIP = 0.15  # counts of strip, summed over the axes, more than the least: what edges a little off cost
+EQUAL_STRIP = 0.03  # within which another frequency is allowed as well as the best
+MAX_LEFT_VARIANCE = 2.0  # times its own variance a sine is allowed to leave beside it
+MIN_PERIODS = 2.0  # whole periods a stretch must hold
+MIN_STRETCH_PART = 6  # of the part looked at, the least that the stretch is
+EDGES_TRIED = 80  # tried for either end of the stretch
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,9 @@ class Vibration:
     std: FloatArray
 
 
-def measure(samples: FloatArray, k: FloatArray, period: float, stretch: slice, cumulative: bool) -> Vibration:
+def measure_vibration(
+    samples: FloatArray, k: FloatArray, period: float, stretch: slice, cumulative: bool
+) -> Vibration:
     """Measure the disturbance of a step's ``samples`` (n, 3) that was seen in ``stretch``; the rest is its noise.
 
     ``k`` (3,) is a sample per input unit. ``cumulative``: judge the running sum.
@@ -57,7 +59,7 @@ def measure(samples: FloatArray, k: FloatArray, period: float, stretch: slice, c
     wide = slice(max(stretch.start - length // 2, 0), min(stretch.stop + length // 2, n))
     stretches = {
         hertz: _edges(signal[wide] * _turning(wide, hertz, period) / noise, wide.start)
-        for hertz in _frequencies(signal, stretch, noise, period)[: MOST_LINES if cumulative else 1]
+        for hertz in _frequencies(signal, stretch, noise, period)[: MAX_LINES if cumulative else 1]
     }
     if cumulative:
         hertz, a, scatter = _counted(samples, period, stretch, stretches)
@@ -66,7 +68,7 @@ def measure(samples: FloatArray, k: FloatArray, period: float, stretch: slice, c
     else:
         hertz, (first, end) = next(iter(stretches.items()))
         a, scatter = _sine(signal * _turning(slice(0, n), hertz, period), first, end, noise)
-        is_sine = bool(2 * _excess(samples, first, end)[0].max() < MOSTLY * (a**2).max())
+        is_sine = bool(2 * _excess(samples, first, end)[0].max() < MAX_LEFT_VARIANCE * (a**2).max())
     if not is_sine:
         a, scatter = _rms(samples, first, end)
         return Vibration(0.0, first, end, a / np.abs(k), scatter / np.abs(k))
@@ -91,10 +93,10 @@ def _counted(
         for hertz, (first, end) in stretches.items()
     }
     least = min(needed.values())
-    chosen = next(hertz for hertz, strip in needed.items() if strip <= least + ALLOWED)
+    chosen = next(hertz for hertz, strip in needed.items() if strip <= least + MAX_EXTRA_STRIP)
     a, scatter = _between(samples, period, chosen, *stretches[chosen])
     for hertz, strip in needed.items():
-        if strip <= least + AS_WELL and hertz != chosen:
+        if strip <= least + EQUAL_STRIP and hertz != chosen:
             other, _ = _between(samples, period, hertz, *stretches[hertz])
             scatter = np.maximum(scatter, np.abs(other * hertz / chosen - a))
     return chosen, a, scatter
@@ -109,7 +111,7 @@ def _between(
     near = best_hertz(running, hertz, period)
     found = [sine_between(running[:, axis], near, period) for axis in range(3)]
     a, std = np.array([each.amplitude for each in found]), np.array([each.std for each in found])
-    return a, std if max(each.strip for each in found) < NOT_ALLOWED else np.full(3, np.inf)
+    return a, std if max(each.strip for each in found) < MAX_SINE_STRIP else np.full(3, np.inf)
 
 
 def _turning(samples: slice, hertz: float, period: float) -> ComplexArray:
@@ -150,26 +152,26 @@ def _detrended(signal: FloatArray) -> FloatArray:
 def _frequencies(signal: FloatArray, stretch: slice, noise: FloatArray, period: float) -> list[float]:
     """Return the frequencies [Hz] whose lines stand out from the quiet part's spectrum, of all axes first."""
     length = stretch.stop - stretch.start
-    hertz = np.fft.rfftfreq(PAD * length, period)
+    hertz = np.fft.rfftfreq(FFT_PADDING * length, period)
     quiet = np.tile(noise**2 * length, (len(hertz), 1))
     begins = _quiet_windows(len(signal), stretch.start, stretch.stop)
     if begins:
         quiet = np.maximum(quiet, np.mean([_power(signal[b : b + length]) for b in begins], axis=0))
     each = _power(signal[stretch]) / quiet
-    usable = (hertz * length * period >= LOWEST) & (hertz * period < 0.49)
+    usable = (hertz * length * period >= MIN_PERIODS) & (hertz * period < 0.49)
     peaks = list[int]()
-    for stands_out, many in ((each.sum(axis=1), LINES), *((axis, LINES) for axis in each.T)):
+    for stands_out, many in ((each.sum(axis=1), LINES_TRIED), *((axis, LINES_TRIED) for axis in each.T)):
         left = np.where(usable, stands_out, 0.0)
         for _ in range(many):
             at = int(np.argmax(left))
-            left[max(at - PAD, 0) : at + PAD + 1] = 0.0
-            if not any(abs(at - other) < PAD for other in peaks):
+            left[max(at - FFT_PADDING, 0) : at + FFT_PADDING + 1] = 0.0
+            if not any(abs(at - other) < FFT_PADDING for other in peaks):
                 peaks.append(at)
     return [float(hertz[at]) for at in peaks]
 
 
 def _power(signal: FloatArray) -> FloatArray:
-    power: FloatArray = np.abs(np.fft.rfft(_detrended(signal), PAD * len(signal), axis=0)) ** 2
+    power: FloatArray = np.abs(np.fft.rfft(_detrended(signal), FFT_PADDING * len(signal), axis=0)) ** 2
     return power
 
 
@@ -182,9 +184,9 @@ def _quiet_windows(n: int, first: int, end: int) -> list[int]:
 def _edges(turned: ComplexArray, begin: int) -> tuple[int, int]:
     """Return first and end, from ``begin`` on, of what gathers most: argmax of |Z|^2 / N over pairs of edges."""
     n = len(turned)
-    at = np.unique(np.linspace(0, n, min(EDGES, n) + 1).round().astype(int))
+    at = np.unique(np.linspace(0, n, min(EDGES_TRIED, n) + 1).round().astype(int))
     sums = np.vstack((np.zeros((1, turned.shape[1])), np.cumsum(turned, axis=0)))[at]
-    i, j = np.triu_indices(len(at), max(len(at) // SHORTEST, 1))
+    i, j = np.triu_indices(len(at), max(len(at) // MIN_STRETCH_PART, 1))
     gathered = np.sum(np.abs(sums[j] - sums[i]) ** 2, axis=1) / (at[j] - at[i])
     best = int(np.argmax(gathered))
     return begin + int(at[i[best]]), begin + int(at[j[best]])

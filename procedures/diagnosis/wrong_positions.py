@@ -17,17 +17,19 @@ from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.campaign.observations import channel
 from procedures.counts.rate_output_mean import estimate_rates
 from procedures.counts.sample_records import CountSeries
-from procedures.diagnosis.dwell_headings import Compass
-from procedures.diagnosis.result import Confidence, Finding, Test
+from procedures.diagnosis.dwell_headings import HeadingLikelihood
+from procedures.diagnosis.result import Confidence, EffectTest, Finding
 from procedures.earth.gyrocompass import first_position
 from procedures.frames import FACES, POSITIONS, face_normal, face_of
 
 EFFECT = "placement.label"
 SEED, DRAWS = 20181218, 400  # of the sample consensus: always the same
-AGREES = 0.2  # g, as in `procedures.bench.face_check`: far above any tilt, far below a wrong face
-MAJORITY = 0.5  # of the dwells that must agree
-LEAST = 5  # dwells: four are fitted by anything
-SURE = 15.0  # of a log likelihood ratio: far beyond what is left open by noise alone that is not quite normal
+MAX_RESIDUAL_G = 0.2  # g, as in `procedures.bench.face_check`: far above any tilt, far below a wrong face
+MIN_AGREEING_SHARE = 0.5  # of the dwells that must agree
+MIN_DWELLS = 5  # dwells: four are fitted by anything
+MIN_LOG_LIKELIHOOD_RATIO = (
+    15.0  # of a log likelihood ratio: far beyond what is left open by noise alone that is not quite normal
+)
 FACE_LOG_P = -300.0  # of a face: 1 g off is 25 times what tilts, bias and scale could be together
 
 
@@ -55,14 +57,14 @@ class Mislabelled:
     is_heading_known: bool
 
 
-def find_labels(
+def label_findings(
     campaigns: Sequence[Campaign], found: Sequence[Mislabelled]
-) -> tuple[tuple[Finding, ...], tuple[Test, ...]]:
-    """Return the findings of dwells that are `mislabelled`, and the test made of the worst."""
+) -> tuple[tuple[Finding, ...], tuple[EffectTest, ...]]:
+    """Return the findings of dwells that are `find_wrong_labels`, and the test made of the worst."""
     if not any(campaign.dwells for campaign in campaigns):
         return (), ()
     worst = min((each.log_p for each in found), default=0.0)
-    return tuple(_finding(campaigns, each) for each in found), (Test(EFFECT, -2 * worst, worst, worst),)
+    return tuple(_finding(campaigns, each) for each in found), (EffectTest(EFFECT, -2 * worst, worst, worst),)
 
 
 def with_true_labels(campaigns: Sequence[Campaign], found: Sequence[Mislabelled]) -> tuple[Campaign, ...]:
@@ -76,7 +78,7 @@ def with_true_labels(campaigns: Sequence[Campaign], found: Sequence[Mislabelled]
     return tuple(corrected)
 
 
-def mislabelled(campaigns: Sequence[Campaign]) -> list[Mislabelled]:
+def find_wrong_labels(campaigns: Sequence[Campaign]) -> list[Mislabelled]:
     """Find the wrong labels of each campaign by itself."""
     found = list[Mislabelled]()
     for number, campaign in enumerate(campaigns):
@@ -128,7 +130,7 @@ def _faces(campaign: Campaign, dwells: _Dwells) -> list[str] | None:
     """Return the face on which every dwell stood, the recorded one where nothing else fits; None if undecided."""
     named = [face_of(d.position) for d in dwells.records]
     seen = np.flatnonzero(np.all(np.isfinite(dwells.accel), axis=1))
-    if len(seen) < LEAST:
+    if len(seen) < MIN_DWELLS:
         return named
     design = np.hstack((_up(campaign, [named[i] for i in seen]), np.ones((len(seen), 1))))
     rate = dwells.accel[seen]
@@ -141,7 +143,7 @@ def _faces(campaign: Campaign, dwells: _Dwells) -> list[str] | None:
     off = np.max(np.abs(rate[:, None] - per_face) / k, axis=2)
     found = list(named)
     for row, i in enumerate(seen):
-        if not agrees[row] and off[row].min() < AGREES:
+        if not agrees[row] and off[row].min() < MAX_RESIDUAL_G:
             found[i] = FACES[int(np.argmin(off[row]))]
     return found
 
@@ -161,13 +163,13 @@ def _consensus(design: FloatArray, rate: FloatArray) -> BoolArray | None:
         k = np.linalg.norm(solution[:3], axis=0)
         if np.any(k < 0.5 * k.max()) or k.max() == 0:
             continue
-        agrees = np.max(np.abs(rate - design @ solution) / k, axis=1) < AGREES
+        agrees = np.max(np.abs(rate - design @ solution) / k, axis=1) < MAX_RESIDUAL_G
         score = float(agrees.sum()) + 0.5 * bool(np.all(np.diag(solution[:3]) > 0))
         if score > most:
             best, most = agrees, score
         if most > n:
             break
-    return best if best.sum() >= LEAST and best.mean() > MAJORITY else None
+    return best if best.sum() >= MIN_DWELLS and best.mean() > MIN_AGREEING_SHARE else None
 
 
 def _headings(campaign: Campaign, dwells: _Dwells, faces: Sequence[str]) -> Iterator[tuple[int, int, float, bool]]:
@@ -175,11 +177,11 @@ def _headings(campaign: Campaign, dwells: _Dwells, faces: Sequence[str]) -> Iter
     named = [d.position for d in dwells.records]
     moved = [i for i, position in enumerate(named) if face_of(position) != faces[i]]
     start = [_nearest(dwells, faces, moved, i) if i in moved else named[i] for i in range(len(named))]
-    compass = Compass.of(campaign, dwells.gyro, dwells.gyro_std, start)
+    compass = HeadingLikelihood.of(campaign, dwells.gyro, dwells.gyro_std, start)
     positions, margins = (start, np.zeros(len(start))) if compass is None else compass.best(start)
     tried = float(np.log(len(POSITIONS) * len(start)))
     for i, position in enumerate(positions):
-        is_sure = bool(margins[i] > SURE + tried)
+        is_sure = bool(margins[i] > MIN_LOG_LIKELIHOOD_RATIO + tried)
         if i in moved:
             yield i, position if is_sure else start[i], FACE_LOG_P + tried, is_sure
         elif position != named[i] and is_sure:

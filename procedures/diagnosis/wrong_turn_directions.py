@@ -11,7 +11,7 @@ import numpy as np
 
 from procedures.bench.sign_errors import MIN_SIGN_SIGMAS, earth_signs, reversed_axes
 from procedures.campaign.campaign import Campaign, TurnRecord
-from procedures.diagnosis.dwell_headings import turned
+from procedures.diagnosis.dwell_headings import scale_factors_from_turns
 from procedures.diagnosis.result import Finding
 from procedures.diagnosis.wrong_positions import EFFECT, triad_rates
 from procedures.frames import AXES
@@ -32,7 +32,7 @@ def with_true_directions(campaigns: Sequence[Campaign]) -> tuple[tuple[Campaign,
 
 
 def _wrong_axes(campaign: Campaign) -> str:
-    K = turned(campaign)
+    K = scale_factors_from_turns(campaign)
     if K is None or not np.all(np.linalg.norm(K, axis=1) > 0):
         return ""
     rate, std = triad_rates(campaign.dwells, "gyroscope")

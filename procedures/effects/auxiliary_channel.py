@@ -9,21 +9,21 @@ from collections.abc import Iterator
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import Columns, Effect, Seen
+from procedures.effects.effect import Columns, Effect, Excitation
 from procedures.units import DEG_H_PER_DEG_S
 
 KEYS = ("ax", "ay", "az", "gx", "gy", "gz")
 ACCEL_RANGE, GYRO_RANGE = 1e-4, 1.0  # g, deg/h by one standard deviation of the channel
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return each channel per sensor [g per g/unit, deg/s per deg/h/unit]; ``where`` names it."""
-    return list(_channels(seen))
+    return list(_channels(excitation))
 
 
-def _channels(seen: Seen) -> Iterator[Columns]:
-    for name, known in seen.auxiliary.items():
-        value = _without_gaps(seen, known)
+def _channels(excitation: Excitation) -> Iterator[Columns]:
+    for name, known in excitation.auxiliary.items():
+        value = _without_gaps(excitation, known)
         spread = float(np.std(value))
         if not spread > 0:
             continue
@@ -33,14 +33,14 @@ def _channels(seen: Seen) -> Iterator[Columns]:
         yield Columns(KEYS, accel=accel, gyro=gyro, where={"channel": name}, plausible=ranges)
 
 
-def _without_gaps(seen: Seen, values: FloatArray) -> FloatArray:
+def _without_gaps(excitation: Excitation, values: FloatArray) -> FloatArray:
     """Return a channel (n,) with what is missing within a step interpolated."""
     filled = values.copy()
-    for number in range(len(seen.steps)):
-        nodes = np.flatnonzero(seen.step == number)
+    for number in range(len(excitation.steps)):
+        nodes = np.flatnonzero(excitation.step == number)
         known = nodes[np.isfinite(values[nodes])]
         if len(known):
-            filled[nodes] = np.interp(seen.t[nodes], seen.t[known], values[known])
+            filled[nodes] = np.interp(excitation.t[nodes], excitation.t[known], values[known])
     return filled
 
 

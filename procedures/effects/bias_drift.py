@@ -6,19 +6,19 @@ accelerometers, 0.5 deg/h/h of the gyroscopes.
 
 from dataclasses import replace
 
-from procedures.effects.effect import Columns, Effect, Seen, per_axis
+from procedures.effects.effect import Columns, Effect, Excitation, per_axis
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 
-def accelerometer_columns(seen: Seen) -> list[Columns]:
+def accelerometer_columns(excitation: Excitation) -> list[Columns]:
     """Return the hours since t = 0 per sensor [g per g/h]."""
-    return [Columns(AXES, accel=per_axis(seen.t / S_PER_H))]
+    return [Columns(AXES, accel=per_axis(excitation.t / S_PER_H))]
 
 
-def gyroscope_columns(seen: Seen) -> list[Columns]:
+def gyroscope_columns(excitation: Excitation) -> list[Columns]:
     """Return the hours since t = 0 per sensor [deg/s per deg/h/h]."""
-    return [Columns(AXES, gyro=per_axis(seen.t / S_PER_H / DEG_H_PER_DEG_S))]
+    return [Columns(AXES, gyro=per_axis(excitation.t / S_PER_H / DEG_H_PER_DEG_S))]
 
 
 ACCELEROMETER = Effect(

@@ -6,19 +6,19 @@ navigation one has a tenth of it.
 
 from dataclasses import replace
 
-from procedures.effects.effect import REFERENCE_C, Columns, Effect, Seen, per_axis
+from procedures.effects.effect import REFERENCE_C, Columns, Effect, Excitation, per_axis
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S
 
 
-def accelerometer_columns(seen: Seen) -> list[Columns]:
+def accelerometer_columns(excitation: Excitation) -> list[Columns]:
     """Return the temperature beyond the reference per sensor [g per g/K]."""
-    return [Columns(AXES, accel=per_axis(seen.temperature - REFERENCE_C))]
+    return [Columns(AXES, accel=per_axis(excitation.temperature - REFERENCE_C))]
 
 
-def gyroscope_columns(seen: Seen) -> list[Columns]:
+def gyroscope_columns(excitation: Excitation) -> list[Columns]:
     """Return the temperature beyond the reference per sensor [deg/s per deg/h/K]."""
-    return [Columns(AXES, gyro=per_axis((seen.temperature - REFERENCE_C) / DEG_H_PER_DEG_S))]
+    return [Columns(AXES, gyro=per_axis((excitation.temperature - REFERENCE_C) / DEG_H_PER_DEG_S))]
 
 
 ACCELEROMETER = Effect(

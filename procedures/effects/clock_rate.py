@@ -8,14 +8,14 @@ ppm, a crystal without compensation.
 
 import numpy as np
 
-from procedures.effects.effect import Columns, Effect, Seen
+from procedures.effects.effect import Columns, Effect, Excitation
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return the output at rest and on a rate table less a millionth [g, deg/s per ppm]."""
-    turns = np.array([step.kind == "turn" for step in seen.steps])[seen.step]
-    gyro = np.where(turns[:, None], 0.0, -1e-6 * seen.gyro_output)
-    return [Columns(("value",), accel=-1e-6 * seen.accel_output[:, :, None], gyro=gyro[:, :, None])]
+    turns = np.array([step.kind == "turn" for step in excitation.steps])[excitation.step]
+    gyro = np.where(turns[:, None], 0.0, -1e-6 * excitation.gyro_output)
+    return [Columns(("value",), accel=-1e-6 * excitation.accel_output[:, :, None], gyro=gyro[:, :, None])]
 
 
 EFFECT = Effect(

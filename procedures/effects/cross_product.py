@@ -8,16 +8,16 @@ cross terms come through its deflection, which is small against its own nonlinea
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import Columns, Effect, Seen
+from procedures.effects.effect import Columns, Effect, Excitation
 from procedures.frames import AXES
 
 PAIRS = ((0, 1), (0, 2), (1, 2))
 KEYS = tuple(sensor + AXES[i] + AXES[j] for sensor in AXES for i, j in PAIRS)  # xyz: sensor x, u_y u_z
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return u_i u_j per sensor and pair."""
-    products = np.stack([seen.f[:, i] * seen.f[:, j] for i, j in PAIRS], axis=1)
+    products = np.stack([excitation.f[:, i] * excitation.f[:, j] for i, j in PAIRS], axis=1)
     accel: FloatArray = (np.eye(3)[None, :, :, None] * products[:, None, None, :]).reshape(len(products), 3, 9)
     return [Columns(KEYS, accel=accel)]
 

@@ -4,13 +4,13 @@ On a cube's faces u is 0 or +-1 g, where u^3 = u: K3 is one with the scale facto
 accelerometer's K3 is 1 to 50 ug/g^3.
 """
 
-from procedures.effects.effect import Columns, Effect, Seen, per_axis
+from procedures.effects.effect import Columns, Effect, Excitation, per_axis
 from procedures.frames import AXES
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return u^3 per sensor."""
-    return [Columns(AXES, accel=per_axis(seen.f**3))]
+    return [Columns(AXES, accel=per_axis(excitation.f**3))]
 
 
 EFFECT = Effect(

@@ -16,7 +16,7 @@ REFERENCE_C = 25.0  # degC: temperature effects vanish there, and bias and scale
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class Excitation:
     """What the sensors went through, at n nodes of all steps, in nominal attitude; IMU axes.
 
     ``f`` [g], ``omega`` [deg/s, Earth rate included], ``magnetic`` [uT] are (n, 3); ``accel_output`` [g] and
@@ -42,7 +42,7 @@ class Seen:
     C_sb: FloatArray
     E_accel: FloatArray
     E_gyro: FloatArray
-    steps: tuple["SeenStep", ...]
+    steps: tuple["ExcitationStep", ...]
 
     def per_step(self, name: str) -> FloatArray:
         """Return an attribute of the steps at every node (n,), as numbers."""
@@ -52,7 +52,7 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True)
-class SeenStep:
+class ExcitationStep:
     """A step: name, kind (dwell, turn, rest, soak or rate), campaign, position (0: in none), face ('': none)."""
 
     name: str
@@ -67,9 +67,9 @@ class Columns:
     """One way in which an effect may act.
 
     ``accel`` [g] and ``gyro`` [deg/s], (n, 3, k), are what a unit of each coefficient adds to E u + D at every
-    node of `Seen`, None where it adds nothing. ``where`` says what of the campaign it is about, ``shape`` the
-    value of what is not linear in it. A coefficient belongs to `coefficients`, in ``unit`` where this way has one
-    of its own, else the effect's; ``plausible`` likewise, one a coefficient as it is fitted.
+    node of `Excitation`, None where it adds nothing. ``where`` says what of the campaign it is about, ``shape``
+    the value of what is not linear in it. A coefficient belongs to `coefficients`, in ``unit`` where this way has
+    one of its own, else the effect's; ``plausible`` likewise, one a coefficient as it is fitted.
     """
 
     coefficients: tuple[str, ...]
@@ -81,7 +81,7 @@ class Columns:
     plausible: tuple[float, ...] = ()
 
 
-def no_columns(seen: Seen) -> Sequence[Columns]:
+def no_columns(excitation: Excitation) -> Sequence[Columns]:
     """Return none: of an effect that is found otherwise, as it is not small or averages out of every mean."""
     return ()
 
@@ -103,9 +103,9 @@ class Effect:
     physics: str = ""
     source: str = ""
     plausible: float = 0.0
-    columns: Callable[[Seen], Sequence[Columns]] = no_columns
+    columns: Callable[[Excitation], Sequence[Columns]] = no_columns
     separate_by: str = ""
-    added: Callable[[Seen, FloatArray], tuple[FloatArray, FloatArray]] | None = None
+    added: Callable[[Excitation, FloatArray], tuple[FloatArray, FloatArray]] | None = None
     shown: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
     fitted: Callable[[FloatArray], FloatArray] | None = None
     separate_by_certified: str = ""
@@ -137,12 +137,12 @@ def matrix_columns(vector: FloatArray) -> FloatArray:
 MATRIX = tuple(q + p for q in AXES for p in AXES)  # xy: sensor x, input y
 
 
-def turned(seen: Seen, rotation: FloatArray) -> tuple[FloatArray, FloatArray]:
+def rotation_columns(excitation: Excitation, rotation: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return accelerometer and gyroscope columns (n, 3, k) of small rotations (n, 3, k) [rad] of all that is seen.
 
     The rotation vector is in IMU axes and turns every vector as the IMU sees it; sensors see it by their
     misalignment, of which 3e-3 times a seating of 3e-4 rad are seven sigma of a dwell.
     """
-    accel = seen.E_accel @ np.cross(rotation, seen.f[:, :, None], axis=1)
-    gyro = seen.E_gyro @ np.cross(rotation, seen.omega[:, :, None], axis=1)
+    accel = excitation.E_accel @ np.cross(rotation, excitation.f[:, :, None], axis=1)
+    gyro = excitation.E_gyro @ np.cross(rotation, excitation.omega[:, :, None], axis=1)
     return accel, gyro

@@ -7,27 +7,27 @@ two faces of a pair have in common is parallelism. Plausible: 1e-3 rad, 0.4 mm o
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import Columns, Effect, Seen, turned
+from procedures.effects.effect import Columns, Effect, Excitation, rotation_columns
 from procedures.frames import AXES, FACES, cross_axes, face_normal
 
 KEYS = tuple(f"{face}.{AXES[k]}" for face in FACES for k in cross_axes(face))
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return the tilts of the twelve components."""
-    accel, gyro = turned(seen, face_rotations(seen))
+    accel, gyro = rotation_columns(excitation, face_rotations(excitation))
     return [Columns(KEYS, accel=accel, gyro=gyro)]
 
 
-def face_rotations(seen: Seen) -> FloatArray:
+def face_rotations(excitation: Excitation) -> FloatArray:
     """Return the rotation vector (n, 3, 12), IMU axes, of a unit of every face's tilt, as `face_rotation`."""
-    rotation_b = np.zeros((len(seen.steps), 3, len(KEYS)))
-    for number, step in enumerate(seen.steps):
+    rotation_b = np.zeros((len(excitation.steps), 3, len(KEYS)))
+    for number, step in enumerate(excitation.steps):
         if step.face:
             first = 2 * FACES.index(step.face)
             for i, k in enumerate(cross_axes(step.face)):
                 rotation_b[number, :, first + i] = np.cross(face_normal(step.face), np.eye(3)[k])
-    rotation: FloatArray = seen.C_sb @ rotation_b[seen.step]
+    rotation: FloatArray = excitation.C_sb @ rotation_b[excitation.step]
     return rotation
 
 

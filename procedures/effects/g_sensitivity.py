@@ -4,13 +4,13 @@ Its vertical part follows the magnetic field's where the field's horizontal part
 vertical it is one with the Earth rate times a scale factor error (0.001 deg/h per 100 ppm).
 """
 
-from procedures.effects.effect import MATRIX, Columns, Effect, Seen, matrix_columns
+from procedures.effects.effect import MATRIX, Columns, Effect, Excitation, matrix_columns
 from procedures.units import DEG_H_PER_DEG_S
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return f per sensor and input axis [deg/s per deg/h/g]."""
-    return [Columns(MATRIX, gyro=matrix_columns(seen.f) / DEG_H_PER_DEG_S)]
+    return [Columns(MATRIX, gyro=matrix_columns(excitation.f) / DEG_H_PER_DEG_S)]
 
 
 EFFECT = Effect(

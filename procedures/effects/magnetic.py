@@ -4,13 +4,13 @@ Needs the site's field. Its part along the vertical is one with g-sensitivity, a
 apart. Plausible: 0.1 deg/h/uT (10 deg/h per gauss), of a coil without shield.
 """
 
-from procedures.effects.effect import MATRIX, Columns, Effect, Seen, matrix_columns
+from procedures.effects.effect import MATRIX, Columns, Effect, Excitation, matrix_columns
 from procedures.units import DEG_H_PER_DEG_S
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return the field per sensor and axis [deg/s per deg/h/uT]."""
-    return [Columns(MATRIX, gyro=matrix_columns(seen.magnetic) / DEG_H_PER_DEG_S)]
+    return [Columns(MATRIX, gyro=matrix_columns(excitation.magnetic) / DEG_H_PER_DEG_S)]
 
 
 EFFECT = Effect(

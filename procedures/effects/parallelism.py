@@ -4,18 +4,18 @@ Coefficient x.y is the sum of x_up.y and x_down.y. Per axis, the two other pairs
 and K2. Plausible: 1e-3 rad, 0.4 mm on 400 mm.
 """
 
-from procedures.effects.effect import Columns, Effect, Seen, turned
+from procedures.effects.effect import Columns, Effect, Excitation, rotation_columns
 from procedures.effects.face_tilt import face_rotations
 from procedures.frames import AXES, cross_axes
 
 KEYS = tuple(f"{axis}.{AXES[k]}" for axis in AXES for k in cross_axes(f"{axis}_up"))
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return both faces of a pair tilted by a half each."""
-    faces = face_rotations(seen)
+    faces = face_rotations(excitation)
     pairs = faces.reshape(len(faces), 3, 3, 2, 2)  # node, vector, pair, up and down, component
-    accel, gyro = turned(seen, pairs.sum(axis=3).reshape(len(faces), 3, 6) / 2)
+    accel, gyro = rotation_columns(excitation, pairs.sum(axis=3).reshape(len(faces), 3, 6) / 2)
     return [Columns(KEYS, accel=accel, gyro=gyro)]
 
 

@@ -8,23 +8,23 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from procedures.effects.effect import Columns, Effect, Seen, SeenStep, turned
+from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep, rotation_columns
 from procedures.frames import AXES
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return each dwell in a position turned about the cube's axes; ``where`` names position and file."""
-    several = len({step.campaign for step in seen.steps}) > 1
+    several = len({step.campaign for step in excitation.steps}) > 1
     found = list[Columns]()
-    for number, step in enumerate(seen.steps):
+    for number, step in enumerate(excitation.steps):
         if step.position and step.kind != "turn":
-            here = (seen.step == number)[:, None, None]
-            accel, gyro = turned(seen, np.where(here, seen.C_sb, 0.0))
+            here = (excitation.step == number)[:, None, None]
+            accel, gyro = rotation_columns(excitation, np.where(here, excitation.C_sb, 0.0))
             found.append(Columns(AXES, accel=np.where(here, accel, 0.0), gyro=gyro, where=_where(step, several)))
     return found
 
 
-def _where(step: SeenStep, several: bool) -> Mapping[str, object]:
+def _where(step: ExcitationStep, several: bool) -> Mapping[str, object]:
     """Say which dwell: files of several campaigns may share their names."""
     where: dict[str, object] = {"position": step.position, "file": step.name}
     return {**where, "campaign": step.campaign + 1} if several else where

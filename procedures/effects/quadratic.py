@@ -3,13 +3,13 @@
 On a cube's faces u is 0 or +-1 g, and K2 is one with the bias and the parallelism of the two other face pairs.
 """
 
-from procedures.effects.effect import Columns, Effect, Seen, per_axis
+from procedures.effects.effect import Columns, Effect, Excitation, per_axis
 from procedures.frames import AXES
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return u^2 per sensor."""
-    return [Columns(AXES, accel=per_axis(seen.f**2))]
+    return [Columns(AXES, accel=per_axis(excitation.f**2))]
 
 
 EFFECT = Effect(

@@ -8,22 +8,22 @@ Plausible: 100 ug.
 
 import numpy as np
 
-from procedures.effects.effect import Columns, Effect, Seen, per_axis
+from procedures.effects.effect import Columns, Effect, Excitation, per_axis
 from procedures.frames import AXES
 
 TAUS_S = (3, 5, 8, 13, 20, 30, 50)
 AT_REST = ("dwell", "rest")
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return exp(-t / tau) per sensor at rests, and that times the change of f, unknown (nought) of the first."""
-    rests = np.array([step.kind in AT_REST for step in seen.steps])[seen.step]
+    rests = np.array([step.kind in AT_REST for step in excitation.steps])[excitation.step]
     if not rests.any():
         return []
-    change = np.nan_to_num(seen.change)
+    change = np.nan_to_num(excitation.change)
     found = list[Columns]()
     for tau in TAUS_S:
-        fading = np.where(rests, np.exp(-seen.rest_s / tau), 0.0)
+        fading = np.where(rests, np.exp(-excitation.rest_s / tau), 0.0)
         found.append(Columns(AXES, accel=per_axis(fading), shape=f"tau = {tau} s"))
         by_change = per_axis(fading[:, None] * change)
         found.append(Columns(AXES, accel=by_change, shape=f"tau = {tau} s, by the change of f", unit="g/g"))

@@ -10,21 +10,21 @@ phase at 300 deg/s. A cubic nonlinearity is the same to first order.
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import Columns, Effect, Seen, per_axis
+from procedures.effects.effect import Columns, Effect, Excitation, per_axis
 from procedures.frames import AXES
 
 PLAUSIBLE = 5e-3  # rad/(deg/s)
 SMALL = 1e-3  # of (s u)^2, below which series are used
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return -u^3 / 6 per sensor [deg/s per (rad/(deg/s))^2]: coefficients are q."""
-    return [Columns(AXES, gyro=per_axis(-(seen.omega**3) / 6), plausible=(PLAUSIBLE**2,) * 3)]
+    return [Columns(AXES, gyro=per_axis(-(excitation.omega**3) / 6), plausible=(PLAUSIBLE**2,) * 3)]
 
 
-def added(seen: Seen, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+def added(excitation: Excitation, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return sin(s u) / s - u (n, 3) [deg/s] and its derivative (n, 3, 3) by q = s^2 (3,)."""
-    u = seen.omega
+    u = excitation.omega
     y = q * u**2
     beyond, slope = _of_square(y)
     total: FloatArray = u * beyond

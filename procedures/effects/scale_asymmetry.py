@@ -7,18 +7,18 @@ analogue servo loop whose digitiser has two references.
 
 from dataclasses import replace
 
-from procedures.effects.effect import Columns, Effect, Seen, per_axis
+from procedures.effects.effect import Columns, Effect, Excitation, per_axis
 from procedures.frames import AXES
 
 
-def accelerometer_columns(seen: Seen) -> list[Columns]:
+def accelerometer_columns(excitation: Excitation) -> list[Columns]:
     """Return |u| / 2 per sensor [g per ppm]."""
-    return [Columns(AXES, accel=per_axis(0.5e-6 * abs(seen.f)))]
+    return [Columns(AXES, accel=per_axis(0.5e-6 * abs(excitation.f)))]
 
 
-def gyroscope_columns(seen: Seen) -> list[Columns]:
+def gyroscope_columns(excitation: Excitation) -> list[Columns]:
     """Return |u| / 2 per sensor [deg/s per ppm]."""
-    return [Columns(AXES, gyro=per_axis(0.5e-6 * abs(seen.omega)))]
+    return [Columns(AXES, gyro=per_axis(0.5e-6 * abs(excitation.omega)))]
 
 
 ACCELEROMETER = Effect(

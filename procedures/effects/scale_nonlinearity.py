@@ -5,15 +5,15 @@ group. Plausible: 100 ppm/(deg/s), or 3 ppm/(deg/s)^2 as of an open loop that re
 deg/s.
 """
 
-from procedures.effects.effect import Columns, Effect, Seen, per_axis
+from procedures.effects.effect import Columns, Effect, Excitation, per_axis
 from procedures.frames import AXES
 
 CUBIC_PLAUSIBLE = 3.0  # ppm/(deg/s)^2
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return u |u| per sensor [deg/s per ppm/(deg/s)], and u^3 [deg/s per ppm/(deg/s)^2]."""
-    u = seen.omega
+    u = excitation.omega
     return [
         Columns(AXES, gyro=per_axis(1e-6 * u * abs(u)), shape="u |u|"),
         Columns(

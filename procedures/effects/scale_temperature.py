@@ -7,18 +7,26 @@ ppm/K.
 
 from dataclasses import replace
 
-from procedures.effects.effect import REFERENCE_C, Columns, Effect, Seen, per_axis
+from procedures.effects.effect import REFERENCE_C, Columns, Effect, Excitation, per_axis
 from procedures.frames import AXES
 
 
-def accelerometer_columns(seen: Seen) -> list[Columns]:
+def accelerometer_columns(excitation: Excitation) -> list[Columns]:
     """Return temperature beyond the reference times the output, per sensor [g per ppm/K]."""
-    return [Columns(AXES, accel=per_axis(1e-6 * (seen.temperature - REFERENCE_C)[:, None] * seen.accel_output))]
+    return [
+        Columns(
+            AXES, accel=per_axis(1e-6 * (excitation.temperature - REFERENCE_C)[:, None] * excitation.accel_output)
+        )
+    ]
 
 
-def gyroscope_columns(seen: Seen) -> list[Columns]:
+def gyroscope_columns(excitation: Excitation) -> list[Columns]:
     """Return temperature beyond the reference times the output, per sensor [deg/s per ppm/K]."""
-    return [Columns(AXES, gyro=per_axis(1e-6 * (seen.temperature - REFERENCE_C)[:, None] * seen.gyro_output))]
+    return [
+        Columns(
+            AXES, gyro=per_axis(1e-6 * (excitation.temperature - REFERENCE_C)[:, None] * excitation.gyro_output)
+        )
+    ]
 
 
 ACCELEROMETER = Effect(

@@ -6,13 +6,13 @@ rad, a slab aligned by compass.
 
 import numpy as np
 
-from procedures.effects.effect import Columns, Effect, Seen
-from procedures.effects.slab_attitudes import turned_world
+from procedures.effects.effect import Columns, Effect, Excitation
+from procedures.effects.slab_attitudes import world_rotation_columns
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return Earth rate turned about the vertical [deg/s per rad], in turns too."""
-    _, gyro = turned_world(seen, np.array([[0.0], [0.0], [1.0]]))
+    _, gyro = world_rotation_columns(excitation, np.array([[0.0], [0.0], [1.0]]))
     return [Columns(("value",), gyro=gyro)]
 
 

@@ -5,14 +5,14 @@ One with the scale factors of all accelerometers. Plausible: 1e-3 m/s2, normal g
 
 import numpy as np
 
-from procedures.effects.effect import Columns, Effect, Seen
+from procedures.effects.effect import Columns, Effect, Excitation
 from procedures.units import STANDARD_GRAVITY
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return the vertical in every campaign [g per m/s2]; ``where`` numbers campaigns from 1."""
-    up = seen.f / np.linalg.norm(seen.f, axis=1)[:, None]
-    campaign = seen.per_step("campaign")
+    up = excitation.f / np.linalg.norm(excitation.f, axis=1)[:, None]
+    campaign = excitation.per_step("campaign")
     return [
         Columns(
             ("value",),

@@ -3,25 +3,25 @@
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import Seen
+from procedures.effects.effect import Excitation
 from procedures.frames import nominal_C_lb, rotation
 
 
-def slab_C_il(seen: Seen) -> FloatArray:
+def slab_C_il(excitation: Excitation) -> FloatArray:
     """Return the nominal rotation (n, 3, 3) from the slab's marks to the IMU; zeros of steps in no position.
 
     In a turn the heading is what the rate about the vertical came to since the step began.
     """
-    C_il = np.zeros((len(seen.t), 3, 3))
-    for number, step in enumerate(seen.steps):
-        nodes = np.flatnonzero(seen.step == number)
+    C_il = np.zeros((len(excitation.t), 3, 3))
+    for number, step in enumerate(excitation.steps):
+        nodes = np.flatnonzero(excitation.step == number)
         if not step.position or not len(nodes):
             continue
-        C = seen.C_sb[nodes[0]] @ nominal_C_lb(step.position).T
+        C = excitation.C_sb[nodes[0]] @ nominal_C_lb(step.position).T
         C_il[nodes] = C
         if step.kind == "turn":
-            rate = np.radians(seen.omega[nodes] @ C[:, 2])
-            seconds = np.gradient(seen.rest_s[nodes])
+            rate = np.radians(excitation.omega[nodes] @ C[:, 2])
+            seconds = np.gradient(excitation.rest_s[nodes])
             heading = np.cumsum(rate * seconds) - rate * seconds / 2
             about = np.zeros((len(nodes), 3))
             about[:, 2] = -heading
@@ -29,29 +29,29 @@ def slab_C_il(seen: Seen) -> FloatArray:
     return C_il
 
 
-def turned_world(seen: Seen, rotation_l: FloatArray) -> tuple[FloatArray, FloatArray]:
+def world_rotation_columns(excitation: Excitation, rotation_l: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return accelerometer and gyroscope columns (n, 3, k) of small rotations (3, k) [rad] of all but the slab.
 
     The rotation vectors are in the slab's marks and turn gravity and Earth rate as the slab sees them; a hand
     turn's own rate stays. Nought of steps in no position.
     """
-    C_il = slab_C_il(seen)
+    C_il = slab_C_il(excitation)
     rotation = C_il @ rotation_l
-    earth = np.einsum("nil,nl->ni", C_il, _earth_l(seen, C_il))
-    accel = seen.E_accel @ np.cross(rotation, seen.f[:, :, None], axis=1)
-    gyro = seen.E_gyro @ np.cross(rotation, earth[:, :, None], axis=1)
-    away = np.array([not step.position for step in seen.steps])[seen.step]
+    earth = np.einsum("nil,nl->ni", C_il, _earth_l(excitation, C_il))
+    accel = excitation.E_accel @ np.cross(rotation, excitation.f[:, :, None], axis=1)
+    gyro = excitation.E_gyro @ np.cross(rotation, earth[:, :, None], axis=1)
+    away = np.array([not step.position for step in excitation.steps])[excitation.step]
     accel[away], gyro[away] = 0.0, 0.0
     return accel, gyro
 
 
-def _earth_l(seen: Seen, C_il: FloatArray) -> FloatArray:
+def _earth_l(excitation: Excitation, C_il: FloatArray) -> FloatArray:
     """Return the Earth rate (n, 3) [deg/s] in the slab's marks, as the campaign's rests in positions see it."""
-    found = np.zeros_like(seen.omega)
-    rests = np.array([step.position > 0 and step.kind != "turn" for step in seen.steps])[seen.step]
-    campaign = seen.per_step("campaign")
+    found = np.zeros_like(excitation.omega)
+    rests = np.array([step.position > 0 and step.kind != "turn" for step in excitation.steps])[excitation.step]
+    campaign = excitation.per_step("campaign")
     for number in np.unique(campaign):
         here = campaign == number
         if (seen_at := here & rests).any():
-            found[here] = np.einsum("nil,ni->nl", C_il[seen_at], seen.omega[seen_at]).mean(axis=0)
+            found[here] = np.einsum("nil,ni->nl", C_il[seen_at], excitation.omega[seen_at]).mean(axis=0)
     return found

@@ -5,15 +5,15 @@ Coefficients are the East and North components of the up vector seen from the sl
 
 import numpy as np
 
-from procedures.effects.effect import Columns, Effect, Seen
-from procedures.effects.slab_attitudes import turned_world
+from procedures.effects.effect import Columns, Effect, Excitation
+from procedures.effects.slab_attitudes import world_rotation_columns
 
 ROTATION = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 0.0]])  # up leans east by a turn about north, as `slab_C_ln`
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return the world turned about the slab's North and East."""
-    accel, gyro = turned_world(seen, ROTATION)
+    accel, gyro = world_rotation_columns(excitation, ROTATION)
     return [Columns(("east", "north"), accel=accel, gyro=gyro)]
 
 

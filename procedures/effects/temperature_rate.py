@@ -4,14 +4,14 @@ With one single exponential T and dT/dt are one. Plausible: 3 deg/h/(K/min), of 
 and not potted.
 """
 
-from procedures.effects.effect import Columns, Effect, Seen, per_axis
+from procedures.effects.effect import Columns, Effect, Excitation, per_axis
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S
 
 
-def columns(seen: Seen) -> list[Columns]:
+def columns(excitation: Excitation) -> list[Columns]:
     """Return the rate of temperature per sensor [deg/s per deg/h/(K/min)]."""
-    return [Columns(AXES, gyro=per_axis(seen.temperature_rate / DEG_H_PER_DEG_S))]
+    return [Columns(AXES, gyro=per_axis(excitation.temperature_rate / DEG_H_PER_DEG_S))]
 
 
 EFFECT = Effect(

@@ -14,7 +14,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects import EFFECTS
-from procedures.effects.effect import Effect, Seen, SeenStep
+from procedures.effects.effect import Effect, Excitation, ExcitationStep
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S
 
@@ -120,7 +120,7 @@ def _applicable(
     return found, tuple(left)
 
 
-def _added(effect: Effect, entry: Mapping[str, Any], seen: Seen) -> dict[str, FloatArray]:
+def _added(effect: Effect, entry: Mapping[str, Any], seen: Excitation) -> dict[str, FloatArray]:
     """Return what an effect adds (n, 3) to each triad's output [g], [deg/s]; nan where it cannot be known."""
     ways = [way for way in effect.columns(seen) if way.shape == entry.get("shape", "")]
     if not ways:
@@ -135,7 +135,7 @@ def _added(effect: Effect, entry: Mapping[str, Any], seen: Seen) -> dict[str, Fl
     return {name: part @ c for name, part in parts.items() if part is not None}
 
 
-def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Surroundings, n: int) -> Seen:
+def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Surroundings, n: int) -> Excitation:
     """Return the samples as an effect's columns take them; what is not known is nan."""
     one, three = np.full(n, np.nan), np.full((n, 3), np.nan)
     frames = {name: np.broadcast_to(triad.E, (n, 3, 3)) for name, triad in triads.items()}
@@ -143,7 +143,7 @@ def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Sur
     output = {name: u[name] @ triad.E.T + triad.D for name, triad in triads.items()}
     temperature = one if around.temperature is None else around.temperature
     rate = one if around.temperature_rate is None else around.temperature_rate
-    return Seen(
+    return Excitation(
         f=u.get("accelerometer", three), omega=u.get("gyroscope", three),
         magnetic=three if around.magnetic is None else around.magnetic,
         accel_output=output.get("accelerometer", three), gyro_output=output.get("gyroscope", three),
@@ -151,5 +151,5 @@ def _seen(triads: Mapping[str, _Triad], u: Mapping[str, FloatArray], around: Sur
         auxiliary=around.auxiliary,
         step=np.zeros(n, dtype=np.int64), C_sb=unit,
         E_accel=frames.get("accelerometer", unit), E_gyro=frames.get("gyroscope", unit),
-        steps=(SeenStep("", "sample", 0, 0, ""),),
+        steps=(ExcitationStep("", "sample", 0, 0, ""),),
     )  # fmt: skip

@@ -5,16 +5,16 @@ from collections.abc import Mapping
 from drivers.simulated.effects.accelerometer import ACCELEROMETER
 from drivers.simulated.effects.bench import BENCH
 from drivers.simulated.effects.gyroscope import GYROSCOPE
-from drivers.simulated.effects.planted_effect import Effect, Felt, Stimulus
+from drivers.simulated.effects.planted_effect import PlantedEffect, Stimulus, TriadInput
 from drivers.simulated.effects.procedure import PROCEDURE
 from drivers.simulated.errors import TruthRefused, UnknownEffect
 from drivers.simulated.truth import Sizes
 
 EFFECTS = {effect.name: effect for effect in (*ACCELEROMETER, *GYROSCOPE, *BENCH, *PROCEDURE)}
 
-Planted = tuple[tuple[Effect, Sizes], ...]
+Planted = tuple[tuple[PlantedEffect, Sizes], ...]
 
-__all__ = ["EFFECTS", "Effect", "Felt", "Planted", "Stimulus", "planted"]
+__all__ = ["EFFECTS", "Planted", "PlantedEffect", "Stimulus", "TriadInput", "planted"]
 
 
 def planted(effects: Mapping[str, Sizes]) -> Planted:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from drivers.simulated.bench_truth import World
-from drivers.simulated.effects.planted_effect import AXES, VECTOR_KEYS, Effect
+from drivers.simulated.effects.planted_effect import AXES, VECTOR_KEYS, PlantedEffect
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
 from procedures.frames import FACES, cross_axes
@@ -41,9 +41,9 @@ def _gravity(world: World, sizes: Sizes) -> World:
 
 
 BENCH = (
-    Effect("slab.tilt", "rad", ("east", "north"), world=_slab_tilt),
-    Effect("fixture.face_tilt", "rad", _FACE_KEYS, world=_face_tilt),
-    Effect("fixture.parallelism", "rad", _PAIR_KEYS, world=_parallelism),
-    Effect("site.azimuth", "rad", ("value",), world=_azimuth),
-    Effect("site.gravity", "m/s^2", ("value",), world=_gravity),
+    PlantedEffect("slab.tilt", "rad", ("east", "north"), world=_slab_tilt),
+    PlantedEffect("fixture.face_tilt", "rad", _FACE_KEYS, world=_face_tilt),
+    PlantedEffect("fixture.parallelism", "rad", _PAIR_KEYS, world=_parallelism),
+    PlantedEffect("site.azimuth", "rad", ("value",), world=_azimuth),
+    PlantedEffect("site.gravity", "m/s^2", ("value",), world=_gravity),
 )

@@ -10,9 +10,9 @@ from drivers.simulated.effects.planted_effect import (
     MATRIX_KEYS,
     REFERENCE_C,
     VECTOR_KEYS,
-    Effect,
-    Felt,
+    PlantedEffect,
     Stimulus,
+    TriadInput,
     matrix,
     scale_asymmetry,
     scale_temperature,
@@ -23,45 +23,45 @@ from procedures.arrays import FloatArray
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 
-def _g_sensitivity(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), seen.f) / DEG_H_PER_DEG_S
+def _g_sensitivity(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), stimulus.f) / DEG_H_PER_DEG_S
     return added
 
 
-def _magnetic(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), seen.magnetic) / DEG_H_PER_DEG_S
+def _magnetic(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), stimulus.magnetic) / DEG_H_PER_DEG_S
     return added
 
 
-def _bias_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return vector(sizes) / DEG_H_PER_DEG_S * (seen.temperature - REFERENCE_C)
+def _bias_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    return vector(sizes) / DEG_H_PER_DEG_S * (stimulus.temperature - REFERENCE_C)
 
 
-def _temperature_rate(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return vector(sizes) / DEG_H_PER_DEG_S * seen.temperature_rate
+def _temperature_rate(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    return vector(sizes) / DEG_H_PER_DEG_S * stimulus.temperature_rate
 
 
-def _bias_drift(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return vector(sizes) / DEG_H_PER_DEG_S * seen.t / S_PER_H
+def _bias_drift(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    return vector(sizes) / DEG_H_PER_DEG_S * stimulus.t / S_PER_H
 
 
-def _nonlinearity(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return 1e-6 * vector(sizes) * felt.raw * np.abs(felt.raw)
+def _nonlinearity(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    return 1e-6 * vector(sizes) * triad.raw * np.abs(triad.raw)
 
 
-def _sagnac_sine(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    phase = vector(sizes) * felt.raw
-    return felt.raw * (np.sinc(phase / np.pi) - 1)
+def _sagnac_sine(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    phase = vector(sizes) * triad.raw
+    return triad.raw * (np.sinc(phase / np.pi) - 1)
 
 
 GYROSCOPE = (
-    Effect("gyroscope.g_sensitivity", "deg/h/g", MATRIX_KEYS, gyro=_g_sensitivity),
-    Effect("gyroscope.bias_temperature", "deg/h/K", VECTOR_KEYS, gyro=_bias_temperature),
-    Effect("gyroscope.scale_temperature", "ppm/K", VECTOR_KEYS, gyro=scale_temperature),
-    Effect("gyroscope.temperature_rate", "deg/h/(K/min)", VECTOR_KEYS, gyro=_temperature_rate),
-    Effect("gyroscope.bias_drift", "deg/h/h", VECTOR_KEYS, gyro=_bias_drift),
-    Effect("gyroscope.magnetic", "deg/h/uT", MATRIX_KEYS, gyro=_magnetic),
-    Effect("gyroscope.scale_asymmetry", "ppm", VECTOR_KEYS, gyro=scale_asymmetry),
-    Effect("gyroscope.scale_nonlinearity", "ppm/(deg/s)", VECTOR_KEYS, gyro=_nonlinearity),
-    Effect("gyroscope.sagnac_sine", "rad/(deg/s)", VECTOR_KEYS, gyro=_sagnac_sine),
+    PlantedEffect("gyroscope.g_sensitivity", "deg/h/g", MATRIX_KEYS, gyro=_g_sensitivity),
+    PlantedEffect("gyroscope.bias_temperature", "deg/h/K", VECTOR_KEYS, gyro=_bias_temperature),
+    PlantedEffect("gyroscope.scale_temperature", "ppm/K", VECTOR_KEYS, gyro=scale_temperature),
+    PlantedEffect("gyroscope.temperature_rate", "deg/h/(K/min)", VECTOR_KEYS, gyro=_temperature_rate),
+    PlantedEffect("gyroscope.bias_drift", "deg/h/h", VECTOR_KEYS, gyro=_bias_drift),
+    PlantedEffect("gyroscope.magnetic", "deg/h/uT", MATRIX_KEYS, gyro=_magnetic),
+    PlantedEffect("gyroscope.scale_asymmetry", "ppm", VECTOR_KEYS, gyro=scale_asymmetry),
+    PlantedEffect("gyroscope.scale_nonlinearity", "ppm/(deg/s)", VECTOR_KEYS, gyro=_nonlinearity),
+    PlantedEffect("gyroscope.sagnac_sine", "rad/(deg/s)", VECTOR_KEYS, gyro=_sagnac_sine),
 )

@@ -38,19 +38,19 @@ class Stimulus:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Felt:
+class TriadInput:
     """A triad's own view: ``raw`` (n or 1, 3) is E u, ``bias`` (3,) is D, in g or deg/s."""
 
     raw: FloatArray
     bias: FloatArray
 
 
-Added = Callable[[Stimulus, Felt, Sizes], Any]
+Added = Callable[[Stimulus, TriadInput, Sizes], Any]
 Changed = Callable[[World, Sizes], World]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Effect:
+class PlantedEffect:
     """One effect to plant: ``accel`` and ``gyro`` return what is added to ``E u + D`` [g], [deg/s].
 
     ``keys`` are the coefficients' names, ``unit`` theirs; ``options`` further settings with their default. Their
@@ -82,11 +82,11 @@ VECTOR_KEYS = tuple(AXES)
 MATRIX_KEYS = (*VECTOR_KEYS, *(row + column for row in AXES for column in AXES))
 
 
-def scale_asymmetry(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+def scale_asymmetry(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
     """Return 1e-6 a |u| / 2 (n or 1, 3) [g, deg/s], a in ppm."""
-    return 0.5e-6 * vector(sizes) * np.abs(felt.raw)
+    return 0.5e-6 * vector(sizes) * np.abs(triad.raw)
 
 
-def scale_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
+def scale_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
     """Return 1e-6 c (T - 25) (u + D) (n or 1, 3) [g, deg/s], c in ppm/K."""
-    return 1e-6 * vector(sizes) * (seen.temperature - REFERENCE_C) * (felt.raw + felt.bias)
+    return 1e-6 * vector(sizes) * (stimulus.temperature - REFERENCE_C) * (triad.raw + triad.bias)

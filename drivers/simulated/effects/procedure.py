@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from drivers.simulated.bench_truth import World
-from drivers.simulated.effects.planted_effect import VECTOR_KEYS, Effect, Felt, Stimulus, vector
+from drivers.simulated.effects.planted_effect import VECTOR_KEYS, PlantedEffect, Stimulus, TriadInput, vector
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
 from procedures.units import DEG_H_PER_DEG_S
@@ -34,26 +34,26 @@ def _clock(world: World, sizes: Sizes) -> World:
     return replace(world, clock_ppm=world.clock_ppm + sizes.get("value", 0.0))
 
 
-def _disturbance(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    since = seen.rest_s - sizes["at_s"]
-    acts = (since >= 0) & (since < sizes["duration_s"]) & (seen.position == int(sizes["position"]))
+def _disturbance(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    since = stimulus.rest_s - sizes["at_s"]
+    acts = (since >= 0) & (since < sizes["duration_s"]) & (stimulus.position == int(sizes["position"]))
     return vector(sizes) * np.sin(2 * np.pi * sizes["hz"] * np.where(acts, since, 0.0))
 
 
-def _auxiliary_accel(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return vector(sizes, "a") * auxiliary(seen.t, sizes["period_s"])
+def _auxiliary_accel(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    return vector(sizes, "a") * auxiliary(stimulus.t, sizes["period_s"])
 
 
-def _auxiliary_gyro(seen: Stimulus, felt: Felt, sizes: Sizes) -> FloatArray:
-    return vector(sizes, "g") / DEG_H_PER_DEG_S * auxiliary(seen.t, sizes["period_s"])
+def _auxiliary_gyro(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    return vector(sizes, "g") / DEG_H_PER_DEG_S * auxiliary(stimulus.t, sizes["period_s"])
 
 
 PROCEDURE = (
-    Effect("placement.dwell", "rad", VECTOR_KEYS, {"position": 7.0}, world=_placement),
-    Effect("placement.label", "position", ("actual",), {"position": 3.0}, world=_label),
-    Effect("clock.rate", "ppm", ("value",), world=_clock),
-    Effect("disturbance.dwell", "g", VECTOR_KEYS,
+    PlantedEffect("placement.dwell", "rad", VECTOR_KEYS, {"position": 7.0}, world=_placement),
+    PlantedEffect("placement.label", "position", ("actual",), {"position": 3.0}, world=_label),
+    PlantedEffect("clock.rate", "ppm", ("value",), world=_clock),
+    PlantedEffect("disturbance.dwell", "g", VECTOR_KEYS,
            {"position": 7.0, "at_s": 40.0, "duration_s": 10.0, "hz": 7.3}, accel=_disturbance),
-    Effect("auxiliary.channel", "ax..az: g/unit, gx..gz: deg/h/unit", ("ax", "ay", "az", "gx", "gy", "gz"),
+    PlantedEffect("auxiliary.channel", "ax..az: g/unit, gx..gz: deg/h/unit", ("ax", "ay", "az", "gx", "gy", "gz"),
            {"period_s": AUXILIARY_PERIOD_S}, accel=_auxiliary_accel, gyro=_auxiliary_gyro),
 )  # fmt: skip

@@ -27,19 +27,19 @@ from procedures.attitude.diagnosis.attitude_evidence import (
 from procedures.attitude.forward_right_down import inclination
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import (
-    CLAIMED,
-    GAIN,
-    MOST,
-    Adopted,
-    Tried,
-    gain_of,
+    MAX_EFFECTS,
+    MAX_LOG_P,
+    MIN_DENSITY_GAIN,
+    AdoptedEffect,
+    TestedEffect,
+    density_gain,
     next_effect,
-    try_all,
+    rank_effects,
 )
-from procedures.diagnosis.equivalent_effects import takes_its_place
+from procedures.diagnosis.equivalent_effects import is_alias
 from procedures.diagnosis.linear_model import significance
 from procedures.diagnosis.residual_rows import Evidence
-from procedures.diagnosis.result import Confidence, Errors, Finding, Test, Verdict
+from procedures.diagnosis.result import Confidence, EffectTest, Finding, ResidualRms, Verdict
 from procedures.diagnosis.sweep_repeatability import std_of_repeats
 from procedures.errors import NotObservable
 
@@ -56,8 +56,8 @@ class AttitudeDiagnosis:
 
     verdict: Verdict
     findings: tuple[Finding, ...]
-    errors: tuple[Errors, ...]
-    tried: tuple[Test, ...]
+    errors: tuple[ResidualRms, ...]
+    tried: tuple[EffectTest, ...]
     corrected: AttitudeLog
     track: AttitudeEstimate
 
@@ -86,7 +86,9 @@ def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: 
     evidence, pool = evidence_of(motion, base, cut, free, held, gravity, aid != "none")
     adopted, tried = _adopt(evidence, pool)
 
-    def judged(adopted: Sequence[Adopted]) -> tuple[tuple[Finding, ...], AttitudeLog, AttitudeEstimate, Errors]:
+    def judged(
+        adopted: Sequence[AdoptedEffect],
+    ) -> tuple[tuple[Finding, ...], AttitudeLog, AttitudeEstimate, ResidualRms]:
         findings = tuple(_finding(evidence, each, adopted, pool) for each in adopted)
         corrected = without_effects(motion, findings)
         track = estimate(corrected, aid, gains, gravity)
@@ -97,7 +99,7 @@ def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: 
         return findings, corrected, track, errors
 
     first = estimate(log, aid, gains, gravity)
-    kept, best = list[Adopted](), judged(())
+    kept, best = list[AdoptedEffect](), judged(())
     for each in adopted:  # what does not help the mixer, which may hold it already, is not added
         new = judged([*kept, each])
         if new[3].after < best[3].after:
@@ -109,7 +111,7 @@ def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: 
     if (errors.held_out_after or 0.0) > MAX_ERROR_GROWTH * (errors.held_out_before or 0.0):
         verdict = "unexplained"  # it does not foretell the rows that had no say: nothing is taken off
         corrected, after = log, first
-    tests = tuple(Test(t.candidate.effect.name, t.test.statistic, t.log_p, t.log_p_adjusted) for t in tried)
+    tests = tuple(EffectTest(t.candidate.effect.name, t.test.statistic, t.log_p, t.log_p_adjusted) for t in tried)
     return AttitudeDiagnosis(verdict, findings, (errors,), tests, corrected, after)
 
 
@@ -170,10 +172,10 @@ def _split(
     return tuple(e for e in fit if e not in held), held
 
 
-def _adopt(evidence: Evidence, pool: dict[str, list[Candidate]]) -> tuple[list[Adopted], list[Tried]]:
-    adopted, tried = list[Adopted](), list[Tried]()
-    for _ in range(MOST):
-        found = try_all(evidence, pool, adopted)
+def _adopt(evidence: Evidence, pool: dict[str, list[Candidate]]) -> tuple[list[AdoptedEffect], list[TestedEffect]]:
+    adopted, tried = list[AdoptedEffect](), list[TestedEffect]()
+    for _ in range(MAX_EFFECTS):
+        found = rank_effects(evidence, pool, adopted)
         tried = tried or found
         new = next_effect(evidence, found, adopted, stretches(evidence))
         if new is None:
@@ -183,19 +185,19 @@ def _adopt(evidence: Evidence, pool: dict[str, list[Candidate]]) -> tuple[list[A
 
 
 def _finding(
-    evidence: Evidence, each: Adopted, adopted: Sequence[Adopted], pool: dict[str, list[Candidate]]
+    evidence: Evidence, each: AdoptedEffect, adopted: Sequence[AdoptedEffect], pool: dict[str, list[Candidate]]
 ) -> Finding:
     candidate, left_out = each.candidate, stretches(evidence)
     beside = [other.term for other in adopted if other is not each]
     inside = {other.candidate.effect.name for other in adopted}
     fit = candidate.fit(evidence, beside)
-    test, gain = significance(evidence, fit), gain_of(evidence, candidate, beside, left_out)
+    test, gain = significance(evidence, fit), density_gain(evidence, candidate, beside, left_out)
     aliases = tuple(
         name for name, (way,) in pool.items()
-        if name not in inside and takes_its_place(evidence, fit, way.term)
+        if name not in inside and is_alias(evidence, fit, way.term)
     )  # fmt: skip
     log_p = min(test.log_p + np.log(len(pool)), 0.0)
-    is_sure = log_p < CLAIMED and gain > GAIN
+    is_sure = log_p < MAX_LOG_P and gain > MIN_DENSITY_GAIN
     confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
     std = np.maximum(test.std, std_of_repeats(evidence, fit, left_out))
     effect = candidate.effect
@@ -207,7 +209,7 @@ def _finding(
 
 def _errors(
     log: AttitudeLog, before: AttitudeEstimate, after: AttitudeEstimate, used: BoolArray, cut: ResidualWindows
-) -> Errors | None:
+) -> ResidualRms | None:
     truth = log.true_down
     if truth is None or not cut.has_truth:
         return None
@@ -216,10 +218,12 @@ def _errors(
     for part in (rows & used, rows & ~used):
         for track in (before, after):
             parts.append(_rms_deg(inclination(track.down[part], truth[part])) if part.any() else None)
-    return Errors("inclination of the mixer against truth", "deg", parts[0] or 0.0, parts[1] or 0.0, *parts[2:])
+    return ResidualRms(
+        "inclination of the mixer against truth", "deg", parts[0] or 0.0, parts[1] or 0.0, *parts[2:]
+    )
 
 
-def _apart(seen: Sequence[tuple[AttitudeLog, FloatArray]], used: BoolArray, gravity: float) -> Errors:
+def _apart(seen: Sequence[tuple[AttitudeLog, FloatArray]], used: BoolArray, gravity: float) -> ResidualRms:
     parts = list[float | None]()
     for part in (used, ~used):
         for log, base in seen:
@@ -228,7 +232,7 @@ def _apart(seen: Sequence[tuple[AttitudeLog, FloatArray]], used: BoolArray, grav
             left, _ = propagated_residual(motion, cut, np.zeros((len(log.t), 3, 0)))
             parts.append(_rms_deg(np.linalg.norm(left, axis=1)) if len(left) else None)
     name = "gyro-propagated against accelerometer attitude, over a window"
-    return Errors(name, "deg", parts[0] or 0.0, parts[1] or 0.0, *parts[2:])
+    return ResidualRms(name, "deg", parts[0] or 0.0, parts[1] or 0.0, *parts[2:])
 
 
 def _rms_deg(angle: FloatArray) -> float:

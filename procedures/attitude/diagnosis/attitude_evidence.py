@@ -15,7 +15,7 @@ from procedures.counts.sample_times import GAP_PERIODS
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import KINDS, Evidence
-from procedures.effects.effect import Columns, Effect, Seen, SeenStep
+from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep
 from procedures.frames import TRIADS, rotation
 
 WINDOW_S, BLIND_WINDOW_S, MAX_WINDOWS = 1.0, 4.0, 600  # without truth drift must outgrow the accelerometers
@@ -129,18 +129,18 @@ def stretches(evidence: Evidence) -> list[IntArray]:
 def _evidence(residual: FloatArray, A: FloatArray, triad: IntArray, stretch: IntArray) -> Evidence:
     n = len(residual)
     none, nothing, none_3x3 = np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3, 3))
-    steps = tuple(SeenStep(f"stretch {i + 1}", "rate", 0, 0, "") for i in range(STRETCHES))
-    seen = Seen(nothing, nothing, nothing, nothing, nothing, nothing, none, none, none, none, {},
+    steps = tuple(ExcitationStep(f"stretch {i + 1}", "rate", 0, 0, "") for i in range(STRETCHES))
+    excitation = Excitation(nothing, nothing, nothing, nothing, nothing, nothing, none, none, none, none, {},
                 np.zeros(0, np.int64), none_3x3, none_3x3, none_3x3, steps)  # fmt: skip
     return Evidence(
         residual=residual, sigma=np.full(n, SIGMA), A=A, triad=triad, kind=np.full(n, KINDS.index("rate")),
         step=stretch, axis=np.arange(n) % 3, is_range=np.zeros(n, bool), x=np.zeros(A.shape[1]),
-        columns_of=tuple(np.zeros(0, np.int64) for _ in TRIADS), weights=(), seen=seen,  # type: ignore[arg-type]
+        columns_of=tuple(np.zeros(0, np.int64) for _ in TRIADS), weights=(), excitation=excitation,  # type: ignore[arg-type]
     )  # fmt: skip
 
 
 def _candidate(effect: AttitudeEffect, H: FloatArray, parameters: int) -> Candidate:
-    known = Effect(effect.name, effect.unit, "", "", effect.plausible, lambda seen: (), effect.separate_by)
+    known = Effect(effect.name, effect.unit, plausible=effect.plausible, separate_by=effect.separate_by)
     plausible = np.full(len(effect.coefficients), effect.plausible)
     return Candidate(known, Columns(effect.coefficients), Term(H, plausible), np.zeros(parameters, bool))
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.counts.reference_time import ClockRate
-from procedures.diagnosis.clock_rate_check import PLAUSIBLE, SIGMAS, clock_rate, false_pace, is_known
+from procedures.diagnosis.clock_rate_check import MAX_CLOCK_PPM, RATE_SIGMAS, clock_rate, false_pace, is_known
 from procedures.units import PPM_PER_ONE
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignTable, StepTable
@@ -98,7 +98,7 @@ def clock_warnings(tables: CampaignTable, campaign: Campaign) -> list[str]:
     rate = clock_rate(campaign)
     if rate is None:
         return []
-    open_to = SIGMAS * rate.std / PPM_PER_ONE
+    open_to = RATE_SIGMAS * rate.std / PPM_PER_ONE
     if not is_known(rate):
         return [
             f"clock.rate: reference time tells it to +-{open_to:.2%} only (4 sigma), being read with delays of up "
@@ -109,7 +109,7 @@ def clock_warnings(tables: CampaignTable, campaign: Campaign) -> list[str]:
 
 
 def _advice(rate: ClockRate) -> str:
-    if abs(rate.ppm) > PLAUSIBLE:
+    if abs(rate.ppm) > MAX_CLOCK_PPM:
         return "check the sync line and the declared rate, and that t_s and utc_s are in seconds of the same rows"
     if not is_known(rate):
         return "check the sync line and the declared rate; record longer, so that the rate is known"
@@ -127,7 +127,7 @@ def check_for_solve(loaded: LoadedCampaign) -> None:
         Naming the first such file and both periods.
     """
     rate = clock_rate(loaded.campaign)
-    if rate is not None and abs(off := off_period(rate)) - SIGMAS * rate.std / PPM_PER_ONE > REFUSE_PERIOD:
+    if rate is not None and abs(off := off_period(rate)) - RATE_SIGMAS * rate.std / PPM_PER_ONE > REFUSE_PERIOD:
         raise DataRefused(
             loaded.folder / "campaign.toml",
             None,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from procedures.calibration.solution import Solution
-from procedures.diagnosis.result import Diagnosis, Errors, Finding, TableSensor, Test
+from procedures.diagnosis.result import Diagnosis, EffectTest, Finding, ResidualRms, TableSensor
 from procedures.effects.effect import REFERENCE_C
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.single_channels import channels_of
@@ -23,7 +23,7 @@ NOT_DETERMINED = "coefficients of a finding are not determined and were left out
 def diagnosis_document(
     diagnosis: Diagnosis,
     campaigns: Sequence[LoadedCampaign],
-    validated: Mapping[str, Sequence[Errors]] | None = None,
+    validated: Mapping[str, Sequence[ResidualRms]] | None = None,
 ) -> dict[str, Any]:
     """Return a diagnosis of ``campaigns`` as `diagnosis/1`; ``validated`` are the errors made on other folders."""
     before = solution_document(diagnosis.solution_before, campaigns)
@@ -117,7 +117,7 @@ def plain(value: object) -> Any:
     return value
 
 
-def tried_document(test: Test) -> dict[str, Any]:
+def tried_document(test: EffectTest) -> dict[str, Any]:
     """Return an effect that was tried, with its p before and after Holm."""
     return {
         "effect": test.effect,
@@ -134,7 +134,7 @@ def _p_value(name: str, log_p: float) -> dict[str, float]:
     return {name: p, short: float(log_p) / log(10)}
 
 
-def error_document(error: Errors, method: str) -> dict[str, Any]:
+def error_document(error: ResidualRms, method: str) -> dict[str, Any]:
     """Return an error before and after, as far as it is known; ``method`` says how rows were held out."""
     values = {
         "before": error.before,

@@ -8,11 +8,11 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Finding
-from procedures.effects.effect import Seen
+from procedures.effects.effect import Excitation
 from procedures.frames import AXES
 from procedures.units import S_PER_H
 
-Values = Callable[[Seen, Finding], FloatArray]  # (n,) of all sensors, or (n, 3) of each, at the nodes
+Values = Callable[[Excitation, Finding], FloatArray]  # (n,) of all sensors, or (n, 3) of each, at the nodes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +34,7 @@ def coordinate_of(
     label, values = _COORDINATES.get(finding.effect, ("step", None))
     if values is None:
         return _steps(evidence, rows)
-    at_nodes = values(evidence.seen, finding)
+    at_nodes = values(evidence.excitation, finding)
     axis = evidence.axis[rows]
     if at_nodes.ndim == 2 and np.any(axis < 0):
         return Coordinate(f"what {finding.effect} adds [{unit}]", added[rows])
@@ -47,7 +47,7 @@ def coordinate_of(
 
 def _steps(evidence: Evidence, rows: BoolArray) -> Coordinate:
     numbers, index = np.unique(evidence.step[rows], return_inverse=True)
-    steps = [evidence.seen.steps[i] for i in numbers]
+    steps = [evidence.excitation.steps[i] for i in numbers]
     names = tuple(str(s.position) if s.kind == "dwell" else s.name.partition(".")[0] for s in steps)
     return Coordinate("position, turn or rest", index.astype(float), names)
 
@@ -64,29 +64,29 @@ def _means(evidence: Evidence, values: FloatArray) -> FloatArray:
     return means
 
 
-def _of_inputs(vector: Callable[[Seen], FloatArray]) -> Values:
+def _of_inputs(vector: Callable[[Excitation], FloatArray]) -> Values:
     """Return the input (n, 3) that each sensor's largest coefficient multiplies; key xy: sensor x, input y."""
 
-    def values(seen: Seen, finding: Finding) -> FloatArray:
+    def values(excitation: Excitation, finding: Finding) -> FloatArray:
         strength = np.zeros((3, 3))
         for name, value, std in zip(finding.coefficients, finding.value, finding.std, strict=True):
             if len(name) == 2 and std > 0:
                 strength[AXES.index(name[0]), AXES.index(name[1])] = abs(value) / std
         inputs: IntArray = np.argmax(strength, axis=1)
-        return vector(seen)[:, inputs]
+        return vector(excitation)[:, inputs]
 
     return values
 
 
-def _channel(seen: Seen, finding: Finding) -> FloatArray:
+def _channel(excitation: Excitation, finding: Finding) -> FloatArray:
     name = str(finding.where.get("channel", ""))
-    return seen.auxiliary.get(name, np.full(len(seen.t), np.nan))
+    return excitation.auxiliary.get(name, np.full(len(excitation.t), np.nan))
 
 
-_TEMPERATURE = ("temperature [degC]", lambda seen, finding: seen.temperature)
-_TIME = ("time [h]", lambda seen, finding: (seen.t - np.nanmin(seen.t)) / S_PER_H)
-_FORCE = ("specific force along the sensor [g]", lambda seen, finding: seen.f)
-_RATE = ("rate about the sensor [deg/s]", lambda seen, finding: seen.omega)
+_TEMPERATURE = ("temperature [degC]", lambda excitation, finding: excitation.temperature)
+_TIME = ("time [h]", lambda excitation, finding: (excitation.t - np.nanmin(excitation.t)) / S_PER_H)
+_FORCE = ("specific force along the sensor [g]", lambda excitation, finding: excitation.f)
+_RATE = ("rate about the sensor [deg/s]", lambda excitation, finding: excitation.omega)
 _COORDINATES: Mapping[str, tuple[str, Values]] = {
     "accelerometer.quadratic": _FORCE,
     "accelerometer.cubic": _FORCE,
@@ -94,7 +94,10 @@ _COORDINATES: Mapping[str, tuple[str, Values]] = {
     "accelerometer.scale_temperature": _TEMPERATURE,
     "accelerometer.bias_temperature": _TEMPERATURE,
     "accelerometer.bias_drift": _TIME,
-    "accelerometer.relaxation": ("change of specific force at the flip [g]", lambda seen, finding: seen.change),
+    "accelerometer.relaxation": (
+        "change of specific force at the flip [g]",
+        lambda excitation, finding: excitation.change,
+    ),
     "gyroscope.g_sensitivity": (
         "specific force, along the input that matters most [g]",
         _of_inputs(lambda s: s.f),
@@ -105,7 +108,10 @@ _COORDINATES: Mapping[str, tuple[str, Values]] = {
     ),
     "gyroscope.scale_temperature": _TEMPERATURE,
     "gyroscope.bias_temperature": _TEMPERATURE,
-    "gyroscope.temperature_rate": ("temperature rate [K/min]", lambda seen, finding: seen.temperature_rate),
+    "gyroscope.temperature_rate": (
+        "temperature rate [K/min]",
+        lambda excitation, finding: excitation.temperature_rate,
+    ),
     "gyroscope.bias_drift": _TIME,
     "gyroscope.scale_asymmetry": _RATE,
     "gyroscope.scale_nonlinearity": _RATE,

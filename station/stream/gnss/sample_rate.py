@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from procedures.counts.reference_time import ClockRate, fit_clock
-from procedures.diagnosis.clock_rate_check import PLAUSIBLE
+from procedures.diagnosis.clock_rate_check import MAX_CLOCK_PPM
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded_campaign import REFUSE_PERIOD, clock_sentence, off_period
 from station.files.campaign_folder.sample_series import WARN_PERIOD
@@ -78,11 +78,11 @@ class SampleRate:
         self.pace = self._pace_said(span / by_clock) if by_clock >= PACE_S else ""
         t, utc = np.array(self._stamps).T
         self.rate = fit_clock([(t, utc)]) if span >= self._span_s else None
-        if self.rate is not None and not (self._span_s and abs(self.rate.ppm) > PLAUSIBLE):
+        if self.rate is not None and not (self._span_s and abs(self.rate.ppm) > MAX_CLOCK_PPM):
             self._judge(self.rate, END_SCATTERS * self._scatter() / span)
 
     def _pace_said(self, ratio: float) -> str:
-        if not self._span_s or abs(ratio - 1.0) * 1e6 <= PLAUSIBLE:
+        if not self._span_s or abs(ratio - 1.0) * 1e6 <= MAX_CLOCK_PPM:
             return ""
         return (
             f"the device's own time goes at {ratio:.3g} times {self._by}, expected 1; if it is not simulated, its "

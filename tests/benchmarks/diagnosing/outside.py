@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from drivers.simulated.effects import Effect, Felt, Planted, Stimulus
+from drivers.simulated.effects import Planted, PlantedEffect, Stimulus, TriadInput
 from drivers.simulated.truth import Sizes
 
 AXES = ("x", "y", "z")
 
 
-def heading(seen: Stimulus) -> np.ndarray:
+def heading(stimulus: Stimulus) -> np.ndarray:
     """Return (n, 1) the angle from magnetic north of the IMU axis that is most level to the east, [rad]."""
-    up = seen.f / np.linalg.norm(seen.f, axis=1, keepdims=True)
-    north = seen.magnetic - np.sum(seen.magnetic * up, axis=1, keepdims=True) * up
+    up = stimulus.f / np.linalg.norm(stimulus.f, axis=1, keepdims=True)
+    north = stimulus.magnetic - np.sum(stimulus.magnetic * up, axis=1, keepdims=True) * up
     north /= np.linalg.norm(north, axis=1, keepdims=True)
     axis = np.eye(3)[np.argsort(np.abs(up), axis=1, kind="stable")[:, 0]]
     level = axis - np.sum(axis * up, axis=1, keepdims=True) * up
@@ -21,34 +21,34 @@ def heading(seen: Stimulus) -> np.ndarray:
     return angle
 
 
-def _accel_heading(seen: Stimulus, felt: Felt, sizes: Sizes) -> np.ndarray:
-    found: np.ndarray = sizes["accel"] * np.sin(heading(seen) + np.array([0.3, 1.7, 4.0]))
+def _accel_heading(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> np.ndarray:
+    found: np.ndarray = sizes["accel"] * np.sin(heading(stimulus) + np.array([0.3, 1.7, 4.0]))
     return found
 
 
-def _gyro_heading(seen: Stimulus, felt: Felt, sizes: Sizes) -> np.ndarray:
-    found: np.ndarray = sizes["gyro"] / 3600 * np.sin(heading(seen) + np.array([2.3, 0.7, 5.0]))
+def _gyro_heading(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> np.ndarray:
+    found: np.ndarray = sizes["gyro"] / 3600 * np.sin(heading(stimulus) + np.array([2.3, 0.7, 5.0]))
     return found
 
 
-def _dead_zone(seen: Stimulus, felt: Felt, sizes: Sizes) -> np.ndarray:
+def _dead_zone(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> np.ndarray:
     width = sizes["gyro"] / 3600
-    total = felt.raw + felt.bias
+    total = triad.raw + triad.bias
     found: np.ndarray = -np.clip(total, -width, width)
     return found
 
 
-def _rate_temperature(seen: Stimulus, felt: Felt, sizes: Sizes) -> np.ndarray:
-    found: np.ndarray = sizes["gyro"] / 3600 * seen.temperature_rate * (seen.temperature - 25)
+def _rate_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> np.ndarray:
+    found: np.ndarray = sizes["gyro"] / 3600 * stimulus.temperature_rate * (stimulus.temperature - 25)
     return found
 
 
 def outside(name: str, size: float) -> Planted:
     """Return an effect of no catalogue of a given size (g, deg/h)."""
     kinds = {
-        "heading, accelerometers": Effect(name, "g", (), accel=_accel_heading),
-        "heading, all": Effect(name, "g", (), accel=_accel_heading, gyro=_gyro_heading),
-        "dead zone": Effect(name, "deg/h", (), gyro=_dead_zone),
-        "temperature rate times temperature": Effect(name, "deg/h", (), gyro=_rate_temperature),
+        "heading, accelerometers": PlantedEffect(name, "g", (), accel=_accel_heading),
+        "heading, all": PlantedEffect(name, "g", (), accel=_accel_heading, gyro=_gyro_heading),
+        "dead zone": PlantedEffect(name, "deg/h", (), gyro=_dead_zone),
+        "temperature rate times temperature": PlantedEffect(name, "deg/h", (), gyro=_rate_temperature),
     }
     return ((kinds[name], {"accel": size, "gyro": size * 3e5}),)

@@ -11,7 +11,7 @@ from procedures.diagnosis.candidates import Candidate, candidates
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.effects import EFFECTS
-from procedures.effects.effect import Columns, Effect, Seen, SeenStep
+from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep
 from tests.benchmarks.diagnosing.designs import DESIGNS, unit
 
 
@@ -32,9 +32,9 @@ def redrawn(evidence: Evidence, rng: np.random.Generator, added: FloatArray | fl
 def small(rng: np.random.Generator, parameters: int = 9) -> Evidence:
     """Return twelve dwells of three rows of unit noise, under a model of random columns."""
     n = 36
-    steps = tuple(SeenStep(f"dwell_{i}", "dwell", 0, i + 1, "") for i in range(12))
+    steps = tuple(ExcitationStep(f"dwell_{i}", "dwell", 0, i + 1, "") for i in range(12))
     nothing, vectors = np.zeros(0), np.zeros((0, 3))
-    seen = Seen(
+    seen = Excitation(
         vectors, vectors, vectors, vectors, vectors, vectors, nothing, nothing, nothing, nothing, {},
         np.zeros(0, dtype=np.int64), *np.zeros((3, 0, 3, 3)), steps,
     )  # fmt: skip

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from procedures.diagnosis.ambiguous_solution import either
+from procedures.diagnosis.ambiguous_solution import widened_by_alternative
 from procedures.diagnosis.diagnose import diagnose
 from tests.benchmarks.diagnosing.designs import plain, unit
 
@@ -26,7 +26,7 @@ def test_covariance_and_sigmas_agree() -> None:
     moved = replace(
         moved, gyroscope=replace(found.gyroscope, bias=replace(found.gyroscope.bias, value=np.ones(3)))
     )
-    wide = either(found, moved)
+    wide = widened_by_alternative(found, moved)
     std = np.sqrt(np.diag(wide.covariance))
     of = {name: std[i] for i, name in enumerate(wide.names)}
     pairs = [name for name in wide.names if name.startswith("fixture.parallelism")]

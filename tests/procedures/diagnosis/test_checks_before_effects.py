@@ -1,7 +1,7 @@
 import numpy as np
 
 from procedures.calibration.calibration import solve
-from procedures.diagnosis.checks_before_effects import preliminary
+from procedures.diagnosis.checks_before_effects import check_campaigns
 from tests.procedures.diagnosis.planted import planted, with_reference_time
 
 
@@ -12,7 +12,7 @@ def test_a_label_a_knock_and_the_clock_are_put_right_together() -> None:
         "clock.rate": {"value": -400.0},
     }
     campaign = with_reference_time(planted(8, effects, 30.0, turns=True), -400.0, 8)
-    found = preliminary([campaign])
+    found = check_campaigns([campaign])
     assert [each.effect for each in found.findings] == ["placement.label", "disturbance.dwell", "clock.rate"]
     assert {each.confidence for each in found.findings} == {"established"}
     assert found.settled == {"placement.label", "disturbance.dwell", "clock.rate"}
@@ -28,7 +28,7 @@ def test_a_label_a_knock_and_the_clock_are_put_right_together() -> None:
 
 def test_a_clean_campaign_is_left_as_it_is() -> None:
     campaign = planted(9, turns=True)
-    found = preliminary([campaign])
+    found = check_campaigns([campaign])
     assert found.findings == ()
     assert found.campaigns[0].dwells == campaign.dwells
     assert "clock.rate" not in found.settled

@@ -51,15 +51,15 @@ def test_a_clean_unit_on_a_true_bench_is_consistent(seed: int) -> None:
 def test_a_campaign_with_a_planted_effect_is_named_as_it_was_planted(folder: Path) -> None:
     truth = json.loads((folder / "truth.json").read_text())
     found = diagnose([read_campaign(folder).campaign])
-    groups = [({f.effect, *f.aliases}, f) for f in found.findings]
+    left_out_groups = [({f.effect, *f.aliases}, f) for f in found.findings]
     assert truth["verdict"] in {None, found.verdict}
     for expected in truth["expect"]:
         if "~" in expected:
-            assert any(set(expected.split("~")) <= group for group, _ in groups), expected
+            assert any(set(expected.split("~")) <= group for group, _ in left_out_groups), expected
         else:
-            assert any(set(expected.split("|")) & group for group, _ in groups), expected
+            assert any(set(expected.split("|")) & group for group, _ in left_out_groups), expected
     wanted = {name for each in truth["expect"] for name in each.replace("~", "|").split("|")}
-    for group, finding in groups:
+    for group, finding in left_out_groups:
         is_group = finding.confidence == "ambiguous" and any(name.startswith(BENCH) for name in group)
         assert group & wanted or finding.effect.startswith(BENCH) or is_group, finding.effect
 

@@ -2,13 +2,13 @@ import numpy as np
 
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.effect_selection import (
-    gain_of,
+    density_gain,
     holds_in_every_campaign,
     next_effect,
+    rank_effects,
     stands_without_any,
-    try_all,
 )
-from procedures.diagnosis.held_out_errors import campaign_groups, groups
+from procedures.diagnosis.held_out_errors import campaign_groups, left_out_groups
 from procedures.diagnosis.linear_model import significance
 from procedures.diagnosis.residual_rows import Evidence
 from tests.procedures.diagnosis.redrawn import made_up, redrawn, seen_by, small
@@ -26,10 +26,10 @@ def pool_of(rng: np.random.Generator, evidence: Evidence) -> dict[str, list[Cand
 def test_of_thirty_candidates_on_noise_five_in_a_hundred_runs_at_most_adopt_one() -> None:
     rng, adopted, runs = np.random.default_rng(1), 0, 500
     base = small(rng)
-    pool, left_out = pool_of(rng, base), groups(base)
+    pool, left_out = pool_of(rng, base), left_out_groups(base)
     for _ in range(runs):
         evidence = redrawn(base, rng)
-        tried = try_all(evidence, pool)
+        tried = rank_effects(evidence, pool)
         assert len(tried) == CANDIDATES
         adopted += next_effect(evidence, tried, (), left_out) is not None
     assert adopted <= 0.05 * runs + 2 * np.sqrt(0.05 * 0.95 * runs)
@@ -39,13 +39,13 @@ def test_of_thirty_candidates_on_noise_five_in_a_hundred_runs_at_most_adopt_one(
 def test_one_term_of_eight_sigma_is_adopted() -> None:
     rng, right, runs = np.random.default_rng(2), 0, 100
     base = small(rng)
-    pool, left_out = pool_of(rng, base), groups(base)
+    pool, left_out = pool_of(rng, base), left_out_groups(base)
     for i in range(runs):
         name = f"accelerometer.{i % CANDIDATES}"
         way = pool[name][0]
         size = 8 * np.sqrt(way.fit(base, (), np.ones(36)).coefficients()[1][0, 0])
         evidence = redrawn(base, rng, way.term.H[:, 0] * size)
-        new = next_effect(evidence, try_all(evidence, pool), (), left_out)
+        new = next_effect(evidence, rank_effects(evidence, pool), (), left_out)
         right += new is not None and new.candidate.effect.name == name
     assert right >= 0.97 * runs
 
@@ -58,15 +58,15 @@ def test_one_bad_dwell_is_no_effect_of_the_instrument_but_may_be_of_the_bench() 
     evidence = redrawn(base, rng, 10 * H[:, 0])
     instrument, bench = made_up(base, H), made_up(base, H, "fixture.made_up")
     assert significance(evidence, instrument.fit(evidence)).log_p < np.log(1e-4)
-    assert not stands_without_any(evidence, instrument, (), groups(base))
-    assert stands_without_any(evidence, bench, (), groups(base))
+    assert not stands_without_any(evidence, instrument, (), left_out_groups(base))
+    assert stands_without_any(evidence, bench, (), left_out_groups(base))
 
 
 def test_an_effect_that_one_step_tells_mostly_stands_if_the_others_show_it_as_far_as_they_could() -> None:
     rng = np.random.default_rng(7)
     base = small(rng)
     H = np.where(np.arange(36) == 4, 4.0, 0.45)[:, None] * np.sign(rng.standard_normal((36, 1)))
-    way, left_out = made_up(base, H), groups(base)
+    way, left_out = made_up(base, H), left_out_groups(base)
     size = 6 * np.sqrt(way.fit(base, (), np.ones(36)).coefficients()[1][0, 0])
     one_bad = np.where(np.arange(36) == 4, 20.0, 0.0)
     there = [stands_without_any(redrawn(base, rng, size * H[:, 0]), way, (), left_out) for _ in range(50)]
@@ -78,9 +78,9 @@ def test_an_effect_that_one_step_tells_mostly_stands_if_the_others_show_it_as_fa
 def test_a_gain_is_positive_with_the_effect_and_negative_without() -> None:
     rng = np.random.default_rng(5)
     base = small(rng)
-    way, left_out = made_up(base, rng.standard_normal((36, 1))), groups(base)
-    there = [gain_of(redrawn(base, rng, 1.5 * way.term.H[:, 0]), way, (), left_out) for _ in range(50)]
-    not_there = [gain_of(redrawn(base, rng), way, (), left_out) for _ in range(50)]
+    way, left_out = made_up(base, rng.standard_normal((36, 1))), left_out_groups(base)
+    there = [density_gain(redrawn(base, rng, 1.5 * way.term.H[:, 0]), way, (), left_out) for _ in range(50)]
+    not_there = [density_gain(redrawn(base, rng), way, (), left_out) for _ in range(50)]
     assert min(there) > 0
     assert np.mean(np.array(not_there) < 0) > 0.6
 

@@ -40,7 +40,7 @@ def test_what_a_cubic_or_a_sine_only_resembles_is_not_named_so(
     found = bent(1, bend)
     assert found.verdict == "unexplained"
     assert found.findings == ()
-    monkeypatch.setattr(module, "EXPLAINS", -np.inf)
+    monkeypatch.setattr(module, "MIN_EXPLAINED_SHARE", -np.inf)
     assert {each.effect for each in bent(1, bend).findings} & NONLINEAR  # it is this rule that keeps them out
 
 
@@ -60,5 +60,7 @@ def test_a_small_cause_that_leaves_noise_stands_however_much_of_the_scatter_was_
 
     named = [len(bent(seed, small).findings) for seed in range(3)]
     assert named == [1, 1, 1]
-    monkeypatch.setattr(module, "LEFT", 0.0)  # asked of noise too, it would go: half of what it explains is chance
+    monkeypatch.setattr(
+        module, "DROP_BELOW_LOG_P", 0.0
+    )  # asked of noise too, it would go: half of what it explains is chance
     assert sum(len(bent(seed, small).findings) for seed in range(3)) < 3

@@ -3,14 +3,14 @@ import pytest
 from scipy import stats
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.diagnosis.held_out_errors import groups
+from procedures.diagnosis.held_out_errors import left_out_groups
 from procedures.diagnosis.linear_model import (
     Significance,
     Term,
     borne_out,
     coefficients_beside,
     fit_linear,
-    held_out,
+    predict_left_out,
     significance,
     without_rows,
 )
@@ -67,8 +67,8 @@ def test_coefficients_have_the_covariance_of_normal_equations() -> None:
 def test_held_out_is_what_really_leaving_each_group_out_and_fitting_again_gives() -> None:
     evidence, term = small_with_term(2)
     fit = fit_linear(evidence, [term], factor=np.ones(36))
-    left_out = groups(evidence)
-    total, errors = held_out(evidence, fit, left_out)
+    left_out = left_out_groups(evidence)
+    total, errors = predict_left_out(evidence, fit, left_out)
     expected = 0.0
     for rows in left_out:
         theta, C = brute(evidence, term, np.setdiff1d(np.arange(36), rows))
@@ -84,7 +84,9 @@ def test_an_error_that_nothing_foretells_is_not_given() -> None:
     evidence, term = small_with_term(3)
     evidence.A[:, 0] = 0
     evidence.A[:3, 0] = 1.0
-    _, errors = held_out(evidence, fit_linear(evidence, [term], factor=np.ones(36)), groups(evidence))
+    _, errors = predict_left_out(
+        evidence, fit_linear(evidence, [term], factor=np.ones(36)), left_out_groups(evidence)
+    )
     assert np.isnan(errors[:3]).any()
     assert np.isfinite(errors[3:]).all()
 

@@ -7,8 +7,8 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.calibration.calibration import CampaignFits, ReducedSteps, fit_reduced, reduce_steps
 from procedures.diagnosis.linear_model import fit_linear
-from procedures.diagnosis.residual_rows import Evidence, Weights, evidence_of
-from procedures.diagnosis.unexplained_residual import log_p_of
+from procedures.diagnosis.residual_rows import Evidence, NodeWeights, evidence_of
+from procedures.diagnosis.unexplained_residual import global_log_p
 from procedures.effects.effect import Columns
 from tests.benchmarks.diagnosing.designs import certified, unit
 from tests.procedures.diagnosis.redrawn import seen_by
@@ -73,7 +73,7 @@ def test_the_gyroscopes_fit_moves_by_what_the_design_says_of_dwells_and_turns(nu
     np.testing.assert_allclose((after.joint.fit.x - before.fit.x) / std, expected, atol=0.05)
 
 
-def _weights(evidence: Evidence, kind: str) -> Weights:
+def _weights(evidence: Evidence, kind: str) -> NodeWeights:
     first = int(np.flatnonzero(evidence.rows(kind))[0])
     return next(each for each in evidence.weights if each.rows.start == first)
 
@@ -81,7 +81,7 @@ def _weights(evidence: Evidence, kind: str) -> Weights:
 def test_weights_give_mean_slope_and_curvature_of_a_parabola() -> None:
     _, evidence, _ = seen_by("certified")
     at = _weights(evidence, "mean").nodes
-    t = evidence.seen.t[at] - evidence.seen.t[at].mean()
+    t = evidence.excitation.t[at] - evidence.excitation.t[at].mean()
     a, b, c = 3e-6, 2e-8, 5e-10
     values = a + b * t + c * t**2 / 2
     assert _weights(evidence, "slope").w @ values == pytest.approx(b, rel=2e-3)
@@ -93,7 +93,7 @@ def test_weights_give_mean_slope_and_curvature_of_a_parabola() -> None:
 
 def test_a_turn_adds_up_and_an_output_belongs_to_its_triad() -> None:
     _, evidence, _ = seen_by("certified")
-    n = len(evidence.seen.t)
+    n = len(evidence.excitation.t)
     constant = np.zeros((n, 3, 1))
     constant[:, 1] = 2.0
     H = evidence.column(Columns(("c",), gyro=constant))[:, 0]
@@ -145,6 +145,6 @@ def test_the_global_test_cries_wolf_as_often_as_it_says() -> None:
     Q = fit.Q
     noise: FloatArray = rng.standard_normal((len(Q), n))
     left = noise - Q @ (Q.T @ noise)
-    p = [np.exp(log_p_of(evidence, replace(fit, whole=left[:, i]))) for i in range(n)]
+    p = [np.exp(global_log_p(evidence, replace(fit, whole=left[:, i]))) for i in range(n)]
     assert np.mean(np.array(p) < 0.1) < 0.1 + 3 * np.sqrt(0.09 / n)
     assert np.mean(np.array(p) < 0.5) > 0.2

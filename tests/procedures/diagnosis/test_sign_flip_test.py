@@ -3,7 +3,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.sign_flip_test import TOLD, sign_flip_p
+from procedures.diagnosis.sign_flip_test import MAX_P, sign_flip_p
 from tests.procedures.diagnosis.redrawn import made_up, redrawn, seen_by, small
 
 
@@ -22,17 +22,19 @@ def test_an_effect_that_is_there_stands_out_from_its_flips(name: str) -> None:
     found = [sign_flip_p(redrawn(evidence, rng, eight_sigma(way, 12.0)), way, ()) for _ in range(12)]
     told = [p for p in found if p is not None]
     assert len(told) >= 9
-    assert np.mean(np.array(told) <= TOLD) >= 0.9
+    assert np.mean(np.array(told) <= MAX_P) >= 0.9
     assert min(told) >= 1 / 1000
 
 
 @pytest.mark.parametrize("width", [1.0, 3.0])
 def test_of_noise_of_any_width_a_twentieth_stands_out(width: float, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "procedures.diagnosis.sign_flip_test.POWER", 0.0
+        "procedures.diagnosis.sign_flip_test.MIN_POWER", 0.0
     )  # noise seldom looks like an effect to be told
     monkeypatch.setattr("procedures.diagnosis.sign_flip_test.FLIPS", 199)
-    monkeypatch.setattr("procedures.diagnosis.linear_model.DOUBT", -np.inf)  # a sigma that is wrong and stays so
+    monkeypatch.setattr(
+        "procedures.diagnosis.linear_model.WIDENED_LOG_P", -np.inf
+    )  # a sigma that is wrong and stays so
     rng, found = np.random.default_rng(2), []
     for _ in range(300):
         evidence = small(rng, 20)  # a fit with few rows to spare, as a campaign's is
@@ -45,14 +47,16 @@ def test_of_noise_of_any_width_a_twentieth_stands_out(width: float, monkeypatch:
 
 
 def test_one_wild_dwell_does_not_look_like_an_effect_to_its_flips(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("procedures.diagnosis.linear_model.DOUBT", -np.inf)  # else a wider sigma hides it at once
+    monkeypatch.setattr(
+        "procedures.diagnosis.linear_model.WIDENED_LOG_P", -np.inf
+    )  # else a wider sigma hides it at once
     rng = np.random.default_rng(3)
     base = small(rng)
     way = made_up(base, rng.standard_normal((36, 1)))
     wild = np.zeros(36)
     wild[6:9] = 25 * np.sign(way.term.H[6:9, 0])
     found = [sign_flip_p(redrawn(base, rng, wild), way, ()) for _ in range(10)]
-    assert all(p is None or p > TOLD for p in found)
+    assert all(p is None or p > MAX_P for p in found)
     assert any(p is not None for p in found)
 
 

@@ -99,5 +99,5 @@ def test_what_only_cannot_be_solved_when_put_right_is_diagnosed_as_it_is(monkeyp
     def spoils(_: object) -> object:
         raise ProcedureError("put right, it cannot be solved")
 
-    monkeypatch.setattr("procedures.diagnosis.diagnose.preliminary", spoils)
+    monkeypatch.setattr("procedures.diagnosis.diagnose.check_campaigns", spoils)
     assert diagnose([campaign]).solution.accelerometer is not None

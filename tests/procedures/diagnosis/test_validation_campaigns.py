@@ -5,7 +5,7 @@ import pytest
 
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Diagnosis, Errors
+from procedures.diagnosis.result import Diagnosis, ResidualRms
 from procedures.diagnosis.validation_campaigns import validate
 from tests.benchmarks.diagnosing.designs import certified, unit
 
@@ -24,7 +24,7 @@ def found() -> Diagnosis:
     return diagnosis
 
 
-def dwells(errors: tuple[Errors, ...]) -> Errors:
+def dwells(errors: tuple[ResidualRms, ...]) -> ResidualRms:
     return next(each for each in errors if each.quantity == "gyroscope dwells")
 
 

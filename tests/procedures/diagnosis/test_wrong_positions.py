@@ -5,7 +5,7 @@ import pytest
 
 from procedures.calibration.calibration import solve
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.wrong_positions import find_labels, mislabelled, with_true_labels
+from procedures.diagnosis.wrong_positions import find_wrong_labels, label_findings, with_true_labels
 from procedures.errors import WrongFace
 from tests.procedures.diagnosis.planted import lively, planted
 
@@ -20,7 +20,7 @@ def recorded(seed: int, labels: dict[int, int], turns: bool = True) -> Campaign:
 
 def found(campaign: Campaign) -> dict[int, int]:
     """Return the labels found wrong: recorded, actual."""
-    return {campaign.dwells[each.dwell].position: each.position for each in mislabelled([campaign])}
+    return {campaign.dwells[each.dwell].position: each.position for each in find_wrong_labels([campaign])}
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -56,7 +56,7 @@ def test_without_gyroscopes_the_face_is_told_and_the_heading_left_open() -> None
     campaign = planted(3, {"placement.label": {"position": 3.0, "actual": 9.0}})
     without = tuple(replace(d, series=replace(d.series, gyro=None)) for d in campaign.dwells)
     campaign = replace(campaign, dwells=without)
-    findings, _ = find_labels([campaign], mislabelled([campaign]))
+    findings, _ = label_findings([campaign], find_wrong_labels([campaign]))
     assert [dict(each.where) for each in findings] == [{"position": 3, "file": "dwell_03"}]
     assert findings[0].confidence == "likely"
     assert abs(findings[0].value[0] - 9) <= findings[0].std[0] == 1
@@ -67,7 +67,7 @@ def test_solved_with_the_right_label_it_gives_the_truth() -> None:
     campaign = planted(5, effects, turns=True)
     with pytest.raises(WrongFace):
         solve([campaign])
-    corrected = with_true_labels([campaign], mislabelled([campaign]))
+    corrected = with_true_labels([campaign], find_wrong_labels([campaign]))
     assert corrected[0].dwells[2].position == 12
     got, expected = solve(corrected).accelerometer, solve([planted(5, turns=True)]).accelerometer
     assert got is not None

@@ -18,7 +18,7 @@ def base_columns(first: int, count: int) -> FloatArray:
 def test_a_bench_effect_is_the_base_models_own_column(name, first, count) -> None:
     evidence = baseline().evidence
     rows = evidence.rows("mean", "turn")
-    H = evidence.column(BY_NAME[name].columns(evidence.seen)[0])[rows]
+    H = evidence.column(BY_NAME[name].columns(evidence.excitation)[0])[rows]
     own = base_columns(first, count)[rows]
     assert np.all(np.linalg.norm(H - own, axis=0) < 2e-3 * np.linalg.norm(own, axis=0))
 
@@ -26,14 +26,14 @@ def test_a_bench_effect_is_the_base_models_own_column(name, first, count) -> Non
 def test_face_tilts_are_the_base_models_parallelism_and_perpendicularity() -> None:
     evidence = baseline().evidence
     rows = evidence.rows("mean", "turn")
-    H = evidence.column(BY_NAME["fixture.face_tilt"].columns(evidence.seen)[0])[rows].reshape(-1, 3, 2, 2)
+    H = evidence.column(BY_NAME["fixture.face_tilt"].columns(evidence.excitation)[0])[rows].reshape(-1, 3, 2, 2)
     for own, ours in ((base_columns(3, 6), H.mean(axis=2)), (base_columns(9, 6), H[:, :, 0] - H[:, :, 1])):
         off = np.linalg.norm(ours.reshape(-1, 6) - own[rows], axis=0)
         assert np.all(off < 2e-3 * np.linalg.norm(own[rows], axis=0))
 
 
 def test_the_cubic_is_the_sagnac_sine_to_first_order() -> None:
-    seen = baseline().evidence.seen
+    seen = baseline().evidence.excitation
     cubic = BY_NAME["gyroscope.scale_nonlinearity"].columns(seen)[1]
     sine = BY_NAME["gyroscope.sagnac_sine"].columns(seen)[0]
     assert np.allclose(sine.gyro, -1e6 / 6 * cubic.gyro, rtol=1e-12)
@@ -41,7 +41,7 @@ def test_the_cubic_is_the_sagnac_sine_to_first_order() -> None:
 
 @pytest.mark.parametrize("s", [1e-5, 8e-4, 4e-3, 2e-2])
 def test_the_sagnac_sine_is_exact_beyond_the_first_order(s: float) -> None:
-    seen, q = baseline().evidence.seen, np.full(3, s**2)
+    seen, q = baseline().evidence.excitation, np.full(3, s**2)
     total, change = sagnac_sine.added(seen, q)
     assert np.allclose(total, np.sin(s * seen.omega) / s - seen.omega, rtol=1e-9, atol=1e-12)
     step = 1e-3 * s**2
@@ -57,7 +57,7 @@ def test_a_sagnac_phase_is_shown_with_its_own_sigma() -> None:
 
 
 def test_relaxation_may_go_by_the_change_of_specific_force() -> None:
-    seen = baseline().evidence.seen
+    seen = baseline().evidence.excitation
     ways = {way.shape: way for way in BY_NAME["accelerometer.relaxation"].columns(seen)}
     same, by_change = ways["tau = 8 s"], ways["tau = 8 s, by the change of f"]
     second = [step.name for step in seen.steps].index("dwell_03")

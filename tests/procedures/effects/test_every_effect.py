@@ -122,7 +122,7 @@ def predicted(name: str, sizes: Mapping[str, float], where: Mapping[str, object]
     evidence = baseline().evidence
     ways = [
         way
-        for way in BY_NAME[name].columns(evidence.seen)
+        for way in BY_NAME[name].columns(evidence.excitation)
         if way.shape == shape and where.items() <= way.where.items()
     ]
     assert len(ways) == 1
@@ -190,7 +190,7 @@ def test_a_planted_effect_changes_the_evidence_by_its_columns(case) -> None:
 def plausible_case(name: str) -> tuple[str, dict[str, float], None, Mapping[str, object], str]:
     """Return an effect's first way as a case, every coefficient of its plausible size."""
     effect = BY_NAME[name]
-    way = effect.columns(baseline().evidence.seen)[0]
+    way = effect.columns(baseline().evidence.excitation)[0]
     size = effect.plausible_of(way) * np.resize([1.0, -1.0], len(way.coefficients))
     return name, dict(zip(way.coefficients, size.tolist(), strict=True)), None, way.where, way.shape
 
@@ -236,7 +236,7 @@ def lacks(effect: Effect) -> Iterator[str]:
     elif twin.unit != effect.unit:
         yield f"{name} is fitted in {effect.unit!r}, and planted in {twin.unit!r}: let both be one unit."
     else:
-        ways = effect.columns(baseline().evidence.seen)
+        ways = effect.columns(baseline().evidence.excitation)
         if strange := {key for way in ways for key in way.coefficients} - set(twin.keys):
             yield f"{name} cannot be planted in {sorted(strange)}: let its twin have these keys."
     rows = [line for line in PAGE.read_text("utf-8").splitlines() if line.startswith(f"| `{name}` |")]
@@ -288,7 +288,7 @@ def test_an_effect_is_of_the_kind_that_its_name_says(effect: Effect) -> None:
 @every_effect
 def test_its_columns_fit_its_coefficients_and_no_two_ways_are_called_the_same(effect: Effect) -> None:
     evidence = baseline().evidence
-    seen, ways = evidence.seen, effect.columns(evidence.seen)
+    seen, ways = evidence.excitation, effect.columns(evidence.excitation)
     assert bool(ways) == (effect.columns is not no_columns)
     assert len({(str(way.where), way.shape) for way in ways}) == len(ways)
     for way in ways:
