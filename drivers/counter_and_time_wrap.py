@@ -27,7 +27,7 @@ def unwrap(counter: IntArray, modulus: int, last: int | None = None) -> IntArray
     return unwrapped
 
 
-def onward(seconds: FloatArray, modulus: float | None) -> FloatArray:
+def unwrap_steps(seconds: FloatArray, modulus: float | None) -> FloatArray:
     """Return ``seconds`` (n,), steps of device time, as the smallest (n,) [s] that fit a wrap at ``modulus``.
 
     One that turns within `MIN_TURN_S` is read as going on, as a counter of few bits is. Seconds are rounded to
@@ -71,7 +71,7 @@ class TimeWatch:
     def jumps(self, block: SampleBlock) -> int:
         """Return the number of jumps found with the next block."""
         times = np.concatenate((self._times, block.device_time))
-        steps = onward(np.diff(times), self._modulus)
+        steps = unwrap_steps(np.diff(times), self._modulus)
         if self._period is None:
             if len(times) < PERIOD_SAMPLES:
                 self._times = times
@@ -109,7 +109,7 @@ class StepGate:
             self._last = values[-1]
 
 
-def watch_of(wire: WireFormat) -> CounterWatch | TimeWatch | None:
+def continuity_watch(wire: WireFormat) -> CounterWatch | TimeWatch | None:
     """Return what sees breaks in a format's frames; None where neither counter nor time would tell."""
     if wire.counter_modulus is not None:
         return CounterWatch(wire.counter_modulus)

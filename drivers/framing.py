@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivers.counter_and_time_wrap import StepGate, watch_of
+from drivers.counter_and_time_wrap import StepGate, continuity_watch
 from drivers.wire import FORMATS, FrameKind, Identity, Lines, WireFormat
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import SampleBlock, joined_blocks
@@ -49,7 +49,7 @@ class FrameCounters:
     bus_errors: int = 0
 
 
-class Run(NamedTuple):
+class FrameRun(NamedTuple):
     """Frames of one kind that stand end to end in a buffer; ``lines`` are those of text."""
 
     kind: FrameKind
@@ -80,10 +80,13 @@ class Decoder:
         self._pending = b""
         self._joiner = wire.joiner(self.counters) if wire.joiner is not None else None
         self._fed = 0  # bytes of the stream so far
-        self._found: tuple[list[Run], int] = ([], 0)  # of the last block, and where in them the fed bytes began
+        self._found: tuple[list[FrameRun], int] = (
+            [],
+            0,
+        )  # of the last block, and where in them the fed bytes began
         self._joined_edges: IntArray = np.zeros((0, 2), np.int64)
         self._is_after_frame = False  # so that a trailer may come
-        self._watch = watch_of(wire)
+        self._watch = continuity_watch(wire)
         self._gate = None if wire.max_step is None else StepGate(wire.max_step)
 
     @property
@@ -129,10 +132,10 @@ class Decoder:
             self.counters.counter_jumps += self._watch.jumps(block) if self._watch else 0
         return block
 
-    def _runs(self, buffer: bytes, *, at_end: bool) -> tuple[list[Run], int]:
+    def _runs(self, buffer: bytes, *, at_end: bool) -> tuple[list[FrameRun], int]:
         """Return the IMU frames in ``buffer`` and how far it is decided."""
         head, total, trailer = self._head, len(buffer), self.wire.trailer
-        view, runs, together = memoryview(buffer), list[Run](), self._together(buffer)
+        view, runs, together = memoryview(buffer), list[FrameRun](), self._together(buffer)
         at = kept = 0  # where the search stands; bytes in accepted frames
         while True:
             if self._is_after_frame:
@@ -147,7 +150,7 @@ class Decoder:
             kind = self._fixed.get(buffer[at : at + head])
             end = at if kind is None else self._end_of_run(kind, buffer, view, at)
             if kind is not None and end > at:
-                runs.append(Run(kind, at, end))
+                runs.append(FrameRun(kind, at, end))
             elif at in together:
                 runs.append(together[at])
                 end = runs[-1].end
@@ -166,13 +169,13 @@ class Decoder:
         self.counters.skipped_bytes += at - kept
         return runs, at
 
-    def _together(self, buffer: bytes) -> dict[int, Run]:
+    def _together(self, buffer: bytes) -> dict[int, FrameRun]:
         """Return lines of text that can be read together, by where the first begins."""
         kind = self.wire.imu
         if kind.text is None or kind.text.lines is None or len(buffer) < MIN_BATCH_BYTES:
             return {}
         found = [(int(each.edges[0, 0]), int(each.edges[-1, 1]), each) for each in kind.text.lines(buffer)]
-        return {begin: Run(kind, begin, end, each) for begin, end, each in found}
+        return {begin: FrameRun(kind, begin, end, each) for begin, end, each in found}
 
     def _end_of_run(self, kind: FrameKind, buffer: bytes, view: memoryview, at: int) -> int:
         """Return where the intact frames of ``kind`` that stand end to end from ``at`` on stop."""
@@ -182,7 +185,7 @@ class Decoder:
             at += size
         return at
 
-    def _other(self, buffer: bytes, at: int, runs: list[Run]) -> int:
+    def _other(self, buffer: bytes, at: int, runs: list[FrameRun]) -> int:
         """Return the end of what begins at ``at`` and is no frame of fixed size; ``at`` if nothing does."""
         head = buffer[at : at + self._head]
         kind = self._kinds.get(head)
@@ -202,7 +205,7 @@ class Decoder:
                 self._identify(frame)
             return end
         try:
-            runs.append(Run(kind, at, end, Lines(kind.text.row(frame), np.array([[at, end]]))))
+            runs.append(FrameRun(kind, at, end, Lines(kind.text.row(frame), np.array([[at, end]]))))
         except ValueError:
             self.counters.bad_length += 1
             return at
@@ -212,7 +215,7 @@ class Decoder:
         if self.wire.identify is not None:
             self.identity = self.wire.identify(frame)
 
-    def _decode(self, buffer: bytes, runs: Sequence[Run]) -> SampleBlock:
+    def _decode(self, buffer: bytes, runs: Sequence[FrameRun]) -> SampleBlock:
         blocks = list[SampleBlock]()
         for kind_id, same in groupby(runs, key=lambda run: id(run.kind)):
             together = list(same)
@@ -224,11 +227,11 @@ class Decoder:
         return joined_blocks(blocks) if blocks else self.wire.decode(np.frombuffer(b"", self.wire.frame))
 
 
-def _rows(buffer: bytes, runs: Sequence[Run]) -> bytes:
+def _rows(buffer: bytes, runs: Sequence[FrameRun]) -> bytes:
     return b"".join(buffer[run.begin : run.end] if run.lines is None else run.lines.rows for run in runs)
 
 
-def _edges(runs: Sequence[Run]) -> IntArray:
+def _edges(runs: Sequence[FrameRun]) -> IntArray:
     """Return where each frame begins and ends in the buffer."""
     lines = [run.lines.edges for run in runs if run.lines is not None]
     if lines:  # a format's frames are all lines of text, or none is
@@ -287,7 +290,7 @@ def seen_instead(wire: WireFormat, data: bytes) -> str:
     return ""
 
 
-class Likeness(NamedTuple):
+class FormatMatch(NamedTuple):
     """How much of some bytes is frames of a format."""
 
     format: str
@@ -295,7 +298,7 @@ class Likeness(NamedTuple):
     share_of_bytes: float
 
 
-def sniff(data: bytes) -> list[Likeness]:
+def sniff(data: bytes) -> list[FormatMatch]:
     """Return every format of which ``data`` holds frames, the one that explains most bytes first.
 
     A format with a weak check is named where it explains more than half of them: a few bytes pass it by chance.
@@ -306,5 +309,5 @@ def sniff(data: bytes) -> list[Likeness]:
         frames = len(decoder.feed(data)) + len(decoder.finish())
         share = 1 - decoder.counters.skipped_bytes / max(1, len(data))
         if frames and (wire.check_bits >= STRONG_CHECK_BITS or share > 0.5):
-            found.append(Likeness(name, frames, share))
+            found.append(FormatMatch(name, frames, share))
     return sorted(found, key=lambda likeness: -likeness.share_of_bytes)

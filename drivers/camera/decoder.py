@@ -10,7 +10,7 @@ import re
 from collections import deque
 from dataclasses import dataclass
 
-from drivers.camera.jpeg import BEGIN, Broken, JpegScanner
+from drivers.camera.jpeg import BEGIN, BrokenJpeg, JpegScanner
 
 MAX_IMAGE_BYTES = 8 * 2**20  # of an image: 4K at a high quality
 MAX_HEADER_BYTES = 4096  # the longest header that is looked at
@@ -121,7 +121,7 @@ class CameraDecoder:
         header = self._header or _Header()
         try:
             end = scanner.end(self._data)
-        except Broken as broken:
+        except BrokenJpeg as broken:
             return self._give_up(broken.at)
         if end is None:
             is_led_astray = scanner.reached > len(self._data) and self._next_part(len(self._data)) is not None

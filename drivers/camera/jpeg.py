@@ -14,7 +14,7 @@ RESTARTS = range(0xD0, SOI)
 MARKER = re.compile(rb"\xff[^\x00\xd0-\xd7\xff]")
 
 
-class Broken(ValueError):
+class BrokenJpeg(ValueError):
     """What is no JPEG from here on; ``at`` is the last marker up to which it may have been one."""
 
     def __init__(self, at: int) -> None:
@@ -32,14 +32,14 @@ class JpegScanner:
         self._is_scan = self._had_scan = False
 
     def end(self, data: bytes | bytearray) -> int | None:
-        """Return where the image that begins ``data`` ends, None if it goes on; raise `Broken`."""
+        """Return where the image that begins ``data`` ends, None if it goes on; raise `BrokenJpeg`."""
         while True:
             if self._is_scan and not self._leave_scan(data):
                 return None
             at = self.reached
             if data.startswith(END, at):
                 if self.size is None or not self._had_scan:
-                    raise Broken(self.last)
+                    raise BrokenJpeg(self.last)
                 return at + 2
             if len(data) < at + 4:
                 return None
@@ -60,7 +60,7 @@ class JpegScanner:
         """Pass a segment; False if more of it is needed."""
         code, length = data[at + 1], int.from_bytes(data[at + 2 : at + 4], "big")
         if data[at] != 0xFF or code < FIRST_MARKER or code == SOI or code in RESTARTS or length < 2:
-            raise Broken(self.last)
+            raise BrokenJpeg(self.last)
         if code in FRAMES:
             if len(data) < at + 9:
                 return False
@@ -72,8 +72,8 @@ class JpegScanner:
 
 
 def jpeg_size(jpeg: bytes) -> tuple[int, int]:
-    """Return width and height [px]; raise `Broken` where that is no whole JPEG."""
+    """Return width and height [px]; raise `BrokenJpeg` where that is no whole JPEG."""
     scanner = JpegScanner()
     if scanner.end(jpeg) is None or scanner.size is None:
-        raise Broken(len(jpeg))
+        raise BrokenJpeg(len(jpeg))
     return scanner.size

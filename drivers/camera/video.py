@@ -15,7 +15,7 @@ from procedures.fusion.vision.feature_tracker import Image
 S_PER_MS = 1e-3  # s
 
 
-def open_camera(path: str | Path) -> "Camera":
+def open_video(path: str | Path) -> "VideoCamera":
     """Open a camera or a video file, to be closed.
 
     Raises
@@ -31,10 +31,10 @@ def open_camera(path: str | Path) -> "Camera":
     capture = cv.VideoCapture(str(path), cv.CAP_V4L2 if device else cv.CAP_ANY)
     if not capture.isOpened():
         raise PortNotFound(str(path), "no images can be had", "name a camera such as /dev/video0 or a video file")
-    return Camera(str(path), capture, cv, device)
+    return VideoCamera(str(path), capture, cv, device)
 
 
-class Camera:
+class VideoCamera:
     """An open camera or video file."""
 
     def __init__(self, path: str, capture: Any, cv: Any, device: bool) -> None:
@@ -63,5 +63,5 @@ class Camera:
 
 def camera_images(path: str | Path, seconds: float = float("inf")) -> Iterator[tuple[float, Image]]:
     """Yield time [s] and image of a camera or a video file, and close it."""
-    with closing(open_camera(path)) as camera:
+    with closing(open_video(path)) as camera:
         yield from camera.images(seconds)

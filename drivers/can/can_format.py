@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.can import frame_record
-from drivers.can.frame_joiner import Joiner
+from drivers.can.frame_joiner import CanJoiner
 from drivers.can.mapping_file import CanMap, Slot, load_map
 from drivers.can.payload_checks import CHECKS
-from drivers.can.signal_layout import Field, Words, payloads_of
+from drivers.can.signal_layout import SignalField, Words, payloads_of
 from drivers.host_times import HINDSIGHT_S
 from drivers.wire import WireFormat
 from drivers.wire._format import Frames, fits
@@ -27,7 +27,7 @@ HOUSEKEEPING_S = 0.5  # how often an encoder sends what does not come with every
 
 
 @dataclass(slots=True)
-class Unread:
+class IgnoredCounters:
     """Counters that nobody reads."""
 
     bad_crc: int = 0
@@ -75,7 +75,7 @@ def format_of(can_map: CanMap) -> WireFormat:
         max_step=can_map.max_step,
         counter_modulus=None if can_map.counter is None else 1 << can_map.counter.bits,
         hindsight_s=0.1 if can_map.counter or any(slot.time for slot in can_map.slots) else HINDSIGHT_S,
-        joiner=partial(Joiner, can_map),
+        joiner=partial(CanJoiner, can_map),
     )
 
 
@@ -84,7 +84,9 @@ def _has_status(can_map: CanMap) -> bool:
 
 
 def _decode(can_map: CanMap, frames: Frames) -> SampleBlock:
-    return Joiner(can_map, Unread()).take(frames, frame_record.RECORD.itemsize * np.arange(len(frames)))[0]
+    return CanJoiner(can_map, IgnoredCounters()).take(
+        frames, frame_record.RECORD.itemsize * np.arange(len(frames))
+    )[0]
 
 
 def _example(can_map: CanMap) -> bytes:
@@ -155,7 +157,7 @@ def _ticks(can_map: CanMap, block: SampleBlock) -> IntArray:
     return np.rint(block.device_time / can_map.time_unit).astype(np.int64)
 
 
-def _status(can_map: CanMap, field: Field, block: SampleBlock) -> IntArray:
+def _status(can_map: CanMap, field: SignalField, block: SampleBlock) -> IntArray:
     mask = (1 << field.bits) - 1
     faults = can_map.fault_bits & mask
     good: IntArray = (block.status & mask) | np.where(block.healthy, can_map.good_bits & mask, 0)
@@ -163,7 +165,7 @@ def _status(can_map: CanMap, field: Field, block: SampleBlock) -> IntArray:
     return good | np.where(silent, 1 << max(faults.bit_length() - 1, 0) if faults else 0, 0)
 
 
-def _put_temperature(field: Field | None, words: Words, block: SampleBlock, rows: IntArray) -> None:
+def _put_temperature(field: SignalField | None, words: Words, block: SampleBlock, rows: IntArray) -> None:
     if field is not None and not field.is_float:
         known = np.nan_to_num(block.temperature[rows])
         field.put(words, np.rint((known - field.offset) / field.scale).astype(np.int64))

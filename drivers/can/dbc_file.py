@@ -8,7 +8,7 @@ from cantools.database.can import Database, Message
 from cantools.database.can.signal import Signal
 
 from drivers.can.frame_record import EXTENDED
-from drivers.can.signal_layout import Field
+from drivers.can.signal_layout import SignalField
 from drivers.errors import BadCanFile
 
 _AT_LINE = re.compile(r"line (\d+)")
@@ -47,7 +47,7 @@ def identifier_of(message: Message) -> int:
     return int(message.frame_id) | (EXTENDED if message.is_extended_frame else 0)
 
 
-def field_of(path: str, message: Message, name: str) -> Field:
+def field_of(path: str, message: Message, name: str) -> SignalField:
     """Return where one signal of a message stands; raise `BadCanFile` if it has none such, or none we can read."""
     signals = {signal.name: signal for signal in message.signals}
     if name not in signals:
@@ -59,8 +59,8 @@ def field_of(path: str, message: Message, name: str) -> Field:
     return _field(signal)
 
 
-def _field(signal: Signal) -> Field:
-    return Field(
+def _field(signal: Signal) -> SignalField:
+    return SignalField(
         start=signal.start,
         bits=signal.length,
         is_big_endian=signal.byte_order == "big_endian",

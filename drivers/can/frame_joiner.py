@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from drivers.can.frame_record import NO_DATA_FRAME, RECORD
 from drivers.can.mapping_file import CanMap, Slot
 from drivers.can.payload_checks import CHECKS
-from drivers.can.signal_layout import Field, Words, words_of
+from drivers.can.signal_layout import SignalField, Words, words_of
 from drivers.wire import JoinCounters
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock
@@ -37,12 +37,12 @@ class _Group:
     """Slots whose frames are numbered and checked alike."""
 
     slots: tuple[int, ...]
-    counter: Field | None
-    check: Field | None
+    counter: SignalField | None
+    check: SignalField | None
     size: int
 
 
-class Joiner:
+class CanJoiner:
     """Joins one device's frames, in the order they came; ``counters`` says what was met besides."""
 
     def __init__(self, can_map: CanMap, counters: JoinCounters) -> None:
@@ -271,7 +271,7 @@ class Joiner:
         self._aside = self._aside[newer][-MAX_ASIDE_FRAMES:]
         return begins
 
-    def _unwrapped(self, field: Field, raw: IntArray) -> IntArray:
+    def _unwrapped(self, field: SignalField, raw: IntArray) -> IntArray:
         if not len(raw):
             return raw
         modulus = 1 << field.bits
@@ -308,7 +308,7 @@ class Joiner:
 
 
 def _groups(slots: tuple[Slot, ...]) -> tuple[_Group, ...]:
-    alike: dict[tuple[Field | None, Field | None, int], list[int]] = {}
+    alike: dict[tuple[SignalField | None, SignalField | None, int], list[int]] = {}
     for i, slot in enumerate(slots):
         alike.setdefault((slot.counter, slot.check, slot.size), []).append(i)
     return tuple(_Group(tuple(members), *key) for key, members in alike.items())

@@ -14,7 +14,7 @@ from cantools.database.can import Database, Message
 
 from drivers.can.dbc_file import field_of, identifier_of, load_dbc
 from drivers.can.payload_checks import CHECKS
-from drivers.can.signal_layout import Field
+from drivers.can.signal_layout import SignalField
 from drivers.errors import BadCanFile
 
 FORMAT = "can-map/1"
@@ -37,12 +37,12 @@ class Slot:
     name: str
     identifier: int
     size: int
-    channels: tuple[tuple[int, Field], ...]
-    counter: Field | None
-    status: Field | None
-    check: Field | None
-    time: Field | None
-    temperature: Field | None
+    channels: tuple[tuple[int, SignalField], ...]
+    counter: SignalField | None
+    status: SignalField | None
+    check: SignalField | None
+    time: SignalField | None
+    temperature: SignalField | None
     is_needed: bool
 
 
@@ -76,7 +76,7 @@ class CanMap:
         return sum(slot.is_needed for slot in self.slots)
 
     @property
-    def counter(self) -> Field | None:
+    def counter(self) -> SignalField | None:
         """The sample counter, None where no frame has one."""
         return next((slot.counter for slot in self.slots if slot.counter is not None), None)
 
@@ -159,7 +159,7 @@ class _Reading:
             raise self._refused(f"{key} = {value!r}", "a whole number, not negative")
         return value
 
-    def _triad(self, key: str) -> list[tuple[Message, Field]]:
+    def _triad(self, key: str) -> list[tuple[Message, SignalField]]:
         names = self._tables.get(key)
         if not isinstance(names, list) or len(names) != 3 or not all(isinstance(each, str) for each in names):
             raise self._refused(f"{key} = {names!r}", "three names MESSAGE.SIGNAL, those of x, y, z")
@@ -170,7 +170,7 @@ class _Reading:
                 raise self._refused(f"{key} {name}, which is no whole number of up to 64 bits", "a count")
         return found
 
-    def _signal(self, name: str) -> tuple[Message, Field]:
+    def _signal(self, name: str) -> tuple[Message, SignalField]:
         message, dot, signal = name.partition(".")
         if not dot:
             raise self._refused(f"{name!r}", "a name MESSAGE.SIGNAL")
@@ -189,7 +189,9 @@ class _Reading:
             raise self._refused(f"{key} = {text!r}", "a name MESSAGE.SIGNAL")
         return {message: signal} if dot else {"": text} if text else {}
 
-    def _slots(self, channels: list[tuple[Message, Field]], named: dict[str, dict[str, str]]) -> tuple[Slot, ...]:
+    def _slots(
+        self, channels: list[tuple[Message, SignalField]], named: dict[str, dict[str, str]]
+    ) -> tuple[Slot, ...]:
         needed = [message.name for message, _ in channels]
         needed += [name for key in ("counter", "status", "check", "time") for name in named[key] if name]
         names = list(dict.fromkeys([*needed, *(name for name in named["temperature"])]))
@@ -198,11 +200,11 @@ class _Reading:
     def _slot(
         self,
         message: Message,
-        channels: list[tuple[Message, Field]],
+        channels: list[tuple[Message, SignalField]],
         named: dict[str, dict[str, str]],
         is_needed: bool,
     ) -> Slot:
-        def field(key: str) -> Field | None:
+        def field(key: str) -> SignalField | None:
             signal = named[key].get(message.name) or named[key].get("")
             return field_of(self._dbc, message, signal) if signal else None
 

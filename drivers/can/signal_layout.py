@@ -15,7 +15,7 @@ Words = tuple[NDArray[np.uint64], NDArray[np.uint64]]  # (n,) each: payloads rea
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class SignalField:
     """One signal: ``start`` as in the DBC, ``bits`` wide; ``scale`` and ``offset`` give it its ``unit``."""
 
     start: int

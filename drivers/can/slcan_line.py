@@ -16,7 +16,7 @@ FLAGS = re.compile(rb"(?:^|[\r\a])F([0-9A-Fa-f]{2})\r")
 PASSIVE, BUS_ERROR = 0x20, 0x80  # too many errors to take part in the bus
 
 
-class Line(Protocol):
+class SlcanSerial(Protocol):
     """The part of a pyserial line that is used; `write_timeout` is set by slcan."""
 
     in_waiting: int
@@ -33,7 +33,7 @@ class Line(Protocol):
 class SlcanLine:
     """A serial line with an adapter behind it; ``flags`` is the status it last told, None while it has not."""
 
-    def __init__(self, line: Line) -> None:
+    def __init__(self, line: SlcanSerial) -> None:
         self._line = line
         self._buffer, self._at = b"", 0
         self._tail = b"\r"  # the end of what was looked through for answers

@@ -31,7 +31,7 @@ TEMPERATURE = 1 << 12  # HIGHRES_IMU fields_updated
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class CommandAnswer:
     """What a system answered to a command: MAV_RESULT, 0 accepted."""
 
     host_ns: int
@@ -39,7 +39,7 @@ class Answer:
     result: int
 
 
-Record = GnssFix | TimeMark | AirData | Ambient | Answer
+Record = GnssFix | TimeMark | AirData | Ambient | CommandAnswer
 
 
 class MavlinkDecoder:
@@ -87,5 +87,5 @@ class MavlinkDecoder:
                 known = values["fields_updated"] & TEMPERATURE and math.isfinite(values["temperature"])
                 return Ambient(host_ns, values["temperature"]) if known else None
             case n if n == COMMAND_ACK:
-                return Answer(host_ns, values["command"], values["result"])
+                return CommandAnswer(host_ns, values["command"], values["result"])
         return None

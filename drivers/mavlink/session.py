@@ -11,7 +11,7 @@ depend on this one.
 from collections import deque
 from dataclasses import dataclass
 
-from drivers.mavlink.decoder import Answer, MavlinkDecoder
+from drivers.mavlink.decoder import CommandAnswer, MavlinkDecoder
 from drivers.mavlink.messages import (
     GLOBAL_POSITION_INT,
     GPS2_RAW,
@@ -73,7 +73,7 @@ class MavlinkSession:
         heartbeats = self._decoder.heartbeats
         for record in self._decoder.feed(data, round(now * 1e9)):
             self._told_at = now
-            if isinstance(record, Answer) and record.command == SET_MESSAGE_INTERVAL:
+            if isinstance(record, CommandAnswer) and record.command == SET_MESSAGE_INTERVAL:
                 self._answered(record.result, now)
         if self._decoder.heartbeats > heartbeats:
             is_anew = now - self._heard >= SILENT_S or self._decoder.clock.reboots != self._known_reboots

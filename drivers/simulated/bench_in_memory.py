@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from drivers.simulated.bench_truth import World, turn_sign, world_of
-from drivers.simulated.counting_triads import Sensor
+from drivers.simulated.counting_triads import CountingTriads
 from drivers.simulated.cube_motion import Segment, hand_turn, rest
 from drivers.simulated.effects import Planted, planted
 from drivers.simulated.truth import Truth
@@ -35,7 +35,7 @@ MAX_REVOLUTIONS = 100
 ALL_POSITIONS = tuple(range(1, 13))
 
 
-def stand(truth: Truth) -> World:
+def world_with_effects(truth: Truth) -> World:
     """Return the bench of a truth with its bench and procedure effects in."""
     world = world_of(truth)
     for effect, sizes in planted(truth.effects):
@@ -59,9 +59,9 @@ class SimulatedBench:
         self._hands = np.random.default_rng(hands)
         self._scatter = float(seed is not None)
         self.truth = truth if seed is None else truth.powered_on(np.random.default_rng(power))
-        self.world = stand(truth) if world is None else world
+        self.world = world_with_effects(truth) if world is None else world
         entropy = None if seed is None else [seed]
-        self.sensor = Sensor(self.truth, self.world, (*planted(truth.effects), *also), entropy)
+        self.sensor = CountingTriads(self.truth, self.world, (*planted(truth.effects), *also), entropy)
         self._move = round(move_s / truth.sample_period_s)
         self._wait = round(min(SETTLING_S, move_s) / truth.sample_period_s)
         self._index = 0
@@ -165,7 +165,7 @@ def simulate_campaign(
     exact (a planted site or fixture effect is what they do not state). Headings and closures are always drawn.
     """
     rng = np.random.default_rng([seed, 0xCA17])
-    world = stand(truth)
+    world = world_with_effects(truth)
     gravity_error, face_error = rng.standard_normal(), rng.standard_normal((6, 2))
     if draw_stated:
         world = replace(world, gravity=world.gravity + gravity_std * gravity_error)

@@ -5,14 +5,14 @@ from collections.abc import Iterable
 import numpy as np
 
 from drivers.camera.multipart import part
-from drivers.simulated.bench_in_memory import stand
+from drivers.simulated.bench_in_memory import world_with_effects
 from drivers.simulated.camera_room import Room
 from drivers.simulated.camera_texture import Floats, pyramid
 from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.imu import Z_UP_POSITION
 from drivers.simulated.timed_faults import TimedFault, active
 from drivers.simulated.truth import Truth
-from drivers.simulated.vehicle_motion import turned
+from drivers.simulated.vehicle_motion import turn_angle
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.arrays import FloatArray
 from procedures.frames import rotation
@@ -23,17 +23,17 @@ DARK_GREY = 4.0  # grey of an image in the dark
 NOISE_SAMPLES = 2**17  # drawn once: images differ in where they begin among it
 
 
-class Mounted:
+class CameraMount:
     """The pose of a camera at true times [s]; without a track it stands at the origin, the cube on its bottom."""
 
     def __init__(self, truth: Truth, camera: CameraTruth, track: VehicleTrack | None) -> None:
-        world = stand(truth)
+        world = world_with_effects(truth)
         self._camera, self._track, self._C_sb = camera, track, world.C_sb
         self._C_bn = world.attitude(Z_UP_POSITION)
         if track is not None:
             steps = int(np.ceil(track.t[-1] / truth.sample_period_s)) + 2
             self._t: FloatArray = np.float64(truth.sample_period_s) * np.arange(steps)
-            self._angle = turned(self._t, track.velocities(self._t), self._C_bn)
+            self._angle = turn_angle(self._t, track.velocities(self._t), self._C_bn)
 
     def pose(self, t: float) -> tuple[FloatArray, FloatArray]:
         """Return ``C_nc`` (3, 3), camera to East-North-Up, and where the camera is (3,) [m]."""
@@ -62,7 +62,7 @@ class CameraImages:
         self._cv = opencv()
         self.camera, self.faults, self.room = camera, tuple(faults), Room(track)
         pyramid()  # made now, so that the first image is in time
-        self._mounted = Mounted(truth, camera, track)
+        self._mounted = CameraMount(truth, camera, track)
         self._size = camera.height, camera.width
         rng = np.random.default_rng([seed or 0, 0xCA3E])
         noise = rng.standard_normal(NOISE_SAMPLES + camera.height * camera.width, dtype=np.float32)

@@ -26,7 +26,7 @@ SEEN_FROM = 45.0  # m: pillars further off are not drawn
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Hits:
+class RayHits:
     """Where rays end: ``depth`` along them, ``axis`` of the surface's normal, ``box`` 0 for the room."""
 
     depth: Floats
@@ -55,7 +55,7 @@ class Room:
         hits = self._walls(o, d)
         for box in self._near(o):
             if (part := self._covered(box, camera, C_nc, p_c)) is not None:
-                self._against(box, o, d[:, *part], Hits(hits.depth[part], hits.axis[part], hits.box[part]))
+                self._against(box, o, d[:, *part], RayHits(hits.depth[part], hits.axis[part], hits.box[part]))
         return self._painted(o, d, hits, np.einsum("i...,i...->...", rays, rays) / np.float32(camera.fx))
 
     def ends(self, camera: CameraTruth, C_nc: FloatArray, p_c: FloatArray, uv: FloatArray) -> FloatArray:
@@ -78,11 +78,11 @@ class Room:
         ends: FloatArray = (o + (hits.depth * d).T).astype(np.float64)
         return ends
 
-    def _walls(self, o: Floats, d: Floats) -> Hits:
+    def _walls(self, o: Floats, d: Floats) -> RayHits:
         """Return where rays meet the room from inside."""
         far = (np.where(d > 0, _up(self.high[0], d), _up(self.low[0], d)) - _up(o, d)) / d
         axis = far.argmin(axis=0).astype(np.int8)
-        return Hits(far.min(axis=0), axis, np.zeros(axis.shape, np.int32))
+        return RayHits(far.min(axis=0), axis, np.zeros(axis.shape, np.int32))
 
     def _near(self, o: Floats) -> np.ndarray:
         middle = (self.low[1:, :2] + self.high[1:, :2]) / 2
@@ -104,7 +104,7 @@ class Room:
         (u0, v0), (u1, v1) = (np.clip(each[:2], 0, size).astype(int).tolist() for each in (low, high))
         return (slice(v0, v1), slice(u0, u1)) if u0 < u1 and v0 < v1 else None
 
-    def _against(self, box: int, o: Floats, d: Floats, hits: Hits) -> None:
+    def _against(self, box: int, o: Floats, d: Floats, hits: RayHits) -> None:
         """Let rays that meet a box before anything else end there."""
         one, two = (_up(each[box] - o, d) / d for each in (self.low, self.high))
         enter, leave = np.minimum(one, two), np.maximum(one, two)
@@ -112,7 +112,7 @@ class Room:
         met = (near < far) & (near > MIN_RANGE_M) & (near < hits.depth)
         hits.depth[met], hits.axis[met], hits.box[met] = near[met], enter.argmax(axis=0)[met], box
 
-    def _painted(self, o: Floats, d: Floats, hits: Hits, pixel: Floats) -> Floats:
+    def _painted(self, o: Floats, d: Floats, hits: RayHits, pixel: Floats) -> Floats:
         """Return the grey where rays end; a pixel covers ``pixel`` times depth over slant there."""
         at = _up(o, d) + hits.depth * d
         u = np.where(hits.axis == 0, at[1], at[0]) + self._shift[hits.box, 0]

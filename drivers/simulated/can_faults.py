@@ -11,7 +11,7 @@ RECORD_BYTES = RECORD.itemsize
 FIRST_FOREIGN_ID = 0x320  # identifiers from here on are another device's
 
 
-class Counted(Protocol):
+class CountedFault(Protocol):
     """A fault."""
 
     @property
@@ -25,7 +25,7 @@ def babble(rng: np.random.Generator) -> bytes:
     return pack(FIRST_FOREIGN_ID + int(rng.integers(64)), 0, rng.bytes(int(rng.integers(9))))
 
 
-def without(frames: bytes, faults: Iterable[Counted], rng: np.random.Generator) -> bytes:
+def without(frames: bytes, faults: Iterable[CountedFault], rng: np.random.Generator) -> bytes:
     """Return a sample's frames without those that a ``frame_lost`` takes."""
     records = [frames[at : at + RECORD_BYTES] for at in range(0, len(frames), RECORD_BYTES)]
     for fault in faults:

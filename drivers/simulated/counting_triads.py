@@ -50,7 +50,7 @@ class BiasInstability:
             self._nodes = np.concatenate((self._nodes, grown))
 
 
-class Sensor:
+class CountingTriads:
     """Six counters of one unit, sampled forward in time.
 
     Parameters

@@ -22,7 +22,7 @@ from procedures.arrays import FloatArray
 IDENTITY_EVERY_S = 1.0
 
 
-class Move(NamedTuple):
+class ScheduledMove(NamedTuple):
     """A command to the hands at a device time [s], exact to the sample."""
 
     at_s: float
@@ -41,7 +41,7 @@ class ByteDevice:
         seed: int | None,
         format: str | WireFormat,
         faults: Iterable[Fault] = (),
-        moves: Iterable[Move] = (),
+        moves: Iterable[ScheduledMove] = (),
     ) -> None:
         self.imu = SimulatedImu(truth, seed)
         self.truth = self.imu.truth

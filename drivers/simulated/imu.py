@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from drivers.simulated.bench_in_memory import stand, turn_segment
-from drivers.simulated.counting_triads import Sensor
+from drivers.simulated.bench_in_memory import turn_segment, world_with_effects
+from drivers.simulated.counting_triads import CountingTriads
 from drivers.simulated.cube_motion import Segment, creep, flip, knock, rest, settle
 from drivers.simulated.effects import planted
 from drivers.simulated.truth import Truth
@@ -41,8 +41,10 @@ class SimulatedImu:
         self._hands = np.random.default_rng(hands)
         self._scatter = float(seed is not None)
         self.truth = truth if seed is None else truth.powered_on(np.random.default_rng(power))
-        self.world = stand(truth)
-        self._sensor = Sensor(self.truth, self.world, planted(truth.effects), None if seed is None else [seed])
+        self.world = world_with_effects(truth)
+        self._sensor = CountingTriads(
+            self.truth, self.world, planted(truth.effects), None if seed is None else [seed]
+        )
         self.index = 0
         self.position = position
         self._first = 0  # samples taken of the segment under way

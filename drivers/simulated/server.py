@@ -20,7 +20,7 @@ import numpy as np
 
 from drivers.device_url_parser import parse_device_url
 from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
-from drivers.simulated.device import ByteDevice, Move
+from drivers.simulated.device import ByteDevice, ScheduledMove
 from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.line_faults import Fault, Sent, Silence
 from drivers.simulated.pace import Pace
@@ -77,7 +77,7 @@ class SimulatedDevice:
         hold: bool = False,
         dbc: str = "",
         mapping: str = "",
-        moves: Iterable[Move] = (),
+        moves: Iterable[ScheduledMove] = (),
     ) -> None:
         self._line = _line(transport, link, host, port)
         wire: str | WireFormat = format

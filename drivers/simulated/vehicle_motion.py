@@ -27,10 +27,10 @@ def drive(track: VehicleTrack, C_bn: FloatArray, first: int, period: float) -> S
     t: FloatArray = np.float64(period) * np.arange(first, first + samples + 1)
     v = track.velocities(t)
     accel_n = np.diff(v, axis=0) / (period * STANDARD_GRAVITY)
-    return Segment(C_bn, samples, C_bn[:, 2], turned(t, v, C_bn), accel_n)
+    return Segment(C_bn, samples, C_bn[:, 2], turn_angle(t, v, C_bn), accel_n)
 
 
-def turned(t: FloatArray, v: FloatArray, C_bn: FloatArray) -> FloatArray:
+def turn_angle(t: FloatArray, v: FloatArray, C_bn: FloatArray) -> FloatArray:
     """Return by how much (n,) [rad] the cube has turned about its up.
 
     Parameters

@@ -26,7 +26,7 @@ QUANTISATION_STD = 12**-0.5  # sqrt(s): evenly within a count's worth of velocit
 RESTING_FORCE = 2e-4  # m/s/sqrt(s): a bench is never quite quiet
 
 
-def settings_of(
+def filter_settings(
     calibration: Mapping[str, Any] | None, aid: str, log: AttitudeLog, gravity: float, latitude: float | None,
     knows_heading: bool, quantum: float = 0.0,
 ) -> KalmanSettings:  # fmt: skip

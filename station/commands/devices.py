@@ -22,7 +22,7 @@ def devices(
     ] = None,
     seconds: Annotated[float, typer.Option("--seconds", metavar="S", min=0.1, help="For how long.")] = 2.0,
     watch: Annotated[bool, typer.Option("--watch", help="Look again and again, until Ctrl-C.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Write JSON, a line for each look.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Write JSON, a line for each probe_imu.")] = False,
     db: Database = None,
 ) -> None:
     """List serial ports, CAN interfaces and MAVLink systems with what each sends, or look at one device closely.
@@ -62,7 +62,7 @@ def _show(found: "Sequence[SurveyedPort]", *, json: bool, clear: bool) -> None:
     from json import dumps
     from shutil import get_terminal_size
 
-    from station.devices.port_survey import fitted, survey_lines
+    from station.devices.port_survey import fit_lines, survey_lines
 
     if json:
         typer.echo(dumps({"format": "devices/1", "devices": [asdict(each) for each in found]}))
@@ -70,7 +70,7 @@ def _show(found: "Sequence[SurveyedPort]", *, json: bool, clear: bool) -> None:
         lines = [line for each in found for line in (*survey_lines([each]), *_warning(each))]
         if sys.stdout.isatty():
             width, height = get_terminal_size()
-            lines = fitted(lines, width, height - 2 if clear else len(lines) * width)
+            lines = fit_lines(lines, width, height - 2 if clear else len(lines) * width)
         head = [f"{datetime.now():%H:%M:%S}  {len(found)} looked at; Ctrl-C ends"] if clear else []
         typer.echo((CLEAR if clear and sys.stdout.isatty() else "") + "\n".join([*head, *lines]))
     sys.stdout.flush()
@@ -90,22 +90,22 @@ def _pace(url: str, came_hz: float, rate_hz: float | None) -> str:
 
 def _closely(url: str, seconds: float) -> None:
     if url.startswith("mavlink:"):
-        from station.devices.gnss_probe import listen
+        from station.devices.gnss_probe import probe_gnss
 
-        for line in listen(url, seconds).lines():
+        for line in probe_gnss(url, seconds).lines():
             typer.echo(line)
         return
     if url.startswith("camera:"):
-        from station.devices.camera_probe import look_at_camera
+        from station.devices.camera_probe import probe_camera
 
-        for line in look_at_camera(url, seconds).lines():
+        for line in probe_camera(url, seconds).lines():
             typer.echo(line)
         return
     from drivers.wire import ALL_CHANNELS
-    from station.devices.imu_probe import look
+    from station.devices.imu_probe import probe_imu
     from station.text.plural import plural
 
-    seen = look(url, seconds)
+    seen = probe_imu(url, seconds)
     typer.echo(f"format    {seen.format}")
     typer.echo(f"unit      {seen.model or 'model not said'}, serial number {seen.serial or 'not said'}")
     typer.echo(f"received  {seen.frames / seen.seconds:.1f} frames/s, {seen.bytes / seen.seconds:.0f} bytes/s")

@@ -12,7 +12,7 @@ from station.text.plural import plural
 
 if TYPE_CHECKING:
     from station.stream.gnss import GnssFeed
-    from station.stream.gnss.sample_rate import Timed
+    from station.stream.gnss.sample_rate import TimedReceiver
     from station.stream.live.live_feed import LiveFeed
 
 
@@ -77,7 +77,7 @@ def record(
     from station.stream.camera.camera_feed import open_camera
     from station.stream.camera.description import read_description
     from station.stream.gnss import open_gnss
-    from station.stream.gnss.sample_rate import Timed, by_this_machine, said_of
+    from station.stream.gnss.sample_rate import TimedReceiver, host_sample_rate, rate_warning
     from station.stream.live.live_feed import no_recording, open_feed
     from station.stream.live.trouble_lines import TroubleLog
     from station.stream.reader import Reader
@@ -90,13 +90,13 @@ def record(
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
         view = stack.enter_context(open_camera(described, folder)) if described else None
         feed = open_feed(reader)
-        timed = Timed(receiver, feed) if receiver else None
-        rate = by_this_machine(feed)
+        timed = TimedReceiver(receiver, feed) if receiver else None
+        rate = host_sample_rate(feed)
         names = (feed.address.name, receiver.address.name if receiver else "", view.address.name if view else "")
         line, sky, sight = (TroubleLog(name, lambda text: typer.echo(text, err=True)) for name in names)
 
         def look() -> None:
-            line.look(feed.amiss or feed.silent or ("" if receiver else said_of(rate)))
+            line.look(feed.amiss or feed.silent or ("" if receiver else rate_warning(rate)))
             if receiver is not None and timed is not None:
                 sky.look(receiver.trouble or timed.said)
             if view is not None:
@@ -119,9 +119,9 @@ def record(
         typer.echo(f"{done.seconds:.3f} s of device time, {plural(done.samples, 'sample')}")
 
 
-def _say(file: Path, feed: "LiveFeed", receiver: "GnssFeed | None", timed: "Timed | None") -> None:
+def _say(file: Path, feed: "LiveFeed", receiver: "GnssFeed | None", timed: "TimedReceiver | None") -> None:
     """Say what was recorded, and what was met."""
-    from station.stream.gnss.receiver_summary import summary
+    from station.stream.gnss.receiver_summary import receiver_summary
 
     counters, framing = feed.stream.counters, feed.stream.decoder.counters
     typer.echo(
@@ -134,7 +134,7 @@ def _say(file: Path, feed: "LiveFeed", receiver: "GnssFeed | None", timed: "Time
     if zeros := feed.stream.decoder.kind.zeros:
         typer.echo(f"{feed.wire.name} does not measure {', '.join(zeros)}: 0 stands there")
     if receiver is not None:
-        typer.echo(summary(receiver))
+        typer.echo(receiver_summary(receiver))
     if timed is not None and timed.said:
         typer.echo(f"warning: {timed.said}", err=True)
 

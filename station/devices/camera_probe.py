@@ -18,7 +18,7 @@ FORMAT = "MJPEG"
 
 
 @dataclass(frozen=True, slots=True)
-class SeenCamera:
+class CameraProbe:
     """What came within ``seconds``; ``rate_hz`` is by the sender's stamps, None where it sends none.
 
     ``sizes`` are the images' widths and heights [px], one unless they change.
@@ -59,7 +59,7 @@ def _troubles(counters: CameraCounters) -> str:
     return f"{cut} cut short or broken, {other} of another kind, {plural(skipped, 'byte')} in no image"
 
 
-def look_at_camera(url: str, seconds: float, timeout_s: float = 0.05) -> SeenCamera:
+def probe_camera(url: str, seconds: float, timeout_s: float = 0.05) -> CameraProbe:
     """Read a camera for ``seconds``.
 
     Raises
@@ -84,7 +84,7 @@ def look_at_camera(url: str, seconds: float, timeout_s: float = 0.05) -> SeenCam
         seen = f"{_troubles(decoder.counters)}; look for longer, or check what it sends"
         raise WrongFormat(address.name, "JPEG", came, seen=seen)
     sizes = tuple(dict.fromkeys(jpeg_size(image.jpeg) for image in images))
-    return SeenCamera(took, came, len(images), sizes, _rate(images), decoder.counters)
+    return CameraProbe(took, came, len(images), sizes, _rate(images), decoder.counters)
 
 
 def _rate(images: list[CameraImage]) -> float | None:

@@ -12,7 +12,7 @@ from drivers.mavlink.port import MavlinkPort
 from drivers.mavlink.session import RequestedMessage
 from drivers.ports import open_port
 from station.stream.gnss.gnss_feed import EXPECTED, GnssFeed
-from station.stream.gnss.receiver_summary import summary
+from station.stream.gnss.receiver_summary import receiver_summary
 from station.stream.reader import Chunk, GapMark
 
 READ_BYTES = 65536
@@ -35,7 +35,7 @@ class _Direct:
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class GnssProbe:
     """What came of a link, and what was asked of it."""
 
     feed: GnssFeed
@@ -45,10 +45,10 @@ class Heard:
         """Return it in lines."""
         systems = [f"system {n}: {count} frames" for n, count in sorted(self.feed.decoder.systems.items())]
         asked = [f"{one.message} at {one.rate_hz:g} Hz: {one.outcome}" for one in self.asked]
-        return ["format    MAVLink", *systems, *asked, summary(self.feed)]
+        return ["format    MAVLink", *systems, *asked, receiver_summary(self.feed)]
 
 
-def listen(url: str, seconds: float, fixes: float = float("inf")) -> Heard:
+def probe_gnss(url: str, seconds: float, fixes: float = float("inf")) -> GnssProbe:
     """Return what came within ``seconds``, or until there were as many positions as ``fixes``.
 
     Raises
@@ -73,4 +73,4 @@ def listen(url: str, seconds: float, fixes: float = float("inf")) -> Heard:
     counters = feed.decoder.framer.counters
     if not counters.frames + counters.refused:
         raise WrongFormat(address.name, "MAVLink", source.bytes, address.baud)
-    return Heard(feed, port.session.asked)
+    return GnssProbe(feed, port.session.asked)

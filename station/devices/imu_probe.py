@@ -43,7 +43,7 @@ class ImuProbe:
         return watch.text(period, self.channels, self.frames * period)
 
 
-def look(url: str, seconds: float) -> ImuProbe:
+def probe_imu(url: str, seconds: float) -> ImuProbe:
     """Read a device for ``seconds``; where its address names no format, find the one that fits best.
 
     Raises
@@ -61,7 +61,7 @@ def look(url: str, seconds: float) -> ImuProbe:
         raise LinkSilent(address.name, seconds, address.baud)
     likely = sniff(data)
     wire = told or (FORMATS[likely[0].format] if likely else None)
-    seen = seen_as(wire, data, took) if wire else None
+    seen = probe_bytes(wire, data, took) if wire else None
     if seen is None:
         wanted = wire.name if wire else ""
         instead = seen_instead(wire, data) if wire else ""
@@ -73,7 +73,7 @@ def look(url: str, seconds: float) -> ImuProbe:
     return seen
 
 
-def seen_as(wire: WireFormat, data: bytes, seconds: float) -> ImuProbe | None:
+def probe_bytes(wire: WireFormat, data: bytes, seconds: float) -> ImuProbe | None:
     """Return what ``data``, come within ``seconds``, holds of a format; None where it holds none of its frames."""
     decoder = Decoder(wire)
     block = decoder.feed(data)

@@ -20,8 +20,8 @@ from drivers.udp_port import open_udp
 from drivers.url_wire_format import wire_of
 from drivers.wire import FORMATS
 from procedures.earth.gnss_records import GnssFix, averaged_site
-from station.devices.camera_probe import FORMAT, look_at_camera
-from station.devices.imu_probe import read_for, seen_as
+from station.devices.camera_probe import FORMAT, probe_camera
+from station.devices.imu_probe import probe_bytes, read_for
 
 GROUND_STATION = "mavlink:udpin:127.0.0.1:14550"  # where routers of this machine send to; others: by --url
 BAUDS = tuple(dict.fromkeys((DEFAULT_BAUD, *(wire.baud for wire in FORMATS.values()), 115200, 57600)))
@@ -83,11 +83,11 @@ def _looked_at(port: SurveyedPort, seconds: float) -> SurveyedPort:
             return _camera(port, seconds)
         wire_of(address)  # a wrong DBC or mapping is said before a port is waited for
         if address.scheme != "serial" or "baud=" in port.url or address.format:
-            return recognised(port, *_timed(_open(port.url), seconds))
+            return recognise_bytes(port, *_timed(_open(port.url), seconds))
         for baud in BAUDS:
             url = f"{port.url}?baud={baud}"
             data, took = _timed(open_port(url, TIMEOUT_S), seconds)
-            found = recognised(replace(port, url=url), data, took)
+            found = recognise_bytes(replace(port, url=url), data, took)
             if found.looks_like or not data:
                 return found
         return replace(found, url=port.url, trouble=f"{found.trouble} at {', '.join(map(str, BAUDS))} baud")
@@ -96,7 +96,7 @@ def _looked_at(port: SurveyedPort, seconds: float) -> SurveyedPort:
 
 
 def _camera(port: SurveyedPort, seconds: float) -> SurveyedPort:
-    seen = look_at_camera(port.url, seconds, TIMEOUT_S)
+    seen = probe_camera(port.url, seconds, TIMEOUT_S)
     return replace(
         port, about=seen.size, looks_like=FORMAT, frames_s=seen.images / seen.seconds,
         bytes_s=seen.bytes / seen.seconds, rate_hz=seen.rate_hz, errors=seen.errors,
@@ -114,7 +114,7 @@ def _timed(port: Port, seconds: float) -> tuple[bytes, float]:
     return read_for(port, seconds), max(time.monotonic() - began, 1e-9)
 
 
-def recognised(port: SurveyedPort, data: bytes, seconds: float) -> SurveyedPort:
+def recognise_bytes(port: SurveyedPort, data: bytes, seconds: float) -> SurveyedPort:
     """Return the port with what its bytes are."""
     if not data:
         return replace(port, trouble=f"no bytes within {seconds:.1f} s")
@@ -122,7 +122,7 @@ def recognised(port: SurveyedPort, data: bytes, seconds: float) -> SurveyedPort:
     address = parse_device_url(port.url)
     likely = sniff(data) if address.scheme in {"serial", "tcp", "replay"} else []
     wire = wire_of(address) or (FORMATS[likely[0].format] if likely else None)
-    if wire is not None and (seen := seen_as(wire, data, seconds)) is not None:
+    if wire is not None and (seen := probe_bytes(wire, data, seconds)) is not None:
         errors = {name: getattr(seen.counters, name) for name in seen.counters.__slots__}
         kept = {name: count for name, count in errors.items() if name not in {"frames", "identities"}}
         return replace(
@@ -162,7 +162,7 @@ def survey_lines(found: Sequence[SurveyedPort]) -> list[str]:
     return [line for each in found for line in _lines(each)]
 
 
-def fitted(lines: Sequence[str], width: int, height: int) -> list[str]:
+def fit_lines(lines: Sequence[str], width: int, height: int) -> list[str]:
     """Return lines broken between words to a terminal's width; what is too much for its height is counted."""
     broken = [
         part

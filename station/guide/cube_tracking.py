@@ -26,7 +26,7 @@ from procedures.earth.gyrocompass import BIAS_STD_RAD_S, SCALE_SPREAD, first_pos
 from procedures.frames import AXES
 from station.guide.face_and_stillness import BlockLook
 from station.guide.stage_context import StageContext
-from station.stream.live.rates_as_counts import counted
+from station.stream.live.rates_as_counts import as_counts
 from station.stream.live.stillness import Block
 
 TICK_S = 0.05  # a hand turns a cube by some degrees in it
@@ -104,7 +104,7 @@ class CubeTracker:
         ):
             return
         newest = max(block.last, buffer.end - max(round(GRAVITY_WINDOW_S / self._context.feed.period), 1))
-        accel = counted(buffer.block(newest, buffer.end), self._context.feed.period).accel
+        accel = as_counts(buffer.block(newest, buffer.end), self._context.feed.period).accel
         force = accel.mean(axis=0) / self._context.feed.period
         base = self._moved(base, self._ticks(block.last, buffer.end))
         gain = 1.0 if self._scale is None else LEVELLING_GAIN
@@ -179,7 +179,7 @@ class CubeTracker:
     def _ticks(self, first: int, last: int) -> FloatArray:
         """Return what the gyros counted in each tick (n, 3), IMU axes, less what they count at rest."""
         period = self._context.feed.period
-        gyro = counted(self._context.feed.buffer.block(first, last), period).gyro.astype(float)
+        gyro = as_counts(self._context.feed.buffer.block(first, last), period).gyro.astype(float)
         if self._resting is not None:
             gyro -= self._resting[:3] * period
         size = max(round(TICK_S / period), 1)

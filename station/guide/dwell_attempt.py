@@ -14,7 +14,7 @@ from procedures.arrays import FloatArray
 from procedures.counts.count_rate import RateEstimate
 from procedures.units import ARCSEC_PER_DEG
 from station.guide.face_and_stillness import BlockLook
-from station.stream.live.accepted_blocks import merged
+from station.stream.live.accepted_blocks import runs_of_blocks
 from station.stream.live.stillness import Block
 from station.stream.recorder.sample_buffer import SampleRun
 
@@ -71,7 +71,7 @@ class DwellAttempt:
 
     def runs(self) -> list[SampleRun]:
         """Return the accepted samples, as many as wanted."""
-        return merged(self.kept, self._wanted)
+        return runs_of_blocks(self.kept, self._wanted)
 
     def rate(self) -> FloatArray:
         """Return the mean count rate (6,) of what was accepted."""

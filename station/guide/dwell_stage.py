@@ -16,7 +16,7 @@ from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
 from station.guide.view import OperatorQuestion
 from station.guide.wrong_heading import after_dwell
-from station.stream.live.accepted_blocks import series
+from station.stream.live.accepted_blocks import series_of_runs
 from station.stream.live.stillness import Block
 
 ASK_AFTER_S = 10.0  # of accepted seconds without a sure heading
@@ -179,6 +179,6 @@ class DwellStage:
         if self._is_soak:
             return ""
         context, dwelling = self._context, self._dwelling
-        recorded = series(context.feed.buffer, dwelling.runs(), context.feed.period)
+        recorded = series_of_runs(context.feed.buffer, dwelling.runs(), context.feed.period)
         up = context.C_sb @ face_normal(self._face)
         return crept(triad_estimates(recorded.accel, recorded), dwelling.accepted_s, up)

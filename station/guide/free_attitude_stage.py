@@ -18,7 +18,7 @@ from station.guide.instruction_words import step_title
 from station.guide.soak_progress import SoakTemperature, soak_in_words
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
-from station.stream.live.accepted_blocks import series
+from station.stream.live.accepted_blocks import series_of_runs
 from station.stream.live.stillness import Block
 
 
@@ -93,7 +93,7 @@ class FreeAttitudeStage:
         if not dwelling.is_complete:
             return self
         if not self._is_soak:
-            recorded = series(context.feed.buffer, dwelling.runs(), context.feed.period)
+            recorded = series_of_runs(context.feed.buffer, dwelling.runs(), context.feed.period)
             up = context.C_sb @ context.gate.way_up(dwelling.rate()[3:])
             if why := crept(triad_estimates(recorded.accel, recorded), dwelling.accepted_s, up):
                 return self._again(context, f"{why}; it begins again", must_move=False)

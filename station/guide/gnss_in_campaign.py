@@ -16,9 +16,9 @@ from station.files.setup import Setup
 from station.stream.events import EventLog
 from station.stream.gnss import GnssFeed, open_gnss
 from station.stream.gnss.receiver_summary import site_in_words
-from station.stream.gnss.sample_rate import SampleRate, by_this_machine
+from station.stream.gnss.sample_rate import SampleRate, host_sample_rate
 from station.stream.live.live_feed import LiveFeed
-from station.stream.live.trouble_lines import words_of
+from station.stream.live.trouble_lines import without_numbers
 
 GNSS_FILE = "gnss.json"
 SITE_FIXES = 20  # to average before a campaign begins
@@ -48,7 +48,7 @@ class SampleRateWatch:
 
     def __init__(self, feed: LiveFeed, event_log: EventLog, gnss: GnssFeed | None) -> None:
         self._gnss, self._event_log, self._said = gnss, event_log, ""
-        self._rate = by_this_machine(feed) if gnss is None else SampleRate(feed, gnss.utc, gnss.utc_scatter)
+        self._rate = host_sample_rate(feed) if gnss is None else SampleRate(feed, gnss.utc, gnss.utc_scatter)
 
     def round(self) -> None:
         """Take what has come; raise `DataRefused` if the device's rate is surely more than 1 % off."""
@@ -56,8 +56,8 @@ class SampleRateWatch:
             self._gnss.advance()
         self._rate.look()
         now = (self._gnss.trouble if self._gnss else "") or self._rate.warning
-        if words_of(now) != self._said:  # not once more for each new figure
-            self._said = words_of(now)
+        if without_numbers(now) != self._said:  # not once more for each new figure
+            self._said = without_numbers(now)
             well = "GNSS is well again" if self._gnss else "the sample rate is right again"
             self._event_log.say("rejected" if now else "", now or well)
 

@@ -25,10 +25,10 @@ RECEIVER_FIXES = 10
 
 def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
     """Look at what a port sends; what is wrong with it stands in ``text``, with what to do. Never raises."""
-    from station.devices.imu_probe import look
+    from station.devices.imu_probe import probe_imu
 
     try:
-        seen = look(url, seconds)
+        seen = probe_imu(url, seconds)
     except (DriverError, OSError) as error:
         return PortCheck(url=url, is_good=False, text=str(error))
     counters = seen.counters
@@ -51,11 +51,11 @@ def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
 
 def check_receiver(url: str, seconds: float = LISTEN_S) -> PortCheck:
     """Listen to a receiver; what is wrong stands in ``text``, with what to do. Never raises."""
-    from station.devices.gnss_probe import listen
+    from station.devices.gnss_probe import probe_gnss
     from station.stream.gnss.receiver_summary import site_in_words
 
     try:
-        feed = listen(url, seconds, RECEIVER_FIXES).feed
+        feed = probe_gnss(url, seconds, RECEIVER_FIXES).feed
     except (DriverError, OSError) as error:
         return PortCheck(url=url, is_good=False, text=str(error))
     if (site := feed.site()) is not None:

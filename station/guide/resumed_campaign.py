@@ -15,7 +15,7 @@ from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell
 from station.guide.step_checklist import is_free
 from station.stream.live.power_cycle import switched_on_again
-from station.stream.live.rates_as_counts import counted_series
+from station.stream.live.rates_as_counts import series_as_counts
 from station.stream.recorder.accepted_step_writer import step_of
 
 SURE_REST_S = 2.0  # of rest before a turn that surely were
@@ -56,7 +56,7 @@ def read_accepted_steps(folder: Path) -> AcceptedSteps:
     tables = {one.file: one for one in folder_read.tables.steps()}
     turn_on = max((getattr(one, "turn_on", None) or 1 for one in tables.values()), default=1)
     now = [d for d in loaded.dwells if (getattr(tables[d.name], "turn_on", None) or 1) == turn_on]
-    before = [accepted_dwell(d.position, counted_series(d.series)) for d in now]
+    before = [accepted_dwell(d.position, series_as_counts(d.series)) for d in now]
     turns = {_name(turn): turn_seen(turn, loaded.fixture.C_sb) for turn in loaded.turns}
     seconds, free_attitudes = dict[str, float](), dict[str, FloatArray]()
     for one in folder_read.steps:
@@ -65,7 +65,7 @@ def read_accepted_steps(folder: Path) -> AcceptedSteps:
         series = one.data.series
         seconds[step.name] = len(series) * series.period
         if isinstance(step, FreePosition | Soak) and is_free(step):
-            free_attitudes[step.name] = np.asarray(counted_series(series).accel).mean(axis=0) / series.period
+            free_attitudes[step.name] = np.asarray(series_as_counts(series).accel).mean(axis=0) / series.period
     bad = frozenset(one.position for one in folder_read.tables.dwell if one.position and one.kept_seat_rad)
     of_now = [one for one in folder_read.steps if (getattr(one.table, "turn_on", None) or 1) == turn_on]
     last = max((float(one.data.series.t[-1]) for one in of_now if one.data is not None), default=None)
@@ -78,7 +78,7 @@ def _name(turn: TurnRecord) -> str:
 
 def turn_seen(turn: TurnRecord, C_sb: FloatArray) -> TurnCounts:
     """Return a recorded turn as `TurnWatch` saw it: less the rate of its first seconds, at rest."""
-    series = counted_series(turn.series)
+    series = series_as_counts(turn.series)
     samples = np.asarray(series.gyro) @ C_sb[:, AXES.index(turn.axis)]
     n = max(round(SURE_REST_S / series.period), 2)
     rest, total = samples[:n], float(np.sum(samples - samples[:n].mean()))

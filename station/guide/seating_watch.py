@@ -14,7 +14,7 @@ from station.guide.dwell_attempt import DwellAttempt
 from station.guide.setup_view import Choice
 from station.guide.stage_context import StageContext
 from station.guide.view import OperatorQuestion
-from station.stream.live.accepted_blocks import series
+from station.stream.live.accepted_blocks import series_of_runs
 
 LOOKS_S = (3.0, 6.0, 10.0, 20.0, 40.0, 70.0)  # of accepted seconds
 ALIKE_RAD = 5e-5  # 10 arcsec, or three sigma
@@ -49,7 +49,7 @@ class SeatCheck:
     def last_fault(self, dwelling: DwellAttempt, position: int) -> str:
         """Look now."""
         context = self._context
-        recorded = series(context.feed.buffer, dwelling.runs(), context.feed.period)
+        recorded = series_of_runs(context.feed.buffer, dwelling.runs(), context.feed.period)
         accel, std = rates_and_sigmas(triad_estimates(recorded.accel, recorded))
         before = [(each.position, each.accel, each.accel_std) for each in context.well_seated]
         facts = context.bench

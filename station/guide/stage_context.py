@@ -21,7 +21,7 @@ from station.guide.resumed_campaign import AcceptedSteps
 from station.guide.step_checklist import Checklist
 from station.guide.turn_pairs import TurnClosures, turns_again, what_now
 from station.stream.events import EventLog
-from station.stream.live.accepted_blocks import series
+from station.stream.live.accepted_blocks import series_of_runs
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
@@ -202,7 +202,7 @@ class StageContext:
             self.kept_seats.pop(step.position, None)
             self.reported_turned = {each for each in self.reported_turned if step.position not in each}
             (self.badly_seated.discard if kept_seat is None else self.badly_seated.add)(step.position)
-            found = accepted_dwell(step.position, series(buffer, runs, period))
+            found = accepted_dwell(step.position, series_of_runs(buffer, runs, period))
             if not self.accepted_dwells:
                 rate = np.concatenate((found.gyro, found.accel))
                 self._recorder.keep_first_rest(rate, self.gate.stillness.noise)

@@ -22,7 +22,7 @@ from station.guide.turn_pairs import (
     heading_moved,
 )  # fmt: skip
 from station.guide.view import OperatorQuestion, TurnView
-from station.stream.live.accepted_blocks import merged
+from station.stream.live.accepted_blocks import runs_of_blocks
 from station.stream.live.stillness import Block
 from station.stream.live.turn_detection import TurnWatch
 
@@ -210,7 +210,7 @@ class TurnStage:
         seen = self._seen()
         partner = context.closings.partner(self._step.axis, self._step.direction)
         told = agreement_in_words(seen, partner, context.closings.closure_std) or earth_rate_says(change)
-        context.accept_turn(self._step, merged(watch.step_blocks(), None), seen, told)
+        context.accept_turn(self._step, runs_of_blocks(watch.step_blocks(), None), seen, told)
         context.position = 0 if self._is_touched else self._step.start_position
         return self._again(context, "", must_move=not self._is_touched)
 

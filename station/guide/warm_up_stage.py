@@ -17,7 +17,7 @@ from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
 from station.guide.step_checklist import MOVE_S
 from station.guide.view import WarmUpView
-from station.stream.live.accepted_blocks import merged, series
+from station.stream.live.accepted_blocks import runs_of_blocks, series_of_runs
 from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, Block
 
 MEAN_BLOCKS = 10
@@ -134,7 +134,7 @@ class WarmUpStage:
         if wanted is None:
             return
         blocks = [block for row in self._rows[-NOISE_ROWS:] for block in row]
-        recorded = series(context.feed.buffer, merged(blocks, None), context.feed.period)
+        recorded = series_of_runs(context.feed.buffer, runs_of_blocks(blocks, None), context.feed.period)
         noise = np.array([each.noise for each in triad_estimates(recorded.accel, recorded)])
         k = np.full(3, float(np.max(np.abs(blocks[-1].rate[3:]))))
         found = dwell_seconds(noise, k, wanted)

@@ -53,7 +53,7 @@ def on_imu_clock(log: FusionLog) -> ClockedTracks | Waiting:
     return why
 
 
-def suspicion(log: FusionLog) -> str:
+def suspected_offset(log: FusionLog) -> str:
     """Return what the first turns that tell say of a camera's clock of which nothing was told, or nothing."""
     assert log.imu is not None and log.tracks is not None  # noqa: PT018
     if _told(log) != (None, None):

@@ -19,7 +19,7 @@ from procedures.fusion.vision.feature_tracks import FeatureTracks
 from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
-from station.locate.camera_clock import on_imu_clock, suspicion
+from station.locate.camera_clock import on_imu_clock, suspected_offset
 from station.locate.imu_source import alignment_of, never, of_gaps
 from station.locate.outer_layer import outer_settings, through_graph
 from station.locate.result import Located
@@ -50,7 +50,7 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     told = partial(_tell_lever, window) if given.layout.lever_arm else None
     located = through_graph(log, window, after=max(aligned.t, clocked.since), settings=given, told=told)
     bias = {"gyro_bias": window.state.bg[-1], "accel_bias": window.state.ba[-1]}
-    late = suspicion(log)
+    late = suspected_offset(log)
     warnings = (*located.warnings, *of_gaps(log, imu_gaps(log.imu)), *([late] if late else []))
     located = replace(located, alignment=alignment_of(aligned), warnings=warnings, **bias)
     if located.begun_at is None:
@@ -91,5 +91,5 @@ def _aligned(
     other = align_when_possible(aligner, log.imu, fixes)
     if isinstance(other, AlignmentState):
         return other
-    hint = suspicion(log) if STRANGE_CLOCK in found.why else ""
+    hint = suspected_offset(log) if STRANGE_CLOCK in found.why else ""
     return Waiting(f"{found.why}{hint and f' ({hint})'}; without the camera: {other.why}")

@@ -16,12 +16,12 @@ from station.calibrated.rates_and_forces import Sensors
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_writing import CameraTracks, FusionRecording, write_fusion
 from station.files.mcap_files.fix_reader import Record
-from station.locate.imu_noise import MIN_REST_S, Rest, densities, longest_rest
+from station.locate.imu_noise import MIN_REST_S, Rest, longest_rest, noise_densities
 from station.stream.camera.recorded_tracks import recorded_tracks
 from station.stream.gnss.fix_times import FixTimes
 from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.live.silent_channels import refuse_partial
-from station.stream.replay.gnss import read_recorded
+from station.stream.replay.gnss import read_recorded_fixes
 from station.stream.replay.imu import Replay
 from station.text.plural import plural
 
@@ -57,11 +57,11 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     times, imu, sensors = FixTimes(), *_calibrated(feed, applied)
     for host_ns, sample in feed.buffer.marks(feed.buffer.begin, feed.buffer.end):
         times.mark_imu(host_ns, _device_s(feed, sample))
-    origin, fixes = _placed(file, read_recorded(file), times, imu)
+    origin, fixes = _placed(file, read_recorded_fixes(file), times, imu)
     counts = sensors.quanta() if feed.wire.output == "increments" else (0.0, 0.0)
     rest = longest_rest(imu, counts[1])
     gravity = normal_gravity(origin.latitude, origin.height)
-    noise = densities(imu, rest, feed.period, applied.document, counts)
+    noise = noise_densities(imu, rest, feed.period, applied.document, counts)
     std = KNOWN_STD if times.knows_sender else UNKNOWN_STD
     marks = feed.buffer.marks(feed.buffer.begin, feed.buffer.end)
     seen = recorded_tracks(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))

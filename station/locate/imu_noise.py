@@ -49,7 +49,7 @@ class NoiseOf:
         rest, seconds = longest_rest(imu, self._quantum[1]), float(imu.t[-1] - imu.t[0])
         if rest.seconds < MIN_REST_S and seconds < PATIENCE_S:
             return None
-        return densities(imu, rest, self._period, self._calibration, self._quantum)
+        return noise_densities(imu, rest, self._period, self._calibration, self._quantum)
 
 
 def longest_rest(imu: ImuSeries, quantum: float = 0.0) -> Rest:
@@ -69,7 +69,7 @@ def longest_rest(imu: ImuSeries, quantum: float = 0.0) -> Rest:
     return Rest(first, last, float(ends[longest] - begins[longest]))
 
 
-def densities(
+def noise_densities(
     imu: ImuSeries, rest: Rest, period: float, calibration: Mapping[str, Any] | None,
     quantum: tuple[float, float] = (0.0, 0.0),
 ) -> ImuNoise:  # fmt: skip

@@ -21,7 +21,7 @@ ATTEMPT_SPACING = 0.05  # of the time so far, between two attempts
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Begun:
+class LiveStart:
     """An alignment, and the samples and fixes from which the window begins."""
 
     aligned: AlignmentState
@@ -29,7 +29,7 @@ class Begun:
     fixes: GnssFixes
 
 
-class Beginning:
+class LiveAlignment:
     """Tries at growing intervals; ``why`` says what is missing."""
 
     def __init__(self, aligner: MovingAligner) -> None:
@@ -38,7 +38,7 @@ class Beginning:
         self._next = 0.0
         self.why = "waiting for fixes"
 
-    def attempt(self, imu: ImuSeries, fixes: GnssFixes) -> Begun | None:
+    def attempt(self, imu: ImuSeries, fixes: GnssFixes) -> LiveStart | None:
         """Return a beginning if it is time for an attempt and that succeeds."""
         now = min(float(imu.t[-1]), float(fixes.t[-1]))
         if self._start is None:
@@ -52,10 +52,10 @@ class Beginning:
             self.why = found.why
             return None
         first = max(found.t0, now - max(LONGEST_REST, MOTION_WINDOW_S))
-        return Begun(replace(found, t0=first), between(imu, first - 1.0, now), fixes)
+        return LiveStart(replace(found, t0=first), between(imu, first - 1.0, now), fixes)
 
 
-def joined(parts: list[ImuSeries]) -> ImuSeries:
+def joined_series(parts: list[ImuSeries]) -> ImuSeries:
     """Return consecutive samples as one series."""
     return ImuSeries(
         *(np.concatenate([getattr(part, name) for part in parts]) for name in ("t", "omega_b", "f_b"))

@@ -19,14 +19,14 @@ from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraphSettings
 from station.locate.camera_source import with_lever
 from station.locate.imu_noise import NoiseOf
 from station.locate.imu_source import with_constants
-from station.locate.live_alignment import MAX_BUFFER_S, Beginning, Begun, joined
+from station.locate.live_alignment import MAX_BUFFER_S, LiveAlignment, LiveStart, joined_series
 from station.locate.live_camera import LiveCamera
 from station.locate.live_fixes import KEYFRAME_DELAY_S, LiveFixes
 from station.locate.live_graph import Graph, LiveGraph, NoGraph
 from station.locate.live_inputs import LocatorTick
 from station.locate.live_report import LocationReport
 from station.locate.live_source import LiveInertial, LiveSource
-from station.locate.live_vision import LiveVision, VisualBeginning
+from station.locate.live_vision import LiveVision, LiveVisualAlignment
 from station.locate.location import Location
 from station.locate.outer_layer import FREE_ARM
 
@@ -54,7 +54,7 @@ class LiveLocator:
         if self._camera is not None:
             self._camera.begin_anew()
         self._imu: deque[ImuSeries] = deque()
-        self._beginning: Beginning | VisualBeginning | None = None
+        self._beginning: LiveAlignment | LiveVisualAlignment | None = None
         self._source: LiveSource | None = None
         self._graph: Graph | None = None
         self._try_at = -np.inf
@@ -87,11 +87,11 @@ class LiveLocator:
         camera.mark(taken.marks)
         camera.take(taken.images, now)
         if camera.is_due:
-            camera.learn(joined(list(self._imu)))
+            camera.learn(joined_series(list(self._imu)))
         self.location = replace(self.location, camera=camera.said)
 
     def _try_to_begin(self, fixes: GnssFixes) -> None:
-        imu = joined(list(self._imu))
+        imu = joined_series(list(self._imu))
         begun = None
         if self._beginning is None and (noise := self._noise_of(imu)) is not None:
             self._beginning = self._beginning_of(noise)
@@ -104,11 +104,11 @@ class LiveLocator:
         if begun is not None and self._beginning is not None:
             self._begin(begun, self._aligner(self._beginning.noise), fixes)
 
-    def _beginning_of(self, noise: ImuNoise) -> "Beginning | VisualBeginning":
+    def _beginning_of(self, noise: ImuNoise) -> "LiveAlignment | LiveVisualAlignment":
         aligner = self._aligner(noise)
-        return Beginning(aligner) if self._camera is None else VisualBeginning(aligner, self._camera)
+        return LiveAlignment(aligner) if self._camera is None else LiveVisualAlignment(aligner, self._camera)
 
-    def _begin(self, begun: Begun, a: MovingAligner, fixes: GnssFixes) -> None:
+    def _begin(self, begun: LiveStart, a: MovingAligner, fixes: GnssFixes) -> None:
         """Go through the data of the alignment again."""
         given = PoseGraphSettings(lever_arm=self._arm)
         if self._camera is None:
@@ -142,7 +142,7 @@ class LiveLocator:
 
     def _go_on(self, source: LiveSource, graph: Graph, now: float) -> None:
         """Add the keyframes that are due."""
-        for pose in source.due(joined(list(self._imu)), now - self._given.lateness):
+        for pose in source.due(joined_series(list(self._imu)), now - self._given.lateness):
             if (known := graph.take(pose)) is not None:
                 self._show(source, graph, known, self._given.passed(pose.t))
                 if self._arm is None:

@@ -8,7 +8,7 @@ from procedures.fusion.fusion_records import ImuSeries
 from procedures.fusion.inner.inertial_window import WindowSettings
 from procedures.fusion.inner.live_window import LiveWindow
 from procedures.fusion.odometry import OdometryPose
-from station.locate.live_alignment import Begun
+from station.locate.live_alignment import LiveStart
 from station.locate.live_fixes import LiveFixes
 
 
@@ -36,7 +36,7 @@ class LiveSource(Protocol):
 class LiveInertial:
     """IMU and GNSS velocity: `LiveSource` with a keyframe at each fix and between them."""
 
-    def __init__(self, settings: WindowSettings, begun: Begun, given: LiveFixes) -> None:
+    def __init__(self, settings: WindowSettings, begun: LiveStart, given: LiveFixes) -> None:
         self.window, self._given = LiveWindow(settings, begun.imu, begun.fixes, begun.aligned), given
 
     @property

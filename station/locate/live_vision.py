@@ -15,18 +15,18 @@ from procedures.fusion.outer.pose_graph import PoseGraphSettings
 from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner
 from procedures.fusion.visual_alignment.visual_start import VisualStart
 from station.locate.camera_source import antenna_of
-from station.locate.live_alignment import Beginning, Begun
+from station.locate.live_alignment import LiveAlignment, LiveStart
 from station.locate.live_camera import LiveCamera
 from station.locate.live_fixes import LiveFixes
 
 LEAD_S = 1.0  # s of samples before the first keyframe
 
 
-class VisualBeginning:
+class LiveVisualAlignment:
     """Tries by the camera, and by the IMU alone where that cannot do it yet; ``why`` says what both miss."""
 
     def __init__(self, aligner: MovingAligner, camera: LiveCamera) -> None:
-        self._inertial, self._camera = Beginning(aligner), camera
+        self._inertial, self._camera = LiveAlignment(aligner), camera
         site = Site(aligner.gravity, aligner.earth_n, aligner.noise)
         antenna = LeverArm(aligner.lever, aligner.lever_std or 0.0)
         self._aligner = VisualAligner(VisionSettings(site, camera.camera, antenna))
@@ -37,7 +37,7 @@ class VisualBeginning:
         """The IMU's noise."""
         return self._inertial.noise
 
-    def attempt(self, imu: ImuSeries, fixes: GnssFixes) -> Begun | None:
+    def attempt(self, imu: ImuSeries, fixes: GnssFixes) -> LiveStart | None:
         """Return a beginning if it is time for an attempt and that succeeds."""
         if (begun := self._by_camera(imu, fixes)) is not None:
             return begun
@@ -45,7 +45,7 @@ class VisualBeginning:
         self.why = f"{self.why}; without the camera: {self._inertial.why}"
         return begun
 
-    def _by_camera(self, imu: ImuSeries, fixes: GnssFixes) -> Begun | None:
+    def _by_camera(self, imu: ImuSeries, fixes: GnssFixes) -> LiveStart | None:
         tracks = self._camera.tracks()
         if not len(tracks.t):
             self.why = f"camera: {self._camera.why}"
@@ -56,14 +56,14 @@ class VisualBeginning:
             self.why = found.why
             return None
         aligned = found.aligned
-        return Begun(aligned, between(imu, aligned.t0 - LEAD_S, float(tracks.t[-1])), fixes)
+        return LiveStart(aligned, between(imu, aligned.t0 - LEAD_S, float(tracks.t[-1])), fixes)
 
 
 class LiveVision:
     """Camera, IMU and GNSS velocity: `station.locate.live_source.LiveSource` with a keyframe at each frame."""
 
     def __init__(
-        self, site: Site, given: PoseGraphSettings, begun: Begun, fixes: LiveFixes, camera: LiveCamera
+        self, site: Site, given: PoseGraphSettings, begun: LiveStart, fixes: LiveFixes, camera: LiveCamera
     ) -> None:
         settings = VisionSettings(site, camera.camera, antenna_of(given), offset_std=camera.offset_std)
         tracks = camera.tracks(begun.aligned.t0)

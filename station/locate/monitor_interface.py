@@ -10,7 +10,7 @@ from station.locate.location import Location
 from station.stream.events import Sound
 
 
-class Locating(Protocol):
+class Locator(Protocol):
     """What a monitor tells of each tick, and asks where the unit is."""
 
     @property
@@ -32,7 +32,7 @@ def in_imu_axes(tick: CalibratedTick, C: FloatArray, period: float) -> ImuSeries
     return ImuSeries(tick.t - period / 2, tick.calibrated.rate @ C, tick.calibrated.force @ C)
 
 
-def news_of(before: Location | None, found: Location) -> tuple[Sound, str] | None:
+def location_event(before: Location | None, found: Location) -> tuple[Sound, str] | None:
     """Return what is to be said of a location, and how it sounds."""
     was = before is not None and before.is_located
     if found.is_located and not was:

@@ -16,8 +16,8 @@ from station.locate.imu_noise import NoiseOf
 from station.locate.live_camera import LiveCamera
 from station.locate.live_inputs import LocatorTick
 from station.locate.live_locator import LiveLocator
-from station.locate.monitor_interface import Locating
-from station.stream.camera.description import Description
+from station.locate.monitor_interface import Locator
+from station.stream.camera.description import CameraDescription
 from station.stream.camera.feature_following import ImageFeatureFollower
 from station.stream.live.live_feed import LiveFeed
 
@@ -69,7 +69,7 @@ class LocatorThread:
 def locating(
     feed: LiveFeed, applied: AppliedCalibration, C: FloatArray, lever_arm: tuple[float, ...], stack: ExitStack, *,
     live: bool, camera: LiveCamera | None = None,
-) -> Locating:  # fmt: skip
+) -> Locator:  # fmt: skip
     """Return what locates the unit of a feed; ``C`` (3, 3) takes IMU axes to forward-right-down."""
     counts = feed.wire.output == "increments"
     sensors = Sensors(applied.document, applied.nominal, np.eye(3), feed.period, counts=counts)
@@ -82,7 +82,7 @@ def locating(
     return thread
 
 
-def live_camera(described: Description) -> LiveCamera:
+def live_camera(described: CameraDescription) -> LiveCamera:
     """Return what follows features through a camera's images; raise `ExtraMissing` without OpenCV."""
     table = described.table
     about, std = table.time_offset_s, table.time_offset_std_s

@@ -13,13 +13,13 @@ from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.units import DEG_H_PER_RAD_S
 from station.calibrated.calibration_choice import AppliedCalibration
-from station.calibrated.filter_settings import gyro_bias_std, settings_of
+from station.calibrated.filter_settings import filter_settings, gyro_bias_std
 from station.calibrated.in_use import InUse
 from station.calibrated.rates_and_forces import CalibratedTick, Sensors
 from station.files.mcap_files.fix_reader import Record
 from station.locate.live_inputs import LocatorTick
 from station.locate.location import Location
-from station.locate.monitor_interface import in_imu_axes, news_of
+from station.locate.monitor_interface import in_imu_axes, location_event
 from station.monitor.alarms import AlarmWatch
 from station.monitor.attitude_filter import AidValues, Attitude, AttitudeEstimator
 from station.monitor.error_at_rest import ErrorAtRest
@@ -31,7 +31,7 @@ from station.monitor.stream_health import StreamHealth
 from station.monitor.view import AttitudeReading, ChartPoint, MonitorVerb, MonitorView, MotionState
 from station.stream.events import EventLog, Sound, StreamState
 from station.stream.live.live_feed import LiveFeed
-from station.stream.live.trouble_lines import words_of
+from station.stream.live.trouble_lines import without_numbers
 
 TICK_S = 0.1
 HISTORY = 600  # points: a minute
@@ -129,7 +129,9 @@ class Monitor:
     def _settings(self, log: AttitudeLog, knows_heading: bool) -> KalmanSettings:
         options, document = self._options, self._applied.document
         quantum = self._sensors.quantum(self._feed.period)
-        return settings_of(document, options.aid, log, options.gravity, options.latitude, knows_heading, quantum)
+        return filter_settings(
+            document, options.aid, log, options.gravity, options.latitude, knows_heading, quantum
+        )
 
     def _compass(self, log: AttitudeLog) -> tuple[float, float] | None:
         """Return what a rest's gyros say of the heading [rad]."""
@@ -228,7 +230,7 @@ class Monitor:
         if self._options.locating is None:
             return None
         found = self._options.locating.location
-        if (news := news_of(self.view.location, found)) is not None:
+        if (news := location_event(self.view.location, found)) is not None:
             self._say(news[0], "location", news[1])
         return found
 
@@ -262,7 +264,7 @@ class Monitor:
         for text in ended:
             self._say("", "alarm over", text)
         silent = self._feed.silent
-        if words_of(silent) != words_of(self._silent):
+        if without_numbers(silent) != without_numbers(self._silent):
             self._say("rejected" if silent else "accepted", "channel", silent or "all channels change again")
         self._silent = silent
         self._change(alarms=(*self._watch.on.values(), *([silent] if silent else [])))
@@ -274,7 +276,7 @@ class Monitor:
 
     def _hear_of(self, stream: StreamState) -> None:
         """Say what is wrong with what stands beside the IMU as it appears, and when it is over."""
-        if (words := words_of(stream.trouble)) != self._heard.get(stream.name, ""):
+        if (words := without_numbers(stream.trouble)) != self._heard.get(stream.name, ""):
             self._heard[stream.name] = words
             well = f"{stream.name}: well again"
             self._say("rejected" if words else "accepted", "stream", stream.trouble or well)

@@ -21,7 +21,7 @@ from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import UNKNOWN, AppliedCalibration, find_calibration
 from station.errors import DataRefused
 from station.files.new_folder import new_folder
-from station.locate.monitor_interface import Locating
+from station.locate.monitor_interface import Locator
 from station.monitor.alarms import Alarm
 from station.monitor.monitor import Monitor
 from station.monitor.options import CameraSource, GnssSource, MonitorOptions
@@ -30,7 +30,7 @@ from station.monitor.text_lines import PlainMonitor, json_line, listen
 from station.monitor.thread import MonitorThread
 from station.monitor.view import MonitorSession, MonitorView
 from station.stream.camera.camera_feed import CAMERA_SESSION, open_camera
-from station.stream.camera.description import CAMERA_FILE, Description, read_description
+from station.stream.camera.description import CAMERA_FILE, CameraDescription, read_description
 from station.stream.camera.replayed_camera import RecordedCamera
 from station.stream.events import EVENTS_FILE
 from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed
@@ -170,9 +170,9 @@ def _locating(
     feed: LiveFeed,
     applied: AppliedCalibration,
     aid: GnssSource | None,
-    camera: Description | None,
+    camera: CameraDescription | None,
     stack: ExitStack,
-) -> Locating | None:
+) -> Locator | None:
     if not wanted.locate:
         return None
     from station.monitor.locator_thread import live_camera, locating
@@ -184,7 +184,7 @@ def _locating(
     return locating(feed, applied, wanted.C, wanted.lever_arm, stack, live=not is_replay, camera=eye)
 
 
-def _described(wanted: MonitorRequest) -> Description | None:
+def _described(wanted: MonitorRequest) -> CameraDescription | None:
     """Return the camera's file that was named, or that a recording has; None where nothing is located by it."""
     address = parse_device_url(wanted.url)
     beside = Path(address.path).parent / CAMERA_FILE
@@ -192,7 +192,9 @@ def _described(wanted: MonitorRequest) -> Description | None:
     return None if file is None or not wanted.locate else read_description(file)
 
 
-def _camera(described: Description, source: ChunkSource, folder: Path | None, stack: ExitStack) -> CameraSource:
+def _camera(
+    described: CameraDescription, source: ChunkSource, folder: Path | None, stack: ExitStack
+) -> CameraSource:
     """Return the camera, live or recorded."""
     if isinstance(source, Replay):
         recorded = Path(source.address.path).parent

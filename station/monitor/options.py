@@ -8,7 +8,7 @@ from drivers.camera import CameraImage
 from procedures.arrays import FloatArray
 from procedures.units import STANDARD_GRAVITY
 from station.files.mcap_files.fix_reader import Record
-from station.locate.monitor_interface import Locating
+from station.locate.monitor_interface import Locator
 from station.monitor.alarms import Alarm
 from station.stream.events import StreamState
 
@@ -64,7 +64,7 @@ class MonitorOptions:
     gravity: float = STANDARD_GRAVITY
     alarms: tuple[Alarm, ...] = ()
     restart_reader: Callable[[], None] | None = None  # has a reader that ended begin again
-    locating: Locating | None = None
+    locating: Locator | None = None
     camera: CameraSource | None = None  # of which ``locating`` is told
 
 

@@ -10,7 +10,7 @@ from time import perf_counter
 
 import numpy as np
 
-from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign, stand, turn_segment
+from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign, turn_segment, world_with_effects
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.bench.dwell_length import dwell_seconds
@@ -87,7 +87,7 @@ def tilted(truth: Truth, position: int, tilt: float, seed: int) -> CountSeries:
     way, rng = np.zeros(3), np.random.default_rng(seed)
     way[list(cross_axes(face_of(position)))] = tilt * np.array([np.cos(a := rng.uniform(0, 6.28)), np.sin(a)])
     seat = {position: np.cross(face_normal(face_of(position)), way)}
-    world = replace(stand(truth), seatings=seat)
+    world = replace(world_with_effects(truth), seatings=seat)
     return SimulatedBench(truth, seed, world=world).perform(Dwell(position, 100.0))
 
 

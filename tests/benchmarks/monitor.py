@@ -24,7 +24,7 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.frames import nominal_C_lb
 from station.calibrated.body_axes import body_axes
-from station.calibrated.filter_settings import settings_of
+from station.calibrated.filter_settings import filter_settings
 from station.monitor import monitor
 from station.monitor.options import MonitorOptions
 from station.monitor.view import MonitorView
@@ -87,12 +87,12 @@ def moved(seed: int, position: int) -> tuple[float, float]:
 def move(seeds: int) -> None:
     for name in ("the monitor's settings", "the filter's own"):
         if name == "the filter's own":
-            monitor.settings_of = lambda _, *rest: settings_of(None, *rest)  # type: ignore[assignment]
+            monitor.settings_of = lambda _, *rest: filter_settings(None, *rest)  # type: ignore[assignment]
         found = np.array([moved(seed, position) for seed in range(seeds) for position in (1, 5, 12)])
         ratio = np.sqrt(np.mean((found[:, 0] / found[:, 1]) ** 2))
         print(f"hand moves of 20 s, {name}: rms {np.sqrt(np.mean(found[:, 0] ** 2)):.3f} deg, largest "
               f"{found[:, 0].max():.3f}, {ratio:.2f} of 1 sigma")  # fmt: skip
-    monitor.settings_of = settings_of
+    monitor.settings_of = filter_settings
 
 
 def cpu(seconds: float) -> None:

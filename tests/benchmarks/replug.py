@@ -19,7 +19,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from procedures.counts.sample_times import GAP_PERIODS
 from station.stream.live import open_feed
-from station.stream.live.accepted_blocks import merged
+from station.stream.live.accepted_blocks import runs_of_blocks
 from station.stream.live.stillness import Block
 from station.stream.reader import Chunk, GapMark, Reader
 from station.stream.recorder.sample_buffer import SampleRun
@@ -85,7 +85,7 @@ def replug(times: int, seed: int, folder: Path, away_s: tuple[float, float] = AW
             outcome.blocks_over_a_gap += is_over_a_gap
             if len(watched.outages) == times and block.is_anew:
                 break
-    runs = merged(blocks, None)
+    runs = runs_of_blocks(blocks, None)
     outcome.blocks, outcome.runs, outcome.runs_over_a_gap = len(blocks), len(runs), _over_a_gap(runs, blocks)
     outcome.back = (np.array(watched.outages) - away).tolist()
     outcome.marks = [mark.is_open for mark in watched.marks]

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers.counter_and_time_wrap import CounterWatch, TimeWatch, onward, unwrap
+from drivers.counter_and_time_wrap import CounterWatch, TimeWatch, unwrap, unwrap_steps
 from procedures.counts.sample_records import CountBlock
 
 
@@ -62,7 +62,7 @@ def test_a_device_that_sends_no_time_jumps_with_every_frame() -> None:
 def test_a_repeat_is_a_step_of_nothing_however_far_a_clock_that_wraps_has_gone() -> None:
     turn = 0.128
     ticks = np.arange(1, 200_001, 37) * 5e-4  # of the running time that the last frame had
-    steps = onward(ticks % turn - ticks, turn)
+    steps = unwrap_steps(ticks % turn - ticks, turn)
     assert np.array_equal(steps, np.zeros(len(ticks)))
-    later = onward((ticks + 0.02) % turn - ticks, turn)
+    later = unwrap_steps((ticks + 0.02) % turn - ticks, turn)
     np.testing.assert_allclose(later, 0.02, atol=1e-7)

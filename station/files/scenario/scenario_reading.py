@@ -11,7 +11,7 @@ from drivers.errors import DriverError
 from drivers.mavlink.signing import read_key
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.device import ByteDevice, Move
+from drivers.simulated.device import ByteDevice, ScheduledMove
 from drivers.simulated.effects import planted
 from drivers.simulated.errors import TruthRefused, UnknownEffect
 from drivers.simulated.line_faults import Fault
@@ -34,7 +34,7 @@ class Scenario:
     path: Path
     table: ScenarioTable
     truth: Truth
-    moves: tuple[Move, ...]
+    moves: tuple[ScheduledMove, ...]
     faults: tuple[Fault, ...]
     autopilot: AutopilotTruth | None
     track: VehicleTrack | None
@@ -104,7 +104,7 @@ def _truth(table: ScenarioTable, where: _Lines) -> Truth:
     return truth_from(table.truth, base)
 
 
-def _moves(table: ScenarioTable, truth: Truth, where: _Lines) -> Iterator[Move]:
+def _moves(table: ScenarioTable, truth: Truth, where: _Lines) -> Iterator[ScheduledMove]:
     """Return all moves with their times; they are tried on a device in memory that lets no time pass."""
     device, free_s, queued_s = ByteDevice(truth, table.seed, "counts"), 0.0, 0.0
     for number, hands in enumerate(table.hands):
@@ -114,7 +114,7 @@ def _moves(table: ScenarioTable, truth: Truth, where: _Lines) -> Iterator[Move]:
             raise where.refusal(("hands", number, "do"), f"{hands.do!r}", f"a move ({answer})")
         free_s = at_s + device.imu.done - queued_s
         queued_s = device.imu.done
-        yield Move(at_s, hands.do)
+        yield ScheduledMove(at_s, hands.do)
 
 
 def _begin(hands: HandsTable, free_s: float, where: _Lines, number: int) -> float:

@@ -9,11 +9,11 @@ from pathlib import Path
 from drivers.camera import CameraDecoder, CameraImage
 from drivers.errors import DriverError
 from station.files.atomic_file import replace_file
-from station.stream.camera.description import CAMERA_FILE, Description
+from station.stream.camera.description import CAMERA_FILE, CameraDescription
 from station.stream.events import StreamState
 from station.stream.reader import GapMark
 from station.stream.reader.messages import LOST
-from station.stream.reader.restarting_reader import FOR_EVER, LastingReader
+from station.stream.reader.restarting_reader import FOR_EVER, RestartingReader
 from station.text.plural import plural
 
 CAMERA_SESSION = "camera_session"
@@ -25,7 +25,7 @@ MAX_WAITING_IMAGES = 300  # images that are not taken
 class CameraFeed:
     """One camera, read and decoded; call `advance` often. `station.monitor.options.CameraSource`."""
 
-    def __init__(self, reader: LastingReader, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, reader: RestartingReader, clock: Callable[[], float] = time.monotonic) -> None:
         self._reader, self._clock, self.address = reader, clock, reader.address
         self.decoder = CameraDecoder()
         self._images: deque[CameraImage] = deque(maxlen=MAX_WAITING_IMAGES)
@@ -104,7 +104,7 @@ class CameraFeed:
 
 @contextmanager
 def open_camera(
-    described: Description, folder: Path, clock: Callable[[], float] = time.monotonic
+    described: CameraDescription, folder: Path, clock: Callable[[], float] = time.monotonic
 ) -> Iterator[CameraFeed]:
     """Read a camera by a process of its own while the ``with`` lasts; its files go to ``folder``.
 
@@ -116,5 +116,5 @@ def open_camera(
         What address, port or disk refuse.
     """
     replace_file(folder / CAMERA_FILE, described.content)
-    with LastingReader(described.address.text, folder, CAMERA_SESSION) as reader:
+    with RestartingReader(described.address.text, folder, CAMERA_SESSION) as reader:
         yield CameraFeed(reader, clock)

@@ -23,7 +23,7 @@ class CameraTable(LensTable):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Description:
+class CameraDescription:
     """A camera's file as it was read: ``content`` is what a recording keeps of it."""
 
     path: Path
@@ -32,7 +32,7 @@ class Description:
     address: DeviceUrl
 
 
-def read_description(path: Path) -> Description:
+def read_description(path: Path) -> CameraDescription:
     """Read a camera's file.
 
     Raises
@@ -49,4 +49,4 @@ def read_description(path: Path) -> Description:
     if address.scheme != SCHEME:
         expected = "camera:http://HOST:PORT/PATH or camera:/dev/videoN"
         raise DataRefused(path, line_of(("url",), lines), repr(table.url), expected)
-    return Description(path, content, table, address)
+    return CameraDescription(path, content, table, address)

@@ -20,12 +20,12 @@ from drivers.mavlink.signing import SignatureCheck, read_key
 from procedures.earth.gnss_records import AirData, AveragedSite, GnssFix, TimeMark, averaged_site
 from station.files.mcap_files.fix_reader import Record
 from station.files.mcap_files.fix_writer import FixWriter
-from station.stream.gnss.gnss_trouble import Health
-from station.stream.gnss.message_rates import Rates
+from station.stream.gnss.gnss_trouble import GnssTrouble
+from station.stream.gnss.message_rates import MessageRates
 from station.stream.gnss.utc_line import UtcLine
 from station.stream.live.live_feed import ChunkSource
 from station.stream.reader import Chunk, GapMark
-from station.stream.reader.restarting_reader import FOR_EVER, LastingReader
+from station.stream.reader.restarting_reader import FOR_EVER, RestartingReader
 
 MAX_FIXES = 6000  # fixes: 20 minutes at 5 Hz
 
@@ -64,8 +64,8 @@ class GnssFeed:
         self._is_lost = False
         self._utc = UtcLine()
         self._stamps_are_marks = True  # of fixes, until the sender states its time
-        self._health = Health(address.name, address.system, address.rate_hz, clock)
-        self._rates = Rates(address.name, address.rate_hz, clock)
+        self._health = GnssTrouble(address.name, address.system, address.rate_hz, clock)
+        self._rates = MessageRates(address.name, address.rate_hz, clock)
 
     def advance(self, timeout_s: float = 0.0) -> None:
         """Take what has come; what is wrong stands in `trouble`, nothing is raised but `CannotWrite`."""
@@ -176,7 +176,7 @@ def open_gnss(url: str, folder: Path) -> Iterator[GnssFeed]:
     """
     if (address := parse_device_url(url, "receiver")).scheme != "mavlink":
         raise BadDeviceUrl(url, f"scheme {address.scheme!r}", EXPECTED)
-    with LastingReader(address.text, folder) as reader:
+    with RestartingReader(address.text, folder) as reader:
         writer = FixWriter(folder / f"gnss_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap")
         try:
             yield GnssFeed(reader, writer)

@@ -11,7 +11,7 @@ SILENT_S = 1.8  # it is to be said within 2 s; heartbeats are a second apart
 STILL_COMING_S = 0.9  # frames of others after the last one read
 
 
-class Health:
+class GnssTrouble:
     """Watches counters; times are of the station's monotonic clock [s]. Messages were asked for at ``rate_hz``."""
 
     def __init__(

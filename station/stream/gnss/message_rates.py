@@ -16,7 +16,7 @@ SLOW_SHARE, WELL_SHARE = 0.6, 0.7  # of the rate asked for: below and above
 WATCHED = ("GPS_RAW_INT", "SYSTEM_TIME")  # position and time; a sender may have no more than these
 
 
-class Rates:
+class MessageRates:
     """Watches one system's messages; times are of the station's monotonic clock [s]."""
 
     def __init__(self, name: str, asked_hz: float, clock: Callable[[], float] = time.monotonic) -> None:

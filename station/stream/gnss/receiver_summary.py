@@ -7,7 +7,7 @@ from station.stream.gnss.gnss_feed import GnssFeed
 from station.text.plural import plural
 
 
-def summary(feed: GnssFeed) -> str:
+def receiver_summary(feed: GnssFeed) -> str:
     """Return what a feed has seen, in words."""
     site, counters = feed.site(), feed.decoder.framer.counters
     where = "no position" if site is None else site_in_words(site)

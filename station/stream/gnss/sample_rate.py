@@ -123,12 +123,12 @@ class SampleRate:
             self._stamps.append((device_s, utc))
 
 
-def by_this_machine(feed: LiveFeed) -> SampleRate:
+def host_sample_rate(feed: LiveFeed) -> SampleRate:
     """Return the watch of a device by this machine's clock, which is right to about 1e-4."""
     return SampleRate(feed, lambda host_ns: host_ns / 1e9, by="this machine's clock", span_s=SPAN_S)
 
 
-def said_of(rate: SampleRate) -> str:
+def rate_warning(rate: SampleRate) -> str:
     """Look, and return what is wrong in words, where a rate that is off is evidence and ends nothing."""
     try:
         rate.look()
@@ -137,7 +137,7 @@ def said_of(rate: SampleRate) -> str:
     return rate.warning or rate.pace
 
 
-class Timed:
+class TimedReceiver:
     """A receiver beside a plain recording: UTC for its rows; what its rate's check says stands in ``said``."""
 
     def __init__(self, gnss: GnssFeed, feed: LiveFeed) -> None:
@@ -147,7 +147,7 @@ class Timed:
     def advance(self) -> None:
         """Take what has come; a rate that is off is evidence here, so that the recording goes on."""
         self._gnss.advance()
-        self.said = said_of(self._rate)
+        self.said = rate_warning(self._rate)
 
     def utc(self, host_ns: int) -> float | None:
         """Return UTC [s] at a moment of the station's clock [ns]."""

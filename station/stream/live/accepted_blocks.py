@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 
 from procedures.counts.sample_records import CountSeries, block_series
-from station.stream.live.rates_as_counts import counted
+from station.stream.live.rates_as_counts import as_counts
 from station.stream.live.stillness import Block
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 
-def merged(blocks: Sequence[Block], samples: int | None) -> list[SampleRun]:
+def runs_of_blocks(blocks: Sequence[Block], samples: int | None) -> list[SampleRun]:
     """Return the runs of consecutive samples that blocks make up, the first ``samples`` of them."""
     runs, left = list[SampleRun](), samples
     for block in blocks:
@@ -22,6 +22,6 @@ def merged(blocks: Sequence[Block], samples: int | None) -> list[SampleRun]:
     return runs
 
 
-def series(buffer: SampleBuffer, runs: Sequence[SampleRun], period: float) -> CountSeries:
+def series_of_runs(buffer: SampleBuffer, runs: Sequence[SampleRun], period: float) -> CountSeries:
     """Return the samples of runs as a step's counts; ``period`` [s] where they are too few to tell."""
-    return block_series([counted(buffer.block(first, last), period) for first, last in runs], period)
+    return block_series([as_counts(buffer.block(first, last), period) for first, last in runs], period)

@@ -12,7 +12,7 @@ from procedures.counts.sample_records import CountBlock, CountSeries, SampleBloc
 RATE_UNIT = 2.0**27
 
 
-def counted(block: SampleBlock, period: float) -> CountBlock:
+def as_counts(block: SampleBlock, period: float) -> CountBlock:
     """Return a block of ``period`` [s] as counts; a device that counts has sent them."""
     if isinstance(block, CountBlock):
         return block
@@ -27,7 +27,7 @@ def counted(block: SampleBlock, period: float) -> CountBlock:
     )
 
 
-def counted_series(series: Series) -> CountSeries:
+def series_as_counts(series: Series) -> CountSeries:
     """Return a step's series as counts."""
     if isinstance(series, CountSeries):
         return series

@@ -12,7 +12,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import SampleBlock
-from station.stream.live.rates_as_counts import counted
+from station.stream.live.rates_as_counts import as_counts
 
 TICKS_PER_BLOCK = 10
 STILL_NOISE_RATIO = 16.0
@@ -46,7 +46,7 @@ class Block:
 
 def block_of(samples: SampleBlock, first: int, period: float, *, is_broken: bool, is_anew: bool) -> Block:
     """Return what a block of consecutive samples says; ``period`` [s]."""
-    block = counted(samples, period)
+    block = as_counts(samples, period)
     counts = np.hstack((block.gyro, block.accel)).astype(float)
     n = len(counts)
     per_tick = n // TICKS_PER_BLOCK

@@ -16,12 +16,12 @@ class TroubleLog:
 
     def look(self, trouble: str) -> None:
         """Take what is wrong now, empty where nothing is."""
-        if (words := words_of(trouble)) != self._words:
+        if (words := without_numbers(trouble)) != self._words:
             self._words = words
             said = trouble if self._name in trouble else f"{self._name}: {trouble or 'well again'}"
             self._say(f"{datetime.now():%H:%M:%S}  {said}")
 
 
-def words_of(text: str) -> str:
+def without_numbers(text: str) -> str:
     """Return a text without its numbers."""
     return NUMBER.sub("", text)

@@ -14,7 +14,7 @@ RETRY_S = 0.5  # between two tries
 FOR_EVER = 2**63 - 1  # ns: the moment up to which nothing more comes of what is gone
 
 
-class LastingReader:
+class RestartingReader:
     """Reads ``url`` by one process after another, each with its own journal in ``folder``; use it in a ``with``.
 
     The journals are ``NAME_*.mcap``, of the session's ``name``.
@@ -30,7 +30,7 @@ class LastingReader:
         self._reader = Reader(url, self._journal())
         self.address = self._reader.address
 
-    def __enter__(self) -> "LastingReader":
+    def __enter__(self) -> "RestartingReader":
         self._reader.start()
         return self
 

@@ -18,7 +18,7 @@ RECORDING_FILE = "recording.mcap"
 FLUSH_S = 0.2
 
 
-class Pieces(Protocol):
+class DecodedStream(Protocol):
     """A stream being decoded."""
 
     stream: SampleStream
@@ -50,7 +50,7 @@ class UtcSource(Protocol):
 
 
 def record(
-    feed: Pieces,
+    feed: DecodedStream,
     folder: Path,
     seconds: float,
     gnss: UtcSource | None = None,

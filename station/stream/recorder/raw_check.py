@@ -16,7 +16,7 @@ _WORD = 0xFFFFFFFF
 _ROUNDING_NS = 1
 
 
-def decoded(wire: WireFormat, chunks: list[Chunk]) -> SampleBlock:
+def decode_chunks(wire: WireFormat, chunks: list[Chunk]) -> SampleBlock:
     """Return the samples that bytes hold, repeats dropped; counters are unwrapped from the first."""
     data = b"".join(chunk.data for chunk in chunks)
     stream = SampleStream(wire)
@@ -32,7 +32,7 @@ def check_raw_bytes(path: Path, wire: WireFormat) -> int:
         If a count, counter, time, temperature or status differs.
     """
     recorded = read_step(path)
-    again = decoded(wire, [Chunk(host_ns, data) for host_ns, data in recorded.raw])
+    again = decode_chunks(wire, [Chunk(host_ns, data) for host_ns, data in recorded.raw])
     if (recorded.gyro is None and recorded.accel is None) or len(again) != len(recorded):
         raise Altered(path, f"{len(recorded)} samples", f"{len(again)} in the raw bytes beside them")
     triads = {"gyro": (recorded.gyro, again.gyro), "accel": (recorded.accel, again.accel)}

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.counter_and_time_wrap import onward, unwrap
+from drivers.counter_and_time_wrap import unwrap, unwrap_steps
 from drivers.framing import Decoder
 from drivers.host_times import HostTimes
 from drivers.wire import WireFormat
@@ -132,7 +132,7 @@ class SampleStream:
         modulus, time = self.decoder.wire.time_modulus, block.device_time
         if modulus is None:
             return time, np.diff(time, prepend=self._time)
-        seconds = onward(np.diff(time, prepend=self._time), modulus)
+        seconds = unwrap_steps(np.diff(time, prepend=self._time), modulus)
         first = time[0] if np.isnan(seconds[0]) else self._time + seconds[0]
         return first + np.concatenate(([0.0], np.cumsum(seconds[1:]))), seconds
 

@@ -59,11 +59,11 @@ class RecordedGnss:
 
 def recorded_gnss(file: Path) -> RecordedGnss | None:
     """Return the receiver recorded beside an IMU's file; None where there was none."""
-    records = read_recorded(file)
+    records = read_recorded_fixes(file)
     return RecordedGnss(records) if records else None
 
 
-def read_recorded(file: Path) -> list[Record]:
+def read_recorded_fixes(file: Path) -> list[Record]:
     """Return what receivers recorded beside an IMU's file said, in order of reading."""
     found = [path for path in sorted(file.parent.glob("gnss_*.mcap")) if not path.name.startswith("gnss_session_")]
     return sorted(chain.from_iterable(map(read_fixes, found)), key=lambda record: record.host_ns)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from drivers.camera import CameraDecoder, CameraImage
 from drivers.camera.decoder import MAX_HEADER_BYTES, MAX_IMAGE_BYTES
-from drivers.camera.jpeg import Broken, jpeg_size
+from drivers.camera.jpeg import BrokenJpeg, jpeg_size
 from drivers.camera.multipart import part
 from tests.benchmarks.hostile_camera import ROWS, attack
 from tests.drivers.camera.images import HEIGHT, WIDTH, jpegs, with_thumbnail
@@ -177,5 +177,5 @@ def test_hostile_parts_neither_crash_nor_pass_for_images() -> None:
 
 @pytest.mark.parametrize("data", [b"", b"\xff\xd8\xff\xd9", IMAGES[0][:-1], b"\xff\xd8\xff\xe0\x00\x01"])
 def test_what_is_no_whole_jpeg_has_no_size(data: bytes) -> None:
-    with pytest.raises(Broken):
+    with pytest.raises(BrokenJpeg):
         jpeg_size(data)

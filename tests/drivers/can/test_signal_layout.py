@@ -9,7 +9,7 @@ from cantools.database.conversion import BaseConversion
 from hypothesis import given, settings
 
 from drivers.can.payload_checks import CHECKS
-from drivers.can.signal_layout import Field, payloads_of, words_of
+from drivers.can.signal_layout import SignalField, payloads_of, words_of
 
 
 @st.composite
@@ -27,8 +27,8 @@ def signals(draw: st.DrawFn) -> Signal:
     return Signal("s", start, bits, order, is_signed, conversion=conversion)
 
 
-def field_like(signal: Signal) -> Field:
-    return Field(
+def field_like(signal: Signal) -> SignalField:
+    return SignalField(
         signal.start, signal.length, signal.byte_order == "big_endian", signal.is_signed, signal.is_float,
         float(signal.scale), float(signal.offset),
     )  # fmt: skip

@@ -3,7 +3,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.simulated.bench_in_memory import SimulatedBench, simulate_campaign, stand, turn_segment, turn_steps
+from drivers.simulated.bench_in_memory import (
+    SimulatedBench,
+    simulate_campaign,
+    turn_segment,
+    turn_steps,
+    world_with_effects,
+)
 from drivers.simulated.cube_motion import rest
 from drivers.simulated.truth import Truth, paper_truth
 from procedures.arrays import FloatArray
@@ -50,7 +56,7 @@ def test_free_positions_and_soaks_are_performed_each_in_its_attitude() -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_mean_rates_follow_the_model_within_the_noise(seed: int) -> None:
     truth = replace(Truth.example(seed), gyro_instability_dph=0.0, heading_std_deg=0.0)
-    bench, world = SimulatedBench(truth, seed), stand(truth)
+    bench, world = SimulatedBench(truth, seed), world_with_effects(truth)
     for position in range(1, 13):
         series, C_bn = bench.perform(Dwell(position, 20.0)), world.attitude(position)
         f_b = C_bn @ [0, 0, truth.local_gravity / STANDARD_GRAVITY]
@@ -84,7 +90,7 @@ def test_a_closed_turn_integrates_to_whole_revolutions() -> None:
 
 def test_a_turn_is_about_the_slabs_normal_however_the_slab_leans() -> None:
     truth = Truth(slab_tilt_rad=np.array([3e-3, -2e-3]), slab_azimuth_rad=0.3)
-    world = stand(truth)
+    world = world_with_effects(truth)
     for position, axis in ((1, 0), (4, 0), (5, 1), (8, 1), (9, 2), (12, 2)):
         sign = 1.0 if face_of(position).endswith("up") else -1.0
         assert np.allclose(world.attitude(position) @ world.slab_normal_n(), sign * np.eye(3)[axis], atol=1e-12)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers.simulated.counting_triads import Sensor
+from drivers.simulated.counting_triads import CountingTriads
 from drivers.simulated.cube_motion import flip, rest
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.truth import Truth
@@ -46,7 +46,7 @@ def test_counts_do_not_depend_on_how_they_are_read(cuts: list[int]) -> None:
 def test_no_fraction_of_a_count_is_ever_lost() -> None:
     bench = SimulatedImu(TRUTH, None)
     C_bn = bench.world.attitude(1)
-    sensor = Sensor(TRUTH, bench.world, (), None)
+    sensor = CountingTriads(TRUTH, bench.world, (), None)
     total, expected = np.zeros(3), np.zeros(3)
     for first in range(0, 2000, 7):
         _, accel = sensor.counts(rest(C_bn, None, 1), first, first, first + 7)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from drivers.simulated.bench_in_memory import stand
+from drivers.simulated.bench_in_memory import world_with_effects
 from drivers.simulated.effects import planted
 from drivers.simulated.errors import TruthRefused, UnknownEffect
 from drivers.simulated.truth import Truth, load_truth, truth_from
@@ -23,7 +23,7 @@ def test_a_truth_is_read_from_toml_with_effects_by_quoted_or_dotted_name() -> No
     assert truth.serial == "A-7"
     assert truth.accel_k.tolist() == [1020.0, 1015.0, 1018.0]
     assert truth.effects == {"accelerometer.quadratic": {"x": 4e-5}, "fixture.face_tilt": {"x_up.y": 1e-5}}
-    world = stand(truth)
+    world = world_with_effects(truth)
     assert world.faces[0].tolist() == [1e-5, 0.0]
     assert world.C_sb.tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
 
@@ -62,7 +62,7 @@ def test_a_truth_that_breaks_a_rule_is_refused_naming_what_is_accepted(text: str
 )
 def test_an_unknown_effect_or_coefficient_is_refused_naming_those_there_are(effects: dict, named: str) -> None:
     with pytest.raises((UnknownEffect, TruthRefused), match=named):
-        stand(truth_from({"effects": effects}))
+        world_with_effects(truth_from({"effects": effects}))
     with pytest.raises((UnknownEffect, TruthRefused), match=named):
         planted(effects)
 

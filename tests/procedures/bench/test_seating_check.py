@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.simulated.bench_in_memory import SimulatedBench, stand
+from drivers.simulated.bench_in_memory import SimulatedBench, world_with_effects
 from drivers.simulated.bench_truth import imu_from_cube
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
@@ -163,7 +163,7 @@ def test_a_crumb_is_caught_in_seconds_and_a_clean_cube_is_left_alone(k: float) -
         accepted.append(recorded(position, series, 30.0))
     tilt = np.zeros(3)
     tilt[cross_axes("z_up")[1]] = 100 * RAD_PER_ARCSEC
-    crumb = replace(stand(truth), seatings={10: np.cross(face_normal("z_up"), tilt)})
+    crumb = replace(world_with_effects(truth), seatings={10: np.cross(face_normal("z_up"), tilt)})
     series = SimulatedBench(truth, 12, world=crumb).perform(Dwell(10, 10.0))
     assert "along +y" in judge(seen(accepted, recorded(10, series, 6.0)))
 

@@ -19,8 +19,8 @@ from station.devices.port_survey import (
     BAUDS,
     GROUND_STATION,
     SurveyedPort,
-    fitted,
-    recognised,
+    fit_lines,
+    recognise_bytes,
     survey,
     survey_lines,
 )
@@ -63,11 +63,11 @@ def test_a_port_in_use_says_so(simulated_imu: SimulatedDevice) -> None:
 
 def test_an_adapter_that_was_left_open_and_noise_are_told_apart() -> None:
     port = SurveyedPort("serial:///dev/ttyACM0?baud=115200")
-    adapter = recognised(port, b"0\rt1A080102030405060708\rt1A180102030405060708\r", 1.0)
+    adapter = recognise_bytes(port, b"0\rt1A080102030405060708\rt1A180102030405060708\r", 1.0)
     assert (adapter.looks_like, adapter.trouble) == (
         "slcan", "an open CAN adapter: look at can://slcan/dev/ttyACM0",
     )  # fmt: skip
-    noise = recognised(port, bytes(range(256)), 1.0)
+    noise = recognise_bytes(port, bytes(range(256)), 1.0)
     assert (noise.looks_like, noise.trouble) == ("", "256 bytes hold no frame of any known format")
 
 
@@ -108,12 +108,12 @@ def test_the_table_fits_its_terminal_and_says_what_it_leaves_out() -> None:
         position="31.170000, 121.400000 deg, 1 sigma 1.5 m, no height",
     )  # fmt: skip
     lines = survey_lines([autopilot, SurveyedPort("serial:///dev/ttyNONE", trouble="no such port")])
-    whole = fitted(lines, 80, 23)
+    whole = fit_lines(lines, 80, 23)
     assert all(len(line) <= 80 for line in whole)
     assert " ".join(" ".join(whole).split()) == " ".join(" ".join(lines).split())
     assert "    errors: 2 bad crc" in whole
     assert "    receiver: 31.170000, 121.400000 deg, 1 sigma 1.5 m, no height" in whole
-    cut = fitted(lines, 80, 4)
+    cut = fit_lines(lines, 80, 4)
     assert cut == [*whole[:3], f"... {len(whole) - 3} more lines: --url URL looks at one alone"]
 
 

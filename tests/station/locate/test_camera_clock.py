@@ -12,7 +12,7 @@ from procedures.fusion.alignment.alignment_result import Waiting
 from station import cli
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.files.fusion_folder.tracks import write_tracks
-from station.locate.camera_clock import ClockedTracks, on_imu_clock, suspicion
+from station.locate.camera_clock import ClockedTracks, on_imu_clock, suspected_offset
 from station.locate.locate_folder import location_text
 from tests.procedures.fusion.motions import Eight
 from tests.procedures.fusion.seen import tracks_of
@@ -85,9 +85,9 @@ def test_an_offset_that_is_told_is_added(log: FusionLog) -> None:
 def test_a_clock_that_nothing_was_said_of_is_suspected(tmp_path: Path) -> None:
     silent = read_fusion(write_late(tmp_path / "log", 14.0))
     assert re.search(
-        r"stamps seem to be off by -(7|8)\d\.\d \+- [345]\.\d ms: say time_offset_s", suspicion(silent)
+        r"stamps seem to be off by -(7|8)\d\.\d \+- [345]\.\d ms: say time_offset_s", suspected_offset(silent)
     )
-    assert suspicion(said_of(silent, time_offset_s=0.0)) == ""  # told: as good as known
+    assert suspected_offset(said_of(silent, time_offset_s=0.0)) == ""  # told: as good as known
 
 
 def test_what_does_not_turn_enough_is_exit_5_and_says_so(

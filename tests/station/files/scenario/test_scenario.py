@@ -12,7 +12,7 @@ from drivers.camera import CameraDecoder, http_port
 from drivers.framing import Decoder
 from drivers.ports import open_port
 from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.device import ByteDevice, Move
+from drivers.simulated.device import ByteDevice, ScheduledMove
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.counts.sample_records import joined_blocks
@@ -59,7 +59,10 @@ def test_moves_at_set_times_give_the_same_bytes_however_they_are_taken() -> None
     streams = []
     for most in (3, 50):
         device = ByteDevice(
-            Truth.example(1), 1, "counts", moves=[Move(0.5, "place 3 1"), Move(6.0, "knock 1 0.1")]
+            Truth.example(1),
+            1,
+            "counts",
+            moves=[ScheduledMove(0.5, "place 3 1"), ScheduledMove(6.0, "knock 1 0.1")],
         )
         parts = list[bytes]()
         while device.samples < 400:

@@ -26,9 +26,9 @@ from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.gnss_in_campaign import SampleRateWatch
 from station.stream.events import EventLog
 from station.stream.gnss import GnssFeed
-from station.stream.gnss.sample_rate import by_this_machine, said_of
+from station.stream.gnss.sample_rate import host_sample_rate, rate_warning
 from station.stream.live import open_feed
-from station.stream.live.trouble_lines import words_of
+from station.stream.live.trouble_lines import without_numbers
 from station.stream.reader import Chunk, GapMark
 from station.stream.recorder import open_campaign
 from tests.station.commands.program import Program
@@ -167,12 +167,12 @@ def test_without_a_receiver_the_machines_clock_tells_a_thousandth_and_leaves_ano
 def test_a_recording_says_it_and_goes_on() -> None:
     bench = Bench(REFUSED)
     feed, looks, said = open_feed(Imu(bench)), itertools.count(0.0, READ_S), list[str]()
-    rate = by_this_machine(feed)
+    rate = host_sample_rate(feed)
     rate.clock = lambda: float(next(looks))
-    pieces = feed.pieces(lambda: said.append(said_of(rate)))
+    pieces = feed.pieces(lambda: said.append(rate_warning(rate)))
     while bench.device.imu.time < 40.0:
         next(pieces)
-    told = [words for words, _ in itertools.groupby(words_of(text) for text in said)]
+    told = [words for words, _ in itertools.groupby(without_numbers(text) for text in said)]
     assert len(told) == 2  # nothing, then what is wrong and what was expected, to the end
     assert re.search(r"-1\.[45]\d% off .* expected the declared rate within 1 %", said[-1])
 

@@ -24,7 +24,7 @@ from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import FixType
 from station.files.mcap_files.fix_writer import FixWriter
 from station.stream.gnss import GnssFeed
-from station.stream.reader.restarting_reader import LastingReader
+from station.stream.reader.restarting_reader import RestartingReader
 
 TRUTH = Truth(latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
 SPEED, POLL_S, DEADLINE_S = 2.0, 0.01, 60.0
@@ -85,7 +85,7 @@ class Run:
             options += f"&key={folder / 'key'}"
         autopilot = AutopilotTruth(default_hz=HZ, key=key)
         with SimulatedGnss(TRUTH, autopilot, transport=transport, speed=SPEED) as gnss:
-            with LastingReader(gnss.url + options, folder) as source:
+            with RestartingReader(gnss.url + options, folder) as source:
                 self._feed, self._fix_at = GnssFeed(source, clock=self.clock), self.clock()
                 for case in cases:
                     self._look(gnss, lambda look: look.since_fix < FRESH_S and not look.trouble)
@@ -167,8 +167,8 @@ def test_a_reader_that_cannot_begin_again_is_tried_until_it_can(tmp_path: Path) 
 
 
 @contextmanager
-def _feed(url: str, folder: Path) -> Iterator[tuple[GnssFeed, LastingReader]]:
-    with LastingReader(url, folder) as source:
+def _feed(url: str, folder: Path) -> Iterator[tuple[GnssFeed, RestartingReader]]:
+    with RestartingReader(url, folder) as source:
         writer = FixWriter(folder / "gnss_x.mcap")
         try:
             yield GnssFeed(source, writer), source

@@ -14,14 +14,14 @@ from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.stream.reader import Chunk, GapMark, Reader
-from station.stream.reader.restarting_reader import LastingReader
+from station.stream.reader.restarting_reader import RestartingReader
 
 pytest.importorskip("cv2", reason="opencv is not installed")
 DEADLINE_S = 60.0
 Got = tuple[list[Chunk], list[GapMark], list[CameraImage]]
 
 
-def collect(reader: Reader | LastingReader, images: int, marks: int = 0) -> Got:
+def collect(reader: Reader | RestartingReader, images: int, marks: int = 0) -> Got:
     """Read until there are so many images and gap marks."""
     decoder, deadline = CameraDecoder(), time.monotonic() + DEADLINE_S
     got: Got = [], [], []
@@ -49,7 +49,7 @@ def journalled(folder: Path) -> bytes:
 def test_images_come_through_a_hang_up_and_every_byte_is_in_the_journal(tmp_path: Path) -> None:
     with (
         SimulatedCamera(Truth(), seed=None) as camera,
-        LastingReader(camera.url, tmp_path, "camera_session") as reader,
+        RestartingReader(camera.url, tmp_path, "camera_session") as reader,
     ):
         chunks, marks, images = collect(reader, 5)
         assert not marks

@@ -23,7 +23,7 @@ from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
 from station.stream.live import LiveFeed, open_feed
-from station.stream.live.accepted_blocks import merged
+from station.stream.live.accepted_blocks import runs_of_blocks
 from station.stream.recorder import CampaignRecorder, check_raw_bytes, open_campaign
 from tests.station.commands.program import Program
 from tests.station.stream.live.bench_in_memory import SITE, Source
@@ -66,7 +66,7 @@ def disk(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[SmallDisk]:
 
 def accept(recorder: CampaignRecorder, feed: LiveFeed, position: int) -> None:
     blocks = feed.blocks()
-    runs = merged([next(blocks) for _ in range(5)], None)
+    runs = runs_of_blocks([next(blocks) for _ in range(5)], None)
     try:
         recorder.accept(Dwell(position, 5.0), feed.buffer, runs)
     finally:

@@ -14,7 +14,7 @@ from procedures.campaign.plan_steps import Dwell, Turn, steps_of
 from procedures.dwells_and_turns.hand_turns import plan as turns
 from station import cli
 from station.stream.live import open_feed
-from station.stream.live.accepted_blocks import merged
+from station.stream.live.accepted_blocks import runs_of_blocks
 from station.stream.recorder import open_campaign
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
@@ -36,7 +36,7 @@ def test_what_is_recorded_of_a_unit_is_solved(format: str, tmp_path: Path) -> No
             begins, kept = hands.imu.done + MARGIN_S, []
             while len(kept) < DWELL_S:
                 kept += [block for block in [next(blocks)] if block.begins > begins]
-            recorder.accept(Dwell(position, DWELL_S), feed.buffer, merged(kept, None))
+            recorder.accept(Dwell(position, DWELL_S), feed.buffer, runs_of_blocks(kept, None))
         for turn in (step for step in steps_of(turns(1, MARGIN_S)) if isinstance(step, Turn)):
             hands.obey(f"place {turn.start_position} 5")
             begins = hands.imu.done + MARGIN_S
@@ -45,7 +45,7 @@ def test_what_is_recorded_of_a_unit_is_solved(format: str, tmp_path: Path) -> No
             ends, kept = hands.imu.done + MARGIN_S, []
             while not kept or kept[-1].ends < ends:
                 kept += [block for block in [next(blocks)] if block.begins > begins]
-            recorder.accept(turn, feed.buffer, merged(kept, None))
+            recorder.accept(turn, feed.buffer, runs_of_blocks(kept, None))
     assert cli.run(["solve", str(tmp_path / "c"), "--json", str(tmp_path / "s.json")]) == 0
     found = json.loads((tmp_path / "s.json").read_text())
     assert ("accelerometer" in found) == (format == "stim300")

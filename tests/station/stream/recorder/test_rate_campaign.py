@@ -13,7 +13,7 @@ from procedures.campaign.plan_steps import Dwell
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.stream.live import open_feed
-from station.stream.live.accepted_blocks import merged, series
+from station.stream.live.accepted_blocks import runs_of_blocks, series_of_runs
 from station.stream.live.rates_as_counts import RATE_UNIT
 from station.stream.live.stillness import Stillness
 from station.stream.recorder import check_raw_bytes, open_campaign
@@ -41,8 +41,8 @@ def test_twelve_dwells_of_a_kvh_1750_give_its_accelerometers(tmp_path: Path) -> 
                 still.learn(block)
                 if block.begins > moved and (not still.is_known or still.is_still(block)):
                     kept.append(block)
-            recorder.accept(Dwell(position, DWELL_S), feed.buffer, merged(kept, None))
-            g = series(feed.buffer, merged(kept, None), unit.period).accel
+            recorder.accept(Dwell(position, DWELL_S), feed.buffer, runs_of_blocks(kept, None))
+            g = series_of_runs(feed.buffer, runs_of_blocks(kept, None), unit.period).accel
             assert g is not None
             assert np.linalg.norm(g.mean(axis=0)) / unit.period / RATE_UNIT == pytest.approx(1.0, rel=0.1)
     assert 'output = "rate"' in (folder / "campaign.toml").read_text()
