@@ -46,7 +46,10 @@ class ComplementaryFilter:
         return np.asarray(-self._states["correction"][0], np.float64)
 
     def step(self, t: float, omega_b: FloatArray, f_b: FloatArray, airspeed: float = np.nan) -> FloatArray:
-        """Take the sample that ends at ``t`` [s] and return the down vector (3,) there."""
+        """Take the sample that ends at ``t`` [s] and return the down vector (3,) there.
+
+        ``omega_b`` (3,) [rad/s], ``f_b`` (3,) [m/s2]; ``airspeed`` [m/s], nan where there is none.
+        """
         if self._t is None:
             self._states[0].down = start_down(f_b)
             self._t = t
@@ -94,7 +97,10 @@ class PrintedComplementaryFilter:
         return np.array([-self._states[0].roll_correction, -self._states[0].pitch_correction, 0.0])
 
     def step(self, t: float, omega_b: FloatArray, f_b: FloatArray, airspeed: float = np.nan) -> FloatArray:
-        """Take the sample that ends at ``t`` [s] and return the down vector (3,) there."""
+        """Take the sample that ends at ``t`` [s] and return the down vector (3,) there.
+
+        ``omega_b`` (3,) [rad/s], ``f_b`` (3,) [m/s2]; ``airspeed`` [m/s], nan where there is none.
+        """
         if self._t is None:
             self._states[0].roll, self._states[0].pitch = _start_angles(f_b)
             self._aids[0].airspeed = self._aids[0].velocity[0] = 0.0 if np.isnan(airspeed) else airspeed
@@ -108,7 +114,7 @@ class PrintedComplementaryFilter:
 def mix(
     log: AttitudeLog, gains: Gains = PAPER_GAINS, aid: str = "none", gate: float = RATE_GATE
 ) -> tuple[FloatArray, ComplementaryFilter]:
-    """Run the law over a log: the down vector (n, 3) of every row, and the mixer as it ends."""
+    """Run the law over a log: the unit down vector (n, 3) in b of every row, and the filter as it ends."""
     mixer = ComplementaryFilter(gains, aid, gate)
     out, dt = np.empty((len(log.t), 3)), log.intervals
     out[0] = mixer.step(float(log.t[0]), log.omega_b[0], log.f_b[0])
@@ -125,7 +131,7 @@ def mix_as_printed(
     log: AttitudeLog, gains: Gains = PAPER_GAINS, filtered: bool = False, gate: float = RATE_GATE,
     g: float = STANDARD_GRAVITY,
 ) -> tuple[FloatArray, PrintedComplementaryFilter]:  # fmt: skip
-    """Run the law in Euler angles over a log: roll and pitch (n, 2) [rad], and the mixer as it ends."""
+    """Run the law in Euler angles over a log: roll and pitch (n, 2) [rad], and the filter as it ends."""
     mixer = PrintedComplementaryFilter(gains, filtered, gate, g)
     speed = _speed(log)
     mixer.step(float(log.t[0]), log.omega_b[0], log.f_b[0], float(speed[0]))
@@ -137,7 +143,7 @@ def mix_as_printed(
 
 
 def start_down(f_b: FloatArray) -> FloatArray:
-    """Return the down vector (3,) of a specific force (3,) [m/s2] at rest; level where there is none."""
+    """Return the down vector (3,) of the specific force ``f_b`` (3,) [m/s2] at rest; level where there is none."""
     norm = float(np.linalg.norm(f_b))
     return -f_b / norm if norm > 1e-6 else np.array([0.0, 0.0, 1.0])
 

@@ -103,7 +103,15 @@ def mix_euler(
 def mix_log(
     states: Record, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray, k1: float, k2: float, out: FloatArray
 ) -> None:
-    """Mix a whole log without aid: the down vector of every row into ``out`` (n, 3)."""
+    """Mix a whole log without aid.
+
+    Parameters
+    ----------
+    states, dt, omega_b, f_b : (1,) of `VECTOR`; (n,), s; (n, 3), rad/s; (n, 3), m/s2
+        The state, changed in place, and the samples in b.
+    out : (n, 3)
+        The unit down vector in b of every row.
+    """
     state = states[0]
     for i in range(len(dt)):
         mix_vector(states, dt[i], omega_b[i], f_b[i], k1, k2)

@@ -42,7 +42,7 @@ class MixingLaw(NamedTuple):
 
 @kernel
 def open_gate(aids: Record, law: MixingLaw, dt: float, omega_b: FloatArray, speed: float) -> bool:
-    """Take in a sample's rates (3,) [rad/s] and speed [m/s]; return whether it turns faster than the gate."""
+    """Take in ``omega_b`` (3,) [rad/s] and a speed [m/s]; return whether it turns faster than the gate."""
     aid = aids[0]
     share = min(dt / SMOOTH_S, 1.0)
     smooth = aid.smooth_rate
@@ -60,6 +60,7 @@ def mix_speed(
 ) -> None:
     """Advance the law on the gravity vector, aided by forward speed and the remembered angle of attack.
 
+    ``omega_b`` (3,) [rad/s], ``f_b`` (3,) [m/s2], ``speed`` [m/s], nan where there is none.
     Taken off while the gate is open: omega x (u, 0, w), u = V cos a, w = V sin a. While it is closed nothing is,
     since V times a yaw rate's bias would tilt a level flight; there the pitch is the angle of attack.
     """
@@ -81,7 +82,14 @@ def mix_speed(
 
 @kernel
 def paper_angles(f_b: FloatArray, velocity: FloatArray, omega_b: FloatArray, g: float) -> tuple[float, float]:
-    """Return phi_a and theta_a [rad] of specific force and velocity: You and Lee (14), with v = w = 0 (10)."""
+    """Return phi_a and theta_a [rad]: You and Lee (14), with v = w = 0 (10).
+
+    Parameters
+    ----------
+    f_b, velocity, omega_b : (3,), m/s2, m/s, rad/s
+        Specific force, velocity and rate in b.
+    g : m/s2
+    """
     u, v, w = velocity[0], velocity[1], velocity[2]
     p, q, r = omega_b[0], omega_b[1], omega_b[2]
     theta = math.asin(max(-1.0, min(1.0, (f_b[0] + r * v - q * w) / g)))
@@ -93,7 +101,10 @@ def paper_angles(f_b: FloatArray, velocity: FloatArray, omega_b: FloatArray, g: 
 def filter_velocity(
     aids: Record, dt: float, omega_b: FloatArray, f_b: FloatArray, speed: float, phi: float, theta: float, g: float
 ) -> None:
-    """Advance the velocity filter by one sample: You and Lee (11), (12), with the attitude before it."""
+    """Advance the velocity filter by one sample, ``omega_b`` (3,) [rad/s] and ``f_b`` (3,) [m/s2].
+
+    You and Lee (11), (12), with the attitude ``phi``, ``theta`` [rad] before the sample.
+    """
     aid = aids[0]
     p, q, r = omega_b[0], omega_b[1], omega_b[2]
     velocity, P = aid.velocity, aid.covariance
@@ -135,7 +146,8 @@ def mix_paper(
 ) -> None:
     """Advance the Euler form as printed, aided by forward speed alone (10) or by the velocity filter (11)-(14).
 
-    While the gate is closed the filter's v and w are held and u follows the airspeed.
+    ``omega_b`` (3,) [rad/s], ``f_b`` (3,) [m/s2], ``speed`` [m/s], nan where there is none. While the gate is
+    closed the filter's v and w are held and u follows the airspeed.
     """
     state, aid = states[0], aids[0]
     is_open = open_gate(aids, law, dt, omega_b, speed)
@@ -152,7 +164,15 @@ def mix_speed_log(
     states: Record, aids: Record, law: MixingLaw, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray,
     speed: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip
-    """Run `mix_speed` over a log: the down vector of every row into ``out`` (n, 3)."""
+    """Run `mix_speed` over a log.
+
+    Parameters
+    ----------
+    dt, omega_b, f_b, speed : (n,), s; (n, 3), rad/s; (n, 3), m/s2; (n,), m/s
+        The samples in b.
+    out : (n, 3)
+        The unit down vector in b of every row.
+    """
     state = states[0]
     for i in range(len(dt)):
         mix_speed(states, aids, law, dt[i], omega_b[i], f_b[i], speed[i])
@@ -164,7 +184,15 @@ def mix_paper_log(
     states: Record, aids: Record, law: MixingLaw, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray,
     speed: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip
-    """Run `mix_paper` over a log: roll and pitch [rad] of every row into ``out`` (n, 2)."""
+    """Run `mix_paper` over a log.
+
+    Parameters
+    ----------
+    dt, omega_b, f_b, speed : (n,), s; (n, 3), rad/s; (n, 3), m/s2; (n,), m/s
+        The samples in b.
+    out : (n, 2), rad
+        Roll and pitch of every row.
+    """
     state = states[0]
     for i in range(len(dt)):
         mix_paper(states, aids, law, dt[i], omega_b[i], f_b[i], speed[i])

@@ -26,7 +26,7 @@ def roll_pitch_of(down: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def inclination(down: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the angle [rad] between down vectors (..., 3): the error of roll and pitch together."""
+    """Return the angle [rad] between ``down`` and ``other`` (..., 3): the error of roll and pitch together."""
     angle: FloatArray = np.arctan2(np.linalg.norm(np.cross(down, other), axis=-1), np.sum(down * other, axis=-1))
     return angle
 

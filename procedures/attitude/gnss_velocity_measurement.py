@@ -47,7 +47,7 @@ def sum_since(s: KalmanState, seconds: float) -> None:
 
 @inlined
 def measure_gnss_velocity(s: KalmanState, c: KalmanSettings, vel: FloatArray) -> None:
-    """Take in a GNSS velocity (3,) [m/s]; the first fast enough gives the heading where none was given.
+    """Take in a GNSS velocity ``vel`` (3,) [m/s]; the first fast enough gives the heading where none was given.
 
     The filter's own velocity carries the motion over the fix interval, so that what is compared are velocity
     increments, not accelerations at a point; and likewise from the moment of the fix to now.

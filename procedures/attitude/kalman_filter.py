@@ -34,8 +34,11 @@ class AttitudeKalmanFilter:
     ) -> FloatArray:  # fmt: skip
         """Take the sample that ends at ``t`` [s] and return the down vector (3,) there.
 
-        ``omega_b`` (3,) [rad/s], ``f_b`` (3,) [m/s2]; aids are nan where there is none: ``airspeed`` [m/s],
-        ``velocity`` (3,) north-east-down [m/s], ``heading`` [rad] true.
+        Parameters
+        ----------
+        omega_b, f_b : (3,), rad/s, m/s2
+        velocity : (3,), m/s, north-east-down
+            Nan where there is none, as are ``airspeed`` [m/s] and ``heading`` [rad], true.
         """
         dt = self.settings.nominal_s if self._t is None else t - self._t
         self._t = t
@@ -60,7 +63,7 @@ class AttitudeKalmanFilter:
 
     @property
     def down(self) -> FloatArray:
-        """The down vector (3,) in body axes."""
+        """The unit down vector (3,) in b."""
         return np.array(self.state.C_nb[2])
 
     @property

@@ -23,7 +23,14 @@ def advance(
     s: KalmanState, c: KalmanSettings, aid: int, dt: float, omega_b: FloatArray, f_b: FloatArray, air: float,
     vel: FloatArray, heading: float,
 ) -> None:  # fmt: skip
-    """Advance by one sample: rates [rad/s], specific force [m/s2], and the aids, nan where there is none."""
+    """Advance by one sample.
+
+    Parameters
+    ----------
+    omega_b, f_b : (3,), rad/s, m/s2
+    vel : (3,), m/s, north-east-down
+        Nan where there is none, as are ``air`` [m/s] and ``heading`` [rad].
+    """
     if aid != AIRSPEED:
         air = math.nan  # an aid that was not asked for is not used at all
     if s.memory[0].started == 0.0 or dt > LONG_GAP_S:
@@ -39,7 +46,7 @@ def advance(
 
 @inlined
 def update(s: KalmanState, c: KalmanSettings, aid: int, fixed: bool, vel: FloatArray, heading: float) -> None:
-    """Carry the covariance to now, take in what is measured, and correct the state."""
+    """Carry the covariance to now, take in what is measured, ``vel`` (3,) [m/s] too, and correct the state."""
     propagate(s, c)
     s.dx[:] = 0.0
     if aid == GNSS:
@@ -64,7 +71,16 @@ def filter_log(
     s: KalmanState, c: KalmanSettings, aid: int, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray,
     air: FloatArray, vel: FloatArray, heading: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip
-    """Run `advance` over a log: the down vector and its sigma [rad] of every row into ``out`` (n, 4)."""
+    """Run `advance` over a log.
+
+    Parameters
+    ----------
+    dt, omega_b, f_b : (n,), s; (n, 3), rad/s; (n, 3), m/s2
+    air, vel, heading : (n,), m/s; (n, 3), m/s, north-east-down; (n,), rad
+        Aids, nan where there is none.
+    out : (n, 4)
+        The unit down vector in b of every row, and its sigma [rad].
+    """
     for i in range(len(dt)):
         advance(s, c, aid, dt[i], omega_b[i], f_b[i], air[i], vel[i], heading[i])
         out[i, 0], out[i, 1], out[i, 2] = s.C_nb[2, 0], s.C_nb[2, 1], s.C_nb[2, 2]

@@ -24,7 +24,7 @@ class Observability:
 
 
 def observability_matrix(rate: FloatArray, slope: FloatArray) -> FloatArray:
-    """Return (13) of rates (..., 3) [rad/s] and their derivatives [rad/s2]: (..., 3, 3).
+    """Return (13), (..., 3, 3), of ``rate`` (..., 3) [rad/s] and its derivative ``slope`` (..., 3) [rad/s2].
 
     The printed third row has ``p q + r`` for ``p q + dr/dt``, without which the units differ.
     """
@@ -36,7 +36,10 @@ def observability_matrix(rate: FloatArray, slope: FloatArray) -> FloatArray:
 
 
 def determinant(rate: FloatArray, slope: FloatArray) -> FloatArray:
-    """Return the determinant (...) of (13): ``p (q^2 + r^2) + q dr/dt - r dq/dt``."""
+    """Return the determinant (n,) of (13) for ``rate`` (n, 3) [rad/s] and its derivative ``slope`` (n, 3).
+
+    It is ``p (q^2 + r^2) + q dr/dt - r dq/dt``.
+    """
     p, q, r = np.moveaxis(rate, -1, 0)
     found: FloatArray = p * (q * q + r * r) + q * slope[..., 2] - r * slope[..., 1]
     return found

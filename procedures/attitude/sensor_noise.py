@@ -47,7 +47,7 @@ def gate_of(noise: float) -> float:
 
 
 def range_limit(samples: FloatArray, least: float) -> float:
-    """Return the value at which samples (n, 3) clip, infinity where they do not.
+    """Return the value at which samples (n, 3), of any unit, clip; infinity where they do not.
 
     They clip where the largest size, above ``least``, stands for `CLIPPED_ROWS` rows running in a channel.
     """

@@ -13,7 +13,7 @@ LONG_GAP_S = 5.0  # after which attitude and velocity begin anew; the biases are
 
 @inlined
 def align(s: KalmanState, c: KalmanSettings, f_b: FloatArray, air: float) -> None:
-    """Align to the first specific force (3,) [m/s2]; the heading is body x's, called north."""
+    """Align to the first specific force ``f_b`` (3,) [m/s2]; the heading is body x's, called north."""
     x, y, z = f_b[0], f_b[1], f_b[2]
     norm = math.sqrt(x * x + y * y + z * z)
     d0, d1, d2 = (-x / norm, -y / norm, -z / norm) if norm > 1e-6 else (0.0, 0.0, 1.0)

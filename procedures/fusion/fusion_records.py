@@ -60,7 +60,7 @@ class GnssFixes:
                 raise ValueError(f"GnssFixes.{name} has shape {got}, expected {shape}")
 
     def part(self, which: slice | BoolArray) -> "GnssFixes":
-        """Return some of the fixes."""
+        """Return some of the fixes: a slice, or those ``which`` (n,) says."""
         return GnssFixes(
             self.t[which], self.p_n[which], self.v_n[which], self.course[which],
             self.position_std[which], self.velocity_std[which],

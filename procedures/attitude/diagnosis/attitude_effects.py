@@ -56,7 +56,7 @@ class AttitudeEffect:
 
 
 def slope(values: FloatArray, t: FloatArray, rows: int) -> FloatArray:
-    """Return the derivative by time of columns (n, k), each a running mean over ``rows``."""
+    """Return the derivative of ``values`` (n, k) by ``t`` (n,) [s], each column a running mean over ``rows``."""
     kernel = np.ones(rows) / rows
     padded = np.pad(values, ((rows // 2, rows - 1 - rows // 2), (0, 0)), mode="edge")
     smooth = np.stack([np.convolve(column, kernel, "valid") for column in padded.T], axis=1)

@@ -57,7 +57,7 @@ def windows(motion: AttitudeMotion, base: FloatArray, gravity: float, use: BoolA
 def propagated_residual(
     motion: AttitudeMotion, cut: ResidualWindows, columns: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return residual (m, 3) and columns (m, 3, k) of the gyroscope rows; ``columns`` (n, 3, k) are of rates."""
+    """Return residual (m, 3) and columns (m, 3, k) of the gyroscope rows; ``columns`` (n, 3, k) [rad/s]."""
     log, first = motion.log, cut.rows[:, 0]
     down = cut.reference[first]
     H = np.zeros((len(first), 3, columns.shape[2]))
@@ -74,7 +74,7 @@ def propagated_residual(
 def reference_columns(
     motion: AttitudeMotion, cut: ResidualWindows, columns: FloatArray, gravity: float
 ) -> FloatArray:
-    """Return columns (m, 3, k) of the gyroscope rows by effects on the specific force, the reference's own."""
+    """Return columns (m, 3, k) of the gyroscope rows by effects on the reference, the specific force [m/s2]."""
     d = cut.reference
     across = -(columns - d[:, :, None] * np.einsum("ni,nik->nk", d, columns)[:, None, :]) / gravity
     start = across[cut.rows[:, 0]]
@@ -91,7 +91,8 @@ def evidence_of(
 ) -> tuple[Evidence, dict[str, list[Candidate]]]:  # fmt: skip
     """Return the evidence and a candidate per effect; ``held`` are those that the model estimates anyway.
 
-    ``at_speed`` where the base model has ``omega x V``: an error of the rates then is one of the model's force.
+    ``base`` (n, 3) [m/s2] as in `windows`; ``at_speed`` where the base model has ``omega x V``: an error of the
+    rates then is one of the model's force.
     """
     sizes = [len(each.coefficients) for each in (*effects, *held)]
     n, ends = len(motion.log.t), np.cumsum([0, *sizes])
@@ -122,7 +123,7 @@ def evidence_of(
 
 
 def stretches(evidence: Evidence) -> list[IntArray]:
-    """Return the rows of each stretch."""
+    """Return the numbers (m,) of the rows of each stretch."""
     return [np.flatnonzero(evidence.step == number) for number in range(STRETCHES)]
 
 

@@ -35,7 +35,7 @@ def is_still(imu: ImuSeries, noise: ImuNoise) -> bool:
 def align_at_rest(
     imu: ImuSeries, noise: ImuNoise, gravity: float, earth_n: FloatArray
 ) -> AlignmentState | Waiting:
-    """Align by the means over all samples, or say what is missing."""
+    """Align by the means over all samples and Earth's rate ``earth_n`` (3,) [rad/s], or say what is missing."""
     elapsed = float(imu.t[-1] - imu.t[0])
     if elapsed < MIN_REST_S or not is_still(imu, noise):
         return Waiting(f"it does not stand still for {MIN_REST_S:g} s")

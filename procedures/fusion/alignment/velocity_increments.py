@@ -44,12 +44,12 @@ class FixVelocities:
 
     @property
     def elapsed(self) -> FloatArray:
-        """Time [s] since the first fix."""
+        """Time (n,) [s] since the first fix."""
         since: FloatArray = self.t - self.t[0]
         return since
 
     def reach(self, grid: ImuGrid, made: InertialIncrements, gyro_bias: FloatArray) -> PredictedVelocities:
-        """Return increments made at all edges of the grid as they are at the fixes."""
+        """Return increments made at all edges of the grid as they are at the fixes; ``gyro_bias`` (3,) [rad/s]."""
         k, edges = grid.at, np.concatenate(([0.0], np.cumsum(grid.dt)))
         ends = np.clip([edges[k] - ACCELERATION_HALF_SPAN_S, edges[k] + ACCELERATION_HALF_SPAN_S], 0.0, edges[-1])
         alpha = [interpolated(t, edges, made.alpha) for t in ends]
@@ -68,12 +68,12 @@ class MeanVelocities:
 
     @property
     def elapsed(self) -> FloatArray:
-        """Time [s] since the first fix, of the middles."""
+        """Time (n - 1,) [s] since the first fix, of the middles."""
         middle: FloatArray = (self.t[1:] + self.t[:-1]) / 2 - self.t[0]
         return middle
 
     def reach(self, grid: ImuGrid, made: InertialIncrements, _gyro_bias: FloatArray) -> PredictedVelocities:
-        """Return increments made at all edges of the grid, averaged between the fixes."""
+        """Return increments made at all edges of the grid, averaged between fixes; ``_gyro_bias`` (3,) unused."""
         dt = np.diff(self.t)[:, None]
         turned, slope = np.diff(made.C[grid.at], axis=0) / dt[:, None], np.diff(made.alpha[grid.at], axis=0) / dt
         means = [_means(grid, part) for part in (made.alpha, made.by_gyro, made.by_accel)]

@@ -57,7 +57,7 @@ class GnssVelocities:
 
 
 def velocities(fixes: GnssFixes, imu: ImuSeries, gyro_bias: FloatArray) -> GnssVelocities:
-    """Return what fixes say of velocity, and the IMU's rate at each, its bias taken off."""
+    """Return what fixes say of velocity, and the IMU's rate at each, ``gyro_bias`` (3,) [rad/s] taken off."""
     rate = interpolated(fixes.t, imu.t, imu.omega_b)
     told = np.isfinite(fixes.v_n) & np.isfinite(fixes.velocity_std)[:, None]
     v, std = np.where(told, fixes.v_n, 0.0), np.where(told, fixes.velocity_std[:, None], np.inf)

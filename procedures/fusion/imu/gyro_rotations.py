@@ -30,7 +30,7 @@ class GyroRotations:
         return back @ C0, back @ (Phi1 - Phi0)
 
     def rate(self, t: FloatArray) -> FloatArray:
-        """Return the mean rates (n, 3) [rad/s] about the times (n,) [s]."""
+        """Return the mean rates (n, 3) [rad/s] in b about the times ``t`` (n,) [s]."""
         turned, _ = self.turned(t + RATE_HALF_SPAN_S, t - RATE_HALF_SPAN_S)
         return rotation_vector(turned) / (2 * RATE_HALF_SPAN_S)
 

@@ -58,7 +58,14 @@ class InertialIncrements:
 def integrate(
     g: ImuGrid, gyro_bias: FloatArray, accel_bias: FloatArray, earth_b: FloatArray | None = None
 ) -> InertialIncrements:
-    """Integrate a grid; ``earth_b`` (m, 3) [rad/s] is the Earth's rate in b at the middles, where it is to go."""
+    """Integrate a grid.
+
+    Parameters
+    ----------
+    gyro_bias, accel_bias : (3,), rad/s, m/s2
+    earth_b : (m, 3), rad/s
+        The Earth's rate in b at the middles, where it is to be taken off.
+    """
     omega = g.omega_b - gyro_bias if earth_b is None else g.omega_b - gyro_bias - earth_b
     C = products(rotation(omega * g.dt[:, None]))
     middle = C[:-1] @ rotation(omega * g.dt[:, None] / 2)
@@ -70,7 +77,7 @@ def integrate(
 
 
 def products(steps: FloatArray) -> FloatArray:
-    """Return the running products (n + 1, 3, 3) of rotations (n, 3, 3), the first the identity."""
+    """Return the running products (n + 1, 3, 3) of rotations ``steps`` (n, 3, 3), the first the identity."""
     n = len(steps)
     size = max(int(np.sqrt(n)), 1)  # of blocks that are multiplied side by side, then one after the other
     blocks = np.broadcast_to(np.eye(3), (-(-n // size) * size, 3, 3)).copy()

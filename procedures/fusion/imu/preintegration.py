@@ -47,7 +47,13 @@ class Preintegrated:
 def preintegrate(
     part: ImuGrid, bg: FloatArray, ba: FloatArray, earth_b: FloatArray, noise: ImuNoise
 ) -> Preintegrated:
-    """Preintegrate all intervals of ``part``; ``earth_b`` (3,) [rad/s] is the Earth's rate in the first b."""
+    """Preintegrate all intervals of ``part``.
+
+    Parameters
+    ----------
+    bg, ba, earth_b : (3,), rad/s, m/s2, rad/s
+        Gyro and accelerometer bias, and the Earth's rate in the first b.
+    """
     dt = part.dt[:, None]
     turn = (part.omega_b - bg - earth_b) * dt
     C = products(rotation(turn))

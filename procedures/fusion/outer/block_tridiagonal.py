@@ -21,7 +21,7 @@ class BlockTridiagonal:
 
 
 def solve_chain(chain: BlockTridiagonal) -> tuple[FloatArray, FloatArray]:
-    """Return the step (n, d) to the minimum, and the covariance (d, d) of the last node."""
+    """Return the step (n, d) to the minimum, in the units of the nodes, and the covariance (d, d) of the last."""
     n, d = chain.g.shape
     right = np.zeros((n * d, 1 + d))
     right[:, 0] = -chain.g.ravel()
@@ -45,7 +45,10 @@ def _upper_band(chain: BlockTridiagonal) -> FloatArray:
 def eliminate(A: FloatArray, B: FloatArray, a: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return what a node leaves to its neighbour when it is eliminated: ``-B' A^-1 B`` and ``-B' A^-1 a``.
 
-    A (d, d) is the node's own block, B (d, d) its tie, a (d,) its gradient (the Schur complement).
+    Parameters
+    ----------
+    A, B, a : (d, d), (d, d), (d,)
+        The node's own block, its tie and its gradient, in the units of its state (the Schur complement).
     """
     factor = cho_factor(A, check_finite=False)
     return -B.T @ cho_solve(factor, B, check_finite=False), -B.T @ cho_solve(factor, a, check_finite=False)

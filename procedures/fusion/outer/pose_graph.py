@@ -44,7 +44,7 @@ class PoseGraphSettings:
 
     @property
     def arm(self) -> FloatArray:
-        """The lever arm to begin with."""
+        """The lever arm (3,) [m] to begin with, in b."""
         return np.zeros(3) if self.lever_arm is None else self.lever_arm
 
 

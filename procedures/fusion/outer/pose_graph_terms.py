@@ -73,16 +73,16 @@ class NodeLayout:
         return 4 + 3 * self.lever_arm + self.time_offset
 
     def lever_of(self, x: FloatArray, given: FloatArray) -> FloatArray:
-        """Return the lever arm (..., 3) of states (..., d), or what was given."""
+        """Return the lever arm (..., 3) [m] of states ``x`` (..., d), or what was ``given`` (3,)."""
         return x[..., LEVER] if self.lever_arm else np.broadcast_to(given, (*x.shape[:-1], 3))
 
     def offset_of(self, x: FloatArray, given: float) -> FloatArray:
-        """Return the time offset (...,) of states (..., d), or what was given."""
+        """Return the time offset (...,) [s] of states ``x`` (..., d), or what was given."""
         return x[..., -1] if self.time_offset else np.full(x.shape[:-1], given)
 
 
 def rz(yaw: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return rotations (..., 3, 3) about the vertical and their derivatives."""
+    """Return the rotations (..., 3, 3) about the vertical by ``yaw`` (...,) [rad] and their derivatives."""
     R, dR = np.zeros((*np.shape(yaw), 3, 3)), np.zeros((*np.shape(yaw), 3, 3))
     c, s = np.cos(yaw), np.sin(yaw)
     R[..., 0, 0] = R[..., 1, 1] = dR[..., 1, 0] = c
@@ -97,7 +97,10 @@ def linearise(
     x: FloatArray, nodes: OdometrySteps, fixes: FixTerms, prior: NodePrior, layout: NodeLayout,
     lever_arm: FloatArray,
 ) -> tuple[BlockTridiagonal, FloatArray]:  # fmt: skip
-    """Return the normal equations at states ``x`` (n, d), and the length (m,) of each fix's whitened residual."""
+    """Return the normal equations at states ``x`` (n, d), and the length (m,) of each fix's whitened residual.
+
+    ``lever_arm`` (3,) [m] in b is what holds where it is not estimated.
+    """
     n, d = x.shape
     chain = BlockTridiagonal(np.zeros((n, d, d)), np.zeros((n - 1, d, d)), np.zeros((n, d)))
     chain.D[0] += prior.info
@@ -159,6 +162,6 @@ def _add_courses(chain: BlockTridiagonal, x: FloatArray, f: FixTerms) -> None:
 
 
 def huber(size: FloatArray, limit: float) -> FloatArray:
-    """Return Huber's weights of whitened residuals: 1 within the limit, falling as 1 / size beyond."""
+    """Return Huber's weights (n,) of whitened residuals ``size`` (n,): 1 within the limit, then limit / size."""
     weight: FloatArray = limit / np.maximum(size, limit)
     return weight

@@ -65,7 +65,7 @@ class AnchoredPatches:
         self._step = np.zeros((0, 6, m), np.float32)
 
     def keep(self, which: BoolArray) -> None:
-        """Forget all other rows."""
+        """Keep the rows that ``which`` (n,) says are True, and forget all others."""
         self._A, self._T, self._G, self._step = (rows[which] for rows in (self._A, self._T, self._G, self._step))
 
     def add(self, image: Floats, uv: Floats) -> None:
@@ -75,7 +75,7 @@ class AnchoredPatches:
         self._A, self._T, self._G, self._step = (np.concatenate(pair) for pair in rows)
 
     def renew(self, image: Floats, uv: Floats, which: BoolArray) -> None:
-        """Let rows have a new anchor at points (n, 2) of all."""
+        """Let rows ``which`` (n,) have a new anchor at ``uv`` (n, 2) [px], the points of all."""
         if which.any():
             self._A[which] = IDENTITY
             self._T[which], self._G[which], self._step[which] = self._anchors(image, uv[which])

@@ -46,7 +46,7 @@ class EpipolarRotations:
         self.pairs, self._variance, self._loss, self._rounds = pairs, std**2, loss, rounds
 
     def misfit(self, R: FloatArray) -> RotationMisfit:
-        """Return the misfit of turns (p, 3, 3); the way of each pair is sought from three sides."""
+        """Return the misfit of rotations ``R`` (p, 3, 3); the way of each pair is sought from three sides."""
         u = self.pairs.y0 @ np.swapaxes(R, 1, 2)
         n = np.cross(u, self.pairs.y1)
         sides = self._sides(u, n)

@@ -63,7 +63,7 @@ class LensModel:
         return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
 
     def straightened(self, uv: FloatArray) -> FloatArray:
-        """Return image points (n, 2) [px] as the lens would have them without distortion."""
+        """Return image points ``uv`` (n, 2) [px] as the lens would have them without distortion."""
         if not len(uv) or not self.distortion.any():
             return uv
         straight = opencv().undistortPoints(uv[:, None].astype(np.float64), self.K, self.distortion, P=self.K)

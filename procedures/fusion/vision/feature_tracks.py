@@ -26,12 +26,12 @@ class PinholeCamera:
     t_bc: FloatArray
 
     def rays(self, uv: FloatArray) -> FloatArray:
-        """Return image points (n, 2) [px] on the plane at depth 1."""
+        """Return image points ``uv`` (n, 2) [px] on the plane at depth 1."""
         rays: FloatArray = (uv - [self.cx, self.cy]) / [self.fx, self.fy]
         return rays
 
     def pixels(self, rays: FloatArray) -> FloatArray:
-        """Return points (n, 2) of the plane at depth 1 as image points [px]."""
+        """Return points ``rays`` (n, 2) of the plane at depth 1 as image points [px]."""
         uv: FloatArray = rays * [self.fx, self.fy] + [self.cx, self.cy]
         return uv
 

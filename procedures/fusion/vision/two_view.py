@@ -27,7 +27,7 @@ class TwoView:
 
 
 def two_view(x0: FloatArray, x1: FloatArray, limit: float, rng: np.random.Generator) -> TwoView | None:
-    """Return the motion that most of the points (n, 2) in both frames agree with, or None.
+    """Return the motion that most of the points ``x0``, ``x1`` (n, 2) in both frames agree with, or None.
 
     ``limit`` is how far off a point may lie, in units of the plane at depth 1; ``rng`` draws the samples.
     """
@@ -56,7 +56,15 @@ def _essential(y0: FloatArray, y1: FloatArray) -> FloatArray:
 
 
 def sampson_distance(E: FloatArray, y0: FloatArray, y1: FloatArray) -> FloatArray:
-    """Return Sampson's distance (s, n) of points (n, 3) at depth 1 from what each matrix (s, 3, 3) says."""
+    """Return Sampson's distance (s, n), in units of the plane at depth 1.
+
+    Parameters
+    ----------
+    E : (s, 3, 3)
+        Essential matrices.
+    y0, y1 : (n, 3)
+        The points at depth 1 in both frames.
+    """
     l1, l0 = y0 @ np.swapaxes(E, -1, -2), y1 @ E
     off = np.abs(np.sum(l1 * y1, axis=-1))
     distance: FloatArray = off / np.sqrt(np.sum(l1[..., :2] ** 2 + l0[..., :2] ** 2, axis=-1))
