@@ -87,11 +87,6 @@ class PrintedComplementaryFilter:
         return float(self._states["roll"][0]), float(self._states["pitch"][0])
 
     @property
-    def velocity(self) -> FloatArray:
-        """The body velocity (3,) [m/s] in use."""
-        return np.asarray(self._aids["velocity"][0].copy(), np.float64)
-
-    @property
     def gyro_bias(self) -> FloatArray:
         """What the integrals hold (3,) [rad/s], of roll and pitch: a bias of the body only while level."""
         return np.array([-self._states[0].roll_correction, -self._states[0].pitch_correction, 0.0])

@@ -25,10 +25,5 @@ class Gains:
             raise ValueError(f"the time constant is {tau:g} s, expected more than 0")
         return cls(2 / tau, 1 / (2 * tau))
 
-    @property
-    def damping(self) -> float:
-        """The loop's damping; 1 for gains of the form of (15), 1.26 for those that You and Lee prints."""
-        return 0.5 * (self.k1 / self.k2) ** 0.5 if self.k2 > 0 else float("inf")
-
 
 PAPER_GAINS = Gains(0.08, 0.0125)  # You and Lee, section 4: printed beside (15), but not of its form

@@ -77,11 +77,6 @@ class AttitudeKalmanFilter:
         return np.array(self.state.slow[0].gyro_bias), np.sqrt(np.diag(self.state.P)[6:9])
 
     @property
-    def force_bias(self) -> tuple[FloatArray, FloatArray]:
-        """The accelerometer bias (3,) [m/s2] and its 1 sigma."""
-        return np.array(self.state.slow[0].force_bias), np.sqrt(np.diag(self.state.P)[12:15])
-
-    @property
     def at_rest(self) -> bool:
         """Whether the unit was found at rest at the last update."""
         return bool(self.state.memory[0].at_rest)

@@ -23,18 +23,6 @@ class Observability:
     rank_3: float
 
 
-def observability_matrix(rate: FloatArray, slope: FloatArray) -> FloatArray:
-    """Return (13), (..., 3, 3), of ``rate`` (..., 3) [rad/s] and its derivative ``slope`` (..., 3) [rad/s2].
-
-    The printed third row has ``p q + r`` for ``p q + dr/dt``, without which the units differ.
-    """
-    p, q, r = np.moveaxis(rate, -1, 0)
-    dq, dr = slope[..., 1], slope[..., 2]
-    one, nought = np.ones_like(p), np.zeros_like(p)
-    rows = ((one, nought, nought), (nought, r, -q), (-r * r - q * q, p * q + dr, p * r - dq))
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-
-
 def determinant(rate: FloatArray, slope: FloatArray) -> FloatArray:
     """Return the determinant (n,) of (13) for ``rate`` (n, 3) [rad/s] and its derivative ``slope`` (n, 3).
 

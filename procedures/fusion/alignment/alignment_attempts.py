@@ -3,6 +3,8 @@
 It waits for displacement and observability, not for a time; what is missing is said by the last attempt.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from procedures.fusion.alignment.alignment_at_rest import align_at_rest
@@ -14,9 +16,7 @@ from procedures.fusion.imu.imu_gaps import imu_gaps
 FIRST_ATTEMPT_S = 3.0  # s after which it is worth a try
 ATTEMPT_SPACING_RATIO = 1.1  # later attempts are as much farther apart, and at least `MIN_ATTEMPT_SPACING_S`
 MIN_ATTEMPT_SPACING_S = 1.0  # s
-MAX_GAP_ATTITUDE_STD = np.radians(
-    0.5
-)  # 1 sigma of attitude over a gap of the IMU, beyond which only what follows it is looked at
+MAX_GAP_ATTITUDE_STD = np.radians(0.5)  # over a gap of the IMU, beyond which only what follows it is looked at
 MOTION_WINDOW_S = 30.0  # s of motion that are looked at: biases move
 MIN_FIXES = 12  # at least, however far apart they are
 
@@ -27,13 +27,19 @@ def align_when_possible(aligner: MovingAligner, imu: ImuSeries, fixes: GnssFixes
     end = min(float(imu.t[-1]), float(fixes.t[-1]))
     found: AlignmentState | Waiting = Waiting("IMU and GNSS overlap for less than three seconds")
     torn = [gap.last for gap in imu_gaps(imu) if gap.rate_std * gap.length > MAX_GAP_ATTITUDE_STD]
-    now = start + FIRST_ATTEMPT_S
-    while now <= end:
+    for now in attempt_times(start, end, FIRST_ATTEMPT_S, MIN_ATTEMPT_SPACING_S):
         found = attempt(aligner, imu, fixes, max([start, *(last for last in torn if last <= now)]), now)
         if isinstance(found, AlignmentState):
             break
-        now += max(MIN_ATTEMPT_SPACING_S, (ATTEMPT_SPACING_RATIO - 1) * (now - start))
     return found
+
+
+def attempt_times(start: float, end: float, first: float, spacing: float) -> Iterator[float]:
+    """Yield the times [s] of attempts, ``first`` [s] after the start and at least ``spacing`` [s] apart."""
+    now = start + first
+    while now <= end:
+        yield now
+        now += max(spacing, (ATTEMPT_SPACING_RATIO - 1) * (now - start))
 
 
 def attempt(

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.fusion.alignment.alignment_attempts import attempt_times
 from procedures.fusion.alignment.alignment_result import Waiting
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.inner.landmarks import Landmarks
@@ -19,7 +20,6 @@ from procedures.fusion.visual_alignment.visual_start import VisualInertialFit, V
 from procedures.fusion.visual_alignment.visual_structure import structure
 
 FIRST_ATTEMPT_S = 1.0  # s after which it is worth a try
-ATTEMPT_SPACING_RATIO = 1.1  # later attempts are as much farther apart, and at least `MIN_ATTEMPT_SPACING_S`
 MIN_ATTEMPT_SPACING_S = 0.5  # s
 MAX_SPAN_S = 2.0  # s of frames that are looked at, at most
 MIN_FRAMES = 5  # frames
@@ -59,12 +59,10 @@ def align_by_camera(
     start = max(float(each.t[0]) for each in (imu, tracks, fixes))
     end = min(float(each.t[-1]) for each in (imu, tracks, fixes))
     found: VisualStart | Waiting = Waiting("IMU, camera and GNSS overlap for less than a second")
-    now = start + FIRST_ATTEMPT_S
-    while now <= end:
+    for now in attempt_times(start, end, FIRST_ATTEMPT_S, MIN_ATTEMPT_SPACING_S):
         found = aligner.align(imu, tracks, fixes, now)
         if isinstance(found, VisualStart):
             break
-        now += max(MIN_ATTEMPT_SPACING_S, (ATTEMPT_SPACING_RATIO - 1) * (now - start))
     return found
 
 

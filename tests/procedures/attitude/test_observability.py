@@ -1,7 +1,20 @@
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.observability import determinant, observability, observability_matrix
+from procedures.attitude.observability import determinant, observability
+
+
+def observability_matrix(rate: FloatArray, slope: FloatArray) -> FloatArray:
+    """Return (13), (..., 3, 3), of ``rate`` (..., 3) [rad/s] and its derivative ``slope`` (..., 3) [rad/s2].
+
+    The printed third row has ``p q + r`` for ``p q + dr/dt``, without which the units differ.
+    """
+    p, q, r = np.moveaxis(rate, -1, 0)
+    dq, dr = slope[..., 1], slope[..., 2]
+    one, nought = np.ones_like(p), np.zeros_like(p)
+    rows = ((one, nought, nought), (nought, r, -q), (-r * r - q * q, p * q + dr, p * r - dq))
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
 def test_the_determinant_is_that_of_the_matrix_and_of_a_system_that_varies_in_time() -> None:
