@@ -145,7 +145,7 @@ def _can(text: str, interface: str, path: str, query: str) -> DeviceUrl:
     return DeviceUrl(text, CAN, path=channel, format=CAN, interface=interface, options=others, **described)
 
 
-def _described(text: str, options: Mapping[str, str]) -> "_Described":
+def _described(text: str, options: Mapping[str, str]) -> _Described:
     """Return the options that say how frames are to be read."""
     period = decimal_number(text, options, "period_s", 1e-5, 10, "s")
     return {"dbc": options.get("dbc", ""), "map": options.get("map", ""), "period": period}

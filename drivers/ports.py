@@ -1,35 +1,15 @@
 """Open a device's URL as a port of bytes: serial line, TCP, CAN bus, replayed file, MAVLink link or camera."""
 
 from contextlib import ExitStack
-from typing import BinaryIO, Protocol
+from typing import BinaryIO
 
 from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import LinkLost, PortNotFound, ReplayEnded
+from drivers.port_interface import Port
 from drivers.serial_port import PortInfo, SerialPort, list_ports, open_serial
 from drivers.tcp_port import TcpPort, open_tcp
 from drivers.wire import FORMATS
-
-
-class Port(Protocol):
-    """Bytes from and to a device; every call returns within its timeout.
-
-    ``read`` returns what has come, at most ``max_bytes``, at once when anything has; empty when nothing
-    came within the timeout. It raises `LinkLost` when the port is gone and `ReplayEnded` at the end of a
-    replayed file. ``close`` may be called twice.
-    """
-
-    def read(self, max_bytes: int) -> bytes:
-        """Return what has come; see the class."""
-        ...
-
-    def write(self, data: bytes) -> None:
-        """Send ``data`` whole."""
-        ...
-
-    def close(self) -> None:
-        """Give the port back."""
-        ...
 
 
 class ReplayPort:

@@ -15,6 +15,7 @@ import numpy as np
 
 from drivers.framing import Decoder
 from drivers.host_times import HostTimes
+from drivers.port_interface import Port
 from drivers.wire import WireFormat, triad
 from procedures.counts.sample_records import CountBlock
 
@@ -23,23 +24,11 @@ MAX_LATE_S = 0.5
 READ_BYTES = 4096
 
 
-class AxisPort(Protocol):
+class AxisPort(Port, Protocol):
     """A port that can be waited for."""
 
     def fileno(self) -> int:
         """Return what `select` takes."""
-        ...
-
-    def read(self, max_bytes: int) -> bytes:
-        """Return what has come."""
-        ...
-
-    def write(self, data: bytes) -> None:
-        """Send ``data`` whole."""
-        ...
-
-    def close(self) -> None:
-        """Give the port back."""
         ...
 
 

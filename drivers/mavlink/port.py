@@ -5,27 +5,21 @@ So a reader that knows nothing of MAVLink journals a link like any other device.
 
 import contextlib
 import time
-from typing import Protocol
 
 from drivers.errors import LinkLost
 from drivers.mavlink.address import MavlinkUrl
 from drivers.mavlink.session import MavlinkSession
 from drivers.mavlink.signing import read_key
+from drivers.port_interface import Port
 from drivers.serial_port import open_serial
 from drivers.tcp_port import open_tcp
 from drivers.udp_port import open_udp
 
 
-class _Bytes(Protocol):
-    def read(self, max_bytes: int) -> bytes: ...
-    def write(self, data: bytes) -> None: ...
-    def close(self) -> None: ...
-
-
 class MavlinkPort:
-    """Bytes as they come; `drivers.ports.Port`."""
+    """Bytes as they come; `drivers.port_interface.Port`."""
 
-    def __init__(self, line: _Bytes, session: MavlinkSession) -> None:
+    def __init__(self, line: Port, session: MavlinkSession) -> None:
         self._line, self.session = line, session
 
     def read(self, max_bytes: int) -> bytes:
@@ -53,7 +47,7 @@ class MavlinkPort:
 def open_mavlink(address: MavlinkUrl, timeout_s: float) -> MavlinkPort:
     """Open the link that an address names; raises what its port raises, `BadDeviceUrl` for a bad key file."""
     key = read_key(address.key_file) if address.key_file else None
-    line: _Bytes
+    line: Port
     if address.link == "tcp":
         line = open_tcp(address.host, address.port, timeout_s)
     elif address.link == "serial":

@@ -56,18 +56,19 @@ def is_intact(frame: Octets) -> bool:
     return zlib.crc32(frame) == RESIDUE
 
 
-def decode(frames: Frames) -> CountBlock:
-    """Return the counts; unhealthy where any of status bits 0-7 is set."""
-    temperature = frames["temperature"]
-    status = frames["status"].astype(np.int64)
+def decode(frames: Frames, fault_bits: int = FAULT_BITS) -> CountBlock:
+    """Return the counts, 0 of a triad that a frame has not; unhealthy where any of the fault bits is set."""
+    temperature, status = frames["temperature"], frames["status"].astype(np.int64)
+    nothing = np.zeros((len(frames), 3))
+    has_accel = "accel" in (frames.dtype.names or ())
     return CountBlock(
         counter=frames["counter"].astype(np.int64),
         device_time=frames["time_ns"] / 1e9,
         gyro=frames["gyro"].astype(np.int64),
-        accel=frames["accel"].astype(np.int64),
+        accel=(frames["accel"] if has_accel else nothing).astype(np.int64),
         temperature=np.where(temperature == NO_TEMPERATURE, np.nan, temperature / 100.0),
         status=status,
-        healthy=(status & FAULT_BITS) == 0,
+        healthy=(status & fault_bits) == 0,
     )
 
 
@@ -76,21 +77,25 @@ def encode(block: CountBlock) -> bytes:
 
     An unhealthy sample without a fault bit is sent with bit 7, internal fault.
     """
-    frames = np.zeros(len(block), FRAME)
-    frames["sync"] = np.frombuffer(SYNC, np.uint8)
-    frames["kind"], frames["length"] = IMU.prefix[2:4]
+    return encode_as(IMU, block, FAULT_BITS, INTERNAL_FAULT)
+
+
+def encode_as(kind: FrameKind, block: CountBlock, fault_bits: int, unsaid_fault: int) -> bytes:
+    """Return a block in frames of a kind; an unhealthy sample without a fault bit gets ``unsaid_fault``."""
+    frames = np.zeros(len(block), kind.dtype)
+    frames["sync"] = np.frombuffer(kind.prefix[:2], np.uint8)
+    frames["kind"], frames["length"] = kind.prefix[2:4]
     frames["counter"] = fits(block.counter, 0, 2**63 - 1, "counter") % 2**32
     frames["time_ns"] = fits(np.rint(block.device_time * 1e9), 0, 2**62, "device_time in ns")
-    for name, counts in (("gyro", block.gyro), ("accel", block.accel)):
-        frames[name] = fits(counts, -INT32, INT32 - 1, name)
+    for name in sorted(kind.triads, reverse=True):
+        frames[name] = fits(getattr(block, name), -INT32, INT32 - 1, name)
     unknown = np.isnan(block.temperature)
     hundredths = np.rint(np.where(unknown, 0.0, block.temperature) * 100)
     frames["temperature"] = np.where(
         unknown, NO_TEMPERATURE, fits(hundredths, -32767, 32767, "temperature in 0.01 degC")
     )
     status = fits(block.status, 0, 2**16 - 1, "status")
-    silent = ~block.healthy & ((status & FAULT_BITS) == 0)
-    frames["status"] = status | np.where(silent, INTERNAL_FAULT, 0)
+    frames["status"] = status | np.where(~block.healthy & ((status & fault_bits) == 0), unsaid_fault, 0)
     return seal(frames, crc)
 
 

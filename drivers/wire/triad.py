@@ -7,17 +7,16 @@ host's.
 """
 
 import zlib
+from functools import partial
 
 import numpy as np
 
 from drivers.host_times import HINDSIGHT_S
-from drivers.wire._format import FrameKind, Frames, Octets, WireFormat, fits, seal
+from drivers.wire import counts
+from drivers.wire._format import FrameKind, WireFormat, seal
 from procedures.counts.sample_records import CountBlock
 
 SYNC = b"\x9d\x3a"
-RESIDUE = 0x2144DF1C  # CRC-32/ISO-HDLC of any message followed by its own CRC
-INT32 = 2**31
-NO_TEMPERATURE = -32768
 FAULTS = 0x0007  # status bits 0, 1, 2: x, y, z not healthy
 MAX_READ_BYTES = 18  # bytes of an axis in a frame
 
@@ -48,39 +47,9 @@ READ = np.dtype(
 )
 
 
-def is_intact(frame: Octets) -> bool:
-    """Say whether a frame passes its CRC."""
-    return zlib.crc32(frame) == RESIDUE
-
-
-def decode(frames: Frames) -> CountBlock:
-    """Return the counts of the three gyros; the accelerometers are 0."""
-    status, temperature = frames["status"].astype(np.int64), frames["temperature"]
-    return CountBlock(
-        counter=frames["counter"].astype(np.int64),
-        device_time=frames["time_ns"] / 1e9,
-        gyro=frames["gyro"].astype(np.int64),
-        accel=np.zeros((len(frames), 3), dtype=np.int64),
-        temperature=np.where(temperature == NO_TEMPERATURE, np.nan, temperature / 100.0),
-        status=status,
-        healthy=(status & FAULTS) == 0,
-    )
-
-
 def encode(block: CountBlock) -> bytes:
     """Return the frames of a block; an unhealthy sample without a fault bit is sent with all three."""
-    frames = np.zeros(len(block), SAMPLE)
-    frames["sync"] = np.frombuffer(SYNC, np.uint8)
-    frames["kind"], frames["length"] = IMU.prefix[2:4]
-    frames["counter"] = fits(block.counter, 0, 2**63 - 1, "counter") % 2**32
-    frames["time_ns"] = fits(np.rint(block.device_time * 1e9), 0, 2**62, "device_time in ns")
-    frames["gyro"] = fits(block.gyro, -INT32, INT32 - 1, "gyro")
-    unknown = np.isnan(block.temperature)
-    warmth = fits(np.rint(np.where(unknown, 0.0, block.temperature) * 100), -32767, 32767, "temperature")
-    frames["temperature"] = np.where(unknown, NO_TEMPERATURE, warmth)
-    status = fits(block.status, 0, 2**16 - 1, "status")
-    frames["status"] = status | np.where(~block.healthy & ((status & FAULTS) == 0), FAULTS, 0)
-    return seal(frames, zlib.crc32)
+    return counts.encode_as(IMU, block, FAULTS, FAULTS)
 
 
 def encode_read(host_ns: int, axis: int, data: bytes) -> bytes:
@@ -108,8 +77,8 @@ FORMAT = WireFormat(
     passed_over=(BYTES,),
     check="CRC-32/ISO-HDLC over everything before it",
     check_bits=32,
-    is_intact=is_intact,
-    decode=decode,
+    is_intact=counts.is_intact,
+    decode=partial(counts.decode, fault_bits=FAULTS),
     encode=encode,
     carries=frozenset({"counter", "device_time", "temperature", "status", "healthy"}),
     baud=115200,

@@ -15,7 +15,8 @@ from drivers.device_url import DEFAULT_BAUD
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import DriverError
 from drivers.framing import sniff
-from drivers.ports import Port, list_ports, open_port
+from drivers.port_interface import Port
+from drivers.ports import list_ports, open_port
 from drivers.udp_port import open_udp
 from drivers.url_wire_format import wire_of
 from drivers.wire import FORMATS

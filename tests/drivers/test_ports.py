@@ -21,7 +21,8 @@ from drivers.errors import (
     WrongFormat,
 )
 from drivers.framing import Decoder
-from drivers.ports import Port, list_ports, open_port
+from drivers.port_interface import Port
+from drivers.ports import list_ports, open_port
 from drivers.wire import WireFormat
 from tests.drivers.wire.blocks import each_format
 

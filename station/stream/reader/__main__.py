@@ -13,7 +13,8 @@ from pathlib import Path
 from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import DriverError, LinkLost, ReplayEnded
-from drivers.ports import Port, open_port
+from drivers.port_interface import Port
+from drivers.ports import open_port
 from drivers.url_wire_format import frame_descriptions
 from station.errors import CannotWrite
 from station.files.mcap_files.fix_schemas import GNSS_RAW_TOPIC

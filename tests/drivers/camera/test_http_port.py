@@ -11,7 +11,8 @@ import pytest
 from drivers.camera import CameraDecoder, http_port
 from drivers.camera.multipart import CONTENT_TYPE, part
 from drivers.errors import LinkLost, PortNotFound
-from drivers.ports import Port, open_port
+from drivers.port_interface import Port
+from drivers.ports import open_port
 from tests.drivers.camera.images import jpegs
 
 OK = f"HTTP/1.1 200 OK\r\ncontent-type: {CONTENT_TYPE}\r\n\r\n".encode()

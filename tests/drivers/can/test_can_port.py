@@ -15,7 +15,8 @@ from drivers.can.can_port import CanPort
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl, LinkLost, PortBusy, PortNotFound
 from drivers.framing import Decoder
-from drivers.ports import Port, open_port
+from drivers.port_interface import Port
+from drivers.ports import open_port
 from drivers.simulated.can_lines import SlcanAdapter
 from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.imu import SimulatedImu

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from drivers.mavlink.decoder import MavlinkDecoder
-from drivers.ports import Port, open_port
+from drivers.port_interface import Port
+from drivers.ports import open_port
 from procedures.earth.gnss_records import FixType, GnssFix, TimeMark
 
 MAVPROXY = shutil.which("mavproxy.py") or shutil.which("mavproxy.py", path=str(Path(sys.executable).parent))

@@ -8,7 +8,8 @@ import pytest
 
 from drivers.errors import LinkLost
 from drivers.framing import Decoder
-from drivers.ports import Port, open_port
+from drivers.port_interface import Port
+from drivers.ports import open_port
 from drivers.simulated.errors import HandsRefused
 from drivers.simulated.hands import SimulatedHands
 from drivers.simulated.imu import SimulatedImu
