@@ -7,12 +7,12 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.schema import CalibrationRow, CampaignRow
 
-COMPLETE = ("recorded", "accepted")
+COMPLETE_STATES = ("recorded", "accepted")
 
 
 def complete_campaigns(session: Session) -> Sequence[CampaignRow]:
     """Return the campaigns whose recording was completed, oldest first."""
-    rows = select(CampaignRow).where(CampaignRow.state.in_(COMPLETE))
+    rows = select(CampaignRow).where(CampaignRow.state.in_(COMPLETE_STATES))
     return session.scalars(rows.order_by(CampaignRow.started_utc, CampaignRow.id)).all()
 
 

@@ -11,7 +11,7 @@ from fixtures_db.hash_chain import GENESIS, ChainFault, Link, canonical, digest,
 from fixtures_db.schema import Base, CubeMeasurementRow, CubeRow, FaceCertificateRow, SlabLevelRow, SlabRow
 
 Measured = TypeVar("Measured", FaceCertificateRow, CubeMeasurementRow, SlabLevelRow)
-WORDS: dict[type[Any], str] = {
+ROW_TITLES: dict[type[Any], str] = {
     FaceCertificateRow: "face certificate",
     CubeMeasurementRow: "cube measurement",
     SlabLevelRow: "slab level",
@@ -81,7 +81,7 @@ def verify_rows(session: Session, table: type[Measured], expected_head: str | No
 
     Rows dropped at the newest end show only against ``expected_head``, a hash that was kept elsewhere.
     """
-    word = WORDS[table]
+    word = ROW_TITLES[table]
     rows: Sequence[Measured] = session.scalars(select(table).order_by(table.id)).all()
     found = faults(Link(f"{word} {row.id}", row_text(row), row.previous, row.sha256) for row in rows)
     if expected_head not in {None, GENESIS, *(row.sha256 for row in rows)}:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from fixtures_db.schema import ToleranceRow
 
-ITEMS = {  # item: what of which face, against which
+DRAWING_ITEMS = {  # item: what of which face, against which
     "t1": ("flatness", "A", None),
     "t2": ("flatness", "B", None),
     "t3": ("flatness", "C", None),
@@ -22,12 +22,12 @@ ITEMS = {  # item: what of which face, against which
 def drawing(tolerances_mm: Mapping[str, float]) -> list[ToleranceRow]:
     """Return the items of a drawing by their names in the table; raise `ValueError` for one that is not there."""
     for item, value in tolerances_mm.items():
-        if item not in ITEMS:
-            raise ValueError(f"tolerance item {item!r} is none of {', '.join(ITEMS)}")
+        if item not in DRAWING_ITEMS:
+            raise ValueError(f"tolerance item {item!r} is none of {', '.join(DRAWING_ITEMS)}")
         if not value > 0:
             raise ValueError(f"tolerance {item} is {value} mm, expected more than 0")
     return [
         ToleranceRow(item=item, kind=kind, face=face, reference_face=reference, tolerance_mm=tolerances_mm[item])
-        for item, (kind, face, reference) in ITEMS.items()
+        for item, (kind, face, reference) in DRAWING_ITEMS.items()
         if item in tolerances_mm
     ]

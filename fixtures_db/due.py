@@ -8,7 +8,7 @@ from datetime import date, datetime
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from fixtures_db.fixtures import KINDS, fixture_rows
+from fixtures_db.fixtures import KIND_NAMES, fixture_rows
 from fixtures_db.schema import CalibrationRow
 
 
@@ -27,7 +27,7 @@ def due(session: Session, until: date) -> list[Due]:
 
 
 def _all(session: Session) -> Iterator[Due]:
-    for kind, word in KINDS.items():
+    for kind, word in KIND_NAMES.items():
         rows = fixture_rows(session, kind)
         yield from (Due(row.due_date, word, row.id) for row in rows if row.due_date is not None)
     newest = select(func.max(CalibrationRow.id)).group_by(CalibrationRow.imu_id)

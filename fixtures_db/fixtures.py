@@ -10,7 +10,7 @@ from fixtures_db.errors import AlreadyThere, NotInDatabase
 from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 
 FixtureRow = TypeVar("FixtureRow", bound=CubeRow | SlabRow | SiteRow)
-KINDS: dict[type[Any], str] = {CubeRow: "cube", SlabRow: "slab", SiteRow: "site"}
+KIND_NAMES: dict[type[Any], str] = {CubeRow: "cube", SlabRow: "slab", SiteRow: "site"}
 GRAVITY_M_S2 = (9.7, 9.9)  # what the Earth's surface has
 
 
@@ -25,7 +25,7 @@ def add_fixture(session: Session, row: FixtureRow) -> FixtureRow:
         If the side of a cube is no length, or a site is no place on the Earth.
     """
     if session.get(type(row), row.id) is not None:
-        raise AlreadyThere(KINDS[type(row)], row.id)
+        raise AlreadyThere(KIND_NAMES[type(row)], row.id)
     if isinstance(row, CubeRow) and not row.side_mm > 0:
         raise ValueError(f"side of cube {row.id!r} is {row.side_mm} mm, expected a positive length")
     if isinstance(row, SiteRow):
@@ -43,7 +43,7 @@ def fixture_rows(session: Session, kind: type[FixtureRow]) -> Sequence[FixtureRo
 def fixture_row(session: Session, kind: type[FixtureRow], name: str) -> FixtureRow:
     """Return one cube, slab or site; raise `NotInDatabase` if there is none of that name."""
     if (row := session.get(kind, name)) is None:
-        raise NotInDatabase(KINDS[kind], name, [known.id for known in fixture_rows(session, kind)])
+        raise NotInDatabase(KIND_NAMES[kind], name, [known.id for known in fixture_rows(session, kind)])
     return row
 
 

@@ -10,8 +10,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.calibration import CalibrationFacts, calibration_document, utc_text
 from fixtures_db.campaigns import campaign, imu, known_campaign, manifest_heads
 from fixtures_db.errors import AlreadyStored, NotInDatabase
-from fixtures_db.hash_chain import GENESIS, ChainFault, Link, canonical, faults
-from fixtures_db.hash_chain import digest as sha256_of
+from fixtures_db.hash_chain import GENESIS, ChainFault, Link, canonical, digest, faults
 from fixtures_db.schema import CalibrationRow, ImuRow
 from procedures.calibration.solution import Solution
 
@@ -46,7 +45,7 @@ def accept_calibration(
         inputs=dict(facts.inputs),
         document=text,
         previous=previous,
-        sha256=sha256_of(text),
+        sha256=digest(text),
     )
     session.add(row)
     session.flush()

@@ -15,7 +15,7 @@ from fixtures_db.errors import NotInDatabase
 from fixtures_db.hash_chain import GENESIS, ChainFault, Link, digest, faults
 from fixtures_db.schema import CalibrationRow, IssuedCertificateRow
 
-WORD = "issued certificate"
+ROW_TITLE = "issued certificate"
 
 
 def next_number(session: Session, prefix: str, year: int) -> str:
@@ -61,7 +61,7 @@ def issued_as(session: Session, html_sha256: str) -> IssuedCertificateRow:
     """Return the certificate whose bytes have a hash; raise `NotInDatabase` if none was issued."""
     rows = select(IssuedCertificateRow).where(IssuedCertificateRow.html_sha256 == html_sha256)
     if (row := session.scalars(rows).first()) is None:
-        raise NotInDatabase(WORD, html_sha256)
+        raise NotInDatabase(ROW_TITLE, html_sha256)
     return row
 
 
@@ -71,14 +71,14 @@ def verify_issued(session: Session, expected_head: str | None = None) -> list[Ch
     Rows dropped at the newest end show only against ``expected_head``, a hash that was kept elsewhere.
     """
     rows = session.scalars(select(IssuedCertificateRow).order_by(IssuedCertificateRow.id)).all()
-    found = faults(Link(f"{WORD} {row.id}", row_text(row), row.previous, row.sha256) for row in rows)
+    found = faults(Link(f"{ROW_TITLE} {row.id}", row_text(row), row.previous, row.sha256) for row in rows)
     known = set(session.scalars(select(CalibrationRow.sha256)))
     for row in rows:
         if (actual := digest(row.html)) != row.html_sha256:
-            found.append(ChainFault(f"{WORD} {row.id}", f"html with sha256 {actual}", row.html_sha256))
+            found.append(ChainFault(f"{ROW_TITLE} {row.id}", f"html with sha256 {actual}", row.html_sha256))
         if row.calibration_sha256 not in known:
-            found.append(ChainFault(f"{WORD} {row.id}", "no such calibration", row.calibration_sha256))
+            found.append(ChainFault(f"{ROW_TITLE} {row.id}", "no such calibration", row.calibration_sha256))
     if expected_head not in {None, GENESIS, *(row.sha256 for row in rows)}:
         head = newest_hash(session, IssuedCertificateRow)
-        found.append(ChainFault(f"newest {WORD}", head, str(expected_head)))
+        found.append(ChainFault(f"newest {ROW_TITLE}", head, str(expected_head)))
     return found

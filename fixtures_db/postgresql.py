@@ -7,7 +7,7 @@ newest when it commits; whoever reads waits for nobody and sees one state.
 from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.engine import URL
 
-WRITER = 0x464F47  # "FOG": the advisory lock's number, of this database alone
+WRITER_LOCK = 0x464F47  # "FOG": the advisory lock's number, of this database alone
 
 
 def postgresql_engine(url: URL, busy_timeout_s: float) -> Engine:
@@ -27,7 +27,7 @@ def postgresql_engine(url: URL, busy_timeout_s: float) -> Engine:
             connection.exec_driver_sql("SET TRANSACTION ISOLATION LEVEL REPEATABLE READ READ ONLY")
         else:
             connection.exec_driver_sql(f"SET LOCAL lock_timeout = '{round(1e3 * busy_timeout_s)}ms'")
-            connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({WRITER})")
+            connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({WRITER_LOCK})")
 
     event.listen(engine, "begin", begin)
     return engine

@@ -11,12 +11,12 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.schema import CalibrationRow, CampaignRow, ImuRow
 
-KINDS = ("cube", "slab", "site", "operator")  # what may shift a calibration, beside the unit
+MADE_WITH = ("cube", "slab", "site", "operator")  # what may shift a calibration, beside the unit
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A calibration: ``document`` is calibration/1, ``ended`` when it was measured, ``made_with`` by `KINDS`.
+    """A calibration: ``document`` is calibration/1, ``ended`` when it was measured, ``made_with`` by `MADE_WITH`.
 
     ``recording`` names what it was solved from: calibrations that share it are one turn-on, solved again.
     """
@@ -85,8 +85,8 @@ def _files(row: CalibrationRow) -> str:
 
 
 def _made_with(document: dict[str, Any], campaign: CampaignRow | None) -> dict[str, str]:
-    found = {kind: getattr(campaign, f"{kind}_id", None) for kind in KINDS[:3]}
+    found = {kind: getattr(campaign, f"{kind}_id", None) for kind in MADE_WITH[:3]}
     found |= {one["kind"]: one.get("id") for one in document.get("references", ())}
     found["site"] = document.get("site", {}).get("id", found["site"])
     found["operator"] = document.get("operator")
-    return {kind: name for kind in KINDS if (name := found.get(kind))}
+    return {kind: name for kind in MADE_WITH if (name := found.get(kind))}

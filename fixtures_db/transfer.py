@@ -31,15 +31,15 @@ from fixtures_db.slab_levels import check_level
 
 Value = str | float | date | datetime | None
 Rows = Mapping[str, Sequence[Mapping[str, Value]]]
-DATES = frozenset({"certificate_date", "due_date"})
-OWNERS: dict[type[Any], tuple[str, ...]] = {  # their dates follow from these
+DERIVED_DATES = frozenset({"certificate_date", "due_date"})
+DATED_BY: dict[type[Any], tuple[str, ...]] = {  # their dates follow from these
     CubeRow: ("certificate", "measurement"),
     SlabRow: ("level",),
 }
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class CarriedTable:
     """A table that is carried over: ``key`` names a row, ``check`` refuses what is none."""
 
     name: str
@@ -55,33 +55,33 @@ class Table:
         return tuple(column.key for column in self.row.__table__.columns if column.key not in made)
 
 
-TABLES = (  # what a row names stands before it
-    Table("cube", CubeRow, ("id",)),
-    Table("tolerance", ToleranceRow, ("cube_id", "item")),
-    Table(
+CARRIED_TABLES = (  # what a row names stands before it
+    CarriedTable("cube", CubeRow, ("id",)),
+    CarriedTable("tolerance", ToleranceRow, ("cube_id", "item")),
+    CarriedTable(
         "certificate",
         FaceCertificateRow,
         ("cube_id", "resting", "measured_utc", "source"),
         check_certificate,
         True,
     ),
-    Table(
+    CarriedTable(
         "measurement",
         CubeMeasurementRow,
         ("cube_id", "measured_utc", "sources"),
         check_measurement,
         True,
     ),
-    Table("slab", SlabRow, ("id",)),
-    Table("level", SlabLevelRow, ("slab_id", "measured_utc", "source"), check_level, True),
-    Table("site", SiteRow, ("id",), check_site),
-    Table("imu", ImuRow, ("model", "serial")),
+    CarriedTable("slab", SlabRow, ("id",)),
+    CarriedTable("level", SlabLevelRow, ("slab_id", "measured_utc", "source"), check_level, True),
+    CarriedTable("site", SiteRow, ("id",), check_site),
+    CarriedTable("imu", ImuRow, ("model", "serial")),
 )
 
 
 def dump(session: Session) -> dict[str, list[dict[str, Value]]]:
     """Return every fixture by table, each row as its columns, in the order in which it was added."""
-    return {table.name: [_values(table, row) for row in _rows(session, table)] for table in TABLES}
+    return {table.name: [_values(table, row) for row in _rows(session, table)] for table in CARRIED_TABLES}
 
 
 def restore(session: Session, rows: Rows) -> dict[str, int]:
@@ -97,20 +97,21 @@ def restore(session: Session, rows: Rows) -> dict[str, int]:
         If a row is none of its kind.
     """
     added = {
-        table.name: sum(_add(session, table, row, rows) for row in rows.get(table.name, ())) for table in TABLES
+        table.name: sum(_add(session, table, row, rows) for row in rows.get(table.name, ()))
+        for table in CARRIED_TABLES
     }
-    for owner in OWNERS:
+    for owner in DATED_BY:
         for row in session.scalars(select(owner)).all():
             date_owner(session, row)
     return added
 
 
-def _add(session: Session, table: Table, values: Mapping[str, Value], rows: Rows) -> bool:
+def _add(session: Session, table: CarriedTable, values: Mapping[str, Value], rows: Rows) -> bool:
     name = " ".join(str(values[key]) for key in table.key)
     key = [getattr(table.row, key) == values[key] for key in table.key]
     stored = session.scalars(select(table.row).where(*key)).first()
     if stored is not None:
-        follows = DATES if any(rows.get(of) for of in OWNERS.get(table.row, ())) else frozenset()
+        follows = DERIVED_DATES if any(rows.get(of) for of in DATED_BY.get(table.row, ())) else frozenset()
         for column, found in _values(table, stored).items():
             if column not in follows and found != values[column]:
                 raise DiffersFromStored(table.name, name, column, values[column], found)
@@ -133,9 +134,9 @@ def _refuse_orphan(session: Session, values: Mapping[str, Value]) -> None:
             raise NotInDatabase(kind, str(name), session.scalars(select(owner.id).order_by(owner.id)).all())
 
 
-def _rows(session: Session, table: Table) -> Sequence[Any]:
+def _rows(session: Session, table: CarriedTable) -> Sequence[Any]:
     return session.scalars(select(table.row).order_by(table.row.id)).all()
 
 
-def _values(table: Table, row: Any) -> dict[str, Value]:
+def _values(table: CarriedTable, row: Any) -> dict[str, Value]:
     return {column: getattr(row, column) for column in table.columns}

@@ -10,7 +10,7 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.axes_check import disagreement
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
-from station.files.columns import Table
+from station.files.columns import DataFile
 from station.files.csv_table import read_csv
 from station.files.opening import open_inside
 
@@ -19,13 +19,13 @@ FORCES = ("fx_m_s2", "fy_m_s2", "fz_m_s2")
 VELOCITY = ("vn_m_s", "ve_m_s", "vd_m_s")
 TRUTH = ("roll_rad", "pitch_rad")
 NEEDED = ("t_s", *RATES, *FORCES)
-FASTEST = 87.0  # rad/s, 5000 deg/s: no gyro measures more
-STRONGEST = 5000.0  # m/s2
-NO_GRAVITY = 0.05  # m/s2, of a median specific force
+MAX_RATE_RAD_S = 87.0  # rad/s, 5000 deg/s: no gyro measures more
+MAX_FORCE_M_S2 = 5000.0  # m/s2
+MIN_MEDIAN_FORCE_M_S2 = 0.05  # m/s2, of a median specific force
 # By the median, given in another unit.
-GUESSES = ("g", (0.5, 2.0), STANDARD_GRAVITY), ("mg", (500.0, 2000.0), 1e-3 * STANDARD_GRAVITY)
-STEPS = 1e-5, 1.0  # s: no IMU samples faster, and none slower can be followed
-MOST = {  # of what is no sensor of the IMU: the largest value, and what a larger one looks like
+UNIT_GUESSES = ("g", (0.5, 2.0), STANDARD_GRAVITY), ("mg", (500.0, 2000.0), 1e-3 * STANDARD_GRAVITY)
+SAMPLE_PERIOD_RANGE_S = 1e-5, 1.0  # s: no IMU samples faster, and none slower can be followed
+MAX_AID_VALUES = {  # of what is no sensor of the IMU: the largest value, and what a larger one looks like
     "airspeed_m_s": (3000.0, ""), **dict.fromkeys(VELOCITY, (10000.0, "")), "heading_rad": (4 * np.pi, "deg"),
     "roll_rad": (2 * np.pi, "deg"), "pitch_rad": (1.5709, "deg"),
 }  # fmt: skip
@@ -75,7 +75,7 @@ def read_log(path: Path) -> AttitudeLog:
     return log
 
 
-def _log(table: Table) -> AttitudeLog:
+def _log(table: DataFile) -> AttitudeLog:
     columns = table.columns
 
     def of(name: str) -> FloatArray | None:
@@ -91,7 +91,7 @@ def _log(table: Table) -> AttitudeLog:
     )  # fmt: skip
 
 
-def _scored(table: Table) -> BoolArray | None:
+def _scored(table: DataFile) -> BoolArray | None:
     scored = table.columns.get("scored")
     if scored is None:
         return None
@@ -102,7 +102,7 @@ def _scored(table: Table) -> BoolArray | None:
     return np.asarray(scored == 1)
 
 
-def _check_time(table: Table) -> None:
+def _check_time(table: DataFile) -> None:
     t = table.columns["t_s"]
     back = np.flatnonzero(np.diff(t) <= 0)
     if len(back):
@@ -113,32 +113,35 @@ def _check_time(table: Table) -> None:
     if len(t) < 2:
         raise DataRefused(table.file, table.line(0), "a single row", "at least two rows")
     step = float(np.median(np.diff(t)))
-    if not STEPS[0] <= step <= STEPS[1]:
+    if not SAMPLE_PERIOD_RANGE_S[0] <= step <= SAMPLE_PERIOD_RANGE_S[1]:
         found = f"t_s going by {step:.3g} a row" + (": looks like ms or less" if step > 1 else "")
         raise DataRefused(
             table.file, table.line(1), found, "seconds, a row at least each", "convert t_s to seconds"
         )
 
 
-def _check_size(table: Table) -> None:
-    for names, most, unit, guess in ((RATES, FASTEST, "rad/s", "deg/s"), (FORCES, STRONGEST, "m/s2", "mg")):
+def _check_size(table: DataFile) -> None:
+    for names, most, unit, guess in (
+        (RATES, MAX_RATE_RAD_S, "rad/s", "deg/s"),
+        (FORCES, MAX_FORCE_M_S2, "m/s2", "mg"),
+    ):
         for name in names:
             _check_column(table, name, most, f"beyond any sensor's range: looks like {guess}", unit)
-    for name, (most, guess) in MOST.items():
+    for name, (most, guess) in MAX_AID_VALUES.items():
         if name in table.columns:
             said = f"beyond {most:.4g}" + (f": looks like {guess}" if guess else "")
             _check_column(table, name, most, said, "rad" if guess else "m/s")
     usual = float(np.median(np.linalg.norm(np.stack([table.columns[name] for name in FORCES], axis=1), axis=1)))
     found = f"specific forces of {usual:.3g}"
-    if usual < NO_GRAVITY:
+    if usual < MIN_MEDIAN_FORCE_M_S2:
         raise DataRefused(table.file, table.line(0), found, "m/s2, with gravity", "give what accelerometers feel")
-    for unit, (least, most), factor in GUESSES:
+    for unit, (least, most), factor in UNIT_GUESSES:
         if least < usual < most:
             said = f"{found}: looks like {unit}"
             raise DataRefused(table.file, table.line(0), said, "m/s2", f"multiply them by {factor}")
 
 
-def _check_column(table: Table, name: str, most: float, said: str, unit: str) -> None:
+def _check_column(table: DataFile, name: str, most: float, said: str, unit: str) -> None:
     values = table.columns[name]
     beyond = np.flatnonzero(np.abs(values) > most)
     if len(beyond):
@@ -146,7 +149,7 @@ def _check_column(table: Table, name: str, most: float, said: str, unit: str) ->
         raise DataRefused(table.file, table.line(int(beyond[0])), found, unit, f"convert the column to {unit}")
 
 
-def _check_axes(log: AttitudeLog, table: Table) -> None:
+def _check_axes(log: AttitudeLog, table: DataFile) -> None:
     seen = disagreement(log)
     if seen is None:
         return

@@ -9,8 +9,8 @@ from station.results.diagnosis.diagnosis_text import coefficient_rows, tried_row
 from station.results.diagnosis.diagnosis_wording import SURE, both
 
 METHOD = "the last 40 % of the log, which had no say"
-MOST_TRIED = 6
-SAID = {
+MAX_TRIED_SHOWN = 6
+EFFECT_TITLES = {
     "consistent": "The model lacks nothing that this log can show.",
     "established": "The model lacks {names}.",
     "likely": "The model probably lacks {names}.",
@@ -34,7 +34,7 @@ def attitude_diagnosis_document(trace: AttitudeDiagnosis) -> dict[str, Any]:
 def attitude_diagnosis_text(document: Mapping[str, Any]) -> str:
     """Return the verdict, the findings with 1 sigma, the error before and after, and what was tried."""
     names = both([finding["effect"] for finding in document["findings"]]) if document["findings"] else ""
-    lines = [f"{document['verdict'].upper()}. {SAID[document['verdict']].format(names=names)}"]
+    lines = [f"{document['verdict'].upper()}. {EFFECT_TITLES[document['verdict']].format(names=names)}"]
     for number, finding in enumerate(document["findings"], 1):
         lines += ["", f"{number}. {finding['effect']} ({finding['kind']})", f"   {SURE[finding['confidence']]}"]
         lines += [f"   {name:<9} {value:<44} {size:>12}" for name, value, size in coefficient_rows(finding)]
@@ -48,5 +48,5 @@ def attitude_diagnosis_text(document: Mapping[str, Any]) -> str:
                 lines.append(f"   {error[f'{name}before']:.4f} -> {error[f'{name}after']:.4f}  {title}")
     if document["tried"]:
         lines += ["", "what was tried, p after Holm"]
-        lines += [f"   {effect:<24} {p}" for effect, p in tried_rows(document["tried"])[:MOST_TRIED]]
+        lines += [f"   {effect:<24} {p}" for effect, p in tried_rows(document["tried"])[:MAX_TRIED_SHOWN]]
     return "\n".join(lines)

@@ -7,7 +7,7 @@ import numpy as np
 from procedures.attitude.gain_tuning import GainTuning
 
 FORMAT = "tuning/1"
-BAR = 40  # characters
+BAR_WIDTH = 40  # characters
 
 
 def tuning_document(tuning: GainTuning, aid: str, by_tau: bool) -> dict[str, Any]:
@@ -37,7 +37,7 @@ def tuning_text(document: dict[str, Any]) -> str:
         )
         share = np.log(point["rms_deg"] / least) / np.log(most / least) if most > least else 0.0
         mark = " <- least" if point["rms_deg"] == least else ""
-        lines.append(f"{name}  {point['rms_deg']:8.4f} deg {'#' * (1 + round(share * (BAR - 1)))}{mark}")
+        lines.append(f"{name}  {point['rms_deg']:8.4f} deg {'#' * (1 + round(share * (BAR_WIDTH - 1)))}{mark}")
     chosen = document["chosen"]
     option = (
         f"--tau {chosen['tau_s']:.4g}" if "tau_s" in chosen else f"--k1 {chosen['k1']:.4g} --k2 {chosen['k2']:.4g}"

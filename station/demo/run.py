@@ -23,8 +23,8 @@ from station.guide.headless import record_headless
 from station.guide.options import CalibrationOptions
 from station.guide.simulated_operator import SimulatedOperator
 from station.guide.view import CalibrationView
-from station.results.campaign_results import Results, make_results, store
-from station.results.certificate.issuing import Request, issue
+from station.results.campaign_results import CampaignResults, make_results, store
+from station.results.certificate.issuing import CertificateRequest, issue
 from station.results.certificate.laboratory import Laboratory
 from station.stream.recorder import check_raw_bytes
 
@@ -52,7 +52,7 @@ class DemoOutcome:
     ``sha256`` is the stored calibration's, ``certificate`` says where its certificate is, or what that lacks.
     """
 
-    results: Results
+    results: CampaignResults
     truth: dict[str, float]
     campaign: Path
     samples: int
@@ -150,7 +150,7 @@ def _setup(bench: ExampleBench, url: str, campaign: Path, request: DemoRequest) 
 def certify(database: Database, sha256: str, received: date, path: Path) -> str:
     """Issue the certificate of a stored calibration into a file; return its path, or what it lacks."""
     try:
-        row = issue(database, Request(sha256, demo_laboratory(received)))
+        row = issue(database, CertificateRequest(sha256, demo_laboratory(received)))
     except Incomplete as error:
         return "none: it lacks " + ", ".join(field for field, _ in error.missing)
     replace_file(path, row.html.encode())

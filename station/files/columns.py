@@ -7,11 +7,11 @@ from procedures.arrays import FloatArray
 
 TRIADS = {"gyro": ("gx", "gy", "gz"), "accel": ("ax", "ay", "az")}
 OUTPUTS = TRIADS["gyro"] + TRIADS["accel"]
-EXACT = 2**53  # integers below it are exact in float64
+MAX_EXACT_INTEGER = 2**53  # integers below it are exact in float64
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Table:
+class DataFile:
     """A data file's columns by header name, each (n,) float64; whole counts are exact (below 2^53).
 
     ``first_line`` is the line (CSV) or message (MCAP) of row 0. ``host_span`` is the station's own time [ns]

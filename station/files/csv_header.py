@@ -9,11 +9,11 @@ from station.errors import DataRefused
 from station.files.columns import OUTPUTS, TRIADS
 
 _AUX = re.compile(r"aux_[A-Za-z0-9_]+")
-_SAMPLES = ("t_s", *OUTPUTS, "temp_c", "utc_s", "aux_NAME")
-_POINTS = ("rate_ref_deg_s", *TRIADS["gyro"], "temp_c")
+_SAMPLE_COLUMNS = ("t_s", *OUTPUTS, "temp_c", "utc_s", "aux_NAME")
+_TURNTABLE_COLUMNS = ("rate_ref_deg_s", *TRIADS["gyro"], "temp_c")
 
 
-class Columns(Protocol):
+class ColumnRules(Protocol):
     """What the header of a CSV file is held to."""
 
     @property
@@ -28,7 +28,7 @@ class Columns(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class TableKind:
+class SampleColumns:
     """What a data file holds: a row per sample, or a row per point of a turntable; counts or reals."""
 
     counts: bool
@@ -42,7 +42,7 @@ class TableKind:
     @property
     def columns(self) -> tuple[str, ...]:
         """The columns that may be there."""
-        return _POINTS if self.rate_table else _SAMPLES
+        return _TURNTABLE_COLUMNS if self.rate_table else _SAMPLE_COLUMNS
 
     def cell(self, name: str) -> str:
         """Return what a cell of a column holds, in words."""
@@ -64,7 +64,7 @@ class TableKind:
             raise DataRefused(file, 1, "no output column", "gx,gy,gz or ax,ay,az")
 
 
-def read_header(header: bytes, file: Path, kind: Columns) -> dict[str, str]:
+def read_header(header: bytes, file: Path, kind: ColumnRules) -> dict[str, str]:
     """Return the columns of a header line in their order, each with what its cells hold.
 
     Raises

@@ -14,8 +14,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
-from station.files.columns import EXACT, OUTPUTS, TRIADS, Table
-from station.files.csv_header import Columns, TableKind, read_header
+from station.files.columns import MAX_EXACT_INTEGER, OUTPUTS, TRIADS, DataFile
+from station.files.csv_header import ColumnRules, SampleColumns, read_header
 from station.files.opening import MAX_LINE
 
 _BLOCK = 2**22
@@ -40,7 +40,7 @@ class _Numbers(dict[bytes, float]):
         return number
 
 
-def read_csv(stream: BinaryIO, file: Path, kind: Columns) -> Table:
+def read_csv(stream: BinaryIO, file: Path, kind: ColumnRules) -> DataFile:
     """Read a step's CSV file.
 
     Raises
@@ -53,7 +53,7 @@ def read_csv(stream: BinaryIO, file: Path, kind: Columns) -> Table:
     first = next(lines, b"")
     header, _, block = first.partition(b"\n")
     cells = read_header(header, file, kind)
-    if isinstance(kind, TableKind):
+    if isinstance(kind, SampleColumns):
         cells = _with_absent(cells, block.partition(b"\n")[0])
     row = re.compile(b"(?:" + b",".join(_CELL[c].pattern for c in cells.values()) + rb"\r?+\n)*+")
     numbers = _Numbers()
@@ -69,7 +69,7 @@ def read_csv(stream: BinaryIO, file: Path, kind: Columns) -> Table:
     columns = {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(cells)}
     if NOTHING in cells.values():
         columns = _without_absent(columns, cells, file)
-    return Table(str(file), columns, 2, digest.hexdigest())
+    return DataFile(str(file), columns, 2, digest.hexdigest())
 
 
 def _with_absent(cells: dict[str, str], row: bytes) -> dict[str, str]:
@@ -144,7 +144,9 @@ def _refuse_first_bad_cell(block: bytes, file: Path, line: int, cells: dict[str,
 
 def _check_range(values: FloatArray, file: Path, cells: dict[str, str]) -> None:
     """Refuse what does not fit the number type: counts not exact in float64, reals that overflow it."""
-    limit = np.array([EXACT if wanted == "an integer" else np.finfo(float).max for wanted in cells.values()])
+    limit = np.array(
+        [MAX_EXACT_INTEGER if wanted == "an integer" else np.finfo(float).max for wanted in cells.values()]
+    )
     bad = np.argwhere(np.abs(values) >= limit)
     if len(bad):
         row, column = bad[0]

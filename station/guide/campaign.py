@@ -11,7 +11,7 @@ from station.stream.events import Sound
 
 if TYPE_CHECKING:
     from station.guide.disk_space import DiskSpace
-    from station.results.campaign_results import Results
+    from station.results.campaign_results import CampaignResults
 
 
 class GuidedCampaign(Protocol):
@@ -64,7 +64,7 @@ class SolveOutcome:
     """What came of a campaign; empty until it was solved."""
 
     verdict: Verdict | None = None
-    results: "Results | None" = None
+    results: "CampaignResults | None" = None
     sha256: str = ""
 
     def shown(self) -> dict[str, object]:

@@ -18,7 +18,7 @@ from station.results.diagnosis.diagnosis_wording import verdict_sentence
 from station.results.kept_tilted_dwells import doubt_of, worst_kept
 from station.results.parameters_by_name import (
     Parameter,
-    Shift,
+    ParameterShift,
     applied,
     largest,
     parameters,
@@ -28,18 +28,18 @@ from station.results.parameters_by_name import (
     title_of,
 )
 from station.results.report.fit_quality import LIMIT_SIGMAS, normalised
-from station.results.verdict import Judged, Outcome, judge, judged_in_words
+from station.results.verdict import JudgedLimit, LimitVerdict, judge, judged_in_words
 from station.stream.recorder.accepted_step_writer import step_of
 
 if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget
-    from station.results.campaign_results import Results
+    from station.results.campaign_results import CampaignResults
 
 NOTABLE_SIGMAS = 3.0
-__all__ = ["Outcome", "judge", "verdict_view"]
+__all__ = ["LimitVerdict", "judge", "verdict_view"]
 
 
-def verdict_view(results: "Results", database: Database) -> Verdict:
+def verdict_view(results: "CampaignResults", database: Database) -> Verdict:
     """Return a solved campaign's verdict with everything that stands behind it."""
     origin = results.document["provenance"]
     with database.read() as session:
@@ -68,7 +68,7 @@ def verdict_view(results: "Results", database: Database) -> Verdict:
     return verdict_for_people(verdict)
 
 
-def _to_redo(results: "Results") -> str:
+def _to_redo(results: "CampaignResults") -> str:
     """Return the step to record again: one that surely stood turned, else the seat kept farthest off."""
     steps = {table.file: step_of(table) for table in results.tables.steps()}
     named = (steps.get(name) for name in results.solution.turned_off)
@@ -90,7 +90,7 @@ def worst_residual(residuals: Sequence[StepResidual]) -> str:
     return f"{where}: {worst:.1f} sigma, {side} the limit of {LIMIT_SIGMAS:g}"
 
 
-def change_in_words(moved: Mapping[str, Shift], previous: Mapping[str, Any] | None) -> str:
+def change_in_words(moved: Mapping[str, ParameterShift], previous: Mapping[str, Any] | None) -> str:
     """Say what changed most since the last stored calibration."""
     if previous is None:
         return "the first calibration of this unit"
@@ -106,8 +106,8 @@ def change_in_words(moved: Mapping[str, Shift], previous: Mapping[str, Any] | No
 
 def verdict_rows(
     found: Mapping[str, Parameter],
-    outcome: Outcome,
-    moved: Mapping[str, Shift],
+    outcome: LimitVerdict,
+    moved: Mapping[str, ParameterShift],
     budgets: Sequence["ParameterBudget"] = (),
 ) -> tuple[VerdictRow, ...]:
     """Return the table: what a calibration applies, then what else is limited."""
@@ -122,8 +122,8 @@ def verdict_rows(
 def _row(
     name: str,
     found: Parameter | None,
-    judged: Judged | None,
-    moved: Shift | None,
+    judged: JudgedLimit | None,
+    moved: ParameterShift | None,
     budget: "ParameterBudget | None",
 ) -> VerdictRow:
     """Return a line; its sigma is the budget's, which a guarded limit is narrowed by, if there is one."""

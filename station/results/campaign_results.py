@@ -21,7 +21,7 @@ from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.notes import read_setup
 from station.results.circumstances import circumstances, diagnosis_kept, judged_values
 from station.results.kept_tilted_dwells import doubt_of
-from station.results.verdict import Outcome, judge
+from station.results.verdict import LimitVerdict, judge
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Results:
+class CampaignResults:
     """A solved campaign: its verdict, and where its results are.
 
     ``status`` is ``measured`` where cube or slab or a certificate of theirs lacked, or one had expired, when the
@@ -41,7 +41,7 @@ class Results:
     folder: Path
     solution: Solution
     document: Mapping[str, Any]
-    outcome: Outcome
+    outcome: LimitVerdict
     status: Literal["calibrated", "measured"]
     status_reason: str
     context: "ReportContext"
@@ -55,7 +55,7 @@ class Results:
 
 def make_results(
     folder: Path, database: Database, into: Path | None = None, *, truth: Mapping[str, float] | None = None
-) -> Results:
+) -> CampaignResults:
     """Solve and diagnose a recorded campaign; write the results to ``into``, else to its folder.
 
     Nothing is stored. ``truth`` is a simulated unit's, keyed as `Solution.names`.
@@ -95,7 +95,7 @@ def make_results(
         bench={"Status": f"{status}: {status_reason}" if reasons else status},
         diagnosis=section_html(closed.document, closed.diagnosis),
     )
-    results = Results(
+    results = CampaignResults(
         folder, closed.solution, document, outcome, status, status_reason, context,
         into / "solution.json", into / "calibration.json", into / "report.html",
         loaded.tables, closed.document, closed.effects,
@@ -112,7 +112,7 @@ def _why_measured(session: "Session", folder: str) -> list[str]:
     return why_measured(references(session, folder), on.astimezone().date())
 
 
-def store(results: Results, database: Database) -> str:
+def store(results: CampaignResults, database: Database) -> str:
     """Append the calibration to the database, the operator's act; return its hash and mark the campaign accepted.
 
     It is written out, read back and compared, and the report then names its hash.
@@ -137,7 +137,7 @@ def store(results: Results, database: Database) -> str:
     return row.sha256
 
 
-def _hand_out(results: Results, text: str, sha256: str) -> None:
+def _hand_out(results: CampaignResults, text: str, sha256: str) -> None:
     from station.results.report.report import write_report
 
     path = results.calibration_file
@@ -147,7 +147,7 @@ def _hand_out(results: Results, text: str, sha256: str) -> None:
     write_report(results.report_file, replace(results.context, calibration_sha256=sha256))
 
 
-def _facts(results: Results, session: "Session") -> CalibrationFacts:
+def _facts(results: CampaignResults, session: "Session") -> CalibrationFacts:
     from station.results.budget_json import budget_document
     from station.results.report.measurement_conditions import temperature_range
 

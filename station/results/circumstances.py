@@ -21,7 +21,7 @@ from procedures.frames import POSITIONS
 from procedures.units import UG_PER_G
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.notes import read_unit
-from station.results.verdict import Judged
+from station.results.verdict import JudgedLimit
 
 NORMAL_GRAVITY = "normal gravity of WGS 84 at this latitude and height"
 
@@ -45,7 +45,7 @@ def circumstances(
     }
 
 
-def judged_values(judged: tuple[Judged, ...]) -> tuple[dict[str, Any], ...]:
+def judged_values(judged: tuple[JudgedLimit, ...]) -> tuple[dict[str, Any], ...]:
     """Return what each limit was held against."""
     return tuple(
         {

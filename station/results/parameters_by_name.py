@@ -10,8 +10,8 @@ from procedures.units import ARCSEC_PER_RAD, UG_PER_G
 from station.text.rounding import decimals
 
 APPLIED = ("scale_factor", "misalignment", "bias")  # what a calibration/1 holds of a triad
-_SHOWN = {"g": (UG_PER_G, "ug"), "rad": (ARCSEC_PER_RAD, "arcsec")}
-_ANGLES = ("misalignment",)  # dimensionless in files, small angles to people
+_DISPLAY_UNITS = {"g": (UG_PER_G, "ug"), "rad": (ARCSEC_PER_RAD, "arcsec")}
+_SMALL_ANGLES = ("misalignment",)  # dimensionless in files, small angles to people
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +48,9 @@ def applied(found: Mapping[str, Parameter]) -> dict[str, Parameter]:
 
 def shown_scale(name: str, unit: str) -> tuple[float, str]:
     """Return by what a value is multiplied for people, and the unit it then has."""
-    if name.split(".")[1] in _ANGLES:
-        return _SHOWN["rad"]
-    return _SHOWN.get(unit, (1.0, unit if unit != "1" else ""))
+    if name.split(".")[1] in _SMALL_ANGLES:
+        return _DISPLAY_UNITS["rad"]
+    return _DISPLAY_UNITS.get(unit, (1.0, unit if unit != "1" else ""))
 
 
 def shown(parameter: Parameter, value: float | None = None) -> tuple[str, str]:
@@ -71,7 +71,7 @@ def shown_sigma(parameter: Parameter) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Shift:
+class ParameterShift:
     """By how much a parameter moved between two calibrations, and that over their combined sigma."""
 
     parameter: Parameter
@@ -83,20 +83,20 @@ class Shift:
         return f"{text if text.startswith('-') else '+' + text} {unit} ({abs(self.sigmas):.1f} sigma)"
 
 
-def shifts(now: Mapping[str, Parameter], before: Mapping[str, Parameter]) -> dict[str, Shift]:
+def shifts(now: Mapping[str, Parameter], before: Mapping[str, Parameter]) -> dict[str, ParameterShift]:
     """Return the shift of every parameter that both documents hold in one unit."""
-    found = dict[str, Shift]()
+    found = dict[str, ParameterShift]()
     for name, one in now.items():
         earlier = before.get(name)
         if earlier is None or earlier.unit != one.unit or one.std is None or earlier.std is None:
             continue
         combined = hypot(one.std, earlier.std)
         if combined > 0:
-            found[name] = Shift(one, one.value - earlier.value, (one.value - earlier.value) / combined)
+            found[name] = ParameterShift(one, one.value - earlier.value, (one.value - earlier.value) / combined)
     return found
 
 
-def largest(found: Mapping[str, Shift]) -> Shift | None:
+def largest(found: Mapping[str, ParameterShift]) -> ParameterShift | None:
     """Return the shift of most sigmas."""
     return max(found.values(), key=lambda one: abs(one.sigmas), default=None)
 

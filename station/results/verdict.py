@@ -12,11 +12,11 @@ from typing import Any, Literal
 from fixtures_db.limits import Limit
 from station.results.parameters_by_name import Parameter, parameters, shown, shown_scale, title_of
 
-Word = Literal["PASS", "FAIL", "NOT_MEASURED"]
+VerdictWord = Literal["PASS", "FAIL", "NOT_MEASURED"]
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class JudgedLimit:
     """A limit and the parameter it was held against, None if that was not estimated.
 
     ``share`` says how much of the way from the middle to its limit the value stands, 1 at the limit; None where
@@ -25,16 +25,16 @@ class Judged:
 
     limit: Limit
     parameter: Parameter | None
-    word: Word
+    word: VerdictWord
     share: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class LimitVerdict:
     """The verdict, what led to it, and why, in words."""
 
-    word: Word
-    judged: tuple[Judged, ...]
+    word: VerdictWord
+    judged: tuple[JudgedLimit, ...]
     reason: str
 
     @property
@@ -65,7 +65,9 @@ def stored_verdict_said(document: Mapping[str, Any], otherwise: str) -> str:
     return word_said(document["verdict"], has_limits=bool(document.get("limits")))
 
 
-def judge(document: Mapping[str, Any], limits: Sequence[Limit], std: Mapping[str, float] | None = None) -> Outcome:
+def judge(
+    document: Mapping[str, Any], limits: Sequence[Limit], std: Mapping[str, float] | None = None
+) -> LimitVerdict:
     """Hold a `solution/1` or `calibration/1` document against limits, one for each axis.
 
     ``std`` are combined standard uncertainties by parameter; the document's 1 sigma stands where there is none.
@@ -73,17 +75,19 @@ def judge(document: Mapping[str, Any], limits: Sequence[Limit], std: Mapping[str
     found = {name: replace(one, std=(std or {}).get(name, one.std)) for name, one in parameters(document).items()}
     judged = tuple(_judged(limit, found.get(limit.parameter)) for limit in limits)
     words = [one.word for one in judged]
-    word: Word = "FAIL" if "FAIL" in words else "NOT_MEASURED" if "NOT_MEASURED" in words or not words else "PASS"
+    word: VerdictWord = (
+        "FAIL" if "FAIL" in words else "NOT_MEASURED" if "NOT_MEASURED" in words or not words else "PASS"
+    )
     origin = document.get("provenance", document)
-    return Outcome(word, judged, _reason(word, judged, origin["model"], origin["serial"]))
+    return LimitVerdict(word, judged, _reason(word, judged, origin["model"], origin["serial"]))
 
 
-def _judged(limit: Limit, parameter: Parameter | None) -> Judged:
+def _judged(limit: Limit, parameter: Parameter | None) -> JudgedLimit:
     if parameter is None or parameter.unit != limit.unit:
-        return Judged(limit, None, "NOT_MEASURED")
+        return JudgedLimit(limit, None, "NOT_MEASURED")
     low, high = limit.accepted(parameter.std)
-    word: Word = "PASS" if low <= parameter.value <= high else "FAIL"
-    return Judged(limit, parameter, word, _share(parameter.value, low, high))
+    word: VerdictWord = "PASS" if low <= parameter.value <= high else "FAIL"
+    return JudgedLimit(limit, parameter, word, _share(parameter.value, low, high))
 
 
 def _share(value: float, low: float, high: float) -> float | None:
@@ -95,7 +99,7 @@ def _share(value: float, low: float, high: float) -> float | None:
     return low / value if value > 0 and low > 0 else None
 
 
-def _reason(word: Word, judged: Sequence[Judged], model: str, serial: str) -> str:
+def _reason(word: VerdictWord, judged: Sequence[JudgedLimit], model: str, serial: str) -> str:
     unit = f"{model} {serial}"
     if not judged:
         return f"no limits are stored for {model}; `station fixtures limits {model} --import FILE` stores them"
@@ -118,12 +122,12 @@ def _reason(word: Word, judged: Sequence[Judged], model: str, serial: str) -> st
     )
 
 
-def _names(judged: Sequence[Judged]) -> str:
+def _names(judged: Sequence[JudgedLimit]) -> str:
     names = [title_of(one.limit.parameter) for one in judged]
     return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
-def _against(judged: Judged) -> str:
+def _against(judged: JudgedLimit) -> str:
     """Say a value beside its limit."""
     assert judged.parameter is not None
     text, unit = shown(judged.parameter)
@@ -135,7 +139,7 @@ def limit_in_words(limit: Limit) -> str:
     return f"{_ends(limit, limit.low, limit.high)} {_unit(limit)}".rstrip() + _guard(limit)
 
 
-def judged_in_words(judged: Judged) -> str:
+def judged_in_words(judged: JudgedLimit) -> str:
     """Return a limit and, where it is guarded, what of it the value's own sigma leaves."""
     said, known = limit_in_words(judged.limit), judged.parameter
     if not judged.limit.guard_band or known is None or known.std is None:

@@ -31,11 +31,11 @@ from station.files.campaign_folder.campaign_schema import (
     FixtureTable,
     MeasuredTable,
     ProcedureTable,
-    RateTable,
     SequenceTable,
     SiteTable,
     StepTable,
     TurnTable,
+    TurntableTable,
     axes_matrix,
     read_campaign_toml,
 )
@@ -50,14 +50,16 @@ from station.files.campaign_folder.loaded_campaign import (
 from station.files.campaign_folder.sample_series import step_data
 from station.files.campaign_folder.step_overlap import refuse_overlap
 from station.files.campaign_folder.turntables_and_soaks import rate_tables, soaks
-from station.files.columns import Table
-from station.files.csv_header import TableKind
+from station.files.columns import DataFile
+from station.files.csv_header import SampleColumns
 from station.files.csv_table import read_csv
 from station.files.opening import open_inside
 from station.files.toml_reading import line_of
 
-ANOMALY = 5e-3  # m/s2; within it gravity at the ground is normal almost everywhere on Earth (EGM2008)
-_KINDS = ("dwell", "turn", "sequence", "rate", "soak")
+MAX_GRAVITY_ANOMALY_M_S2 = (
+    5e-3  # m/s2; within it gravity at the ground is normal almost everywhere on Earth (EGM2008)
+)
+_STEP_KINDS = ("dwell", "turn", "sequence", "rate", "soak")
 
 
 def read_campaign(folder: Path) -> LoadedCampaign:
@@ -75,13 +77,13 @@ def read_campaign(folder: Path) -> LoadedCampaign:
     tables, lines, content = read_campaign_toml(folder)
     files = {CAMPAIGN_TOML: hashlib.sha256(content).hexdigest()}
     steps = list[LoadedStep]()
-    for kind in _KINDS:
+    for kind in _STEP_KINDS:
         for index, table in enumerate(getattr(tables, kind)):
             line = line_of((kind, index, "file"), lines)
             step, files[table.file] = _read_step(folder, kind, table, line, tables.imu)
             steps.append(step)
     if not steps:
-        raise DataRefused(folder / CAMPAIGN_TOML, None, "no step", f"at least one of {', '.join(_KINDS)}")
+        raise DataRefused(folder / CAMPAIGN_TOML, None, "no step", f"at least one of {', '.join(_STEP_KINDS)}")
     remarks = refuse_overlap(folder, steps)
     warnings = [
         *remarks,
@@ -109,20 +111,20 @@ def _read_step(
     folder: Path, kind: str, table: StepTable, line: int, imu: CampaignImuTable
 ) -> tuple[LoadedStep, str]:
     columns = _read_table(folder, table, line, imu)
-    if isinstance(table, RateTable):
+    if isinstance(table, TurntableTable):
         return LoadedStep(kind, table, line, None, columns.columns), columns.sha256
     return LoadedStep(kind, table, line, step_data(columns, imu)), columns.sha256
 
 
-def _read_table(folder: Path, table: StepTable, line: int, imu: CampaignImuTable) -> Table:
+def _read_table(folder: Path, table: StepTable, line: int, imu: CampaignImuTable) -> DataFile:
     file = folder / table.file
     suffix = Path(table.file).suffix
-    if suffix not in {".csv", ".mcap"} or (suffix == ".mcap" and isinstance(table, RateTable)):
-        wanted = "a .csv file" if isinstance(table, RateTable) else "a .csv or .mcap file"
+    if suffix not in {".csv", ".mcap"} or (suffix == ".mcap" and isinstance(table, TurntableTable)):
+        wanted = "a .csv file" if isinstance(table, TurntableTable) else "a .csv or .mcap file"
         raise DataRefused(folder / CAMPAIGN_TOML, line, f"file = {ascii(table.file)[:80]}", wanted)
     with open_inside(folder, table.file, folder / CAMPAIGN_TOML, line) as stream:
         if suffix == ".csv":
-            kind = TableKind(counts=imu.output != "rate", rate_table=isinstance(table, RateTable))
+            kind = SampleColumns(counts=imu.output != "rate", rate_table=isinstance(table, TurntableTable))
             return read_csv(stream, file, kind)
         from station.files.mcap_files import read_table  # heavy: only where a folder has MCAP files
 
@@ -239,12 +241,13 @@ def _gravity_of_another_place(site: SiteTable) -> list[str]:
         return []
     normal = normal_gravity(float(np.radians(site.latitude_deg)), site.height_m)
     off = site.gravity_m_s2 - normal
-    if abs(off) <= ANOMALY:
+    if abs(off) <= MAX_GRAVITY_ANOMALY_M_S2:
         return []
     return [
         f"{CAMPAIGN_TOML}: gravity_m_s2 = {site.gravity_m_s2:.9g} is {off:+.2g} m/s2 off the {normal:.4f} of "
-        f"latitude {site.latitude_deg:.6g} deg and height {site.height_m:.6g} m, expected within {ANOMALY:g}: if "
-        f"it is wrong, the accelerometers' scale factors are {-1e6 * off / site.gravity_m_s2:+.0f} ppm off; "
+        f"latitude {site.latitude_deg:.6g} deg and height {site.height_m:.6g} m, "
+        f"expected within {MAX_GRAVITY_ANOMALY_M_S2:g}: if it is wrong, "
+        f"the accelerometers' scale factors are {-1e6 * off / site.gravity_m_s2:+.0f} ppm off; "
         f"check gravity, latitude and height"
     ]
 

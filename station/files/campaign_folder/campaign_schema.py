@@ -198,7 +198,7 @@ class SequenceTable(TomlTable):
     file: str
 
 
-class RateTable(TomlTable):
+class TurntableTable(TomlTable):
     """``[[rate]]``: a turntable's points."""
 
     axis: Axis
@@ -216,7 +216,7 @@ class CampaignTable(TomlTable):
     dwell: list[DwellTable] = []
     turn: list[TurnTable] = []
     sequence: list[SequenceTable] = []
-    rate: list[RateTable] = []
+    rate: list[TurntableTable] = []
     soak: list[SoakTable] = []
 
     def steps(self) -> list["StepTable"]:
@@ -224,7 +224,7 @@ class CampaignTable(TomlTable):
         return [*self.dwell, *self.turn, *self.sequence, *self.rate, *self.soak]
 
 
-StepTable = DwellTable | TurnTable | SequenceTable | RateTable | SoakTable
+StepTable = DwellTable | TurnTable | SequenceTable | TurntableTable | SoakTable
 
 
 def read_campaign_toml(folder: Path) -> tuple[CampaignTable, dict[Key, int], bytes]:

@@ -11,9 +11,9 @@ import numpy as np
 
 from procedures.counts.sample_records import Series
 from station.files.campaign_folder.loaded_campaign import LoadedStep
-from station.files.campaign_folder.sample_series import WARN_PERIOD, StepData
+from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION, StepData
 
-SIGMAS = 4.0  # by which a file's period must differ
+MIN_DIFFERENCE_SIGMAS = 4.0  # by which a file's period must differ
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ def with_one_period(steps: Sequence[LoadedStep]) -> tuple[list[LoadedStep], Comm
 def _is_near(data: StepData, period: float) -> bool:
     """Say whether a file may be of this period: of one that is quite another its own warning or refusal tells."""
     off = abs(data.times.period - period)
-    return off <= max(WARN_PERIOD * period, SIGMAS * data.times.period_std)
+    return off <= max(WARN_PERIOD_DEVIATION * period, MIN_DIFFERENCE_SIGMAS * data.times.period_std)
 
 
 def said_of_period(period: CommonPeriod | None) -> list[str]:

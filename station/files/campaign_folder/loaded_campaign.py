@@ -11,9 +11,9 @@ from procedures.diagnosis.clock_rate_check import MAX_CLOCK_PPM, RATE_SIGMAS, cl
 from procedures.units import PPM_PER_ONE
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignTable, StepTable
-from station.files.campaign_folder.sample_series import WARN_PERIOD, StepData
+from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION, StepData
 
-REFUSE_PERIOD = 1e-2  # relative, docs/campaign-folder.md
+MAX_PERIOD_DEVIATION = 1e-2  # relative, docs/campaign-folder.md
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,7 +105,7 @@ def clock_warnings(tables: CampaignTable, campaign: Campaign) -> list[str]:
             f"to {rate.delay:.2g} s; record on a machine with less to do, or longer"
         ]
     off = off_period(rate)
-    return [clock_sentence(tables.imu.sample_period_s, off)] if abs(off) - open_to > WARN_PERIOD else []
+    return [clock_sentence(tables.imu.sample_period_s, off)] if abs(off) - open_to > WARN_PERIOD_DEVIATION else []
 
 
 def _advice(rate: ClockRate) -> str:
@@ -127,7 +127,10 @@ def check_for_solve(loaded: LoadedCampaign) -> None:
         Naming the first such file and both periods.
     """
     rate = clock_rate(loaded.campaign)
-    if rate is not None and abs(off := off_period(rate)) - RATE_SIGMAS * rate.std / PPM_PER_ONE > REFUSE_PERIOD:
+    if (
+        rate is not None
+        and abs(off := off_period(rate)) - RATE_SIGMAS * rate.std / PPM_PER_ONE > MAX_PERIOD_DEVIATION
+    ):
         raise DataRefused(
             loaded.folder / "campaign.toml",
             None,
@@ -137,7 +140,7 @@ def check_for_solve(loaded: LoadedCampaign) -> None:
         )
     nominal = loaded.tables.imu.sample_period_s
     for step in loaded.steps:
-        if step.data is not None and abs(step.data.series.period / nominal - 1) > REFUSE_PERIOD:
+        if step.data is not None and abs(step.data.series.period / nominal - 1) > MAX_PERIOD_DEVIATION:
             raise DataRefused(
                 loaded.folder / step.table.file,
                 None,

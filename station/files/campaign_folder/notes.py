@@ -52,7 +52,7 @@ def read_unit(folder: Path) -> UnitRecord | None:
     return _read(folder / UNIT, UnitRecord)
 
 
-class LeftOut(BaseModel):
+class LeftOutSpans(BaseModel):
     """By file: how long the spans are that the guide left out of a step, as the cube was disturbed [s]."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -62,12 +62,12 @@ class LeftOut(BaseModel):
 def keep_left_out(folder: Path, file: str, spans_s: list[float]) -> None:
     """Keep what was left out of a step."""
     kept = read_left_out(folder)
-    _write(folder / LEFT_OUT, LeftOut(spans_s={**kept, file: [round(span, 3) for span in spans_s]}))
+    _write(folder / LEFT_OUT, LeftOutSpans(spans_s={**kept, file: [round(span, 3) for span in spans_s]}))
 
 
 def read_left_out(folder: Path) -> dict[str, list[float]]:
     """Return what was left out of the steps, by file [s]; raise `DataRefused` if it cannot be read."""
-    kept = _read(folder / LEFT_OUT, LeftOut)
+    kept = _read(folder / LEFT_OUT, LeftOutSpans)
     return {} if kept is None else kept.spans_s
 
 

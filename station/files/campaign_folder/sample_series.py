@@ -9,10 +9,10 @@ from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.counts.sample_times import SampleTimes, sample_times
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignImuTable
-from station.files.columns import OUTPUTS, TRIADS, Table
+from station.files.columns import OUTPUTS, TRIADS, DataFile
 
-WARN_PERIOD = 1e-3  # relative, docs/campaign-folder.md
-_NAMED_GAPS = 10
+WARN_PERIOD_DEVIATION = 1e-3  # relative, docs/campaign-folder.md
+_MAX_GAPS_NAMED = 10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,7 +31,7 @@ class StepData:
     warnings: tuple[str, ...] = ()
 
 
-def step_data(table: Table, imu: CampaignImuTable) -> StepData:
+def step_data(table: DataFile, imu: CampaignImuTable) -> StepData:
     """Give a step's columns their meaning.
 
     Raises
@@ -62,7 +62,7 @@ def step_data(table: Table, imu: CampaignImuTable) -> StepData:
     return StepData(series, (float(t[0]), float(t[-1])), times, table.host_span, warnings)
 
 
-def _refuse_time_backwards(table: Table, step: FloatArray) -> None:
+def _refuse_time_backwards(table: DataFile, step: FloatArray) -> None:
     t = table.columns["t_s"]
     if len(bad := np.flatnonzero(step <= 0)):
         row = int(bad[0]) + 1
@@ -73,7 +73,7 @@ def _refuse_time_backwards(table: Table, step: FloatArray) -> None:
         raise DataRefused(table.file, table.line(row), found, "t_s that increases from row to row", todo)
 
 
-def _outputs(table: Table, names: tuple[str, ...], imu: CampaignImuTable, keep: BoolArray) -> FloatArray | None:
+def _outputs(table: DataFile, names: tuple[str, ...], imu: CampaignImuTable, keep: BoolArray) -> FloatArray | None:
     if names[0] not in table.columns:
         return None
     values = np.stack([table.columns[name] for name in names], axis=1)
@@ -90,7 +90,7 @@ def _outputs(table: Table, names: tuple[str, ...], imu: CampaignImuTable, keep: 
     return kept
 
 
-def _refuse_outside_word(table: Table, values: FloatArray, names: tuple[str, ...], bits: int) -> None:
+def _refuse_outside_word(table: DataFile, values: FloatArray, names: tuple[str, ...], bits: int) -> None:
     unsigned = values.min() >= 0
     low, high = (0, 2**bits - 1) if unsigned else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
     if len(bad := np.argwhere((values < low) | (values > high))):
@@ -115,18 +115,18 @@ def _series(
     return CountSeries(t, counts[0], counts[1], temperature, period, starts, extra)
 
 
-def _gap_warnings(table: Table, gaps: IntArray) -> list[str]:
+def _gap_warnings(table: DataFile, gaps: IntArray) -> list[str]:
     t = table.columns["t_s"]
     named = [
         f"{table.file}:{table.line(row)}: a gap of {t[row] - t[row - 1]:.6g} s"
-        for row in gaps[:_NAMED_GAPS].tolist()
+        for row in gaps[:_MAX_GAPS_NAMED].tolist()
     ]
-    if len(gaps) > _NAMED_GAPS:
-        named.append(f"{table.file}: {len(gaps) - _NAMED_GAPS} more gaps")
+    if len(gaps) > _MAX_GAPS_NAMED:
+        named.append(f"{table.file}: {len(gaps) - _MAX_GAPS_NAMED} more gaps")
     return named
 
 
-def _uneven(table: Table, times: SampleTimes) -> list[str]:
+def _uneven(table: DataFile, times: SampleTimes) -> list[str]:
     if not times.is_uneven:
         return []
     step = np.delete(np.diff(table.columns["t_s"]), times.begins[1:] - 1)
@@ -136,9 +136,9 @@ def _uneven(table: Table, times: SampleTimes) -> list[str]:
     ]
 
 
-def _other_warnings(table: Table, period: float, imu: CampaignImuTable) -> list[str]:
+def _other_warnings(table: DataFile, period: float, imu: CampaignImuTable) -> list[str]:
     said = [f"{table.file}: {table.damage}; {table.rows} samples read"] if table.damage else []
     off = period / imu.sample_period_s - 1
-    if abs(off) > WARN_PERIOD:
+    if abs(off) > WARN_PERIOD_DEVIATION:
         said.append(f"{table.file}: mean sample period {period:.9g} s is {off:+.2%} off sample_period_s")
     return said

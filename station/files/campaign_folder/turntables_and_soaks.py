@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.campaign.campaign import RateTable, SoakRecord
-from station.files.campaign_folder.campaign_schema import RateTable as RateStep
-from station.files.campaign_folder.campaign_schema import SoakTable
+from station.files.campaign_folder.campaign_schema import SoakTable, TurntableTable
 from station.files.campaign_folder.loaded_campaign import LoadedStep
 
 GYROSCOPES = ("gx", "gy", "gz")
@@ -14,10 +13,10 @@ GYROSCOPES = ("gx", "gy", "gz")
 
 def rate_tables(steps: Sequence[LoadedStep]) -> tuple[RateTable, ...]:
     """Return the turntable steps."""
-    return tuple(_rate_table(step, step.table) for step in steps if isinstance(step.table, RateStep))
+    return tuple(_rate_table(step, step.table) for step in steps if isinstance(step.table, TurntableTable))
 
 
-def _rate_table(step: LoadedStep, table: RateStep) -> RateTable:
+def _rate_table(step: LoadedStep, table: TurntableTable) -> RateTable:
     reference = step.points["rate_ref_deg_s"]
     absent = np.full(len(reference), np.nan)
     output = np.stack([step.points.get(name, absent) for name in GYROSCOPES], axis=1)

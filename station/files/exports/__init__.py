@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from station.files.exports import ardupilot, kalibr, px4
-from station.files.exports.correction import Correction, Nominal, read_correction
+from station.files.exports.correction import Correction, NominalScale, read_correction
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,4 +25,4 @@ EXPORTS = (
     Export("kalibr", "Kalibr's imu.yaml, scale-misalignment model", kalibr.text),
 )
 
-__all__ = ["EXPORTS", "Correction", "Export", "Nominal", "read_correction"]
+__all__ = ["EXPORTS", "Correction", "Export", "NominalScale", "read_correction"]

@@ -11,8 +11,8 @@ accelerometer's output as specific force, so no sign changes.
 from station.files.exports.correction import Correction
 from station.files.exports.left_out import lost
 
-SCALES = (0.8, 1.2)
-OFFSET = 3.5  # m/s/s
+SCALE_RANGE = (0.8, 1.2)
+MAX_OFFSET_M_S2 = 3.5  # m/s/s
 
 
 def text(correction: Correction) -> str:
@@ -40,8 +40,9 @@ def _warnings(correction: Correction, values: dict[str, float]) -> list[str]:
     if correction.gyroscope is not None:
         said.append("INS_GYR_CAL 0 keeps INS_GYROFFS: else they are measured anew at each start")
     for name, value in values.items():
-        if "SCAL" in name and not SCALES[0] <= value <= SCALES[1]:
-            said.append(f"{name} is outside {SCALES[0]} to {SCALES[1]}: give --nominal-accel as the driver has it")
-        if "ACCOFFS" in name and abs(value) > OFFSET:
-            said.append(f"{name} is outside +-{OFFSET} m/s/s: the vehicle will not arm")
+        if "SCAL" in name and not SCALE_RANGE[0] <= value <= SCALE_RANGE[1]:
+            low, high = SCALE_RANGE
+            said.append(f"{name} is outside {low} to {high}: give --nominal-accel as the driver has it")
+        if "ACCOFFS" in name and abs(value) > MAX_OFFSET_M_S2:
+            said.append(f"{name} is outside +-{MAX_OFFSET_M_S2} m/s/s: the vehicle will not arm")
     return said

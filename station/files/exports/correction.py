@@ -19,11 +19,11 @@ from station.errors import DataRefused
 from station.files.toml_reading import read_text_file
 
 FORMAT = "calibration/1"
-DIGITS = 3  # of a nominal scale factor nobody gave
+NOMINAL_DIGITS = 3  # of a nominal scale factor nobody gave
 
 
 @dataclass(frozen=True, slots=True)
-class Nominal:
+class NominalScale:
     """A nominal scale factor, in the unit of the calibration's own, and whether it was given or taken from it."""
 
     value: float
@@ -31,7 +31,7 @@ class Nominal:
     is_given: bool
 
     def __str__(self) -> str:
-        origin = "as given" if self.is_given else f"the mean of the axes' own to {DIGITS} digits"
+        origin = "as given" if self.is_given else f"the mean of the axes' own to {NOMINAL_DIGITS} digits"
         return f"{self.value:.10g} {self.unit}, {origin}"
 
 
@@ -39,7 +39,7 @@ class Nominal:
 class TriadCorrection:
     """A triad at its nominal scale factor: ``raw = gain (E u + D)``; D (3,) in SI, ``gain`` (3,) = k / k0."""
 
-    nominal: Nominal
+    nominal: NominalScale
     gain: FloatArray
     E: FloatArray
     D: FloatArray
@@ -119,8 +119,8 @@ def _triad(part: Mapping[str, Any] | None, nominal: float | None, si: float) -> 
     k = np.array(part["scale_factor"]["value"], dtype=float).reshape(3)
     E = np.array(part["misalignment"]["value"], dtype=float).reshape(3, 3)
     D = np.array(part["bias"]["value"], dtype=float).reshape(3)
-    k0 = float(f"{k.mean():.{DIGITS}g}") if nominal is None else nominal
-    return TriadCorrection(Nominal(k0, part["scale_factor"]["unit"], nominal is not None), k / k0, E, D * si)
+    k0 = float(f"{k.mean():.{NOMINAL_DIGITS}g}") if nominal is None else nominal
+    return TriadCorrection(NominalScale(k0, part["scale_factor"]["unit"], nominal is not None), k / k0, E, D * si)
 
 
 def _remarks(document: Mapping[str, Any]) -> tuple[str, ...]:

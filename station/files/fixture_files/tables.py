@@ -9,8 +9,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BaseModel, ConfigDict, create_model
 
 from fixtures_db.schema import UtcDateTime
-from fixtures_db.transfer import TABLES as STORED
-from fixtures_db.transfer import Rows, Table
+from fixtures_db.transfer import CARRIED_TABLES, CarriedTable, Rows
 
 
 def _aware(moment: datetime) -> datetime:
@@ -23,13 +22,13 @@ Moment = Annotated[datetime, AfterValidator(_aware)]
 DEFAULTS = {"covariance_12_rad2": 0.0}  # of a column that always has a value
 
 
-class FixtureTable(BaseModel):
+class FixturesTable(BaseModel):
     """A table of the file."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, coerce_numbers_to_str=True)
 
 
-class FixturesFile(FixtureTable):
+class FixturesFile(FixturesTable):
     """The whole of a ``fixtures/1``."""
 
     format: str = "fixtures/1"
@@ -40,15 +39,15 @@ class FixturesFile(FixtureTable):
         return {name: [row.model_dump() for row in getattr(self, name)] for name in TABLES}
 
 
-def _model(table: Table) -> type[BaseModel]:
+def _model(table: CarriedTable) -> type[BaseModel]:
     fields: dict[str, Any] = {}
     for name in table.columns:
         column = table.row.__table__.columns[name]
         kind = Moment if isinstance(column.type, UtcDateTime) else column.type.python_type
         fields[name] = (kind | None, None) if column.nullable else (kind, DEFAULTS.get(name, ...))
-    return create_model(table.name, __base__=FixtureTable, **fields)
+    return create_model(table.name, __base__=FixturesTable, **fields)
 
 
-TABLES = {table.name: _model(table) for table in STORED}
+TABLES = {table.name: _model(table) for table in CARRIED_TABLES}
 _LISTS: dict[str, Any] = {name: (list[model], []) for name, model in TABLES.items()}  # type: ignore[valid-type]
 FIXTURES_FILE = create_model("FixturesFile", __base__=FixturesFile, **_LISTS)

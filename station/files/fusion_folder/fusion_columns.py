@@ -8,14 +8,14 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
-from station.files.columns import Table
+from station.files.columns import DataFile
 from station.files.csv_table import read_csv
 from station.files.opening import open_inside
 
-RATE = ("wx_rad_s", "wy_rad_s", "wz_rad_s")
-FORCE = ("fx_m_s2", "fy_m_s2", "fz_m_s2")
-POSITION = ("e_m", "n_m", "u_m")
-VELOCITY = ("ve_m_s", "vn_m_s", "vu_m_s")
+RATE_NAMES = ("wx_rad_s", "wy_rad_s", "wz_rad_s")
+FORCE_NAMES = ("fx_m_s2", "fy_m_s2", "fz_m_s2")
+POSITION_NAMES = ("e_m", "n_m", "u_m")
+VELOCITY_NAMES = ("ve_m_s", "vn_m_s", "vu_m_s")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,12 +43,14 @@ class FusionColumns:
             raise DataRefused(file, 1, "half of a horizontal velocity", "both of ve_m_s and vn_m_s, or neither")
 
 
-IMU = FusionColumns(("t_s", *RATE, *FORCE))
-GNSS = FusionColumns(("t_s", *POSITION), (*VELOCITY, "course_rad", "position_std_m", "velocity_std_m_s"))
-TRACKS = FusionColumns(("t_s", "feature", "u_px", "v_px"))
+IMU_COLUMNS = FusionColumns(("t_s", *RATE_NAMES, *FORCE_NAMES))
+GNSS_COLUMNS = FusionColumns(
+    ("t_s", *POSITION_NAMES), (*VELOCITY_NAMES, "course_rad", "position_std_m", "velocity_std_m_s")
+)
+TRACKS_COLUMNS = FusionColumns(("t_s", "feature", "u_px", "v_px"))
 
 
-def read_table(folder: Path, name: str, line: int, kind: FusionColumns) -> Table:
+def read_table(folder: Path, name: str, line: int, kind: FusionColumns) -> DataFile:
     """Read the CSV file ``name`` of ``folder`` that stands at ``line`` of ``fusion.toml``.
 
     Raises
@@ -60,7 +62,7 @@ def read_table(folder: Path, name: str, line: int, kind: FusionColumns) -> Table
         return read_csv(stream, folder / name, kind)
 
 
-def stacked(table: Table, names: Sequence[str]) -> FloatArray:
+def stacked(table: DataFile, names: Sequence[str]) -> FloatArray:
     """Return columns side by side (n, k); one that is not there is nan."""
     absent = np.full(table.rows, np.nan)
     return np.stack([table.columns.get(name, absent) for name in names], axis=1)

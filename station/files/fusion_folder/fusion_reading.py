@@ -11,17 +11,17 @@ from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Tra
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_columns import (
-    FORCE,
-    GNSS,
-    IMU,
-    POSITION,
-    RATE,
-    VELOCITY,
+    FORCE_NAMES,
+    GNSS_COLUMNS,
+    IMU_COLUMNS,
+    POSITION_NAMES,
+    RATE_NAMES,
+    VELOCITY_NAMES,
     read_table,
     refuse_time,
     stacked,
 )
-from station.files.fusion_folder.fusion_schema import FusionTable, GnssTable
+from station.files.fusion_folder.fusion_schema import FusionGnssTable, FusionTable
 from station.files.fusion_folder.plausibility import refuse_apart, refuse_far, refuse_units
 from station.files.fusion_folder.tracks import camera_of, read_tracks
 from station.files.fusion_folder.tum import read_tum
@@ -88,9 +88,9 @@ def files_of(folder: Path, but: str = "") -> list[Path]:
 def _imu(folder: Path, table: FusionTable, lines: dict[Key, int]) -> ImuSeries | None:
     if table.imu is None:
         return None
-    read = read_table(folder, table.imu.file, line_of(("imu", "file"), lines), IMU)
+    read = read_table(folder, table.imu.file, line_of(("imu", "file"), lines), IMU_COLUMNS)
     refuse_time(read.columns["t_s"], read.first_line, read.file)
-    imu = ImuSeries(read.columns["t_s"], stacked(read, RATE), stacked(read, FORCE))
+    imu = ImuSeries(read.columns["t_s"], stacked(read, RATE_NAMES), stacked(read, FORCE_NAMES))
     refuse_units(imu, folder / table.imu.file)
     return imu
 
@@ -118,19 +118,19 @@ def _noise(table: FusionTable) -> ImuNoise | None:
     )
 
 
-def _fixes(folder: Path, gnss: GnssTable, lines: dict[Key, int]) -> GnssFixes:
-    read = read_table(folder, gnss.file, line_of(("gnss", "file"), lines), GNSS)
+def _fixes(folder: Path, gnss: FusionGnssTable, lines: dict[Key, int]) -> GnssFixes:
+    read = read_table(folder, gnss.file, line_of(("gnss", "file"), lines), GNSS_COLUMNS)
     refuse_time(read.columns["t_s"], read.first_line, read.file)
     file = folder / gnss.file
     position_std = _std(read.columns.get("position_std_m"), gnss.position_std_m, read.rows, "position_std_m", file)
-    v_n = stacked(read, VELOCITY)
+    v_n = stacked(read, VELOCITY_NAMES)
     course = read.columns.get("course_rad", np.full(read.rows, np.nan))
     if np.isfinite(v_n[:, 0]).any() or np.isfinite(course).any():
         given = read.columns.get("velocity_std_m_s")
         velocity_std = _std(given, gnss.velocity_std_m_s, read.rows, "velocity_std_m_s", file)
     else:
         velocity_std = np.full(read.rows, np.nan)
-    return GnssFixes(read.columns["t_s"], stacked(read, POSITION), v_n, course, position_std, velocity_std)
+    return GnssFixes(read.columns["t_s"], stacked(read, POSITION_NAMES), v_n, course, position_std, velocity_std)
 
 
 def _std(column: FloatArray | None, table: float | None, rows: int, name: str, file: Path) -> FloatArray:

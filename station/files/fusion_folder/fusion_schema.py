@@ -11,13 +11,13 @@ Positive = Annotated[float, Field(gt=0)]
 Density = Annotated[float, Field(gt=0, le=10)]
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 Row = Annotated[list[float], Field(min_length=4, max_length=4)]
-RIGID = 1e-3  # how far a rotation of a file may be from one, by rounding
+MAX_ROTATION_ERROR = 1e-3  # how far a rotation of a file may be from one, by rounding
 
 
 def _rigid(rows: list[Row]) -> list[Row]:
     T = np.array(rows)
     C = T[:3, :3]
-    turned = np.abs(C @ C.T - np.eye(3)).max() < RIGID and np.linalg.det(C) > 0
+    turned = np.abs(C @ C.T - np.eye(3)).max() < MAX_ROTATION_ERROR and np.linalg.det(C) > 0
     if not turned or not np.allclose(T[3], [0, 0, 0, 1]):
         raise ValueError("imu_from_camera to be a rotation and a shift, 4x4, last row 0 0 0 1")
     return rows
@@ -26,7 +26,7 @@ def _rigid(rows: list[Row]) -> list[Row]:
 Rigid = Annotated[list[Row], Field(min_length=4, max_length=4), AfterValidator(_rigid)]
 
 
-class SiteTable(TomlTable):
+class FusionSiteTable(TomlTable):
     """``[site]``."""
 
     latitude_deg: Annotated[float, Field(ge=-90, le=90)]
@@ -47,7 +47,7 @@ class FusionImuTable(TomlTable):
     accel_bias_std_m_s2: Annotated[float, Field(gt=0, le=5)] = 0.15
 
 
-class GnssTable(TomlTable):
+class FusionGnssTable(TomlTable):
     """``[gnss]``; a column of the same name in the file wins over ``position_std_m`` and ``velocity_std_m_s``."""
 
     file: str
@@ -93,9 +93,9 @@ class FusionTable(TomlTable):
     """The whole of ``fusion.toml``."""
 
     format: Literal["fusion/1"]
-    site: SiteTable
+    site: FusionSiteTable
     imu: FusionImuTable | None = None
-    gnss: GnssTable
+    gnss: FusionGnssTable
     odometry: FileTable | None = None
     tracks: TracksTable | None = None
     truth: FileTable | None = None

@@ -10,7 +10,13 @@ from procedures.earth.geodesy import LocalLevel
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.vision.feature_tracks import FeatureTracks
 from station.files.atomic_file import replace_file
-from station.files.fusion_folder.fusion_columns import FORCE, GNSS, POSITION, RATE, VELOCITY
+from station.files.fusion_folder.fusion_columns import (
+    FORCE_NAMES,
+    GNSS_COLUMNS,
+    POSITION_NAMES,
+    RATE_NAMES,
+    VELOCITY_NAMES,
+)
 from station.files.fusion_folder.fusion_reading import FUSION_TOML
 from station.files.fusion_folder.fusion_schema import LensTable
 from station.files.fusion_folder.tracks import write_tracks
@@ -47,9 +53,9 @@ class FusionRecording:
 def write_fusion(folder: Path, recorded: FusionRecording) -> None:
     """Write a ``fusion/1`` folder, the table last; raise `CannotWrite` where the disk refuses."""
     imu, fixes = recorded.imu, recorded.fixes
-    _write(folder / IMU_FILE, ("t_s", *RATE, *FORCE), np.c_[imu.t, imu.omega_b, imu.f_b])
-    columns = ("t_s", *POSITION, *VELOCITY, "position_std_m", "velocity_std_m_s")
-    assert set(columns) <= set(GNSS.columns)
+    _write(folder / IMU_FILE, ("t_s", *RATE_NAMES, *FORCE_NAMES), np.c_[imu.t, imu.omega_b, imu.f_b])
+    columns = ("t_s", *POSITION_NAMES, *VELOCITY_NAMES, "position_std_m", "velocity_std_m_s")
+    assert set(columns) <= set(GNSS_COLUMNS.columns)
     rows = np.c_[fixes.t, fixes.p_n, fixes.v_n, fixes.position_std, fixes.velocity_std]
     _write(folder / GNSS_FILE, columns, rows)
     if recorded.seen is not None:

@@ -10,8 +10,8 @@ from station.files.atomic_file import replace_file
 from station.files.fusion_folder.fusion_columns import refuse_time
 from station.files.opening import open_inside
 
-LINE = "t x y z qx qy qz qw"
-UNIT = 1e-3  # how far a quaternion of a file may be from unit length, by rounding
+TUM_COLUMNS = "t x y z qx qy qz qw"
+MAX_NORM_ERROR = 1e-3  # how far a quaternion of a file may be from unit length, by rounding
 
 
 def read_tum(folder: Path, name: str, line: int) -> Trajectory:
@@ -31,13 +31,13 @@ def read_tum(folder: Path, name: str, line: int) -> Trajectory:
             rows.append(_numbers(content, path, number))
             lines.append(number)
     if len(rows) < 2:
-        raise DataRefused(path, None, f"{len(rows)} poses", f"at least two lines {LINE}")
+        raise DataRefused(path, None, f"{len(rows)} poses", f"at least two lines {TUM_COLUMNS}")
     values = np.array(rows)
     refuse_time(values[:, 0], lines, path)
     length = np.linalg.norm(values[:, 4:], axis=1)
-    if len(bad := np.flatnonzero(np.abs(length - 1) > UNIT)):
+    if len(bad := np.flatnonzero(np.abs(length - 1) > MAX_NORM_ERROR)):
         found = f"a quaternion of length {length[bad[0]]:.4g}"
-        raise DataRefused(path, lines[bad[0]], found, f"{LINE} with a quaternion of length 1")
+        raise DataRefused(path, lines[bad[0]], found, f"{TUM_COLUMNS} with a quaternion of length 1")
     return Trajectory(values[:, 0], values[:, 1:4], values[:, 4:] / length[:, None])
 
 
@@ -47,7 +47,7 @@ def _numbers(content: str, path: Path, number: int) -> list[float]:
     except ValueError:
         values = []
     if len(values) != 8 or not np.all(np.isfinite(values)):
-        raise DataRefused(path, number, repr(content[:60]), f"eight numbers: {LINE}")
+        raise DataRefused(path, number, repr(content[:60]), f"eight numbers: {TUM_COLUMNS}")
     return values
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from procedures.earth.gnss_records import AirData, FixType, GnssFix, TimeMark
 from station.files.mcap_files.fix_schemas import FIX_MESSAGES
-from station.files.mcap_files.fix_writer import NAMES, TOPICS
+from station.files.mcap_files.fix_writer import TOPIC_NAMES, TOPICS
 from station.files.mcap_files.topics import topic_messages
 
 Record = GnssFix | TimeMark | AirData
@@ -32,4 +32,4 @@ def _record(kind: type[Record], message: Any, data: bytes) -> Record:
     return kind(**known)
 
 
-_KINDS = {TOPICS[name]: partial(_record, kind, FIX_MESSAGES[name]) for kind, name in NAMES.items()}
+_KINDS = {TOPICS[name]: partial(_record, kind, FIX_MESSAGES[name]) for kind, name in TOPIC_NAMES.items()}

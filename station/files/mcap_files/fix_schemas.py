@@ -11,7 +11,7 @@ FIX_TOPIC, TIME_TOPIC, AIR_TOPIC, GNSS_RAW_TOPIC = "/gnss/fix", "/gnss/time", "/
 
 _Field = FieldDescriptorProto
 _I64, _U32, _D, _S = _Field.TYPE_INT64, _Field.TYPE_UINT32, _Field.TYPE_DOUBLE, _Field.TYPE_STRING
-FIELDS: dict[str, dict[str, "_Field.Type.ValueType"]] = {
+FIX_FIELDS: dict[str, dict[str, "_Field.Type.ValueType"]] = {
     "GnssFix": {
         "source": _S, "system": _U32, "host_ns": _I64, "fix": _U32, "utc_ns": _I64, "device_ns": _I64,
         "latency": _D, "latitude": _D, "longitude": _D, "height": _D, "altitude": _D, "speed": _D, "course": _D,
@@ -25,7 +25,7 @@ FIELDS: dict[str, dict[str, "_Field.Type.ValueType"]] = {
 
 def _file() -> FileDescriptorProto:
     file = FileDescriptorProto(name="station_gnss.proto", package="station", syntax="proto3")
-    for name, fields in FIELDS.items():
+    for name, fields in FIX_FIELDS.items():
         message = file.message_type.add(name=name)
         for number, (field, kind) in enumerate(fields.items(), start=1):
             # optional, so that an unknown value is absent and not 0

@@ -20,9 +20,9 @@ from station.files.mcap_files.fix_schemas import (
 )
 from station.files.mcap_files.new_file import new_channel, new_file
 
-FLUSH_S = 0.5
+FLUSH_PERIOD_S = 0.5
 TOPICS = {FIX: FIX_TOPIC, TIME: TIME_TOPIC, AIR: AIR_TOPIC}
-NAMES = {GnssFix: FIX, TimeMark: TIME, AirData: AIR}
+TOPIC_NAMES = {GnssFix: FIX, TimeMark: TIME, AirData: AIR}
 GAP = "station.gap"
 
 
@@ -38,7 +38,7 @@ class FixWriter:
 
     def write(self, record: GnssFix | TimeMark | AirData) -> None:
         """Write one; raise `CannotWrite` if the disk refuses."""
-        name = NAMES[type(record)]
+        name = TOPIC_NAMES[type(record)]
         known = {f.name: value for f in fields(record) if (value := getattr(record, f.name)) is not None}
         content = FIX_MESSAGES[name](**known).SerializeToString()
         self.fixes += name == FIX
@@ -46,7 +46,7 @@ class FixWriter:
             self._writer.add_message(
                 self._channels[name], log_time=record.host_ns, data=content, publish_time=record.host_ns
             )
-            if time.monotonic() - self._flushed >= FLUSH_S:
+            if time.monotonic() - self._flushed >= FLUSH_PERIOD_S:
                 self._flush()
         except OSError as error:
             raise cannot_write(self.path, error) from error

@@ -7,13 +7,13 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
-from station.files.columns import EXACT, TRIADS, Table
+from station.files.columns import MAX_EXACT_INTEGER, TRIADS, DataFile
 from station.files.mcap_files.contents import StepContents
 from station.files.mcap_files.reader import read_stream
 from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC
 
 
-def read_table(stream: BufferedReader, file: Path, *, counts: bool) -> Table:
+def read_table(stream: BufferedReader, file: Path, *, counts: bool) -> DataFile:
     """Read a step's file as columns; a line of the table is a message of ``/imu/counts``.
 
     Raises
@@ -38,11 +38,11 @@ def read_table(stream: BufferedReader, file: Path, *, counts: bool) -> Table:
         raise DataRefused(file, 1, "neither gyro nor accel", "at least one triad")
     columns["temp_c"] = np.where(np.isfinite(step.temperature), step.temperature, np.nan)
     columns |= {_column(name): values for name, values in step.aux.items()}
-    return Table(str(file), columns, 1, step.sha256, _host_span(step), step.damage)
+    return DataFile(str(file), columns, 1, step.sha256, _host_span(step), step.damage)
 
 
 def _check_range(values: FloatArray, file: Path, triad: str, *, counts: bool) -> None:
-    bad = (values >= EXACT) | (values <= -EXACT) if counts else ~np.isfinite(values)
+    bad = (values >= MAX_EXACT_INTEGER) | (values <= -MAX_EXACT_INTEGER) if counts else ~np.isfinite(values)
     if len(rows := np.flatnonzero(bad.any(axis=1))):
         wanted = "counts below 2^53" if counts else "finite numbers"
         raise DataRefused(file, int(rows[0]) + 1, f"{triad} {values[rows[0]].tolist()}", wanted)

@@ -21,10 +21,15 @@ from drivers.simulated.truth import Truth, truth_from
 from drivers.simulated.vehicle_track import VehicleTrack, load_track
 from station.errors import DataRefused
 from station.files.faults_file import each_fault, faults_of
-from station.files.scenario.scenario_schema import CameraTable, GnssTable, HandsTable, ScenarioTable
+from station.files.scenario.scenario_schema import (
+    HandsTable,
+    ScenarioTable,
+    SimulatedCameraTable,
+    SimulatedGnssTable,
+)
 from station.files.toml_reading import Key, line_of, read_tables, read_text_file
 
-EARLIEST = 1e-6  # s: a move may begin so much before the one before is over
+MAX_MOVE_OVERLAP_S = 1e-6  # s: a move may begin so much before the one before is over
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +56,7 @@ class Scenario:
 def read_scenario(path: Path) -> Scenario:
     """Read a scenario file; raise `DataRefused` with the line of what is wrong."""
     table, lines = read_tables(read_text_file(path), path, ScenarioTable)
-    where = _Lines(path, lines)
+    where = _KeyLines(path, lines)
     truth = _truth(table, where)
     is_can = table.imu.transport in CAN_TRANSPORTS
     if table.gnss is None and table.gnss_fault:
@@ -75,7 +80,7 @@ def read_scenario(path: Path) -> Scenario:
 
 
 @dataclass(frozen=True, slots=True)
-class _Lines:
+class _KeyLines:
     path: Path
     lines: dict[Key, int]
 
@@ -93,7 +98,7 @@ class _Lines:
             raise self.refusal(key, f"effect {error.name!r}", f"one of {', '.join(error.accepted)}") from error
 
 
-def _truth(table: ScenarioTable, where: _Lines) -> Truth:
+def _truth(table: ScenarioTable, where: _KeyLines) -> Truth:
     base = Truth() if table.example is None else Truth.example(table.example)
     for name, value in table.truth.items():
         with where.at("truth", name):
@@ -104,7 +109,7 @@ def _truth(table: ScenarioTable, where: _Lines) -> Truth:
     return truth_from(table.truth, base)
 
 
-def _moves(table: ScenarioTable, truth: Truth, where: _Lines) -> Iterator[ScheduledMove]:
+def _moves(table: ScenarioTable, truth: Truth, where: _KeyLines) -> Iterator[ScheduledMove]:
     """Return all moves with their times; they are tried on a device in memory that lets no time pass."""
     device, free_s, queued_s = ByteDevice(truth, table.seed, "counts"), 0.0, 0.0
     for number, hands in enumerate(table.hands):
@@ -117,16 +122,16 @@ def _moves(table: ScenarioTable, truth: Truth, where: _Lines) -> Iterator[Schedu
         yield ScheduledMove(at_s, hands.do)
 
 
-def _begin(hands: HandsTable, free_s: float, where: _Lines, number: int) -> float:
+def _begin(hands: HandsTable, free_s: float, where: _KeyLines, number: int) -> float:
     if hands.at_s is None:
         return free_s
-    if hands.at_s < free_s - EARLIEST:
+    if hands.at_s < free_s - MAX_MOVE_OVERLAP_S:
         key = ("hands", number, "at_s")
         raise where.refusal(key, f"at_s = {hands.at_s:g}", f"{free_s:.1f} or more: the hands are busy until then")
     return hands.at_s
 
 
-def _autopilot(gnss: GnssTable | None, path: Path, where: _Lines) -> AutopilotTruth | None:
+def _autopilot(gnss: SimulatedGnssTable | None, path: Path, where: _KeyLines) -> AutopilotTruth | None:
     if gnss is None:
         return None
     given = gnss.autopilot.model_dump(exclude_unset=True)
@@ -140,7 +145,7 @@ def _autopilot(gnss: GnssTable | None, path: Path, where: _Lines) -> AutopilotTr
     return AutopilotTruth(**given)
 
 
-def _track(name: str, key: Key, path: Path, where: _Lines) -> VehicleTrack | None:
+def _track(name: str, key: Key, path: Path, where: _KeyLines) -> VehicleTrack | None:
     if not name:
         return None
     text = read_text_file(path.parent / name).decode("utf-8", "replace")
@@ -148,7 +153,7 @@ def _track(name: str, key: Key, path: Path, where: _Lines) -> VehicleTrack | Non
         return load_track(text)
 
 
-def _drive(table: ScenarioTable, truth: Truth, path: Path, where: _Lines) -> VehicleTrack | None:
+def _drive(table: ScenarioTable, truth: Truth, path: Path, where: _KeyLines) -> VehicleTrack | None:
     track = _track(table.imu.track, ("imu", "track"), path, where)
     if track is None:
         return None
@@ -159,7 +164,7 @@ def _drive(table: ScenarioTable, truth: Truth, path: Path, where: _Lines) -> Veh
     return track
 
 
-def _camera(table: CameraTable | None, where: _Lines) -> CameraTruth | None:
+def _camera(table: SimulatedCameraTable | None, where: _KeyLines) -> CameraTruth | None:
     if table is None:
         return None
     given = table.model_dump(exclude={"port", "imu_from_camera"})

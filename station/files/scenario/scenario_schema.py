@@ -57,7 +57,7 @@ class AutopilotTable(TomlTable):
     key: str = ""
 
 
-class GnssTable(TomlTable):
+class SimulatedGnssTable(TomlTable):
     """``[gnss]``: an autopilot with a receiver; ``to`` is where UDP is sent to.
 
     ``track`` is a CSV file along which the receiver goes alone; without it, where the IMU goes.
@@ -87,7 +87,7 @@ class GnssTable(TomlTable):
         return (host, int(port)) if host and port.isascii() and port.isdigit() and int(port) < 65536 else None
 
 
-class CameraTable(TomlTable):
+class SimulatedCameraTable(TomlTable):
     """``[camera]``: see `CameraTruth`; names as in ``camera/1``. What is not given is as it is there."""
 
     port: Port = 0
@@ -123,8 +123,8 @@ class ScenarioTable(TomlTable):
     example: int | None = None
     truth: dict[str, Any] = Field(default_factory=dict)
     imu: SimulatedImuTable = Field(default_factory=SimulatedImuTable)
-    gnss: GnssTable | None = None
-    camera: CameraTable | None = None
+    gnss: SimulatedGnssTable | None = None
+    camera: SimulatedCameraTable | None = None
     hands: list[HandsTable] = Field(default_factory=list)
     fault: list[dict[str, Any]] = Field(default_factory=list)
     gnss_fault: list[dict[str, Any]] = Field(default_factory=list)

@@ -10,7 +10,7 @@ from drivers.simulated.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from station.files.scenario.scenario_reading import Scenario
 
-LOOK_S = 0.1
+POLL_PERIOD_S = 0.1
 
 
 def serve_scenario(
@@ -39,7 +39,7 @@ def serve_scenario(
                 told += 1
                 if not answer.startswith("ok"):  # somebody else has moved the cube meanwhile
                     tell(f"{device.time:8.1f} s  {command}: {answer}")
-            time.sleep(LOOK_S)
+            time.sleep(POLL_PERIOD_S)
         raise next(each.failure for each in served if each.failure is not None)
 
 

@@ -11,7 +11,7 @@ from math import hypot
 from typing import Any
 
 from station.results.certificate.conformity import judge_previous
-from station.results.certificate.printed_results import Measured, measured, to_two_digits, unit_of
+from station.results.certificate.printed_results import MeasuredParameter, measured, to_two_digits, unit_of
 from station.results.parameters_by_name import applied, parameters, title_of
 from station.results.verdict import stored_verdict_said
 
@@ -73,7 +73,7 @@ def as_found(document: Mapping[str, Any], previous: Mapping[str, Any], sha256: s
     )
 
 
-def _row(name: str, now: Measured, before: float, std: float) -> AsFoundRow:
+def _row(name: str, now: MeasuredParameter, before: float, std: float) -> AsFoundRow:
     scale, unit = unit_of(now.parameter)
     error, combined = now.parameter.value - before, hypot(now.std, std)
     expanded = COVERAGE * combined

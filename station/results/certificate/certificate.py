@@ -11,7 +11,7 @@ from station.results.certificate.laboratory import Laboratory
 
 
 @dataclass(frozen=True, slots=True)
-class Replaced:
+class ReplacedCertificate:
     """The certificate whose place a new one takes (ISO/IEC 17025:2017, 7.8.8), and why.
 
     ``changed`` are the labels of the printed fields that differ, None where they were not compared.
@@ -24,7 +24,7 @@ class Replaced:
 
 
 @dataclass(frozen=True, slots=True)
-class Heads:
+class ChainHeads:
     """The newest hashes of the database's chains before this certificate; 64 zeros where there was none."""
 
     calibration: str = GENESIS
@@ -46,10 +46,10 @@ class Certificate:
     document: Mapping[str, Any]
     sha256: str
     laboratory: Laboratory
-    heads: Heads = Heads()
+    heads: ChainHeads = ChainHeads()
     previous: Mapping[str, Any] | None = None
     previous_sha256: str = GENESIS
-    replaced: Replaced | None = None
+    replaced: ReplacedCertificate | None = None
 
     @property
     def reasons(self) -> list[str]:

@@ -2,7 +2,7 @@
 
 from html.parser import HTMLParser
 
-ALWAYS = {
+FIELDS_THAT_ALWAYS_CHANGE = {
     "Issued",
     "Newest calibration",
     "Newest face certificate",
@@ -11,7 +11,7 @@ ALWAYS = {
 }
 
 
-class _Rows(HTMLParser):
+class _PrintedFields(HTMLParser):
     """Collects the cells of every row of every table."""
 
     def __init__(self) -> None:
@@ -41,11 +41,11 @@ def changed_fields(before: str, now: str) -> list[str]:
     """Return the labels of the fields that two certificates print otherwise, in the order of the newer."""
     old, new = _fields(before), _fields(now)
     names = [*new, *(name for name in old if name not in new)]
-    return [name for name in names if old.get(name) != new.get(name) and name not in ALWAYS]
+    return [name for name in names if old.get(name) != new.get(name) and name not in FIELDS_THAT_ALWAYS_CHANGE]
 
 
 def _fields(html: str) -> dict[str, list[str]]:
-    parser, found = _Rows(), dict[str, list[str]]()
+    parser, found = _PrintedFields(), dict[str, list[str]]()
     parser.feed(html)
     for table, cells in parser.rows:
         texts = [" ".join(text.split()) for _, text in cells]

@@ -19,21 +19,21 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from fixtures_db.limits import Limit
-from station.results.certificate.printed_results import Measured, to_two_digits, unit_of
+from station.results.certificate.printed_results import MeasuredParameter, to_two_digits, unit_of
 from station.results.parameters_by_name import Parameter, title_of
-from station.results.verdict import Outcome, Word, judge
+from station.results.verdict import LimitVerdict, VerdictWord, judge
 from station.text.rounding import fixed
 
 
 @dataclass(frozen=True, slots=True)
-class Against:
+class LimitComparison:
     """A value held against its limit, in the limit's unit; ``std`` and ``risk`` None without uncertainty."""
 
     limit: Limit
     value: float | None
     std: float | None
     dof: float
-    word: Word
+    word: VerdictWord
 
     @property
     def guard(self) -> float:
@@ -71,12 +71,12 @@ class Conformity:
     ``stored`` is the verdict at acceptance, which knew only the sigma of the solve.
     """
 
-    word: Word
-    against: tuple[Against, ...]
+    word: VerdictWord
+    against: tuple[LimitComparison, ...]
     stored: str
 
 
-def conformity(document: Mapping[str, Any], results: Mapping[str, Measured]) -> Conformity | None:
+def conformity(document: Mapping[str, Any], results: Mapping[str, MeasuredParameter]) -> Conformity | None:
     """Hold a calibration against the limits it was judged by; None if there were none."""
     limits = [limit_of(one) for one in document.get("limits", ())]
     if not limits:
@@ -84,7 +84,7 @@ def conformity(document: Mapping[str, Any], results: Mapping[str, Measured]) -> 
     kept = {one["parameter"]: one for one in document.get("judged", ())}
     against = tuple(_against(limit, results.get(limit.parameter), kept.get(limit.parameter)) for limit in limits)
     words = {one.word for one in against}
-    word: Word = "FAIL" if "FAIL" in words else "NOT_MEASURED" if "NOT_MEASURED" in words else "PASS"
+    word: VerdictWord = "FAIL" if "FAIL" in words else "NOT_MEASURED" if "NOT_MEASURED" in words else "PASS"
     return Conformity(word, against, document.get("verdict", "NOT_MEASURED"))
 
 
@@ -94,7 +94,7 @@ def limit_of(said: Mapping[str, Any]) -> Limit:
     return Limit(said["parameter"], said.get("low"), said.get("high"), said["unit"], guard)
 
 
-def judge_previous(previous: Mapping[str, Any], document: Mapping[str, Any]) -> Outcome | None:
+def judge_previous(previous: Mapping[str, Any], document: Mapping[str, Any]) -> LimitVerdict | None:
     """Hold the previous calibration's values against the limits of this one; None if there are none.
 
     Limits of what a calibration does not apply (slab, residual) are left out: they are no property of the unit.
@@ -104,7 +104,7 @@ def judge_previous(previous: Mapping[str, Any], document: Mapping[str, Any]) -> 
     return judge(previous, mine) if mine else None
 
 
-def printed(against: Sequence[Against]) -> list[ConformityRow]:
+def printed(against: Sequence[LimitComparison]) -> list[ConformityRow]:
     """Return the lines of the table."""
     return [_row(one) for one in against]
 
@@ -114,7 +114,7 @@ def greatest_risk(guard_band: float, dof: float = math.inf) -> float:
     return 1 - _cdf(guard_band, dof)
 
 
-def _against(limit: Limit, result: Measured | None, kept: Mapping[str, Any] | None) -> Against:
+def _against(limit: Limit, result: MeasuredParameter | None, kept: Mapping[str, Any] | None) -> LimitComparison:
     value: float
     std: float | None
     if result is not None and result.parameter.unit == limit.unit:
@@ -122,12 +122,12 @@ def _against(limit: Limit, result: Measured | None, kept: Mapping[str, Any] | No
     elif kept is not None and kept.get("unit") == limit.unit:
         value, std, dof = kept["value"], kept.get("std"), math.inf
     else:
-        return Against(limit, None, None, math.inf, "NOT_MEASURED")
+        return LimitComparison(limit, None, None, math.inf, "NOT_MEASURED")
     low, high = limit.accepted(std)
-    return Against(limit, value, std, dof, "PASS" if low <= value <= high else "FAIL")
+    return LimitComparison(limit, value, std, dof, "PASS" if low <= value <= high else "FAIL")
 
 
-def _row(one: Against) -> ConformityRow:
+def _row(one: LimitComparison) -> ConformityRow:
     scale, unit = unit_of(Parameter(one.limit.parameter, 0.0, None, one.limit.unit))
     low, high = (None if end is None else f"{end * scale:.6g}".replace("-", "\u2212") for end in _given(one.limit))
     if low is not None and high is not None:
@@ -146,7 +146,7 @@ def _row(one: Against) -> ConformityRow:
     return ConformityRow(title_of(one.limit.parameter), value, unit, tolerance, guard, word, _risk(one), _bar(one))
 
 
-def _risk(one: Against) -> str:
+def _risk(one: LimitComparison) -> str:
     if one.risk is None:
         return "\u2013"
     if one.risk < 1e-3:
@@ -154,7 +154,7 @@ def _risk(one: Against) -> str:
     return f"{fixed(100 * one.risk, 1)} %"
 
 
-def _bar(one: Against) -> tuple[float, float] | None:
+def _bar(one: LimitComparison) -> tuple[float, float] | None:
     low, high = _given(one.limit)
     if low is None or high is None or one.value is None or high == low:
         return None

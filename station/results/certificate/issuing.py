@@ -27,17 +27,17 @@ from fixtures_db.issued import issued_of, next_number, record_issue
 from fixtures_db.schema import CalibrationRow, IssuedCertificateRow
 from station.errors import Incomplete
 from station.files.sha256sums import sha256_of
-from station.results.certificate.certificate import Certificate, Heads, Replaced
+from station.results.certificate.certificate import Certificate, ChainHeads, ReplacedCertificate
 from station.results.certificate.changed_fields import changed_fields
 from station.results.certificate.laboratory import Laboratory
 from station.results.certificate.missing_statements import check, check_received, missing
 from station.results.certificate.rendering import render
 
-PREFIX = re.compile(r"[0-9a-f]{6,64}")
+HASH_PREFIX = re.compile(r"[0-9a-f]{6,64}")
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class CertificateRequest:
     """What is to be certified, by whom, and why again where it was done before."""
 
     calibration: str
@@ -57,14 +57,14 @@ def find_calibration(session: Session, name: str) -> CalibrationRow:
         return calibration(session, sha256_of(path))
     if rows := history(session, name):
         return rows[-1]
-    found = calibrations_like(session, name) if PREFIX.fullmatch(name) else []
+    found = calibrations_like(session, name) if HASH_PREFIX.fullmatch(name) else []
     if len(found) == 1:
         return found[0]
     known = [row.sha256[:16] for row in found] or calibrated_serials(session)
     raise NotInDatabase("one calibration", name, known)
 
 
-def issue(database: Database, request: Request) -> IssuedCertificateRow:
+def issue(database: Database, request: CertificateRequest) -> IssuedCertificateRow:
     """Make a certificate and record it; the row's ``html`` is what is handed out.
 
     Raises
@@ -111,7 +111,7 @@ def copy_of(database: Database, name: str) -> IssuedCertificateRow:
         return rows[-1]
 
 
-def _certificate(session: Session, row: CalibrationRow, request: Request) -> Certificate:
+def _certificate(session: Session, row: CalibrationRow, request: CertificateRequest) -> Certificate:
     document, lab = json.loads(row.document), request.laboratory
     what = f"certificate of {document['model']} {document['serial']}"
     earlier = issued_of(session, row.sha256)
@@ -134,8 +134,8 @@ def _certificate(session: Session, row: CalibrationRow, request: Request) -> Cer
         document,
         row.sha256,
         lab,
-        Heads(heads.calibration, heads.certificate, heads.level, heads.issued),
+        ChainHeads(heads.calibration, heads.certificate, heads.level, heads.issued),
         None if before is None else json.loads(before.document),
         GENESIS if before is None else before.sha256,
-        Replaced(earlier[-1].number, earlier[-1].issued_utc, request.amend) if earlier else None,
+        ReplacedCertificate(earlier[-1].number, earlier[-1].issued_utc, request.amend) if earlier else None,
     )

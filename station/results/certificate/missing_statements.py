@@ -15,7 +15,7 @@ _ANEW = "a stored calibration is never changed; calibrate again"
 
 
 @dataclass(frozen=True, slots=True)
-class Need:
+class RequiredField:
     """A field by its path, in a calibration or a laboratory's file, and how it is given.
 
     ``instead`` is a field of the laboratory's file that will do where the calibration has none.
@@ -27,48 +27,54 @@ class Need:
 
 
 FROM_CALIBRATION = (
-    Need("model", _ANEW),
-    Need("serial", _ANEW),
-    Need("accepted_utc", _ANEW),
-    Need("operator", f"`station calibrate --operator`; {_ANEW}"),
-    Need("software.commit", f"a station installed from a checkout; {_ANEW}"),
-    Need("inputs", _ANEW),
-    Need("procedure.name", _ANEW),
-    Need("procedure.steps", _ANEW),
-    Need("procedure.started_utc", _ANEW),
-    Need("procedure.ended_utc", _ANEW),
-    Need("site.latitude_deg", _ANEW),
-    Need("site.gravity_m_s2", _ANEW),
-    Need("site.gravity_std_m_s2", _ANEW),
-    Need(
+    RequiredField("model", _ANEW),
+    RequiredField("serial", _ANEW),
+    RequiredField("accepted_utc", _ANEW),
+    RequiredField("operator", f"`station calibrate --operator`; {_ANEW}"),
+    RequiredField("software.commit", f"a station installed from a checkout; {_ANEW}"),
+    RequiredField("inputs", _ANEW),
+    RequiredField("procedure.name", _ANEW),
+    RequiredField("procedure.steps", _ANEW),
+    RequiredField("procedure.started_utc", _ANEW),
+    RequiredField("procedure.ended_utc", _ANEW),
+    RequiredField("site.latitude_deg", _ANEW),
+    RequiredField("site.gravity_m_s2", _ANEW),
+    RequiredField("site.gravity_std_m_s2", _ANEW),
+    RequiredField(
         "site.gravity_source",
         "[traceability] gravity_source of the laboratory's file, or `station fixtures add site` first",
         "traceability.gravity_source",
     ),
-    Need("references.cube.id", f"`station calibrate --cube`; {_ANEW}"),
-    Need("references.cube.source", f"`station fixtures add certificate`; {_ANEW}"),
-    Need("references.cube.due_date", f"`station fixtures add certificate --due`; {_ANEW}"),
-    Need("references.slab.id", f"`station calibrate --slab`; {_ANEW}"),
-    Need("references.slab.source", f"`station fixtures add level`; {_ANEW}"),
-    Need("references.slab.due_date", f"`station fixtures add level --due`; {_ANEW}"),
-    Need(
+    RequiredField("references.cube.id", f"`station calibrate --cube`; {_ANEW}"),
+    RequiredField("references.cube.source", f"`station fixtures add certificate`; {_ANEW}"),
+    RequiredField("references.cube.due_date", f"`station fixtures add certificate --due`; {_ANEW}"),
+    RequiredField("references.slab.id", f"`station calibrate --slab`; {_ANEW}"),
+    RequiredField("references.slab.source", f"`station fixtures add level`; {_ANEW}"),
+    RequiredField("references.slab.due_date", f"`station fixtures add level --due`; {_ANEW}"),
+    RequiredField(
         "temperature_range_c",
         "[environment] temperature_c of the laboratory's file: the unit measures none",
         "environment.temperature_c",
     ),
-    Need("uncertainty", f"a station that makes an uncertainty budget; {_ANEW}"),
+    RequiredField("uncertainty", f"a station that makes an uncertainty budget; {_ANEW}"),
 )
-BEFORE = ("model", "serial", "operator", "software", "references")  # what must be there when a campaign begins
+NEEDED_AT_BEGIN = (
+    "model",
+    "serial",
+    "operator",
+    "software",
+    "references",
+)  # what must be there when a campaign begins
 FROM_LABORATORY = (
-    Need("laboratory.name", "[laboratory] name of the laboratory's file"),
-    Need("laboratory.address", "[laboratory] address"),
-    Need("authorised.name", "[authorised] name"),
-    Need("authorised.function", "[authorised] function"),
-    Need("customer.name", "[customer] name, or --customer"),
-    Need("customer.address", "[customer] address, or --customer-address"),
-    Need("item.received", "[item] received, or --received"),
-    Need("item.condition", "[item] condition, or --condition"),
-    Need("traceability.time_base", "[traceability] time_base"),
+    RequiredField("laboratory.name", "[laboratory] name of the laboratory's file"),
+    RequiredField("laboratory.address", "[laboratory] address"),
+    RequiredField("authorised.name", "[authorised] name"),
+    RequiredField("authorised.function", "[authorised] function"),
+    RequiredField("customer.name", "[customer] name, or --customer"),
+    RequiredField("customer.address", "[customer] address, or --customer-address"),
+    RequiredField("item.received", "[item] received, or --received"),
+    RequiredField("item.condition", "[item] condition, or --condition"),
+    RequiredField("traceability.time_base", "[traceability] time_base"),
 )
 
 
@@ -92,12 +98,12 @@ def missing(document: Mapping[str, Any], laboratory: Laboratory) -> list[tuple[s
 
 
 def missing_before(document: Mapping[str, Any]) -> list[str]:
-    """Return every field of `BEFORE` that a calibration to be has not, which no laboratory's file can give."""
+    """Return every field of `NEEDED_AT_BEGIN` that is missing; no laboratory's file can give it later."""
     said = fields_of(document)
     return [
         need.field
         for need in FROM_CALIBRATION
-        if need.field.split(".")[0] in BEFORE and not _has(said, need.field)
+        if need.field.split(".")[0] in NEEDED_AT_BEGIN and not _has(said, need.field)
     ]
 
 

@@ -19,11 +19,11 @@ _GROUPS = {
     "misalignment": ("E", "Misalignment E", "off-diagonal, as an angle; first index sensor, second body axis"),
     "bias": ("D", "Bias D", ""),
 }
-_MOST_PARTS = 3
+_MAX_CONTRIBUTIONS = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class MeasuredParameter:
     """A result: the value applied, its combined standard uncertainty, and what the budget says beside it.
 
     In the unit of files; ``dof`` is infinite where the budget leaves it out, ``expanded`` is U = k u.
@@ -61,11 +61,11 @@ class ResultGroup:
     rows: tuple[ResultRow, ...]
 
 
-def measured(document: Mapping[str, Any]) -> dict[str, Measured]:
+def measured(document: Mapping[str, Any]) -> dict[str, MeasuredParameter]:
     """Return the results of a calibration/1 by name; without a budget/1 in it, none."""
     budget = {one["name"]: one for one in document.get("uncertainty", {}).get("parameters", ())}
     return {
-        name: Measured(
+        name: MeasuredParameter(
             parameter,
             one["std"],
             one.get("dof", math.inf),
@@ -78,7 +78,7 @@ def measured(document: Mapping[str, Any]) -> dict[str, Measured]:
     }
 
 
-def result_groups(results: Mapping[str, Measured]) -> list[ResultGroup]:
+def result_groups(results: Mapping[str, MeasuredParameter]) -> list[ResultGroup]:
     """Return the tables of results, triad by triad."""
     groups = []
     for triad in TRIADS:
@@ -105,7 +105,7 @@ def to_two_digits(values: Sequence[float], by: Sequence[float]) -> list[str]:
     return aligned([fixed(value, decimals(each)) for value, each in zip(values, by, strict=True)])
 
 
-def _rows(symbol: str, results: Sequence[Measured]) -> tuple[ResultRow, ...]:
+def _rows(symbol: str, results: Sequence[MeasuredParameter]) -> tuple[ResultRow, ...]:
     scale, unit = unit_of(results[0].parameter)
     expanded = [one.expanded * scale for one in results]
     columns = zip(
@@ -138,6 +138,6 @@ def main_parts(contributions: Sequence[Mapping[str, Any]]) -> str:
     total = sum(part["std"] ** 2 for part in contributions)
     if not total > 0:
         return ""
-    greatest = sorted(contributions, key=lambda part: -part["std"])[:_MOST_PARTS]
+    greatest = sorted(contributions, key=lambda part: -part["std"])[:_MAX_CONTRIBUTIONS]
     shares = [(part["source"], 100 * part["std"] ** 2 / total) for part in greatest]
     return ", ".join(f"{source}\u00a0{share:.0f}\u00a0%" for source, share in shares if share >= 1)

@@ -21,16 +21,16 @@ from distributed.client import FutureCancelledError
 
 from station.results.cluster.code_hash import code_hash
 from station.results.cluster.errors import ClusterLost, NoCluster
-from station.results.cluster.work_item import Answer, Fault, attempt
+from station.results.cluster.work_item import ItemFault, ItemResult, attempt
 
 dask: Any = distributed  # its own hints are partial
 Future = Any
 I = TypeVar("I")  # noqa: E741
 R = TypeVar("R")
-ANSWER_S = 15.0  # how long a scheduler may take to answer
-PATIENCE_S = 60.0  # how long a cluster may be without any worker
-LOOK_S = 5.0
-AHEAD = 4  # items a worker has waiting: enough that it never waits for us, few enough to hold no memory
+SCHEDULER_TIMEOUT_S = 15.0  # how long a scheduler may take to answer
+NO_WORKER_TIMEOUT_S = 60.0  # how long a cluster may be without any worker
+POLL_PERIOD_S = 5.0
+ITEMS_PER_WORKER = 4  # items a worker has waiting: enough that it never waits for us, few enough to hold no memory
 PRELOAD = ("distributed", "procedures.diagnosis.diagnose", "station.files.campaign_folder")
 SETTINGS = {  # of local workers
     "distributed.worker.multiprocessing-method": "forkserver",
@@ -39,7 +39,7 @@ SETTINGS = {  # of local workers
     "distributed.admin.tick.interval": "1s",
     "distributed.admin.system-monitor.interval": "5s",
 }
-DIED = 70  # as a bug of ours ends a command: that is what kills a worker over and over
+EXIT_CODE_WORKER_DIED = 70  # as a bug of ours ends a command: that is what kills a worker over and over
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +54,7 @@ class DaskEngine:
         """How many there are now."""
         return len(self.client.scheduler_info()["workers"])
 
-    def run(self, function: Callable[[I], R], items: Iterable[I]) -> Iterator[tuple[int, Answer[R]]]:
+    def run(self, function: Callable[[I], R], items: Iterable[I]) -> Iterator[tuple[int, ItemResult[R]]]:
         """Yield each answer as it arrives.
 
         Raises
@@ -65,7 +65,7 @@ class DaskEngine:
         code = None if self.is_local else code_hash(function.__module__)
         coming, running = enumerate(items), dict[Future, int]()
         while True:
-            room = max(AHEAD * self.workers, 32) - len(running)
+            room = max(ITEMS_PER_WORKER * self.workers, 32) - len(running)
             for i, item in islice(coming, max(room, 0)):
                 running[self.client.submit(attempt, function, item, code, pure=False)] = i
             if not running:
@@ -75,29 +75,31 @@ class DaskEngine:
 
     def _ended(self, futures: list[Future]) -> set[Future]:
         """Wait until at least one ends; a cluster in which none can end is lost."""
-        until = time.monotonic() + PATIENCE_S
+        until = time.monotonic() + NO_WORKER_TIMEOUT_S
         while True:
             try:
-                ended: set[Future] = dask.wait(futures, timeout=LOOK_S, return_when="FIRST_COMPLETED").done
+                ended: set[Future] = dask.wait(futures, timeout=POLL_PERIOD_S, return_when="FIRST_COMPLETED").done
                 return ended
             except TimeoutError:
                 if self.client.status != "running":
                     raise ClusterLost("no scheduler any more") from None
                 if self.workers:
-                    until = time.monotonic() + PATIENCE_S
+                    until = time.monotonic() + NO_WORKER_TIMEOUT_S
                 if time.monotonic() > until:
-                    raise ClusterLost(f"no worker for {PATIENCE_S:g} s") from None
+                    raise ClusterLost(f"no worker for {NO_WORKER_TIMEOUT_S:g} s") from None
             except FutureCancelledError:  # what the client does to them when its scheduler has gone
                 raise ClusterLost("no scheduler any more") from None
 
 
-def _answer(future: Future) -> Answer[Any]:
+def _answer(future: Future) -> ItemResult[Any]:
     """Return what `attempt` did, or what Dask says where it did not end: a worker died or has no code of ours."""
     if (error := future.exception()) is None:
-        found: Answer[Any] = future.result()
+        found: ItemResult[Any] = future.result()
         return found
     text = " ".join(str(error).split())
-    return Answer(None, Fault(f"{type(error).__name__}: {text}; see the worker's log", DIED, "a worker"))
+    return ItemResult(
+        None, ItemFault(f"{type(error).__name__}: {text}; see the worker's log", EXIT_CODE_WORKER_DIED, "a worker")
+    )
 
 
 @contextmanager
@@ -133,13 +135,13 @@ def connected(address: str) -> Iterator[DaskEngine]:
     """
     remedy = f"check --scheduler, or start it there: {'dask scheduler'!r} and {'dask worker ADDRESS'!r}"
     try:
-        client = dask.Client(address, timeout=ANSWER_S, set_as_default=False)
+        client = dask.Client(address, timeout=SCHEDULER_TIMEOUT_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         found = " ".join(str(error).split())[:120]
         raise NoCluster(f"no answer at {address} ({found})", "a Dask scheduler", remedy) from error
     with client:
         try:
-            client.wait_for_workers(1, timeout=ANSWER_S)
+            client.wait_for_workers(1, timeout=SCHEDULER_TIMEOUT_S)
         except TimeoutError as error:
             raise NoCluster(f"a scheduler without a worker at {address}", "at least one", remedy) from error
         _refuse_strangers(client)

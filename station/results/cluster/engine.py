@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from typing import Protocol, TypeVar
 
 from station.results.cluster.errors import NoCluster
-from station.results.cluster.work_item import Answer, attempt
+from station.results.cluster.work_item import ItemResult, attempt
 
 I = TypeVar("I")  # noqa: E741
 R = TypeVar("R")
@@ -21,7 +21,7 @@ class Engine(Protocol):
     def workers(self) -> int:
         """How many work now."""
 
-    def run(self, function: Callable[[I], R], items: Iterable[I]) -> Iterator[tuple[int, Answer[R]]]:
+    def run(self, function: Callable[[I], R], items: Iterable[I]) -> Iterator[tuple[int, ItemResult[R]]]:
         """Yield the place of an item and its answer as they arrive.
 
         ``function`` is one of a module that workers can import. Items and results should be small: send the
@@ -34,7 +34,7 @@ class OneProcess:
 
     workers = 1
 
-    def run(self, function: Callable[[I], R], items: Iterable[I]) -> Iterator[tuple[int, Answer[R]]]:
+    def run(self, function: Callable[[I], R], items: Iterable[I]) -> Iterator[tuple[int, ItemResult[R]]]:
         """Yield each answer in the order of the items."""
         for i, item in enumerate(items):
             yield i, attempt(function, item)

@@ -4,8 +4,8 @@ import time
 from collections.abc import Callable
 from typing import TextIO
 
-EVERY_S = 0.2  # a terminal needs no more
-PLAIN_S = 10.0  # between lines of a log
+TERMINAL_PERIOD_S = 0.2  # a terminal needs no more
+LOG_PERIOD_S = 10.0  # between lines of a log
 
 
 class Progress:
@@ -44,7 +44,7 @@ class Progress:
         return ", ".join(said)
 
     def _is_due(self) -> bool:
-        every = EVERY_S if self._stream.isatty() else PLAIN_S
+        every = TERMINAL_PERIOD_S if self._stream.isatty() else LOG_PERIOD_S
         is_due = self._done == self._total or self._now() - self._shown_at >= every
         self._shown_at = self._now() if is_due else self._shown_at
         return is_due

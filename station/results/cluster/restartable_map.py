@@ -11,7 +11,7 @@ from station.errors import cannot_write
 from station.files.atomic_file import replace_file
 from station.results.cluster.code_hash import code_hash
 from station.results.cluster.engine import Engine
-from station.results.cluster.work_item import Answer
+from station.results.cluster.work_item import ItemResult
 
 I = TypeVar("I")  # noqa: E741
 Result = Mapping[str, Any]
@@ -24,7 +24,7 @@ class Finished(Generic[I]):
 
     index: int
     item: I
-    answer: Answer[Result]
+    answer: ItemResult[Result]
     was_kept: bool
 
 
@@ -61,7 +61,7 @@ def map_restartable(
         if (kept := _kept(folder, keys[index])) is None:
             todo.append(index)
         else:
-            yield Finished(index, item, Answer(kept), was_kept=True)
+            yield Finished(index, item, ItemResult(kept), was_kept=True)
     for place, answer in engine.run(function, [items[index] for index in todo]):
         index = todo[place]
         if folder is not None and answer.result is not None:

@@ -12,7 +12,7 @@ R = TypeVar("R")
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
+class ItemFault:
     """Why there is no result: one line, the exit code a command would end with, and the machine that said so."""
 
     text: str
@@ -21,14 +21,14 @@ class Fault:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer(Generic[R]):
+class ItemResult(Generic[R]):
     """The result of a function, or the fault that stands in its place."""
 
     result: R | None
-    fault: Fault | None = None
+    fault: ItemFault | None = None
 
 
-def attempt(function: Callable[[I], R], item: I, code: str | None = None) -> Answer[R]:
+def attempt(function: Callable[[I], R], item: I, code: str | None = None) -> ItemResult[R]:
     """Call ``function``; whatever it raises becomes a fault, so that one item never stops the others.
 
     ``code`` is the `code_hash` of whoever asks from another machine: a worker with other code would give other
@@ -40,10 +40,10 @@ def attempt(function: Callable[[I], R], item: I, code: str | None = None) -> Ans
     try:
         if code is not None and (found := code_hash(function.__module__)) != code:
             remedy = "install the same station, numpy, scipy and numba there"
-            return Answer(
-                None, Fault(f"found code {found[:12]} on {host}, expected {code[:12]}; {remedy}", 2, host)
+            return ItemResult(
+                None, ItemFault(f"found code {found[:12]} on {host}, expected {code[:12]}; {remedy}", 2, host)
             )
-        return Answer(function(item))
+        return ItemResult(function(item))
     except Exception as error:  # the edge of a worker: an exception of ours does not survive pickling
         said, text = explain(error)
-        return Answer(None, Fault(one_line(text), said, host))
+        return ItemResult(None, ItemFault(one_line(text), said, host))

@@ -19,7 +19,7 @@ DAYS_PER_MONTH = 365.25 / 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Known:
+class KnownCube:
     """What the database says of a cube: its faces' certificate, and its measurements with their moments.
 
     ``sources`` has the SHA-256 of each measurement's campaigns.
@@ -51,7 +51,7 @@ class Known:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Study:
+class CubeStudy:
     """A cube as its campaigns show it, their hashes by unit and folder, and what was known before."""
 
     cube: str
@@ -59,15 +59,15 @@ class Study:
     measured_utc: datetime
     campaigns: Mapping[str, Mapping[str, str]]
     warnings: tuple[str, ...]
-    known: Known
+    known: KnownCube
 
     @property
-    def with_this(self) -> Known:
+    def with_this(self) -> KnownCube:
         """What is known when this is stored."""
         stored = zip(self.known.measured, self.known.sources, strict=True)
         this = ((self.measured_utc, self.measured), self.sources)
         measured, sources = zip(*sorted([*stored, this], key=lambda each: each[0][0]), strict=True)
-        return Known(self.known.certificate, measured, sources)
+        return KnownCube(self.known.certificate, measured, sources)
 
     @property
     def sources(self) -> frozenset[str]:
@@ -81,13 +81,13 @@ class Study:
         return next((at for (at, _), sources in stored if sources == self.sources), None)
 
 
-def known_of(session: Session, cube_id: str) -> Known:
+def known_of(session: Session, cube_id: str) -> KnownCube:
     """Return what the database says of a cube; raise `NotInDatabase` if it has none of that name."""
     row = fixture_row(session, CubeRow, cube_id)
     rows = measurements(row)
     measured = tuple((one.measured_utc, measurement(one)) for one in rows)
     sources = tuple(_sources(json.loads(one.sources)) for one in rows)
-    return Known(from_certificate(cube(session, cube_id).faces), measured, sources)
+    return KnownCube(from_certificate(cube(session, cube_id).faces), measured, sources)
 
 
 def _sources(units: Sequence[Mapping[str, Mapping[str, str]]]) -> frozenset[str]:

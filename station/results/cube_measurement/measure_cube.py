@@ -15,7 +15,7 @@ from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, check_for_solve, check_one_unit
-from station.results.cube_measurement.known_faces import Study, known_of
+from station.results.cube_measurement.known_faces import CubeStudy, known_of
 
 
 def read_campaigns(cube_id: str, folders: Sequence[Path]) -> list[LoadedCampaign]:
@@ -40,7 +40,7 @@ def read_campaigns(cube_id: str, folders: Sequence[Path]) -> list[LoadedCampaign
 
 def study(
     session: Session, cube_id: str, loaded: Sequence[LoadedCampaign], quadratic_std: float, on: datetime | None
-) -> Study:
+) -> CubeStudy:
     """Measure a cube; ``on`` is when, the last step of the campaigns that the database knows if not given."""
     known = known_of(session, cube_id)
     found = measure_cube([one.campaign for one in loaded], quadratic_std)
@@ -53,7 +53,7 @@ def study(
     lacking = (
         [] if set(PARALLELISM) <= set(found.cube.names) else [said for one in loaded for said in _lacking(one)]
     )
-    return Study(cube_id, found, moment, campaigns, (*found.warnings, *lacking, *unused), known)
+    return CubeStudy(cube_id, found, moment, campaigns, (*found.warnings, *lacking, *unused), known)
 
 
 def unit_of(loaded: LoadedCampaign) -> str:

@@ -6,13 +6,13 @@ import numpy as np
 
 from fixtures_db.calibration import utc_text
 from procedures.bench.cube_drift import CubeComparison, CubeDrift
-from station.results.cube_measurement.known_faces import Study
+from station.results.cube_measurement.known_faces import CubeStudy
 from station.results.cube_measurement.observable import not_observable
 
 FORMAT = "measured-cube/1"
 
 
-def document(found: Study) -> dict[str, Any]:
+def document(found: CubeStudy) -> dict[str, Any]:
     """Return all that was found as JSON-ready values; what there is not is left out."""
     cube, known = found.measured.cube, found.with_this
     said: dict[str, Any] = {

@@ -8,7 +8,7 @@ from procedures.arrays import FloatArray
 from procedures.bench.cube_drift import CubeDrift
 from procedures.campaign.measured_cube import NAMES, CubeMeasurement, common_and_difference
 from procedures.units import RAD_PER_ARCSEC, RAD_PER_URAD
-from station.results.cube_measurement.known_faces import Known, Study, drift_of
+from station.results.cube_measurement.known_faces import CubeStudy, KnownCube, drift_of
 from station.results.cube_measurement.observable import not_observable
 from station.results.solution_text import measured
 from station.text.table import table_lines
@@ -16,7 +16,7 @@ from station.text.table import table_lines
 MIN_CHI2 = 1e-6  # below it, what is left is rounding
 
 
-def study_text(found: Study) -> str:
+def study_text(found: CubeStudy) -> str:
     """Return all that `station fixtures measure` prints."""
     units = ", ".join(f"{unit} ({len(each)})" for unit, each in found.campaigns.items())
     lines = [f"cube {found.cube}, {found.measured_utc:%Y-%m-%d}, by {units}; +- is 1 sigma"]
@@ -48,7 +48,7 @@ def _rows(names: Sequence[str], value: FloatArray, covariance: FloatArray) -> It
         yield name, measured(v / RAD_PER_URAD, s / RAD_PER_URAD), measured(v / RAD_PER_ARCSEC, s / RAD_PER_ARCSEC)
 
 
-def known_lines(known: Known) -> list[str]:
+def known_lines(known: KnownCube) -> list[str]:
     """Return how the last measurement agrees with the certificate and each one before it, and the cube's drift."""
     lines = list[str]()
     if (found := known.comparison) is not None:

@@ -11,11 +11,11 @@ from procedures.history.parameter_series import CalibrationSeries
 from station.results.parameters_by_name import Parameter, applied, parameters
 
 DAY_S = 86400.0
-Held = tuple[Run, Parameter]
+RunParameter = tuple[Run, Parameter]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Track:
+class ParameterSeries:
     """One parameter: the runs that hold it in the newest run's unit, and its series, in days after the first."""
 
     parameter: Parameter
@@ -24,27 +24,29 @@ class Track:
 
 
 @dataclass(frozen=True, slots=True)
-class Tracks:
-    """All tracks by parameter name, and what was left out and why."""
+class UnitSeries:
+    """The series by parameter name, and what was left out and why."""
 
-    by_name: dict[str, Track]
+    by_name: dict[str, ParameterSeries]
     left_out: tuple[str, ...]
 
 
-def tracks(runs: Sequence[Run]) -> Tracks:
-    """Return the tracks of runs of one unit, oldest first."""
-    held, left_out = columns(runs)
-    made = {name: Track(one[-1][1], tuple(run for run, _ in one), _series(one)) for name, one in held.items()}
-    return Tracks(made, tuple(left_out))
+def unit_series(runs: Sequence[Run]) -> UnitSeries:
+    """Return the series of the runs of one unit, oldest first."""
+    held, left_out = by_parameter(runs)
+    made = {
+        name: ParameterSeries(one[-1][1], tuple(run for run, _ in one), _series(one)) for name, one in held.items()
+    }
+    return UnitSeries(made, tuple(left_out))
 
 
-def columns(runs: Sequence[Run]) -> tuple[dict[str, list[Held]], list[str]]:
+def by_parameter(runs: Sequence[Run]) -> tuple[dict[str, list[RunParameter]], list[str]]:
     """Return by parameter the runs that hold it, with a sigma and in the unit of the newest; what was left out."""
-    found = dict[str, list[Held]]()
+    found = dict[str, list[RunParameter]]()
     for run in runs:
         for name, one in applied(parameters(run.document)).items():
             found.setdefault(name, []).append((run, one))
-    usable, left_out = dict[str, list[Held]](), list[str]()
+    usable, left_out = dict[str, list[RunParameter]](), list[str]()
     for name, held in found.items():
         unit = held[-1][1].unit
         alike = [(run, one) for run, one in held if one.unit == unit and one.std is not None and one.std > 0]
@@ -55,12 +57,12 @@ def columns(runs: Sequence[Run]) -> tuple[dict[str, list[Held]], list[str]]:
     return usable, left_out
 
 
-def numbers(held: Sequence[Parameter]) -> tuple[FloatArray, FloatArray]:
+def values_and_sigmas(held: Sequence[Parameter]) -> tuple[FloatArray, FloatArray]:
     """Return values and sigmas (n,) of parameters that all have one."""
     return np.array([one.value for one in held]), np.array([one.std for one in held], dtype=np.float64)
 
 
-def _series(held: Sequence[Held]) -> CalibrationSeries:
+def _series(held: Sequence[RunParameter]) -> CalibrationSeries:
     first = held[0][0].ended
     day = np.array([(run.ended - first).total_seconds() / DAY_S for run, _ in held])
-    return CalibrationSeries(day, *numbers([one for _, one in held]))
+    return CalibrationSeries(day, *values_and_sigmas([one for _, one in held]))

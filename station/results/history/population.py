@@ -12,19 +12,19 @@ from typing import Any
 
 import numpy as np
 
-from fixtures_db.runs import KINDS, Run, turn_ons
+from fixtures_db.runs import MADE_WITH, Run, turn_ons
 from procedures.history.group_shifts import GroupShift, group_shift
 from procedures.history.unit_outliers import ExtremeUnit, judge_fleet, significant
 from procedures.statistics.multiple_testing import holm
-from station.results.history.parameter_series import Held, columns, numbers
+from station.results.history.parameter_series import RunParameter, by_parameter, values_and_sigmas
 from station.text.plural import plural
 
 ALPHA = 0.05
-FAMILIES = 2
+TEST_FAMILIES = 2
 
 
 @dataclass(frozen=True, slots=True)
-class Key:
+class GroupTest:
     """A test: whether this group (a cube named so) shifts this parameter."""
 
     kind: str
@@ -35,7 +35,7 @@ class Key:
 def population_document(model: str, runs: Sequence[Run]) -> dict[str, Any]:
     """Return population/1 of all runs of a model; recordings that were solved again count once."""
     distinct = turn_ons(runs)
-    held, left_out = columns(distinct)
+    held, left_out = by_parameter(distinct)
     if len(distinct) < len(runs):
         left_out.append(
             f"{plural(len(runs) - len(distinct), 'calibration')} of recordings that were solved again later"
@@ -54,12 +54,12 @@ def population_document(model: str, runs: Sequence[Run]) -> dict[str, Any]:
     }
 
 
-def _parameter(held: Sequence[Held], tests: int) -> dict[str, Any]:
+def _parameter(held: Sequence[RunParameter], tests: int) -> dict[str, Any]:
     newest = {run.serial: one for run, one in held}
     serials = list(newest)
-    value, std = numbers(list(newest.values()))
+    value, std = values_and_sigmas(list(newest.values()))
     found = judge_fleet(value, std)
-    flagged = significant(found.extremes, ALPHA / (FAMILIES * tests))
+    flagged = significant(found.extremes, ALPHA / (TEST_FAMILIES * tests))
     return {
         "unit": held[-1][1].unit,
         "median": found.median,
@@ -76,13 +76,13 @@ def _parameter(held: Sequence[Held], tests: int) -> dict[str, Any]:
 
 
 def _off(one: ExtremeUnit, tests: int) -> dict[str, Any]:
-    return {"shift": one.shift, "std": one.std, "p_adjusted": min(1.0, FAMILIES * tests * one.p_adjusted)}
+    return {"shift": one.shift, "std": one.std, "p_adjusted": min(1.0, TEST_FAMILIES * tests * one.p_adjusted)}
 
 
-def _groups(held_of: dict[str, list[Held]]) -> tuple[list[dict[str, Any]], list[str]]:
+def _groups(held_of: dict[str, list[RunParameter]]) -> tuple[list[dict[str, Any]], list[str]]:
     every = dict.fromkeys(
-        Key(kind, run.made_with[kind], parameter)
-        for kind in KINDS
+        GroupTest(kind, run.made_with[kind], parameter)
+        for kind in MADE_WITH
         for parameter, held in held_of.items()
         for run, _ in held
         if kind in run.made_with
@@ -90,12 +90,16 @@ def _groups(held_of: dict[str, list[Held]]) -> tuple[list[dict[str, Any]], list[
     found = {key: one for key in every if (one := _shift(held_of, key, frozenset())) is not None}
     adjusted = _without_those_off(held_of, found)
     told = {(key.kind, key.name) for key in found}
-    untold = sorted({(key.kind, key.name) for key in every} - told, key=lambda one: (KINDS.index(one[0]), one[1]))
+    untold = sorted(
+        {(key.kind, key.name) for key in every} - told, key=lambda one: (MADE_WITH.index(one[0]), one[1])
+    )
     rows = [_row(key, one, held_of[key.parameter][-1][1].unit, adjusted[key]) for key, one in found.items()]
     return sorted(rows, key=lambda row: float(row["p_value"])), [f"{kind} {name}" for kind, name in untold]
 
 
-def _without_those_off(held_of: dict[str, list[Held]], found: dict[Key, GroupShift]) -> dict[Key, float]:
+def _without_those_off(
+    held_of: dict[str, list[RunParameter]], found: dict[GroupTest, GroupShift]
+) -> dict[GroupTest, float]:
     """Return adjusted p; ``found`` is changed: groups are compared again without one that is off.
 
     An off cube is among "the others" of each good one, which would stand out by it, the other way.
@@ -103,7 +107,7 @@ def _without_those_off(held_of: dict[str, list[Held]], found: dict[Key, GroupShi
     off = dict[tuple[str, str], frozenset[str]]()  # by kind and parameter
     while True:
         adjusted = {
-            key: min(1.0, FAMILIES * p) for key, p in holm({k: x.p_value for k, x in found.items()}).items()
+            key: min(1.0, TEST_FAMILIES * p) for key, p in holm({k: x.p_value for k, x in found.items()}).items()
         }
         new = [k for k, p in adjusted.items() if p <= ALPHA and k.name not in off.get((k.kind, k.parameter), ())]
         if not new:
@@ -121,14 +125,16 @@ def _without_those_off(held_of: dict[str, list[Held]], found: dict[Key, GroupShi
                 found[key] = again
 
 
-def _shift(held_of: dict[str, list[Held]], key: Key, without: frozenset[str]) -> GroupShift | None:
+def _shift(held_of: dict[str, list[RunParameter]], key: GroupTest, without: frozenset[str]) -> GroupShift | None:
     names = [(run.made_with.get(key.kind), run, one) for run, one in held_of[key.parameter]]
     known = [(name, run, one) for name, run, one in names if name is not None and name not in without]
     inside = np.array([name == key.name for name, _, _ in known])
-    return group_shift([run.serial for _, run, _ in known], inside, *numbers([one for _, _, one in known]))
+    return group_shift(
+        [run.serial for _, run, _ in known], inside, *values_and_sigmas([one for _, _, one in known])
+    )
 
 
-def _row(key: Key, one: GroupShift, unit: str, p_adjusted: float) -> dict[str, Any]:
+def _row(key: GroupTest, one: GroupShift, unit: str, p_adjusted: float) -> dict[str, Any]:
     return {
         "kind": key.kind,
         "id": key.name,

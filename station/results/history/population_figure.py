@@ -9,8 +9,8 @@ from station.results.parameters_by_name import title_of
 from station.results.report.svg import INK, PALE, RULE, draw_svg
 
 UNIT, OFF = "#0b5fa5", "#a3231b"
-WIDEST = 12.0  # sigmas or spreads; what is farther stands at the edge
-GROUPS = 25
+MAX_DEVIATION_SHOWN = 12.0  # sigmas or spreads; what is farther stands at the edge
+MAX_GROUPS_SHOWN = 25
 
 
 def population_svgs(document: dict[str, Any]) -> list[tuple[str, str, str]]:
@@ -25,7 +25,7 @@ def population_svgs(document: dict[str, Any]) -> list[tuple[str, str, str]]:
         )
     ]
     if document["groups"]:
-        shown = min(len(document["groups"]), GROUPS)
+        shown = min(len(document["groups"]), MAX_GROUPS_SHOWN)
         charts.append(
             (
                 "Cubes, slabs, sites, operators",
@@ -51,7 +51,7 @@ def _units(document: dict[str, Any]) -> Any:
 
 
 def _groups(document: dict[str, Any]) -> Any:
-    rows = document["groups"][:GROUPS]
+    rows = document["groups"][:MAX_GROUPS_SHOWN]
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
@@ -64,7 +64,7 @@ def _groups(document: dict[str, Any]) -> Any:
 
 
 def _point(axes: Axes, row: int, distance: float, name: str) -> None:
-    x = min(max(distance, -WIDEST), WIDEST)
+    x = min(max(distance, -MAX_DEVIATION_SHOWN), MAX_DEVIATION_SHOWN)
     marker = "o" if x == distance else (">" if distance > 0 else "<")
     axes.plot(x, row, marker, ms=4, color=OFF if name else UNIT, alpha=1 if name else 0.6, lw=0)
     if name:
@@ -76,5 +76,5 @@ def _rows(axes: Axes, names: list[str], label: str) -> None:
     axes.axvspan(-2, 2, color=PALE, zorder=0)
     axes.axvline(0, color=RULE, lw=0.7)
     axes.set(yticks=range(len(names)), yticklabels=names, xlabel=label, ylim=(len(names) - 0.4, -0.6))
-    axes.set_xlim(-1.08 * WIDEST, 1.08 * WIDEST)
+    axes.set_xlim(-1.08 * MAX_DEVIATION_SHOWN, 1.08 * MAX_DEVIATION_SHOWN)
     axes.tick_params(axis="y", labelsize=7.5, labelcolor=INK)

@@ -9,7 +9,7 @@ from station.results.parameters_by_name import shown_scale, title_of
 from station.text.rounding import decimals
 from station.text.table import table_lines
 
-MOST_SHOWN = 12  # of those that do not stand out none is shown; of those that do, so many of each kind
+MAX_ROWS_SHOWN = 12  # of those that do not stand out none is shown; of those that do, so many of each kind
 
 
 def population_text(document: dict[str, Any]) -> str:
@@ -54,15 +54,15 @@ def _groups(document: dict[str, Any]) -> Iterator[str]:
 
 def _listed(what: str, rows: list[tuple[str, str, dict[str, Any], str]]) -> Iterator[str]:
     yield f"{what} that stand out: {len(rows) or 'none'}"
-    for who, name, one, unit in sorted(rows, key=lambda row: float(row[2]["p_adjusted"]))[:MOST_SHOWN]:
+    for who, name, one, unit in sorted(rows, key=lambda row: float(row[2]["p_adjusted"]))[:MAX_ROWS_SHOWN]:
         scale, shown = shown_scale(name, unit)
         std = one["std"] * scale
         places = min(max(decimals(std), 0), 7)
         by = f"{one['shift'] * scale:+.{places}f} +- {std:.{places}f} {shown}"
         yield f"  {who}: {title_of(name)}"
         yield f"      {by}, p = {one['p_adjusted']:.1g} adjusted"
-    if len(rows) > MOST_SHOWN:
-        yield f"  and {len(rows) - MOST_SHOWN} more; --json lists all"
+    if len(rows) > MAX_ROWS_SHOWN:
+        yield f"  and {len(rows) - MAX_ROWS_SHOWN} more; --json lists all"
 
 
 def _parameter(name: str, one: dict[str, Any]) -> tuple[str, str, str, str]:

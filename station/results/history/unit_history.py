@@ -20,12 +20,12 @@ from procedures.history.prediction import (
 )
 from procedures.history.repeatability import CLUSTER_DAYS, Repeatability, turn_on_repeatability
 from procedures.statistics.multiple_testing import holm, two_sided
-from station.results.history.parameter_series import DAY_S, Track, tracks
+from station.results.history.parameter_series import DAY_S, ParameterSeries, unit_series
 from station.results.parameters_by_name import applied, parameters, shifts
 from station.text.plural import plural
 
 HORIZON_DAYS = 3652  # how far ahead a limit's date is looked for
-FAN = 12  # points of the prediction
+PREDICTION_POINTS = 12  # points of the prediction
 
 
 def entries(runs: Sequence[Run]) -> list[dict[str, Any]]:
@@ -38,7 +38,7 @@ def entries(runs: Sequence[Run]) -> list[dict[str, Any]]:
         made.append(
             {
                 "sha256": run.sha256,
-                **{key: run.document[key] for key in _SAID if key in run.document},
+                **{key: run.document[key] for key in _COPIED_FIELDS if key in run.document},
                 "limited": len(run.document.get("limits", ())),
                 "measured_utc": utc_text(run.ended),
                 **run.made_with,
@@ -55,7 +55,7 @@ def entries(runs: Sequence[Run]) -> list[dict[str, Any]]:
     return made
 
 
-_SAID = ("model", "accepted_utc", "status", "verdict")
+_COPIED_FIELDS = ("model", "accepted_utc", "status", "verdict")
 
 
 def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | None) -> dict[str, Any]:
@@ -66,7 +66,7 @@ def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | Non
     """
     distinct = turn_ons(runs)
     until, because = _within(distinct, *_due(distinct[-1], asked))
-    found = tracks(distinct)
+    found = unit_series(distinct)
     control = control_limit(max(len(found.by_name), 1))
     limit_of = {limit.parameter: limit for limit in limits}
     left_out = list(found.left_out)
@@ -107,7 +107,7 @@ def _due(newest: Run, asked: datetime | None) -> tuple[datetime, str]:
     return newest.ended + timedelta(days=365), "a year after the newest, which has no due date"
 
 
-def _parameter(track: Track, limit: Limit | None, control: float, until: datetime) -> dict[str, Any]:
+def _parameter(track: ParameterSeries, limit: Limit | None, control: float, until: datetime) -> dict[str, Any]:
     series, unit = track.series, track.parameter.unit
     made: dict[str, Any] = {
         "unit": unit,
@@ -158,7 +158,7 @@ def _repeatability(found: Repeatability) -> dict[str, Any]:
     return made if found.std is None else {**made, "std_of_std": found.std}
 
 
-def _chart(found: ControlChart, track: Track) -> dict[str, Any]:
+def _chart(found: ControlChart, track: ParameterSeries) -> dict[str, Any]:
     judged = track.runs[MIN_EARLIER:]
     return {
         "z": found.z.tolist(),
@@ -168,11 +168,11 @@ def _chart(found: ControlChart, track: Track) -> dict[str, Any]:
     }
 
 
-def _prediction(ahead: Forecast, track: Track, until: datetime) -> dict[str, Any]:
+def _prediction(ahead: Forecast, track: ParameterSeries, until: datetime) -> dict[str, Any]:
     first, last = track.runs[0].ended, float(track.series.day[-1])
     day = max((until - first).total_seconds() / DAY_S, last)
     found = ahead.at(day)
-    fan = [ahead.at(last + (day - last) * (i / FAN) ** 2) for i in range(FAN + 1)]
+    fan = [ahead.at(last + (day - last) * (i / PREDICTION_POINTS) ** 2) for i in range(PREDICTION_POINTS + 1)]
     made: dict[str, Any] = {
         "value": found.value,
         "interval_95": [found.low_95, found.high_95],

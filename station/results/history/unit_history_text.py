@@ -5,14 +5,22 @@ from itertools import groupby
 from textwrap import wrap
 from typing import Any
 
-from station.results.parameters_by_name import Parameter, Shift, largest, shown, shown_scale, shown_sigma, title_of
+from station.results.parameters_by_name import (
+    Parameter,
+    ParameterShift,
+    largest,
+    shown,
+    shown_scale,
+    shown_sigma,
+    title_of,
+)
 from station.results.verdict import word_said
 from station.text.rounding import decimals
 from station.text.table import WIDTH, table_lines
 
-SIGNIFICANT = 0.05  # a drift's p-value, adjusted for the number of parameters
-ALARMS = 10  # dates shown
-MAIN = ("scale_factor", "bias")  # shown in the list; the file holds misalignment too
+SIGNIFICANT_P = 0.05  # a drift's p-value, adjusted for the number of parameters
+MAX_ALARM_DATES = 10  # dates shown
+LISTED_PARAMETERS = ("scale_factor", "bias")  # shown in the list; the file holds misalignment too
 
 
 def history_text(document: dict[str, Any]) -> str:
@@ -28,16 +36,18 @@ def _entry(entry: dict[str, Any]) -> Iterator[str]:
     when = entry["accepted_utc"][:16].replace("T", " ")
     yield f"{when} UTC  {entry['model']}  {verdict}, {entry['status']}  {entry['sha256'][:12]}"
     found = {name: Parameter(name, **values) for name, values in entry["parameters"].items()}
-    moved = {name: Shift(found[name], one["shift"], one["shift_sigma"]) for name, one in entry["drift"].items()}
+    moved = {
+        name: ParameterShift(found[name], one["shift"], one["shift_sigma"]) for name, one in entry["drift"].items()
+    }
     for name, one in found.items():
-        if name.split(".")[1] in MAIN:
+        if name.split(".")[1] in LISTED_PARAMETERS:
             value, unit = shown(one)
             drift = f"  {moved[name].sigmas:+z.1f} sigma" if name in moved else ""
             yield f"  {one.title:<28}{value:>13} +- {shown_sigma(one)} {unit}{drift}"
     if (most := largest(moved)) is not None:
-        many = sum(one["p_adjusted"] < SIGNIFICANT for one in entry["drift"].values())
+        many = sum(one["p_adjusted"] < SIGNIFICANT_P for one in entry["drift"].values())
         yield f"  moved most: {most.parameter.title}, {most}"
-        yield f"  moved significantly (p < {SIGNIFICANT:g}, Holm): {many} of {len(moved)}"
+        yield f"  moved significantly (p < {SIGNIFICANT_P:g}, Holm): {many} of {len(moved)}"
 
 
 def _analysis(one: dict[str, Any]) -> Iterator[str]:
@@ -96,9 +106,9 @@ def _alarms(one: dict[str, Any]) -> Iterator[str]:
         for when, sha256 in zip(track["measured_utc"], track["calibrations"], strict=True):
             if sha256 in track.get("chart", {}).get("alarms", ()):
                 on.setdefault(when[:10], []).append(title_of(name))
-    if len(on) > ALARMS:
-        yield f"  {len(on) - ALARMS} earlier dates with alarms; --json lists all"
-    for when in sorted(on)[-ALARMS:]:
+    if len(on) > MAX_ALARM_DATES:
+        yield f"  {len(on) - MAX_ALARM_DATES} earlier dates with alarms; --json lists all"
+    for when in sorted(on)[-MAX_ALARM_DATES:]:
         more = f" and {len(on[when]) - 1} more" if len(on[when]) > 1 else ""
         yield f"  alarm on {when}: {on[when][0]}{more}"
 

@@ -9,8 +9,8 @@ from procedures.units import ARCSEC_PER_RAD, UG_PER_G
 from station.results.report.parameter_tables import SYMBOLS
 from station.text.rounding import aligned, decimals, fixed
 
-SHOWN = 3  # contributions a line
-LETTERS = {"scale_factor": "k", "misalignment": "E", "bias": "D"}
+MAX_CONTRIBUTIONS_SHOWN = 3  # contributions a line
+MODEL_LETTERS = {"scale_factor": "k", "misalignment": "E", "bias": "D"}
 INFINITE = "\u221e"
 
 
@@ -53,8 +53,8 @@ def _rows(budgets: Sequence[ParameterBudget]) -> list[BudgetRow]:
     expanded = aligned([fixed(one.expanded * scale, p) for one, (scale, _), p in each])
     return [
         BudgetRow(
-            LETTERS[one.name.split(".")[1]], one.name.split(".")[2], v, u, unit, f"{one.coverage_factor:.2f}",
-            dof_text(one.dof), largest(one),
+            MODEL_LETTERS[one.name.split(".")[1]], one.name.split(".")[2], v, u, unit,
+            f"{one.coverage_factor:.2f}", dof_text(one.dof), largest(one),
         )
         for one, (_, unit), v, u in zip(budgets, scaled, value, expanded, strict=True)
     ]  # fmt: skip
@@ -73,7 +73,7 @@ def dof_text(dof: float) -> str:
 
 def largest(one: ParameterBudget) -> str:
     """Return the sources that make up most of a parameter's variance, largest first, with their share."""
-    parts = sorted(one.contributions, key=lambda part: part.std, reverse=True)[:SHOWN]
+    parts = sorted(one.contributions, key=lambda part: part.std, reverse=True)[:MAX_CONTRIBUTIONS_SHOWN]
     return ", ".join(f"{part.source} {_share(part, one)}" for part in parts if part.std > 0)
 
 

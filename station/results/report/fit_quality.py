@@ -12,9 +12,9 @@ from station.text.rounding import aligned, decimals, fixed
 
 LIMIT_SIGMAS = 4.0
 NOTICE_SIGMAS = 2.0
-CORRELATION_SHOWN = 0.5
-CORRELATIONS_MOST = 16
-_SHOWN = {"g": (UG_PER_G, "\u00b5g"), "deg/h": (1.0, "deg/h"), "deg": (ARCSEC_PER_DEG, "arcsec")}
+MIN_CORRELATION_SHOWN = 0.5
+MAX_CORRELATIONS_SHOWN = 16
+_DISPLAY_UNITS = {"g": (UG_PER_G, "\u00b5g"), "deg/h": (1.0, "deg/h"), "deg": (ARCSEC_PER_DEG, "arcsec")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,20 +61,20 @@ def residual_tables(residuals: Sequence[StepResidual]) -> list[ResidualTable]:
     tables = []
     for triad, kind in dict.fromkeys((r.triad, r.kind) for r in residuals):
         chosen = [r for r in residuals if (r.triad, r.kind) == (triad, kind)]
-        scale, unit = _SHOWN.get(chosen[0].unit, (1.0, chosen[0].unit))
+        scale, unit = _DISPLAY_UNITS.get(chosen[0].unit, (1.0, chosen[0].unit))
         tables.append(ResidualTable(triad, kind, unit, tuple(_rows(chosen, scale))))
     return tables
 
 
 def correlations(solution: Solution) -> list[Correlation]:
-    """Return the pairs of parameters whose errors correlate by `CORRELATION_SHOWN` or more, strongest first."""
+    """Return the pairs of parameters whose errors correlate by `MIN_CORRELATION_SHOWN` or more, largest first."""
     std = np.sqrt(np.diag(solution.covariance))
     usable = np.flatnonzero(std > 0)
     matrix = solution.covariance[np.ix_(usable, usable)] / np.outer(std[usable], std[usable])
     first, second = np.triu_indices(len(usable), 1)
     value = matrix[first, second]
-    shown = np.flatnonzero(np.abs(value) >= CORRELATION_SHOWN)
-    order = shown[np.argsort(-np.abs(value[shown]), kind="stable")][:CORRELATIONS_MOST]
+    shown = np.flatnonzero(np.abs(value) >= MIN_CORRELATION_SHOWN)
+    order = shown[np.argsort(-np.abs(value[shown]), kind="stable")][:MAX_CORRELATIONS_SHOWN]
     names = [solution.names[i] for i in usable]
     return [
         Correlation(names[first[i]], names[second[i]], fixed(float(value[i]), 3, sign=True), float(abs(value[i])))

@@ -11,7 +11,7 @@ from procedures.frames import AXES
 from station.results.report.fit_quality import LIMIT_SIGMAS, NOTICE_SIGMAS, normalised
 from station.results.report.svg import AXIS_STYLE, INK, PALE, RULE, draw_svg
 
-_SPREAD = 0.22  # how far apart the three axes of a step stand
+_AXIS_OFFSET = 0.22  # how far apart the three axes of a step stand
 
 
 def residual_svg(triad: str, residuals: Sequence[StepResidual]) -> str:
@@ -27,7 +27,7 @@ def residual_svg(triad: str, residuals: Sequence[StepResidual]) -> str:
         _limits(axes, max(5.0, 1.1 * greatest))
         for i, axis in enumerate(AXES):
             colour, marker = AXIS_STYLE[axis]
-            at = np.arange(len(chosen)) + (i - 1) * _SPREAD
+            at = np.arange(len(chosen)) + (i - 1) * _AXIS_OFFSET
             axes.vlines(at, 0, ratio[:, i], color=colour, linewidth=0.8, alpha=0.55)
             axes.plot(
                 at, ratio[:, i], marker, color=colour, markersize=4.2, linestyle="none", label=f"{triad[0]}{axis}"

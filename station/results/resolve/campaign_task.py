@@ -1,4 +1,4 @@
-"""What a worker does with one campaign: look at its files, diagnose it, then all that `PARTS` names.
+"""What a worker does with one campaign: hash its files, diagnose it, then all that `PARTS` names.
 
 Both functions are sent the name of a folder and return small documents; the recordings stay where they are.
 """
@@ -42,22 +42,22 @@ PARTS: Mapping[str, Part] = {"solution": _solution, "diagnosis": _diagnosis}
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
-    """A folder to look at, and files that the database says are in it."""
+class CheckTask:
+    """A folder to hash, and the files that the database says are in it."""
 
     folder: str
     recorded: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
+class SolveTask:
     """A folder to solve and the SHA-256 of each file that goes into it, by name."""
 
     folder: str
     files: Mapping[str, str]
 
 
-def look(item: Look) -> dict[str, Any]:
+def check_files(item: CheckTask) -> dict[str, Any]:
     """Hash a campaign's files.
 
     Returns
@@ -86,7 +86,7 @@ def look(item: Look) -> dict[str, Any]:
     return {"inputs": inputs, "found": found, "sums": sums, "fault": fault}
 
 
-def resolve_one(task: Task) -> dict[str, Any]:
+def resolve_one(task: SolveTask) -> dict[str, Any]:
     """Do all `PARTS` with a campaign; return their documents by name.
 
     Raises

@@ -13,25 +13,25 @@ from fixtures_db.limits import Limit, limits_of
 from station.results.cluster.engine import Engine
 from station.results.cluster.progress import Progress
 from station.results.cluster.restartable_map import map_restartable
-from station.results.cluster.work_item import Fault
-from station.results.resolve.campaign_task import PARTS, Look, Task, look, resolve_one
+from station.results.cluster.work_item import ItemFault
+from station.results.resolve.campaign_task import PARTS, CheckTask, SolveTask, check_files, resolve_one
 from station.results.resolve.diagnosis_comparison import compare_diagnoses
-from station.results.resolve.previous_solution import Known, known_of
+from station.results.resolve.previous_solution import KnownCampaign, known_of
 from station.results.resolve.solution_comparison import altered, compare
 from station.results.solution_json import software_version
 
 FORMAT = "resolve/1"
-Seen = Mapping[str, Any]
+FileCheck = Mapping[str, Any]
 
 
 @dataclass(slots=True)
 class _Campaign:
     """What is gathered of a campaign: what was known, what its files are, its documents, or why there is none."""
 
-    known: Known
-    seen: Seen | None = None
+    known: KnownCampaign
+    seen: FileCheck | None = None
     documents: Mapping[str, Any] | None = None
-    fault: Fault | None = None
+    fault: ItemFault | None = None
     was_kept: bool = False
 
 
@@ -66,8 +66,8 @@ def resolve_fleet(
 
 def _look(campaigns: Sequence[_Campaign], engine: Engine, stream: TextIO) -> None:
     progress = Progress(stream, "files checked", len(campaigns))
-    items = [Look(one.known.folder, tuple(one.known.steps)) for one in campaigns]
-    for i, answer in engine.run(look, items):
+    items = [CheckTask(one.known.folder, tuple(one.known.steps)) for one in campaigns]
+    for i, answer in engine.run(check_files, items):
         campaigns[i].seen, campaigns[i].fault = answer.result, answer.fault
         progress.advance(is_fault=answer.fault is not None)
     progress.end()
@@ -83,13 +83,13 @@ def _solve(campaigns: Sequence[_Campaign], engine: Engine, keep: Path, stream: T
     progress.end()
 
 
-def _task(campaign: _Campaign) -> Task:
+def _task(campaign: _Campaign) -> SolveTask:
     seen = campaign.seen or {}
     found = seen["found"]
-    return Task(campaign.known.folder, {name: found[name] for name in seen["inputs"] if name in found})
+    return SolveTask(campaign.known.folder, {name: found[name] for name in seen["inputs"] if name in found})
 
 
-def _key(task: Task) -> object:
+def _key(task: SolveTask) -> object:
     return {"folder": task.folder, "files": dict(task.files), "parts": sorted(PARTS)}
 
 

@@ -19,11 +19,11 @@ from station.results.circumstances import diagnosis_kept
 from station.results.parameters_by_name import parameters
 
 SOLUTION, DIAGNOSIS = "solution.json", "diagnosis.json"
-MOST = 2**26  # bytes
+MAX_BYTES = 2**26  # bytes
 
 
 @dataclass(frozen=True, slots=True)
-class Before:
+class PreviousSolution:
     """A `calibration/1` or `solution/1` of the same campaign; ``name`` is its hash or its file.
 
     ``warnings`` is None where nobody wrote them down: a calibration has none of its own. ``diagnosis`` has
@@ -44,47 +44,51 @@ class Before:
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
+class KnownCampaign:
     """What database and folder know of a campaign; ``steps`` has the SHA-256 of each accepted step's file."""
 
     folder: str
     steps: Mapping[str, str]
-    before: Before | None
+    before: PreviousSolution | None
 
 
-def known_of(session: Session, folder: str) -> Known:
+def known_of(session: Session, folder: str) -> KnownCampaign:
     """Return what is known of the campaign of a folder (its resolved path)."""
     row, stored, solved = known_campaign(session, folder), newest_calibration(session, folder), _solved(folder)
     steps = {} if row is None else {step.file: step.sha256 for step in row.steps}
     if stored is None:
-        return Known(folder, steps, solved)
+        return KnownCampaign(folder, steps, solved)
     document = json.loads(stored.document)
     is_same = solved is not None and solved.inputs == document["inputs"]
     warnings = solved.warnings if solved is not None and is_same else None
     diagnosis = document.get("diagnosis") or _diagnosed(folder, document["inputs"])
-    return Known(folder, steps, Before("calibration", stored.sha256, document, warnings, diagnosis))
+    return KnownCampaign(
+        folder, steps, PreviousSolution("calibration", stored.sha256, document, warnings, diagnosis)
+    )
 
 
 def _diagnosed(folder: str, files: Mapping[str, str]) -> Mapping[str, Any] | None:
     """Return what the folder's ``diagnosis.json`` found in the same files, None if that cannot be read."""
     try:
-        document = json.loads(read_text_file(Path(folder) / DIAGNOSIS, MOST))
+        document = json.loads(read_text_file(Path(folder) / DIAGNOSIS, MAX_BYTES))
         is_same = document["format"] == "diagnosis/1" and document["solution"]["provenance"]["files"] == files
         return diagnosis_kept(document) if is_same else None
     except (DataRefused, ValueError, KeyError, TypeError):
         return None
 
 
-def _solved(folder: str) -> Before | None:
+def _solved(folder: str) -> PreviousSolution | None:
     """Return the folder's ``solution.json``, None if there is none that can be read: it is no record."""
     path = Path(folder) / SOLUTION
     try:
-        document = json.loads(read_text_file(path, MOST))
+        document = json.loads(read_text_file(path, MAX_BYTES))
         if document["format"] != "solution/1":
             return None
         parameters(document)
         files = document["provenance"]["files"]
-        before = Before("solution", str(path), document, tuple(document["warnings"]), _diagnosed(folder, files))
+        before = PreviousSolution(
+            "solution", str(path), document, tuple(document["warnings"]), _diagnosed(folder, files)
+        )
         return before if before.inputs else None
     except (DataRefused, ValueError, KeyError, TypeError, IndexError, AttributeError):
         return None

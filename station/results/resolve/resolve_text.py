@@ -5,13 +5,13 @@ from statistics import median
 from textwrap import wrap
 from typing import Any
 
-from station.results.parameters_by_name import Parameter, Shift, largest
+from station.results.parameters_by_name import Parameter, ParameterShift, largest
 from station.results.resolve.diagnosis_comparison import diagnosis_remarks, is_otherwise
 from station.results.verdict import word_said
 from station.text.plural import plural
 
 WIDTH = 80
-MOVED = 1.0  # sigma: a shift below is what better arithmetic does, and is only counted
+MIN_SHIFT_SIGMAS = 1.0  # sigma: a shift below is what better arithmetic does, and is only counted
 Entry = Mapping[str, Any]
 
 
@@ -38,10 +38,10 @@ def resolve_text(document: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def shift_of(entry: Entry) -> Shift | None:
+def shift_of(entry: Entry) -> ParameterShift | None:
     """Return a campaign's largest shift, in sigmas of what was known before."""
     moved = {
-        name: Shift(
+        name: ParameterShift(
             Parameter(name, row["now"], row["std_before"], row["unit"]),
             row["now"] - row["before"],
             row["shift_sigma"],
@@ -98,7 +98,7 @@ def _remarks(entry: Entry) -> Iterator[str]:
         verdict = entry["verdict"]
         was, now = (word_said(verdict[when], has_limits=verdict["limits"] > 0) for when in ("before", "now"))
         yield f"{was} before, {now} now: {verdict['reason']}"
-    if (shift := shift_of(entry)) is not None and abs(shift.sigmas) >= MOVED:
+    if (shift := shift_of(entry)) is not None and abs(shift.sigmas) >= MIN_SHIFT_SIGMAS:
         yield f"moved: {shift.parameter.title} {shift}"
     yield from diagnosis_remarks(entry)
     for name in entry.get("lost", []):

@@ -6,15 +6,15 @@ from dataclasses import asdict
 from typing import Any
 
 from fixtures_db.limits import Limit
-from station.results.parameters_by_name import Parameter, Shift, applied, parameters
-from station.results.resolve.previous_solution import Before, Known
+from station.results.parameters_by_name import Parameter, ParameterShift, applied, parameters
+from station.results.resolve.previous_solution import KnownCampaign, PreviousSolution
 from station.results.verdict import judge
 
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 _FOLDER = re.compile(r"\S*/(?=[^\s/])")  # what stands before a file's name: as it was typed
 
 
-def altered(known: Known, seen: Mapping[str, Any]) -> list[dict[str, str]]:
+def altered(known: KnownCampaign, seen: Mapping[str, Any]) -> list[dict[str, str]]:
     """Return every file that is not what was recorded: file, found, expected and which record says so.
 
     ``seen`` is what `station.results.resolve.campaign_task.look` found. The records are ``SHA256SUMS``, the
@@ -42,7 +42,7 @@ def _unhashed(name: str, found: str, expected: str) -> dict[str, str]:
     return {"file": name, "found": found, "expected": expected, "record": "SHA256SUMS"}
 
 
-def compare(now: Mapping[str, Any], before: Before | None, limits: Sequence[Limit]) -> dict[str, Any]:
+def compare(now: Mapping[str, Any], before: PreviousSolution | None, limits: Sequence[Limit]) -> dict[str, Any]:
     """Return what changed between a `solution/1` and what was known, as the campaign's part of `resolve/1`."""
     verdict = judge(now, limits)
     if before is None:
@@ -70,22 +70,22 @@ def _alike(warning: str) -> str:
     return _NUMBER.sub("#", _FOLDER.sub("", warning))
 
 
-def own_shifts(now: Mapping[str, Parameter], before: Mapping[str, Parameter]) -> dict[str, Shift]:
+def own_shifts(now: Mapping[str, Parameter], before: Mapping[str, Parameter]) -> dict[str, ParameterShift]:
     """Return the shift of every parameter that both hold in one unit, in sigmas *of the one before*.
 
     Both come from the same counts, so that their errors are not independent and the root of the sum of squares
     would be too wide: the question is how far off, in its own terms, is what was handed out.
     """
-    found = dict[str, Shift]()
+    found = dict[str, ParameterShift]()
     for name, one in now.items():
         old = before.get(name)
         if old is not None and old.unit == one.unit and old.std:
             moved = one.value - old.value
-            found[name] = Shift(one, moved, moved / old.std)
+            found[name] = ParameterShift(one, moved, moved / old.std)
     return found
 
 
-def _row(shift: Shift, before: Parameter) -> dict[str, Any]:
+def _row(shift: ParameterShift, before: Parameter) -> dict[str, Any]:
     now = shift.parameter
     return {
         "before": before.value,
@@ -97,7 +97,7 @@ def _row(shift: Shift, before: Parameter) -> dict[str, Any]:
     }
 
 
-def _verdict(before: Before, limits: Sequence[Limit]) -> str:
+def _verdict(before: PreviousSolution, limits: Sequence[Limit]) -> str:
     """Return the verdict of what was known, on the limits of today.
 
     A calibration holds only what it applies. Where its limits were those of today, the verdict that it was given

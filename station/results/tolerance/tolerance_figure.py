@@ -9,12 +9,12 @@ from procedures.arrays import FloatArray
 from procedures.tolerance.drawing_items import ITEMS
 from procedures.units import UG_PER_G
 from station.results.report.svg import INK, PALE, RULE, draw_svg
-from station.results.tolerance.tolerance_study import ESTIMATORS, Study
+from station.results.tolerance.tolerance_study import ESTIMATORS, ToleranceStudy
 
 LINES = {"twelve": ("#b8480f", "-"), "two": ("#0b5fa5", "--"), "joint": ("#1f7a4d", "-.")}
 
 
-def tolerance_svg(found: Study) -> str:
+def tolerance_svg(found: ToleranceStudy) -> str:
     """Return an SVG file: left the exceedance of every estimator's worst axis, right the items [mm]."""
 
     def draw(figure: Figure) -> None:
@@ -28,7 +28,7 @@ def tolerance_svg(found: Study) -> str:
     )
 
 
-def _exceedance(axes: Axes, found: Study) -> None:
+def _exceedance(axes: Axes, found: ToleranceStudy) -> None:
     for i, (name, (colour, line)) in enumerate(LINES.items()):
         largest = np.max(np.abs(found.sample.bias[i]), axis=0) * UG_PER_G
         level = np.logspace(-3.5, -0.01, 120)
@@ -46,7 +46,7 @@ def _exceedance(axes: Axes, found: Study) -> None:
     axes.legend(loc="lower left", fontsize=7.5)
 
 
-def _items(axes: Axes, found: Study) -> None:
+def _items(axes: Axes, found: ToleranceStudy) -> None:
     names, now = list(ITEMS), found.drawing.item * found.drawing.side_mm
     at = np.arange(len(names))
     axes.barh(at, now, height=0.62, color=PALE, edgecolor=RULE, label="now")

@@ -20,7 +20,7 @@ SEED = 1  # equal calls give equal numbers
 
 
 @dataclass(frozen=True, slots=True)
-class Question:
+class ToleranceQuestion:
     """Cubes to draw, and how; the accuracy wanted [g] of which estimator; certificate [rad], noise [g]."""
 
     cubes: int
@@ -33,7 +33,7 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Study:
+class ToleranceStudy:
     """The answers.
 
     ``p1``: errors with every item at its limit in the directions of Yao 2018 table 3, one cube. ``worst`` (21,)
@@ -41,7 +41,7 @@ class Study:
     """
 
     drawing: Drawing
-    question: Question
+    question: ToleranceQuestion
     p1: EstimatorErrors
     worst: FloatArray
     reached: FloatArray
@@ -50,14 +50,14 @@ class Study:
     gains: list[RemedyGain]
 
 
-def study(drawing: Drawing, unit: ToleranceUnit, question: Question) -> Study:
+def study(drawing: Drawing, unit: ToleranceUnit, question: ToleranceQuestion) -> ToleranceStudy:
     """Answer all questions about a cube; raise `TooFine` if no cube gives the accuracy wanted."""
     allowed = None
     if question.wanted is not None:
         asked = worst_case(_bias(unit, ESTIMATOR_NAMES.index(question.estimator)))
         allowed = allowed_tolerances(asked, question.wanted, drawing.item, drawing.weight)
     quantity = all_errors(unit)
-    return Study(
+    return ToleranceStudy(
         drawing,
         question,
         estimator_errors(p1_tilts(drawing.item)[..., None], unit),
@@ -76,7 +76,7 @@ def _bias(unit: ToleranceUnit, estimator: int) -> Quantity:
     return lambda tilts: estimator_errors(tilts, unit).bias[estimator]
 
 
-def document(found: Study) -> dict[str, Any]:
+def document(found: ToleranceStudy) -> dict[str, Any]:
     """Return ``tolerance/1``: biases [g], scale factor relative, angles [rad], tolerances [mm]."""
     side, sample = found.drawing.side_mm, found.sample
     items = dict(zip(ITEMS, (found.drawing.item * side).tolist(), strict=True))

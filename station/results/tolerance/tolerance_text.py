@@ -8,7 +8,7 @@ from procedures.units import ARCSEC_PER_RAD, PPM_PER_ONE, RAD_PER_ARCSEC, UG_PER
 from station.results.tolerance.tolerance_study import ESTIMATORS
 from station.text.table import table_lines
 
-WHAT = {
+ERROR_TITLES = {
     "p1_case": "paper's case",
     "worst_case_at_most": "worst, at most",
     "worst_case_reached": "worst, reached",
@@ -33,12 +33,12 @@ def tolerance_text(found: Mapping[str, Any]) -> str:
 
 def _errors(found: Mapping[str, Any]) -> list[str]:
     rows = [
-        (f"{ESTIMATORS[name]}, {WHAT[key]}", part[key], UG_PER_G)
+        (f"{ESTIMATORS[name]}, {ERROR_TITLES[key]}", part[key], UG_PER_G)
         for name, part in found["bias"].items()
-        for key in WHAT
+        for key in ERROR_TITLES
     ]
     for key in ("worst_case_at_most", "within_95_percent"):
-        rows.append((f"scale factor [ppm], {WHAT[key]}", found["scale_factor"][key], PPM_PER_ONE))
+        rows.append((f"scale factor [ppm], {ERROR_TITLES[key]}", found["scale_factor"][key], PPM_PER_ONE))
     rows.append(("misalignment [arcsec], 95 %", found["misalignment"]["within_95_percent"], ARCSEC_PER_RAD))
     cells = ([name, *(f"{value * per:.4g}" for value in values)] for name, values, per in rows)
     return table_lines(cells, "<>>>", ("", "x", "y", "z"))

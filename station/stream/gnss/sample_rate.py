@@ -14,8 +14,8 @@ import numpy as np
 from procedures.counts.reference_time import ClockRate, fit_clock
 from procedures.diagnosis.clock_rate_check import MAX_CLOCK_PPM
 from station.errors import DataRefused
-from station.files.campaign_folder.loaded_campaign import REFUSE_PERIOD, clock_sentence, off_period
-from station.files.campaign_folder.sample_series import WARN_PERIOD
+from station.files.campaign_folder.loaded_campaign import MAX_PERIOD_DEVIATION, clock_sentence, off_period
+from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION
 from station.stream.gnss.gnss_feed import GnssFeed
 from station.stream.live.live_feed import LiveFeed
 from station.stream.recorder.row_times import RowTimes, Utc
@@ -92,9 +92,9 @@ class SampleRate:
     def _judge(self, rate: ClockRate, line_std: float) -> None:
         off, surely = off_period(rate), SIGNIFICANT_SIGMAS * math.hypot(rate.std * 1e-6, line_std)
         sentence = clock_sentence(self._feed.period, off, self._by)
-        self.warning = sentence if abs(off) - surely > WARN_PERIOD else ""
+        self.warning = sentence if abs(off) - surely > WARN_PERIOD_DEVIATION else ""
         self._refused = None
-        if abs(off) - surely > REFUSE_PERIOD and self._is_lasting(off):
+        if abs(off) - surely > MAX_PERIOD_DEVIATION and self._is_lasting(off):
             self._refused = DataRefused(
                 self._feed.address.name, None, sentence, "the declared rate within 1 %",
                 "check the sync line and the rate that the device is set to",
@@ -105,7 +105,7 @@ class SampleRate:
         t, utc = np.array(self._stamps).T
         half = len(t) // 2
         halves = [fit_clock([(t[part], utc[part])]) for part in (slice(half), slice(half, None))]
-        return all(one is not None and off_period(one) * np.sign(off) > REFUSE_PERIOD for one in halves)
+        return all(one is not None and off_period(one) * np.sign(off) > MAX_PERIOD_DEVIATION for one in halves)
 
     def _take(self) -> None:
         if self._feed.stamp is None:

@@ -11,17 +11,17 @@ from hypothesis import strategies as st
 
 from station.errors import DataRefused
 from station.files import csv_table
-from station.files.columns import Table
-from station.files.csv_header import TableKind
+from station.files.columns import DataFile
+from station.files.csv_header import SampleColumns
 from station.files.csv_table import read_csv
 
-COUNTS, REALS = TableKind(counts=True), TableKind(counts=False)
+COUNTS, REALS = SampleColumns(counts=True), SampleColumns(counts=False)
 FILE = Path("x.csv")
 INTEGER = re.compile(r"[+-]?[0-9]+", re.ASCII)
 NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
 
 
-def read(content: bytes, kind: TableKind = COUNTS) -> Table:
+def read(content: bytes, kind: SampleColumns = COUNTS) -> DataFile:
     stream = io.BytesIO(content)
     return read_csv(stream, FILE, kind)  # type: ignore[arg-type]
 

@@ -18,7 +18,7 @@ from station.guide.enough_to_solve import in_ranges, lacking
 from station.guide.outcome import change_in_words, verdict_rows, worst_residual
 from station.guide.view import StepView
 from station.results.parameters_by_name import Parameter, applied, parameters, shifts
-from station.results.verdict import Word, judge, judged_in_words, limit_in_words
+from station.results.verdict import VerdictWord, judge, judged_in_words, limit_in_words
 from tests.fixtures_db.factory import facts, solution
 from tests.station.results.report import factory
 
@@ -56,7 +56,7 @@ def document(bias: float = 1e-3) -> dict[str, Any]:
         ),
     ],
 )
-def test_the_verdict_and_its_reason(limits: list[Limit], word: Word, said: str) -> None:
+def test_the_verdict_and_its_reason(limits: list[Limit], word: VerdictWord, said: str) -> None:
     outcome = judge(document(), limits)
     assert outcome.word == word
     assert said in outcome.reason

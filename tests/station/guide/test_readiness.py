@@ -29,7 +29,7 @@ from station.guide.readiness import readiness
 from station.guide.setup_view import PortCheck, Readiness
 from station.guide.text_lines import ready_lines
 from station.results import campaign_results as module
-from station.results.campaign_results import Results, make_results, store
+from station.results.campaign_results import CampaignResults, make_results, store
 from station.results.certificate.certificate import Certificate
 from station.results.certificate.missing_statements import missing
 from station.results.verdict import judge
@@ -64,7 +64,7 @@ class Bench:
 
     database: Database
     root: Path
-    results: Results
+    results: CampaignResults
 
     def before(self, setup: Setup, model: str = "SIM-FOG3") -> Readiness:
         check = PortCheck(

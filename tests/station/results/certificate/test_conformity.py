@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fixtures_db.limits import Limit
-from station.results.certificate.conformity import Against, conformity, greatest_risk, printed
-from station.results.certificate.printed_results import Measured
+from station.results.certificate.conformity import LimitComparison, conformity, greatest_risk, printed
+from station.results.certificate.printed_results import MeasuredParameter
 from station.results.parameters_by_name import Parameter
 
 LIMIT = Limit("gyroscope.bias.x", -1.0, 1.0, "deg/h", 1.64)
@@ -19,7 +19,7 @@ def test_the_risk_is_the_share_of_true_values_beyond_the_limits(dof: float, valu
     rng, n, std = np.random.default_rng(1), 200_000, 0.3
     spread = rng.standard_normal(n) if math.isinf(dof) else rng.standard_t(dof, n)
     share = float(np.mean(np.abs(value + std * spread) > 1.0))
-    risk = Against(LIMIT, value, std, dof, "PASS").risk
+    risk = LimitComparison(LIMIT, value, std, dof, "PASS").risk
     assert risk is not None
     assert abs(risk - share) < 4 * math.sqrt(max(risk * (1 - risk), 1e-6) / n)
 
@@ -36,7 +36,7 @@ def test_a_value_is_accepted_within_the_tolerance_less_the_guard_band(value: flo
         "limits": [{"parameter": LIMIT.parameter, "low": -1.0, "high": 1.0, "unit": "deg/h", "guard_band": 1.64}],
         "verdict": "PASS",
     }
-    result = Measured(Parameter(LIMIT.parameter, value, 0.05, "deg/h"), 0.1, math.inf, 1.96, 0.196, ())
+    result = MeasuredParameter(Parameter(LIMIT.parameter, value, 0.05, "deg/h"), 0.1, math.inf, 1.96, 0.196, ())
     found = conformity(document, {LIMIT.parameter: result})  # w = 1.64 * 0.1, by the combined u, not the solve's
     assert found is not None
     assert (found.word, found.stored) == (word, "PASS")

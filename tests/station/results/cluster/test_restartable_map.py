@@ -108,7 +108,7 @@ def test_a_killed_worker_is_survived_and_what_kills_every_worker_is_named(tmp_pa
 def test_an_address_where_nobody_answers_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(dask_engine, "ANSWER_S", 0.5)
+    monkeypatch.setattr(dask_engine, "SCHEDULER_TIMEOUT_S", 0.5)
     for address in ("tcp://127.0.0.1:1", "tcp://127.0.0.1:x", "nonsense://a"):
         command = ["resolve", str(tmp_path), "--scheduler", address, "--db", str(tmp_path / "s.db")]
         assert cli.run(command) == 2

@@ -26,7 +26,7 @@ from station.files.campaign_folder.campaign_writing import write_campaign
 from station.files.sha256sums import append_hash
 from station.results.cluster.code_hash import code_hash
 from station.results.cluster.engine import open_engine
-from station.results.resolve.previous_solution import Before
+from station.results.resolve.previous_solution import PreviousSolution
 from station.results.resolve.solution_comparison import compare
 from station.results.solution_json import solution_document
 from tests.fixtures_db.factory import NOON
@@ -203,7 +203,7 @@ def test_a_warning_whose_folder_was_typed_otherwise_is_not_new(resolve: Resolve,
     file.write_text(json.dumps(document))
     assert resolve(str(fleet / "S2"))[1]["S2"]["new_warnings"] == []
     now = {"warnings": given, **{key: document[key] for key in document if key != "warnings"}}
-    before = Before("solution", "solution.json", document, tuple(document["warnings"]))
+    before = PreviousSolution("solution", "solution.json", document, tuple(document["warnings"]))
     assert compare(now, before, ())["new_warnings"] == []
     other = {**now, "warnings": [*given, f"{fleet / 'S2'}/dwell_02.csv:17: a gap of 0.5 s and more"]}
     assert len(compare(other, before, ())["new_warnings"]) == 1
