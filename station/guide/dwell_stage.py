@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from typing import Any, Protocol
 
-from procedures.campaign.plan_steps import Dwell, Soak
+from procedures.arrays import FloatArray
+from procedures.campaign.plan_steps import Dwell, FreePosition, Soak
 from procedures.frames import face_normal
 from station.guide.accepted_dwell import triad_estimates
 from station.guide.dwell_attempt import TOUCHED, DwellAttempt, crept
@@ -32,30 +33,69 @@ class NextStage(Protocol):
         ...
 
 
-class DwellStage:
-    """One attempt at a dwell or soak on ``face``, for one of ``dwells``, the likeliest first.
+class RestRecording:
+    """What a dwell on a face and a rest in a free attitude share: one attempt, its accepted seconds, its soak."""
 
-    A soak is judged by face, heading and stillness alone: what its counts drift by is what it is for.
-    """
-
-    def __init__(self, context: StageContext, face: str, dwells: Sequence[Dwell | Soak], again: NextStage) -> None:
-        self._context, self._face, self._dwells, self._again = context, face, dwells, again
+    def __init__(self, context: StageContext, step: Dwell | FreePosition | Soak, again: NextStage) -> None:
+        self._context, self._again, self._is_soak = context, again, isinstance(step, Soak)
         period = context.feed.period
-        self._is_soak = isinstance(dwells[0], Soak)
-        samples = round(dwells[0].seconds / period)
+        samples = round(step.seconds / period)
         self._dwelling = DwellAttempt(samples, period, context.rough_gyro_k, drifts=self._is_soak)
         self._thermometer = SoakTemperature()
-        self._seat = SeatCheck(context, face)
-        self._is_neither = False
-        self._position, self._how = context.position, AS_SAID if context.position else ""
-        if not dwells[0].position:  # a soak that wants the face only
-            self._how = ANY_HEADING
         context.event_log.say("start", "recording: keep your hands off")
 
     @property
     def oldest(self) -> int | None:
         """The first sample that is still needed."""
         return self._dwelling.oldest
+
+    def _begun_again(self, block: Block, look: BlockLook) -> Stage | None:
+        """Take a second of the stream; return the stage that begins anew, None where this one goes on."""
+        was_disturbed = self._dwelling.is_disturbed
+        self._thermometer.take(block)
+        if why := self._dwelling.take(block, look):
+            if why == TOUCHED:
+                self._context.event_log.say("still", "not let go yet: keep your hands off")
+                return self._again(self._context, "", must_move=False)
+            return self._again(self._context, f"{why}; it begins again", must_move=False)
+        if self._dwelling.is_disturbed and not was_disturbed:
+            self._context.event_log.say("still", "disturbed: keep still, only those seconds are left out")
+        return None
+
+    def _progress(self, step: Dwell | FreePosition | Soak, where: str) -> dict[str, Any]:
+        """Return the fields of a view that say how far it is."""
+        accepted_s = min(self._dwelling.accepted_s, step.seconds)
+        soak = self._thermometer.view(step.seconds - accepted_s) if self._is_soak else None
+        line = f"{where}: {accepted_s:.0f} of {step.seconds:.0f} s, hands off"
+        return {
+            "stage": "dwell", "live": step.name, "accepted_s": accepted_s, "wanted_s": step.seconds,
+            "hint": "disturbed: those seconds are left out; keep still" if self._dwelling.is_disturbed else "",
+            "line": f"{line}; {soak_in_words(soak)}" if soak else line, "soak": soak,
+        }  # fmt: skip
+
+    def _crept(self, up: FloatArray) -> str:
+        """Say how far the cube crept; ``up`` (3,) in IMU axes. Not of a soak, whose slope is what is looked for."""
+        if self._is_soak:
+            return ""
+        context, dwelling = self._context, self._dwelling
+        recorded = series_of_runs(context.feed.buffer, dwelling.runs(), context.feed.period)
+        return crept(triad_estimates(recorded.accel, recorded), dwelling.accepted_s, up)
+
+
+class DwellStage(RestRecording):
+    """One attempt at a dwell or soak on ``face``, for one of ``dwells``, the likeliest first.
+
+    A soak is judged by face, heading and stillness alone: what its counts drift by is what it is for.
+    """
+
+    def __init__(self, context: StageContext, face: str, dwells: Sequence[Dwell | Soak], again: NextStage) -> None:
+        super().__init__(context, dwells[0], again)
+        self._face, self._dwells = face, dwells
+        self._seat = SeatCheck(context, face)
+        self._is_neither = False
+        self._position, self._how = context.position, AS_SAID if context.position else ""
+        if not dwells[0].position:  # a soak that wants the face only
+            self._how = ANY_HEADING
 
     @property
     def _step(self) -> Dwell | Soak:
@@ -64,16 +104,10 @@ class DwellStage:
 
     def take(self, block: Block, look: BlockLook) -> Stage:
         """Take a second of the stream."""
-        was_disturbed = self._dwelling.is_disturbed
-        self._thermometer.take(block)
         if self._is_neither:
             return self._again(self._context, "set the cube down along the marks on the slab", must_move=True)
-        if why := self._dwelling.take(block, look):
-            if why == TOUCHED:
-                self._context.event_log.say("still", "not let go yet: keep your hands off")
-                return self._again(self._context, "", must_move=False)
-            return self._again(self._context, f"{why}; it begins again", must_move=False)
-        self._tell(was_disturbed)
+        if begun_again := self._begun_again(block, look):
+            return begun_again
         if self._dwelling.is_disturbed or not self._dwelling.kept:
             return self
         if why := self._wrong_heading() or self._seat_fault():
@@ -93,19 +127,13 @@ class DwellStage:
 
     def shown(self) -> dict[str, Any]:
         """Return how far the dwell is."""
-        wanted_s = self._step.seconds
-        accepted_s = min(self._dwelling.accepted_s, wanted_s)
-        where = step_title(self._step) if self.is_known else f"{step_title(self._step)}?"
-        soak = self._thermometer.view(wanted_s - accepted_s) if self._is_soak else None
-        line = f"{where}: {accepted_s:.0f} of {wanted_s:.0f} s, hands off"
-        hint = "disturbed: those seconds are left out; keep still" if self._dwelling.is_disturbed else ""
+        step = self._step
+        shown = self._progress(step, step_title(step) if self.is_known else f"{step_title(step)}?")
         if self._question and self._dwelling.is_complete:
-            hint = "recorded; it is accepted once it is known which way the cube points"
-        return {
-            "stage": "dwell", "live": self._step.name, "hint": hint,
-            "accepted_s": accepted_s, "wanted_s": wanted_s,
-            "line": f"{line}; {soak_in_words(soak)}" if soak else line, "soak": soak, "question": self._question,
-            "position": self._position, "heading": self._how or "reading the Earth rate",
+            shown["hint"] = "recorded; it is accepted once it is known which way the cube points"
+        return shown | {
+            "question": self._question, "position": self._position,
+            "heading": self._how or "reading the Earth rate",
             "seating": self._seat.words, "is_seated": not self._seat.is_to_lift,
         }  # fmt: skip
 
@@ -123,10 +151,6 @@ class DwellStage:
 
     def _seat_fault(self) -> str:
         return "" if self._is_soak else self._seat.fault(self._dwelling, self._position)
-
-    def _tell(self, was_disturbed: bool) -> None:
-        if self._dwelling.is_disturbed and not was_disturbed:
-            self._context.event_log.say("still", "disturbed: keep still, only those seconds are left out")
 
     def _wrong_heading(self) -> str:
         """Read the heading; say what is wrong with it."""
@@ -161,7 +185,7 @@ class DwellStage:
         dwelling.forget_restless(context.gate.stillness.is_still)
         if not dwelling.is_complete:
             return self
-        if why := self._crept():
+        if why := self._crept(context.C_sb @ face_normal(self._face)):
             return self._again(context, f"{why}; it begins again", must_move=False)
         if not self.is_known and not context.bench.asks:
             self._position, self._how = self._dwells[0].position, AS_ASKED
@@ -173,12 +197,3 @@ class DwellStage:
             return self._again(context, why, must_move=True)
         context.accept(self._step, dwelling.runs(), kept_seat=None if self._is_soak else self._seat.kept)
         return after_dwell(context, lambda why: self._again(context, why, must_move=True))
-
-    def _crept(self) -> str:
-        """Say how far the cube crept; in a soak a slope is what is looked for."""
-        if self._is_soak:
-            return ""
-        context, dwelling = self._context, self._dwelling
-        recorded = series_of_runs(context.feed.buffer, dwelling.runs(), context.feed.period)
-        up = context.C_sb @ face_normal(self._face)
-        return crept(triad_estimates(recorded.accel, recorded), dwelling.accepted_s, up)
