@@ -49,8 +49,10 @@ def calibrate(
     closure_std: Annotated[
         float | None, typer.Option("--closure-std", metavar="DEG", help="How well turns close, 1 sigma.")
     ] = None,
-    model: Annotated[str | None, typer.Option("--model", help="For a device that does not say its own.")] = None,
-    serial: Annotated[str | None, typer.Option("--serial", help="For a device that does not say its own.")] = None,
+    model: Annotated[str | None, typer.Option("--model", help="For a device that does not send its own.")] = None,
+    serial: Annotated[
+        str | None, typer.Option("--serial", help="For a device that does not send its own.")
+    ] = None,
     plan: Annotated[
         Path | None, typer.Option("--plan", metavar="FILE", help="Other steps than the usual 18, as plan/1.")
     ] = None,

@@ -71,13 +71,13 @@ def monitor(
     speed: Annotated[
         float, typer.Option("--speed", metavar="N", min=0.0, help="Of a replay; 0: as fast as it can.")
     ] = 1.0,
-    model: Annotated[str, typer.Option("--model", help="For a device that does not say its own.")] = "",
-    serial: Annotated[str, typer.Option("--serial", help="For a device that does not say its own.")] = "",
+    model: Annotated[str, typer.Option("--model", help="For a device that does not send its own.")] = "",
+    serial: Annotated[str, typer.Option("--serial", help="For a device that does not send its own.")] = "",
     slow: Annotated[bool, typer.Option("--slow", help="Two views a second, for a slow console.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Ring no bell.")] = False,
     db: Database = None,
 ) -> None:
-    """Watch roll and pitch [deg] of a live IMU, and what its calibration bought while it rests.
+    """Watch roll and pitch [deg] of a live IMU, and its errors at rest with and without the calibration.
 
     Angles are of forward-right-down axes, rates in deg/s. The run is recorded: session_*.mcap has every byte,
     recording.mcap bytes and counts, events.csv marks and alarms; `replay:FILE` gives the same attitude again. On

@@ -42,8 +42,8 @@ def record(
         str,
         typer.Option("--lever-arm", metavar="X,Y,Z", help="For --fusion: IMU to antenna [m], IMU axes."),
     ] = "",
-    model: Annotated[str, typer.Option("--model", help="For a device that does not say its own.")] = "",
-    serial: Annotated[str, typer.Option("--serial", help="For a device that does not say its own.")] = "",
+    model: Annotated[str, typer.Option("--model", help="For a device that does not send its own.")] = "",
+    serial: Annotated[str, typer.Option("--serial", help="For a device that does not send its own.")] = "",
     db: Database = None,
 ) -> None:
     """Record the raw bytes and the counts of a device; Ctrl-C ends it and keeps what was recorded.

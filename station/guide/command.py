@@ -19,7 +19,7 @@ CommandVerb = Literal[
     "pause",
     "go_on",
     "answer",  # the question, with `key`
-    "keep_seating",  # take the cube as it sits
+    "keep_seating",  # accept the cube as it sits
     "finish",  # solve with what is there
     "store",  # the calibration: the operator's act
     "leave",  # end here, to be resumed

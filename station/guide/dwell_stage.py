@@ -21,7 +21,7 @@ from station.stream.live.accepted_blocks import series_of_runs
 from station.stream.live.stillness import Block
 
 ASK_AFTER_S = 10.0  # of accepted seconds without a sure heading
-BY_EARTH, AS_SAID, AS_ASKED = "by the Earth rate", "as said", "as asked for, not checked"
+BY_EARTH, AS_SAID, AS_ASKED = "by the Earth rate", "as you said", "as asked for, not checked"
 ANY_HEADING = "any will do"
 
 
@@ -74,7 +74,7 @@ class RestRecording:
         }  # fmt: skip
 
     def _crept(self, up: FloatArray) -> str:
-        """Say how far the cube crept; ``up`` (3,) in IMU axes. Not of a soak, whose slope is what is looked for."""
+        """Say how far the cube crept, ``up`` (3,) in IMU axes; not of a soak, whose slope is looked for."""
         if self._is_soak:
             return ""
         context, dwelling = self._context, self._dwelling

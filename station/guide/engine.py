@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
 FOR_UNIT = "waiting for the unit to say who it is"
 WHOLE = "all is recorded: leave, and diagnose it together with the campaign that it complements"
-ELSEWHERE = "; if it is at another port now, look at its address and go on, or `station resume --device URL`"
+ELSEWHERE = "; if it is at another port now, check that address and resume, or use `station resume --device URL`"
 ENDED_STAGES = frozenset({"cancelled", "left", "failed"})
 DEVICE_VERBS = frozenset({"redo", "choose"})  # what needs the device of a campaign that is complete
 LOOK_VERBS = {
@@ -188,7 +188,7 @@ class CalibrationEngine:
                 self._considered = self._considered.model_copy(update={"url": _port_of(folder)})
             self._start(lambda: _resumed(folder, self._database, options), is_to_go_on=True)
         elif command.verb in {"cancel", "leave"}:
-            self._end("cancelled", "nothing was begun; the database is as it was")
+            self._end("cancelled", "nothing was begun; the database is unchanged")
 
     def _consider(self, setup: Setup) -> None:
         """Have it said how ready the set-up is that stands in the form."""
@@ -265,7 +265,7 @@ class CalibrationEngine:
 
         campaign.close()
         cancel_campaign(campaign.folder, self._database)
-        self._end("cancelled", f"cancelled; the database is as it was, the recordings stay in {campaign.folder}")
+        self._end("cancelled", f"cancelled; the database is unchanged, the recordings stay in {campaign.folder}")
 
     def _fail(self, error: CannotWrite | DatabaseError | DriverError) -> None:
         if isinstance(error, DiskFull) and self._campaign is not None:  # what it failed on is the smallest part
@@ -277,7 +277,7 @@ class CalibrationEngine:
         done = f"{self.view.done} accepted steps are safe; `station resume` goes on with them"
         self.view = self.view.model_copy(
             update={
-                "stage": "failed", "line": "the campaign cannot go on", "error": str(error), "hint": done,
+                "stage": "failed", "line": "the campaign has stopped", "error": str(error), "hint": done,
                 "code": exit_code(error) or 0,
             }
         )  # fmt: skip

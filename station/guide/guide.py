@@ -110,7 +110,7 @@ class Guide:
         if self.trouble:
             self.trouble = ""
             if not self._look_for_restart():
-                self.context.event_log.say("", "the stream is back")
+                self.context.event_log.say("", "data are coming again")
 
     def _look_for_restart(self) -> bool:
         """Say so if the unit was switched off and on: it warms up again, and its biases are others."""
@@ -238,7 +238,9 @@ class Guide:
             self.context.event_log.say("", "nothing to do again yet")
             return
         step = next(each for each in checklist.steps if each.name == name)
-        self.context.event_log.say("", f"{step_title(step)} is to be done again; the one before counts until then")
+        self.context.event_log.say(
+            "", f"{step_title(step)} is to be recorded again; the earlier recording counts until then"
+        )
         self._look_again()
 
     def _look_again(self) -> None:

@@ -117,7 +117,7 @@ def _survey(setup: Setup, known: PriorKnowledge) -> Mapping[str, Any] | None:
 
 def _limits(model: str, no_pass: str | None, known: PriorKnowledge) -> ReadyLine:
     if not model:
-        return _note("limits", "which model? The port was not looked at")
+        return _note("limits", "model unknown: look at the port first")
     if no_pass:
         remedy = f"; `station fixtures limits {model} --example`" if model not in known.limits else ""
         return _lacking("limits", no_pass + remedy)
@@ -127,7 +127,7 @@ def _limits(model: str, no_pass: str | None, known: PriorKnowledge) -> ReadyLine
 def _operator(setup: Setup) -> ReadyLine:
     if setup.operator:
         return _ready("operator", setup.operator)
-    return _lacking("operator", "nobody is named; a certificate names who measured")
+    return _lacking("operator", "no operator is named; a certificate needs one")
 
 
 def _fixture(kind: str, name: str, known: PriorKnowledge) -> ReadyLine:
@@ -155,7 +155,7 @@ def _site(setup: Setup, known: PriorKnowledge) -> ReadyLine:
         text = "whose survey shows once the receiver has said the latitude"
         return _note("site", text)
     if (survey := _survey(setup, known)) is None:
-        text = "gravity of no survey in the database; the laboratory's file must say whose"
+        text = "no survey with this gravity is stored; the laboratory file must name one"
         return _note("site", text)
     name, due = survey["id"], survey.get("due_date")
     if due is not None and is_expired(date.fromisoformat(due), known.today):
@@ -165,7 +165,7 @@ def _site(setup: Setup, known: PriorKnowledge) -> ReadyLine:
 
 def _disk(known: PriorKnowledge) -> ReadyLine:
     if known.free is None:
-        return _note("disk", "how much is free cannot be told")
+        return _note("disk", "the free space is not known")
     free = f"{megabytes(known.free)} free"
     if known.needed is None:
         return _note("disk", f"{free}; what is needed follows from the port's rate")
@@ -175,7 +175,7 @@ def _disk(known: PriorKnowledge) -> ReadyLine:
 
 def _receiver(setup: Setup, receiver: PortCheck | None) -> ReadyLine:
     if not setup.gnss:
-        return _note("receiver", "none: time is this machine's")
+        return _note("receiver", "none: this machine's clock is used")
     if receiver is None:
         return _note("receiver", "not listened to yet")
     return (_ready if receiver.is_good else _lacking)("receiver", receiver.text)

@@ -113,7 +113,7 @@ class TurnStage:
             line = f"{step_title(self._step)}: {abs(turn.revolutions):.2f} of {turn.wanted} turns"
             hint = _speed(turn)
             if self._is_wrong_way:
-                hint = f"the other way round: {turn_sense(self._step)} from above was asked for"
+                hint = f"wrong direction: turn {turn_sense(self._step)}, seen from above"
         return {
             "stage": "turn", "live": self._step.name, "line": line, "hint": hint, "turn": turn,
             "question": self._question, "position": self._position,
@@ -233,7 +233,7 @@ class TurnStage:
         other = self._other
         if other is None or self._takes_other is False:
             expected = f"expected {turn_sense(self._step)} seen from above"
-            return f"{step_title(self._step)}: it was the other way round, {expected}; once more"
+            return f"{step_title(self._step)}: wrong direction, {expected}; once more"
         if self._takes_other or not self._context.bench.asks:
             self._context.event_log.say("", f"taken as {step_title(other)}")
             self._step = other

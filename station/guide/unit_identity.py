@@ -36,14 +36,14 @@ def same_unit(before: UnitRecord, now: UnitRecord) -> Sameness:
     """
     if before.serial_from_wire and now.serial_from_wire:
         if (before.model, before.serial) == (now.model, now.serial):
-            return Sameness("yes", f"it says serial number {now.serial}, as when the campaign began")
-        text = f"it says {now.model} {now.serial}, the campaign began with {before.model} {before.serial}"
+            return Sameness("yes", f"it sends serial number {now.serial}, as when the campaign began")
+        text = f"it sends {now.model} {now.serial}, the campaign began with {before.model} {before.serial}"
         return Sameness("no", text)
     if abs(now.period / before.period - 1) > MAX_PERIOD_DIFFERENCE:
         text = f"it sends every {now.period:.6g} s, the campaign's unit every {before.period:.6g} s"
         return Sameness("no", text)
     if before.rate is None or before.noise is None or now.rate is None or now.noise is None:
-        return Sameness("unsure", "it says no serial number, and there is no dwell yet to compare with")
+        return Sameness("unsure", "it sends no serial number, and there is no dwell yet to compare with")
     rate, other = np.array(now.rate), np.array(before.rate)
     if (here := _face(rate)) != (there := _face(other)):
         text = f"it rests with {here}; put it down with {there}, as in the campaign's first dwell, to compare"
@@ -51,7 +51,7 @@ def same_unit(before: UnitRecord, now: UnitRecord) -> Sameness:
     noise, other_noise = (np.maximum(np.array(each), MIN_VARIANCE) for each in (now.noise, before.noise))
     if unlike := _differences(rate, other, noise, other_noise):
         return Sameness("unsure", f"unlike the campaign's first dwell: {', '.join(unlike)}")
-    return Sameness("yes", "it says no serial number, but its rates and noise are those of the first dwell")
+    return Sameness("yes", "it sends no serial number, but its rates and noise are those of the first dwell")
 
 
 def _face(rate: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:

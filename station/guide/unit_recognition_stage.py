@@ -71,4 +71,4 @@ class UnitRecognitionStage:
                     self._context.feed.address.name, f"a unit that {found.text}", self._before.serial
                 )
             self._answer = "y"
-        self._text = f"It says no serial number; {found.text}."
+        self._text = f"It sends no serial number; {found.text}."

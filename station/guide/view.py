@@ -78,7 +78,7 @@ class GatesView(FrozenValue):
     still_channel: str = ""
     is_still: bool = False
     position: int = 0
-    heading: str = ""  # "by the Earth rate", "as said", "reading the Earth rate", "not known"
+    heading: str = ""  # "by the Earth rate", "as you said", "reading the Earth rate", "not known"
     seating: str = ""  # "seated within 3 arcsec", or why to lift, wipe and set down
     is_seated: bool = True
 

@@ -1,7 +1,7 @@
-"""What the calibration bought: a unit at rest on a level slab, read with the calibration and without it.
+"""The errors of a unit at rest on a level slab, with its calibration and without it.
 
 At rest the specific force has one size and points along a face's axis if the slab is level, and the gyros show
-the Earth's rotation. What is left is the reading's fault: of level [deg], of drift [deg/h], of g [mg].
+the Earth's rotation. What is left is the error of the reading: of level [deg], of drift [deg/h], of g [mg].
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ from procedures.arrays import FloatArray
 from procedures.earth.gravity_and_rate import EARTH_RATE
 from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
 from station.calibrated.rates_and_forces import CalibratedTick, RatesAndForces
-from station.monitor.view import CalibrationGain, RestErrors
+from station.monitor.view import RestErrorComparison, RestErrors
 
 MIN_REST_S = 2.0
 MOVED_FORCE = 0.1  # m/s2, of a tick's mean from that of the rest so far
@@ -50,11 +50,11 @@ class ErrorAtRest:
         self._seconds += seconds
 
     @property
-    def bought(self) -> CalibrationGain | None:
+    def comparison(self) -> RestErrorComparison | None:
         """Both sides; None before 2 s of rest."""
         if self._seconds < MIN_REST_S:
             return None
-        return CalibrationGain(self._seconds, self._side("with"), self._side("without"), self._known())
+        return RestErrorComparison(self._seconds, self._side("with"), self._side("without"), self._known())
 
     def _side(self, name: str) -> RestErrors:
         rate, force = self._sums[name] / self._n

@@ -218,7 +218,7 @@ class Monitor:
             return
         self._rest.take(tick, TICK_S, rests=found.at_rest)
         reading = self._reading(tick, found)
-        self._change(reading=reading, bought=self._rest.bought, line="", location=self._location())
+        self._change(reading=reading, at_rest=self._rest.comparison, line="", location=self._location())
         self._history.append(self._point(reading))
         self._say_north()
         self._ring(reading)
@@ -293,8 +293,8 @@ class Monitor:
             self._hear_of(each)
         recording = self._recording.name if self._recording is not None else ""
         self._change(
-            streams=streams, bought=self._rest.bought, history=tuple(self._history), events=self._event_log.events,
-            recording=recording, in_use=self._in_use,
+            streams=streams, at_rest=self._rest.comparison, history=tuple(self._history),
+            events=self._event_log.events, recording=recording, in_use=self._in_use,
         )  # fmt: skip
 
     def _change(self, **changes: object) -> None:

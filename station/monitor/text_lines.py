@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from station.locate.location import Location
-from station.monitor.view import LATE_S, CalibrationGain, MonitorSession, MonitorVerb, MonitorView, RestErrors
+from station.monitor.view import LATE_S, MonitorSession, MonitorVerb, MonitorView, RestErrorComparison, RestErrors
 from station.stream.events import NewEvents
 from station.text.plural import plural
 
@@ -36,9 +36,9 @@ def json_line(view: MonitorView) -> str:
         told["zero_deg"] = list(view.zero)
     if view.alarms:
         told["alarms"] = list(view.alarms)
-    if view.bought is not None:
-        told["at_rest"] = {"seconds": view.bought.seconds, "earth": view.bought.earth} | {
-            name: _side(side) for name, side in _sides(view.bought)
+    if view.at_rest is not None:
+        told["at_rest"] = {"seconds": view.at_rest.seconds, "earth": view.at_rest.earth} | {
+            name: _side(side) for name, side in _sides(view.at_rest)
         }
     if view.location is not None:
         told["location"] = _location(view.location)
@@ -62,8 +62,8 @@ def _location(location: Location) -> dict[str, Any]:
     return told | {name: value for name, value in known.items() if value is not None}
 
 
-def _sides(bought: CalibrationGain) -> tuple[tuple[str, RestErrors], ...]:
-    return ("calibrated", bought.with_it), ("nominal", bought.without)
+def _sides(at_rest: RestErrorComparison) -> tuple[tuple[str, RestErrors], ...]:
+    return ("calibrated", at_rest.calibrated), ("nominal", at_rest.nominal)
 
 
 def _side(side: RestErrors) -> dict[str, float]:
@@ -106,11 +106,11 @@ def reading_line(view: MonitorView) -> str:
         f"{reading.t:.1f} s: roll {shown[0]:.3f}, pitch {shown[1]:.3f} deg{zeroed}, 1 sigma {reading.sigma:.3f}, "
         f"{reading.mode}, residual {reading.residual:.3f} deg"
     )
-    if view.bought is not None:
-        with_it, without = view.bought.with_it, view.bought.without
+    if view.at_rest is not None:
+        calibrated, nominal = view.at_rest.calibrated, view.at_rest.nominal
         line += (
-            f"; with and without calibration: level {with_it.level:.3f}, {without.level:.3f} deg, "
-            f"drift {with_it.drift:.2f}, {without.drift:.2f} deg/h ({view.bought.earth})"
+            f"; with and without calibration: level {calibrated.level:.3f}, {nominal.level:.3f} deg, "
+            f"drift {calibrated.drift:.2f}, {nominal.drift:.2f} deg/h ({view.at_rest.earth})"
         )
     if view.location is not None:
         line += f"; {location_line(view.location)}{_behind(view)}"

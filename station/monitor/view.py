@@ -68,12 +68,12 @@ class RestErrors:
 
 
 @dataclass(frozen=True, slots=True)
-class CalibrationGain:
-    """What the calibration bought, over ``seconds`` of rest; ``off`` is what the drift still has of the Earth."""
+class RestErrorComparison:
+    """Errors with and without the calibration over ``seconds`` of rest; ``earth``: is its rate taken off."""
 
     seconds: float
-    with_it: RestErrors
-    without: RestErrors
+    calibrated: RestErrors
+    nominal: RestErrors
     earth: str
 
 
@@ -86,7 +86,7 @@ class MonitorView:
     line: str = "waiting for the first samples"
     reading: AttitudeReading | None = None
     history: tuple[ChartPoint, ...] = ()
-    bought: CalibrationGain | None = None
+    at_rest: RestErrorComparison | None = None
     streams: tuple[StreamState, ...] = ()
     in_use: InUse = field(default_factory=InUse)
     location: Location | None = None  # None: not asked for

@@ -119,7 +119,7 @@ class TurnWatch:
             return "the cube was tipped, or turned about another axis"
         if (self.turned_counts > 0) != (self._step.direction == "+"):
             sense = "counter-clockwise" if self._step.direction == "+" else "clockwise"
-            return f"it was the other way round, expected {sense} seen from above"
+            return f"wrong direction, expected {sense} seen from above"
         usual = float(np.median(self._earlier)) if self._earlier else self.counts_per_revolution
         if abs(self.counts_per_revolution / usual - 1) > MAX_SCALE_DIFFERENCE:
             return (

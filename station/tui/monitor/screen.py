@@ -27,9 +27,9 @@ from station.tui.widgets.title_bar import TitleBar
 
 HELP = (
     "Roll and pitch of forward-right-down axes. Residual is the angle between what the accelerometers say is down "
-    "and the attitude. At rest on a slab the table shows what the calibration bought: what is left of level, "
-    "drift and g, with it and without. The zero is taken off what is shown and off nothing else: recordings, JSON "
-    "and MAVLink have absolute angles."
+    "and the attitude. At rest on a slab the table shows the errors of level, drift and g, with the calibration "
+    "and without it. The zero changes what is shown and nothing else: recordings, JSON and MAVLink keep absolute "
+    "angles."
 )
 HELP_LOCATED = (
     "The place is East, North and Up of the first fix, which is + on the map; ✗ is a fix that stands off, counted "
@@ -123,7 +123,7 @@ class MonitorScreen(Screen[None]):
         self.state.show(state_of(view))
         self.horizon.show(view.shown)
         self.readings.show(view)
-        self.comparison.show(view.bought)
+        self.comparison.show(view.at_rest)
         for chart in self.charts:
             chart.show(view.history)
         self.events.show(view.events)

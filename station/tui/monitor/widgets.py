@@ -3,7 +3,7 @@
 from textual.content import Content
 
 from station.calibrated.in_use import InUse
-from station.monitor.view import CalibrationGain, ChartPoint, MonitorView, MotionState
+from station.monitor.view import ChartPoint, MonitorView, MotionState, RestErrorComparison
 from station.stream.events import StreamState
 from station.tui.canvas import Canvas
 from station.tui.monitor.horizon_picture import horizon_picture
@@ -85,8 +85,8 @@ def _short(value: float, digits: int) -> str:
     return f"{value:+.{max(digits - (abs(value) >= 10) - (abs(value) >= 100) - (abs(value) >= 1000), 0)}f}"
 
 
-class RestComparison(ValueWidget[CalibrationGain | None]):
-    """What the calibration bought, side by side."""
+class RestComparison(ValueWidget[RestErrorComparison | None]):
+    """The errors at rest with and without the calibration, side by side."""
 
     DEFAULT_CSS = """
     RestComparison { height: 5; padding-left: 1; }
@@ -94,22 +94,22 @@ class RestComparison(ValueWidget[CalibrationGain | None]):
 
     def render(self) -> Content:
         """Draw a small table."""
-        bought = self.value
-        if bought is None:
+        errors = self.value
+        if errors is None:
             return Content("\n").join((
                 Content.styled("ON A LEVEL SLAB  calibrated    nominal", "bold"),
                 Content.styled("at rest, after 2 s", "$muted"),
             ))  # fmt: skip
         rows = [
-            _row(name, getattr(bought.with_it, part), getattr(bought.without, part), unit)
+            _row(name, getattr(errors.calibrated, part), getattr(errors.nominal, part), unit)
             for name, part, unit in (("level", "level", "deg"), ("drift", "drift", "deg/h"), ("g", "g", "mg"))
         ]
-        head = f"AT REST {bought.seconds:.0f} s".ljust(17) + "calibrated    nominal"
-        return Content("\n").join((Content.styled(head, "bold"), *rows, Content.styled(bought.earth, "$muted")))
+        head = f"AT REST {errors.seconds:.0f} s".ljust(17) + "calibrated    nominal"
+        return Content("\n").join((Content.styled(head, "bold"), *rows, Content.styled(errors.earth, "$muted")))
 
 
-def _row(name: str, with_it: float, without: float, unit: str) -> Content:
-    numbers = ["-" if value != value else f"{value:.3f}" for value in (with_it, without)]
+def _row(name: str, calibrated: float, nominal: float, unit: str) -> Content:
+    numbers = ["-" if value != value else f"{value:.3f}" for value in (calibrated, nominal)]
     return Content.assemble(
         f"{name + ' error' if name != 'drift' else name:15}", (f"{numbers[0]:>12}", "bold $success"),
         (f"{numbers[1]:>11}", "$warning"), f" {unit}",

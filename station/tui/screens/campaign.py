@@ -28,7 +28,7 @@ STAGE_LOOKS: dict[StageName, tuple[str, str, str]] = {
     "turn": ("TURN", CLOCKWISE, "$accent"),
     "paused": ("PAUSED", "‖", "$foreground"),
 }
-GRID_HELP = "Any order is taken: put the cube as you like and it is recognised. Arrows and Enter choose a step."
+GRID_HELP = "Any order works: the station recognises how the cube stands. Arrows and Enter choose a step."
 
 
 class CampaignScreen(FramedScreen):
@@ -53,7 +53,7 @@ class CampaignScreen(FramedScreen):
         Binding("p", "pause", "Pause", tooltip="pause, or go on"),
         Binding("b", "back", "Back", tooltip="the cursor to the step before"),
         Binding("escape", "home", "Home", show=False, tooltip="the cursor to the step wanted"),
-        Binding("k", "keep", "Keep", tooltip="take the cube as it sits"),
+        Binding("k", "keep", "Keep", tooltip="accept the cube as it sits"),
         Binding("f", "finish", "Finish", tooltip="solve with what is there"),
     ]
     DEFAULT_CSS = """

@@ -14,10 +14,10 @@ ENDED_LOOKS: dict[StageName, tuple[str, str, str]] = {
         "✗ CANCELLED", "$warning",
         "Everything recorded stays as files in the folder; the database is as it was before.",
     ),
-    "left": ("‖ LEFT", "$primary", "All accepted steps are safe; `station resume` goes on from here."),
+    "left": ("‖ LEFT", "$primary", "All accepted steps are safe; `station resume` continues from here."),
     "failed": (
         "✗ STOPPED", "$error",
-        "All accepted steps are safe; `station resume` goes on once this is put right.",
+        "All accepted steps are safe; `station resume` continues once this is corrected.",
     ),
 }  # fmt: skip
 

@@ -11,7 +11,7 @@ from station.guide.view import CalibrationView
 from station.tui.screens.modal import Modal
 from station.tui.widgets.ready_lines import consequences, ready_line
 
-STILL_OPEN = "Limits may still be stored; all else counts as it stands now."
+STILL_OPEN = "Limits may still be stored later; the rest counts as it is now."
 
 
 class ReadyScreen(Modal[bool]):

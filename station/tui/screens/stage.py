@@ -21,12 +21,10 @@ RUNNING: tuple[StageName, ...] = (
     "start", "connecting", "warm_up", "place", "settle", "dwell", "turn", "paused", "solving", "verdict",
 )  # fmt: skip
 CANCEL = (
-    "Everything recorded stays as files in the folder. The database is left as it was: no calibration is stored, "
-    "and this campaign cannot be gone on with."
+    "Everything recorded stays as files in the folder. The database is unchanged: no calibration is stored, "
+    "and this campaign cannot be resumed."
 )
-LEAVE_TEXT = (
-    "All accepted steps are safe. The step in progress is not kept. The start screen offers to go on from here."
-)
+LEAVE_TEXT = "All accepted steps are safe. The step in progress is not kept. The start screen offers to resume it."
 COMMON_KEYS = ("app.ask", "leave", "cancel", "help", "command_palette")  # the keys of every screen
 MIN_SIZE = (80, 24)  # columns, rows
 CAMPAIGN_GOES_ON = "The campaign goes on meanwhile, and keys work"
@@ -78,8 +76,8 @@ class StageScreen(Screen[None]):
 
     BINDINGS = [
         Binding("a", "app.ask", "Answer", tooltip="answer the question that was put off"),
-        Binding("q", "leave", "Leave", tooltip="end here and go on another time"),
-        Binding("c", "cancel", "Cancel", tooltip="give the campaign up; the database stays as it was"),
+        Binding("q", "leave", "Leave", tooltip="end here and resume another time"),
+        Binding("c", "cancel", "Cancel", tooltip="give the campaign up; the database stays unchanged"),
         Binding("question_mark", "help", "Help", key_display="?", tooltip="what goes on, and all keys"),
     ]
     DEFAULT_CSS = """
@@ -158,7 +156,7 @@ class StageScreen(Screen[None]):
 
     def action_leave(self) -> None:
         """Ask, then leave."""
-        self.confirm("Leave and go on another time?", LEAVE_TEXT, "Yes, leave", "leave")
+        self.confirm("Leave and resume another time?", LEAVE_TEXT, "Yes, leave", "leave")
 
     def action_cancel(self) -> None:
         """Ask, then cancel."""

@@ -21,7 +21,7 @@ from station.tui.widgets.ready_lines import ReadyLines
 from station.tui.widgets.setup_form import SetupForm
 
 START_HELP = (
-    "Go on with an unfinished campaign by Enter, or fill in the form and begin. Tab and shift+Tab go from field "
+    "Resume an unfinished campaign by Enter, or fill in the form and begin. Tab and shift+Tab go from field "
     "to field, Enter opens a list. A port is looked at for two seconds when it is chosen. Dwell 0: the length "
     "comes from the unit's noise and the sigma wanted of the accelerometers' bias. A GNSS receiver says where the "
     "slab stands, where latitude is left empty, and what time it is. All is remembered."
@@ -31,7 +31,7 @@ LOOK_VERBS: dict[str, CommandVerb] = {"url": "check", "gnss": "listen"}  # what 
 
 
 UNFINISHED_STATES = {
-    "free": "▶ go on: Enter",
+    "free": "▶ resume: Enter",
     "in use": "✗ in use elsewhere",
     "not here": "✗ its folder is not here",
 }
@@ -74,7 +74,9 @@ class StartScreen(StageScreen):
     HELPS = {"start": START_HELP}
     BINDINGS = [
         Binding("ctrl+s", "begin", "Begin", tooltip="begin a new campaign as the form says"),
-        Binding("ctrl+r", "ready", "Ready?", tooltip="what is there and what lacks, and how the campaign can end"),
+        Binding(
+            "ctrl+r", "ready", "Ready?", tooltip="what is ready, what is missing, and how the campaign can end"
+        ),
         Binding("ctrl+l", "look", "Look at port", tooltip="look at the port and listen to the receiver"),
         Binding("q,ctrl+q", "leave", "Quit", tooltip="close; nothing was begun"),
         Binding("c,escape", "cancel", "Cancel", tooltip="give up; nothing was recorded"),
@@ -91,7 +93,7 @@ class StartScreen(StageScreen):
     def __init__(self, send: Callable[[OperatorCommand], None]) -> None:
         super().__init__(send)
         self.unfinished, self.form = UnfinishedList(), SetupForm()
-        self.heading = Static("GO ON with a campaign", classes="heading")
+        self.heading = Static("RESUME a campaign", classes="heading")
         self.said, self.time = Static("", id="said", markup=False), Static("", id="time", markup=False)
         self.ready = ReadyLines()
         self._considered: Setup | None = None  # what the engine was told last of the form
@@ -216,7 +218,7 @@ class StartScreen(StageScreen):
 
     def action_cancel(self) -> None:
         """Ask, then give up."""
-        text = "Nothing was begun and nothing recorded. The database is as it was."
+        text = "Nothing was begun and nothing recorded. The database is unchanged."
         self.confirm("Give up?", text, "Yes, give up", "cancel", "start")
 
     def action_leave(self) -> None:

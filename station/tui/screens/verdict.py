@@ -57,9 +57,9 @@ class VerdictScreen(StageScreen):
     }
     BINDINGS = [
         Binding("s", "store", "Store", tooltip="put the calibration into the database"),
-        Binding("r", "redo", "Redo", tooltip="record the position again that stood turned or was kept tilted"),
+        Binding("r", "redo", "Redo", tooltip="record again the position that stood turned or was kept tilted"),
         Binding("o", "open_report", "Open report", tooltip="show the report in a browser"),
-        Binding("d", "diagnose", "Diagnose", tooltip="all that the residual says the model lacks"),
+        Binding("d", "diagnose", "Diagnose", tooltip="what the residuals say the model is missing"),
         Binding("down,pagedown", "roll(1)", "More", key_display="↑↓", tooltip="scroll the facts and the numbers"),
         Binding("up,pageup", "roll(-1)", "More", show=False),
     ]

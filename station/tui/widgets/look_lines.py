@@ -25,10 +25,10 @@ class CheckLine(ValueWidget[PortLook]):
         if is_checking:
             return Content.styled("… looking at the port for two seconds", "$muted")
         if check is None or check.url != url:
-            return _not_yet("looked at" if url else "")
+            return _not_yet(url)
         if not check.is_good:
             return _refused(check)
-        unit = f"{check.model or 'model not said'} {check.serial or 'serial not said'}"
+        unit = f"{check.model or 'model unknown'} {check.serial or 'serial number unknown'}"
         rate = "" if check.rate_hz is None else f", {check.rate_hz:.1f} Hz"
         errors = f", {check.bad_frames} of {check.frames + check.bad_frames} frames bad"
         return Content.assemble(
@@ -56,18 +56,18 @@ class ReceiverLine(ValueWidget[ReceiverLook]):
     def render(self) -> Content:
         """Draw the look, if it is of the address that stands in the form."""
         url, check, is_listening, is_stated = self.value
-        use = "compared with the latitude stated" if is_stated else "what is not given below is taken from it"
+        use = "compared with the latitude stated" if is_stated else "it fills in what is left empty below"
         if is_listening:
             return Content.styled("… listening to the receiver for a few seconds", "$muted")
         if check is None or check.url != url:
-            return _not_yet("listened to")
+            return _not_yet(url)
         if not check.is_good:
             return _refused(check)
         return Content.assemble(("✓ ", "bold $success"), (check.text, "bold"), f"; {use}")
 
 
-def _not_yet(done: str) -> Content:
-    return Content.styled(f"not {done} yet: Enter in the address, or ctrl+l" if done else "", "$muted")
+def _not_yet(url: str) -> Content:
+    return Content.styled("not checked yet: Enter in the address, or ctrl+l" if url else "", "$muted")
 
 
 def _refused(check: PortCheck) -> Content:

@@ -118,7 +118,7 @@ class SetupForm(VerticalScroll, can_focus=False):
         found = problems(texts)
         if self._check and self._check.is_good:
             silent = [name for name in ("model", "serial") if not texts[name]]
-            found |= dict.fromkeys(silent, "is needed: this device does not say its own")
+            found |= dict.fromkeys(silent, "is needed: this device does not send it")
         return found
 
     def setup(self) -> Setup:

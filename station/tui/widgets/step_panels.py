@@ -75,7 +75,7 @@ class SoakLines(ValueWidget[SoakView | None]):
         if soak is None:
             return Content("")
         minutes, seconds = divmod(round(soak.left_s), 60)
-        said = "the device does not say it"
+        said = "the device does not send it"
         if soak.temperature_c is not None:
             said = f"{soak.temperature_c:.1f} degC, so far {soak.low_c:.1f} to {soak.high_c:.1f}"
         return Content.assemble((" TEMP  ", "bold"), said, ("\n LEFT  ", "bold"), f"{minutes} min {seconds:02d} s")

@@ -96,7 +96,7 @@ def test_where_the_earth_rate_does_not_tell_it_is_asked(rig: Make) -> None:
     assert guided.view.done == 0
     guided.obey("answer", key="6")
     guided.run(guided.done(1))
-    assert guided.view.gates.heading in {"as said", ""}
+    assert guided.view.gates.heading in {"as you said", ""}
     assert [d.position for d in read_campaign(guided.folder).campaign.dwells] == [6]
 
 

@@ -150,14 +150,14 @@ def test_what_lacks_is_named_one_line_each(bench: Bench) -> None:
     said = ready_lines(bench.before(Setup(url="x", cube="old", slab="bare", latitude_deg=31.17)))
     assert said[:5] == [
         "LACKS  limits: no limits are stored for SIM-FOG3; `station fixtures limits SIM-FOG3 --example`",
-        "LACKS  operator: nobody is named; a certificate names who measured",
+        "LACKS  operator: no operator is named; a certificate needs one",
         "LACKS  cube: old, its certificate expired on 2021-01-01",
         "LACKS  slab: bare has no certificate: `station fixtures add level`",
         "note   site: gravity from latitude and height, known to 5e-4 m/s2: not surveyed",
     ]
     assert "needed" in said[5]
     assert said[6:] == [
-        "note   receiver: none: time is this machine's",
+        "note   receiver: none: this machine's clock is used",
         "can end in PASS: no, no limits are stored for SIM-FOG3",
         "can end in a certificate: no, no operator; slab bare has no certificate",
     ]
@@ -170,7 +170,7 @@ def test_what_is_not_known_before_the_port_was_looked_at_is_said_to_be_so(bench:
         ready = readiness(setup, facts, check)
         assert ready.can_pass is None
         assert ready.can_certify
-        assert ready.said[0] == "can end in PASS: not known before the unit has said its model"
+        assert ready.said[0] == "can end in PASS: unknown until the unit's model is known"
         assert ready.lines[0].state == "note"
 
 

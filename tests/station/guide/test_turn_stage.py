@@ -69,7 +69,7 @@ def test_the_second_turn_of_a_pair_says_how_well_both_closed(rig: Make) -> None:
 @pytest.mark.parametrize(
     ("command", "reason"),
     [
-        ("turn x - 3 2", "it was the other way round, expected counter-clockwise seen from above"),
+        ("turn x - 3 2", "wrong direction, expected counter-clockwise seen from above"),
         ("turn x + 2 2", "it was 2.00 revolutions, by the turns before it, expected 3"),
         ("place 5 8", "the cube was tipped over"),
         ("place 2 8", "it was"),
@@ -151,7 +151,7 @@ def test_a_turn_the_wrong_way_stops_at_once_where_nothing_else_is_to_be_done_tha
     view = guided.run(rejected)
     assert guided.source.device.imu.time < began + 15  # of about 35
     assert view.events[-1].text == (
-        "turn X+: it was the other way round, expected counter-clockwise seen from above; once more"
+        "turn X+: wrong direction, expected counter-clockwise seen from above; once more"
     )
     assert max((v.turn.revolutions for v in guided.seen if v.turn is not None), default=0.0) < 0.1
 

@@ -25,7 +25,7 @@ def record(truth: Truth, position: int = 1, seed: int = 1, *, wire: bool = False
     ticks = counts.reshape(SECONDS, TICKS_PER_BLOCK, -1, 6).sum(axis=2)
     return UnitRecord(
         model="M",
-        serial=truth.serial if wire else "as said",
+        serial=truth.serial if wire else "as you said",
         serial_from_wire=wire,
         period=truth.sample_period_s,
         noise=tuple(ticks.var(axis=1, ddof=1).mean(axis=0).tolist()),

@@ -16,9 +16,9 @@ from tests.station.monitor.views import BEHIND, LOCATED, RESTING
 
 
 def test_what_a_drift_holds_of_the_earth_stands_beside_it() -> None:
-    assert RESTING.bought is not None
+    assert RESTING.at_rest is not None
     held = "drift holds the Earth's rate: no --latitude"
-    view = replace(RESTING, bought=replace(RESTING.bought, earth=held))
+    view = replace(RESTING, at_rest=replace(RESTING.at_rest, earth=held))
     assert reading_line(view).endswith(f"deg/h ({held})")
     assert json.loads(json_line(view))["at_rest"]["earth"] == held
 

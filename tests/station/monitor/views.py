@@ -4,7 +4,7 @@ import math
 
 from station.calibrated.in_use import InUse
 from station.locate.location import Location
-from station.monitor.view import AttitudeReading, CalibrationGain, ChartPoint, MonitorView, RestErrors
+from station.monitor.view import AttitudeReading, ChartPoint, MonitorView, RestErrorComparison, RestErrors
 from station.stream.events import Event, StreamState
 
 FOLDER = "/srv/monitor/2026-11-21_1240"
@@ -57,7 +57,7 @@ RESTING = _with(
         residual=0.003,
         mode="at rest",
     ),
-    bought=CalibrationGain(
+    at_rest=RestErrorComparison(
         157.2, RestErrors(0.0025, 0.031, 0.0018), RestErrors(0.07, 1.006, -22.647), "the Earth's rate is taken off"
     ),
 )

@@ -176,10 +176,10 @@ async def test_enter_listens_to_the_receiver_and_ctrl_l_looks_at_both() -> None:
     ("receiver", "is_listening", "expected"),
     [
         (None, True, "listening to the receiver"),
-        (None, False, "not listened to yet"),
+        (None, False, "not checked yet"),
         (start_views.WITH_RECEIVER.start.receiver, False, "✓ 48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m"),
         (PortCheck(url=start_views.GNSS, is_good=False, text="no fix"), False, "✗ no fix"),
-        (PortCheck(url="mavlink:tcp:x:1", is_good=True, text="48"), False, "not listened to yet"),
+        (PortCheck(url="mavlink:tcp:x:1", is_good=True, text="48"), False, "not checked yet"),
     ],
 )
 async def test_what_the_receiver_says_stands_below_its_address(
@@ -193,7 +193,7 @@ async def test_what_the_receiver_says_stands_below_its_address(
 async def test_a_latitude_that_is_stated_goes_before_the_receiver_and_is_said_to() -> None:
     async with screens(start_views.WITH_RECEIVER) as seen:
         heard = seen.app.screen.form.heard
-        assert "what is not given below is taken from it" in heard.render().plain
+        assert "it fills in what is left empty below" in heard.render().plain
         await fill(seen, "latitude_deg", "48.2")
         assert "compared with the latitude stated" in heard.render().plain
         await fill(seen, "gnss", " ")
@@ -219,7 +219,7 @@ def test_every_link_to_a_receiver_is_accepted_by_the_form(link: str) -> None:
             PortCheck(url=SETUP.url, is_good=False, text="no byte within 2 s: is it powered?"),
             "✗ no byte within 2 s",
         ),
-        (PortCheck(url="tcp://else:1", is_good=True), "not looked at yet"),
+        (PortCheck(url="tcp://else:1", is_good=True), "not checked yet"),
     ],
 )
 async def test_a_look_says_what_came(check: PortCheck, expected: str) -> None:
